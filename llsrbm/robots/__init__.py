@@ -1,0 +1,1 @@
+"""Robots as data: one TOML file a robot, everything else computed from its URDF."""

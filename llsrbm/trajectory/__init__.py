@@ -1,0 +1,1 @@
+"""What a planner or a simulator produced, as arrays over time."""

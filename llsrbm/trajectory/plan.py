@@ -1,0 +1,142 @@
+"""`Plan`: the planned jump, one array a quantity, N + 1 knots."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from enum import IntEnum
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from llsrbm.jump import Jump
+
+Array = NDArray[np.float64]
+
+
+class Phase(IntEnum):
+    """Contact phases of a jump, in order."""
+
+    TAKEOFF = 0
+    FLIGHT = 1
+    LANDING = 2
+
+
+@dataclass(frozen=True)
+class Violation:
+    """By how much one named constraint is violated, recomputed from the result.
+
+    Attributes:
+        amount: largest violation, in `unit`; 0 when satisfied.
+        unit: SI unit of the amount.
+        phase: where the largest violation is ("take-off", "flight", "landing", "start", "end").
+        time: when, s.
+    """
+
+    amount: float
+    unit: str
+    phase: str
+    time: float
+
+
+@dataclass(frozen=True)
+class SolveReport:
+    """How the solver got there.
+
+    Attributes:
+        status: "solved" or "not-converged".
+        solver: name of the solver ("fatrop", "ipopt").
+        iterations: interior-point iterations of the attempt that is returned.
+        attempts: initial guesses tried, 1 when the analytic one was enough.
+        solve_time_s: wall time inside the solver, all attempts.
+        total_time_s: wall time from request to `Plan`, solver already built.
+        build_time_s: wall time to build or load the solver for this request, 0 when it was at hand.
+        cost: value of the objective.
+    """
+
+    status: str
+    solver: str
+    iterations: int
+    attempts: int
+    solve_time_s: float
+    total_time_s: float
+    build_time_s: float
+    cost: float
+
+
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """A planned jump at N + 1 knots: L legs, C contacts, J joints; world frame, SI units.
+
+    Attributes:
+        jump: the request.
+        robot_parameters: the numbers of the robot that were used, as plain data.
+        report: solver status and times.
+        violations: constraint name -> largest violation, recomputed with NumPy.
+        time: (N+1,) s, strictly increasing.
+        phase: (N+1,) `Phase` of the interval that starts at the knot.
+        com, com_velocity: (N+1, 3) m, m/s.
+        base_quat: (N+1, 4) w, x, y, z: attitude of the URDF's root link.
+        base_position: (N+1, 3) m: origin of the URDF's root link.
+        angular_velocity: (N+1, 3) rad/s of the base.
+        linear_momentum, angular_momentum: (N+1, 3) kg m/s, kg m2/s (about the CoM).
+        inertia: (N+1, 3, 3) kg m2: the model's centroidal inertia.
+        foot_position: (N+1, L, 3) m: contact point of a point foot.
+        foot_quat: (N+1, L, 4) w, x, y, z (identity for point feet).
+        contact_point: (N+1, C, 3) m.
+        contact_force: (N+1, C, 3) N, constant over the interval that starts at the knot.
+        leg_mass: (L,) kg; base_mass: kg.
+        leg_com: (N+1, L, 3) m: where the model puts each leg's point mass.
+        joint_position: (N+1, J) rad or m; joint_names: their names.
+        foot_in_hip: (N+1, L, 3) m: foot in the leg's mirrored hip frame as the model sees it
+            (`llsrbm.models.base`); linear in time between knots in flight.
+    """
+
+    jump: Jump
+    robot_parameters: dict[str, Any]
+    report: SolveReport
+    violations: dict[str, Violation]
+    time: Array
+    phase: NDArray[np.int64]
+    com: Array
+    com_velocity: Array
+    base_quat: Array
+    base_position: Array
+    angular_velocity: Array
+    linear_momentum: Array
+    angular_momentum: Array
+    inertia: Array
+    foot_position: Array
+    foot_quat: Array
+    contact_point: Array
+    contact_force: Array
+    leg_mass: Array
+    base_mass: float
+    leg_com: Array
+    joint_position: Array
+    joint_names: tuple[str, ...]
+    foot_in_hip: Array
+    meta: dict[str, Any] = field(default_factory=dict)
+
+    @property
+    def solved(self) -> bool:
+        """Whether every constraint is satisfied."""
+        return self.report.status == "solved"
+
+    @property
+    def duration(self) -> float:
+        """Length of the motion, s."""
+        return float(self.time[-1])
+
+    @property
+    def phase_start(self) -> Array:
+        """(4,) s: start of take-off, flight, landing, and the end."""
+        first = [int(np.argmax(self.phase == p)) for p in Phase]
+        return np.append(self.time[first], self.time[-1])
+
+    def save(self, path: str | Path) -> None:
+        """Write the native npz file (schema llsrbm.plan/1); see `llsrbm.load`."""
+        from llsrbm.trajectory.plan_file import save_plan
+
+        save_plan(self, path)
