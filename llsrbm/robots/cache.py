@@ -1,0 +1,110 @@
+"""The user's cache: things computed once a machine (leg fits, meshes, solvers).
+
+An entry lies at `<cache directory>/<kind>/<hash of its key><suffix>`. The key holds everything the
+entry depends on, so nothing is ever invalidated: another input is another file.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import logging
+import os
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+
+import platformdirs
+
+ENVIRONMENT_VARIABLE = "LLSRBM_CACHE"
+
+_log = logging.getLogger(__name__)
+_DIGEST_SIZE = hashlib.sha256().digest_size
+
+
+def cache_directory() -> Path:
+    """Where entries lie: `LLSRBM_CACHE` if set, else the user's cache directory of the platform."""
+    override = os.environ.get(ENVIRONMENT_VARIABLE)
+    return Path(override) if override else Path(platformdirs.user_cache_dir("llsrbm"))
+
+
+def content_key(*parts: bytes | str | Path) -> bytes:
+    """One key out of several parts; a `Path` stands for its file's content.
+
+    Raises:
+        OSError: a file cannot be read.
+    """
+    digest = hashlib.sha256()
+    for part in parts:
+        content = part.read_bytes() if isinstance(part, Path) else part
+        content = content.encode() if isinstance(content, str) else content
+        # The length keeps ("ab", "c") and ("a", "bc") apart.
+        digest.update(len(content).to_bytes(8, "little"))
+        digest.update(content)
+    return digest.digest()
+
+
+def cache_path(kind: str, key: bytes, suffix: str) -> Path:
+    """Path of an entry, which need not exist yet; `suffix` with its dot (".npz")."""
+    return cache_directory() / kind / (hashlib.sha256(key).hexdigest()[:32] + suffix)
+
+
+def write_atomically(path: Path, data: bytes) -> None:
+    """Write a file so that a reader sees either none of it or all of it; makes its directory.
+
+    Raises:
+        OSError: the file cannot be written.
+    """
+    path.parent.mkdir(parents=True, exist_ok=True)
+    handle, temporary = tempfile.mkstemp(
+        dir=path.parent, prefix=path.name, suffix=".tmp"
+    )
+    try:
+        with os.fdopen(handle, "wb") as file:
+            file.write(data)
+        os.replace(temporary, path)
+    except BaseException:
+        Path(temporary).unlink(missing_ok=True)
+        raise
+
+
+def read_checked(path: Path) -> bytes | None:
+    """Content written by `write_checked`, or None if there is no such entry.
+
+    A damaged entry is reported as a warning and counts as none.
+    """
+    try:
+        stored = path.read_bytes()
+    except FileNotFoundError:
+        return None
+    except OSError as error:
+        _log.warning(
+            "cache entry %s cannot be read (%s); it is computed anew", path, error
+        )
+        return None
+    digest, data = stored[:_DIGEST_SIZE], stored[_DIGEST_SIZE:]
+    if hashlib.sha256(data).digest() != digest:
+        _log.warning("cache entry %s is damaged; it is computed anew", path)
+        return None
+    return data
+
+
+def write_checked(path: Path, data: bytes) -> None:
+    """Store an entry with a checksum; a cache that cannot be written is only a warning."""
+    try:
+        write_atomically(path, hashlib.sha256(data).digest() + data)
+    except OSError as error:
+        _log.warning(
+            "cache entry %s cannot be written (%s); it is not kept", path, error
+        )
+
+
+def cached_bytes(
+    kind: str, key: bytes, suffix: str, compute: Callable[[], bytes]
+) -> bytes:
+    """The entry `key`, computed and stored if it is missing or damaged."""
+    path = cache_path(kind, key, suffix)
+    data = read_checked(path)
+    if data is None:
+        data = compute()
+        write_checked(path, data)
+    return data
