@@ -1,0 +1,70 @@
+# Two commands do everything on a fresh machine with Python >= 3.11:
+#   make app     sets up .venv and serves the designer at http://127.0.0.1:8080
+#   make test    sets up .venv and a browser, then runs every test
+# Others: make check (style and types), make bench, make lock (renew the pins), make clean.
+
+PYTHON ?= python3
+VENV   ?= .venv
+HOST   ?= 127.0.0.1
+PORT   ?= 8080
+
+BIN    := $(VENV)/bin
+PIP    := $(BIN)/python -m pip install --disable-pip-version-check --quiet
+
+# Files that say "done", so that a second run is instant.
+APP_STAMP := $(VENV)/.llsrbm-app
+DEV_STAMP := $(VENV)/.llsrbm-dev
+
+.PHONY: app test check format bench lock clean setup
+.DEFAULT_GOAL := app
+
+app: $(APP_STAMP)
+	exec $(BIN)/llsrbm serve --host $(HOST) --port $(PORT)
+
+test: $(DEV_STAMP)
+	.ci/browser $(BIN)/python
+	$(BIN)/python -m pytest $(PYTEST_ARGS)
+
+check: $(DEV_STAMP)
+	$(BIN)/ruff format --check .
+	$(BIN)/ruff check .
+	$(BIN)/mypy
+
+format: $(DEV_STAMP)
+	$(BIN)/ruff format .
+	$(BIN)/ruff check --fix .
+
+bench: $(APP_STAMP)
+	$(BIN)/python benchmarks/solve_times.py
+
+setup: $(DEV_STAMP)
+
+$(BIN)/python:
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { \
+	  echo "llsrbm needs Python 3.11 or newer; say which: make PYTHON=python3.11" >&2; exit 1; }
+	$(PYTHON) -m venv $(VENV)
+
+$(APP_STAMP): requirements.lock pyproject.toml | $(BIN)/python
+	@echo "installing what the application needs (once, some minutes)"
+	$(PIP) -r requirements.lock
+	$(PIP) --no-deps -e .
+	@touch $@
+
+$(DEV_STAMP): requirements-dev.lock $(APP_STAMP)
+	@echo "installing what the tests need (once)"
+	$(PIP) -r requirements-dev.lock
+	@touch $@
+
+# Keeps the pins that still satisfy pyproject.toml; `make lock UPGRADE=--upgrade` takes the newest.
+COMPILE = build/lock/bin/uv pip compile --quiet $(UPGRADE) --python-version 3.11 \
+	--python-platform x86_64-manylinux_2_28 --generate-hashes --no-emit-index-url \
+	--no-annotate --no-header
+lock:
+	$(PYTHON) -m venv build/lock
+	build/lock/bin/python -m pip install --disable-pip-version-check --quiet uv
+	$(COMPILE) pyproject.toml -o requirements.lock
+	$(COMPILE) pyproject.toml --group dev -c requirements.lock -o requirements-dev.lock
+
+clean:
+	rm -rf $(VENV) build dist *.egg-info .pytest_cache .ruff_cache .mypy_cache .hypothesis
+	find . -name __pycache__ -type d -prune -exec rm -rf {} +
