@@ -55,13 +55,11 @@ def write_atomically(path: Path, data: bytes) -> None:
         OSError: the file cannot be written.
     """
     path.parent.mkdir(parents=True, exist_ok=True)
-    handle, temporary = tempfile.mkstemp(
-        dir=path.parent, prefix=path.name, suffix=".tmp"
-    )
+    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=path.name, suffix=".tmp")
     try:
         with os.fdopen(handle, "wb") as file:
             file.write(data)
-        os.replace(temporary, path)
+        Path(temporary).replace(path)
     except BaseException:
         Path(temporary).unlink(missing_ok=True)
         raise
@@ -77,9 +75,7 @@ def read_checked(path: Path) -> bytes | None:
     except FileNotFoundError:
         return None
     except OSError as error:
-        _log.warning(
-            "cache entry %s cannot be read (%s); it is computed anew", path, error
-        )
+        _log.warning("cache entry %s cannot be read (%s); it is computed anew", path, error)
         return None
     digest, data = stored[:_DIGEST_SIZE], stored[_DIGEST_SIZE:]
     if hashlib.sha256(data).digest() != digest:
@@ -93,14 +89,10 @@ def write_checked(path: Path, data: bytes) -> None:
     try:
         write_atomically(path, hashlib.sha256(data).digest() + data)
     except OSError as error:
-        _log.warning(
-            "cache entry %s cannot be written (%s); it is not kept", path, error
-        )
+        _log.warning("cache entry %s cannot be written (%s); it is not kept", path, error)
 
 
-def cached_bytes(
-    kind: str, key: bytes, suffix: str, compute: Callable[[], bytes]
-) -> bytes:
+def cached_bytes(kind: str, key: bytes, suffix: str, compute: Callable[[], bytes]) -> bytes:
     """The entry `key`, computed and stored if it is missing or damaged."""
     path = cache_path(kind, key, suffix)
     data = read_checked(path)

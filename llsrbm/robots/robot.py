@@ -1,0 +1,346 @@
+"""`Robot`: a robot file together with everything computed from its URDF."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from llsrbm.errors import RobotFileError
+from llsrbm.robots.assets import package_share
+from llsrbm.robots.legs import LegChains, solve_legs
+from llsrbm.robots.schema import RobotFile, choices, read_robot_file
+
+if TYPE_CHECKING:
+    from llsrbm.robots.leg_fit import LegFit
+
+Array = NDArray[np.float64]
+
+_BASE_JOINT = 1  # Pinocchio's index of the free flyer; 0 is the universe.
+_SYMMETRIC_HIPS = 5e-3  # m; hips that agree this well are taken as exact mirror images.
+
+
+@dataclass(frozen=True, eq=False)
+class Leg:
+    """One leg, base outwards: n joints.
+
+    Attributes:
+        name: as in the robot file.
+        foot_frame, foot_frame_id: the contact point's frame, and its index in `Robot.model`.
+        joints, joint_ids: names of the joints, and their indices in `Robot.model`.
+        q_index, v_index: (n,) where they stand in Pinocchio's q and v.
+        hip: (3,) m: origin of the file's hip joint at zero joint angles, base frame.
+        mirror: (3,) of +1 or -1: diag(mirror) maps this leg onto the reference leg.
+    """
+
+    name: str
+    foot_frame: str
+    foot_frame_id: int
+    joints: tuple[str, ...]
+    joint_ids: tuple[int, ...]
+    q_index: NDArray[np.int64]
+    v_index: NDArray[np.int64]
+    hip: Array
+    mirror: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Robot:
+    """A robot as the rest of the library sees it: L legs, J joints.
+
+    The default posture stands level on the ground, the lowest foot at z = 0, the CoM above the
+    world's origin.
+
+    Attributes:
+        file: the robot file's content; path: where it lies.
+        urdf_path: the URDF; package_dirs: where its `package://` names are looked up.
+        model: Pinocchio model with a free flyer at the root link. Do not change it.
+        chains: the legs' kinematics over many postures at once.
+        legs: in the order of the file.
+        joint_names: (J,) Pinocchio's order, without the root.
+        posture: (nq,) default posture, Pinocchio's convention (quaternion x, y, z, w).
+        mass: kg.
+        com: (3,) m, world frame, default posture; also inertia, feet, base_position.
+        inertia: (3, 3) kg m2 about the CoM.
+        feet: (L, 3) m.
+        base_position: (3,) m: origin of the root link.
+    """
+
+    file: RobotFile
+    path: Path
+    urdf_path: Path
+    package_dirs: tuple[Path, ...]
+    model: pin.Model
+    chains: LegChains
+    legs: tuple[Leg, ...]
+    joint_names: tuple[str, ...]
+    posture: Array
+    mass: float
+    com: Array
+    inertia: Array
+    feet: Array
+    base_position: Array
+
+    @property
+    def name(self) -> str:
+        """Short name."""
+        return self.file.name
+
+    @cached_property
+    def hips(self) -> Array:
+        """(L, 3) m: hips in the base frame."""
+        return np.array([leg.hip for leg in self.legs])
+
+    @cached_property
+    def mirrors(self) -> Array:
+        """(L, 3) of +1 or -1."""
+        return np.array([leg.mirror for leg in self.legs])
+
+    @cached_property
+    def leg_joint_index(self) -> NDArray[np.int64]:
+        """(L, n): place of each leg's joints among `joint_names`."""
+        return np.array([leg.q_index for leg in self.legs]) - 7
+
+    @cached_property
+    def fit(self) -> LegFit:
+        """The fitted leg maps, from the cache if they have been computed before."""
+        from llsrbm.robots.leg_fit import load_or_fit
+
+        return load_or_fit(self)
+
+    def parameters(self) -> dict[str, Any]:
+        """The numbers that a plan depends on, as plain data for its file."""
+        return {
+            **self.file.model_dump(mode="json"),
+            "mass": self.mass,
+            "com": self.com.tolist(),
+            "inertia": self.inertia.tolist(),
+            "feet": self.feet.tolist(),
+            "base_position": self.base_position.tolist(),
+            "hips": self.hips.tolist(),
+            "mirrors": self.mirrors.tolist(),
+            "joint_names": list(self.joint_names),
+        }
+
+
+def build_robot(path: str | Path) -> Robot:
+    """Read a robot file and compute everything from its URDF.
+
+    Raises:
+        RobotFileError: the file is wrong in itself, or names what its URDF does not have.
+    """
+    path = Path(path).resolve()
+    file = read_robot_file(path)
+    urdf_path, package_dirs = _find_urdf(file, path)
+    try:
+        model = pin.buildModelFromUrdf(str(urdf_path), pin.JointModelFreeFlyer())
+    except (ValueError, RuntimeError) as error:
+        reason = " ".join(str(error).split())
+        raise RobotFileError(f"{path}: urdf: {urdf_path} is not a URDF: {reason}") from error
+
+    chains_of = {name: _joint_chain(model, file, path, name) for name in file.legs}
+    _check_joints(model, file, path, chains_of)
+    joint_ids = list(chains_of.values())
+    foot_ids = [_frame_id(model, spec.foot) for spec in file.legs.values()]
+    chains = LegChains.from_model(model, joint_ids, foot_ids)
+
+    posture = pin.neutral(model)
+    for name, chain in chains_of.items():
+        posture[[model.joints[j].idx_q for j in chain]] = file.posture[name]
+    data = model.createData()
+    pin.forwardKinematics(model, data, posture)
+    pin.updateFramePlacements(model, data)
+    lowest = min(data.oMf[f].translation[2] for f in foot_ids)
+    com = pin.centerOfMass(model, data, posture)
+    posture[:3] = -com[0], -com[1], -lowest
+    pin.ccrba(model, data, posture, np.zeros(model.nv))
+    pin.updateFramePlacements(model, data)
+
+    pin_data_neutral = model.createData()
+    pin.forwardKinematics(model, pin_data_neutral, pin.neutral(model))
+    hip_ids = [model.getJointId(spec.hip) for spec in file.legs.values()]
+    hips = _symmetrised(np.array([pin_data_neutral.oMi[j].translation for j in hip_ids]))
+    angles = np.array([file.posture[name] for name in file.legs])
+    mirrors = _mirrors(chains, hips, angles)
+
+    return Robot(
+        file=file,
+        path=path,
+        urdf_path=urdf_path,
+        package_dirs=package_dirs,
+        model=model,
+        chains=chains,
+        legs=tuple(
+            Leg(
+                name=name,
+                foot_frame=spec.foot,
+                foot_frame_id=foot_ids[i],
+                joints=tuple(model.names[j] for j in joint_ids[i]),
+                joint_ids=tuple(joint_ids[i]),
+                q_index=np.array([model.joints[j].idx_q for j in joint_ids[i]]),
+                v_index=np.array([model.joints[j].idx_v for j in joint_ids[i]]),
+                hip=hips[i],
+                mirror=mirrors[i],
+            )
+            for i, (name, spec) in enumerate(file.legs.items())
+        ),
+        joint_names=tuple(model.names[_BASE_JOINT + 1 :]),
+        posture=posture,
+        mass=float(data.Ig.mass),
+        com=data.com[0].copy(),
+        inertia=data.Ig.inertia.copy(),
+        feet=np.array([data.oMf[f].translation for f in foot_ids]),
+        base_position=posture[:3].copy(),
+    )
+
+
+def _find_urdf(file: RobotFile, path: Path) -> tuple[Path, tuple[Path, ...]]:
+    source = file.urdf
+    if source.file is not None:
+        urdf = path.parent / source.file
+        if not urdf.is_file():
+            raise RobotFileError(f"{path}: urdf.file: no such file: {urdf}")
+        return urdf, (path.parent, path.parent.parent)
+    package, inner = source.installed()
+    share = package_share(package, path)
+    robots = share / package / "robots"
+    urdf = robots / inner
+    if not urdf.is_file():
+        present = sorted(p.relative_to(robots).as_posix() for p in robots.rglob("*.urdf"))
+        raise RobotFileError(
+            f'{path}: urdf.path: package {source.package} has no "{source.path}"; '
+            f"{choices(source.path, present)}"
+        )
+    return urdf, (share,)
+
+
+def _frame_id(model: pin.Model, name: str) -> int:
+    """Index of the frame; a joint of the same name may come before the body that is meant."""
+    if model.existFrame(name, pin.FrameType.BODY):
+        return int(model.getFrameId(name, pin.FrameType.BODY))
+    return int(model.getFrameId(name))
+
+
+def _joint_chain(model: pin.Model, file: RobotFile, path: Path, leg: str) -> list[int]:
+    """Joint indices of a leg, from the base outwards."""
+    spec = file.legs[leg]
+    if not any(frame.name == spec.foot for frame in model.frames):
+        frames = dict.fromkeys(frame.name for frame in model.frames)
+        raise RobotFileError(
+            f'{path}: legs.{leg}.foot: the URDF has no frame "{spec.foot}"; '
+            f"{choices(spec.foot, frames)}"
+        )
+    chain: list[int] = []
+    joint = model.frames[_frame_id(model, spec.foot)].parentJoint
+    while joint > _BASE_JOINT:
+        chain.insert(0, joint)
+        joint = model.parents[joint]
+    names = [model.names[j] for j in chain]
+    if spec.hip not in names:
+        if not names:
+            raise RobotFileError(
+                f'{path}: legs.{leg}.foot: no joint moves frame "{spec.foot}" against the base; '
+                "expected a frame at the end of a leg"
+            )
+        raise RobotFileError(
+            f'{path}: legs.{leg}.hip: no joint "{spec.hip}" lies between the base and '
+            f'"{spec.foot}"; {choices(spec.hip, names)}'
+        )
+    for joint, name in zip(chain, names, strict=True):
+        if model.joints[joint].nq != 1:
+            raise RobotFileError(
+                f'{path}: legs.{leg}: joint "{name}" is neither revolute nor prismatic '
+                f"({model.joints[joint].shortname()})"
+            )
+    angles = file.posture[leg]
+    if len(angles) != len(chain):
+        raise RobotFileError(
+            f"{path}: posture.{leg}: expected {len(chain)} joint angles ({', '.join(names)}), "
+            f"got {len(angles)}"
+        )
+    return chain
+
+
+def _check_joints(
+    model: pin.Model, file: RobotFile, path: Path, chains: dict[str, list[int]]
+) -> None:
+    """Every joint belongs to exactly one leg, and all legs are built alike."""
+    owner: dict[int, str] = {}
+    for leg, chain in chains.items():
+        for joint in chain:
+            if joint in owner:
+                raise RobotFileError(
+                    f'{path}: legs.{leg}: joint "{model.names[joint]}" also belongs to leg '
+                    f"{owner[joint]}; expected each leg to have joints of its own"
+                )
+            owner[joint] = leg
+    free = [model.names[j] for j in range(_BASE_JOINT + 1, model.njoints) if j not in owner]
+    if free:
+        raise RobotFileError(
+            f"{path}: legs: joints {', '.join(free)} of {file.urdf.path or file.urdf.file} belong "
+            f"to no leg; expected every joint to move a foot"
+        )
+    kinds = {
+        leg: tuple(model.joints[j].shortname().startswith("JointModelP") for j in chain)
+        for leg, chain in chains.items()
+    }
+    first = next(iter(kinds))
+    for leg, kind in kinds.items():
+        if kind != kinds[first]:
+            raise RobotFileError(
+                f"{path}: legs.{leg}: its joints differ in number or kind from those of leg "
+                f"{first}; expected all legs alike"
+            )
+
+
+def _symmetrised(hips: Array) -> Array:
+    """Hips as exact mirror images of one another, if the URDF's are so within rounding."""
+    size = np.abs(hips)
+    if np.ptp(size[:, :2], axis=0).max() > _SYMMETRIC_HIPS or np.ptp(hips[:, 2]) > _SYMMETRIC_HIPS:
+        return hips
+    mean = np.append(size[:, :2].mean(axis=0), hips[:, 2].mean())
+    sign = np.column_stack([np.sign(hips[:, :2]), np.ones(len(hips))])
+    return np.where(sign == 0, hips, sign * mean)
+
+
+def _mirrors(chains: LegChains, hips: Array, angles: Array) -> Array:
+    """(L, 3): the reflection that maps each leg onto the first, seen from its hip.
+
+    Left and right legs mirror each other in y. A hind leg mirrors a front leg in x only if it
+    bends the other way (ANYmal's knees point at each other, Go2's all point backward), which its
+    CoM tells when feet are put at mirrored places.
+    """
+    side = np.where(hips[:, 1] < 0, -1.0, 1.0)
+    end = np.where(hips[:, 0] * hips[0, 0] < 0, -1.0, 1.0)
+    if (end > 0).all():
+        return np.column_stack([np.ones(len(hips)), side, np.ones(len(hips))])
+    standing = chains.motion(angles).foot - hips
+    offsets = 0.12 * np.linalg.norm(standing[0]) * _CORNERS
+    front = 1.0 if hips[0, 0] > 0 else -1.0
+
+    def com_map(sign: Array) -> tuple[Array, Array]:
+        """CoM (S, L, 3) in the mirrored hip frame, feet where the first leg has them, and error."""
+        mirror = np.column_stack([sign, side, np.ones(len(hips))])
+        target = mirror * (mirror[0] * standing[0] + offsets[:, None, :]) + hips
+        q, error = solve_legs(chains, target, angles)
+        return mirror * (chains.motion(q).com - hips), error
+
+    mirrored, mirrored_error = com_map(front * end)
+    same, same_error = com_map(np.full(len(hips), front))
+    sign = []
+    for leg in range(len(hips)):
+        reference = mirrored[:, 0]
+        as_mirrored = np.abs(mirrored[:, leg] - reference).max() + mirrored_error[:, leg].max()
+        as_same = np.abs(same[:, leg] - same[:, 0]).max() + same_error[:, leg].max()
+        sign.append(front * end[leg] if as_mirrored <= as_same else front)
+    return np.column_stack([sign, side, np.ones(len(hips))])
+
+
+_CORNERS: Array = np.array(
+    [[0, 0, 0], *[[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (0, 1)]]
+)

@@ -1,0 +1,276 @@
+"""The robot file: what a person states about a robot, checked as it is read.
+
+Mass properties and leg maps are not in it; they are computed from the URDF.
+"""
+
+from __future__ import annotations
+
+import difflib
+import tomllib
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Annotated, Any, Self
+
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic_core import ErrorDetails, PydanticCustomError
+
+from llsrbm.errors import RobotFileError
+
+
+def _ordered(interval: tuple[float, float]) -> tuple[float, float]:
+    if interval[0] > interval[1]:
+        raise PydanticCustomError("interval", "the first number (lower) exceeds the second (upper)")
+    return interval
+
+
+Interval = Annotated[tuple[float, float], AfterValidator(_ordered)]
+Vector = tuple[float, float, float]
+Positive = Annotated[float, Field(gt=0)]
+Length = Annotated[float, Field(ge=0)]
+PositiveInterval = Annotated[tuple[Positive, Positive], AfterValidator(_ordered)]
+
+
+class _Table(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
+
+
+class UrdfSource(_Table):
+    """Where the URDF is: in an installed package's data, or beside the robot file.
+
+    Attributes:
+        package: name of the package, for example "example-robot-data".
+        path: the URDF inside that package's robots folder.
+        file: the URDF relative to the robot file; instead of the other two.
+    """
+
+    package: str | None = None
+    path: str | None = None
+    file: str | None = None
+
+    @model_validator(mode="after")
+    def _one_source(self) -> Self:
+        given = (self.package is not None, self.path is not None, self.file is not None)
+        if given not in ((True, True, False), (False, False, True)):
+            raise PydanticCustomError("urdf", 'expected either "package" and "path", or "file"')
+        return self
+
+    def installed(self) -> tuple[str, str]:
+        """Package and path; only where `file` is None."""
+        if self.package is None or self.path is None:
+            raise ValueError("the URDF lies beside the robot file")
+        return self.package, self.path
+
+
+class LegFrames(_Table):
+    """Names, in the URDF, that make a leg.
+
+    Attributes:
+        foot: frame of the contact point.
+        hip: joint about which the leg swings; reach is measured from its origin.
+    """
+
+    foot: str
+    hip: str
+
+
+class Reach(_Table):
+    """Where a foot may be, in the leg's mirrored hip frame, m.
+
+    Attributes:
+        distance: shortest and longest distance from hip to foot.
+        lower, upper: corners of the box.
+    """
+
+    distance: PositiveInterval
+    lower: Vector
+    upper: Vector
+
+    @model_validator(mode="after")
+    def _box_ordered(self) -> Self:
+        for axis, low, high in zip("xyz", self.lower, self.upper, strict=True):
+            if low > high:
+                raise PydanticCustomError(
+                    "box",
+                    "lower exceeds upper along {axis}: {low} > {high}",
+                    {"axis": axis, "low": low, "high": high},
+                )
+        return self
+
+
+class Limits(_Table):
+    """What a plan keeps to.
+
+    Attributes:
+        contact_force: largest vertical force at a contact, N.
+        torque: largest joint torque, Nm.
+        joint_speed: largest joint speed, rad/s.
+        friction: coefficient of friction.
+        foot_speed: largest foot speed in the world along each axis, m/s.
+        foot_speed_in_base: largest foot speed relative to the base along each axis, m/s.
+        clearance: height of the feet above the ground line in mid-flight, m.
+        feet_apart: shortest distance between two feet seen from above, m.
+    """
+
+    contact_force: Positive
+    torque: Positive
+    joint_speed: Positive
+    friction: Positive
+    foot_speed: Positive
+    foot_speed_in_base: Positive
+    clearance: Length
+    feet_apart: Length
+
+
+class Timing(_Table):
+    """Shortest and longest duration of each phase, s."""
+
+    takeoff: PositiveInterval
+    flight: PositiveInterval
+    landing: PositiveInterval
+
+
+class Task(_Table):
+    """What may be asked of the robot: lowest and highest value of each part of a request.
+
+    Attributes:
+        twist: rad, positive to the left.
+        forward, lateral: m.
+        height: of the landing surface above the ground at the start, m.
+    """
+
+    twist: Interval
+    forward: Interval
+    lateral: Interval
+    height: Interval
+
+
+class RobotFile(_Table):
+    """A robot file's content.
+
+    Attributes:
+        name: short name, lower case.
+        title: name to show.
+        urdf: where its URDF is.
+        legs: leg name -> frames, in the order used everywhere.
+        posture: leg name -> joint angles of the default posture, rad, from the base outwards.
+        reach, limits, timing, task: see there.
+    """
+
+    name: Annotated[str, Field(pattern=r"^[a-z0-9][a-z0-9_-]*$")]
+    title: Annotated[str, Field(min_length=1)]
+    urdf: UrdfSource
+    legs: Annotated[dict[str, LegFrames], Field(min_length=1)]
+    posture: dict[str, tuple[float, ...]]
+    reach: Reach
+    limits: Limits
+    timing: Timing
+    task: Task
+
+    @model_validator(mode="after")
+    def _posture_of_every_leg(self) -> Self:
+        for leg in self.posture:
+            if leg not in self.legs:
+                raise PydanticCustomError(
+                    "posture",
+                    "posture.{leg}: no such leg; {legs}",
+                    {"leg": leg, "legs": choices(leg, self.legs)},
+                )
+        for leg in self.legs:
+            if leg not in self.posture:
+                raise PydanticCustomError(
+                    "posture", "posture.{leg}: missing; expected joint angles", {"leg": leg}
+                )
+        return self
+
+
+def choices(given: str, valid: Iterable[str], shown: int = 20) -> str:
+    """The part of a message that names what would be accepted, the closest match first."""
+    names = list(valid)
+    close = difflib.get_close_matches(given, names, n=1)
+    listed = ", ".join(names[:shown])
+    if len(names) > shown:
+        nearest = difflib.get_close_matches(given, names, n=shown, cutoff=0.0)
+        listed = ", ".join(nearest) + f" and {len(names) - shown} more"
+    return (f'did you mean "{close[0]}"? ' if close else "") + f"valid: {listed}"
+
+
+def read_robot_file(path: str | Path) -> RobotFile:
+    """Read and check a robot file; the URDF itself is looked at by `llsrbm.robots.load_robot`.
+
+    Raises:
+        RobotFileError: one line naming the file, the key, what was given and what is accepted.
+    """
+    path = Path(path)
+    try:
+        table = tomllib.loads(path.read_bytes().decode())
+    except OSError as error:
+        raise RobotFileError(f"{path}: cannot be read ({error.strerror})") from error
+    except UnicodeDecodeError as error:
+        raise RobotFileError(f"{path}: not a text file in UTF-8") from error
+    except tomllib.TOMLDecodeError as error:
+        raise RobotFileError(f"{path}: not a TOML file: {error}") from error
+    try:
+        return RobotFile.model_validate(_with_tuples(table))
+    except ValidationError as error:
+        # A misspelt key is both unknown and missing; the first says more.
+        details = sorted(error.errors(), key=lambda detail: detail["type"] != "extra_forbidden")
+        more = f" (and {len(details) - 1} more)" if len(details) > 1 else ""
+        raise RobotFileError(f"{path}: {_sentence(details[0])}{more}") from error
+
+
+def _with_tuples(value: Any) -> Any:
+    """TOML arrays as tuples, which strict validation asks for."""
+    if isinstance(value, dict):
+        return {key: _with_tuples(item) for key, item in value.items()}
+    if isinstance(value, list):
+        return tuple(_with_tuples(item) for item in value)
+    return value
+
+
+def _keys_beside(location: tuple[int | str, ...]) -> list[str]:
+    """Names that are valid in the table holding the last key of a location."""
+    table: type[BaseModel] = RobotFile
+    for key in location[:-1]:
+        field = table.model_fields.get(str(key))
+        if field is None:
+            # A leg's name is a key the person chose; below it come the names of a leg's frames.
+            continue
+        inner = field.annotation
+        if key == "legs":
+            table = LegFrames
+        elif isinstance(inner, type) and issubclass(inner, BaseModel):
+            table = inner
+    return list(table.model_fields)
+
+
+def _sentence(detail: ErrorDetails) -> str:
+    """One pydantic complaint as: key, what was wrong, what would be accepted."""
+    location = detail["loc"]
+    key = ".".join(str(part) for part in location)
+    given = detail["input"]
+    given_text = str(list(given)) if isinstance(given, tuple) else repr(given)
+    match detail["type"]:
+        case "extra_forbidden":
+            return f'unknown key "{key}"; {choices(str(location[-1]), _keys_beside(location))}'
+        case "missing" if isinstance(location[-1], str):
+            return f'missing key "{key}"; expected: {", ".join(_keys_beside(location))}'
+        case "missing" | "too_long" | "too_short":
+            container = ".".join(str(part) for part in location if isinstance(part, str))
+            return f"{container}: {_expected_length(container, detail)}, got {given_text}"
+        case "posture":
+            return detail["msg"]
+        case "tuple_type":
+            return f"{key}: expected an array of numbers, got {given_text}"
+        case "model_type" | "model_attributes_type" | "dict_type":
+            return f"{key}: expected a table, got {given_text}"
+        case "box" | "urdf":
+            return f"{key}: {detail['msg']}"
+        case _:
+            message = detail["msg"][:1].lower() + detail["msg"][1:]
+            return f"{key}: {message}, got {given_text}"
+
+
+def _expected_length(key: str, detail: ErrorDetails) -> str:
+    if detail["type"] == "too_short":
+        return f"expected at least {detail['ctx']['min_length']}"
+    return "expected 3 values" if key in ("reach.lower", "reach.upper") else "expected 2 values"
