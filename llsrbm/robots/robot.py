@@ -213,8 +213,7 @@ def _find_urdf(file: RobotFile, path: Path) -> tuple[Path, tuple[Path, ...]]:
     if not urdf.is_file():
         present = sorted(p.relative_to(robots).as_posix() for p in robots.rglob("*.urdf"))
         raise RobotFileError(
-            f'{path}: urdf.path: package {source.package} has no "{source.path}"; '
-            f"{choices(source.path, present)}"
+            f'{path}: urdf.path: package {package} has no "{inner}"; {choices(inner, present)}'
         )
     return urdf, (share,)
 

@@ -1,0 +1,268 @@
+"""Maps from where a foot is to where its leg's mass is, fitted to the URDF's own legs.
+
+A leg's links follow the foot through inverse kinematics; a planner wants that as a few polynomials.
+All legs are mirrored onto the reference leg (x = M (foot - hip), base axes) and fitted together:
+
+    c(x)     leg's CoM in the mirrored hip frame, affine and quadratic, value and derivative
+    I_c(x)   leg's inertia about its CoM, affine
+    S(x)     S(x) dx/dt is the angular momentum of the leg's links about the leg's CoM, affine
+
+With them the leg's part of the centroidal inertia and angular momentum, base at rest, is
+m_l P(a) + M I_c M and m_l a x M (dc/dx) dx/dt + det(M) M S dx/dt, a = hip + M c - CoM.
+"""
+
+from __future__ import annotations
+
+import io
+import json
+import logging
+from collections.abc import Callable
+from dataclasses import dataclass, fields
+
+import numpy as np
+from numpy.typing import NDArray
+
+from llsrbm.errors import RobotFileError
+from llsrbm.robots.cache import cache_path, content_key, read_checked, write_checked
+from llsrbm.robots.legs import solve_legs
+from llsrbm.robots.robot import Robot
+
+Array = NDArray[np.float64]
+
+FIT_VERSION = "1"  # part of the cache key: raise it when a fit's numbers change
+
+_DERIVATIVE_WEIGHT = 0.1  # m: by how far a foot moves where its derivative counts as its value
+_SINGULAR = 30.0  # condition of the foot's Jacobian beyond which a sample says little
+_BEYOND = 0.02  # of the reach box and distances, so that their edges are well inside the fit
+_FEWEST_SAMPLES = 200
+
+_log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True, eq=False)
+class LegFit:
+    """Mass properties and leg maps of a robot with L legs; SI units.
+
+    Attributes:
+        total_mass: kg; leg_mass: kg, mean over the legs; trunk_mass: kg, what is not leg.
+        trunk_com: (3,) m, base frame.
+        trunk_inertia: (3, 3) kg m2 about the trunk's CoM, base axes.
+        hips: (L, 3) m, base frame.
+        mirrors: (L, 3) of +1 or -1, the diagonals of M.
+        com_affine: (4, 3): [1, x, y, z] -> c, m.
+        com_quadratic: (10, 3): [1, x, y, z, xx, yy, zz, xy, xz, yz] -> c, m.
+        inertia_affine: (4, 9): [1, x, y, z] -> I_c row by row, kg m2, symmetric.
+        spin_affine: (4, 9): [1, x, y, z] -> S row by row, kg m.
+        proportional_mass: kg: the paper's point mass, the links from the hip joint outwards.
+        proportional_fraction: where the paper's rule puts it, as a fraction of foot -> hip.
+        residuals: RMS error of each map over the samples, by the map's name, in its unit; names
+            ending in "_slope" are the error of a map's derivative.
+    """
+
+    total_mass: float
+    leg_mass: float
+    trunk_mass: float
+    trunk_com: Array
+    trunk_inertia: Array
+    hips: Array
+    mirrors: Array
+    com_affine: Array
+    com_quadratic: Array
+    inertia_affine: Array
+    spin_affine: Array
+    proportional_mass: float
+    proportional_fraction: float
+    residuals: dict[str, float]
+
+
+def affine_features(x: Array) -> Array:
+    """(..., 3) -> (..., 4): 1, x, y, z."""
+    return np.concatenate([np.ones((*x.shape[:-1], 1)), x], axis=-1)
+
+
+def quadratic_features(x: Array) -> Array:
+    """(..., 3) -> (..., 10): 1, x, y, z, xx, yy, zz, xy, xz, yz."""
+    return np.concatenate([affine_features(x), x * x, x[..., [0, 0, 1]] * x[..., [1, 2, 2]]], -1)
+
+
+def affine_slopes(x: Array) -> Array:
+    """(..., 3) -> (..., 4, 3): derivative of the affine features."""
+    slopes = np.zeros((*x.shape[:-1], 4, 3))
+    slopes[..., 1:, :] = np.eye(3)
+    return slopes
+
+
+def quadratic_slopes(x: Array) -> Array:
+    """(..., 3) -> (..., 10, 3): derivative of the quadratic features."""
+    slopes = np.zeros((*x.shape[:-1], 10, 3))
+    slopes[..., 1:4, :] = np.eye(3)
+    for row, (i, j) in enumerate([(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)], start=4):
+        slopes[..., row, i] += x[..., j]
+        slopes[..., row, j] += x[..., i]
+    return slopes
+
+
+def fit_legs(
+    robot: Robot,
+    samples: int = 1600,
+    seed: int = 0,
+    progress: Callable[[float], None] | None = None,
+) -> LegFit:
+    """Fit the leg maps to about `samples` postures of the robot's legs within its reach.
+
+    Args:
+        robot: what to fit.
+        samples: foot positions, shared among the legs.
+        seed: of their random choice.
+        progress: called with the fraction done, 0 to 1.
+
+    Raises:
+        RobotFileError: too few places in the reach box can be reached by the legs.
+    """
+    report = progress or _silent
+    report(0.0)
+    x, com, com_slope, inertia, spin = _sample(robot, samples, seed)
+    report(0.8)
+    one, two = affine_features(x), quadratic_features(x)
+    com_affine = _fit_with_slopes(one, affine_slopes(x), com, com_slope)
+    com_quadratic = _fit_with_slopes(two, quadratic_slopes(x), com, com_slope)
+    inertia_affine = np.linalg.lstsq(one, inertia.reshape(-1, 9))[0]
+    spin_affine = np.linalg.lstsq(one, spin.reshape(-1, 9))[0]
+    mass, fraction = _proportional(robot)
+
+    def slope_error(slopes: Array, weights: Array) -> float:
+        return _rms(com_slope - np.einsum("nfk,fc->nck", slopes, weights))
+
+    trunk = robot.model.inertias[1]
+    fit = LegFit(
+        total_mass=robot.mass,
+        leg_mass=float(robot.chains.mass.mean()),
+        trunk_mass=float(trunk.mass),
+        trunk_com=trunk.lever.copy(),
+        trunk_inertia=trunk.inertia.copy(),
+        hips=robot.hips,
+        mirrors=robot.mirrors,
+        com_affine=com_affine,
+        com_quadratic=com_quadratic,
+        inertia_affine=inertia_affine,
+        spin_affine=spin_affine,
+        proportional_mass=mass,
+        proportional_fraction=fraction,
+        residuals={
+            "com_affine": _rms(com - one @ com_affine),
+            "com_affine_slope": slope_error(affine_slopes(x), com_affine),
+            "com_quadratic": _rms(com - two @ com_quadratic),
+            "com_quadratic_slope": slope_error(quadratic_slopes(x), com_quadratic),
+            "com_proportional": _rms(com - (1.0 - fraction) * x),
+            "inertia_affine": _rms(inertia.reshape(-1, 9) - one @ inertia_affine),
+            "spin_affine": _rms(spin.reshape(-1, 9) - one @ spin_affine),
+        },
+    )
+    report(1.0)
+    return fit
+
+
+def load_or_fit(robot: Robot, progress: Callable[[float], None] | None = None) -> LegFit:
+    """The robot's leg maps from the user's cache, or fitted and put there."""
+    key = content_key("leg fit", FIT_VERSION, robot.urdf_path, robot.file.model_dump_json())
+    path = cache_path("leg-fits", key, ".npz")
+    stored = read_checked(path)
+    if stored is not None:
+        return _decode(stored)
+    _log.info("fitting the legs of %s", robot.name)
+    fit = fit_legs(robot, progress=progress)
+    write_checked(path, _encode(fit))
+    return fit
+
+
+def _sample(robot: Robot, samples: int, seed: int) -> tuple[Array, Array, Array, Array, Array]:
+    """Foot places x (S, 3) and there c (S, 3), dc/dx, I_c, S (S, 3, 3), all mirrored."""
+    reach, mirrors, hips = robot.file.reach, robot.mirrors, robot.hips
+    rng = np.random.default_rng(seed)
+    nearest, furthest = reach.distance[0] - _BEYOND, reach.distance[1] + _BEYOND
+    lower, upper = np.array(reach.lower) - _BEYOND, np.array(reach.upper) + _BEYOND
+    drawn = rng.uniform(lower, upper, size=(40 * samples, 3))
+    distance = np.linalg.norm(drawn, axis=1)
+    drawn = drawn[(distance >= nearest) & (distance <= furthest)]
+    per_leg = min(len(drawn), samples) // len(robot.legs)
+    drawn = drawn[: per_leg * len(robot.legs)].reshape(per_leg, len(robot.legs), 3)
+
+    angles = np.array([robot.file.posture[leg.name] for leg in robot.legs])
+    q, error = solve_legs(robot.chains, hips + mirrors * drawn, angles)
+    motion = robot.chains.motion(q)
+    inertia, spin = robot.chains.inertia_and_spin(motion)
+    jacobian = motion.foot_jacobian
+    good = (error < 1e-7) & (np.linalg.cond(jacobian) < _SINGULAR)
+    if good.sum() < min(samples, _FEWEST_SAMPLES) / 2:
+        raise RobotFileError(
+            f"{robot.path}: reach: the legs reach only {good.sum()} of {good.size} places drawn "
+            "from the box; expected a box in the mirrored hip frame that the feet can reach"
+        )
+    # A leg's rates follow from its foot's velocity: dq = J^-1 M dx (least-norm for n > 3 joints).
+    rates = np.linalg.pinv(jacobian) * mirrors[:, None, :]
+    flip = mirrors[:, :, None]
+    det = mirrors.prod(axis=1)[:, None, None]
+    return (
+        drawn[good],
+        (mirrors * (motion.com - hips))[good],
+        (flip * (motion.com_jacobian @ rates))[good],
+        (flip * inertia * mirrors[:, None, :])[good],
+        (det * flip * (spin @ rates))[good],
+    )
+
+
+def _fit_with_slopes(features: Array, slopes: Array, value: Array, derivative: Array) -> Array:
+    """Least squares of a vector's value (S, 3) and derivative (S, 3, 3) together."""
+    w = _DERIVATIVE_WEIGHT
+    rows = np.vstack([features, *(w * slopes[:, :, k] for k in range(3))])
+    right = np.vstack([value, *(w * derivative[:, :, k] for k in range(3))])
+    return np.linalg.lstsq(rows, right)[0]
+
+
+def _proportional(robot: Robot) -> tuple[float, float]:
+    """The paper's rule: mass from the hip joint outwards, on the line from foot to hip."""
+    masses, fractions = [], []
+    angles = np.array([robot.file.posture[leg.name] for leg in robot.legs])
+    chains = robot.chains
+    motion = chains.motion(angles)
+    link_com = motion.origin + (motion.rotation @ chains.link_com[..., None])[..., 0]
+    for i, leg in enumerate(robot.legs):
+        hip = leg.joints.index(robot.file.legs[leg.name].hip)
+        mass = chains.link_mass[i, hip:]
+        com = mass @ link_com[i, hip:] / mass.sum()
+        up = motion.origin[i, hip] - motion.foot[i]
+        masses.append(mass.sum())
+        fractions.append((com - motion.foot[i]) @ up / (up @ up))
+    return float(np.mean(masses)), float(np.mean(fractions))
+
+
+def _rms(error: Array) -> float:
+    """Root mean square of the errors' lengths (of a matrix: its Frobenius norm)."""
+    return float(np.sqrt(np.mean(np.sum(error.reshape(len(error), -1) ** 2, axis=1))))
+
+
+def _silent(_: float) -> None:
+    pass
+
+
+def _encode(fit: LegFit) -> bytes:
+    values = {f.name: getattr(fit, f.name) for f in fields(fit)}
+    values["residuals"] = np.array(json.dumps(fit.residuals))
+    buffer = io.BytesIO()
+    np.savez(buffer, **values)
+    return buffer.getvalue()
+
+
+def _decode(data: bytes) -> LegFit:
+    with np.load(io.BytesIO(data), allow_pickle=False) as stored:
+        values = {f.name: stored[f.name] for f in fields(LegFit)}
+    return LegFit(
+        **{
+            name: json.loads(str(value)) if name == "residuals" else _plain(value)
+            for name, value in values.items()
+        }
+    )
+
+
+def _plain(value: Array) -> Array | float:
+    return float(value) if value.ndim == 0 else value
