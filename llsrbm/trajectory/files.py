@@ -1,0 +1,30 @@
+"""Reading any of the project's native files, told apart by their `schema`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from llsrbm.errors import FileFormatError
+from llsrbm.trajectory import plan_file
+from llsrbm.trajectory.archive import Arrays, read_archive, text
+from llsrbm.trajectory.plan import Plan
+
+Trajectory = Plan
+
+_READERS: dict[str, Callable[[Arrays, str | Path], Trajectory]] = {
+    plan_file.SCHEMA: plan_file.plan_from_arrays,
+}
+
+
+def load(path: str | Path) -> Trajectory:
+    """Read a native file (`Plan.save`).
+
+    Raises:
+        FileFormatError: unreadable, damaged, or of no schema this version knows.
+    """
+    arrays = read_archive(path)
+    schema = text(arrays, "schema", path)
+    if schema not in _READERS:
+        raise FileFormatError(f'{path}: schema "{schema}"; known are {", ".join(_READERS)}')
+    return _READERS[schema](arrays, path)

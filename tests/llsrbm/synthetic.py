@@ -1,0 +1,132 @@
+"""A plan made by hand: physics in closed form, no planner, no URDF."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from llsrbm.jump import Jump
+from llsrbm.trajectory.plan import Phase, Plan, SolveReport, Violation
+
+GRAVITY = np.array([0.0, 0.0, -9.81])
+JOINT_NAMES = tuple(f"{leg}_{part}" for leg in ("LF", "RF", "LH", "RH") for part in "ABC")
+HALF_STANCE = np.array([[0.35, 0.2, 0], [0.35, -0.2, 0], [-0.35, 0.2, 0], [-0.35, -0.2, 0]])
+TRUNK_INERTIA = np.diag([0.9, 2.0, 2.2])
+
+
+def quat_about_z(angle: Any) -> np.ndarray:
+    angle = np.asarray(angle)
+    zero = np.zeros_like(angle)
+    return np.stack([np.cos(angle / 2), zero, zero, np.sin(angle / 2)], axis=-1)
+
+
+def rotation_about_z(angle: Any) -> np.ndarray:
+    c, s = np.cos(angle), np.sin(angle)
+    R = np.zeros((*np.shape(angle), 3, 3))
+    R[..., 0, 0], R[..., 0, 1], R[..., 1, 0], R[..., 1, 1], R[..., 2, 2] = c, -s, s, c, 1
+    return R
+
+
+def synthetic_plan(
+    twist: float = 1.57,
+    forward: float = 0.3,
+    height: float = 0.0,
+    intervals: int = 16,
+    durations: tuple[float, float, float] = (0.5, 0.4, 0.6),
+    quat_sign: float = 1.0,
+) -> Plan:
+    """A jump of a 30 kg quadruped with `intervals` a phase.
+
+    The CoM and the angular momentum obey piecewise-constant contact forces exactly; the base
+    turns about z only and feet move on straight lines in the turning frame, as in a planner's
+    plan. Nothing is optimal and the forces may pull.
+    """
+    rng = np.random.default_rng(7)
+    mass, legs = 30.0, 4
+    edges = np.concatenate([[0.0], np.cumsum(durations)])
+    time = np.concatenate(
+        [
+            np.linspace(a, b, intervals, endpoint=False)
+            for a, b in zip(edges, edges[1:], strict=False)
+        ]
+        + [edges[-1:]]
+    )
+    phase = np.append(np.repeat([Phase.TAKEOFF, Phase.FLIGHT, Phase.LANDING], intervals), 2)
+    knots = len(time)
+
+    yaw = twist * (time / edges[-1]) ** 2 * (3 - 2 * time / edges[-1])
+    goal = np.array([forward, 0, height]) + HALF_STANCE @ rotation_about_z(twist).T
+    foot = np.repeat(HALF_STANCE[None], knots, axis=0)
+    foot[phase == Phase.LANDING] = goal
+
+    force = np.zeros((knots, legs, 3))
+    stance = phase != Phase.FLIGHT
+    force[stance] = [0, 0, mass * 9.81 / legs]
+    force[stance] += rng.normal(scale=15.0, size=(stance.sum(), legs, 3))
+    force[-1] = force[-2]
+    com, velocity, momentum = (np.zeros((knots, 3)) for _ in range(3))
+    com[0] = [0, 0, 0.5]
+    for k in range(knots - 1):
+        dt = time[k + 1] - time[k]
+        total = force[k].sum(axis=0)
+        acceleration = total / mass + GRAVITY
+        com[k + 1] = com[k] + velocity[k] * dt + acceleration * dt**2 / 2
+        velocity[k + 1] = velocity[k] + acceleration * dt
+        moment = np.cross(foot[k], force[k]).sum(axis=0)
+        # The integral of r(t) x F with r quadratic.
+        mean = com[k] + velocity[k] * dt / 2 + acceleration * dt**2 / 6
+        momentum[k + 1] = momentum[k] + dt * (moment - np.cross(mean, total))
+
+    R = rotation_about_z(yaw)
+    first = np.argmax(phase == Phase.FLIGHT)
+    last = np.argmax(phase == Phase.LANDING)
+    in_base = np.einsum("kji,klj->kli", R, foot - com[:, None])
+    share = ((time - time[first]) / (time[last] - time[first]))[:, None, None]
+    flight = phase == Phase.FLIGHT
+    in_base[flight] = ((1 - share) * in_base[first] + share * in_base[last])[flight]
+    foot = com[:, None] + np.einsum("kij,klj->kli", R, in_base)
+
+    # Legs as point masses half way down.
+    leg_mass = np.full(legs, 2.0)
+    leg_com_in_base = 0.5 * in_base
+    inertia_in_base = np.repeat(TRUNK_INERTIA[None], knots, axis=0)
+    for k in range(knots):
+        for d in leg_com_in_base[k]:
+            inertia_in_base[k] += 2.0 * (d @ d * np.eye(3) - np.outer(d, d))
+    yaw_rate = twist / edges[-1] * 6 * (time / edges[-1]) * (1 - time / edges[-1])
+    joints = 0.4 * np.sin(time[:, None] * 3 + np.arange(len(JOINT_NAMES)))
+    return Plan(
+        jump=Jump(twist=twist, forward=forward, height=height),
+        robot_parameters={
+            "name": "anymal",
+            "legs": {leg: {"foot": f"{leg}_FOOT"} for leg in ("LF", "RF", "LH", "RH")},
+            "mass": mass,
+        },
+        report=SolveReport("solved", "fatrop", 14, 1, 0.08, 0.1, 0.0, 12.5),
+        violations={
+            "friction": Violation(2e-5, "N", "landing", 1.1),
+            "reach": Violation(0.0, "m", "take-off", 0.0),
+        },
+        time=time,
+        phase=phase.astype(np.int64),
+        com=com,
+        com_velocity=velocity,
+        base_quat=quat_sign * quat_about_z(yaw),
+        base_position=com + np.einsum("kij,j->ki", R, [0.01, 0.0, 0.02]),
+        angular_velocity=yaw_rate[:, None] * np.array([0.0, 0.0, 1.0]),
+        linear_momentum=mass * velocity,
+        angular_momentum=momentum,
+        inertia=np.einsum("kia,kab,kjb->kij", R, inertia_in_base, R),
+        foot_position=foot,
+        foot_quat=np.tile([1.0, 0, 0, 0], (knots, legs, 1)),
+        contact_point=foot.copy(),
+        contact_force=force,
+        leg_mass=leg_mass,
+        base_mass=mass - leg_mass.sum(),
+        leg_com=com[:, None] + np.einsum("kij,klj->kli", R, leg_com_in_base),
+        joint_position=joints,
+        joint_names=JOINT_NAMES,
+        foot_in_hip=in_base - HALF_STANCE,
+        meta={"note": "made by hand"},
+    )
