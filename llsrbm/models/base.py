@@ -1,0 +1,222 @@
+"""What every centroidal model answers, and the kinematics of the base that all of them share.
+
+Frames and symbols, as in the docstrings of the models:
+
+- beta_i = R^T (p_i - r): foot i seen from the CoM, base axes; R = R_world_base.
+- o: origin of the base (the URDF's root link) seen from the CoM, base axes.
+- h_i: hip i in the base frame; M_i = diag(mirror_i) turns base axes into the leg's mirrored axes.
+- x_i = M_i (beta_i - o - h_i): foot i in its mirrored hip frame. The legs' configuration is the
+  (3, L) matrix of all x_i: the variables of the planner in flight, functions of r and R in stance.
+
+Every model's leg CoM is an affine function of x_i for the purpose of finding o, so that o is affine
+in the feet: the CoM's definition (eq. 3 of the paper) m o = -(m_T c_T + m_l sum_i d_i), with
+d_i = h_i + M_i (w_0 + W x_i) the CoM of leg i in the base frame, has a solution in closed form both
+for given x_i and for given beta_i.
+
+The matrices may be CasADi SX or DM: the same code builds the planner and evaluates plans.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from typing import Any, ClassVar
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from llsrbm.robots.robot import Robot
+
+Array = NDArray[np.float64]
+Matrix = Any  # casadi.SX or casadi.DM
+Lift = Callable[[Matrix], Matrix]
+
+
+def no_lift(expression: Matrix) -> Matrix:
+    """Evaluate in place; the planner passes `Lifting` here to keep derivatives small."""
+    return expression
+
+
+def point_inertia(d: Matrix) -> Matrix:
+    """P(d) = |d|^2 1 - d d^T, (3, 3): inertia of a unit mass at d (eq. 5)."""
+    return ca.dot(d, d) * ca.DM.eye(3) - ca.mtimes(d, d.T)
+
+
+class CentroidalModel(ABC):
+    """A robot's centroidal inertia and the legs' momentum as functions of where its feet are.
+
+    Attributes:
+        name: as in `llsrbm.models.names()`.
+        summary: one line for lists.
+        mass: kg, the whole robot.
+        leg_mass: (L,) kg; base_mass: kg.
+        hips: (L, 3) m, base frame; mirrors: (L, 3) of +-1.
+    """
+
+    name: ClassVar[str]
+    summary: ClassVar[str]
+
+    def __init__(
+        self,
+        robot: Robot,
+        *,
+        leg_mass: float,
+        trunk_com: Array,
+        leg_com_affine: Array,
+    ) -> None:
+        """Precompute the base offset's affine maps.
+
+        Args:
+            robot: whose fit and default posture the model is made from.
+            leg_mass: m_l, kg.
+            trunk_com: c_T, (3,) m, CoM of everything but the legs, base frame.
+            leg_com_affine: (4, 3): rows w_0 and W^T of the leg's CoM in the mirrored hip frame.
+        """
+        fit = robot.fit
+        self.mass = float(robot.mass)
+        self.hips, self.mirrors = fit.hips, fit.mirrors
+        self.legs = len(self.hips)
+        self.leg_mass = np.full(self.legs, leg_mass)
+        self.base_mass = self.mass - self.legs * leg_mass
+        self._leg_com_affine = leg_com_affine
+        W = leg_com_affine[1:].T
+        per_leg = [np.diag(M) @ W @ np.diag(M) for M in self.mirrors]
+        fixed = self.base_mass * trunk_com + leg_mass * sum(
+            h + M * leg_com_affine[0] for h, M in zip(self.hips, self.mirrors, strict=True)
+        )
+        # Given x: o = offset_0 + sum_i offset_x_i x_i.
+        self._offset_0 = -fixed / self.mass
+        self._offset_x = [
+            -leg_mass / self.mass * np.diag(M) @ W for M in self.mirrors
+        ]
+        # Given beta: A o = k + m_l sum_i M_i W M_i beta_i.
+        A_inverse = np.linalg.inv(-self.mass * np.eye(3) + leg_mass * sum(per_leg))
+        hips_share = sum(G @ h for G, h in zip(per_leg, self.hips, strict=True))
+        self._offset_beta_0 = A_inverse @ (fixed - leg_mass * hips_share)
+        self._offset_beta = [leg_mass * A_inverse @ G for G in per_leg]
+
+    # ---- where the base is
+
+    def base_offset(self, feet_in_hip: Matrix) -> Matrix:
+        """o(x), (3, 1) m, affine in the feet x (3, L)."""
+        return ca.DM(self._offset_0) + self.base_offset_rate(feet_in_hip)
+
+    def base_offset_rate(self, feet_in_hip_rate: Matrix) -> Matrix:
+        """Time derivative of o(x), (3, 1) m/s, linear in xdot (3, L)."""
+        return sum(
+            ca.mtimes(ca.DM(G), feet_in_hip_rate[:, i]) for i, G in enumerate(self._offset_x)
+        )
+
+    def base_offset_from_com(self, feet_from_com: Matrix) -> Matrix:
+        """o(beta), (3, 1) m, affine in the feet seen from the CoM, (3, L)."""
+        return ca.DM(self._offset_beta_0) + self.base_offset_rate_from_com(feet_from_com)
+
+    def base_offset_rate_from_com(self, feet_from_com_rate: Matrix) -> Matrix:
+        """Time derivative of o(beta), (3, 1) m/s, linear in betadot (3, L)."""
+        return sum(
+            ca.mtimes(ca.DM(G), feet_from_com_rate[:, i]) for i, G in enumerate(self._offset_beta)
+        )
+
+    def foot_in_hip(self, leg: int, foot_from_com: Matrix, offset: Matrix) -> Matrix:
+        """x_i = M_i (beta_i - o - h_i), (3, 1) m."""
+        return ca.DM(self.mirrors[leg]) * (foot_from_com - offset - ca.DM(self.hips[leg]))
+
+    def foot_from_com(self, leg: int, foot_in_hip: Matrix, offset: Matrix) -> Matrix:
+        """beta_i = o + h_i + M_i x_i, (3, 1) m."""
+        return offset + ca.DM(self.hips[leg]) + ca.DM(self.mirrors[leg]) * foot_in_hip
+
+    # ---- what differs from model to model
+
+    @abstractmethod
+    def inertia(self, feet_in_hip: Matrix, offset: Matrix) -> Matrix:
+        """Centroidal inertia, (3, 3) kg m2, base axes."""
+
+    @abstractmethod
+    def legs_momentum(self, feet_in_hip: Matrix, feet_in_hip_rate: Matrix, offset: Matrix) -> Matrix:
+        """h: the legs' angular momentum relative to the base about the CoM, (3, 1), base axes."""
+
+    @abstractmethod
+    def leg_com(self, leg: int, foot_in_hip: Matrix) -> Matrix:
+        """Where the model puts leg i's mass, (3, 1) m, mirrored hip frame."""
+
+    def angular_momentum(
+        self,
+        feet_in_hip: Matrix,
+        feet_in_hip_rate: Matrix,
+        angular_velocity: Matrix,
+        offset: Matrix,
+        lift: Lift = no_lift,
+    ) -> Matrix:
+        """R^T L = I omega + h, (3, 1) kg m2/s, base axes (eq. 4).
+
+        `lift` marks intermediate quantities through which derivatives should be taken; models
+        with many legs mark each leg's, so that second derivatives stay small blocks.
+        """
+        return ca.mtimes(self.inertia(feet_in_hip, offset), angular_velocity) + self.legs_momentum(
+            feet_in_hip, feet_in_hip_rate, offset
+        )
+
+    # ---- evaluation on a plan
+
+    def stance_feet(self, feet_from_com: Array) -> Array:
+        """x (K, L, 3) m of feet seen from the CoM, (K, L, 3) m, base axes."""
+        offset = self._offset_beta_0 + np.einsum(
+            "lij,klj->ki", np.array(self._offset_beta), feet_from_com
+        )
+        return self.mirrors * (feet_from_com - offset[:, None] - self.hips)
+
+    def stance_rate(self, feet_from_com_rate: Array) -> Array:
+        """xdot (K, L, 3) m/s of betadot (K, L, 3)."""
+        rate = np.einsum("lij,klj->ki", np.array(self._offset_beta), feet_from_com_rate)
+        return self.mirrors * (feet_from_com_rate - rate[:, None])
+
+    def offsets(self, feet_in_hip: Array, feet_in_hip_rate: Array) -> tuple[Array, Array]:
+        """o (K, 3) m and its rate (K, 3) m/s of x and xdot, (K, L, 3)."""
+        maps = np.array(self._offset_x)
+        return (
+            self._offset_0 + np.einsum("lij,klj->ki", maps, feet_in_hip),
+            np.einsum("lij,klj->ki", maps, feet_in_hip_rate),
+        )
+
+    def evaluate(self, feet_in_hip: Array) -> tuple[Array, Array, Array]:
+        """Evaluate K configurations of the feet.
+
+        Args:
+            feet_in_hip: (K, L, 3) m.
+
+        Returns:
+            offset (K, 3) m, inertia (K, 3, 3) kg m2 and leg CoMs seen from the CoM (K, L, 3) m,
+            base axes.
+        """
+        x = ca.SX.sym("x", 3, self.legs)
+        o = self.base_offset(x)
+        legs = [
+            self.foot_from_com(i, self.leg_com(i, x[:, i]), o) for i in range(self.legs)
+        ]
+        function = self._function("evaluate", [x], [o, self.inertia(x, o), ca.horzcat(*legs)])
+        count = len(feet_in_hip)
+        outputs = function.map(count)(feet_in_hip.reshape(-1, 3).T)
+        offset, inertia, leg_com = (np.array(out) for out in outputs)
+        return (
+            offset.T,
+            inertia.reshape(3, count, 3).transpose(1, 0, 2),
+            leg_com.T.reshape(count, self.legs, 3),
+        )
+
+    def evaluate_momentum(
+        self, feet_in_hip: Array, feet_in_hip_rate: Array, angular_velocity: Array
+    ) -> Array:
+        """I omega + h at K instants, (K, 3) kg m2/s, base axes; arguments (K, L, 3), (K, L, 3), (K, 3)."""
+        x, xdot = ca.SX.sym("x", 3, self.legs), ca.SX.sym("xdot", 3, self.legs)
+        w = ca.SX.sym("w", 3)
+        momentum = self.angular_momentum(x, xdot, w, self.base_offset(x))
+        function = self._function("momentum", [x, xdot, w], [momentum])
+        columns = (a.reshape(-1, 3).T for a in (feet_in_hip, feet_in_hip_rate, angular_velocity))
+        return np.array(function.map(len(angular_velocity))(*columns)).T
+
+    def _function(self, name: str, arguments: list[Any], results: list[Any]) -> ca.Function:
+        functions = self.__dict__.setdefault("_functions", {})
+        if name not in functions:
+            functions[name] = ca.Function(name, arguments, results)
+        return functions[name]

@@ -1,0 +1,114 @@
+"""LL-SRBM+: leg maps fitted from the URDF, with the legs' own inertia and momentum."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from llsrbm.models.base import CentroidalModel, no_lift, point_inertia
+from llsrbm.robots.robot import Robot
+
+
+def _square(row_major: Any) -> Any:
+    return ca.reshape(row_major, 3, 3).T
+
+
+class LLSRBMPlus(CentroidalModel):
+    """The model that makes the plan true: what the paper's point masses leave out is counted.
+
+    A leg is every link of the chain from the base to the foot, m_l heavy.
+
+    - CoM of a leg in its mirrored hip frame: c(x_i), quadratic in the foot's position;
+      a_i = h_i + M_i c(x_i) + o seen from the CoM.
+    - I = I_T + m_T P(c_T + o) + sum [m_l P(a_i) + M_i I_c(x_i) M_i], I_c affine in x_i.
+    - h = sum [m_l a_i x M_i (dc/dx) xdot_i + det(M_i) M_i S(x_i) xdot_i], S affine in x_i: the
+      rotation of the leg's links about the leg's CoM.
+    - The path equality of the planner is I omega + h = R^T L, in place of eq. 4.
+
+    c, I_c, S and the affine map behind o are least-squares fits to the URDF (`robots.leg_fit`).
+    """
+
+    name = "llsrbm-plus"
+    summary = "quadratic leg CoM, changing leg inertia and the legs' own momentum, from the URDF"
+
+    def __init__(self, robot: Robot) -> None:
+        fit = robot.fit
+        super().__init__(
+            robot,
+            leg_mass=fit.leg_mass,
+            trunk_com=fit.trunk_com,
+            leg_com_affine=fit.com_affine,
+        )
+        self._trunk_com = ca.DM(fit.trunk_com)
+        self._trunk_inertia = ca.DM(fit.trunk_inertia)
+        self._com = ca.DM(fit.com_quadratic.T)
+        self._inertia = ca.DM(fit.inertia_affine.T)
+        self._spin = ca.DM(fit.spin_affine.T)
+
+    def leg_com(self, leg: int, foot_in_hip: Any) -> Any:
+        """c(x_i), (3, 1) m."""
+        x, y, z = ca.vertsplit(foot_in_hip)
+        return ca.mtimes(
+            self._com, ca.vertcat(1, x, y, z, x * x, y * y, z * z, x * y, x * z, y * z)
+        )
+
+    def leg_com_rate(self, foot_in_hip: Any, foot_in_hip_rate: Any) -> Any:
+        """(dc/dx) xdot_i, (3, 1) m/s."""
+        x, y, z = ca.vertsplit(foot_in_hip)
+        u, v, w = ca.vertsplit(foot_in_hip_rate)
+        features = ca.vertcat(
+            0, u, v, w, 2 * x * u, 2 * y * v, 2 * z * w, x * v + y * u, x * w + z * u, y * w + z * v
+        )
+        return ca.mtimes(self._com, features)
+
+    def leg_inertia(self, leg: int, foot_in_hip: Any) -> Any:
+        """M_i I_c(x_i) M_i, (3, 3) kg m2, base axes, about the leg's CoM."""
+        M = ca.DM(np.diag(self.mirrors[leg]))
+        return ca.mtimes([M, _square(ca.mtimes(self._inertia, ca.vertcat(1, foot_in_hip))), M])
+
+    def leg_spin(self, leg: int, foot_in_hip: Any, foot_in_hip_rate: Any) -> Any:
+        """det(M_i) M_i S(x_i) xdot_i, (3, 1) kg m2/s, base axes."""
+        S = _square(ca.mtimes(self._spin, ca.vertcat(1, foot_in_hip)))
+        mirror = self.mirrors[leg]
+        return ca.DM(np.prod(mirror) * mirror) * ca.mtimes(S, foot_in_hip_rate)
+
+    def inertia(self, feet_in_hip: Any, offset: Any) -> Any:
+        """I_T + m_T P(c_T + o) + sum [m_l P(a_i) + M_i I_c M_i], (3, 3) kg m2."""
+        total = self._trunk_inertia + self.base_mass * point_inertia(self._trunk_com + offset)
+        for i in range(self.legs):
+            a = self.foot_from_com(i, self.leg_com(i, feet_in_hip[:, i]), offset)
+            total = total + self.leg_mass[i] * point_inertia(a)
+            total = total + self.leg_inertia(i, feet_in_hip[:, i])
+        return total
+
+    def legs_momentum(self, feet_in_hip: Any, feet_in_hip_rate: Any, offset: Any) -> Any:
+        """h, (3, 1) kg m2/s."""
+        total = ca.DM.zeros(3)
+        for i in range(self.legs):
+            x, xdot = feet_in_hip[:, i], feet_in_hip_rate[:, i]
+            a = self.foot_from_com(i, self.leg_com(i, x), offset)
+            cdot = ca.DM(self.mirrors[i]) * self.leg_com_rate(x, xdot)
+            total = total + self.leg_mass[i] * ca.cross(a, cdot) + self.leg_spin(i, x, xdot)
+        return total
+
+    def angular_momentum(
+        self,
+        feet_in_hip: Any,
+        feet_in_hip_rate: Any,
+        angular_velocity: Any,
+        offset: Any,
+        lift: Any = no_lift,
+    ) -> Any:
+        """I omega + h leg by leg, m_l a x (omega x a + cdot) + ..., without forming I."""
+        w = angular_velocity
+        a = self._trunk_com + offset
+        total = ca.mtimes(self._trunk_inertia, w) + self.base_mass * ca.cross(a, ca.cross(w, a))
+        for i in range(self.legs):
+            x, xdot = feet_in_hip[:, i], feet_in_hip_rate[:, i]
+            a = lift(self.foot_from_com(i, self.leg_com(i, x), offset))
+            cdot = lift(ca.DM(self.mirrors[i]) * self.leg_com_rate(x, xdot))
+            total = total + self.leg_mass[i] * ca.cross(a, ca.cross(w, a) + cdot)
+            total = total + ca.mtimes(self.leg_inertia(i, x), w) + self.leg_spin(i, x, xdot)
+        return total

@@ -1,0 +1,199 @@
+"""A vector of all variables, unpacked: the planner's solution as arrays over the knots."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from llsrbm.models.base import CentroidalModel
+from llsrbm.planning.layout import Layout
+from llsrbm.planning.stage import GRAVITY
+from llsrbm.planning.task import Task
+from llsrbm.trajectory.plan import Phase
+
+Array = NDArray[np.float64]
+
+
+def rotations(quat_wxyz: Array) -> Array:
+    """(K, 3, 3) R_world_base of (K, 4) quaternions w, x, y, z."""
+    return Rotation.from_quat(quat_wxyz, scalar_first=True).as_matrix()
+
+
+@dataclass(frozen=True, eq=False)
+class Knots:
+    """N + 1 knots and the N intervals between them; world frame, SI units.
+
+    Attributes:
+        durations: (3,) s.
+        time: (N+1,) s; phase: (N+1,).
+        position, velocity: (N+1, 3) m, m/s, CoM; quat: (N+1, 4); momentum: (N+1, 3) kg m2/s.
+        force: (N+1, C, 3) N.
+        rotation_rate: (N, 3) rad/s, base axes.
+        flight_feet: (F+1, L, 3) m: x at the knots from lift-off to touchdown.
+        flight_feet_rate: (F, L, 3) m/s.
+    """
+
+    task: Task
+    model: CentroidalModel
+    durations: Array
+    time: Array
+    phase: NDArray[np.int64]
+    position: Array
+    velocity: Array
+    quat: Array
+    momentum: Array
+    force: Array
+    rotation_rate: Array
+    flight_feet: Array
+    flight_feet_rate: Array
+
+    @cached_property
+    def R_world_base(self) -> Array:
+        """(N+1, 3, 3)."""
+        return rotations(self.quat)
+
+    @cached_property
+    def dt(self) -> Array:
+        """(N,) s."""
+        return np.diff(self.time)
+
+    @cached_property
+    def flight(self) -> slice:
+        """Knots from lift-off to touchdown, both included."""
+        first = int(np.argmax(self.phase == Phase.FLIGHT))
+        return slice(first, first + len(self.flight_feet))
+
+    @cached_property
+    def in_contact(self) -> NDArray[np.bool_]:
+        """(N,) whether forces act over the interval."""
+        return self.phase[:-1] != Phase.FLIGHT
+
+    @cached_property
+    def acceleration(self) -> Array:
+        """(N, 3) m/s2 of the CoM over each interval (eq. 1)."""
+        return self.force[:-1].sum(axis=1) / self.task.mass - [0.0, 0.0, GRAVITY]
+
+    @cached_property
+    def standing_feet(self) -> Array:
+        """(N+1, L, 3) m: where the feet stand, or stood last."""
+        landed = (self.phase == Phase.LANDING)[:, None, None]
+        return np.where(landed, self.task.goal_feet, self.task.start_feet)
+
+    @cached_property
+    def feet_in_hip(self) -> Array:
+        """(N+1, L, 3) m: x, from the variables in flight, from r and R in stance."""
+        x = feet_in_stance(self.model, self.R_world_base, self.position, self.standing_feet)
+        x[self.flight] = self.flight_feet
+        return x
+
+    @cached_property
+    def mid(self) -> tuple[Array, Array, Array]:
+        """R (N, 3, 3), r (N, 3), v (N, 3) at the intervals' midpoints."""
+        half = self.dt[:, None] / 2
+        turn = Rotation.from_rotvec(self.rotation_rate * half).as_matrix()
+        v, a = self.velocity[:-1], self.acceleration
+        return (
+            self.R_world_base[:-1] @ turn,
+            self.position[:-1] + v * half + a * half**2 / 2,
+            v + a * half,
+        )
+
+    @cached_property
+    def feet_mid(self) -> tuple[Array, Array]:
+        """x and xdot (N, L, 3) at the midpoints."""
+        R, r, v = self.mid
+        x = feet_in_stance(self.model, R, r, self.standing_feet[:-1])
+        beta_rate = -np.einsum("kji,kj->ki", R, v)[:, None] - np.cross(
+            self.rotation_rate[:, None],
+            np.einsum("kji,klj->kli", R, self.standing_feet[:-1] - r[:, None]),
+        )
+        xdot = self.model.stance_rate(beta_rate)
+        flight = slice(self.flight.start, self.flight.stop - 1)
+        x[flight] = (self.flight_feet[:-1] + self.flight_feet[1:]) / 2
+        xdot[flight] = self.flight_feet_rate
+        return x, xdot
+
+    @cached_property
+    def evaluated(self) -> tuple[Array, Array, Array]:
+        """Offset (N+1, 3), inertia (N+1, 3, 3) and leg CoMs (N+1, L, 3) at the knots, base axes."""
+        return self.model.evaluate(self.feet_in_hip)
+
+    @cached_property
+    def foot_position(self) -> Array:
+        """(N+1, L, 3) m, as the model sees them in flight, where they stand in contact."""
+        beta = self.evaluated[0][:, None] + self.model.hips + self.model.mirrors * self.feet_in_hip
+        moving = self.position[:, None] + np.einsum("kij,klj->kli", self.R_world_base, beta)
+        feet = self.standing_feet.copy()
+        feet[self.flight] = moving[self.flight]
+        return feet
+
+    @cached_property
+    def foot_velocity_base(self) -> Array:
+        """(F, L, 3) m/s: the feet's velocity in the world over flight intervals, base axes."""
+        R, _, v = self.mid
+        x, xdot = self.feet_mid
+        flight = slice(self.flight.start, self.flight.stop - 1)
+        offset, offset_rate = self.model.offsets(x[flight], xdot[flight])
+        mirrors = self.model.mirrors
+        beta = offset[:, None] + self.model.hips + mirrors * x[flight]
+        return (
+            np.einsum("kji,kj->ki", R[flight], v[flight])[:, None]
+            + np.cross(self.rotation_rate[flight][:, None], beta)
+            + offset_rate[:, None]
+            + mirrors * xdot[flight]
+        )
+
+
+def feet_in_stance(model: CentroidalModel, R: Array, position: Array, feet: Array) -> Array:
+    """x (K, L, 3) m of feet (K, L, 3) that stand in the world, from R (K, 3, 3), r (K, 3)."""
+    beta = np.einsum("kji,klj->kli", R, feet - position[:, None])
+    return model.stance_feet(beta)
+
+
+def unpack(w: Array, layout: Layout, task: Task, model: CentroidalModel) -> Knots:
+    """The variables w, in the layout's order and units, as `Knots`."""
+    count = layout.knots
+    force_unit = task.mass * GRAVITY / layout.contacts
+    position, velocity = np.tile(task.start_position, (count, 1)), np.zeros((count, 3))
+    quat, momentum = np.tile([1.0, 0, 0, 0], (count, 1)), np.zeros((count, 3))
+    force = np.zeros((count, layout.contacts, 3))
+    rate = np.zeros((count - 1, 3))
+    feet, feet_rate = [], []
+    durations = np.zeros(3)
+    for k, role in enumerate(layout.roles):
+        value = {name: w[place] for name, place in layout.variables(k).items()}
+        position[k] = value.get("position", position[k])
+        quat[k] = value.get("quat", quat[k])
+        velocity[k] = value.get("velocity", velocity[k])
+        momentum[k] = value.get("momentum", momentum[k]) * task.mass
+        if role.in_contact:
+            force[k] = value["force"].reshape(-1, 3) * force_unit
+        if "rotation_rate" in value:
+            rate[k] = value["rotation_rate"]
+        if "feet" in value:
+            feet.append(value["feet"].reshape(-1, 3))
+        if "feet_rate" in value:
+            feet_rate.append(value["feet_rate"].reshape(-1, 3))
+        if role.first:
+            durations[role.phase] = value["duration"][0]
+    phase = np.array([role.phase for role in layout.roles])
+    starts = np.concatenate([[0.0], np.cumsum(durations)])
+    return Knots(
+        task=task,
+        model=model,
+        durations=durations,
+        time=starts[phase] + layout.progress * durations[phase],
+        phase=phase,
+        position=position,
+        velocity=velocity,
+        quat=quat / np.linalg.norm(quat, axis=1, keepdims=True),
+        momentum=momentum,
+        force=force,
+        rotation_rate=rate,
+        flight_feet=np.array(feet),
+        flight_feet_rate=np.array(feet_rate),
+    )

@@ -1,0 +1,232 @@
+"""One stage: symbols at a knot, and everything that follows from them over the interval after it."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import Any
+
+import casadi as ca
+
+from llsrbm.models.base import CentroidalModel
+from llsrbm.planning.layout import Layout, Role
+from llsrbm.planning.lifting import Lifting
+from llsrbm.planning.rotations import quat_exp, quat_product, rotation_matrix
+from llsrbm.trajectory.plan import Phase
+
+GRAVITY = 9.81  # m/s2
+BALANCE_SCALE = 10.0  # the momentum balance in 0.1 m2/s, about as large as the other rows
+
+
+class Stage:
+    """Symbolic quantities of one role, for constraints, costs and dynamics to pick from.
+
+    World frame unless a name says otherwise; angular momentum and moments divided by the mass.
+    Accelerations over an interval are constant, so position, velocity and angular momentum are
+    exact; the attitude uses the angular velocity at the interval's midpoint.
+
+    Attributes:
+        role, layout, model: what the stage is about.
+        parameters: name -> symbols that stay fixed in a solve.
+        symbols: name -> this stage's variables; variables: all of them, states first.
+        lift: collects the intermediates derivatives run through.
+    """
+
+    def __init__(
+        self, role: Role, layout: Layout, model: CentroidalModel, parameters: dict[str, ca.SX]
+    ) -> None:
+        self.role, self.layout, self.model, self.parameters = role, layout, model, parameters
+        names = (*layout.states(role), *layout.controls(role))
+        self.symbols = {name: ca.SX.sym(name, layout.size(name)) for name in names}
+        self.variables = ca.vertcat(*self.symbols.values())
+        self.lift = Lifting(self.variables)
+        self.intervals = layout.intervals_of(role.phase)
+
+    # ---- at the knot
+
+    @property
+    def position(self) -> Any:
+        """r, (3, 1) m."""
+        return self.symbols.get("position", self.parameters["start_position"])
+
+    @property
+    def quat(self) -> Any:
+        """q_world_base, (4, 1)."""
+        return self.symbols.get("quat", ca.SX([1, 0, 0, 0]))
+
+    @property
+    def velocity(self) -> Any:
+        """Of the CoM, (3, 1) m/s."""
+        return self.symbols.get("velocity", ca.SX.zeros(3))
+
+    @property
+    def momentum(self) -> Any:
+        """L / m, (3, 1) m2/s."""
+        return self.symbols.get("momentum", ca.SX.zeros(3))
+
+    @cached_property
+    def standing_feet(self) -> Any:
+        """(3, L) m: where the feet stand in this phase (flight: where they left)."""
+        name = "goal_feet" if self.role.phase == Phase.LANDING else "start_feet"
+        return ca.reshape(self.parameters[name], 3, self.layout.legs)
+
+    @cached_property
+    def R_world_base(self) -> Any:
+        """At the knot, (3, 3)."""
+        return self.lift(rotation_matrix(self.quat))
+
+    @cached_property
+    def feet_in_hip(self) -> Any:
+        """x at the knot, (3, L) m: variables in flight, functions of position and attitude in stance."""
+        if "feet" in self.symbols:
+            return ca.reshape(self.symbols["feet"], 3, self.layout.legs)
+        return self._feet_in_stance(self.R_world_base, self.position)[0]
+
+    @cached_property
+    def offset(self) -> Any:
+        """o at the knot of a stage whose feet are variables, (3, 1) m."""
+        return self.lift(self.model.base_offset(self.feet_in_hip))
+
+    def foot_from_com(self, leg: int) -> Any:
+        """beta_i at the knot of a stage whose feet are variables, (3, 1) m, base axes."""
+        return self.model.foot_from_com(leg, self.feet_in_hip[:, leg], self.offset)
+
+    def _feet_in_stance(self, R: Any, position: Any) -> tuple[Any, Any, Any]:
+        r_base = self.lift(ca.mtimes(R.T, position))
+        beta = [ca.mtimes(R.T, self.standing_feet[:, i]) - r_base for i in range(self.layout.legs)]
+        o = self.lift(self.model.base_offset_from_com(ca.horzcat(*beta)))
+        feet = [self.lift(self.model.foot_in_hip(i, b, o)) for i, b in enumerate(beta)]
+        return ca.horzcat(*feet), o, ca.horzcat(*beta)
+
+    # ---- over the interval
+
+    @property
+    def duration(self) -> Any:
+        """T of the phase, s."""
+        return self.symbols["duration"]
+
+    @cached_property
+    def dt(self) -> Any:
+        """Length of the interval, s."""
+        return self.duration / self.intervals
+
+    @property
+    def force(self) -> Any:
+        """(3, contacts) in m g / contacts."""
+        return ca.reshape(self.symbols["force"], 3, self.layout.contacts)
+
+    @cached_property
+    def _specific_force(self) -> Any:
+        if not self.role.in_contact:
+            return ca.SX.zeros(3)
+        return self.lift(ca.sum2(self.force) * (GRAVITY / self.layout.contacts))
+
+    @cached_property
+    def acceleration(self) -> Any:
+        """Of the CoM, (3, 1) m/s2 (eq. 1)."""
+        return self._specific_force - ca.DM([0, 0, GRAVITY])
+
+    @cached_property
+    def moment(self) -> Any:
+        """Mean moment of the contact forces about the CoM, divided by m, (3, 1) m2/s2 (eq. 1)."""
+        if not self.role.in_contact:
+            return ca.SX.zeros(3)
+        points = self.standing_feet
+        about_origin = sum(
+            ca.cross(points[:, j], self.force[:, j]) for j in range(self.layout.contacts)
+        )
+        about_origin = self.lift(about_origin * (GRAVITY / self.layout.contacts))
+        mean_position = (
+            self.position + self.velocity * self.dt / 2 + self.acceleration * self.dt**2 / 6
+        )
+        return self.lift(about_origin - ca.cross(mean_position, self._specific_force))
+
+    @property
+    def rotation_rate(self) -> Any:
+        """omega of the base over the interval, (3, 1) rad/s, base axes."""
+        return self.symbols["rotation_rate"]
+
+    @cached_property
+    def _rotation_step(self) -> Any:
+        return self.lift(self.rotation_rate * self.dt)
+
+    @cached_property
+    def R_world_base_mid(self) -> Any:
+        """At the interval's midpoint, (3, 3)."""
+        q = self.lift(quat_product(self.quat, quat_exp(self._rotation_step / 2)))
+        return self.lift(rotation_matrix(q))
+
+    @cached_property
+    def velocity_mid_base(self) -> Any:
+        """The CoM's velocity at the midpoint, (3, 1) m/s, base axes."""
+        velocity = self.lift(self.velocity + self.acceleration * self.dt / 2)
+        return self.lift(ca.mtimes(self.R_world_base_mid.T, velocity))
+
+    @cached_property
+    def momentum_mid_base(self) -> Any:
+        """R^T L / m at the midpoint, (3, 1) m2/s."""
+        momentum = self.momentum
+        if self.role.in_contact:
+            momentum = self.lift(momentum + self.moment * self.dt / 2)
+        return self.lift(ca.mtimes(self.R_world_base_mid.T, momentum))
+
+    @cached_property
+    def feet_mid(self) -> tuple[Any, Any, Any, Any]:
+        """x (3, L), xdot (3, L), o (3, 1) and odot (3, 1) at the midpoint."""
+        if self.role.phase == Phase.FLIGHT:
+            xdot = ca.reshape(self.symbols["feet_rate"], 3, self.layout.legs)
+            x = self.lift(self.feet_in_hip + xdot * self.dt / 2)
+            return x, xdot, self.lift(self.model.base_offset(x)), self.model.base_offset_rate(xdot)
+        position = self.lift(
+            self.position + self.velocity * self.dt / 2 + self.acceleration * self.dt**2 / 8
+        )
+        x, o, beta = self._feet_in_stance(self.R_world_base_mid, position)
+        beta_rate = [
+            -self.velocity_mid_base - ca.cross(self.rotation_rate, beta[:, i])
+            for i in range(self.layout.legs)
+        ]
+        o_rate = self.lift(self.model.base_offset_rate_from_com(ca.horzcat(*beta_rate)))
+        xdot = [
+            self.lift(ca.DM(M) * (rate - o_rate))
+            for M, rate in zip(self.model.mirrors, beta_rate, strict=True)
+        ]
+        return x, ca.horzcat(*xdot), o, o_rate
+
+    @cached_property
+    def balance(self) -> Any:
+        """(I omega + h - R^T L) / m at the midpoint, (3, 1), in 1 / BALANCE_SCALE m2/s."""
+        x, xdot, o, _ = self.feet_mid
+        momentum = self.model.angular_momentum(x, xdot, self.rotation_rate, o, self.lift)
+        return BALANCE_SCALE * (momentum / self.model.mass - self.momentum_mid_base)
+
+    @cached_property
+    def foot_velocity_base(self) -> Any:
+        """The feet's velocity in the world, in base axes, mean over a flight interval, (3, L) m/s."""
+        x, xdot, o, o_rate = self.feet_mid
+        columns = []
+        for i in range(self.layout.legs):
+            beta = self.model.foot_from_com(i, x[:, i], o)
+            beta_rate = o_rate + ca.DM(self.model.mirrors[i]) * xdot[:, i]
+            columns.append(
+                self.lift(self.velocity_mid_base + ca.cross(self.rotation_rate, beta) + beta_rate)
+            )
+        return ca.horzcat(*columns)
+
+    # ---- dynamics
+
+    def next_state(self, names: tuple[str, ...]) -> Any:
+        """The states called `names` at the next knot (eq. 8)."""
+        role, s, dt = self.role, self.symbols, self.dt
+        step = {
+            "position": lambda: self.position + self.velocity * dt + self.acceleration * dt**2 / 2,
+            "quat": lambda: quat_product(self.quat, quat_exp(self._rotation_step)),
+            "velocity": lambda: self.velocity + self.acceleration * dt,
+            "momentum": lambda: self.momentum + self.moment * dt,
+            "duration": lambda: s["next_duration"] if "next_duration" in s else self.duration,
+            "force": lambda: s["next_force"]
+            if "next_force" in s
+            else s["force"] + s.get("force_step", ca.SX.zeros(s["force"].shape)),
+            "feet": lambda: s["feet"] + s["feet_rate"] * dt
+            if role.phase == Phase.FLIGHT
+            else s["next_feet"],
+        }
+        return ca.vertcat(*(step[name]() for name in names))
