@@ -20,7 +20,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from llsrbm.robots.legs import LegMotion, apply, cross, damped_inverse, shortened
+from llsrbm.robots.legs import (
+    LegMotion,
+    apply,
+    cross,
+    damped_inverse,
+    rotation_matrices,
+    shortened,
+)
 from llsrbm.robots.robot import Robot
 
 Array = NDArray[np.float64]
@@ -219,18 +226,6 @@ def margins(
             )
         )
     return JointMargins(tuple(found))
-
-
-def rotation_matrices(quat: ArrayLike) -> Array:
-    """Unit or nearly unit quaternions w, x, y, z (..., 4) as rotation matrices (..., 3, 3)."""
-    q = np.asarray(quat, dtype=float)
-    w, x, y, z = np.moveaxis(q / np.linalg.norm(q, axis=-1, keepdims=True), -1, 0)
-    rows = [
-        1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y),
-        2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x),
-        2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y),
-    ]  # fmt: skip
-    return np.stack(rows, axis=-1).reshape(*q.shape[:-1], 3, 3)
 
 
 def _newton(robot: Robot, beta: Array, q: Array) -> tuple[Array, Array]:

@@ -11,7 +11,7 @@ from functools import cached_property
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 Array = NDArray[np.float64]
 
@@ -39,6 +39,18 @@ def parallel_axis(d: Array) -> Array:
 def apply(matrix: Array, vector: Array) -> Array:
     """Matrix times vector over leading dimensions: (..., 3, k), (..., k) -> (..., 3)."""
     return (matrix @ vector[..., None])[..., 0]
+
+
+def rotation_matrices(quat: ArrayLike) -> Array:
+    """Unit or nearly unit quaternions w, x, y, z (..., 4) as rotation matrices (..., 3, 3)."""
+    q = np.asarray(quat, dtype=float)
+    w, x, y, z = np.moveaxis(q / np.linalg.norm(q, axis=-1, keepdims=True), -1, 0)
+    rows = [
+        1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y),
+        2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x),
+        2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y),
+    ]  # fmt: skip
+    return np.stack(rows, axis=-1).reshape(*q.shape[:-1], 3, 3)
 
 
 @dataclass(frozen=True, eq=False)

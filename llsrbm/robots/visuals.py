@@ -1,0 +1,330 @@
+"""What a robot looks like, light enough for a browser, and where its bodies are over time.
+
+A URDF's meshes are made for rendering offline (ANYmal B: 400 k faces in 150 parts, with textures).
+Here every moving body becomes one mesh: parts of one colour are merged and simplified together,
+textures become vertex colours. The result is cached.
+"""
+
+from __future__ import annotations
+
+import io
+import logging
+import re
+from collections import defaultdict
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import ArrayLike, NDArray
+
+from llsrbm.errors import RobotFileError
+from llsrbm.robots.cache import cache_path, content_key, read_checked, write_checked
+from llsrbm.robots.legs import apply, rotation_matrices
+from llsrbm.robots.robot import Robot
+
+if TYPE_CHECKING:
+    import trimesh
+
+Array = NDArray[np.float64]
+
+VISUALS_VERSION = "1"  # part of the cache key: raise it when the meshes change
+FACES = 22_000  # of a whole robot: about 0.8 MB sent to a browser
+
+_CREASE = np.radians(40.0)  # edges sharper than this stay sharp under smooth shading
+
+_log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True, eq=False)
+class LinkVisual:
+    """One moving body's mesh, in the frame of the joint that moves it.
+
+    Attributes:
+        link: name of the body's first link in the URDF.
+        joint_id: Pinocchio's index of the joint; 1 is the base.
+        vertices: (V, 3) m, in the joint's frame.
+        normals: (V, 3) unit normals.
+        faces: (F, 3) indices.
+        rgb: (V, 3) colours, 0 to 255.
+    """
+
+    link: str
+    joint_id: int
+    vertices: NDArray[np.float32]
+    normals: NDArray[np.float32]
+    faces: NDArray[np.uint32]
+    rgb: NDArray[np.uint8]
+
+    def mesh(self) -> trimesh.Trimesh:
+        """The same as a trimesh with vertex colours and normals."""
+        import trimesh
+
+        return trimesh.Trimesh(
+            vertices=self.vertices,
+            faces=self.faces,
+            vertex_normals=self.normals,
+            vertex_colors=self.rgb,
+            process=False,
+        )
+
+
+def link_visuals(
+    robot: Robot, faces: int = FACES, progress: Callable[[float], None] | None = None
+) -> tuple[LinkVisual, ...]:
+    """A mesh for each moving body that has one, from the cache if made before.
+
+    Args:
+        robot: the robot.
+        faces: about how many faces the whole robot shall have.
+        progress: called with the fraction done, 0 to 1.
+
+    Raises:
+        RobotFileError: the URDF names a mesh that is missing or cannot be read.
+    """
+    report = progress or _silent
+    report(0.0)
+    urdf = robot.urdf_path.read_text()
+    key = content_key("visuals", VISUALS_VERSION, urdf, str(faces), *_mesh_stamps(robot, urdf))
+    path = cache_path("visuals", key, ".npz")
+    stored = read_checked(path)
+    if stored is not None:
+        visuals = _decode(stored)
+    else:
+        _log.info("preparing the meshes of %s", robot.name)
+        visuals = _prepare(robot, faces, report)
+        write_checked(path, _encode(visuals))
+    report(1.0)
+    return visuals
+
+
+def forward_kinematics(
+    robot: Robot, base_position: ArrayLike, base_quat: ArrayLike, joint_position: ArrayLike
+) -> tuple[Array, Array]:
+    """Where every moving body is, for K moments at once; bodies in Pinocchio's joint order.
+
+    Args:
+        robot: the robot.
+        base_position: (K, 3) m; base_quat: (K, 4) w, x, y, z; joint_position: (K, J).
+
+    Returns:
+        position (K, 1 + J, 3) m and quaternion (K, 1 + J, 4) w, x, y, z in the world frame: the
+        pose of joint j is at index j - 1, so a `LinkVisual` belongs at `joint_id - 1`.
+    """
+    origin = np.asarray(base_position, dtype=float)
+    quat = np.asarray(base_quat, dtype=float)
+    q = np.asarray(joint_position, dtype=float)[:, robot.leg_joint_index]
+    R_world_base = rotation_matrices(quat)
+    R_base_link, base_link = robot.chains.frames(q)
+    index = robot.leg_joint_index + 1
+    position = np.empty((len(q), robot.model.njoints - 1, 3))
+    rotation = np.empty((len(q), robot.model.njoints - 1, 3, 3))
+    position[:, 0], rotation[:, 0] = origin, R_world_base
+    position[:, index] = origin[:, None, None] + apply(R_world_base[:, None, None], base_link)
+    rotation[:, index] = R_world_base[:, None, None] @ R_base_link
+    return position, _quaternions(rotation)
+
+
+def _quaternions(rotation: Array) -> Array:
+    """Rotation matrices (..., 3, 3) as unit quaternions w, x, y, z (..., 4)."""
+    from scipy.spatial.transform import Rotation
+
+    flat = Rotation.from_matrix(rotation.reshape(-1, 3, 3)).as_quat(scalar_first=True)
+    return flat.reshape(*rotation.shape[:-2], 4)
+
+
+def _prepare(robot: Robot, faces: int, report: Callable[[float], None]) -> tuple[LinkVisual, ...]:
+    parts = _coloured_parts(robot)
+    report(0.3)
+    shares = _face_shares(list(parts.values()), faces)
+    pieces: dict[int, list[trimesh.Trimesh]] = defaultdict(list)
+    for done, ((joint, _), part, share) in enumerate(
+        zip(parts, parts.values(), shares, strict=True), start=1
+    ):
+        pieces[joint].append(_simplified(part, share))
+        report(0.3 + 0.7 * done / len(parts))
+    visuals = []
+    for joint in sorted(pieces):
+        body = pieces[joint]
+        first = np.cumsum([0, *(len(piece.vertices) for piece in body)])
+        visuals.append(
+            LinkVisual(
+                link=_link_name(robot.model, joint),
+                joint_id=joint,
+                vertices=np.vstack([piece.vertices for piece in body]).astype(np.float32),
+                normals=np.vstack([piece.vertex_normals for piece in body]).astype(np.float32),
+                faces=np.vstack(
+                    [piece.faces + start for piece, start in zip(body, first, strict=False)]
+                ).astype(np.uint32),
+                rgb=np.vstack([piece.visual.vertex_colors[:, :3] for piece in body]),
+            )
+        )
+    return tuple(visuals)
+
+
+def _coloured_parts(robot: Robot) -> dict[tuple[int, Any], trimesh.Trimesh]:
+    """Meshes with vertex colours in the joint's frame: one a joint and colour, or texture."""
+    import trimesh
+
+    scene = _load_scene(robot)
+    model = robot.model
+    found: dict[tuple[int, Any], list[trimesh.Trimesh]] = defaultdict(list)
+    for node in scene.graph.nodes_geometry:
+        link = scene.graph.transforms.parents[node]
+        while not model.existFrame(link, pin.FrameType.BODY):
+            link = scene.graph.transforms.parents[link]
+        frame = model.frames[model.getFrameId(link, pin.FrameType.BODY)]
+        T_link_part, geometry = scene.graph.get(node, frame_from=link)
+        mesh = scene.geometry[geometry]
+        if not isinstance(mesh, trimesh.Trimesh) or len(mesh.faces) == 0:
+            continue
+        colours = _vertex_colours(mesh)
+        plain = (colours == colours[0]).all()
+        piece = trimesh.Trimesh(
+            mesh.vertices, mesh.faces, vertex_colors=colours, process=False, validate=False
+        )
+        piece.apply_transform(frame.placement.homogeneous @ T_link_part)
+        colour = tuple(colours[0].tolist()) if plain else node
+        found[frame.parentJoint, colour].append(piece)
+    if not found:
+        _log.warning("%s has no visual meshes; there is nothing to draw", robot.urdf_path)
+    return {key: trimesh.util.concatenate(pieces) for key, pieces in found.items()}
+
+
+def _load_scene(robot: Robot) -> trimesh.Scene:
+    import yourdfpy
+
+    def resolve(fname: str) -> str:
+        found = _mesh_path(robot, fname)
+        if found is None:
+            raise RobotFileError(
+                f"{robot.path}: urdf: {robot.urdf_path} names a mesh that is missing: {fname}"
+            )
+        return str(found)
+
+    loader = yourdfpy.URDF.load(
+        str(robot.urdf_path), filename_handler=resolve, load_collision_meshes=False
+    )
+    return loader.scene
+
+
+def _mesh_path(robot: Robot, name: str) -> Path | None:
+    """File of a mesh as a URDF names it, or None if there is none."""
+    relative = name.removeprefix("package://").removeprefix("file://")
+    candidates = [robot.urdf_path.parent / relative]
+    candidates += [directory / relative for directory in robot.package_dirs]
+    return next((candidate for candidate in candidates if candidate.is_file()), None)
+
+
+def _mesh_stamps(robot: Robot, urdf: str) -> list[str]:
+    """Size and date of each mesh, so that a changed mesh is prepared anew."""
+    stamps = []
+    for name in re.findall(r'filename\s*=\s*["\']([^"\']+)["\']', urdf):
+        path = _mesh_path(robot, name)
+        if path is not None:
+            status = path.stat()
+            stamps.append(f"{name} {status.st_size} {status.st_mtime_ns}")
+    return stamps
+
+
+def _vertex_colours(mesh: trimesh.Trimesh) -> NDArray[np.uint8]:
+    """(V, 3) colours of a mesh, out of its texture, its material or its faces."""
+    visual = mesh.visual
+    if visual.kind == "texture":
+        image = getattr(visual.material, "baseColorTexture", None)
+        image = image or getattr(visual.material, "image", None)
+        if image is None or visual.uv is None:
+            colour = np.asarray(visual.material.main_color, dtype=np.uint8)[:3]
+            return np.tile(colour, (len(mesh.vertices), 1))
+        visual = visual.to_color()
+    return np.asarray(visual.vertex_colors, dtype=np.uint8)[:, :3]
+
+
+def _face_shares(parts: list[trimesh.Trimesh], total: int) -> list[int]:
+    """Faces for each part: large and detailed ones get more, none more than it has."""
+    have = np.array([len(part.faces) for part in parts], dtype=float)
+    weight = np.sqrt(have * np.array([part.area for part in parts]))
+    shares, open_parts, left = np.zeros_like(have), np.ones(len(parts), dtype=bool), float(total)
+    while open_parts.any():
+        offer = left * weight / weight[open_parts].sum()
+        full = open_parts & (offer >= have)
+        if not full.any():
+            shares[open_parts] = offer[open_parts]
+            break
+        shares[full] = have[full]
+        left, open_parts = max(left - have[full].sum(), 0.0), open_parts & ~full
+    return [max(int(share), 12) for share in shares]
+
+
+def _simplified(part: trimesh.Trimesh, faces: int) -> trimesh.Trimesh:
+    """A part with about that many faces, welded, creased where it was sharp, coloured as it was."""
+    import fast_simplification
+    import trimesh
+    from scipy.spatial import cKDTree
+
+    colours = np.asarray(part.visual.vertex_colors)[:, :3]
+    places = np.asarray(part.vertices)
+    welded = trimesh.Trimesh(places, part.faces, process=False)
+    welded.merge_vertices(merge_tex=True, merge_norm=True, digits_vertex=5)
+    welded.update_faces(welded.nondegenerate_faces())
+    if len(welded.faces) > faces:
+        vertices, triangles = fast_simplification.simplify(
+            np.asarray(welded.vertices, dtype=np.float32),
+            np.asarray(welded.faces, dtype=np.int32),
+            target_count=faces,
+        )[:2]
+        welded = trimesh.Trimesh(vertices, triangles, process=False)
+    creased = trimesh.graph.smooth_shade(welded, angle=_CREASE, facet_minarea=None)
+    nearest = cKDTree(places).query(np.asarray(creased.vertices))[1]
+    return trimesh.Trimesh(
+        creased.vertices,
+        creased.faces,
+        vertex_normals=creased.vertex_normals,
+        vertex_colors=colours[nearest],
+        process=False,
+    )
+
+
+def _link_name(model: pin.Model, joint: int) -> str:
+    """First body of the URDF that the joint moves."""
+    return next(
+        frame.name
+        for frame in model.frames
+        if frame.type == pin.FrameType.BODY and frame.parentJoint == joint
+    )
+
+
+def _encode(visuals: tuple[LinkVisual, ...]) -> bytes:
+    arrays: dict[str, Any] = {
+        "links": np.array([visual.link for visual in visuals], dtype=np.str_),
+        "joint_ids": np.array([visual.joint_id for visual in visuals], dtype=np.int64),
+    }
+    for i, visual in enumerate(visuals):
+        for name in ("vertices", "normals", "faces", "rgb"):
+            arrays[f"{name}_{i}"] = getattr(visual, name)
+    buffer = io.BytesIO()
+    np.savez(buffer, **arrays)
+    return buffer.getvalue()
+
+
+def _decode(data: bytes) -> tuple[LinkVisual, ...]:
+    with np.load(io.BytesIO(data), allow_pickle=False) as stored:
+        return tuple(
+            LinkVisual(
+                link=str(link),
+                joint_id=int(joint),
+                vertices=stored[f"vertices_{i}"],
+                normals=stored[f"normals_{i}"],
+                faces=stored[f"faces_{i}"],
+                rgb=stored[f"rgb_{i}"],
+            )
+            for i, (link, joint) in enumerate(
+                zip(stored["links"], stored["joint_ids"], strict=True)
+            )
+        )
+
+
+def _silent(_: float) -> None:
+    pass
