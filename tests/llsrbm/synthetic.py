@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -46,11 +47,7 @@ def synthetic_plan(
     mass, legs = 30.0, 4
     edges = np.concatenate([[0.0], np.cumsum(durations)])
     time = np.concatenate(
-        [
-            np.linspace(a, b, intervals, endpoint=False)
-            for a, b in zip(edges, edges[1:], strict=False)
-        ]
-        + [edges[-1:]]
+        [np.linspace(a, b, intervals, endpoint=False) for a, b in pairwise(edges)] + [edges[-1:]]
     )
     phase = np.append(np.repeat([Phase.TAKEOFF, Phase.FLIGHT, Phase.LANDING], intervals), 2)
     knots = len(time)

@@ -7,6 +7,7 @@ import math
 import os
 import stat
 from dataclasses import fields, replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -96,7 +97,7 @@ def test_layout_is_the_contracts(plan, saved):
     with np.load(saved, allow_pickle=False) as archive:
         assert {key: archive[key].shape for key in expected} == expected
         assert archive["schema"] == "llsrbm.plan/1"
-        meta = json.loads(str(archive["meta"]), parse_constant=lambda s: pytest.fail(s))
+        meta = json.loads(str(archive["meta"]), parse_constant=pytest.fail)
     assert meta["request"]["twist"] == plan.jump.twist
     assert meta["model"] == "llsrbm-plus"
     assert meta["robot_parameters"]["mass"] == 30.0
@@ -239,7 +240,7 @@ class TestWriting:
         assert [p.name for p in tmp_path.iterdir()] == ["a plan"]
 
     def test_missing_directory(self, plan, tmp_path):
-        with pytest.raises(InputError, match="cannot write .*No such file or directory"):
+        with pytest.raises(InputError, match=r"cannot write .*No such file or directory"):
             save_plan(plan, tmp_path / "none" / "plan.npz")
 
     def test_path_that_is_a_directory(self, plan, tmp_path):
@@ -259,7 +260,7 @@ class TestWriting:
 
     def test_a_device_is_not_replaced(self, plan):
         save_plan(plan, os.devnull)
-        assert stat.S_ISCHR(os.stat(os.devnull).st_mode)
+        assert Path(os.devnull).is_char_device()
 
     def test_failure_leaves_the_old_file(self, plan, saved, monkeypatch):
         def fail(*_args, **_kwargs):

@@ -1,0 +1,51 @@
+"""Quaternions (w, x, y, z) over time, in NumPy: K of them at once."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+def rotation_matrices(quat: Array) -> Array:
+    """R of unit quaternions, (..., 4) -> (..., 3, 3)."""
+    w, x, y, z = np.moveaxis(quat, -1, 0)
+    return np.stack(
+        [
+            np.stack([1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)], axis=-1),
+            np.stack([2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)], axis=-1),
+            np.stack([2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)], axis=-1),
+        ],
+        axis=-2,
+    )
+
+
+def sign_continuous(quat: Array) -> Array:
+    """The same attitudes, signed such that neighbours in time (axis 0) are close, (K, ..., 4)."""
+    if len(quat) < 2:
+        return quat
+    flip = np.sum(quat[1:] * quat[:-1], axis=-1) < 0
+    sign = np.cumprod(np.where(flip, -1.0, 1.0), axis=0)
+    return np.concatenate([quat[:1], quat[1:] * sign[..., None]])
+
+
+def slerp(start: Array, end: Array, share: Array) -> Array:
+    """Attitudes `share` (broadcastable to (...)) of the way from `start` to `end`, (..., 4).
+
+    The angular velocity along the way is constant. Of the two arcs the shorter one is taken.
+    """
+    dot = np.sum(start * end, axis=-1)
+    end = np.where((dot < 0)[..., None], -end, end)
+    # atan2 of chords is exact for small angles, where acos loses half the digits.
+    angle = 2 * np.arctan2(
+        np.linalg.norm(end - start, axis=-1), np.linalg.norm(end + start, axis=-1)
+    )
+    sine = np.sin(angle)
+    tiny = sine < 1e-9
+    safe = np.where(tiny, 1.0, sine)
+    a = np.where(tiny, 1 - share, np.sin((1 - share) * angle) / safe)
+    b = np.where(tiny, share, np.sin(share * angle) / safe)
+    quat = a[..., None] * start + b[..., None] * end
+    unit: Array = quat / np.linalg.norm(quat, axis=-1, keepdims=True)
+    return unit
