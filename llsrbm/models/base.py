@@ -43,6 +43,11 @@ def point_inertia(d: Matrix) -> Matrix:
     return ca.dot(d, d) * ca.DM.eye(3) - ca.mtimes(d, d.T)
 
 
+def _sparse(matrix: Array) -> ca.DM:
+    """Without the rounding errors that stand for zeros, so that they cost nothing."""
+    return ca.sparsify(ca.DM(matrix), 1e-12)
+
+
 class CentroidalModel(ABC):
     """A robot's centroidal inertia and the legs' momentum as functions of where its feet are.
 
@@ -105,7 +110,7 @@ class CentroidalModel(ABC):
     def base_offset_rate(self, feet_in_hip_rate: Matrix) -> Matrix:
         """Time derivative of o(x), (3, 1) m/s, linear in xdot (3, L)."""
         return sum(
-            ca.mtimes(ca.DM(G), feet_in_hip_rate[:, i]) for i, G in enumerate(self._offset_x)
+            ca.mtimes(_sparse(G), feet_in_hip_rate[:, i]) for i, G in enumerate(self._offset_x)
         )
 
     def base_offset_from_com(self, feet_from_com: Matrix) -> Matrix:
@@ -115,7 +120,8 @@ class CentroidalModel(ABC):
     def base_offset_rate_from_com(self, feet_from_com_rate: Matrix) -> Matrix:
         """Time derivative of o(beta), (3, 1) m/s, linear in betadot (3, L)."""
         return sum(
-            ca.mtimes(ca.DM(G), feet_from_com_rate[:, i]) for i, G in enumerate(self._offset_beta)
+            ca.mtimes(_sparse(G), feet_from_com_rate[:, i])
+            for i, G in enumerate(self._offset_beta)
         )
 
     def foot_in_hip(self, leg: int, foot_from_com: Matrix, offset: Matrix) -> Matrix:

@@ -10,6 +10,7 @@ small sparse blocks instead, from the last intermediate to the first (edge pushi
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any
 
 import casadi as ca
@@ -28,47 +29,54 @@ class Lifting:
         """Mark `expression`, any shape; the returned symbols have the same shape."""
         symbol = ca.SX.sym(f"y{len(self._symbols)}", *expression.shape)
         self._symbols.append(ca.vec(symbol))
-        self._definitions.append(ca.vec(ca.SX(expression)))
+        self._definitions.append(ca.densify(ca.vec(ca.SX(expression))))
         return symbol
 
     def resolve(self, expression: ca.SX) -> ca.SX:
         """`expression` in terms of z and parameters alone."""
-        for symbol, definition in reversed(list(zip(self._symbols, self._definitions, strict=True))):
+        for symbol, definition, _ in self._last_to_first():
             expression = ca.substitute(expression, symbol, definition)
         return expression
 
     def jacobian(self, outputs: ca.SX) -> ca.SX:
         """d outputs / dz, unresolved (it may contain the intermediates' symbols)."""
-        total = ca.jacobian(outputs, self.variables)
-        rates: list[ca.SX] = []
-        for k, definition in enumerate(self._definitions):
-            rate = ca.jacobian(definition, self.variables)
-            for j in range(k):
-                rate = _add_product(rate, ca.jacobian(definition, self._symbols[j]), rates[j])
-            rates.append(rate)
-            total = _add_product(total, ca.jacobian(outputs, self._symbols[k]), rate)
-        return total
+        A = ca.jacobian(outputs, self._everything)
+        for _, definition, before in self._last_to_first():
+            rest = before.shape[0]
+            left = ca.sparsify(A[:, rest:])
+            A = A[:, :rest]
+            if left.nnz():
+                A = A + ca.mtimes(left, ca.jacobian(definition, before))
+        return A
 
     def hessian(self, scalar: ca.SX) -> ca.SX:
         """d2 scalar / dz2, unresolved, symmetric with both triangles filled."""
-        everything = ca.vertcat(self.variables, *self._symbols)
-        gradient = ca.gradient(scalar, everything)
-        H = ca.jacobian(gradient, everything)
-        for symbol, definition in reversed(list(zip(self._symbols, self._definitions, strict=True))):
-            rest = H.shape[0] - symbol.shape[0]
-            before = everything[:rest]
+        gradient = ca.gradient(scalar, self._everything)
+        H = _symmetric(ca.jacobian(gradient, self._everything))
+        for symbol, definition, before in self._last_to_first():
+            rest = before.shape[0]
             J = ca.jacobian(definition, before)
             ybar = gradient[rest:]
-            H_ry, H_yy = H[:rest, rest:], H[rest:, rest:]
-            half = ca.mtimes(J.T, H_ry.T + ca.mtimes(H_yy, J) / 2)
+            half = ca.mtimes(J.T, H[rest:, :rest] + ca.mtimes(H[rest:, rest:], J) / 2)
             # The definition's own curvature: ybar enters as a constant.
             adjoint = ca.SX.sym("ybar", symbol.shape[0])
             slope = ca.jtimes(definition, before, adjoint, True)
             curvature = ca.substitute(ca.jacobian(slope, before), adjoint, ybar)
-            H = ca.sparsify(H[:rest, :rest] + half + half.T + curvature)
+            H = _symmetric(H[:rest, :rest] + half + half.T + curvature)
             gradient = gradient[:rest] + ca.mtimes(J.T, ybar)
         return H
 
+    @property
+    def _everything(self) -> ca.SX:
+        return ca.vertcat(self.variables, *self._symbols)
 
-def _add_product(total: ca.SX, left: ca.SX, right: ca.SX) -> ca.SX:
-    return total if left.nnz() == 0 else total + ca.mtimes(left, right)
+    def _last_to_first(self) -> Iterator[tuple[ca.SX, ca.SX, ca.SX]]:
+        """Symbol, definition and all symbols before it, of each intermediate."""
+        for k in reversed(range(len(self._symbols))):
+            before = ca.vertcat(self.variables, *self._symbols[:k])
+            yield self._symbols[k], self._definitions[k], before
+
+
+def _symmetric(H: ca.SX) -> ca.SX:
+    """The upper triangle twice: the lower one is the same nodes, so it is computed once."""
+    return ca.sparsify(ca.triu2symm(ca.triu(H)))

@@ -146,14 +146,17 @@ class Stage:
         return self.symbols["rotation_rate"]
 
     @cached_property
-    def _rotation_step(self) -> Any:
-        return self.lift(self.rotation_rate * self.dt)
+    def _half_turn(self) -> Any:
+        return self.lift(quat_exp(self.lift(self.rotation_rate * self.dt / 2)))
+
+    @cached_property
+    def _quat_mid(self) -> Any:
+        return self.lift(quat_product(self.quat, self._half_turn))
 
     @cached_property
     def R_world_base_mid(self) -> Any:
         """At the interval's midpoint, (3, 3)."""
-        q = self.lift(quat_product(self.quat, quat_exp(self._rotation_step / 2)))
-        return self.lift(rotation_matrix(q))
+        return self.lift(rotation_matrix(self._quat_mid))
 
     @cached_property
     def velocity_mid_base(self) -> Any:
@@ -175,7 +178,8 @@ class Stage:
         if self.role.phase == Phase.FLIGHT:
             xdot = ca.reshape(self.symbols["feet_rate"], 3, self.layout.legs)
             x = self.lift(self.feet_in_hip + xdot * self.dt / 2)
-            return x, xdot, self.lift(self.model.base_offset(x)), self.model.base_offset_rate(xdot)
+            o_rate = self.lift(self.model.base_offset_rate(xdot))
+            return x, xdot, self.lift(self.model.base_offset(x)), o_rate
         position = self.lift(
             self.position + self.velocity * self.dt / 2 + self.acceleration * self.dt**2 / 8
         )
@@ -218,7 +222,7 @@ class Stage:
         role, s, dt = self.role, self.symbols, self.dt
         step = {
             "position": lambda: self.position + self.velocity * dt + self.acceleration * dt**2 / 2,
-            "quat": lambda: quat_product(self.quat, quat_exp(self._rotation_step)),
+            "quat": lambda: quat_product(self._quat_mid, self._half_turn),
             "velocity": lambda: self.velocity + self.acceleration * dt,
             "momentum": lambda: self.momentum + self.moment * dt,
             "duration": lambda: s["next_duration"] if "next_duration" in s else self.duration,

@@ -199,7 +199,7 @@ def _assemble(
         "nlp_jac_g": (xp, [g_J, J], ["x", "p"], ["g", "jac_g_x"]),
         "nlp_hess_l": (
             [x, p, lam_f, lam],
-            [slope, H],
+            [ca.MX(layout.size_total, 1), H],
             ["x", "p", *lams_in],
             ["grad_gamma_x", "hess_gamma_x_x"],
         ),
