@@ -150,7 +150,8 @@ class Planner(Protocol):
         """Plan `jump`, asking `cancelled` now and then whether to stop.
 
         Raises:
-            llsrbm.errors.Error: bad request, no convergence (`NotConverged`), stopped (`Cancelled`).
+            llsrbm.errors.Error: bad request, no convergence (`NotConverged`), or stopped
+                (`Cancelled`).
         """
         ...
 
