@@ -101,6 +101,10 @@ class CentroidalModel(ABC):
         self._offset_beta_0 = A_inverse @ (fixed - leg_mass * hips_share)
         self._offset_beta = [leg_mass * A_inverse @ G for G in per_leg]
 
+    def numbers(self) -> dict[str, Any]:
+        """Everything the model computed from the robot, for keys of caches."""
+        return {k: np.asarray(v).tolist() for k, v in vars(self).items() if k != "_functions"}
+
     # ---- where the base is
 
     def base_offset(self, feet_in_hip: Matrix) -> Matrix:

@@ -80,25 +80,22 @@ class Problem:
                 for constraint, count in rows:
                     equality += [constraint.equality] * count
         self.equality = np.array(equality)
-        self.functions = _assemble(blocks, layout, sum(map(len, _columns(parameters))))
-
-    def bounds(self, task: Task) -> tuple[Array, Array]:
-        """Lower and upper bounds of g for a task, (rows,)."""
-        lower, upper = [], []
-        for knot, role in enumerate(self.layout.roles):
-            if not role.terminal:
-                gap = np.zeros(self.state_sizes[knot + 1])
-                lower.append(gap)
-                upper.append(gap)
-            for constraint in constraints_of(role):
-                low, high = constraint.bounds(task, self.layout, knot)
-                lower.append(low)
-                upper.append(high)
-        return np.concatenate(lower), np.concatenate(upper)
+        self.functions = _assemble(blocks, layout, sum(s.numel() for s in parameters.values()))
 
 
-def _columns(parameters: dict[str, ca.SX]) -> list[range]:
-    return [range(symbol.numel()) for symbol in parameters.values()]
+def row_bounds(layout: Layout, task: Task) -> tuple[Array, Array]:
+    """Lower and upper bounds of g for a task, (rows,): gaps, then each stage's constraints."""
+    lower, upper = [], []
+    for knot, role in enumerate(layout.roles):
+        if not role.terminal:
+            gap = np.zeros(layout.state_size(layout.roles[knot + 1]))
+            lower.append(gap)
+            upper.append(gap)
+        for constraint in constraints_of(role):
+            low, high = constraint.bounds(task, layout, knot)
+            lower.append(low)
+            upper.append(high)
+    return np.concatenate(lower), np.concatenate(upper)
 
 
 def _nonzeros(matrix: ca.SX) -> ca.SX:

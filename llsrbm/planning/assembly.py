@@ -1,0 +1,61 @@
+"""From the planner's knots to a `Plan`: postures, feet, leg CoMs, everything in the world frame."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from llsrbm.jump import Jump
+from llsrbm.planning.knots import Knots
+from llsrbm.postures import solve_postures
+from llsrbm.robots.robot import Robot
+from llsrbm.trajectory.plan import Plan, SolveReport, Violation
+
+
+def assemble_plan(
+    jump: Jump,
+    robot: Robot,
+    knots: Knots,
+    violations: dict[str, Violation],
+    report: Callable[[], SolveReport],
+) -> Plan:
+    """The plan of a solution; `report` is called last, so that it can count everything."""
+    R = knots.R_world_base
+    _, inertia, leg_com = knots.evaluated
+    feet = knots.foot_position
+    postures = solve_postures(robot, knots.position, knots.quat, feet)
+    # Knot values of the interval rates: at rest at both ends, the mean in between.
+    rate = np.zeros_like(knots.position)
+    rate[1:-1] = (knots.rotation_rate[:-1] + knots.rotation_rate[1:]) / 2
+    identity = np.zeros((*feet.shape[:2], 4))
+    identity[..., 0] = 1.0
+    arrays = dict(
+        time=knots.time,
+        phase=knots.phase.astype(np.int64),
+        com=knots.position,
+        com_velocity=knots.velocity,
+        base_quat=knots.quat,
+        base_position=postures.base_position,
+        angular_velocity=np.einsum("kij,kj->ki", R, rate),
+        linear_momentum=knots.velocity * knots.task.mass,
+        angular_momentum=knots.momentum,
+        inertia=R @ inertia @ R.transpose(0, 2, 1),
+        foot_position=feet,
+        foot_quat=identity,
+        contact_point=feet,
+        contact_force=knots.force,
+        leg_mass=knots.model.leg_mass,
+        leg_com=knots.position[:, None] + np.einsum("kij,klj->kli", R, leg_com),
+        joint_position=postures.joint_position,
+        foot_in_hip=knots.feet_in_hip,
+    )
+    return Plan(
+        jump=jump,
+        robot_parameters=robot.parameters(),
+        violations=violations,
+        base_mass=knots.model.base_mass,
+        joint_names=robot.joint_names,
+        report=report(),
+        **arrays,
+    )

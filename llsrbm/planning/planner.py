@@ -1,0 +1,216 @@
+"""Request in, plan out: one warm solver for each robot, model, solver and number of intervals."""
+
+from __future__ import annotations
+
+import logging
+import time
+from collections.abc import Callable, Iterator
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from llsrbm.errors import Cancelled, InputError, NotConverged
+from llsrbm.jump import Jump
+from llsrbm.models import check_name, make_model
+from llsrbm.planning import solvers
+from llsrbm.planning.assembly import assemble_plan
+from llsrbm.planning.guess import analytic_guess
+from llsrbm.planning.knots import Knots, unpack
+from llsrbm.planning.layout import Intervals, Layout
+from llsrbm.planning.residuals import describe_worst, satisfied, violations
+from llsrbm.planning.solvers import Backend, Iterate
+from llsrbm.planning.task import Task, make_task
+from llsrbm.planning.transcription import Problem, row_bounds
+from llsrbm.robots import load_robot
+from llsrbm.robots.cache import cached_bytes, content_key
+from llsrbm.robots.robot import Robot
+from llsrbm.trajectory.plan import Plan, SolveReport
+
+Array = NDArray[np.float64]
+Progress = Callable[[str], None]
+
+_log = logging.getLogger(__name__)
+
+INTERVALS = 48
+MIN_INTERVALS, MAX_INTERVALS = 9, 300  # 3 a phase; more than 300 take minutes to build
+
+# Flight time of the second attempt's guess, s: long flights leave room for what a short one cannot.
+PATIENT_FLIGHT = 0.45
+# Shares of the request that the third attempt solves one after another.
+HOMOTOPY = (0.34, 0.67, 1.0)
+
+
+class Planner:
+    """Plans jumps of one robot with one model; remembers its last solution for warm starts."""
+
+    def __init__(
+        self,
+        robot: Robot,
+        model: str,
+        solver: str = solvers.names()[0],
+        intervals: int = INTERVALS,
+        progress: Progress | None = None,
+    ) -> None:
+        """Load the solver from the cache, or build and keep it.
+
+        Raises:
+            InputError: an unknown model or solver, or a number of intervals that cannot be.
+        """
+        check_name(model)
+        kind = solvers.backend(solver)
+        if not MIN_INTERVALS <= intervals <= MAX_INTERVALS:
+            raise InputError(
+                f"intervals: {intervals} given; expected {MIN_INTERVALS} to {MAX_INTERVALS}"
+            )
+        start = time.perf_counter()
+        self.robot = robot
+        self.model = make_model(model, robot)
+        legs = len(robot.legs)
+        self.layout = Layout(legs, contacts=legs, intervals=Intervals.split(intervals))
+        self._backend = _cached_backend(kind, self.model, self.layout, robot, progress)
+        self.last: Iterate | None = None
+        self.build_time_s = time.perf_counter() - start
+
+    def plan(
+        self,
+        jump: Jump,
+        *,
+        weights: dict[str, float] | None = None,
+        warm: bool = False,
+        cancelled: Callable[[], bool] | None = None,
+        progress: Progress | None = None,
+    ) -> Plan:
+        """Plan a jump.
+
+        Args:
+            jump: the request; robot and model are this planner's.
+            weights: cost name -> weight, in place of the defaults.
+            warm: start from this planner's last solution.
+            cancelled: asked between attempts.
+            progress: told what is being tried.
+
+        Raises:
+            InputError: the request is out of the robot's range.
+            NotConverged: no attempt satisfied every constraint; carries the last iterate.
+            Cancelled: `cancelled` said so.
+        """
+        start = time.perf_counter()
+        task = make_task(jump, self.robot, weights)
+        solve_time, best, attempts = 0.0, None, 0
+        for label, iterate in self._attempts(task, warm):
+            if cancelled is not None and cancelled():
+                raise Cancelled("planning was cancelled")
+            attempts += 1
+            if attempts > 1:
+                _log.info("attempt %d: %s", attempts, label)
+            if progress is not None:
+                progress(f"attempt {attempts}: {label}, {iterate.iterations} iterations")
+            solve_time += iterate.solve_time_s
+            knots = unpack(iterate.w, self.layout, task, self.model)
+            found = violations(knots)
+            best = (iterate, knots, found)
+            if iterate.converged and satisfied(found):
+                break
+        assert best is not None  # there is always a first attempt
+        iterate, knots, found = best
+        solved = iterate.converged and satisfied(found)
+        self.last = iterate if solved else None
+
+        def report() -> SolveReport:
+            return SolveReport(
+                status="solved" if solved else "not-converged",
+                solver=self._backend.name,
+                iterations=iterate.iterations,
+                attempts=attempts,
+                solve_time_s=solve_time,
+                total_time_s=time.perf_counter() - start,
+                build_time_s=0.0,
+                cost=iterate.cost,
+            )
+
+        plan = assemble_plan(jump, self.robot, knots, found, report)
+        if not solved:
+            raise NotConverged(
+                f"no plan found in {attempts} attempts ({_describe(jump)}): "
+                f"{describe_worst(found)}",
+                plan,
+            )
+        return plan
+
+    def _attempts(self, task: Task, warm: bool) -> Iterator[tuple[str, Iterate]]:
+        """What is tried, in order, each only when the one before failed."""
+        if warm and self.last is not None:
+            yield "from the last plan", self._solve(task, self.last.w, self.last)
+        yield "from the analytic guess", self._solve(task, self._guess(task))
+        yield (
+            "from a longer flight",
+            self._solve(task, self._guess(task, PATIENT_FLIGHT)),
+        )
+        stepping: Iterate | None = None
+        for share in HOMOTOPY:
+            easier = make_task(_scaled(task.jump, share), self.robot, task.weights)
+            guess = self._guess(easier) if stepping is None else stepping.w
+            stepping = self._solve(easier, guess, stepping)
+        if stepping is not None:
+            yield "by way of easier jumps", stepping
+
+    def _guess(self, task: Task, flight_time: float | None = None) -> Array:
+        return analytic_guess(task, self.layout, self.model, flight_time)
+
+    def _solve(self, task: Task, guess: Array, warm: Iterate | None = None) -> Iterate:
+        parameters = np.concatenate(list(task.parameters().values()))
+        return self._backend.solve(guess, parameters, row_bounds(self.layout, task), warm)
+
+    def unpack(self, task: Task) -> Knots:
+        """The last solution in full, for tests and studies."""
+        if self.last is None:
+            raise InputError("this planner has no solution yet")
+        return unpack(self.last.w, self.layout, task, self.model)
+
+
+def _scaled(jump: Jump, share: float) -> Jump:
+    motion = {k: share * getattr(jump, k) for k in ("twist", "forward", "lateral", "height")}
+    return Jump(robot=jump.robot, model=jump.model, **motion)
+
+
+def _describe(jump: Jump) -> str:
+    return (
+        f"twist {np.degrees(jump.twist):g} deg, forward {jump.forward:g} m, "
+        f"lateral {jump.lateral:g} m, height {jump.height:g} m, {jump.model}"
+    )
+
+
+def _cached_backend(
+    kind: type[Backend], model: Any, layout: Layout, robot: Robot, progress: Progress | None
+) -> Backend:
+    def build() -> bytes:
+        if progress is not None:
+            progress(f"building the {model.name} solver of {robot.name}, once on this machine")
+        return kind.build(Problem(model, layout)).serialize().encode("ascii")
+
+    sources = sorted(
+        path
+        for package in ("models", "planning")
+        for path in (Path(__file__).parents[1] / package).glob("*.py")
+    )
+    key = content_key(
+        ca.__version__,
+        f"{kind.name} {model.name} {layout}",
+        repr(robot.parameters()),
+        repr(model.numbers()),
+        *sources,
+    )
+    name = f"solver-{robot.name}-{model.name}-{kind.name}"
+    return kind.deserialize(cached_bytes(name, key, ".casadi", build).decode("ascii"))
+
+
+@lru_cache(maxsize=12)
+def planner_for(
+    robot: str, model: str, solver: str = solvers.names()[0], intervals: int = INTERVALS
+) -> Planner:
+    """The planner of a robot's name or file and a model's name, built once a process."""
+    return Planner(load_robot(robot), model, solver, intervals)
