@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from pydantic import BaseModel, ConfigDict, ValidationError
 
-from llsrbm.errors import FileFormatError, InputError
+from llsrbm.errors import Error, FileFormatError, InputError
 from llsrbm.jump import Jump
 from llsrbm.trajectory.archive import Arrays, Entry, checked, read_archive, text, write_archive
 from llsrbm.trajectory.plan import Phase, Plan, SolveReport, Violation
@@ -62,13 +62,14 @@ def save_plan(plan: Plan, path: str | Path) -> None:
     """Write `plan` at exactly that path, atomically.
 
     Raises:
-        InputError: the file cannot be written, or the plan holds numbers that are not finite.
+        InputError: the file cannot be written.
+        Error: the plan holds numbers that are not finite.
     """
     arrays: dict[str, Any] = {key: np.asarray(getattr(plan, key)) for key in LAYOUT}
     arrays["joint_names"] = np.array(plan.joint_names, dtype=np.str_)
     for key, value in arrays.items():
         if value.dtype.kind == "f" and not np.isfinite(value).all():
-            raise InputError(f"plan.{key} holds numbers that are not finite; it is not written")
+            raise Error(f"plan.{key} holds numbers that are not finite; it is not written")
     meta = _Meta(
         request=plan.jump,
         model=plan.jump.model,

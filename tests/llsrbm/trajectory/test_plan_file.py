@@ -14,7 +14,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from llsrbm.errors import FileFormatError, InputError
+from llsrbm.errors import Error, FileFormatError, InputError
 from llsrbm.trajectory.files import load
 from llsrbm.trajectory.plan import Plan
 from llsrbm.trajectory.plan_file import LAYOUT, load_plan, save_plan
@@ -113,7 +113,7 @@ def test_keys_added_by_later_versions_are_no_error(plan, saved, tmp_path):
 def test_a_plan_that_is_not_finite_is_not_written(plan, tmp_path):
     com = plan.com.copy()
     com[3, 1] = np.nan
-    with pytest.raises(InputError, match=r"plan\.com holds numbers that are not finite"):
+    with pytest.raises(Error, match=r"plan\.com holds numbers that are not finite"):
         save_plan(replace(plan, com=com), tmp_path / "plan.npz")
     assert not list(tmp_path.iterdir())
 

@@ -1,0 +1,22 @@
+"""The project's own npz: everything, at the planner's knots, with request and solver report."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from llsrbm.export.base import Format
+from llsrbm.trajectory.files import Trajectory
+
+
+def write_native(trajectory: Trajectory, path: str | Path, fps: float) -> None:
+    """Write the native file; it keeps the knots, so `fps` does not matter."""
+    del fps
+    trajectory.save(path)
+
+
+NATIVE = Format(
+    "npz",
+    "the native file: every quantity at the planner's knots, with request, robot and solver report",
+    ".npz",
+    write_native,
+)

@@ -1,0 +1,61 @@
+"""A plan in a few figures, for the command line and the page."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from llsrbm.trajectory.plan import Plan
+
+
+def yaw(plan: Plan) -> np.ndarray[Any, np.dtype[np.float64]]:
+    """(N+1,) rad: heading of the base's x axis, continuous, so that a half turn keeps its sign."""
+    w, x, y, z = plan.base_quat.T
+    return np.unwrap(np.arctan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z)))
+
+
+def peak_yaw_rate(plan: Plan) -> float:
+    """Largest |angular velocity about z| of the base, rad/s."""
+    return float(np.abs(plan.angular_velocity[:, 2]).max())
+
+
+def worst_violation(plan: Plan) -> str:
+    """One line on the constraint that is violated most, each measured in its own SI unit."""
+    if not plan.violations:
+        return "none is known"
+    name, worst = max(plan.violations.items(), key=lambda item: _size(item[1].amount))
+    return f"at most {worst.amount:.1e} {worst.unit} ({name}, {worst.phase}, {worst.time:.2f} s)"
+
+
+def _size(amount: float) -> float:
+    return math.inf if math.isnan(amount) else amount
+
+
+def plan_summary(plan: Plan) -> dict[str, Any]:
+    """What `llsrbm plan --json` prints: SI units, radians; null for what is not a number."""
+    report = plan.report
+    figures: dict[str, Any] = {
+        "status": report.status,
+        "solver": report.solver,
+        "iterations": report.iterations,
+        "solve_time_s": report.solve_time_s,
+        "total_time_s": report.total_time_s,
+        "build_time_s": report.build_time_s,
+        "cost": report.cost,
+        "duration_s": plan.duration,
+        "phase_durations_s": np.diff(plan.phase_start).tolist(),
+        "peak_yaw_rate": peak_yaw_rate(plan),
+        "final_yaw": float(yaw(plan)[-1]),
+        "violations": {name: v.amount for name, v in plan.violations.items()},
+    }
+    return {key: _json_value(value) for key, value in figures.items()}
+
+
+def _json_value(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _json_value(item) for key, item in value.items()}
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value
