@@ -13,7 +13,8 @@ import viser
 from app import markup
 from app.player import SPEEDS
 from app.replay import Figures
-from llsrbm import export, models
+from llsrbm import models
+from llsrbm.export import formats
 from llsrbm.jump import Jump
 from llsrbm.robots import RobotFile, names
 from llsrbm.robots.schema import Task
@@ -97,7 +98,7 @@ class Panel:
             self._trails = gui.add_checkbox("Trails", initial_value=True)
             gui.add_html(markup.legend())
         with gui.add_folder("File"):
-            self._format = gui.add_dropdown("Format", tuple(export.formats()))
+            self._format = gui.add_dropdown("Format", tuple(formats()))
             self._export = gui.add_button("Export", disabled=True)
         with gui.add_folder("Help", expand_by_default=False):
             gui.add_html(markup.HELP)
@@ -145,8 +146,8 @@ class Panel:
     def read_format(self) -> tuple[str, list[str]]:
         """The file format to export, and what had to be corrected."""
         complaints: list[str] = []
-        formats = tuple(export.formats())
-        return _option(self._format, formats, formats[0], complaints), complaints
+        valid = tuple(formats())
+        return _option(self._format, valid, valid[0], complaints), complaints
 
     # ---- what the user is told
 

@@ -22,8 +22,8 @@ from app.protocol import Cancelled, Failed, PlanJump, Planned, Prepare, Prepared
 from app.replay import bake, figures, presentable
 from app.scene import Scene
 from app.worker_client import WorkerClient
-from llsrbm import export
 from llsrbm.errors import Error
+from llsrbm.export import export, suffix
 from llsrbm.jump import Jump
 from llsrbm.robots import Robot, load_robot
 from llsrbm.trajectory.plan import Plan
@@ -252,9 +252,9 @@ class Session:
             self._panel.notify("Corrected", "; ".join(complaints))
         jump = self.plan.jump
         with tempfile.TemporaryDirectory() as folder:
-            path = Path(folder) / f"{jump.robot}-{jump.model}{export.suffix(name)}"
+            path = Path(folder) / f"{jump.robot}-{jump.model}{suffix(name)}"
             try:
-                export.export(self.plan, path, format=name)
+                export(self.plan, path, format=name)
             except Error as error:
                 self._panel.notify("Not exported", str(error))
                 return
