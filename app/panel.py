@@ -159,7 +159,7 @@ class Panel:
     def show_plan(self, plan: Plan, values: Figures) -> None:
         """A plan's numbers."""
         self._plan = plan
-        self._time.max = max(plan.duration, 0.01)
+        self._time.max = round(max(plan.duration, 0.01), 2)
         self._figures.content = markup.figures(plan, values)
         self._residuals.content = markup.residuals(plan.violations)
         self._export.disabled = False

@@ -69,8 +69,8 @@ class _Ellipsoid:
             )
             # The wires lie just outside, or the surface would hide them.
             for part, radius, wireframe, opacity in (
-                ("surface", 1.0, False, 0.14),
-                ("wires", 1.004, True, 0.22),
+                ("surface", 1.0, False, 0.2),
+                ("wires", 1.004, True, 0.3),
             )
         ]
 

@@ -13,11 +13,12 @@ from types import FrameType
 
 import viser
 
-from app.protocol import Failed, PlanJump, PlannerFactory, Prepare, Prepared, Progress, Report
+from app.protocol import Failed, PlanJump, PlannerFactory, Prepare, Progress, Report
 from app.session import Session
 from app.viser_private import DesignerServer
 from app.worker import LibraryPlanner
 from app.worker_client import WorkerClient
+from llsrbm import models
 from llsrbm.errors import InputError
 from llsrbm.jump import Jump
 
@@ -74,20 +75,25 @@ class Designer:
         with self._lock:
             return tuple(self._sessions.values())
 
-    def warm_up(self, jump: Jump) -> None:
-        """Prepare a robot and its solver before anybody asks, telling the terminal."""
+    def warm_up(self, robot: str) -> None:
+        """Prepare a robot and the solver of every model before anybody asks, telling the terminal.
+
+        Tabs take turns with it, so a request waits for one solver at most.
+        """
+        jumps = [Jump(robot=robot, model=model) for model in sorted(models.names(), key=_default)]
 
         def tell(report: Report) -> None:
             if isinstance(report, Progress):
                 print(f"  {report.text} ...", file=sys.stderr, flush=True)
-            elif isinstance(report, Prepared):
-                self.worker.submit(_WARM_UP, PlanJump(jump), tell)
-            elif isinstance(report, Failed):
+                return
+            if isinstance(report, Failed):
                 print(f"  {report.message}", file=sys.stderr, flush=True)
+            if jumps:
+                self.worker.submit(_WARM_UP, PlanJump(jumps.pop(0)), tell)
             else:
                 print("ready", file=sys.stderr, flush=True)
 
-        self.worker.submit(_WARM_UP, Prepare(jump.robot), tell)
+        self.worker.submit(_WARM_UP, Prepare(robot), tell)
 
     def close(self) -> None:
         """End the sessions, the server and the planning process."""
@@ -125,7 +131,7 @@ def serve(
         designer = Designer(host, port, allowed_hosts=allowed_hosts, factory=factory)
         try:
             print(f"llsrbm designer: {designer.url}", flush=True)
-            designer.warm_up(Jump())
+            designer.warm_up(Jump().robot)
             stop.wait()
         finally:
             designer.close()
@@ -163,6 +169,11 @@ def check_bindable(host: str, port: int) -> None:
                     f"--host: cannot listen on {host!r} ({error.strerror}); "
                     "expected an address of this machine, for example 127.0.0.1"
                 ) from error
+
+
+def _default(model: str) -> bool:
+    """Sorts the model that pages start with first."""
+    return model != Jump().model
 
 
 def _in_use(host: str, port: int) -> InputError:

@@ -6,6 +6,7 @@ say that something happened; this thread then reads the controls as they stand. 
 
 from __future__ import annotations
 
+import math
 import queue
 import tempfile
 import threading
@@ -29,6 +30,8 @@ from llsrbm.robots import Robot, load_robot
 from llsrbm.trajectory.plan import Plan
 
 _TIME_SHOWN_EVERY = 0.1  # s; the time slider follows the picture more slowly, to spare the line
+FIRST_JUMP = Jump(twist=math.radians(90))
+"""What a tab begins with: the motion that shows most clearly what drawing in the legs does."""
 
 
 class _Stop(Enum):
@@ -51,7 +54,7 @@ class Session:
         self._thread = threading.Thread(
             target=self._run, name=f"session-{client.client_id}", daemon=True
         )
-        self.jump = Jump()
+        self.jump = FIRST_JUMP
         self.plan: Plan | None = None
         self._robot: Robot | None = None
         self._preparing = False

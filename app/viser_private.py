@@ -10,6 +10,7 @@ import contextlib
 import io
 import ipaddress
 import logging
+import warnings
 from collections.abc import Collection, Iterator
 from http import HTTPStatus
 from typing import Any
@@ -27,6 +28,9 @@ MAX_CONNECTIONS = 50
 _MAX_MESSAGE = 1 << 20  # bytes a browser may send at once; sliders and clicks are far smaller
 
 _log = logging.getLogger(__name__)
+
+# A tab may close while a frame is under way; the session ends a moment later.
+warnings.filterwarnings("ignore", message="Queued a .* on a closed connection", module="viser")
 
 
 class DesignerServer(viser.ViserServer):

@@ -34,6 +34,13 @@ class SharedNumber(Protocol):
 class LibraryPlanner:
     """The planner of the library, for robots found by name."""
 
+    def __init__(self) -> None:
+        """Import what takes long, once, before the first job."""
+        import llsrbm
+
+        self._plan = llsrbm.plan
+        self._solvers: set[tuple[str, str]] = set()
+
     def prepare(self, robot: str, progress: Callable[[str], None]) -> None:
         """See `app.protocol.Planner.prepare`."""
         from llsrbm.robots import load_robot
@@ -49,9 +56,13 @@ class LibraryPlanner:
         self, jump: Jump, progress: Callable[[str], None], cancelled: Callable[[], bool]
     ) -> Plan:
         """See `app.protocol.Planner.plan`."""
-        import llsrbm
-
-        return llsrbm.plan(jump, progress=progress, cancelled=cancelled)
+        which = (jump.robot, jump.model)
+        if which not in self._solvers:
+            progress(f"building the solver of {jump.model} for {jump.robot}")
+        try:
+            return self._plan(jump, progress=progress, cancelled=cancelled)
+        finally:
+            self._solvers.add(which)
 
 
 def main(connection: Connection, cancelled_up_to: SharedNumber, factory: PlannerFactory) -> None:
