@@ -146,8 +146,8 @@ def main() -> None:
         print(
             f"{robot.name:10s} {seconds:5.2f} s {1e3 * r['com_quadratic']:8.1f} mm "
             f"{1e3 * r['com_affine']:7.1f} mm {r['inertia_affine']:8.5f} {r['spin_affine']:8.5f} "
-            f"{1e3 * t.base_offset:6.1f} mm {100 * t.inertia_zz:6.2f} % {100 * t.momentum_z:7.2f} / "
-            f"{100 * t.momentum_z_worst:.1f} %"
+            f"{1e3 * t.base_offset:6.1f} mm {100 * t.inertia_zz:6.2f} % "
+            f"{100 * t.momentum_z:7.2f} / {100 * t.momentum_z_worst:.1f} %"
         )
 
 

@@ -18,6 +18,7 @@ import json
 import logging
 from collections.abc import Callable
 from dataclasses import dataclass, fields
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -126,8 +127,8 @@ def fit_legs(
     one, two = affine_features(x), quadratic_features(x)
     com_affine = _fit_with_slopes(one, affine_slopes(x), com, com_slope)
     com_quadratic = _fit_with_slopes(two, quadratic_slopes(x), com, com_slope)
-    inertia_affine = np.linalg.lstsq(one, inertia.reshape(-1, 9))[0]
-    spin_affine = np.linalg.lstsq(one, spin.reshape(-1, 9))[0]
+    inertia_affine = _least_squares(one, inertia.reshape(-1, 9))
+    spin_affine = _least_squares(one, spin.reshape(-1, 9))
     mass, fraction = _proportional(robot)
 
     def slope_error(slopes: Array, weights: Array) -> float:
@@ -216,7 +217,11 @@ def _fit_with_slopes(features: Array, slopes: Array, value: Array, derivative: A
     w = _DERIVATIVE_WEIGHT
     rows = np.vstack([features, *(w * slopes[:, :, k] for k in range(3))])
     right = np.vstack([value, *(w * derivative[:, :, k] for k in range(3))])
-    return np.linalg.lstsq(rows, right)[0]
+    return _least_squares(rows, right)
+
+
+def _least_squares(rows: Array, right: Array) -> Array:
+    return np.asarray(np.linalg.lstsq(rows, right)[0], dtype=np.float64)
 
 
 def _proportional(robot: Robot) -> tuple[float, float]:
@@ -255,14 +260,10 @@ def _encode(fit: LegFit) -> bytes:
 
 def _decode(data: bytes) -> LegFit:
     with np.load(io.BytesIO(data), allow_pickle=False) as stored:
-        values = {f.name: stored[f.name] for f in fields(LegFit)}
-    return LegFit(
-        **{
-            name: json.loads(str(value)) if name == "residuals" else _plain(value)
-            for name, value in values.items()
-        }
-    )
-
-
-def _plain(value: Array) -> Array | float:
-    return float(value) if value.ndim == 0 else value
+        values: dict[str, Any] = {f.name: stored[f.name] for f in fields(LegFit)}
+    for name, value in values.items():
+        if name == "residuals":
+            values[name] = json.loads(str(value))
+        elif value.ndim == 0:
+            values[name] = float(value)
+    return LegFit(**values)

@@ -106,7 +106,7 @@ class Limits(_Table):
         joint_speed: largest joint speed, rad/s.
         friction: coefficient of friction.
         foot_speed: largest foot speed in the world along each axis, m/s.
-        foot_speed_in_base: largest foot speed relative to the base along each axis, m/s.
+        foot_speed_in_base: largest foot speed relative to the base along its x, y, z, m/s.
         clearance: height of the feet above the ground line in mid-flight, m.
         feet_apart: shortest distance between two feet seen from above, m.
     """
@@ -116,7 +116,7 @@ class Limits(_Table):
     joint_speed: Positive
     friction: Positive
     foot_speed: Positive
-    foot_speed_in_base: Positive
+    foot_speed_in_base: tuple[Positive, Positive, Positive]
     clearance: Length
     feet_apart: Length
 
