@@ -85,6 +85,7 @@ class CentroidalModel(ABC):
         self.leg_mass = np.full(self.legs, leg_mass)
         self.base_mass = self.mass - self.legs * leg_mass
         self._leg_com_affine = leg_com_affine
+        self._functions: dict[tuple[str, int], ca.Function] = {}
         W = leg_com_affine[1:].T
         per_leg = [np.diag(M) @ W @ np.diag(M) for M in self.mirrors]
         fixed = self.base_mass * trunk_com + leg_mass * sum(
@@ -199,14 +200,8 @@ class CentroidalModel(ABC):
             offset (K, 3) m, inertia (K, 3, 3) kg m2 and leg CoMs seen from the CoM (K, L, 3) m,
             base axes.
         """
-        x = ca.SX.sym("x", 3, self.legs)
-        o = self.base_offset(x)
-        legs = [
-            self.foot_from_com(i, self.leg_com(i, x[:, i]), o) for i in range(self.legs)
-        ]
-        function = self._function("evaluate", [x], [o, self.inertia(x, o), ca.horzcat(*legs)])
         count = len(feet_in_hip)
-        outputs = function.map(count)(feet_in_hip.reshape(-1, 3).T)
+        outputs = self._mapped("evaluate", count)(feet_in_hip.reshape(-1, 3).T)
         offset, inertia, leg_com = (np.array(out) for out in outputs)
         return (
             offset.T,
@@ -218,15 +213,22 @@ class CentroidalModel(ABC):
         self, feet_in_hip: Array, feet_in_hip_rate: Array, angular_velocity: Array
     ) -> Array:
         """I omega + h at K instants, (K, 3) kg m2/s, base axes; arguments (K, L, 3), (K, L, 3), (K, 3)."""
-        x, xdot = ca.SX.sym("x", 3, self.legs), ca.SX.sym("xdot", 3, self.legs)
-        w = ca.SX.sym("w", 3)
-        momentum = self.angular_momentum(x, xdot, w, self.base_offset(x))
-        function = self._function("momentum", [x, xdot, w], [momentum])
         columns = (a.reshape(-1, 3).T for a in (feet_in_hip, feet_in_hip_rate, angular_velocity))
-        return np.array(function.map(len(angular_velocity))(*columns)).T
+        return np.array(self._mapped("momentum", len(angular_velocity))(*columns)).T
 
-    def _function(self, name: str, arguments: list[Any], results: list[Any]) -> ca.Function:
-        functions = self.__dict__.setdefault("_functions", {})
-        if name not in functions:
-            functions[name] = ca.Function(name, arguments, results)
-        return functions[name]
+    def _mapped(self, name: str, count: int) -> ca.Function:
+        """One of the two functions below over `count` instants, made once."""
+        key = (name, count)
+        if key not in self._functions:
+            x, xdot = ca.SX.sym("x", 3, self.legs), ca.SX.sym("xdot", 3, self.legs)
+            w = ca.SX.sym("w", 3)
+            o = self.base_offset(x)
+            if name == "momentum":
+                momentum = self.angular_momentum(x, xdot, w, o)
+                function = ca.Function(name, [x, xdot, w], [ca.densify(momentum)])
+            else:
+                legs = [self.foot_from_com(i, self.leg_com(i, x[:, i]), o) for i in range(self.legs)]
+                results = [o, self.inertia(x, o), ca.horzcat(*legs)]
+                function = ca.Function(name, [x], [ca.densify(ca.SX(r)) for r in results])
+            self._functions[key] = function.map(count)
+        return self._functions[key]

@@ -267,12 +267,14 @@ def ground_line(task: Task, progress: Array) -> Array:
     """(K, L) m: height that feet must clear at `progress` (K,) of the flight.
 
     From the start to the target; a landing surface above the start is cleared as high as it is
-    from the first third on, so that no foot meets the edge of the box.
+    from half way on, so that no foot meets the edge of the box. The rise begins smoothly, as a
+    foot's speed does (`SPEED_RAMP`).
     """
     s = np.asarray(progress)[:, None]
     start, goal = task.start_feet[:, 2], task.goal_feet[:, 2]
     straight = start * (1 - s) + goal * s
-    early = start + (goal - start) * np.minimum(1.0, 3 * s)
+    u = np.minimum(1.0, 2 * s)
+    early = start + (goal - start) * u**2 * (3 - 2 * u)
     return np.where(goal > start, early, straight)
 
 
@@ -399,12 +401,12 @@ class FootSpeedInBase(Constraint):
 
     def bounds(self, task: Task, layout: Layout, knot: int) -> Bounds:
         """Plus and minus the limit."""
-        top = np.full(3 * layout.legs, task.limits.foot_speed_in_base)
+        top = np.tile(task.limits.foot_speed_in_base, layout.legs)
         return -top, top
 
     def violation(self, knots: Knots) -> Array:
         """Speed beyond the limit."""
-        excess = np.abs(knots.flight_feet_rate) - knots.task.limits.foot_speed_in_base
+        excess = np.abs(knots.flight_feet_rate) - np.array(knots.task.limits.foot_speed_in_base)
         return _spread(knots, slice(knots.flight.start, knots.flight.stop - 1), excess)
 
 

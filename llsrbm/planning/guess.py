@@ -110,6 +110,7 @@ def analytic_guess(
 
     steps = layout.intervals.flight
     feet = np.array([in_hips(k / steps) for k in range(steps + 1)])
+    inertia_zz = model.evaluate(feet[:1])[1][0, 2, 2]
     w = np.zeros(layout.size_total)
     for k, role in enumerate(layout.roles):
         s = layout.progress[k]
@@ -121,7 +122,7 @@ def analytic_guess(
             "position": position,
             "velocity": velocity,
             "quat": [np.cos(yaw / 2), 0, 0, np.sin(yaw / 2)],
-            "momentum": [0, 0, model_inertia_zz(model, feet[0]) * yaw_rate / task.mass],
+            "momentum": [0, 0, inertia_zz * yaw_rate / task.mass],
             "rotation_rate": [0, 0, yaw_rate],
             "duration": T[role.phase],
             "next_duration": T[min(role.phase + 1, 2)],
@@ -133,13 +134,9 @@ def analytic_guess(
         }
         if in_flight:
             rate = (feet[flight_knot + 1] - feet[flight_knot]) * steps / T[1]
-            top = task.limits.foot_speed_in_base
+            top = np.array(task.limits.foot_speed_in_base)
             values["feet_rate"] = np.clip(rate, -top, top).ravel()
         for name, place in layout.variables(k).items():
             w[place] = values[name]
     return w
 
-
-def model_inertia_zz(model: CentroidalModel, feet_in_hip: Array) -> float:
-    """Izz, kg m2, of one configuration (L, 3)."""
-    return float(model.evaluate(feet_in_hip[None])[1][0, 2, 2])
