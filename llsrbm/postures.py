@@ -34,6 +34,7 @@ Array = NDArray[np.float64]
 
 _CONVERGED = 1e-7  # m
 _REACHED = 1e-5  # m: a knot with a larger residual is tried again from its neighbour
+_AS_GOOD = 1e-3  # m: how much more a foot may miss for the sake of continuity
 _JUMP = 1.0  # rad between neighbouring knots that hints at another branch of the kinematics
 _ITERATIONS = 30
 
@@ -142,14 +143,7 @@ def solve_postures(
         start[7:][robot.leg_joint_index], (len(r), *robot.leg_joint_index.shape)
     )
     q, residual = _newton(robot, beta, first)
-    for k in range(1, len(r)):
-        jump = np.abs(q[k] - q[k - 1]).max()
-        if residual[k] > _REACHED or jump > _JUMP:
-            again, again_residual = _newton(robot, beta[k : k + 1], q[k - 1 : k])
-            nearer = np.abs(again[0] - q[k - 1]).max() < jump
-            reached = again_residual[0] <= _REACHED
-            if again_residual[0] < min(residual[k], _REACHED) or (reached and nearer):
-                q[k], residual[k] = again[0], again_residual[0]
+    _make_continuous(robot, beta, q, residual)
     joint_position = np.empty((len(r), len(robot.joint_names)))
     joint_position[:, robot.leg_joint_index] = q
     origin = _base_from_com(robot, robot.chains.motion(q).com)
@@ -241,6 +235,24 @@ def _newton(robot: Robot, beta: Array, q: Array) -> tuple[Array, Array]:
     motion = robot.chains.motion(q)
     error = beta - _base_from_com(robot, motion.com)[:, None, :] - motion.foot
     return q, np.sqrt(np.sum(error * error, axis=-1)).max(axis=-1)
+
+
+def _make_continuous(robot: Robot, beta: Array, q: Array, residual: Array) -> None:
+    """Solve knots that failed, or lie on another branch, again from the last that is in reach."""
+    last: int | None = None
+    for k in range(len(q)):
+        reached = residual[k] <= _REACHED
+        jump = last is not None and np.abs(q[k] - q[last]).max() > _JUMP
+        # After a gap of knots out of reach the distance from the last one says nothing.
+        if last is not None and (not reached or (jump and last == k - 1)):
+            again, again_residual = _newton(robot, beta[k : k + 1], q[last : last + 1])
+            nearer = np.abs(again[0] - q[last]).max() < np.abs(q[k] - q[last]).max()
+            as_good = again_residual[0] <= (_REACHED if reached else residual[k] + _AS_GOOD)
+            if as_good and (nearer or not reached):
+                q[k], residual[k] = again[0], again_residual[0]
+                reached = residual[k] <= _REACHED
+        if reached:
+            last = k
 
 
 def _joint_step(robot: Robot, motion: LegMotion, inverse: Array, error: Array) -> Array:

@@ -137,12 +137,7 @@ def build_robot(path: str | Path) -> Robot:
     path = Path(path).resolve()
     file = read_robot_file(path)
     urdf_path, package_dirs = _find_urdf(file, path)
-    try:
-        model = pin.buildModelFromUrdf(str(urdf_path), pin.JointModelFreeFlyer())
-    except (ValueError, RuntimeError) as error:
-        reason = " ".join(str(error).split())
-        raise RobotFileError(f"{path}: urdf: {urdf_path} is not a URDF: {reason}") from error
-
+    model = _load_model(urdf_path, path)
     chains_of = {name: _joint_chain(model, file, path, name) for name in file.legs}
     _check_joints(model, file, path, chains_of)
     joint_ids = list(chains_of.values())
@@ -216,6 +211,20 @@ def _find_urdf(file: RobotFile, path: Path) -> tuple[Path, tuple[Path, ...]]:
             f'{path}: urdf.path: package {package} has no "{inner}"; {choices(inner, present)}'
         )
     return urdf, (share,)
+
+
+def _load_model(urdf_path: Path, path: Path) -> pin.Model:
+    try:
+        model = pin.buildModelFromUrdf(str(urdf_path), pin.JointModelFreeFlyer())
+    except (ValueError, RuntimeError) as error:
+        reason = " ".join(str(error).split())
+        raise RobotFileError(f"{path}: urdf: {urdf_path} is not a URDF: {reason}") from error
+    if model.njoints <= _BASE_JOINT + 1:
+        # The parser reports some mistakes on stderr only and returns an empty robot.
+        raise RobotFileError(
+            f"{path}: urdf: {urdf_path} is not the URDF of a robot with legs: no joint was read"
+        )
+    return model
 
 
 def _frame_id(model: pin.Model, name: str) -> int:

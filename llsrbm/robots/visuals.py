@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-VISUALS_VERSION = "1"  # part of the cache key: raise it when the meshes change
+VISUALS_VERSION = "2"  # part of the cache key: raise it when the meshes change
 FACES = 26_000  # of a whole robot, about; 0.4 MB as viser sends it
 
 _SIMPLE = 200  # faces of a part that are kept in any case
@@ -305,9 +305,9 @@ def _simplified(part: trimesh.Trimesh, faces: int, size: float) -> trimesh.Trime
             np.asarray(mesh.vertices), np.asarray(mesh.faces), target_count=faces, agg=haste
         )[:2]
         mesh = trimesh.Trimesh(vertices, triangles, process=False)
-    creased = trimesh.graph.smooth_shade(
-        _clustered(mesh, 1e-5 * size), angle=_CREASE, facet_minarea=None
-    )
+    mesh = _clustered(mesh, 1e-5 * size)
+    mesh.update_faces(mesh.nondegenerate_faces(height=1e-6 * size))
+    creased = trimesh.graph.smooth_shade(mesh, angle=_CREASE, facet_minarea=None)
     nearest = cKDTree(places).query(np.asarray(creased.vertices))[1]
     return trimesh.Trimesh(
         creased.vertices,

@@ -1,0 +1,70 @@
+import logging
+
+import pytest
+
+from llsrbm.robots import cache
+
+
+@pytest.fixture(autouse=True)
+def own_cache(tmp_path, monkeypatch):
+    monkeypatch.setenv(cache.ENVIRONMENT_VARIABLE, str(tmp_path / "cache"))
+    return tmp_path / "cache"
+
+
+def test_the_environment_overrides_the_directory(own_cache, monkeypatch):
+    path = cache.cache_path("solvers", b"key", ".casadi")
+    assert path.parent == own_cache / "solvers"
+    assert path.suffix == ".casadi"
+    monkeypatch.delenv(cache.ENVIRONMENT_VARIABLE)
+    assert cache.cache_directory().name == "llsrbm"
+
+
+def test_an_entry_is_computed_once():
+    calls = []
+
+    def compute() -> bytes:
+        calls.append(1)
+        return b"result"
+
+    assert cache.cached_bytes("kind", b"key", ".bin", compute) == b"result"
+    assert cache.cached_bytes("kind", b"key", ".bin", compute) == b"result"
+    assert cache.cached_bytes("kind", b"other key", ".bin", compute) == b"result"
+    assert len(calls) == 2
+
+
+@pytest.mark.parametrize(
+    "damage", [lambda b: b[:-1], lambda b: b[:10], lambda b: b"", bytes.swapcase]
+)
+def test_a_damaged_entry_is_computed_anew_with_a_warning(damage, caplog):
+    cache.cached_bytes("kind", b"key", ".bin", lambda: b"a result")
+    path = cache.cache_path("kind", b"key", ".bin")
+    path.write_bytes(damage(path.read_bytes()))
+    with caplog.at_level(logging.WARNING):
+        assert cache.cached_bytes("kind", b"key", ".bin", lambda: b"again") == b"again"
+    assert "damaged" in caplog.text
+    assert cache.read_checked(path) == b"again"
+
+
+def test_a_directory_that_cannot_be_written_is_a_warning(own_cache, caplog):
+    own_cache.write_text("a file where the directory should be")
+    with caplog.at_level(logging.WARNING):
+        assert cache.cached_bytes("kind", b"key", ".bin", lambda: b"result") == b"result"
+    assert "cannot be written" in caplog.text
+
+
+def test_a_failed_write_leaves_nothing_behind(own_cache):
+    path = cache.cache_path("kind", b"key", ".bin")
+    cache.write_atomically(path, b"old")
+    with pytest.raises(TypeError):
+        cache.write_atomically(path, "not bytes")
+    assert path.read_bytes() == b"old"
+    assert list(path.parent.iterdir()) == [path]
+
+
+def test_a_key_tells_its_parts_apart(tmp_path):
+    file = tmp_path / "file"
+    file.write_bytes(b"content")
+    assert cache.content_key("ab", "c") != cache.content_key("a", "bc")
+    assert cache.content_key(file) == cache.content_key(b"content") == cache.content_key("content")
+    file.write_bytes(b"changed")
+    assert cache.content_key(file) != cache.content_key(b"content")

@@ -1,0 +1,108 @@
+import logging
+
+import numpy as np
+import pytest
+
+from benchmarks.leg_fit import truth
+from llsrbm.errors import RobotFileError
+from llsrbm.robots import load_robot
+from llsrbm.robots.cache import ENVIRONMENT_VARIABLE
+from llsrbm.robots.leg_fit import (
+    affine_slopes,
+    fit_legs,
+    load_or_fit,
+    quadratic_features,
+    quadratic_slopes,
+)
+from llsrbm.robots.robot import build_robot
+from tests.llsrbm.robots.test_robot import ANYMAL, QUADRUPEDS
+
+
+@pytest.mark.parametrize("name", QUADRUPEDS)
+def test_maps_are_true_of_every_quadruped(name):
+    """Against Pinocchio, feet anywhere in the reach box and moving at random."""
+    robot = load_robot(name)
+    found = truth(robot, fit_legs(robot), count=150)
+    assert found.inertia_zz < 0.02
+    assert found.momentum_z < 0.03
+    assert found.base_offset < 0.015 * np.linalg.norm(robot.feet - robot.com, axis=1).mean()
+
+
+def test_anymals_maps_beat_the_papers_rule():
+    fit = fit_legs(load_robot("anymal"))
+    error = fit.residuals
+    assert error["com_quadratic"] < 0.6 * error["com_affine"] < 0.2 * error["com_proportional"]
+    assert error["com_quadratic_slope"] < error["com_affine_slope"]
+    # The paper's point mass, as the prototypes measured it: 1.98 kg at 62 % of the way up.
+    assert fit.proportional_mass == pytest.approx(1.983, abs=1e-3)
+    assert fit.proportional_fraction == pytest.approx(0.6225, abs=1e-3)
+
+
+@pytest.mark.parametrize("name", QUADRUPEDS)
+def test_masses_add_up(name):
+    robot = load_robot(name)
+    fit = fit_legs(robot, samples=400)
+    assert fit.trunk_mass + len(robot.legs) * fit.leg_mass == pytest.approx(robot.mass)
+    assert np.linalg.eigvalsh(fit.trunk_inertia).min() > 0
+    for row in fit.inertia_affine:
+        np.testing.assert_allclose(row.reshape(3, 3), row.reshape(3, 3).T, atol=1e-9)
+    # In mirrored axes all legs stand alike: the map's inertia there is a body's.
+    seen = robot.mirrors * (robot.feet - robot.base_position - robot.hips)
+    standing = (np.append(1.0, seen[0]) @ fit.inertia_affine).reshape(3, 3)
+    assert np.linalg.eigvalsh(standing).min() > 0
+
+
+def test_slopes_are_the_features_derivatives():
+    rng = np.random.default_rng(0)
+    x, step = rng.uniform(-0.5, 0.5, size=(20, 3)), 1e-6
+    for k in range(3):
+        d = step * np.eye(3)[k]
+        slope = (quadratic_features(x + d) - quadratic_features(x - d)) / (2 * step)
+        np.testing.assert_allclose(quadratic_slopes(x)[:, :, k], slope, atol=1e-8)
+    np.testing.assert_array_equal(affine_slopes(x)[3, 1:], np.eye(3))
+
+
+def test_the_same_seed_gives_the_same_fit():
+    robot = load_robot("anymal")
+    one, two, other = fit_legs(robot), fit_legs(robot), fit_legs(robot, seed=1)
+    np.testing.assert_array_equal(one.com_quadratic, two.com_quadratic)
+    assert not np.array_equal(one.com_quadratic, other.com_quadratic)
+    # Enough samples that their choice hardly matters.
+    x = quadratic_features(np.array([0.05, 0.05, -0.4]))
+    np.testing.assert_allclose(x @ one.com_quadratic, x @ other.com_quadratic, atol=2e-3)
+
+
+def test_progress_runs_from_nothing_to_all():
+    seen: list[float] = []
+    fit_legs(load_robot("anymal"), samples=400, progress=seen.append)
+    assert seen[0] == 0.0
+    assert seen[-1] == 1.0
+    assert seen == sorted(seen)
+
+
+def test_a_reach_box_the_legs_cannot_reach_is_refused(tmp_path):
+    path = tmp_path / "giant.toml"
+    text = ANYMAL.replace("distance = [0.26, 0.52]", "distance = [1.0, 1.2]")
+    text = text.replace("lower = [-0.22, -0.20, -0.56]", "lower = [-0.22, -0.20, -1.2]")
+    path.write_text(text)
+    with pytest.raises(RobotFileError, match=r"giant\.toml: reach: .* reach only 0 of"):
+        fit_legs(build_robot(path))
+
+
+def test_a_fit_is_cached_and_a_damaged_one_made_anew(tmp_path, monkeypatch, caplog):
+    monkeypatch.setenv(ENVIRONMENT_VARIABLE, str(tmp_path))
+    robot = load_robot("anymal")
+    fitted = load_or_fit(robot)
+    (entry,) = (tmp_path / "leg-fits").iterdir()
+    with monkeypatch.context() as patch:
+        patch.setattr("llsrbm.robots.leg_fit.fit_legs", None)
+        stored = load_or_fit(robot)
+    for name, value in vars(fitted).items():
+        np.testing.assert_equal(getattr(stored, name), value)
+        assert type(getattr(stored, name)) is type(value)
+    content = entry.read_bytes()
+    entry.write_bytes(content[: len(content) // 2])
+    with caplog.at_level(logging.WARNING):
+        np.testing.assert_array_equal(load_or_fit(robot).spin_affine, fitted.spin_affine)
+    assert "damaged" in caplog.text
+    assert entry.read_bytes() == content

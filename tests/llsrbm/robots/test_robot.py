@@ -1,0 +1,192 @@
+"""What is computed from the URDF, against Pinocchio and against a robot made by hand."""
+
+from pathlib import Path
+
+import numpy as np
+import pinocchio as pin
+import pytest
+
+from llsrbm.errors import InputError, RobotFileError
+from llsrbm.robots import load_robot, names
+from llsrbm.robots.assets import robot_files
+
+ANYMAL = robot_files()["anymal"].read_text()
+OTHERS = sorted((Path(__file__).parents[3] / "benchmarks" / "robots").glob("*.toml"))
+QUADRUPEDS = [pytest.param(str(p), id=p.stem) for p in (robot_files()["anymal"], *OTHERS)]
+
+
+@pytest.fixture(params=QUADRUPEDS)
+def robot(request):
+    return load_robot(request.param)
+
+
+def test_anymal_has_the_known_figures():
+    anymal = load_robot("anymal")
+    assert anymal.mass == pytest.approx(30.475, abs=1e-3)
+    assert np.diag(anymal.inertia) == pytest.approx([1.004, 2.078, 2.082], abs=1e-3)
+    assert anymal.com == pytest.approx([0, 0, 0.458], abs=1e-3)
+    assert anymal.chains.mass == pytest.approx([3.408] * 4, abs=1e-3)
+    assert [leg.name for leg in anymal.legs] == ["LF", "RF", "LH", "RH"]
+    assert anymal.legs[0].joints == ("LF_HAA", "LF_HFE", "LF_KFE")
+    assert anymal.hips[0] == pytest.approx([0.277 + 0.0635, 0.116 + 0.041, 0.0])
+
+
+def test_a_robot_is_loaded_once():
+    assert load_robot("anymal") is load_robot("anymal")
+
+
+def test_the_default_posture_stands_on_the_ground_below_its_com(robot):
+    data = robot.model.createData()
+    com = pin.centerOfMass(robot.model, data, robot.posture)
+    pin.updateFramePlacements(robot.model, data)
+    feet = np.array([data.oMf[leg.foot_frame_id].translation for leg in robot.legs])
+    assert com == pytest.approx(robot.com, abs=1e-12)
+    assert com[:2] == pytest.approx([0, 0], abs=1e-12)
+    assert feet == pytest.approx(robot.feet, abs=1e-12)
+    assert feet[:, 2].min() == pytest.approx(0, abs=1e-12)
+    assert feet[:, 2].max() < 0.01
+    assert robot.posture[3:7].tolist() == [0, 0, 0, 1]
+    assert robot.posture[:3] == pytest.approx(robot.base_position)
+    for leg in robot.legs:
+        assert robot.posture[leg.q_index] == pytest.approx(robot.file.posture[leg.name])
+
+
+def test_mass_and_inertia_are_those_of_all_bodies(robot):
+    """Summed body by body with the parallel-axis theorem, not by Pinocchio's composite."""
+    data = robot.model.createData()
+    pin.forwardKinematics(robot.model, data, robot.posture)
+    mass, inertia = 0.0, np.zeros((3, 3))
+    for joint in range(1, robot.model.njoints):
+        body, pose = robot.model.inertias[joint], data.oMi[joint]
+        d = pose.act(body.lever) - robot.com
+        inertia += pose.rotation @ body.inertia @ pose.rotation.T
+        inertia += body.mass * (d @ d * np.eye(3) - np.outer(d, d))
+        mass += body.mass
+    assert mass == pytest.approx(robot.mass)
+    assert inertia == pytest.approx(robot.inertia, abs=1e-12)
+
+
+def test_the_default_posture_is_within_the_robots_own_reach(robot):
+    seen = robot.mirrors * (robot.feet - robot.base_position - robot.hips)
+    reach = robot.file.reach
+    assert (seen >= reach.lower).all()
+    assert (seen <= reach.upper).all()
+    distance = np.linalg.norm(seen, axis=1)
+    assert (distance >= reach.distance[0]).all()
+
+
+@pytest.mark.parametrize(
+    ("stem", "hind"), [("anymal", -1), ("anymal_c", -1), ("solo12", -1), ("go2", 1), ("a1", 1)]
+)
+def test_hind_legs_are_mirrored_only_if_they_bend_the_other_way(stem, hind):
+    robot = load_robot(next(param.values[0] for param in QUADRUPEDS if param.id == stem))
+    assert robot.mirrors.tolist() == [[1, 1, 1], [1, -1, 1], [hind, 1, 1], [hind, -1, 1]]
+
+
+def test_parameters_are_plain_data(robot):
+    import json
+
+    read = json.loads(json.dumps(robot.parameters()))
+    assert read["name"] == robot.name
+    assert read["mass"] == robot.mass
+    assert np.array(read["inertia"]) == pytest.approx(robot.inertia)
+
+
+def test_names_are_listed_and_an_unknown_one_is_refused():
+    assert "anymal" in names()
+    with pytest.raises(InputError, match=r'no robot "anymall"; did you mean "anymal"\? valid: any'):
+        load_robot("anymall")
+    with pytest.raises(RobotFileError, match=r"nosuch\.toml: cannot be read"):
+        load_robot("./nosuch.toml")
+
+
+WRONG_FOR_THE_URDF = {
+    "no such frame": (
+        'foot = "LF_FOOT"',
+        'foot = "LF_FOT"',
+        ["legs.LF.foot", '"LF_FOOT"', "valid"],
+    ),
+    "foot on the base": (
+        'foot = "LF_FOOT"',
+        'foot = "imu_link"',
+        ["legs.LF.foot", "no joint moves"],
+    ),
+    "hip of another leg": (
+        'hip = "LF_HFE"',
+        'hip = "RF_HFE"',
+        ["legs.LF.hip", '"RF_HFE"', "LF_HAA, LF_HFE, LF_KFE"],
+    ),
+    "too few angles": (
+        "LF = [-0.1, 0.7, -1.0]",
+        "LF = [-0.1, 0.7]",
+        ["posture.LF", "expected 3 joint angles (LF_HAA, LF_HFE, LF_KFE)", "got 2"],
+    ),
+    "no such URDF in the package": (
+        "robots/anymal.urdf",
+        "robots/anymall.urdf",
+        ["urdf.path", "anymal_b_simple_description/robots/anymal.urdf"],
+    ),
+    "no such package": ("example-robot-data", "example-robot-dat", ["urdf.package", "pip install"]),
+    "the same leg twice": (
+        'foot = "RF_FOOT", hip = "RF_HFE"',
+        'foot = "LF_FOOT", hip = "LF_HFE"',
+        ["legs.RF", "also belongs to leg LF"],
+    ),
+}
+
+
+@pytest.mark.parametrize("mistake", WRONG_FOR_THE_URDF)
+def test_what_contradicts_the_urdf_is_one_clear_line(tmp_path, mistake):
+    right, wrong, expected = WRONG_FOR_THE_URDF[mistake]
+    assert right in ANYMAL
+    path = tmp_path / "mine.toml"
+    path.write_text(ANYMAL.replace(right, wrong, 1))
+    with pytest.raises(RobotFileError) as caught:
+        load_robot(str(path))
+    message = str(caught.value)
+    assert "\n" not in message
+    for part in ["mine.toml", *expected]:
+        assert part in message
+
+
+def test_a_joint_in_no_leg_is_refused(tmp_path):
+    lines = [line for line in ANYMAL.splitlines() if not line.startswith("RH =")]
+    path = tmp_path / "three.toml"
+    path.write_text("\n".join(lines))
+    with pytest.raises(RobotFileError, match=r"RH_HAA, RH_HFE, RH_KFE .* belong to no leg"):
+        load_robot(str(path))
+
+
+def beside(tmp_path: Path, urdf: str) -> Path:
+    """ANYmal's file with a URDF of that text beside it."""
+    (tmp_path / "robot.urdf").write_text(urdf)
+    path = tmp_path / "mine.toml"
+    source = (
+        'package = "example-robot-data"\npath = "anymal_b_simple_description/robots/anymal.urdf"'
+    )
+    path.write_text(ANYMAL.replace(source, 'file = "robot.urdf"'))
+    return path
+
+
+def test_a_urdf_beside_the_robot_file(tmp_path):
+    path = beside(tmp_path, load_robot("anymal").urdf_path.read_text())
+    assert load_robot(str(path)).mass == load_robot("anymal").mass
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["", "not XML", "<robot name='x'><link/></robot>", "<robot name='x'><link name='a'/></robot>"],
+)
+def test_a_urdf_that_is_none(tmp_path, text):
+    path = beside(tmp_path, text)
+    with pytest.raises(
+        RobotFileError, match=r"mine\.toml: urdf: .*robot\.urdf is not (a|the) URDF"
+    ):
+        load_robot(str(path))
+
+
+def test_a_urdf_that_is_missing(tmp_path):
+    path = beside(tmp_path, "")
+    (tmp_path / "robot.urdf").unlink()
+    with pytest.raises(RobotFileError, match=r"urdf\.file: no such file: .*robot\.urdf"):
+        load_robot(str(path))

@@ -1,0 +1,150 @@
+"""A mistake in a robot file is one line that says where it is and what would be right."""
+
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from llsrbm.errors import RobotFileError
+from llsrbm.robots.assets import robot_files
+from llsrbm.robots.schema import RobotFile, choices, read_robot_file
+
+ANYMAL = robot_files()["anymal"].read_text()
+
+MISTAKES = {
+    "misspelt key": (
+        "friction = 0.5",
+        "frction = 0.5",
+        ['unknown key "limits.frction"', 'did you mean "friction"?', "clearance", "(and 1 more)"],
+    ),
+    "missing key": (
+        "friction = 0.5\n",
+        "",
+        ['missing key "limits.friction"', "expected: contact_force"],
+    ),
+    "missing table": ("[timing] ", "[task.timing] ", ["timing"]),
+    "misspelt table": ("[posture]", "[postures]", ['"postures"', 'did you mean "posture"?']),
+    "interval turned round": (
+        "distance = [0.26, 0.52]",
+        "distance = [0.56, 0.52]",
+        ["reach.distance", "exceeds", "[0.56, 0.52]"],
+    ),
+    "interval too short": (
+        "distance = [0.26, 0.52]",
+        "distance = [0.26]",
+        ["reach.distance", "expected 2 values", "[0.26]"],
+    ),
+    "interval too long": (
+        "takeoff = [0.3, 0.8]",
+        "takeoff = [0.3, 0.8, 1.0]",
+        ["timing.takeoff", "[0.3, 0.8, 1.0]", "2"],
+    ),
+    "number for an interval": (
+        "distance = [0.26, 0.52]",
+        "distance = 0.52",
+        ["reach.distance", "array of numbers", "0.52"],
+    ),
+    "vector too short": (
+        "lower = [-0.22, -0.20, -0.56]",
+        "lower = [-0.22, -0.20]",
+        ["reach.lower", "expected 3 values", "[-0.22, -0.2]"],
+    ),
+    "box turned inside out": (
+        "lower = [-0.22, -0.20, -0.56]",
+        "lower = [-0.22, 0.30, -0.56]",
+        ["reach", "lower exceeds upper along y: 0.3 > 0.2"],
+    ),
+    "word for a number": ("torque = 40.0", 'torque = "40"', ["limits.torque", "number", "'40'"]),
+    "negative limit": ("torque = 40.0", "torque = -40.0", ["limits.torque", "greater than 0"]),
+    "not a number": ("torque = 40.0", "torque = nan", ["limits.torque", "finite"]),
+    "misspelt frame key": (
+        'LF = { foot = "LF_FOOT", hip',
+        'LF = { foot = "LF_FOOT", hup',
+        ['unknown key "legs.LF.hup"', 'did you mean "hip"?'],
+    ),
+    "leg that is no table": (
+        'LF = { foot = "LF_FOOT", hip = "LF_HFE" }',
+        'LF = "LF_FOOT"',
+        ["legs.LF", "expected a table", "'LF_FOOT'"],
+    ),
+    "posture of an unknown leg": (
+        "LF = [-0.1,",
+        "FL = [-0.1,",
+        ["posture.FL", "no such leg", "LF, RF, LH, RH"],
+    ),
+    "posture of a leg missing": (
+        "LF = [-0.1, 0.7, -1.0]\n",
+        "",
+        ["posture.LF: missing"],
+    ),
+    "two sources of a URDF": (
+        'package = "example-robot-data"',
+        'package = "example-robot-data"\nfile = "a.urdf"',
+        ["urdf", '"package" and "path", or "file"'],
+    ),
+    "bad name": ('name = "anymal"', 'name = "ANY mal"', ["name", "'ANY mal'"]),
+    "not TOML": ("[limits]", "[limits", ["not a TOML file", "line"]),
+}
+
+
+def complaint(tmp_path: Path, text: str) -> str:
+    path = tmp_path / "mine.toml"
+    path.write_text(text)
+    with pytest.raises(RobotFileError) as caught:
+        read_robot_file(path)
+    message = str(caught.value)
+    assert "\n" not in message
+    assert message.startswith(str(path))
+    return message
+
+
+@pytest.mark.parametrize("mistake", MISTAKES)
+def test_mistake_is_one_clear_line(tmp_path, mistake):
+    right, wrong, expected = MISTAKES[mistake]
+    assert right in ANYMAL
+    message = complaint(tmp_path, ANYMAL.replace(right, wrong, 1))
+    for part in expected:
+        assert part in message
+
+
+def test_file_that_cannot_be_read(tmp_path):
+    with pytest.raises(RobotFileError, match=r"nosuch\.toml: cannot be read \(No such file"):
+        read_robot_file(tmp_path / "nosuch.toml")
+    with pytest.raises(RobotFileError, match="cannot be read"):
+        read_robot_file(tmp_path)
+    binary = tmp_path / "binary.toml"
+    binary.write_bytes(b"\xff\xfe\x00")
+    with pytest.raises(RobotFileError, match="UTF-8"):
+        read_robot_file(binary)
+
+
+def test_every_robot_file_is_named_like_the_robot():
+    for name, path in robot_files().items():
+        assert read_robot_file(path).name == name
+
+
+def test_a_robot_file_cannot_be_changed():
+    file = read_robot_file(robot_files()["anymal"])
+    with pytest.raises(ValueError, match="frozen"):
+        file.name = "other"
+
+
+# A robot file that a program mangled: whatever one number becomes, it is read or refused.
+@given(value=st.one_of(st.integers(), st.floats(), st.text(max_size=5), st.booleans(), st.none()))
+def test_any_value_is_accepted_or_refused_by_name(value):
+    table = read_robot_file(robot_files()["anymal"]).model_dump()
+    table["limits"]["torque"] = value
+    number = isinstance(value, int | float) and not isinstance(value, bool)
+    if number and 0 < value < float("inf"):
+        assert RobotFile.model_validate(table).limits.torque == pytest.approx(value)
+    else:
+        with pytest.raises(ValueError, match="torque"):
+            RobotFile.model_validate(table)
+
+
+def test_choices_show_the_nearest_of_many():
+    message = choices("LF_FOT", [f"FRAME_{i}" for i in range(200)] + ["LF_FOOT"])
+    assert message.startswith('did you mean "LF_FOOT"?')
+    assert "181 more" in message
+    assert len(message) < 400
