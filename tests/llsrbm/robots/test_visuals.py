@@ -125,8 +125,8 @@ PRIMITIVES = """
 """
 LEG = """
   <joint name="{n}_A" type="revolute"><parent link="base"/><child link="{n}_a"/>
-    <inertial><mass value="5"/>
-      <inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>
+    <origin xyz="{x} {y} 0"/><axis xyz="1 0 0"/>
+    <limit lower="-1" upper="1" effort="1" velocity="1"/>
   </joint>
   <link name="{n}_a"><inertial><mass value="1"/>
     <inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
