@@ -115,24 +115,23 @@ class Panel:
             current: what counts where a control holds nothing usable.
         """
         complaints: list[str] = []
-        robot = _option(self._robot, names(), current.robot, complaints)
-        model = _option(self._model, models.names(), current.model, complaints)
+        robot = _option("Robot", self._robot.value, names(), current.robot, complaints)
+        model = _option("Model", self._model.value, models.names(), current.model, complaints)
         amounts: dict[str, float] = {}
         for axis in _AXES:
-            handle = self._sliders[axis.field]
-            lowest, highest = getattr(self._task, axis.field)
-            shown = _number(handle, axis.scale * lowest, axis.scale * highest, complaints)
-            amounts[axis.field] = min(max(shown / axis.scale, lowest), highest)
+            value = self._sliders[axis.field].value
+            shown = _number(axis.label, value, _range(axis, self._task), complaints)
+            amounts[axis.field] = shown / axis.scale
         return Jump(robot=robot, model=model, **amounts), complaints
 
     def read_time(self) -> float:
         """Where the user put the time slider, s."""
         duration = 0.0 if self._plan is None else self._plan.duration
-        return _number(self._time, 0.0, duration, [])
+        return _number("Time [s]", self._time.value, (0.0, duration), [])
 
     def read_pace(self) -> tuple[float, bool]:
         """Speed (seconds of motion a second) and whether to loop."""
-        speed = _option(self._speed, SPEEDS, SPEEDS[-1], [])
+        speed = _option("Speed", self._speed.value, SPEEDS, SPEEDS[-1], [])
         return float(speed.removesuffix("×")), bool(self._loop.value)
 
     def read_layers(self) -> dict[str, bool]:
@@ -147,7 +146,7 @@ class Panel:
         """The file format to export, and what had to be corrected."""
         complaints: list[str] = []
         valid = tuple(formats())
-        return _option(self._format, valid, valid[0], complaints), complaints
+        return _option("Format", self._format.value, valid, valid[0], complaints), complaints
 
     # ---- what the user is told
 
@@ -252,23 +251,24 @@ def _put(handle: Any, value: float | str) -> None:
     handle.value = value
 
 
-def _option(handle: Any, valid: Sequence[str], otherwise: str, complaints: list[str]) -> str:
-    value = handle.value
+def _option(
+    label: str, value: Any, valid: Sequence[str], otherwise: str, complaints: list[str]
+) -> str:
     if isinstance(value, str) and value in valid:
         return value
-    complaints.append(f"{handle.label}: expected one of {', '.join(valid)}, got {value!r:.80}")
+    complaints.append(f"{label}: expected one of {', '.join(valid)}, got {value!r:.80}")
     return otherwise
 
 
-def _number(handle: Any, lowest: float, highest: float, complaints: list[str]) -> float:
-    value = handle.value
+def _number(label: str, value: Any, ends: tuple[float, float], complaints: list[str]) -> float:
+    lowest, highest = ends
     if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
-        complaints.append(f"{handle.label}: expected a number, got {value!r:.80}")
+        complaints.append(f"{label}: expected a number, got {value!r:.80}")
         return min(max(0.0, lowest), highest)
     slack = 1e-6 * max(1.0, abs(highest - lowest))
     if not lowest - slack <= value <= highest + slack:
         complaints.append(
-            f"{handle.label}: expected {lowest:.4g} to {highest:.4g}, got {value:.6g}; "
+            f"{label}: expected {lowest:.4g} to {highest:.4g}, got {value:.6g}; "
             "the nearest is taken"
         )
     return min(max(float(value), lowest), highest)

@@ -185,12 +185,12 @@ def _in_use(host: str, port: int) -> InputError:
 def _configure(server: viser.ViserServer) -> None:
     """The look that all tabs share."""
     server.gui.configure_theme(
-        control_layout="collapsible",
         control_width="medium",
         show_logo=False,
         show_share_button=False,
         brand_color=(38, 92, 150),
     )
+    server.gui.main_panel.dock_right()
     server.gui.set_panel_label("Jump designer")
     server.initial_camera.position = (1.25, -1.75, 0.95)
     server.initial_camera.look_at = (0.12, 0.0, 0.42)

@@ -1,0 +1,22 @@
+from __future__ import annotations
+
+import pytest
+
+from app.server import Designer
+from tests.app.planners import SyntheticPlanner
+from tests.app.raw_tab import RawTab
+
+
+@pytest.fixture(scope="session")
+def designer():
+    """A designer whose planner is quick and made up; tabs of it share nothing."""
+    running = Designer(port=0, factory=SyntheticPlanner)
+    yield running
+    running.close()
+
+
+@pytest.fixture
+def tab(designer):
+    with RawTab(designer.port) as opened:
+        opened.wait_for_status("Planned")
+        yield opened

@@ -1,0 +1,166 @@
+"""A tab without a browser: speaks viser's protocol and keeps what a browser would show."""
+
+from __future__ import annotations
+
+import re
+import threading
+import time
+from collections import Counter
+from html import unescape
+
+import msgspec
+import viser
+import zstandard
+from websockets.exceptions import ConnectionClosed
+from websockets.sync.client import connect
+
+CAMERA = {
+    "type": "ViewerCameraMessage",
+    "wxyz": (1.0, 0.0, 0.0, 0.0),
+    "position": (2.0, 2.0, 1.0),
+    "fov": 1.0,
+    "near": 0.1,
+    "far": 100.0,
+    "image_height": 600,
+    "image_width": 800,
+    "look_at": (0.0, 0.0, 0.0),
+    "up_direction": (0.0, 0.0, 1.0),
+}
+
+
+class RawTab:
+    def __init__(self, port, **options):
+        self._connection = connect(
+            f"ws://127.0.0.1:{port}",
+            subprotocols=[f"viser-v{viser.__version__}"],
+            max_size=None,
+            **options,
+        )
+        self.controls = {}  # uuid -> message
+        self.nodes = {}  # name -> {"position", "wxyz", **props}
+        self.notifications = []
+        self.downloads = {}  # transfer -> [file name, content]
+        self.received = Counter()  # message type -> count
+        self.received_bytes = 0
+        self.closed = threading.Event()
+        self._changed = threading.Condition()
+        self._reader = threading.Thread(target=self._read, daemon=True)
+        self._reader.start()
+        self.send(CAMERA)
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.close()
+
+    def close(self):
+        self._connection.close()
+        self._reader.join()
+
+    # ---- doing
+
+    def send(self, message):
+        self._connection.send(msgspec.msgpack.encode(message))
+
+    def set(self, label, value, prop="value"):
+        updates = {prop: value}
+        uuid = self.control(label)["uuid"]
+        self.send({"type": "GuiUpdateMessage", "uuid": uuid, "updates": updates})
+
+    def press(self, label):
+        self.set(label, True)
+
+    # ---- seeing
+
+    def control(self, label):
+        self.wait(lambda: self._find(label) is not None, f"control {label!r}")
+        return self._find(label)
+
+    def value(self, label):
+        return self.control(label)["value"]
+
+    def text(self):
+        """All HTML of the panel as text."""
+        with self._changed:
+            html = " ".join(
+                m["props"]["content"]
+                for m in self.controls.values()
+                if m["type"] == "GuiHtmlMessage"
+            )
+        return unescape(re.sub(r"<[^>]*>", "\n", html))
+
+    def status(self):
+        with self._changed:
+            for message in self.controls.values():
+                content = message["props"].get("content", "")
+                if 'role="status"' in content:
+                    return unescape(re.sub(r"<[^>]*>", "", content))
+        return ""
+
+    def wait(self, condition, what, timeout=20.0):
+        end = time.monotonic() + timeout
+        with self._changed:
+            while not condition():
+                left = end - time.monotonic()
+                assert left > 0, f"waited in vain for {what}; status: {self.status()!r}"
+                self._changed.wait(min(left, 0.2))
+
+    def wait_for_status(self, word, timeout=20.0):
+        self.wait(lambda: self.status().startswith(word), f"status {word}", timeout)
+        return self.status()
+
+    # ---- inside
+
+    def _find(self, label):
+        for message in self.controls.values():
+            if message["props"].get("label") == label and message["type"] != "GuiFolderMessage":
+                return message
+        return None
+
+    def _read(self):
+        try:
+            for packet in self._connection:
+                size, compressed = (int.from_bytes(packet[i : i + 8], "little") for i in (0, 8))
+                inner = zstandard.ZstdDecompressor().decompress(
+                    packet[16 : 16 + compressed], max_output_size=size
+                )
+                with self._changed:
+                    self.received_bytes += len(packet)
+                    for message in msgspec.msgpack.decode(inner)["messages"]:
+                        self.received[message["type"]] += 1
+                        self._take(message)
+                    self._changed.notify_all()
+        except ConnectionClosed:
+            pass
+        finally:
+            self.closed.set()
+
+    def _take(self, message):
+        kind = message["type"]
+        if "uuid" in message and "props" in message and kind.startswith("Gui"):
+            self.controls[message["uuid"]] = message
+        elif kind == "GuiUpdateMessage":
+            control = self.controls[message["uuid"]]
+            for prop, value in message["updates"].items():
+                (control if prop == "value" else control["props"])[prop] = value
+        elif kind == "GuiRemoveMessage":
+            self.controls.pop(message["uuid"], None)
+        elif kind == "SetPositionMessage":
+            self.nodes.setdefault(message["name"], {})["position"] = message["position"]
+        elif kind == "SetOrientationMessage":
+            self.nodes.setdefault(message["name"], {})["wxyz"] = message["wxyz"]
+        elif kind == "SetSceneNodeVisibilityMessage":
+            self.nodes.setdefault(message["name"], {})["visible"] = message["visible"]
+        elif kind == "SceneNodeUpdateMessage":
+            self.nodes[message["name"]] |= message["updates"]
+        elif kind == "RemoveSceneNodeMessage":
+            self.nodes.pop(message["name"], None)
+        elif "name" in message and "props" in message:
+            self.nodes.setdefault(message["name"], {}).update(message["props"])
+        elif kind == "NotificationShowMessage":
+            self.notifications.append((message["props"]["title"], message["props"]["body"]))
+        elif kind == "FileTransferStartDownload":
+            self.downloads[message["transfer_uuid"]] = [message["filename"], b""]
+        elif kind == "FileTransferPart":
+            self.downloads[message["transfer_uuid"]][1] += message["content"]

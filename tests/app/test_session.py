@@ -1,0 +1,246 @@
+"""One tab, spoken to as a browser (or a hostile script) would."""
+
+from __future__ import annotations
+
+import io
+import math
+import time
+
+import numpy as np
+import pytest
+
+from app.session import FIRST_JUMP
+from llsrbm import models
+from llsrbm.export import formats
+from llsrbm.robots import names
+from tests.app import planners
+from tests.app.raw_tab import RawTab
+
+
+@pytest.fixture
+def session(designer, tab):
+    """The server's side of `tab`."""
+    return designer.sessions[-1]
+
+
+def planned(tab, session, condition, what):
+    tab.wait(lambda: session.plan is not None and condition(session.plan.jump), what)
+    return session.plan
+
+
+def test_the_first_plan_comes_by_itself_and_plays(tab, session):
+    assert session.plan.jump == FIRST_JUMP
+    assert "12 ms, 7 iterations, largest violation 2.0e-07 N (friction)" in tab.status()
+    before = tab.received["SetPositionMessage"]
+    tab.wait(lambda: tab.received["SetPositionMessage"] > before + 50, "frames")
+
+
+def test_every_label_of_the_contract_is_there(tab):
+    for label in ("Twist [deg]", "Forward [m]", "Lateral [m]", "Landing height [m]"):
+        assert tab.control(label)["type"] == "GuiSliderMessage"
+    for label in ("Robot", "Model", "Format"):
+        assert tab.control(label)["type"] == "GuiDropdownMessage"
+    assert tab.control("Inertia ellipsoids")["type"] == "GuiCheckboxMessage"
+    for label in ("Cancel", "Export"):
+        assert tab.control(label)["type"] == "GuiButtonMessage"
+    assert tab.control("Motion")["props"]["options"] == ["Play", "Pause"]
+    assert tab.control("Robot")["props"]["options"] == list(names())
+    assert tab.control("Model")["props"]["options"] == list(models.names())
+    assert tab.control("Format")["props"]["options"] == list(formats())
+
+
+def test_slider_ranges_come_from_the_robot_file(tab):
+    def ends(label):
+        props = tab.control(label)["props"]
+        return props["min"], props["max"]
+
+    assert ends("Twist [deg]") == (-180, 180)
+    assert ends("Forward [m]") == (-0.3, 0.6)
+    assert ends("Landing height [m]") == (-0.2, 0.3)
+
+
+def test_a_slider_plans_anew(tab, session):
+    tab.set("Forward [m]", 0.4)
+    plan = planned(tab, session, lambda jump: jump.forward == 0.4, "the new plan")
+    assert plan.jump.twist == pytest.approx(math.pi / 2)
+    tab.wait(
+        lambda: (
+            tab.nodes["/target/foot0"]["position"][0] == pytest.approx(plan.foot_position[-1, 0, 0])
+        ),
+        "the landing mark",
+    )
+    tab.wait_for_status("Planned")
+
+
+def test_the_last_of_many_slider_values_wins(tab, session):
+    for twist in range(90, -91, -1):
+        tab.set("Twist [deg]", twist)
+    planned(tab, session, lambda jump: jump.twist == pytest.approx(-math.pi / 2), "the last value")
+    tab.wait_for_status("Planned")
+    time.sleep(0.2)
+    assert session.plan.jump.twist == pytest.approx(-math.pi / 2)
+
+
+def test_the_model_reaches_the_planner(tab, session):
+    tab.set("Model", "srbm")
+    planned(tab, session, lambda jump: jump.model == "srbm", "a plan with srbm")
+
+
+@pytest.mark.parametrize(
+    ("label", "value", "shown", "told"),
+    [
+        ("Twist [deg]", 999.0, 180.0, "expected -180 to 180, got 999; the nearest is taken"),
+        ("Forward [m]", -5.0, -0.3, "expected -0.3 to 0.6, got -5; the nearest is taken"),
+        ("Lateral [m]", math.nan, 0.0, "expected a number, got nan"),
+        ("Landing height [m]", math.inf, 0.0, "expected a number, got inf"),
+        ("Model", "<b>x</b>", "llsrbm-plus", "expected one of srbm, llsrbm, llsrbm-plus"),
+        ("Robot", "nosuch", "anymal", "expected one of anymal"),
+    ],
+)
+def test_a_value_no_control_offers_is_corrected_and_said(tab, session, label, value, shown, told):
+    tab.set(label, value)
+    tab.wait(lambda: tab.notifications, "a notification")
+    title, body = tab.notifications[0]
+    assert title == "Corrected"
+    assert body.startswith(f"{label}: {told}")
+    tab.wait(lambda: tab.value(label) == shown, "the corrected value")
+    tab.wait_for_status("Planned")
+
+
+def test_overwriting_a_controls_inside_breaks_its_own_tab_at_most(designer, tab, session):
+    """viser lets a client set any attribute of a handle."""
+    with RawTab(designer.port) as hostile:
+        hostile.wait_for_status("Planned")
+        hostile.set("Forward [m]", 50.0, prop="props")
+        hostile.set("Forward [m]", 7.0)
+        time.sleep(0.3)
+    tab.set("Forward [m]", 0.35)
+    planned(tab, session, lambda jump: jump.forward == 0.35, "the new plan")
+
+
+def test_garbage_closes_its_own_connection_only(designer, tab):
+    with RawTab(designer.port) as hostile:
+        hostile._connection.send(b"\xff\x00garbage")
+        assert hostile.closed.wait(10)
+    tab.set("Forward [m]", 0.2)
+    tab.wait_for_status("Planned")
+
+
+def test_cancel_says_so_and_the_next_value_plans_again(tab, session):
+    tab.set("Twist [deg]", math.degrees(planners.SLOW))
+    tab.wait(lambda: not tab.control("Cancel")["props"]["disabled"], "Cancel")
+    tab.press("Cancel")
+    tab.wait_for_status("Cancelled")
+    assert tab.control("Cancel")["props"]["disabled"]
+    tab.set("Twist [deg]", 10.0)
+    tab.wait_for_status("Planned")
+
+
+def test_a_crash_is_shown_and_survived(tab, session, capfd):
+    tab.set("Twist [deg]", math.degrees(planners.CRASH))
+    assert "ended unexpectedly (exit status 9) and was restarted" in tab.wait_for_status("Failed")
+    tab.set("Twist [deg]", 20.0)
+    tab.wait_for_status("Planned")
+
+
+def test_no_convergence_shows_where_the_solver_stopped(tab, session):
+    tab.set("Twist [deg]", math.degrees(planners.UNSOLVABLE))
+    status = tab.wait_for_status("Failed")
+    assert "reach violated in flight by 0.02 m" in status
+    assert "no feasible motion" in status
+    assert not session.plan.solved
+    assert tab.nodes["/trail/com"]["color"] == [220, 40, 40]
+
+
+def test_a_refused_request_is_a_sentence(tab):
+    tab.set("Twist [deg]", math.degrees(planners.REFUSED))
+    assert tab.wait_for_status("Failed") == "Failed twist: expected -1 to 1 rad, got 1.06"
+
+
+def test_nothing_is_sent_while_paused(tab):
+    tab.set("Motion", "Pause")
+    time.sleep(0.3)
+    before = tab.received.total()
+    time.sleep(0.5)
+    assert tab.received.total() == before
+    tab.set("Motion", "Play")
+    tab.wait(lambda: tab.received.total() > before + 100, "frames")
+
+
+def test_scrubbing_pauses_and_shows_that_instant(tab, session):
+    tab.set("Time [s]", 0.65)
+    tab.wait(lambda: "\nflight\n 0.65 s of 1.30 s" in tab.text(), "the timeline at 0.65 s")
+    apex = tab.nodes["/com"]["position"][2]
+    plan = session.plan
+    assert apex == pytest.approx(np.interp(0.65, plan.time, plan.com[:, 2]), abs=2e-3)
+    time.sleep(0.3)
+    assert tab.nodes["/com"]["position"][2] == apex
+    assert not tab.nodes["/forces"]["visible"]
+    tab.set("Time [s]", 0.0)
+    tab.wait(lambda: tab.nodes["/forces"]["visible"], "forces in stance")
+
+
+def test_layers_can_be_hidden(tab):
+    tab.set("Inertia ellipsoids", False)
+    tab.wait(lambda: not tab.nodes["/inertia/planned"]["visible"], "no ellipsoid")
+    tab.set("Trails", False)
+    tab.wait(lambda: not tab.nodes["/trail/com"]["visible"], "no trail")
+    tab.set("Forward [m]", 0.1)
+    tab.wait_for_status("Planned")
+    tab.wait(lambda: not tab.nodes["/trail/com"].get("visible", True), "no trail with a new plan")
+    tab.set("Inertia ellipsoids", True)
+    tab.wait(lambda: tab.nodes["/inertia/planned"]["visible"], "the ellipsoid again")
+
+
+@pytest.mark.parametrize("height", [0.2, -0.15])
+def test_a_step_is_drawn_where_it_is(tab, session, height):
+    tab.set("Landing height [m]", height)
+    planned(tab, session, lambda jump: jump.height == height, "the new plan")
+    tab.wait(lambda: "/target/step" in tab.nodes, "the step")
+    node = tab.nodes["/target/step"]
+    assert node["dimensions"][2] == pytest.approx(abs(height))
+    assert node["position"][2] == pytest.approx(height / 2)
+    ground = tab.nodes["/ground"].get("position", (0, 0, 0))
+    assert ground[2] == pytest.approx(min(height, 0))
+
+
+def test_export_downloads_the_plan_that_is_shown(tab, session):
+    tab.set("Forward [m]", 0.25)
+    planned(tab, session, lambda jump: jump.forward == 0.25, "the new plan")
+    tab.set("Format", "npz")
+    tab.press("Export")
+    tab.wait(lambda: any(content for _, content in tab.downloads.values()), "a download")
+    ((name, content),) = tab.downloads.values()
+    assert name == "anymal-llsrbm-plus.npz"
+    stored = np.load(io.BytesIO(content), allow_pickle=False)
+    assert stored["com"].tolist() == session.plan.com.tolist()
+
+
+def test_tabs_do_not_see_each_other(designer, tab, session):
+    with RawTab(designer.port) as other:
+        other.wait_for_status("Planned")
+        other.set("Forward [m]", 0.5)
+        other.set("Motion", "Pause")
+        other.wait(lambda: designer.sessions[-1].plan.jump.forward == 0.5, "the other's plan")
+        assert session.plan.jump.forward == 0.0
+        assert tab.value("Forward [m]") == 0.0
+
+
+def test_a_closed_tab_leaves_nothing_behind(designer):
+    before = len(designer.sessions)
+    with RawTab(designer.port) as passing:
+        passing.wait_for_status("Planned")
+        thread = designer.sessions[-1]._thread
+    thread.join(5)
+    assert not thread.is_alive()
+    deadline = time.monotonic() + 5
+    while len(designer.sessions) > before and time.monotonic() < deadline:
+        time.sleep(0.02)
+    assert len(designer.sessions) <= before
+
+
+def test_the_robots_meshes_fit_into_a_megabyte(designer):
+    with RawTab(designer.port) as fresh:
+        fresh.wait(lambda: "/robot/base" in fresh.nodes, "the robot")
+        assert fresh.received["GlbMessage"] == 13
+        assert fresh.received_bytes < 1_000_000
