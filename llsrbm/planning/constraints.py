@@ -14,6 +14,7 @@ from typing import Any, ClassVar
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
 from llsrbm.planning.knots import Knots
 from llsrbm.planning.layout import Layout, Role
@@ -27,6 +28,11 @@ Bounds = tuple[Any, Any]
 # A foot's speed may rise to 8 s (1 - s) of its limit over the flight, s = 0 ... 1: full from an
 # eighth of the way on, zero at lift-off and touchdown, where the foot stands.
 SPEED_RAMP = 8.0
+
+# Share of the joint speed limit that the knee may use at an interval's midpoint. The rest is for
+# the speed it gains up to the interval's end (push-off: about 10 %) and for the hip abduction,
+# which moves the hip joint a little (about 10 %).
+KNEE_SHARE = 0.8
 
 
 class Constraint(ABC):
@@ -410,6 +416,60 @@ class FootSpeedInBase(Constraint):
         return _spread(knots, slice(knots.flight.start, knots.flight.stop - 1), excess)
 
 
+class KneeSpeed(Constraint):
+    """The knee's speed, from how fast the foot comes nearer to the hip or moves away.
+
+    A leg of thigh a and shank b that is l long folds with l ldot = a b sin(theta) thetadot and
+    a^2 b^2 sin^2(theta) = a^2 b^2 - ((a^2 + b^2 - l^2) / 2)^2, so that |thetadot| <= limit reads
+
+        (x . xdot)^2 / limit^2 + ((a^2 + b^2 - |x|^2) / 2)^2 <= a^2 b^2,
+
+    a polynomial, also where the leg is nearly straight. The knee is the fastest joint of a jump.
+    Legs that do not fold at a knee are left free.
+    """
+
+    name = "knee_speed"
+    unit = "rad/s"
+
+    def applies(self, role: Role) -> bool:
+        """Over every interval."""
+        return not role.terminal
+
+    def rows(self, stage: Stage) -> Any:
+        """(L, 1), left over right hand side."""
+        x, xdot, _, _ = stage.feet_mid
+        joint_speed, a, b = (stage.parameters[n] for n in ("joint_speed", "thigh", "shank"))
+        limit = KNEE_SHARE * joint_speed
+        columns = [
+            (
+                (ca.dot(x[:, i], xdot[:, i]) / limit) ** 2
+                + ((a**2 + b**2 - ca.sumsqr(x[:, i])) / 2) ** 2
+            )
+            / (a * b) ** 2
+            for i in range(stage.layout.legs)
+        ]
+        return ca.vertcat(*columns)
+
+    def bounds(self, task: Task, layout: Layout, knot: int) -> Bounds:
+        """At most 1, if the leg has a knee."""
+        top = np.inf if task.knee is None else 1.0
+        return np.full(layout.legs, -np.inf), np.full(layout.legs, top)
+
+    def violation(self, knots: Knots) -> Array:
+        """Speed beyond the limit at the intervals' midpoints."""
+        knee = knots.task.knee
+        if knee is None:
+            return np.zeros(len(knots.time))
+        a, b = knee
+        x, xdot = knots.feet_mid
+        closing = np.abs(np.sum(x * xdot, axis=-1))
+        lever = np.sqrt(
+            np.maximum((a * b) ** 2 - ((a**2 + b**2 - np.sum(x * x, axis=-1)) / 2) ** 2, 1e-12)
+        )
+        excess = closing / lever - KNEE_SHARE * knots.task.limits.joint_speed
+        return _spread(knots, slice(0, len(x)), excess)
+
+
 class FinalState(Constraint):
     """x[N] = x_fin: at rest at the target, CoM and attitude."""
 
@@ -439,8 +499,6 @@ class FinalState(Constraint):
 
     def violation(self, knots: Knots) -> Array:
         """The largest of the errors."""
-        from scipy.spatial.transform import Rotation
-
         task = knots.task
         goal = Rotation.from_quat(task.goal_quat, scalar_first=True)
         turn = (goal.inv() * Rotation.from_matrix(knots.R_world_base[-1])).magnitude()
@@ -466,5 +524,6 @@ CONSTRAINTS: tuple[Constraint, ...] = (
     FeetApart(),
     FootSpeed(),
     FootSpeedInBase(),
+    KneeSpeed(),
     FinalState(),
 )

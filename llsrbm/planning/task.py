@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from llsrbm.errors import InputError
 from llsrbm.jump import Jump
 from llsrbm.planning.costs import COSTS, default_weights, weight_parameter
+from llsrbm.robots.knee import knee_links
 from llsrbm.robots.robot import Robot
 from llsrbm.robots.schema import Limits, Reach, Timing
 
@@ -27,6 +28,7 @@ class Task:
         goal_quat: (4,) w, x, y, z, continuous in the twist (w < 0 beyond 180 degrees).
         start_feet, goal_feet: (L, 3) m.
         limits, reach, timing: of the robot file.
+        knee: thigh and shank, m, of legs that fold at a knee.
         weights: cost name -> weight.
     """
 
@@ -40,10 +42,12 @@ class Task:
     limits: Limits
     reach: Reach
     timing: Timing
+    knee: tuple[float, float] | None
     weights: dict[str, float]
 
     def parameters(self) -> dict[str, Array]:
         """Name -> value of the solver's parameters (names and sizes: `parameter_sizes`)."""
+        thigh, shank = self.knee or (1.0, 1.0)
         values = {
             "start_position": self.start_position,
             "goal_position": self.goal_position,
@@ -51,6 +55,9 @@ class Task:
             "start_feet": self.start_feet,
             "goal_feet": self.goal_feet,
             "friction": np.array([self.limits.friction]),
+            "joint_speed": np.array([self.limits.joint_speed]),
+            "thigh": np.array([thigh]),
+            "shank": np.array([shank]),
         }
         weights = {
             weight_parameter(cost): np.array([self.weights[cost.name]]) for cost in COSTS
@@ -67,6 +74,9 @@ def parameter_sizes(legs: int) -> dict[str, int]:
         "start_feet": 3 * legs,
         "goal_feet": 3 * legs,
         "friction": 1,
+        "joint_speed": 1,
+        "thigh": 1,
+        "shank": 1,
     }
     return sizes | {weight_parameter(cost): 1 for cost in COSTS}
 
@@ -105,6 +115,7 @@ def make_task(jump: Jump, robot: Robot, weights: dict[str, float] | None = None)
         limits=robot.file.limits,
         reach=robot.file.reach,
         timing=robot.file.timing,
+        knee=knee_links(robot),
         weights=default_weights() | (weights or {}),
     )
 
