@@ -1,8 +1,8 @@
 FROM python:3.11-slim
 
-# What the wheels expect of the system: OpenGL's loader for MuJoCo, OpenMP for CasADi's solvers.
+# The one library that wheels (Pinocchio, fast-simplification) expect and this image lacks: OpenMP.
 RUN apt-get update \
-    && apt-get install --yes --no-install-recommends libgl1 libgomp1 \
+    && apt-get install --yes --no-install-recommends libgomp1 \
     && rm -rf /var/lib/apt/lists/*
 
 WORKDIR /opt/llsrbm

@@ -48,6 +48,9 @@ $(APP_STAMP): requirements.lock pyproject.toml | $(BIN)/python
 	@echo "installing what the application needs (once, some minutes)"
 	$(PIP) -r requirements.lock
 	$(PIP) --no-deps -e .
+	@$(BIN)/python -c "import casadi, fast_simplification, mujoco, pinocchio, viser" || { \
+	  echo "a library of the system is missing; if it is libgomp: apt-get install libgomp1" >&2; \
+	  exit 1; }
 	@touch $@
 
 $(DEV_STAMP): requirements-dev.lock $(APP_STAMP)
