@@ -30,11 +30,14 @@ from llsrbm.robots.robot import Robot
 
 Array = NDArray[np.float64]
 
-FIT_VERSION = "1"  # part of the cache key: raise it when a fit's numbers change
+FIT_VERSION = "2"  # part of the cache key: raise it when a fit's numbers change
 
 _DERIVATIVE_WEIGHT = 0.1  # m: by how far a foot moves where its derivative counts as its value
 _SINGULAR = 30.0  # condition of the foot's Jacobian beyond which a sample says little
-_BEYOND = 0.02  # of the reach box and distances, so that their edges are well inside the fit
+# Plans keep the feet mostly about where they stand: sampling there more densely halves the error of
+# planned jumps (Izz 2.6 -> 1.1 % at 0.3 m forward) and costs 0.1 % over the box as a whole. Samples
+# beyond the box, on the other hand, made every figure worse.
+_NEAR_SHARE, _NEAR_SCALE = 0.7, 0.6
 _FEWEST_SAMPLES = 200
 
 _log = logging.getLogger(__name__)
@@ -180,11 +183,12 @@ def _sample(robot: Robot, samples: int, seed: int) -> tuple[Array, Array, Array,
     """Foot places x (S, 3) and there c (S, 3), dc/dx, I_c, S (S, 3, 3), all mirrored."""
     reach, mirrors, hips = robot.file.reach, robot.mirrors, robot.hips
     rng = np.random.default_rng(seed)
-    nearest, furthest = reach.distance[0] - _BEYOND, reach.distance[1] + _BEYOND
-    lower, upper = np.array(reach.lower) - _BEYOND, np.array(reach.upper) + _BEYOND
-    drawn = rng.uniform(lower, upper, size=(40 * samples, 3))
+    drawn = rng.uniform(reach.lower, reach.upper, size=(40 * samples, 3))
+    standing = (mirrors * (robot.feet - robot.base_position - hips)).mean(axis=0)
+    near = rng.random(len(drawn)) < _NEAR_SHARE
+    drawn[near] = standing + _NEAR_SCALE * (drawn[near] - standing)
     distance = np.linalg.norm(drawn, axis=1)
-    drawn = drawn[(distance >= nearest) & (distance <= furthest)]
+    drawn = drawn[(distance >= reach.distance[0]) & (distance <= reach.distance[1])]
     per_leg = min(len(drawn), samples) // len(robot.legs)
     drawn = drawn[: per_leg * len(robot.legs)].reshape(per_leg, len(robot.legs), 3)
 

@@ -156,10 +156,10 @@ def build_robot(path: str | Path) -> Robot:
     pin.ccrba(model, data, posture, np.zeros(model.nv))
     pin.updateFramePlacements(model, data)
 
-    pin_data_neutral = model.createData()
-    pin.forwardKinematics(model, pin_data_neutral, pin.neutral(model))
+    neutral = model.createData()
+    pin.forwardKinematics(model, neutral, pin.neutral(model))
     hip_ids = [model.getJointId(spec.hip) for spec in file.legs.values()]
-    hips = _symmetrised(np.array([pin_data_neutral.oMi[j].translation for j in hip_ids]))
+    hips = _symmetrised(np.array([neutral.oMi[j].translation for j in hip_ids]))
     angles = np.array([file.posture[name] for name in file.legs])
     mirrors = _mirrors(chains, hips, angles)
 
@@ -238,7 +238,8 @@ def _joint_chain(model: pin.Model, file: RobotFile, path: Path, leg: str) -> lis
     """Joint indices of a leg, from the base outwards."""
     spec = file.legs[leg]
     if not any(frame.name == spec.foot for frame in model.frames):
-        frames = dict.fromkeys(frame.name for frame in model.frames)
+        # The first two are the world and the free flyer, which Pinocchio adds to the URDF.
+        frames = dict.fromkeys(frame.name for frame in list(model.frames)[2:])
         raise RobotFileError(
             f'{path}: legs.{leg}.foot: the URDF has no frame "{spec.foot}"; '
             f"{choices(spec.foot, frames)}"
