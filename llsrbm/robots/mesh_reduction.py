@@ -1,0 +1,99 @@
+"""Meshes made for rendering offline, with as many faces as a browser likes."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    import trimesh
+
+_SIMPLE = 200  # faces of a part that are kept in any case
+_CREASE = np.radians(40.0)  # edges sharper than this stay sharp under smooth shading
+
+
+def face_shares(parts: list[trimesh.Trimesh], total: int) -> list[int]:
+    """Faces for each part: large and detailed ones get more, none more than it has."""
+    have = np.array([len(part.faces) for part in parts], dtype=float)
+    weight = np.sqrt(have * np.array([part.area for part in parts]))
+    shares, open_parts, left = np.zeros_like(have), np.ones(len(parts), dtype=bool), float(total)
+    while open_parts.any():
+        offer = left * weight / weight[open_parts].sum()
+        full = open_parts & (offer >= have)
+        if not full.any():
+            shares[open_parts] = offer[open_parts]
+            break
+        shares[full] = have[full]
+        left, open_parts = max(left - have[full].sum(), 0.0), open_parts & ~full
+    # What is simple already is left alone: a tube of 80 faces does not survive with 20.
+    return [int(max(share, min(part, _SIMPLE))) for share, part in zip(shares, have, strict=True)]
+
+
+def simplified(part: trimesh.Trimesh, faces: int, size: float) -> trimesh.Trimesh:
+    """A part with about that many faces, creased where it is sharp, coloured as it was.
+
+    Args:
+        part: mesh with vertex colours.
+        faces: to aim at.
+        size: m, of the robot: what is tiny against it (screws, threads, fillets) goes first.
+    """
+    import fast_simplification
+    import trimesh
+    from scipy.spatial import cKDTree
+
+    colours, places = np.asarray(part.visual.vertex_colors)[:, :3], np.asarray(part.vertices)
+    mesh = part
+    if len(mesh.faces) > faces:
+        mesh = _without_specks(_clustered(mesh, 0.004 * size), 0.03 * size)
+    for haste in (5.0, 7.0, 10.0):
+        if len(mesh.faces) <= faces:
+            break
+        vertices, triangles = fast_simplification.simplify(
+            np.asarray(mesh.vertices), np.asarray(mesh.faces), target_count=faces, agg=haste
+        )[:2]
+        mesh = trimesh.Trimesh(vertices, triangles, process=False)
+    mesh = _clustered(mesh, 1e-5 * size)
+    mesh.update_faces(mesh.nondegenerate_faces(height=1e-6 * size))
+    creased = trimesh.graph.smooth_shade(mesh, angle=_CREASE, facet_minarea=None)
+    nearest = cKDTree(places).query(np.asarray(creased.vertices))[1]
+    return trimesh.Trimesh(
+        creased.vertices,
+        creased.faces,
+        vertex_normals=creased.vertex_normals,
+        vertex_colors=colours[nearest],
+        process=False,
+    )
+
+
+def _clustered(mesh: trimesh.Trimesh, cell: float) -> trimesh.Trimesh:
+    """Vertices in the same cell of a grid made one, without the faces that vanish by it."""
+    import trimesh
+
+    cells = np.round(np.asarray(mesh.vertices) / cell).astype(np.int64)
+    _, first, merged = np.unique(cells, axis=0, return_index=True, return_inverse=True)
+    faces = merged.reshape(-1)[mesh.faces]
+    a, b, c = faces.T
+    faces = faces[(a != b) & (b != c) & (c != a)]
+    joined = trimesh.Trimesh(mesh.vertices[first], faces, process=False)
+    joined.update_faces(joined.unique_faces())
+    joined.remove_unreferenced_vertices()
+    return joined
+
+
+def _without_specks(mesh: trimesh.Trimesh, size: float) -> trimesh.Trimesh:
+    """The mesh without its connected pieces smaller than `size`, m, unless that is all there is."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    edges, count = mesh.edges_unique, len(mesh.vertices)
+    graph = coo_array((np.ones(len(edges)), (edges[:, 0], edges[:, 1])), shape=(count, count))
+    pieces, label = connected_components(graph, directed=False)
+    low, high = np.full((pieces, 3), np.inf), np.full((pieces, 3), -np.inf)
+    np.minimum.at(low, label, mesh.vertices)
+    np.maximum.at(high, label, mesh.vertices)
+    keep = ((high - low).max(axis=1) >= size)[label[mesh.faces[:, 0]]]
+    if keep.any():
+        mesh.update_faces(keep)
+        mesh.remove_unreferenced_vertices()
+    return mesh

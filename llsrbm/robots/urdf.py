@@ -1,0 +1,144 @@
+"""A robot file's URDF: found, read, and held against what the file says about it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pinocchio as pin
+
+from llsrbm.errors import RobotFileError
+from llsrbm.robots.assets import package_share
+from llsrbm.robots.schema import RobotFile, choices
+
+BASE_JOINT = 1  # Pinocchio's index of the free flyer; 0 is the universe.
+
+
+def find_urdf(file: RobotFile, path: Path) -> tuple[Path, tuple[Path, ...]]:
+    """The URDF a robot file names, and where its `package://` names are looked up.
+
+    Raises:
+        RobotFileError: it is not there.
+    """
+    source = file.urdf
+    if source.file is not None:
+        urdf = path.parent / source.file
+        if not urdf.is_file():
+            raise RobotFileError(f"{path}: urdf.file: no such file: {urdf}")
+        return urdf, (path.parent, path.parent.parent)
+    package, inner = source.installed()
+    share = package_share(package, path)
+    robots = share / package / "robots"
+    urdf = robots / inner
+    if not urdf.is_file():
+        present = sorted(p.relative_to(robots).as_posix() for p in robots.rglob("*.urdf"))
+        raise RobotFileError(
+            f'{path}: urdf.path: package {package} has no "{inner}"; {choices(inner, present)}'
+        )
+    return urdf, (share,)
+
+
+def load_model(urdf_path: Path, path: Path) -> pin.Model:
+    """Pinocchio's model of a URDF, on a free flyer.
+
+    Raises:
+        RobotFileError: it is not a URDF, or not of a robot with legs.
+    """
+    try:
+        model = pin.buildModelFromUrdf(str(urdf_path), pin.JointModelFreeFlyer())
+    except (ValueError, RuntimeError) as error:
+        reason = " ".join(str(error).split())
+        raise RobotFileError(f"{path}: urdf: {urdf_path} is not a URDF: {reason}") from error
+    if model.njoints <= BASE_JOINT + 1:
+        # The parser reports some mistakes on stderr only and returns an empty robot.
+        raise RobotFileError(
+            f"{path}: urdf: {urdf_path} is not the URDF of a robot with legs: no joint was read"
+        )
+    return model
+
+
+def frame_id(model: pin.Model, name: str) -> int:
+    """Index of the frame; a joint of the same name may come before the body that is meant."""
+    if model.existFrame(name, pin.FrameType.BODY):
+        return int(model.getFrameId(name, pin.FrameType.BODY))
+    return int(model.getFrameId(name))
+
+
+def joint_chain(model: pin.Model, file: RobotFile, path: Path, leg: str) -> list[int]:
+    """Joint indices of a leg, from the base outwards.
+
+    Raises:
+        RobotFileError: a frame or joint of the file is not in the URDF, or does not fit the leg.
+    """
+    spec = file.legs[leg]
+    if not any(frame.name == spec.foot for frame in model.frames):
+        # The first two are the world and the free flyer, which Pinocchio adds to the URDF.
+        frames = dict.fromkeys(frame.name for frame in list(model.frames)[2:])
+        raise RobotFileError(
+            f'{path}: legs.{leg}.foot: the URDF has no frame "{spec.foot}"; '
+            f"{choices(spec.foot, frames)}"
+        )
+    chain: list[int] = []
+    joint = model.frames[frame_id(model, spec.foot)].parentJoint
+    while joint > BASE_JOINT:
+        chain.insert(0, joint)
+        joint = model.parents[joint]
+    names = [model.names[j] for j in chain]
+    if spec.hip not in names:
+        if not names:
+            raise RobotFileError(
+                f'{path}: legs.{leg}.foot: no joint moves frame "{spec.foot}" against the base; '
+                "expected a frame at the end of a leg"
+            )
+        raise RobotFileError(
+            f'{path}: legs.{leg}.hip: no joint "{spec.hip}" lies between the base and '
+            f'"{spec.foot}"; {choices(spec.hip, names)}'
+        )
+    for joint, name in zip(chain, names, strict=True):
+        if model.joints[joint].nq != 1:
+            raise RobotFileError(
+                f'{path}: legs.{leg}: joint "{name}" is neither revolute nor prismatic '
+                f"({model.joints[joint].shortname()})"
+            )
+    angles = file.posture[leg]
+    if len(angles) != len(chain):
+        raise RobotFileError(
+            f"{path}: posture.{leg}: expected {len(chain)} joint angles ({', '.join(names)}), "
+            f"got {len(angles)}"
+        )
+    return chain
+
+
+def check_joints(
+    model: pin.Model, file: RobotFile, path: Path, chains: dict[str, list[int]]
+) -> None:
+    """Every joint belongs to exactly one leg, and all legs are built alike.
+
+    Raises:
+        RobotFileError: it is not so.
+    """
+    owner: dict[int, str] = {}
+    for leg, chain in chains.items():
+        for joint in chain:
+            if joint in owner:
+                raise RobotFileError(
+                    f'{path}: legs.{leg}: joint "{model.names[joint]}" also belongs to leg '
+                    f"{owner[joint]}; expected each leg to have joints of its own"
+                )
+            owner[joint] = leg
+    free = [model.names[j] for j in range(BASE_JOINT + 1, model.njoints) if j not in owner]
+    if free:
+        raise RobotFileError(
+            f"{path}: legs: joints {', '.join(free)} of {file.urdf.path or file.urdf.file} belong "
+            f"to no leg; expected every joint to move a foot"
+        )
+    kinds = {
+        leg: tuple(model.joints[j].shortname().startswith("JointModelP") for j in chain)
+        for leg, chain in chains.items()
+    }
+    first = next(iter(kinds))
+    for leg, kind in kinds.items():
+        if kind != kinds[first]:
+            raise RobotFileError(
+                f"{path}: legs.{leg}: its joints differ in number or kind from those of leg "
+                f"{first}; expected all legs alike"
+            )
