@@ -107,7 +107,7 @@ def plan_command(
         )
         status, failure = DONE, None
         try:
-            plan = llsrbm.plan(jump, solver=solver)
+            plan = llsrbm.plan(jump, solver=solver, progress=_progress)
         except NotConverged as error:
             plan, status, failure = error.plan, FAILED, error
         if out is not None:
@@ -139,10 +139,10 @@ def export_command(
 @app.command("robots")
 def robots_command() -> int:
     """List the robots that come with the project."""
-    from llsrbm import robots
+    from llsrbm.robots import read_robot_file
+    from llsrbm.robots.assets import robot_files
 
-    for name in robots.names():
-        print(name)
+    _print_table({name: read_robot_file(path).title for name, path in robot_files().items()})
     return DONE
 
 
@@ -199,6 +199,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _complain(message: str) -> None:
     print(f"llsrbm: {' '.join(message.split())}", file=sys.stderr)
+
+
+def _progress(message: str) -> None:
+    """Tell a waiting person; a script's stderr is for what is wrong."""
+    if sys.stderr.isatty():
+        print(message, file=sys.stderr)
 
 
 def _plugins() -> dict[str, EntryPoint]:

@@ -69,29 +69,44 @@ def planner(monkeypatch):
 
 
 class TestBadInput:
-    """In processes, because a traceback or a stray print would only show there."""
+    @pytest.mark.parametrize(
+        ("arguments", "said"),
+        [
+            (["plan", "--robot", "nosuch"], "anymal"),
+            (["plan", "--twist", "abc"], "--twist"),
+            (["plan", "--forward", "50", "--json"], "50 m is out of range"),
+        ],
+    )
+    def test_in_a_process(self, arguments, said, tmp_path):
+        """Where a traceback or a stray print would show."""
+        process = run(*arguments, cwd=tmp_path)
+        assert_one_line(process, 2)
+        assert said in process.stderr
+        assert list(tmp_path.iterdir()) == []
 
     @pytest.mark.parametrize(
         ("arguments", "said"),
         [
             (["nosuch"], 'no command "nosuch"; the commands are plan, export, robots, models'),
-            (["plan", "--twist", "abc"], "--twist"),
             (["plan", "--twist", "nan"], "finite number"),
-            (["plan", "--robot", "nosuch"], "anymal"),
             (["plan", "--model", "nosuch"], "srbm, llsrbm, llsrbm-plus"),
             (["plan", "--solver", "nosuch"], "fatrop"),
             (["plan", "--forward", "50"], "50 m is out of range"),
-            (["plan", "--forward", "50", "--json"], "50 m is out of range"),
+            (["plan", "--twist", "400"], "400 deg is out of range"),
             (["plan", "--nosuch"], "--nosuch"),
             (["plan", "extra"], "extra"),
             (["export"], "FILE.npz"),
             (["export", "nosuch.npz", "--format", "csv", "--out", "x"], "No such file"),
         ],
     )
-    def test_is_one_line_and_exit_2(self, arguments, said, tmp_path):
-        process = run(*arguments, cwd=tmp_path)
-        assert_one_line(process, 2)
-        assert said in process.stderr
+    def test_is_one_line_and_exit_2(self, arguments, said, capfd, tmp_path, monkeypatch):
+        monkeypatch.chdir(tmp_path)
+        assert cli.main(arguments) == 2
+        out, err = capfd.readouterr()
+        assert out == ""
+        assert err.startswith("llsrbm: ")
+        assert err.count("\n") == 1
+        assert said in err
         assert list(tmp_path.iterdir()) == []
 
     def test_unreadable_npz(self, tmp_path):
@@ -100,17 +115,16 @@ class TestBadInput:
         assert_one_line(process, 2)
         assert "not an npz file" in process.stderr
 
-    def test_unknown_format_and_frame_rate(self, saved, tmp_path):
-        process = run("export", saved, "--format", "bvh", "--out", tmp_path / "x")
-        assert_one_line(process, 2)
-        assert "the formats are npz, csv" in process.stderr
-        process = run("export", saved, "--format", "csv", "--fps", 0, "--out", tmp_path / "x")
-        assert_one_line(process, 2)
-
-    def test_unwritable_out(self, saved, tmp_path):
-        process = run("export", saved, "--format", "csv", "--out", tmp_path / "none" / "x.csv")
-        assert_one_line(process, 2)
-        assert "cannot write" in process.stderr
+    def test_export_options(self, saved, tmp_path, capfd):
+        for options, said in (
+            (["--format", "bvh", "--out", "x"], "the formats are npz, csv"),
+            (["--format", "csv", "--fps", "0", "--out", "x"], "0 < fps"),
+            (["--format", "csv", "--out", str(tmp_path / "none" / "x.csv")], "cannot write"),
+        ):
+            assert cli.main(["export", str(saved), *options]) == 2
+            out, err = capfd.readouterr()
+            assert (out, err.count("\n")) == ("", 1)
+            assert said in err
 
 
 class TestLists:
@@ -147,7 +161,7 @@ class TestPlan:
         assert cli.main(["plan", *words.split(), "--solver", "ipopt"]) == 0
         jump, options = planner.requests[0]
         assert jump == llsrbm.Jump("anymal", "srbm", -math.pi / 2, 0.2, -0.1, 0.1)
-        assert options == {"solver": "ipopt"}
+        assert options["solver"] == "ipopt"
 
     def test_json_is_one_object_with_the_contracts_keys(self, planner, capfd):
         plan = synthetic_plan(twist=-math.pi)
