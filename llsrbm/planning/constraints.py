@@ -32,7 +32,7 @@ SPEED_RAMP = 8.0
 # Share of the joint speed limit that the knee may use at an interval's midpoint. The rest is for
 # the speed it gains up to the interval's end (push-off: about 10 %) and for the hip abduction,
 # which moves the hip joint a little (about 10 %).
-KNEE_SHARE = 0.8
+KNEE_SHARE = 0.75
 
 
 class Constraint(ABC):
