@@ -41,7 +41,5 @@ def plan(
     start = time.perf_counter()
     planner = planner_for(jump.robot, jump.model, solver, intervals)
     build_time = time.perf_counter() - start
-    result = planner.plan(
-        jump, weights=weights, warm=warm, cancelled=cancelled, progress=progress
-    )
+    result = planner.plan(jump, weights=weights, warm=warm, cancelled=cancelled, progress=progress)
     return replace(result, report=replace(result.report, build_time_s=build_time))

@@ -10,8 +10,7 @@ from llsrbm.models.srbm import SRBM
 from llsrbm.robots.robot import Robot
 
 _MODELS: dict[str, type[CentroidalModel]] = {
-    model.name: model
-    for model in (SRBM, LLSRBM, LLSRBMPlus)
+    model.name: model for model in (SRBM, LLSRBM, LLSRBMPlus)
 }
 
 

@@ -93,9 +93,7 @@ class CentroidalModel(ABC):
         )
         # Given x: o = offset_0 + sum_i offset_x_i x_i.
         self._offset_0 = -fixed / self.mass
-        self._offset_x = [
-            -leg_mass / self.mass * np.diag(M) @ W for M in self.mirrors
-        ]
+        self._offset_x = [-leg_mass / self.mass * np.diag(M) @ W for M in self.mirrors]
         # Given beta: A o = k + m_l sum_i M_i W M_i beta_i.
         A_inverse = np.linalg.inv(-self.mass * np.eye(3) + leg_mass * sum(per_leg))
         hips_share = sum(G @ h for G, h in zip(per_leg, self.hips, strict=True))
@@ -125,8 +123,7 @@ class CentroidalModel(ABC):
     def base_offset_rate_from_com(self, feet_from_com_rate: Matrix) -> Matrix:
         """Time derivative of o(beta), (3, 1) m/s, linear in betadot (3, L)."""
         return sum(
-            ca.mtimes(_sparse(G), feet_from_com_rate[:, i])
-            for i, G in enumerate(self._offset_beta)
+            ca.mtimes(_sparse(G), feet_from_com_rate[:, i]) for i, G in enumerate(self._offset_beta)
         )
 
     def foot_in_hip(self, leg: int, foot_from_com: Matrix, offset: Matrix) -> Matrix:
@@ -144,7 +141,9 @@ class CentroidalModel(ABC):
         """Centroidal inertia, (3, 3) kg m2, base axes."""
 
     @abstractmethod
-    def legs_momentum(self, feet_in_hip: Matrix, feet_in_hip_rate: Matrix, offset: Matrix) -> Matrix:
+    def legs_momentum(
+        self, feet_in_hip: Matrix, feet_in_hip_rate: Matrix, offset: Matrix
+    ) -> Matrix:
         """h: the legs' angular momentum relative to the base about the CoM, (3, 1), base axes."""
 
     @abstractmethod
@@ -212,7 +211,12 @@ class CentroidalModel(ABC):
     def evaluate_momentum(
         self, feet_in_hip: Array, feet_in_hip_rate: Array, angular_velocity: Array
     ) -> Array:
-        """I omega + h at K instants, (K, 3) kg m2/s, base axes; arguments (K, L, 3), (K, L, 3), (K, 3)."""
+        """I omega + h at K instants, (K, 3) kg m2/s, base axes.
+
+        Args:
+            feet_in_hip, feet_in_hip_rate: (K, L, 3) m, m/s.
+            angular_velocity: (K, 3) rad/s, base axes.
+        """
         columns = (a.reshape(-1, 3).T for a in (feet_in_hip, feet_in_hip_rate, angular_velocity))
         return np.array(self._mapped("momentum", len(angular_velocity))(*columns)).T
 
@@ -227,7 +231,9 @@ class CentroidalModel(ABC):
                 momentum = self.angular_momentum(x, xdot, w, o)
                 function = ca.Function(name, [x, xdot, w], [ca.densify(momentum)])
             else:
-                legs = [self.foot_from_com(i, self.leg_com(i, x[:, i]), o) for i in range(self.legs)]
+                legs = [
+                    self.foot_from_com(i, self.leg_com(i, x[:, i]), o) for i in range(self.legs)
+                ]
                 results = [o, self.inertia(x, o), ca.horzcat(*legs)]
                 function = ca.Function(name, [x], [ca.densify(ca.SX(r)) for r in results])
             self._functions[key] = function.map(count)

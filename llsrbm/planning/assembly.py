@@ -30,26 +30,26 @@ def assemble_plan(
     rate[1:-1] = (knots.rotation_rate[:-1] + knots.rotation_rate[1:]) / 2
     identity = np.zeros((*feet.shape[:2], 4))
     identity[..., 0] = 1.0
-    arrays = dict(
-        time=knots.time,
-        phase=knots.phase.astype(np.int64),
-        com=knots.position,
-        com_velocity=knots.velocity,
-        base_quat=knots.quat,
-        base_position=postures.base_position,
-        angular_velocity=np.einsum("kij,kj->ki", R, rate),
-        linear_momentum=knots.velocity * knots.task.mass,
-        angular_momentum=knots.momentum,
-        inertia=R @ inertia @ R.transpose(0, 2, 1),
-        foot_position=feet,
-        foot_quat=identity,
-        contact_point=feet,
-        contact_force=knots.force,
-        leg_mass=knots.model.leg_mass,
-        leg_com=knots.position[:, None] + np.einsum("kij,klj->kli", R, leg_com),
-        joint_position=postures.joint_position,
-        foot_in_hip=knots.feet_in_hip,
-    )
+    arrays = {
+        "time": knots.time,
+        "phase": knots.phase.astype(np.int64),
+        "com": knots.position,
+        "com_velocity": knots.velocity,
+        "base_quat": knots.quat,
+        "base_position": postures.base_position,
+        "angular_velocity": np.einsum("kij,kj->ki", R, rate),
+        "linear_momentum": knots.velocity * knots.task.mass,
+        "angular_momentum": knots.momentum,
+        "inertia": R @ inertia @ R.transpose(0, 2, 1),
+        "foot_position": feet,
+        "foot_quat": identity,
+        "contact_point": feet,
+        "contact_force": knots.force,
+        "leg_mass": knots.model.leg_mass,
+        "leg_com": knots.position[:, None] + np.einsum("kij,klj->kli", R, leg_com),
+        "joint_position": postures.joint_position,
+        "foot_in_hip": knots.feet_in_hip,
+    }
     return Plan(
         jump=jump,
         robot_parameters=robot.parameters(),

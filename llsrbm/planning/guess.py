@@ -31,9 +31,7 @@ def _hermite(p0: Array, v0: Array, p1: Array, v1: Array, T: float, t: float) -> 
     velocity = (
         (6 * s**2 - 6 * s) * (p0 - p1) / T + (3 * s**2 - 4 * s + 1) * v0 + (3 * s**2 - 2 * s) * v1
     )
-    acceleration = (
-        (12 * s - 6) * (p0 - p1) / T**2 + (6 * s - 4) * v0 / T + (6 * s - 2) * v1 / T
-    )
+    acceleration = (12 * s - 6) * (p0 - p1) / T**2 + (6 * s - 4) * v0 / T + (6 * s - 2) * v1 / T
     return position, velocity, acceleration
 
 
@@ -66,9 +64,7 @@ def analytic_guess(
     for phase in Phase:
         T[phase] = np.clip(T[phase], *getattr(task.timing, phase.name.lower()))
     travel_time = T[1] + STANCE_SHARE * (T[0] + T[2])
-    v_lift = np.append(
-        shift[:2] / travel_time, shift[2] / T[1] + 0.5 * GRAVITY * T[1]
-    )
+    v_lift = np.append(shift[:2] / travel_time, shift[2] / T[1] + 0.5 * GRAVITY * T[1])
     v_land = v_lift - [0.0, 0.0, GRAVITY * T[1]]
     turn_rate = twist / travel_time
     r_lift = task.start_position + np.append(v_lift[:2] * T[0] * STANCE_SHARE, LIFT_OFF_RISE)
@@ -139,4 +135,3 @@ def analytic_guess(
         for name, place in layout.variables(k).items():
             w[place] = values[name]
     return w
-

@@ -59,9 +59,7 @@ class Task:
             "thigh": np.array([thigh]),
             "shank": np.array([shank]),
         }
-        weights = {
-            weight_parameter(cost): np.array([self.weights[cost.name]]) for cost in COSTS
-        }
+        weights = {weight_parameter(cost): np.array([self.weights[cost.name]]) for cost in COSTS}
         return {name: np.ravel(value) for name, value in (values | weights).items()}
 
 

@@ -28,10 +28,9 @@ def knee_links(robot: Robot) -> tuple[float, float] | None:
         if after_hip >= len(leg.joints):
             return None
         hip, knee = leg.joint_ids[after_hip - 1], leg.joint_ids[after_hip]
-        axes = [_axis(model, data, joint) for joint in (hip, knee)]
-        if any(axis is None for axis in axes):
+        hip_axis, knee_axis = _axis(model, data, hip), _axis(model, data, knee)
+        if hip_axis is None or knee_axis is None:
             return None
-        hip_axis, knee_axis = axes
         if np.linalg.norm(np.cross(hip_axis, knee_axis)) > np.sin(_PARALLEL):
             return None
         in_plane = np.eye(3) - np.outer(knee_axis, knee_axis)
