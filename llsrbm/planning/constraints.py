@@ -424,16 +424,20 @@ class KneeSpeed(Constraint):
 
         (x . xdot)^2 / limit^2 + ((a^2 + b^2 - |x|^2) / 2)^2 <= a^2 b^2,
 
-    a polynomial, also where the leg is nearly straight. The knee is the fastest joint of a jump.
-    Legs that do not fold at a knee are left free.
+    a polynomial, also where the leg is nearly straight. The knee is the fastest joint of a jump,
+    and fastest at the end of the push-off and at the start of the landing: within the stance phases
+    the rows, which are expensive there, are written for these two intervals alone. Legs that do
+    not fold at a knee are left free.
     """
 
     name = "knee_speed"
     unit = "rad/s"
 
     def applies(self, role: Role) -> bool:
-        """Over every interval."""
-        return not role.terminal
+        """In flight, in the last interval before it and in the first one after it."""
+        if role.phase == Phase.TAKEOFF:
+            return role.last
+        return role.phase == Phase.FLIGHT or role.first
 
     def rows(self, stage: Stage) -> Any:
         """(L, 1), left over right hand side."""
@@ -467,7 +471,8 @@ class KneeSpeed(Constraint):
             np.maximum((a * b) ** 2 - ((a**2 + b**2 - np.sum(x * x, axis=-1)) / 2) ** 2, 1e-12)
         )
         excess = closing / lever - KNEE_SHARE * knots.task.limits.joint_speed
-        return _spread(knots, slice(0, len(x)), excess)
+        where = slice(knots.flight.start - 1, knots.flight.stop)
+        return _spread(knots, where, excess[where])
 
 
 class FinalState(Constraint):
