@@ -3,7 +3,10 @@
 #   make test    sets up .venv and a browser, then runs every test
 # Others: make check (style and types), make bench, make lock (renew the pins), make clean.
 
-PYTHON ?= python3
+# The first that is new enough, and python3 to complain about if none is.
+PYTHON ?= $(or $(shell for python in python3 python3.11 python3.12 python3.13; do \
+	$$python -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null && \
+	echo $$python && break; done),python3)
 VENV   ?= .venv
 HOST   ?= 127.0.0.1
 PORT   ?= 8080
@@ -59,9 +62,9 @@ $(DEV_STAMP): requirements-dev.lock $(APP_STAMP)
 	@touch $@
 
 # Keeps the pins that still satisfy pyproject.toml; `make lock UPGRADE=--upgrade` takes the newest.
-COMPILE = build/lock/bin/uv pip compile --quiet $(UPGRADE) --python-version 3.11 \
-	--python-platform x86_64-manylinux_2_28 --generate-hashes --no-emit-index-url \
-	--no-annotate --no-header
+# One file for every Python from 3.11 on; checked on x86-64 Linux.
+COMPILE = build/lock/bin/uv pip compile --quiet $(UPGRADE) --universal --python-version 3.11 \
+	--generate-hashes --no-emit-index-url --no-annotate --no-header
 lock:
 	$(PYTHON) -m venv build/lock
 	build/lock/bin/python -m pip install --disable-pip-version-check --quiet uv
