@@ -1,0 +1,85 @@
+"""The paper's model against the paper's equations, written out in NumPy."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+
+from llsrbm.models.llsrbm import LLSRBM
+from tests.llsrbm.models.postures import (
+    LEGS,
+    ROBOT,
+    feet_in_reach,
+    random_motions,
+    standing_feet_in_hip,
+)
+
+MODEL = LLSRBM(ROBOT)
+FRACTION, LEG_MASS = ROBOT.fit.proportional_fraction, ROBOT.fit.proportional_mass
+
+
+def parallel_axis(d):
+    return d @ d * np.eye(3) - np.outer(d, d)
+
+
+def lumps(hips, feet):
+    """Point masses on the line from foot to hip (the paper's dp_i is s of that vector)."""
+    return feet + FRACTION * (hips - feet)
+
+
+def test_agrees_with_the_urdf_in_the_default_posture():
+    offset, inertia, _ = MODEL.evaluate(standing_feet_in_hip()[None])
+    np.testing.assert_allclose(inertia[0], ROBOT.inertia, atol=1e-12)
+    np.testing.assert_allclose(offset[0], ROBOT.base_position - ROBOT.com, atol=1e-13)
+    seen = MODEL.stance_feet((ROBOT.feet - ROBOT.com)[None])[0]
+    np.testing.assert_allclose(seen, standing_feet_in_hip(), atol=1e-12)
+
+
+@settings(max_examples=40, deadline=None)
+@given(x=feet_in_reach())
+def test_body_and_point_masses_make_the_inertia_and_the_com(x):
+    """Equations 3, 5 and 6 in the base frame, the base's own body taken from the URDF's whole."""
+    hips, feet = ROBOT.hips, ROBOT.hips + ROBOT.mirrors * x
+    standing = ROBOT.feet - ROBOT.base_position
+    com_standing = ROBOT.com - ROBOT.base_position
+    base_mass = ROBOT.mass - LEGS * LEG_MASS
+    base_com = (ROBOT.mass * com_standing - LEG_MASS * lumps(hips, standing).sum(axis=0)) / (
+        base_mass
+    )
+    # The base's inertia about the base's own CoM.
+    base_inertia = ROBOT.inertia - base_mass * parallel_axis(base_com - com_standing)
+    for d in lumps(hips, standing) - com_standing:
+        base_inertia = base_inertia - LEG_MASS * parallel_axis(d)
+
+    points = lumps(hips, feet)
+    com = (base_mass * base_com + LEG_MASS * points.sum(axis=0)) / ROBOT.mass
+    expected = base_inertia + base_mass * parallel_axis(base_com - com)
+    for d in points - com:
+        expected = expected + LEG_MASS * parallel_axis(d)
+
+    offset, inertia, leg_com = MODEL.evaluate(x[None])
+    np.testing.assert_allclose(offset[0], -com, atol=1e-13)
+    np.testing.assert_allclose(inertia[0], expected, atol=1e-12)
+    np.testing.assert_allclose(leg_com[0], points - com, atol=1e-13)
+    assert np.linalg.eigvalsh(base_inertia).min() > 0
+
+
+def test_masses_and_fraction():
+    assert MODEL.leg_mass == pytest.approx(LEG_MASS)
+    assert MODEL.base_mass == pytest.approx(ROBOT.mass - LEGS * LEG_MASS)
+    assert 0 < FRACTION < 1
+
+
+def test_legs_carry_no_momentum():
+    rng = np.random.default_rng(2)
+    x, xdot, w = rng.normal(size=(3, LEGS, 3)), rng.normal(size=(3, LEGS, 3)), np.zeros((3, 3))
+    np.testing.assert_array_equal(MODEL.evaluate_momentum(x, xdot, w), 0.0)
+
+
+def test_nearer_to_the_truth_than_a_single_body_in_roll_and_pitch():
+    """Over random postures; about z the knees, which go outward as feet draw in, spoil it."""
+    motions = random_motions(100, seed=5)
+    feet = MODEL.stance_feet(np.array([m.beta for m in motions]))
+    true = np.array([m.inertia for m in motions])
+    error = np.linalg.norm(MODEL.evaluate(feet)[1] - true, axis=(1, 2)).mean()
+    single = np.linalg.norm(ROBOT.inertia - true, axis=(1, 2)).mean()
+    assert error < 0.8 * single

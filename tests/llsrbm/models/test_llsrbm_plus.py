@@ -1,0 +1,119 @@
+"""LL-SRBM+ against Pinocchio: the whole robot in random postures, moving at random.
+
+Bounds are about twice what the fit reaches over these motions, which are wilder than a plan's.
+"""
+
+import casadi as ca
+import numpy as np
+import pytest
+from hypothesis import given, settings
+
+from benchmarks.leg_fit import plus_inertia_and_momentum
+from llsrbm.models.llsrbm import LLSRBM
+from llsrbm.models.llsrbm_plus import LLSRBMPlus
+from llsrbm.models.srbm import SRBM
+from tests.llsrbm.models.postures import LEGS, ROBOT, feet_in_reach, random_motions, rates
+
+MODEL = LLSRBMPlus(ROBOT)
+
+
+@pytest.fixture(scope="module")
+def motions():
+    return random_motions(200)
+
+
+def seen_by(model, motions):
+    """Feet, their rates and the base's angular velocity as the model takes them."""
+    feet = model.stance_feet(np.array([m.beta for m in motions]))
+    rate = model.stance_rate(np.array([m.beta_rate for m in motions]))
+    return feet, rate, np.array([m.w for m in motions])
+
+
+def momentum_error(model, motions):
+    """RMS error of each component, share of its peak."""
+    true = np.array([m.momentum for m in motions])
+    error = model.evaluate_momentum(*seen_by(model, motions)) - true
+    return np.sqrt(np.mean(error**2, axis=0)) / np.abs(true).max(axis=0)
+
+
+def test_inertia(motions):
+    true = np.array([m.inertia for m in motions])
+    inertia = MODEL.evaluate(seen_by(MODEL, motions)[0])[1]
+    relative = np.diagonal(inertia - true, axis1=1, axis2=2) / np.diagonal(true, axis1=1, axis2=2)
+    rms = np.sqrt(np.mean(relative**2, axis=0))
+    assert (rms < [0.03, 0.01, 0.01]).all(), rms
+    whole = np.linalg.norm(inertia - true, axis=(1, 2)) / np.linalg.norm(true, axis=(1, 2))
+    assert whole.max() < 0.035
+
+
+def test_momentum(motions):
+    assert (momentum_error(MODEL, motions) < [0.05, 0.03, 0.02]).all()
+
+
+def test_momentum_is_far_nearer_than_without_the_legs_own(motions):
+    error = momentum_error(MODEL, motions)
+    for other in (SRBM(ROBOT), LLSRBM(ROBOT)):
+        assert (error < 0.5 * momentum_error(other, motions)).all()
+
+
+def test_leg_coms(motions):
+    true = np.array([m.leg_com for m in motions])
+    error = np.linalg.norm(MODEL.evaluate(seen_by(MODEL, motions)[0])[2] - true, axis=-1)
+    assert np.sqrt(np.mean(error**2)) < 0.008
+    assert error.max() < 0.03
+
+
+@settings(max_examples=40, deadline=None)
+@given(x=feet_in_reach())
+def test_a_legs_com_lies_about_its_thigh(x):
+    """Within the leg's length of the hip, and nearer to the hip than the foot is."""
+    for i, foot in enumerate(x):
+        com = np.array(MODEL.leg_com(i, ca.DM(foot))).ravel()
+        assert np.linalg.norm(com) < 0.35
+        assert com[2] > foot[2]
+
+
+def test_near_the_urdf_in_the_default_posture():
+    feet = MODEL.stance_feet((ROBOT.feet - ROBOT.com)[None])
+    offset, inertia, _ = MODEL.evaluate(feet)
+    assert offset[0] == pytest.approx(ROBOT.base_position - ROBOT.com, abs=3e-3)
+    assert np.diag(inertia[0]) == pytest.approx(np.diag(ROBOT.inertia), rel=0.01)
+
+
+@settings(max_examples=40, deadline=None)
+@given(x=feet_in_reach(), xdot=rates())
+def test_the_com_moves_as_its_map_says(x, xdot):
+    step = 1e-6
+    for foot, speed in zip(x, xdot):
+        ahead, behind = (
+            np.array(MODEL.leg_com(0, ca.DM(foot + sign * step * speed))) for sign in (1, -1)
+        )
+        rate = np.array(MODEL.leg_com_rate(ca.DM(foot), ca.DM(speed)))
+        np.testing.assert_allclose(rate, (ahead - behind) / (2 * step), atol=1e-8)
+
+
+@settings(max_examples=40, deadline=None)
+@given(x=feet_in_reach(), xdot=rates())
+def test_the_same_in_numpy(x, xdot):
+    """The benchmark's formulas, written from the feet seen from the CoM."""
+    offset, offset_rate = MODEL.offsets(x[None], xdot[None])
+    beta = offset[0] + MODEL.hips + MODEL.mirrors * x
+    beta_rate = offset_rate[0] + MODEL.mirrors * xdot
+    inertia, h, o = plus_inertia_and_momentum(ROBOT.fit, beta, beta_rate)
+    np.testing.assert_allclose(offset[0], o, atol=1e-12)
+    np.testing.assert_allclose(MODEL.evaluate(x[None])[1][0], inertia, atol=1e-12)
+    still = np.zeros((1, 3))
+    np.testing.assert_allclose(
+        MODEL.evaluate_momentum(x[None], xdot[None], still)[0], h, atol=1e-12
+    )
+
+
+@settings(max_examples=40, deadline=None)
+@given(x=feet_in_reach())
+def test_com_definition_holds_for_the_affine_legs(x):
+    """Eq. 3 in the base frame: trunk and legs, at the affine map's places, balance about -o."""
+    fit = ROBOT.fit
+    d = fit.hips + fit.mirrors * (fit.com_affine[0] + x @ fit.com_affine[1:])
+    com = (fit.trunk_mass * fit.trunk_com + fit.leg_mass * d.sum(axis=0)) / ROBOT.mass
+    np.testing.assert_allclose(MODEL.offsets(x[None], x[None])[0][0], -com, atol=1e-12)
+    assert len(d) == LEGS
