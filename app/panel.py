@@ -14,7 +14,7 @@ from app import markup
 from app.player import SPEEDS
 from app.replay import Figures
 from llsrbm import models
-from llsrbm.export import formats
+from llsrbm.exporters import formats
 from llsrbm.jump import Jump
 from llsrbm.robots import RobotFile, names
 from llsrbm.robots.schema import Task

@@ -24,7 +24,7 @@ from app.replay import bake, figures, presentable
 from app.scene import Scene
 from app.worker_client import WorkerClient
 from llsrbm.errors import Error
-from llsrbm.export import export, suffix
+from llsrbm.exporters import export, suffix
 from llsrbm.jump import Jump
 from llsrbm.robots import Robot, load_robot
 from llsrbm.trajectory.plan import Plan

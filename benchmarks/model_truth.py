@@ -13,7 +13,6 @@ import numpy as np
 import llsrbm
 from llsrbm import models
 from llsrbm.planning.planner import planner_for
-from llsrbm.planning.task import make_task
 from llsrbm.realised import realise
 from llsrbm.robots import load_robot
 
@@ -34,8 +33,7 @@ def main() -> None:
         )
         planner = planner_for(arguments.robot, model)
         plan = planner.plan(jump)
-        knots = planner.unpack(make_task(jump, robot))
-        truth = realise(knots, robot)
+        truth = realise(planner.last_knots(), robot)
         feet = plan.foot_position[plan.phase == 1][..., :2]
         radius = np.linalg.norm(feet - plan.com[plan.phase == 1][:, None, :2], axis=-1).mean(axis=1)
         rms, worst = truth.momentum_error

@@ -7,7 +7,11 @@
 World frame: x forward, y left, z up; SI units; quaternions w, x, y, z; angles in radians.
 """
 
-from llsrbm.api import plan
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
 from llsrbm.errors import (
     Cancelled,
     Error,
@@ -16,10 +20,21 @@ from llsrbm.errors import (
     NotConverged,
     RobotFileError,
 )
-from llsrbm.export import export
 from llsrbm.jump import Jump
-from llsrbm.trajectory.files import load
-from llsrbm.trajectory.plan import Plan
+
+if TYPE_CHECKING:
+    from llsrbm.api import plan
+    from llsrbm.exporters import export
+    from llsrbm.trajectory.files import load
+    from llsrbm.trajectory.plan import Plan
+
+# CasADi and Pinocchio take most of a second to import: only when they are used.
+_LATER = {
+    "plan": "llsrbm.api",
+    "export": "llsrbm.exporters",
+    "load": "llsrbm.trajectory.files",
+    "Plan": "llsrbm.trajectory.plan",
+}
 
 __all__ = [
     "Cancelled",
@@ -34,3 +49,11 @@ __all__ = [
     "load",
     "plan",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _LATER:
+        raise AttributeError(f"module 'llsrbm' has no attribute {name!r}")
+    value = getattr(import_module(_LATER[name]), name)
+    globals()[name] = value
+    return value

@@ -9,6 +9,8 @@ from dataclasses import replace
 from llsrbm.jump import Jump
 from llsrbm.planning.planner import INTERVALS, planner_for
 from llsrbm.planning.solvers import names as solver_names
+from llsrbm.planning.task import make_task
+from llsrbm.robots import load_robot
 from llsrbm.trajectory.plan import Plan
 
 
@@ -38,6 +40,7 @@ def plan(
         RobotFileError: the robot file is wrong.
         NotConverged: no attempt satisfied every constraint; its `plan` is the last iterate.
     """
+    make_task(jump, load_robot(jump.robot), weights)  # a request out of range builds no solver
     start = time.perf_counter()
     planner = planner_for(jump.robot, jump.model, solver, intervals)
     build_time = time.perf_counter() - start

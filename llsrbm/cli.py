@@ -129,7 +129,7 @@ def export_command(
     fps: Annotated[float, typer.Option(help="Frames per second, for formats with a rate.")] = 60.0,
 ) -> int:
     """Write a native file in another format."""
-    from llsrbm.export import export
+    from llsrbm.exporters import export
     from llsrbm.trajectory.files import load
 
     export(load(file), out, format=format_, fps=fps)
@@ -158,7 +158,7 @@ def models_command() -> int:
 @app.command("formats")
 def formats_command() -> int:
     """List the formats that `llsrbm export` writes."""
-    from llsrbm.export import formats
+    from llsrbm.exporters import formats
 
     _print_table(formats())
     return DONE

@@ -72,7 +72,7 @@ class Planner:
         legs = len(robot.legs)
         self.layout = Layout(legs, contacts=legs, intervals=Intervals.split(intervals))
         self._backend = _cached_backend(kind, self.model, self.layout, robot, progress)
-        self.last: Iterate | None = None
+        self.last: tuple[Task, Iterate] | None = None
         self.build_time_s = time.perf_counter() - start
 
     def plan(
@@ -118,7 +118,7 @@ class Planner:
         assert best is not None  # there is always a first attempt
         iterate, knots, found = best
         solved = iterate.converged and satisfied(found)
-        self.last = iterate if solved else None
+        self.last = (task, iterate) if solved else None
 
         def report() -> SolveReport:
             return SolveReport(
@@ -144,32 +144,41 @@ class Planner:
     def _attempts(self, task: Task, warm: bool) -> Iterator[tuple[str, Iterate]]:
         """What is tried, in order, each only when the one before failed."""
         if warm and self.last is not None:
-            yield "from the last plan", self._solve(task, self.last.w, self.last)
+            yield "from the last plan", self._from(*self.last, task)
         yield "from the analytic guess", self._solve(task, self._guess(task))
         yield (
             "from a longer flight",
             self._solve(task, self._guess(task, PATIENT_FLIGHT)),
         )
-        stepping: Iterate | None = None
-        for share in HOMOTOPY:
-            easier = make_task(_scaled(task.jump, share), self.robot, task.weights)
-            guess = self._guess(easier) if stepping is None else stepping.w
-            stepping = self._solve(easier, guess, stepping)
-        if stepping is not None:
-            yield "by way of easier jumps", stepping
+        easier = make_task(_scaled(task.jump, HOMOTOPY[0]), self.robot, task.weights)
+        step = easier, self._solve(easier, self._guess(easier))
+        for share in HOMOTOPY[1:]:
+            harder = make_task(_scaled(task.jump, share), self.robot, task.weights)
+            step = harder, self._from(*step, harder)
+        yield "by way of easier jumps", step[1]
+
+    def _from(self, old: Task, solution: Iterate, task: Task) -> Iterate:
+        """Solve from the solution of another task, moved as the analytic guesses of the two differ."""
+        w = solution.w + self._guess(task) - self._guess(old)
+        for knot in range(self.layout.knots):
+            place = self.layout.variables(knot).get("quat")
+            if place is not None:
+                w[place] /= np.linalg.norm(w[place])
+        return self._solve(task, w, warm=True)
 
     def _guess(self, task: Task, flight_time: float | None = None) -> Array:
         return analytic_guess(task, self.layout, self.model, flight_time)
 
-    def _solve(self, task: Task, guess: Array, warm: Iterate | None = None) -> Iterate:
+    def _solve(self, task: Task, guess: Array, warm: bool = False) -> Iterate:
         parameters = np.concatenate(list(task.parameters().values()))
         return self._backend.solve(guess, parameters, row_bounds(self.layout, task), warm)
 
-    def unpack(self, task: Task) -> Knots:
+    def last_knots(self) -> Knots:
         """The last solution in full, for tests and studies."""
         if self.last is None:
             raise InputError("this planner has no solution yet")
-        return unpack(self.last.w, self.layout, task, self.model)
+        task, iterate = self.last
+        return unpack(iterate.w, self.layout, task, self.model)
 
 
 def _scaled(jump: Jump, share: float) -> Jump:

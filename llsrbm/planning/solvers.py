@@ -27,15 +27,13 @@ class Iterate:
     """Where a solver stopped.
 
     Attributes:
-        w: all variables; lam_g, lam_x: multipliers.
+        w: all variables.
         converged: the solver's own word.
         iterations, cost, solve_time_s: of this solve.
         message: the solver's status.
     """
 
     w: Array
-    lam_g: Array
-    lam_x: Array
     converged: bool
     iterations: int
     cost: float
@@ -78,21 +76,17 @@ class Backend(ABC):
         return cls(cold, warm)
 
     def solve(
-        self, guess: Array, parameters: Array, bounds: tuple[Array, Array], warm: Iterate | None
+        self, guess: Array, parameters: Array, bounds: tuple[Array, Array], warm: bool
     ) -> Iterate:
-        """Solve from a guess, or from an earlier solution with its multipliers."""
-        solver = self._cold if warm is None else self._warm
+        """Solve from a guess; `warm` says that it is near a solution, so that little is undone."""
+        solver = self._warm if warm else self._cold
         arguments = {"x0": guess, "p": parameters, "lbg": bounds[0], "ubg": bounds[1]}
-        if warm is not None:
-            arguments |= {"x0": warm.w, "lam_g0": warm.lam_g, "lam_x0": warm.lam_x}
         start = time.perf_counter()
         result = solver(**arguments)
         elapsed = time.perf_counter() - start
         stats = solver.stats()
         return Iterate(
             w=np.array(result["x"]).ravel(),
-            lam_g=np.array(result["lam_g"]).ravel(),
-            lam_x=np.array(result["lam_x"]).ravel(),
             converged=bool(stats["success"]),
             iterations=self._iterations(stats),
             cost=float(result["f"]),

@@ -11,7 +11,7 @@ import pytest
 
 from app.session import FIRST_JUMP
 from llsrbm import models
-from llsrbm.export import formats
+from llsrbm.exporters import formats
 from llsrbm.robots import names
 from tests.app import planners
 from tests.app.raw_tab import RawTab
@@ -149,7 +149,7 @@ def test_no_convergence_shows_where_the_solver_stopped(tab, session):
     assert "reach violated in flight by 0.02 m" in status
     assert "no feasible motion" in status
     assert not session.plan.solved
-    assert tab.nodes["/trail/com"]["color"] == [220, 40, 40]
+    assert tab.nodes["/path/com"]["color"] == [220, 40, 40]
 
 
 def test_a_refused_request_is_a_sentence(tab):
@@ -175,21 +175,21 @@ def test_scrubbing_pauses_and_shows_that_instant(tab, session):
     assert apex == pytest.approx(np.interp(0.65, plan.time, plan.com[:, 2]), abs=2e-3)
     time.sleep(0.3)
     assert tab.nodes["/com"]["position"][2] == apex
-    assert not tab.nodes["/forces"]["visible"]
+    assert not tab.nodes["/arrows"]["visible"]
     tab.set("Time [s]", 0.0)
-    tab.wait(lambda: tab.nodes["/forces"]["visible"], "forces in stance")
+    tab.wait(lambda: tab.nodes["/arrows"]["visible"], "forces in stance")
 
 
 def test_layers_can_be_hidden(tab):
     tab.set("Inertia ellipsoids", False)
-    tab.wait(lambda: not tab.nodes["/inertia/planned"]["visible"], "no ellipsoid")
+    tab.wait(lambda: not tab.nodes["/ellipsoid/planned"]["visible"], "no ellipsoid")
     tab.set("Trails", False)
-    tab.wait(lambda: not tab.nodes["/trail/com"]["visible"], "no trail")
+    tab.wait(lambda: not tab.nodes["/path/com"]["visible"], "no trail")
     tab.set("Forward [m]", 0.1)
     tab.wait_for_status("Planned")
-    tab.wait(lambda: not tab.nodes["/trail/com"].get("visible", True), "no trail with a new plan")
+    tab.wait(lambda: not tab.nodes["/path/com"].get("visible", True), "no trail with a new plan")
     tab.set("Inertia ellipsoids", True)
-    tab.wait(lambda: tab.nodes["/inertia/planned"]["visible"], "the ellipsoid again")
+    tab.wait(lambda: tab.nodes["/ellipsoid/planned"]["visible"], "the ellipsoid again")
 
 
 @pytest.mark.parametrize("height", [0.2, -0.15])
@@ -241,6 +241,6 @@ def test_a_closed_tab_leaves_nothing_behind(designer):
 
 def test_the_robots_meshes_fit_into_a_megabyte(designer):
     with RawTab(designer.port) as fresh:
-        fresh.wait(lambda: "/robot/base" in fresh.nodes, "the robot")
+        fresh.wait(lambda: "/links/base" in fresh.nodes, "the robot")
         assert fresh.received["GlbMessage"] == 13
         assert fresh.received_bytes < 1_000_000

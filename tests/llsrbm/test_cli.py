@@ -128,6 +128,15 @@ class TestBadInput:
 
 
 class TestLists:
+    def test_help_imports_nothing_heavy(self):
+        code = (
+            "import sys; from llsrbm import cli; cli.main(['--help']);"
+            "heavy = {'casadi', 'pinocchio', 'mujoco', 'viser', 'numpy'} & set(sys.modules);"
+            "sys.exit(', '.join(heavy) or 0)"
+        )
+        process = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+        assert process.returncode == 0, process.stderr
+
     def test_help_without_arguments(self, capsys):
         assert cli.main([]) == 0
         out = capsys.readouterr().out

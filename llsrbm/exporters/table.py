@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from llsrbm.export.base import Format
+from llsrbm.exporters.base import Format
 from llsrbm.trajectory.files import Trajectory
 from llsrbm.trajectory.resample import Motion, resample, uniform_times
 from llsrbm.trajectory.writing import replacing

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
-from types import ModuleType
 
 from llsrbm.errors import InputError
-from llsrbm.export.base import Format
-from llsrbm.export.native import NATIVE
-from llsrbm.export.table import TABLE
+from llsrbm.exporters.base import Format
+from llsrbm.exporters.native import NATIVE
+from llsrbm.exporters.table import TABLE
 from llsrbm.trajectory.files import Trajectory
 
 __all__ = ["Format", "export", "formats", "suffix"]
@@ -56,23 +54,3 @@ def _find(name: str) -> Format:
     if name not in _FORMATS:
         raise InputError(f'no format "{name}"; the formats are {", ".join(_FORMATS)}')
     return _FORMATS[name]
-
-
-class _Callable(ModuleType):
-    """Makes `llsrbm.export(...)` a call and `llsrbm.export.formats()` a look-up.
-
-    The function and the package share the name, and importing the package puts it where the
-    function was.
-    """
-
-    def __call__(
-        self,
-        trajectory: Trajectory,
-        path: str | Path,
-        format: str = "npz",  # noqa: A002
-        fps: float = 60.0,
-    ) -> None:
-        export(trajectory, path, format, fps)
-
-
-sys.modules[__name__].__class__ = _Callable

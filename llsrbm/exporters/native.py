@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from llsrbm.export.base import Format
+from llsrbm.exporters.base import Format
 from llsrbm.trajectory.files import Trajectory
 
 

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-import llsrbm.export
+import llsrbm
 from llsrbm.errors import InputError
-from llsrbm.export import export, formats, suffix
+from llsrbm.exporters import export, formats, suffix
 from llsrbm.trajectory.plan import Phase
 from tests.llsrbm.synthetic import JOINT_NAMES, synthetic_plan
 

@@ -1,0 +1,145 @@
+"""The planner as the paper writes it: CasADi's Opti and Ipopt, states and controls at every knot.
+
+Kept to compare with: x = (r, q, H, L), u = (f, p) at each knot, explicit Euler steps of eq. 8 with
+I_W inverted symbolically, one dt a phase, the paper's costs and constraints. Departures, without
+which it finds no jump of this robot: the CoM-to-foot distance is bounded by 0.25 ... 0.75 m (the
+paper's 0.6 m excludes ANYmal's own stance), feet clear the ground, phases have the planner's shortest
+times, and the norm of q is fixed by the dynamics rather than by a constraint at each knot (with
+that constraint Ipopt does not converge).
+"""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+
+import casadi as ca
+import numpy as np
+
+from llsrbm.models.base import CentroidalModel
+from llsrbm.planning.rotations import quat_product, rotation_matrix
+from llsrbm.planning.task import Task
+
+GRAVITY = 9.81
+LEG_LENGTH = (0.25, 0.75)  # m, CoM to foot
+
+
+@dataclass(frozen=True)
+class BaselineResult:
+    """How one solve of the baseline went."""
+
+    converged: bool
+    iterations: int
+    solve_time_s: float
+    final_yaw: float
+
+
+def _solve3(A: ca.MX, b: ca.MX) -> ca.MX:
+    """A^-1 b of a symmetric (3, 3) A by Cramer's rule: Opti's `inv` cannot be expanded."""
+    columns = [A[:, i] for i in range(3)]
+    cross = [ca.cross(columns[1], columns[2]), ca.cross(columns[2], columns[0])]
+    cross.append(ca.cross(columns[0], columns[1]))
+    return ca.vertcat(*(ca.dot(c, b) for c in cross)) / ca.dot(columns[0], cross[0])
+
+
+def solve_baseline(
+    task: Task, model: CentroidalModel, intervals: int, expand: bool
+) -> BaselineResult:
+    """Build and solve; only the solve is timed.
+
+    Args:
+        task: the same request the planner gets.
+        model: "srbm" or "llsrbm" (feet enter through the model's inertia).
+        intervals: N, a third a phase.
+        expand: whether Opti turns its MX graph into SX first.
+    """
+    opti = ca.Opti()
+    n = intervals // 3
+    N, legs, m = 3 * n, model.legs, task.mass
+    r, q = opti.variable(3, N + 1), opti.variable(4, N + 1)
+    H, L = opti.variable(3, N + 1), opti.variable(3, N + 1)
+    f, p = opti.variable(3 * legs, N), opti.variable(3 * legs, N + 1)
+    T = opti.variable(3)
+    unit = m * GRAVITY / legs
+    start, goal = task.start_feet.ravel(), task.goal_feet.ravel()
+    cost = 20.0 * ca.sumsqr(T) + 200.0 * ca.sumsqr(q[:, N] - task.goal_quat)
+    for name, k in (("takeoff", 0), ("flight", 1), ("landing", 2)):
+        opti.subject_to(opti.bounded(getattr(task.timing, name)[0], T[k], getattr(task.timing, name)[1]))
+    for k in range(N):
+        phase, dt = k // n, T[k // n] / n
+        R = rotation_matrix(q[:, k])
+        feet = ca.reshape(p[:, k], 3, legs)
+        beta = ca.mtimes(R.T, feet - ca.repmat(r[:, k], 1, legs))
+        o = model.base_offset_from_com(beta)
+        x = ca.horzcat(*(model.foot_in_hip(i, beta[:, i], o) for i in range(legs)))
+        omega = _solve3(model.inertia(x, o), ca.mtimes(R.T, L[:, k]))  # base axes
+        total, moment = ca.MX.zeros(3), ca.MX.zeros(3)
+        for i in range(legs):
+            force = f[3 * i : 3 * i + 3, k] * unit
+            total += force
+            moment += ca.cross(feet[:, i] - r[:, k], force)
+            arm = feet[:, i] - r[:, k]
+            opti.subject_to(
+                opti.bounded(LEG_LENGTH[0] ** 2, ca.sumsqr(arm), LEG_LENGTH[1] ** 2)
+            )
+            if phase == 1:
+                opti.subject_to(force == 0)
+            else:
+                mu, top = task.limits.friction, task.limits.contact_force
+                fx, fy, fz = ca.vertsplit(f[3 * i : 3 * i + 3, k])
+                opti.subject_to(opti.bounded(0, fz, top / unit))
+                for tangential in (fx, fy):
+                    opti.subject_to(tangential - mu * fz <= 0)
+                    opti.subject_to(tangential + mu * fz >= 0)
+        opti.subject_to(r[:, k + 1] == r[:, k] + dt * H[:, k] / m)
+        spin = 0.5 * quat_product(q[:, k], ca.vertcat(0, omega))
+        opti.subject_to(q[:, k + 1] == q[:, k] + dt * spin)
+        opti.subject_to(H[:, k + 1] == H[:, k] + dt * (total - ca.DM([0, 0, m * GRAVITY])))
+        opti.subject_to(L[:, k + 1] == L[:, k] + dt * moment)
+        if phase == 1 and k > n:
+            s = (k - n) / n
+            line = (1 - s) * task.start_feet[:, 2] + s * task.goal_feet[:, 2]
+            arch = 4 * s * (1 - s) * task.limits.clearance
+            opti.subject_to(p[2::3, k] >= line + arch)
+        else:
+            opti.subject_to(p[:, k] == (goal if phase == 2 else start))
+        cost += (0.05 * ca.sumsqr(H[:, k] / m) + 5.0 * ca.sumsqr(L[:, k] / m)) / n
+        cost += 0.02 * n * ca.sumsqr(p[:, k + 1] - p[:, k])
+        if k % n and phase != 1:
+            cost += 0.02 * n * ca.sumsqr(f[:, k] - f[:, k - 1]) / legs
+    opti.subject_to(p[:, N] == goal)
+    opti.subject_to(r[:, 0] == task.start_position)
+    opti.subject_to(q[:, 0] == ca.DM([1, 0, 0, 0]))
+    opti.subject_to(H[:, 0] == 0)
+    opti.subject_to(L[:, 0] == 0)
+    opti.subject_to(r[:, N] == task.goal_position)
+    opti.subject_to(H[:, N] == 0)
+    opti.subject_to(L[:, N] == 0)
+    opti.minimize(cost)
+    # The paper's guess: linear interpolation of position and orientation, feet from start to goal.
+    for k in range(N + 1):
+        s = k / N
+        half = task.jump.twist * s / 2
+        opti.set_initial(r[:, k], (1 - s) * task.start_position + s * task.goal_position)
+        opti.set_initial(q[:, k], [np.cos(half), 0, 0, np.sin(half)])
+        opti.set_initial(p[:, k], (1 - s) * start + s * goal)
+    opti.set_initial(f, np.tile([0.0, 0.0, 1.0], legs)[:, None] @ np.ones((1, N)))
+    opti.set_initial(T, [0.48, 0.35, 0.48])
+    options = {"expand": expand, "print_time": False}
+    opti.solver("ipopt", options, {"print_level": 0, "sb": "yes", "max_iter": 300})
+    before = time.perf_counter()
+    try:
+        solution = opti.solve()
+    except RuntimeError:  # Opti raises when Ipopt stops early; the statistics say so too
+        solution = opti.debug
+    wall = time.perf_counter() - before
+    stats = opti.stats()
+    # opti.solve() also builds the solver: take the time that Ipopt itself reports.
+    solve_time = float(stats.get("t_wall_total", wall))
+    end = solution.value(q[:, N])
+    return BaselineResult(
+        bool(stats["success"]),
+        int(stats["iter_count"]),
+        solve_time,
+        2 * float(np.arctan2(end[3], end[0])),
+    )

@@ -1,0 +1,52 @@
+"""Jumps that several tests look at, each planned once a run."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from llsrbm.jump import Jump
+from llsrbm.planning.knots import Knots
+from llsrbm.planning.planner import Planner, planner_for
+from llsrbm.planning.task import Task, make_task
+from llsrbm.robots import load_robot
+from llsrbm.trajectory.plan import Plan
+
+REQUESTS: dict[str, dict[str, float]] = {
+    "twist": {"twist": np.pi / 2},
+    "forward": {"forward": 0.3},
+    "all": {"twist": 0.8, "forward": 0.2, "lateral": 0.15, "height": 0.15},
+}
+
+
+@dataclass(frozen=True)
+class Solved:
+    planner: Planner
+    task: Task
+    plan: Plan
+    knots: Knots
+    w: np.ndarray
+    lam_g: np.ndarray
+
+
+@cache
+def solved(model: str, request: str) -> Solved:
+    """The plan of a request by ANYmal, from the analytic guess."""
+    planner = planner_for("anymal", model)
+    jump = Jump(model=model, **REQUESTS[request])
+    task = make_task(jump, load_robot("anymal"))
+    plan = planner.plan(jump)
+    return Solved(planner, task, plan, planner.unpack(task), planner.last.w, planner.last.lam_g)
+
+
+def function(planner: Planner, name: str) -> Any:
+    """One of the functions that the planner's solver evaluates."""
+    solver = planner._backend._cold
+    return solver.oracle() if name == "nlp" else solver.get_function(name)
+
+
+def parameters(task: Task) -> np.ndarray:
+    return np.concatenate(list(task.parameters().values()))
