@@ -29,6 +29,7 @@ class Replay:
         body_position: (F, B, 3) m and body_wxyz: (F, B, 4): pose of every moving body.
         planned_axes: (F, 3) m and planned_wxyz: (F, 4): ellipsoid of the model's inertia.
         rigid_axes: (3,) m and rigid_wxyz: (F, 4): ellipsoid of the constant inertia that SRBM has.
+        yaw_wxyz: (F, 4): the base's heading alone.
         interval: (F,) the plan's interval, over which contact forces are constant.
     """
 
@@ -40,6 +41,7 @@ class Replay:
     planned_wxyz: Array
     rigid_axes: Array
     rigid_wxyz: Array
+    yaw_wxyz: Array
     interval: NDArray[np.int64]
 
     def frame_at(self, time: float) -> int:
@@ -102,6 +104,7 @@ def bake(plan: Plan, robot: Robot) -> Replay:
         planned_wxyz=planned_wxyz,
         rigid_axes=rigid_axes[0],
         rigid_wxyz=rigid.as_quat(scalar_first=True),
+        yaw_wxyz=_headings(base),
         interval=np.searchsorted(plan.time, motion.time, side="right").clip(1, last + 1) - 1,
     )
 
@@ -132,6 +135,13 @@ def ellipsoid(inertia: Array, mass: float, reference: Array) -> tuple[Array, Arr
     quaternion = Rotation.from_matrix(axes).as_quat(scalar_first=True)
     # A point mass model may violate the triangle inequality of moments by rounding.
     return np.sqrt(np.maximum(squares, 1e-6)), quaternion
+
+
+def _headings(attitude: Rotation) -> Array:
+    """Turns about the vertical that take x where `attitude` takes it, seen from above, (F, 4)."""
+    x, y = attitude.apply([1.0, 0.0, 0.0])[:, :2].T
+    wxyz: Array = Rotation.from_euler("z", np.arctan2(y, x)[:, None]).as_quat(scalar_first=True)
+    return wxyz
 
 
 _PERMUTATIONS = np.array([[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]])

@@ -31,6 +31,8 @@ _INFEASIBLE_COLOUR: Rgb = (220, 40, 40)
 ARROW_PER_WEIGHT = 0.8
 """Length of the arrow of a force as large as the robot's weight, m."""
 
+_BLOT = 0.3  # m, length of the dark patch under the robot
+_OUTSIDE = 1.004  # a wireframe must lie just outside of a surface to be seen
 _FOOTPRINT = 0.03  # m, radius of a landing mark
 _ALONG_TRAIL = 4  # frames between the points of a trail
 
@@ -49,30 +51,24 @@ def _meshes(robot: Robot) -> tuple[tuple[str, int, bytes], ...]:
 
 
 class _Ellipsoid:
-    """A unit sphere, translucent with a wireframe, that is moved and stretched."""
+    """A unit sphere, a wireframe with or without a translucent surface, moved and stretched."""
 
-    def __init__(self, client: viser.ClientHandle, name: str, colour: Rgb) -> None:
+    def __init__(
+        self, client: viser.ClientHandle, name: str, colour: Rgb, *, surface: bool
+    ) -> None:
         scene = client.scene
         # A node's scale does not reach its children: only pose and visibility do.
         self._frame = scene.add_frame(name, show_axes=False, visible=False)
         self._axes = np.ones(3)
         self._spheres = [
             scene.add_icosphere(
-                f"{name}/{part}",
-                radius,
-                colour,
-                wireframe=wireframe,
-                opacity=opacity,
-                subdivisions=3,
-                cast_shadow=False,
-                receive_shadow=False,
-            )
-            # The wires lie just outside, or the surface would hide them.
-            for part, radius, wireframe, opacity in (
-                ("surface", 1.0, False, 0.2),
-                ("wires", 1.004, True, 0.3),
+                f"{name}/wires", _OUTSIDE, colour, wireframe=True, opacity=0.35, cast_shadow=False
             )
         ]
+        if surface:
+            self._spheres.append(
+                scene.add_icosphere(f"{name}/surface", 1.0, colour, opacity=0.22, cast_shadow=False)
+            )
 
     def move(self, position: Array, wxyz: Array, axes: Array) -> None:
         self._frame.position = position
@@ -108,10 +104,14 @@ class Scene:
             section_size=0.5,
             section_color=(190, 195, 202),
             fade_distance=9.0,
-            shadow_opacity=0.25,
+            shadow_opacity=0.0,
         )
-        self._planned = _Ellipsoid(client, "/inertia/planned", PLANNED_COLOUR)
-        self._rigid = _Ellipsoid(client, "/inertia/srbm", RIGID_COLOUR)
+        # Instead of shadows, one blot under the robot: it tells how high the robot is.
+        self._blot = scene.add_icosphere(
+            "/blot", _BLOT, (30, 34, 40), scale=(1.0, 0.7, 0.005), opacity=0.22, visible=False
+        )
+        self._planned = _Ellipsoid(client, "/ellipsoid/planned", PLANNED_COLOUR, surface=True)
+        self._rigid = _Ellipsoid(client, "/ellipsoid/srbm", RIGID_COLOUR, surface=False)
         self._com = scene.add_icosphere("/com", 0.018, COM_COLOUR, visible=False)
         self._forces: viser.ArrowsHandle | None = None
         self._trails: list[_Hideable] = []
@@ -132,7 +132,7 @@ class Scene:
                 (
                     body,
                     self._client.scene.add_glb(
-                        f"/robot/{link}",
+                        f"/links/{link}",
                         glb,
                         position=position[0, body],
                         wxyz=wxyz[0, body],
@@ -151,7 +151,7 @@ class Scene:
             self._draw_targets(replay)
             self._draw_trails(replay)
             self._draw_forces(replay)
-            self._com.visible = True
+            self._com.visible = self._blot.visible = True
             self._apply_layers()
 
     def show_instant(self, time: float) -> None:
@@ -166,6 +166,8 @@ class Scene:
                 handle.position = replay.body_position[frame, body]
                 handle.wxyz = replay.body_wxyz[frame, body]
             self._com.position = com
+            self._blot.position = (com[0], com[1], self._ground.position[2] + 0.002)
+            self._blot.wxyz = replay.yaw_wxyz[frame]
             if self._show_ellipsoids:
                 self._planned.move(com, replay.planned_wxyz[frame], replay.planned_axes[frame])
                 self._rigid.move(com, replay.rigid_wxyz[frame], replay.rigid_axes)
@@ -218,7 +220,7 @@ class Scene:
         kept = np.r_[0 : len(motion.time) - 1 : _ALONG_TRAIL, len(motion.time) - 1]
         trails = [
             scene.add_spline_catmull_rom(
-                "/trail/com",
+                "/path/com",
                 motion.com[kept],
                 thickness=0.008,
                 color=COM_COLOUR if plan.solved else _INFEASIBLE_COLOUR,
@@ -228,7 +230,7 @@ class Scene:
         if len(flight) > 1:
             trails += [
                 scene.add_spline_catmull_rom(
-                    f"/trail/foot{i}",
+                    f"/path/foot{i}",
                     motion.foot_position[flight, i],
                     thickness=0.004,
                     color=FOOT_COLOUR,
@@ -241,7 +243,7 @@ class Scene:
     def _draw_forces(self, replay: Replay) -> None:
         contacts = replay.motion.contact_point.shape[1]
         self._forces = self._client.scene.add_arrows(
-            "/forces",
+            "/arrows",
             np.zeros((contacts, 2, 3), dtype=np.float32),
             FORCE_COLOUR,
             shaft_radius=0.008,
@@ -285,7 +287,7 @@ class Scene:
         self._trails = []
         self._forces = None
         self._replay = None
-        self._com.visible = False
+        self._com.visible = self._blot.visible = False
         self._apply_layers()
 
 
