@@ -24,7 +24,7 @@ def quat_product(a: Any, b: Any) -> Any:
 
 
 def quat_exp(rotation_vector: Any) -> Any:
-    """Unit quaternion of a rotation vector, (4, 1), as a series: below 1 rad exact to 1e-9.
+    """Unit quaternion of a rotation vector, (4, 1), as a series: below 0.5 rad exact to 1e-9.
 
     A polynomial has no division by the angle, which is zero in the initial guess.
     """
