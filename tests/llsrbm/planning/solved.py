@@ -11,8 +11,7 @@ import numpy as np
 from llsrbm.jump import Jump
 from llsrbm.planning.knots import Knots
 from llsrbm.planning.planner import Planner, planner_for
-from llsrbm.planning.task import Task, make_task
-from llsrbm.robots import load_robot
+from llsrbm.planning.task import Task
 from llsrbm.trajectory.plan import Plan
 
 REQUESTS: dict[str, dict[str, float]] = {
@@ -29,7 +28,6 @@ class Solved:
     plan: Plan
     knots: Knots
     w: np.ndarray
-    lam_g: np.ndarray
 
 
 @cache
@@ -37,9 +35,9 @@ def solved(model: str, request: str) -> Solved:
     """The plan of a request by ANYmal, from the analytic guess."""
     planner = planner_for("anymal", model)
     jump = Jump(model=model, **REQUESTS[request])
-    task = make_task(jump, load_robot("anymal"))
     plan = planner.plan(jump)
-    return Solved(planner, task, plan, planner.unpack(task), planner.last.w, planner.last.lam_g)
+    task, iterate = planner.last
+    return Solved(planner, task, plan, planner.last_knots(), iterate.w)
 
 
 def function(planner: Planner, name: str) -> Any:

@@ -22,7 +22,7 @@ def near_a_solution(model):
     s = solved(model, "all")
     rng = np.random.default_rng(0)
     w = s.w + rng.normal(scale=0.02, size=s.w.size)
-    lam = rng.normal(size=len(s.lam_g))
+    lam = rng.normal(size=function(s.planner, "nlp").size1_out(1))
     return s, w, parameters(s.task), 0.7, lam, rng.normal(size=(3, w.size))
 
 
