@@ -1,0 +1,87 @@
+"""A plan's forces and feet through the model's continuous equations: an integrator of its own.
+
+    rdot = v,  v' = sum f / m + g,  L' = sum (p_i - r) x f_i,  q' = q (0, omega) / 2,
+    I(x) omega + h(x, xdot) = R^T L
+
+In stance the feet stand in the world, so that x and xdot follow from r, v, R and omega; xdot is
+affine in omega, and so is the left side. In flight x runs linearly between the plan's knots.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from llsrbm.trajectory.plan import Phase
+
+GRAVITY = np.array([0.0, 0.0, -9.81])
+PROBES = np.vstack([np.zeros(3), np.eye(3)])
+
+
+@dataclass
+class State:
+    position: np.ndarray
+    velocity: np.ndarray
+    quat: np.ndarray
+    momentum: np.ndarray
+
+    def plus(self, rate: State, dt: float) -> State:
+        return State(
+            self.position + dt * rate.position,
+            self.velocity + dt * rate.velocity,
+            self.quat + dt * rate.quat,
+            self.momentum + dt * rate.momentum,
+        )
+
+
+def replay(plan, model, step: float = 1e-3) -> list[State]:
+    """The state at every knot, from the plan's first knot on."""
+    state = State(plan.com[0], plan.com_velocity[0], plan.base_quat[0], plan.angular_momentum[0])
+    states = [state]
+    for k, (start, end) in enumerate(zip(plan.time[:-1], plan.time[1:], strict=True)):
+        count = int(np.ceil((end - start) / step))
+        dt = (end - start) / count
+        for i in range(count):
+            t = i * dt
+
+            def rate(s, t):
+                return _rate(plan, model, k, t / (end - start), s)  # noqa: B023
+
+            k1 = rate(state, t)
+            k2 = rate(state.plus(k1, dt / 2), t + dt / 2)
+            k3 = rate(state.plus(k2, dt / 2), t + dt / 2)
+            k4 = rate(state.plus(k3, dt), t + dt)
+            for weight, slope in ((1, k1), (2, k2), (2, k3), (1, k4)):
+                state = state.plus(slope, weight * dt / 6)
+        states.append(state)
+    return states
+
+
+def _rate(plan, model, k, share, s):
+    force = plan.contact_force[k]
+    R = Rotation.from_quat(s.quat, scalar_first=True).as_matrix()
+    if plan.phase[k] == Phase.FLIGHT:
+        before, after = plan.foot_in_hip[k], plan.foot_in_hip[k + 1]
+        x = before + share * (after - before)
+        xdot = np.repeat([(after - before) / (plan.time[k + 1] - plan.time[k])], 4, axis=0)
+    else:
+        beta = (plan.foot_position[k] - s.position) @ R
+        x = model.stance_feet(beta[None])[0]
+        xdot = model.stance_rate(-s.velocity @ R - np.cross(PROBES[:, None], beta))
+    left = model.evaluate_momentum(np.repeat(x[None], 4, axis=0), xdot, PROBES)
+    omega = np.linalg.solve((left[1:] - left[0]).T, s.momentum @ R - left[0])
+    w, v = s.quat[0], s.quat[1:]
+    return State(
+        position=s.velocity,
+        velocity=force.sum(axis=0) / model.mass + GRAVITY,
+        quat=np.append(-v @ omega, w * omega + np.cross(v, omega)) / 2,
+        momentum=np.cross(plan.foot_position[k] - s.position, force).sum(axis=0),
+    )
+
+
+def angle_between(a, b) -> float:
+    """Degrees between two attitudes, quaternions w, x, y, z."""
+    one, two = (Rotation.from_quat(q, scalar_first=True) for q in (a, b))
+    return float(np.degrees((one.inv() * two).magnitude()))
