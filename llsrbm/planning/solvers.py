@@ -20,6 +20,9 @@ MAX_ITERATIONS = 150
 # Complementarity at which a solve starts: the analytic guess is far from the optimum, the previous
 # plan is close to it.
 MU_COLD, MU_WARM = 1e-2, 1e-4
+# How far a cold start is pushed inside of the bounds it touches; 15 % fewer iterations over ten
+# jumps and three models than with the solver's default of 0.01.
+BOUND_PUSH = 0.05
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,6 +106,7 @@ class Fatrop(Backend):
     @classmethod
     def _nlpsol(cls, problem: Problem, mu: float) -> ca.Function:
         functions = problem.functions
+        push = {} if mu < MU_COLD else {"bound_push": BOUND_PUSH, "bound_frac": BOUND_PUSH}
         options = {
             "print_time": False,
             "error_on_fail": False,
@@ -119,6 +123,7 @@ class Fatrop(Backend):
                 "mu_init": mu,
                 "tolerance": 1e-4,
                 "max_iter": MAX_ITERATIONS,
+                **push,
             },
         }
         return ca.nlpsol("planner", "fatrop", functions["nlp"], options)

@@ -1,0 +1,112 @@
+"""Solve times of the planner against the paper's formulation, all in one run.
+
+    python benchmarks/solve_times.py [--repeats 9] [--baseline-repeats 3]
+
+Cold: from the analytic guess. Warm: each jump from the plan of its neighbour, one slider step (2 deg
+or 1 cm) away, up and down. Baseline: `opti_baseline.py`, expanded to SX (the faster of Opti's two ways) and
+as written. Use an idle machine; ratios are taken within the run.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+import os
+import statistics
+import sys
+
+import numpy as np
+from opti_baseline import solve_baseline
+
+import llsrbm
+from llsrbm.planning.planner import Planner, planner_for
+from llsrbm.planning.task import make_task
+from llsrbm.trajectory.plan import SolveReport
+
+INTERVALS = 48
+TASKS = {"twist": {"twist": math.radians(90.0)}, "forward": {"forward": 0.3}}
+STEP = {"twist": math.radians(2.0), "forward": 0.01}
+
+
+def cold(planner: Planner, jump: llsrbm.Jump, repeats: int) -> list[SolveReport]:
+    """The same jump again and again from the analytic guess."""
+    return [planner.plan(jump).report for _ in range(repeats)]
+
+
+def warm(planner: Planner, model: str, kind: str, repeats: int) -> list[SolveReport]:
+    """A slider that moves up and down about the jump."""
+    value = TASKS[kind][kind]
+    planner.plan(llsrbm.Jump(model=model, **{kind: value}))
+    reports = []
+    for k in range(repeats):
+        value += STEP[kind] * (1 if k % 10 < 5 else -1)
+        reports.append(planner.plan(llsrbm.Jump(model=model, **{kind: value}), warm=True).report)
+    return reports
+
+
+def milliseconds(times: list[float]) -> str:
+    """Median / p95."""
+    return f"{1e3 * statistics.median(times):.0f} / {1e3 * np.percentile(times, 95):.0f}"
+
+
+def main() -> None:
+    """Print the tables."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--repeats", type=int, default=15)
+    parser.add_argument("--baseline-repeats", type=int, default=3)
+    arguments = parser.parse_args()
+    load = os.getloadavg()[0]
+    if load > 0.5:
+        print(f"note: the load is {load:.1f}; times are worth little, ratios a little more")
+    print(f"ANYmal, {INTERVALS} intervals, milliseconds as median / p95; it = iterations, median")
+    print("| task | model | cold | it | warm | it | total / solve | Opti expanded | Opti as written |")
+    print("|---|---|---|---|---|---|---|---|---|")
+    solve: dict[tuple[str, str], float] = {}
+    for kind, motion in TASKS.items():
+        for model in ("srbm", "llsrbm", "llsrbm-plus"):
+            planner = planner_for("anymal", model)
+            jump = llsrbm.Jump(model=model, **motion)
+            cold(planner, jump, 2)
+            cold_reports = cold(planner, jump, arguments.repeats)
+            warm_reports = warm(planner, model, kind, arguments.repeats)
+            cold_times = [r.solve_time_s for r in cold_reports]
+            warm_times = [r.solve_time_s for r in warm_reports]
+            overhead = statistics.median(
+                r.total_time_s / r.solve_time_s for r in cold_reports + warm_reports
+            )
+            median = statistics.median(cold_times)
+            solve[kind, model] = median
+            row = [
+                kind,
+                model,
+                milliseconds(cold_times),
+                f"{statistics.median(r.iterations for r in cold_reports):.0f}",
+                milliseconds(warm_times),
+                f"{statistics.median(r.iterations for r in warm_reports):.0f}",
+                f"{overhead:.2f}",
+            ]
+            if model != "llsrbm-plus":
+                task = make_task(jump, planner.robot)
+                for expand in (True, False):
+                    results = [
+                        solve_baseline(task, planner.model, INTERVALS, expand)
+                        for _ in range(arguments.baseline_repeats)
+                    ]
+                    if not all(r.converged for r in results):
+                        row.append("not converged")
+                        continue
+                    base = statistics.median(r.solve_time_s for r in results)
+                    row.append(
+                        f"{1e3 * base:.0f} ({base / median:.1f}x cold, "
+                        f"{base / statistics.median(warm_times):.1f}x warm)"
+                    )
+            else:
+                row += ["", ""]
+            print("| " + " | ".join(row) + " |", flush=True)
+    for kind in TASKS:
+        ratio = solve[kind, "llsrbm-plus"] / solve[kind, "llsrbm"]
+        print(f"{kind}: llsrbm-plus takes {ratio:.2f} x the time of llsrbm")
+
+
+if __name__ == "__main__":
+    sys.exit(main())
