@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import time
+import zlib
 from collections.abc import Callable, Iterator
 from functools import lru_cache
 from pathlib import Path
@@ -26,7 +27,7 @@ from llsrbm.planning.solvers import Backend, Iterate
 from llsrbm.planning.task import Task, make_task
 from llsrbm.planning.transcription import Problem, row_bounds
 from llsrbm.robots import load_robot
-from llsrbm.robots.cache import cached_bytes, content_key
+from llsrbm.cache import cached_bytes, content_key
 from llsrbm.robots.robot import Robot
 from llsrbm.trajectory.plan import Plan, SolveReport
 
@@ -199,7 +200,8 @@ def _cached_backend(
     def build() -> bytes:
         if progress is not None:
             progress(f"building the {model.name} solver of {robot.name}, once on this machine")
-        return kind.build(Problem(model, layout)).serialize().encode("ascii")
+        text = kind.build(Problem(model, layout)).serialize()
+        return zlib.compress(text.encode("ascii"), level=1)
 
     sources = sorted(
         path
@@ -214,7 +216,8 @@ def _cached_backend(
         *sources,
     )
     name = f"solver-{robot.name}-{model.name}-{kind.name}"
-    return kind.deserialize(cached_bytes(name, key, ".casadi", build).decode("ascii"))
+    stored = cached_bytes(name, key, ".casadi.z", build)
+    return kind.deserialize(zlib.decompress(stored).decode("ascii"))
 
 
 @lru_cache(maxsize=12)

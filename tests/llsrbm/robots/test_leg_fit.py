@@ -6,7 +6,7 @@ import pytest
 from benchmarks.leg_fit import truth
 from llsrbm.errors import RobotFileError
 from llsrbm.robots import load_robot
-from llsrbm.robots.cache import ENVIRONMENT_VARIABLE
+from llsrbm.cache import ENVIRONMENT_VARIABLE
 from llsrbm.robots.leg_fit import (
     affine_slopes,
     fit_legs,

@@ -1,7 +1,8 @@
 """The user's cache: things computed once a machine (leg fits, meshes, solvers).
 
 An entry lies at `<cache directory>/<kind>/<hash of its key><suffix>`. The key holds everything the
-entry depends on, so nothing is ever invalidated: another input is another file.
+entry depends on, so nothing is ever invalidated: another input is another file. Of each kind the
+entries used last are kept.
 """
 
 from __future__ import annotations
@@ -16,6 +17,9 @@ from pathlib import Path
 import platformdirs
 
 ENVIRONMENT_VARIABLE = "LLSRBM_CACHE"
+
+# Entries of one kind that are kept: a few versions of the project and of a robot file side by side.
+KEPT = 4
 
 _log = logging.getLogger(__name__)
 _DIGEST_SIZE = hashlib.sha256().digest_size
@@ -72,6 +76,7 @@ def read_checked(path: Path) -> bytes | None:
     """
     try:
         stored = path.read_bytes()
+        os.utime(path)  # used now: others are forgotten first
     except FileNotFoundError:
         return None
     except OSError as error:
@@ -88,6 +93,9 @@ def write_checked(path: Path, data: bytes) -> None:
     """Store an entry with a checksum; a cache that cannot be written is only a warning."""
     try:
         write_atomically(path, hashlib.sha256(data).digest() + data)
+        entries = sorted(path.parent.glob(f"*{path.suffix}"), key=lambda entry: entry.stat().st_mtime)
+        for entry in entries[:-KEPT]:
+            entry.unlink(missing_ok=True)
     except OSError as error:
         _log.warning("cache entry %s cannot be written (%s); it is not kept", path, error)
 

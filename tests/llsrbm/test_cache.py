@@ -1,8 +1,9 @@
 import logging
+import os
 
 import pytest
 
-from llsrbm.robots import cache
+from llsrbm import cache
 
 
 @pytest.fixture(autouse=True)
@@ -68,3 +69,17 @@ def test_a_key_tells_its_parts_apart(tmp_path):
     assert cache.content_key(file) == cache.content_key(b"content") == cache.content_key("content")
     file.write_bytes(b"changed")
     assert cache.content_key(file) != cache.content_key(b"content")
+
+
+def test_of_each_kind_the_entries_used_last_are_kept(own_cache):
+    keys = [bytes([k]) for k in range(cache.KEPT + 2)]
+    for age, key in enumerate(keys):
+        cache.cached_bytes("kind", key, ".bin", lambda key=key: key)
+        path = cache.cache_path("kind", key, ".bin")
+        os.utime(path, (1000 + age, 1000 + age))
+        cache.cached_bytes("kind", keys[0], ".bin", lambda: keys[0])
+    kept = {path.name for path in (own_cache / "kind").iterdir()}
+    assert len(kept) == cache.KEPT
+    assert cache.cache_path("kind", keys[0], ".bin").name in kept
+    assert cache.cache_path("kind", keys[-1], ".bin").name in kept
+    assert cache.cache_path("kind", keys[1], ".bin").name not in kept
