@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Coroutine, Sequence
 from dataclasses import dataclass
 from enum import Enum, auto
 from typing import Any
@@ -69,12 +69,13 @@ class Panel:
             client: whose tab.
             jump: the request to start from.
             robot_file: of its robot.
-            act: told what the user did; called from several threads, in any order.
+            act: told what the user did; called from viser's thread, must return at once.
         """
         self._client = client
         self._task = robot_file.task
         self._act = act
         self._plan: Plan | None = None
+        self._scrubbed = 0.0
         gui = client.gui
         self._status = gui.add_html(markup.status("Planning", ""))
         with gui.add_folder("Jump"):
@@ -127,7 +128,7 @@ class Panel:
     def read_time(self) -> float:
         """Where the user put the time slider, s."""
         duration = 0.0 if self._plan is None else self._plan.duration
-        return _number("Time [s]", self._time.value, (0.0, duration), [])
+        return _number("Time [s]", self._scrubbed, (0.0, duration), [])
 
     def read_pace(self) -> tuple[float, bool]:
         """Speed (seconds of motion a second) and whether to loop."""
@@ -211,7 +212,14 @@ class Panel:
         requests: list[Any] = [self._robot, self._model, *self._sliders.values()]
         for handle in requests:
             handle.on_update(self._told(Action.REQUEST))
-        self._time.on_update(self._told(Action.SCRUB))
+
+        @self._time.on_update
+        async def _(event: viser.GuiEvent[Any]) -> None:
+            if event.client_id is not None:
+                # Kept apart, because playing sets the same slider.
+                self._scrubbed = event.target.value
+                self._act(Action.SCRUB)
+
         for handle in (self._speed, self._loop):
             handle.on_update(self._told(Action.PACE))
         for handle in (self._ellipsoids, self._forces, self._trails):
@@ -220,11 +228,13 @@ class Panel:
         self._export.on_click(self._told(Action.EXPORT))
 
         @self._transport.on_click
-        def _(event: viser.GuiEvent[Any]) -> None:
+        async def _(event: viser.GuiEvent[Any]) -> None:
             self._act(Action.PAUSE if event.target.value == "Pause" else Action.PLAY)
 
-    def _told(self, action: Action) -> Callable[[viser.GuiEvent[Any]], None]:
-        def callback(event: viser.GuiEvent[Any]) -> None:
+    def _told(self, action: Action) -> Callable[[viser.GuiEvent[Any]], Coroutine[Any, Any, None]]:
+        # Asynchronous, so that it runs on the event loop as soon as the value is there; viser would
+        # hand a plain function to one of 32 threads.
+        async def callback(event: viser.GuiEvent[Any]) -> None:
             # Without a client, it was this panel that set the value.
             if event.client_id is not None:
                 self._act(action)

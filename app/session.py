@@ -1,7 +1,7 @@
 """One tab: its request, its plan, its picture. One thread does everything, in order.
 
-viser calls back from many threads in no order, and a browser may skip values, so callbacks only
-say that something happened; this thread then reads the controls as they stand. The latest counts.
+viser calls back from threads of its own, and a browser may skip values, so callbacks only say that
+something happened; this thread then reads the controls as they stand. The latest counts.
 """
 
 from __future__ import annotations

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import time
 
@@ -10,12 +11,12 @@ from llsrbm.errors import InputError
 from llsrbm.jump import Jump
 from tests.app.synthetic_plan import synthetic_plan
 
-SLOW = 1.01  # works one second, asks whether to stop
-STUBBORN = 1.02  # works for a minute and never asks
-CRASH = 1.03  # the process dies
-DEFECT = 1.04  # an exception that is no llsrbm.Error
-UNSOLVABLE = 1.05  # NotConverged with a plan
-REFUSED = 1.06  # InputError
+SLOW = math.radians(51)  # works one second, asks whether to stop
+STUBBORN = math.radians(52)  # works for a minute and never asks
+CRASH = math.radians(53)  # the process dies
+DEFECT = math.radians(54)  # an exception that is no llsrbm.Error
+UNSOLVABLE = math.radians(55)  # NotConverged with a plan
+REFUSED = math.radians(56)  # InputError
 
 
 class SyntheticPlanner:
@@ -26,24 +27,24 @@ class SyntheticPlanner:
 
     def plan(self, jump: Jump, progress, cancelled):
         progress("solving")
-        if jump.twist == SLOW:
+        if math.isclose(jump.twist, SLOW):
             for _ in range(100):
                 time.sleep(0.01)
                 if cancelled():
                     raise errors.Cancelled("stopped")
-        elif jump.twist == STUBBORN:
+        elif math.isclose(jump.twist, STUBBORN):
             time.sleep(60)
-        elif jump.twist == CRASH:
+        elif math.isclose(jump.twist, CRASH):
             os._exit(9)
-        elif jump.twist == DEFECT:
+        elif math.isclose(jump.twist, DEFECT):
             raise ZeroDivisionError("a defect")
-        elif jump.twist == UNSOLVABLE:
+        elif math.isclose(jump.twist, UNSOLVABLE):
             raise errors.NotConverged(
                 "no convergence: reach violated in flight by 0.02 m",
                 synthetic_plan(jump, "not-converged"),
             )
-        elif jump.twist == REFUSED:
-            raise InputError("twist: expected -1 to 1 rad, got 1.06")
+        elif math.isclose(jump.twist, REFUSED):
+            raise InputError("twist: expected -1 to 1 rad, got more")
         return synthetic_plan(jump)
 
 

@@ -154,7 +154,7 @@ def test_no_convergence_shows_where_the_solver_stopped(tab, session):
 
 def test_a_refused_request_is_a_sentence(tab):
     tab.set("Twist [deg]", math.degrees(planners.REFUSED))
-    assert tab.wait_for_status("Failed") == "Failed twist: expected -1 to 1 rad, got 1.06"
+    assert tab.wait_for_status("Failed") == "Failed twist: expected -1 to 1 rad, got more"
 
 
 def test_nothing_is_sent_while_paused(tab):

@@ -1,0 +1,82 @@
+"""A headless Chromium that renders the scene in software, and what to read off its pictures."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import shutil
+
+import numpy as np
+from PIL import Image
+from playwright.sync_api import sync_playwright
+
+FLAGS = (
+    "--headless",
+    "--no-sandbox",
+    "--disable-gpu",
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+)
+VIEW = {"width": 1280, "height": 800}
+PANEL_LEFT = 940  # pixels; the picture is to the left of it
+NOTE = (330, 170)  # viser's note about software rendering covers this corner
+PACE = 80  # ms between inputs: the page sends at most one change every 50 ms
+
+
+@contextlib.contextmanager
+def chromium():
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(
+            executable_path=shutil.which("chromium"), args=list(FLAGS)
+        )
+        yield browser
+        browser.close()
+
+
+def picture(page):
+    """(H, W, 3) of the scene, without the panel and viser's note."""
+    image = Image.open(io.BytesIO(page.screenshot())).convert("RGB")
+    pixels = np.asarray(image).astype(int)[:, :PANEL_LEFT].copy()
+    pixels[: NOTE[1], : NOTE[0]] = 255
+    return pixels
+
+
+def dark(pixels):
+    """Mask of what is nearly black: ANYmal's legs and trunk."""
+    return pixels.max(axis=2) < 70
+
+
+def green(pixels):
+    """Mask of the landing marks' colour."""
+    r, g, b = np.moveaxis(pixels, -1, 0)
+    return (g > r + 50) & (g > b + 30)
+
+
+def blue(pixels):
+    """Mask of the tint of the planned ellipsoid's surface."""
+    r, _, b = np.moveaxis(pixels, -1, 0)
+    return b > r + 25
+
+
+def number(page, label):
+    """The number field beside a slider; the thumb itself has no label."""
+    row = page.get_by_text(label, exact=True).locator("xpath=ancestor::div[.//input][1]")
+    return row.locator("input").last
+
+
+def fill(page, label, value):
+    number(page, label).fill(str(value))
+    page.wait_for_timeout(PACE)
+
+
+def status(page, word, timeout=20_000):
+    line = page.get_by_role("status").filter(has_text=word)
+    line.wait_for(timeout=timeout)
+    text = line.inner_text()
+    assert text.startswith(word)
+    return text

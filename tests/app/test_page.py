@@ -1,0 +1,168 @@
+"""The page in a real browser."""
+
+from __future__ import annotations
+
+import re
+import time
+
+import numpy as np
+import pytest
+
+import llsrbm
+from app.server import Designer
+from tests.app import planners
+from tests.app.chromium import PACE, VIEW, blue, chromium, dark, fill, green, picture, status
+
+pytestmark = pytest.mark.browser
+
+
+@pytest.fixture(scope="module")
+def browser():
+    with chromium() as started:
+        yield started
+
+
+def opened(browser, url):
+    context = browser.new_context(viewport=VIEW, accept_downloads=True)
+    page = context.new_page()
+    page.faults = []
+    page.on("pageerror", lambda error: page.faults.append(str(error)))
+    page.on(
+        "request",
+        lambda request: (
+            None
+            if request.url.startswith((url, "data:", "blob:"))
+            else page.faults.append(f"request to {request.url}")
+        ),
+    )
+    page.goto(url)
+    return page
+
+
+@pytest.fixture
+def page(browser, designer):
+    page = opened(browser, designer.url)
+    status(page, "Planned")
+    yield page
+    assert page.faults == []
+    page.context.close()
+
+
+def wait_until(condition, what, timeout=20.0):
+    end = time.monotonic() + timeout
+    while not condition():
+        assert time.monotonic() < end, f"waited in vain for {what}"
+        time.sleep(0.1)
+
+
+def paused_at(page, instant):
+    page.get_by_role("button", name="Pause").click()
+    page.wait_for_timeout(300)
+    fill(page, "Time [s]", instant + 0.1)
+    page.wait_for_timeout(300)
+    fill(page, "Time [s]", instant)
+    page.get_by_text(f"{instant:.2f} s of").wait_for()
+    page.wait_for_timeout(1000)
+
+
+def test_the_robot_is_visible(page):
+    wait_until(lambda: dark(picture(page)).sum() > 3000, "dark pixels")
+
+
+def test_controls_are_found_by_the_contracts_labels(page):
+    for label in ("Robot", "Model", "Format", "Inertia ellipsoids"):
+        assert page.get_by_label(label).count() == 1
+    for name in ("Cancel", "Play", "Pause", "Export"):
+        assert page.get_by_role("button", name=name).count() == 1
+    for label in ("Twist [deg]", "Forward [m]", "Lateral [m]", "Landing height [m]"):
+        assert page.get_by_text(label, exact=True).count() == 1
+
+
+def test_a_slider_shows_a_new_plan(page, designer):
+    paused_at(page, 0.0)
+    before = green(picture(page))
+    fill(page, "Twist [deg]", 0)
+    fill(page, "Forward [m]", 0.5)
+    session = designer.sessions[-1]
+    wait_until(lambda: session.plan.jump.forward == 0.5, "the plan")
+    status(page, "Planned")
+    page.wait_for_timeout(1000)
+    after = green(picture(page))
+    # The camera looks along +y from the right: forward is to the right in the picture.
+    assert np.nonzero(after)[1].max() > np.nonzero(before)[1].max() + 60
+
+
+def test_it_plays_pauses_and_plays(page):
+    page.get_by_role("button", name="Pause").click()
+    page.wait_for_timeout(1000)
+    still = picture(page)
+    page.wait_for_timeout(500)
+    assert np.abs(picture(page) - still).max() == 0
+    page.get_by_role("button", name="Play").click()
+    wait_until(lambda: np.abs(picture(page) - still).max() > 50, "motion")
+
+
+def test_ellipsoids_come_and_go(page):
+    paused_at(page, 0.0)
+    tinted = blue(picture(page)).sum()
+    assert tinted > 5000
+    page.get_by_label("Inertia ellipsoids").uncheck()
+    wait_until(lambda: blue(picture(page)).sum() < tinted / 3, "no ellipsoid")
+    page.wait_for_timeout(PACE)
+    page.get_by_label("Inertia ellipsoids").check()
+    wait_until(lambda: blue(picture(page)).sum() > tinted / 2, "the ellipsoid again")
+
+
+def test_a_model_is_chosen(page, designer):
+    page.get_by_label("Model").click()
+    page.get_by_role("option", name="srbm", exact=True).click()
+    session = designer.sessions[-1]
+    wait_until(lambda: session.plan.jump.model == "srbm", "the plan")
+
+
+def test_export_downloads_what_is_shown(page, designer, tmp_path):
+    with page.expect_download() as download:
+        page.get_by_role("button", name="Export").click()
+    path = tmp_path / download.value.suggested_filename
+    download.value.save_as(path)
+    assert path.name == "anymal-llsrbm-plus.npz"
+    assert llsrbm.load(path).jump == designer.sessions[-1].plan.jump
+
+
+def test_a_crash_is_told_and_the_page_goes_on(page, capfd):
+    fill(page, "Twist [deg]", round(np.degrees(planners.CRASH)))
+    assert "was restarted" in status(page, "Failed")
+    page.wait_for_timeout(PACE)
+    fill(page, "Twist [deg]", 30)
+    status(page, "Planned")
+
+
+def test_a_reloaded_page_starts_anew(page, designer):
+    fill(page, "Forward [m]", 0.3)
+    page.reload()
+    status(page, "Planned")
+    assert designer.sessions[-1].jump.forward == 0.0
+
+
+def test_with_the_real_planner(browser, tmp_path):
+    designer = Designer(port=0)
+    try:
+        page = opened(browser, designer.url)
+        text = status(page, "Planned", timeout=90_000)
+        assert re.match(r"Planned in \d+ ms, \d+ iterations, largest violation ", text)
+        fill(page, "Twist [deg]", 45)
+        fill(page, "Forward [m]", 0.3)
+        session = designer.sessions[-1]
+        wait_until(lambda: session.plan.jump.forward == 0.3, "the plan")
+        status(page, "Planned")
+        plan = session.plan
+        assert plan.solved
+        assert plan.com[-1, :2] == pytest.approx([0.3, 0.0], abs=0.02)
+        with page.expect_download() as download:
+            page.get_by_role("button", name="Export").click()
+        download.value.save_as(tmp_path / "plan.npz")
+        assert llsrbm.load(tmp_path / "plan.npz").com.tolist() == plan.com.tolist()
+        assert page.faults == []
+        page.context.close()
+    finally:
+        designer.close()
