@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from llsrbm.models.base import CentroidalModel
-from llsrbm.planning.constraints import ground_line
+from llsrbm.planning.constraints.swing import ground_line
 from llsrbm.planning.knots import feet_in_stance
 from llsrbm.planning.layout import Layout
 from llsrbm.planning.stage import GRAVITY

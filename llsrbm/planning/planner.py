@@ -14,6 +14,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from llsrbm.cache import cached_bytes, content_key
 from llsrbm.errors import Cancelled, InputError, NotConverged
 from llsrbm.jump import Jump
 from llsrbm.models import check_name, make_model
@@ -27,7 +28,6 @@ from llsrbm.planning.solvers import Backend, Iterate
 from llsrbm.planning.task import Task, make_task
 from llsrbm.planning.transcription import Problem, row_bounds
 from llsrbm.robots import load_robot
-from llsrbm.cache import cached_bytes, content_key
 from llsrbm.robots.robot import Robot
 from llsrbm.trajectory.plan import Plan, SolveReport
 
@@ -159,7 +159,7 @@ class Planner:
         yield "by way of easier jumps", step[1]
 
     def _from(self, old: Task, solution: Iterate, task: Task) -> Iterate:
-        """Solve from the solution of another task, moved as the analytic guesses of the two differ."""
+        """Solve from another task's solution, moved as the analytic guesses of the two differ."""
         w = solution.w + self._guess(task) - self._guess(old)
         for knot in range(self.layout.knots):
             place = self.layout.variables(knot).get("quat")
@@ -206,7 +206,7 @@ def _cached_backend(
     sources = sorted(
         path
         for package in ("models", "planning")
-        for path in (Path(__file__).parents[1] / package).glob("*.py")
+        for path in (Path(__file__).parents[1] / package).rglob("*.py")
     )
     key = content_key(
         ca.__version__,

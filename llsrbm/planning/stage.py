@@ -1,4 +1,4 @@
-"""One stage: symbols at a knot, and everything that follows from them over the interval after it."""
+"""One stage: symbols at a knot, and all that follows from them over the interval after it."""
 
 from __future__ import annotations
 
@@ -76,7 +76,7 @@ class Stage:
 
     @cached_property
     def feet_in_hip(self) -> Any:
-        """x at the knot, (3, L) m: variables in flight, functions of position and attitude in stance."""
+        """x at the knot, (3, L) m: variables in flight, functions of r and R in stance."""
         if "feet" in self.symbols:
             return ca.reshape(self.symbols["feet"], 3, self.layout.legs)
         return self._feet_in_stance(self.R_world_base, self.position)[0]
@@ -204,7 +204,7 @@ class Stage:
 
     @cached_property
     def foot_velocity_base(self) -> Any:
-        """The feet's velocity in the world, in base axes, mean over a flight interval, (3, L) m/s."""
+        """The feet's velocity in the world, base axes, mean over a flight interval, (3, L) m/s."""
         x, xdot, o, o_rate = self.feet_mid
         columns = []
         for i in range(self.layout.legs):
@@ -225,12 +225,14 @@ class Stage:
             "quat": lambda: quat_product(self._quat_mid, self._half_turn),
             "velocity": lambda: self.velocity + self.acceleration * dt,
             "momentum": lambda: self.momentum + self.moment * dt,
-            "duration": lambda: s["next_duration"] if "next_duration" in s else self.duration,
-            "force": lambda: s["next_force"]
-            if "next_force" in s
-            else s["force"] + s.get("force_step", ca.SX.zeros(s["force"].shape)),
-            "feet": lambda: s["feet"] + s["feet_rate"] * dt
-            if role.phase == Phase.FLIGHT
-            else s["next_feet"],
+            "duration": lambda: s.get("next_duration", self.duration),
+            "force": lambda: (
+                s["next_force"]
+                if "next_force" in s
+                else s["force"] + s.get("force_step", ca.SX.zeros(s["force"].shape))
+            ),
+            "feet": lambda: (
+                s["feet"] + s["feet_rate"] * dt if role.phase == Phase.FLIGHT else s["next_feet"]
+            ),
         }
         return ca.vertcat(*(step[name]() for name in names))

@@ -1,0 +1,33 @@
+"""What a plan must respect: the paper's constraints and what a real robot needs beside them.
+
+One small class each, found by name, that says the same thing three times over: as rows for the
+solver, as their bounds in numbers, and as a check of the finished plan in NumPy, which does not use
+the rows. Adding a constraint is one class and its place in `CONSTRAINTS`.
+"""
+
+from __future__ import annotations
+
+from llsrbm.planning.constraints.base import Constraint
+from llsrbm.planning.constraints.contacts import ContactForce, FrictionPyramid, GivenContacts
+from llsrbm.planning.constraints.knee import KneeSpeed
+from llsrbm.planning.constraints.motion import FinalState, MomentumBalance
+from llsrbm.planning.constraints.reach import FeetApart, Reach
+from llsrbm.planning.constraints.swing import Clearance, FootSpeed, FootSpeedInBase
+from llsrbm.planning.constraints.timing import PhaseTimes
+
+__all__ = ["CONSTRAINTS", "Constraint"]
+
+CONSTRAINTS: tuple[Constraint, ...] = (
+    MomentumBalance(),
+    GivenContacts(),
+    FrictionPyramid(),
+    ContactForce(),
+    PhaseTimes(),
+    Reach(),
+    Clearance(),
+    FeetApart(),
+    FootSpeed(),
+    FootSpeedInBase(),
+    KneeSpeed(),
+    FinalState(),
+)

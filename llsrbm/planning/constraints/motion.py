@@ -1,0 +1,87 @@
+"""The laws of motion beside the dynamics, and where the motion ends."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import casadi as ca
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from llsrbm.planning.constraints.base import Array, Bounds, Constraint, spread
+from llsrbm.planning.knots import Knots
+from llsrbm.planning.layout import Layout, Role
+from llsrbm.planning.stage import Stage
+from llsrbm.planning.task import Task
+
+
+class MomentumBalance(Constraint):
+    """I omega + h = R^T L at the midpoint of each interval (eqs. 3, 4; `llsrbm-plus`: with h)."""
+
+    name = "momentum_balance"
+    unit = "kg m2/s"
+    equality = True
+
+    def applies(self, role: Role) -> bool:
+        """Over every interval."""
+        return not role.terminal
+
+    def rows(self, stage: Stage) -> Any:
+        """(3, 1)."""
+        return stage.balance
+
+    def bounds(self, task: Task, layout: Layout, knot: int) -> Bounds:
+        """Zero."""
+        return np.zeros(3), np.zeros(3)
+
+    def violation(self, knots: Knots) -> Array:
+        """|I omega + h - R^T L|."""
+        R, _, _ = knots.mid
+        x, xdot = knots.feet_mid
+        momentum = knots.model.evaluate_momentum(x, xdot, knots.rotation_rate)
+        mean = (knots.momentum[:-1] + knots.momentum[1:]) / 2
+        error = momentum - np.einsum("kji,kj->ki", R, mean)
+        return spread(knots, slice(0, len(error)), np.abs(error))
+
+
+class FinalState(Constraint):
+    """x[N] = x_fin: at rest at the target, CoM and attitude."""
+
+    name = "final_state"
+    unit = "m, rad, m/s, m2/s"
+    equality = True
+
+    def applies(self, role: Role) -> bool:
+        """At the end."""
+        return role.terminal
+
+    def rows(self, stage: Stage) -> Any:
+        """(12, 1): position, vector part of the attitude error, velocity, L / m."""
+        w, xyz = stage.parameters["goal_quat"][0], stage.parameters["goal_quat"][1:]
+        q = stage.quat
+        turn = w * q[1:] - q[0] * xyz - ca.cross(xyz, q[1:])
+        return ca.vertcat(
+            stage.position - stage.parameters["goal_position"],
+            turn,
+            stage.velocity,
+            stage.momentum,
+        )
+
+    def bounds(self, task: Task, layout: Layout, knot: int) -> Bounds:
+        """Zero."""
+        return np.zeros(12), np.zeros(12)
+
+    def violation(self, knots: Knots) -> Array:
+        """The largest of the errors."""
+        task = knots.task
+        goal = Rotation.from_quat(task.goal_quat, scalar_first=True)
+        turn = (goal.inv() * Rotation.from_matrix(knots.R_world_base[-1])).magnitude()
+        errors = (
+            knots.position[-1] - task.goal_position,
+            knots.velocity[-1],
+            knots.momentum[-1] / task.mass,
+            turn,
+        )
+        out = np.zeros(len(knots.time))
+        out[-1] = max(float(np.abs(e).max()) for e in errors)
+        return out

@@ -1,0 +1,128 @@
+"""How feet fly: above the ground, and no faster than legs can carry them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from llsrbm.planning.constraints.base import Array, Bounds, Constraint, spread
+from llsrbm.planning.knots import Knots
+from llsrbm.planning.layout import Layout, Role
+from llsrbm.planning.stage import Stage
+from llsrbm.planning.task import Task
+from llsrbm.trajectory.plan import Phase
+
+# A foot's speed may rise to 8 s (1 - s) of its limit over the flight, s = 0 ... 1: full from an
+# eighth of the way on, zero at lift-off and touchdown, where the foot stands.
+SPEED_RAMP = 8.0
+
+
+def ground_line(task: Task, progress: Array) -> Array:
+    """(K, L) m: height that feet must clear at `progress` (K,) of the flight.
+
+    From the start to the target; a landing surface above the start is cleared as high as it is
+    from half way on, so that no foot meets the edge of the box. The rise begins smoothly, as a
+    foot's speed does (`SPEED_RAMP`).
+    """
+    s = np.asarray(progress)[:, None]
+    start, goal = task.start_feet[:, 2], task.goal_feet[:, 2]
+    straight = start * (1 - s) + goal * s
+    u = np.minimum(1.0, 2 * s)
+    early = start + (goal - start) * u**2 * (3 - 2 * u)
+    return np.where(goal > start, early, straight)
+
+
+class Clearance(Constraint):
+    """p_z,i >= ground line + 4 s (1 - s) clearance over the flight."""
+
+    name = "clearance"
+    unit = "m"
+
+    def applies(self, role: Role) -> bool:
+        """Between lift-off and touchdown."""
+        return role.phase == Phase.FLIGHT and not role.first
+
+    def rows(self, stage: Stage) -> Any:
+        """(L, 1) m."""
+        up_base = stage.lift(stage.R_world_base[2, :].T)
+        heights = [
+            stage.position[2] + ca.dot(up_base, stage.foot_from_com(i))
+            for i in range(stage.layout.legs)
+        ]
+        return ca.vertcat(*heights)
+
+    def bounds(self, task: Task, layout: Layout, knot: int) -> Bounds:
+        """At least the line."""
+        return self._line(task, layout.progress[knot : knot + 1])[0], np.full(layout.legs, np.inf)
+
+    def violation(self, knots: Knots) -> Array:
+        """Metres below the line."""
+        inner = slice(knots.flight.start + 1, knots.flight.stop - 1)
+        span = knots.flight.stop - knots.flight.start - 1
+        line = self._line(knots.task, np.arange(1, span) / span)
+        return spread(knots, inner, line - knots.foot_position[inner][..., 2])
+
+    @staticmethod
+    def _line(task: Task, s: Array) -> Array:
+        arch = 4 * s * (1 - s) * task.limits.clearance
+        return ground_line(task, s) + arch[:, None]
+
+
+class FootSpeed(Constraint):
+    """The feet's speed in the world along each base axis, rising from and falling to rest."""
+
+    name = "foot_speed"
+    unit = "m/s"
+
+    def applies(self, role: Role) -> bool:
+        """In flight."""
+        return role.phase == Phase.FLIGHT
+
+    def rows(self, stage: Stage) -> Any:
+        """(3 L, 1) m/s."""
+        return ca.vec(stage.foot_velocity_base)
+
+    def bounds(self, task: Task, layout: Layout, knot: int) -> Bounds:
+        """Plus and minus the ramped limit at the interval's midpoint."""
+        middle = layout.progress[knot] + 0.5 / layout.intervals.flight
+        top = np.full(3 * layout.legs, self._limit(task, middle))
+        return -top, top
+
+    def violation(self, knots: Knots) -> Array:
+        """Speed beyond the limit."""
+        velocity = knots.foot_velocity_base
+        middle = (np.arange(len(velocity)) + 0.5) / len(velocity)
+        limit = np.array([self._limit(knots.task, s) for s in middle])
+        where = slice(knots.flight.start, knots.flight.stop - 1)
+        return spread(knots, where, np.abs(velocity) - limit[:, None, None])
+
+    @staticmethod
+    def _limit(task: Task, s: float) -> float:
+        return task.limits.foot_speed * min(1.0, SPEED_RAMP * s * (1 - s))
+
+
+class FootSpeedInBase(Constraint):
+    """|xdot_i| along each axis in flight: keeps the swing executable by the joints."""
+
+    name = "foot_speed_in_base"
+    unit = "m/s"
+
+    def applies(self, role: Role) -> bool:
+        """In flight."""
+        return role.phase == Phase.FLIGHT
+
+    def rows(self, stage: Stage) -> Any:
+        """(3 L, 1) m/s."""
+        return stage.symbols["feet_rate"]
+
+    def bounds(self, task: Task, layout: Layout, knot: int) -> Bounds:
+        """Plus and minus the limit."""
+        top = np.tile(task.limits.foot_speed_in_base, layout.legs)
+        return -top, top
+
+    def violation(self, knots: Knots) -> Array:
+        """Speed beyond the limit."""
+        excess = np.abs(knots.flight_feet_rate) - np.array(knots.task.limits.foot_speed_in_base)
+        return spread(knots, slice(knots.flight.start, knots.flight.stop - 1), excess)

@@ -1,0 +1,46 @@
+"""How long the phases may take."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from llsrbm.planning.constraints.base import Array, Bounds, Constraint
+from llsrbm.planning.knots import Knots
+from llsrbm.planning.layout import Layout, Role
+from llsrbm.planning.stage import Stage
+from llsrbm.planning.task import Task
+from llsrbm.trajectory.plan import Phase
+
+
+class PhaseTimes(Constraint):
+    """T_min <= T <= T_max for each phase (the paper bounds dt; flight collapses without it)."""
+
+    name = "phase_times"
+    unit = "s"
+
+    def applies(self, role: Role) -> bool:
+        """Where a duration is chosen: at the start, and at the end of take-off and flight."""
+        starts = role.phase == Phase.TAKEOFF and role.first
+        return starts or (role.last and role.phase != Phase.LANDING)
+
+    def rows(self, stage: Stage) -> Any:
+        """(1, 1) s."""
+        return stage.symbols.get("next_duration", stage.symbols["duration"])
+
+    def bounds(self, task: Task, layout: Layout, knot: int) -> Bounds:
+        """The robot file's [timing] of the phase that begins."""
+        role = layout.roles[knot]
+        name = Phase(role.phase + (0 if role.first else 1)).name.lower()
+        low, high = getattr(task.timing, name)
+        return np.array([low]), np.array([high])
+
+    def violation(self, knots: Knots) -> Array:
+        """Time too short or too long."""
+        out = np.zeros(len(knots.time))
+        for phase in Phase:
+            low, high = getattr(knots.task.timing, phase.name.lower())
+            T = knots.durations[phase]
+            out[int(np.argmax(knots.phase == phase))] = max(low - T, T - high, 0.0)
+        return out
