@@ -1,6 +1,6 @@
 """Which jumps are planned from the analytic guess alone: the grid of the issue, three models.
 
-    python benchmarks/convergence_grid.py [--robot anymal] [--models srbm llsrbm llsrbm-plus]
+python benchmarks/convergence_grid.py [--robot anymal] [--models srbm llsrbm llsrbm-plus]
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """What each model plans against what the whole robot does with it, on the 90 degree twist.
 
-    python benchmarks/model_truth.py [--robot anymal] [--twist 90]
+python benchmarks/model_truth.py [--robot anymal] [--twist 90]
 """
 
 from __future__ import annotations
@@ -28,9 +28,7 @@ def main() -> None:
     print("| model | Izz RMS | Lz RMS | Lz largest | feet radius | peak yaw rate | joint speed |")
     print("|---|---|---|---|---|---|---|")
     for model in models.names():
-        jump = llsrbm.Jump(
-            arguments.robot, model, math.radians(arguments.twist), arguments.forward
-        )
+        jump = llsrbm.Jump(arguments.robot, model, math.radians(arguments.twist), arguments.forward)
         planner = planner_for(arguments.robot, model)
         plan = planner.plan(jump)
         truth = realise(planner.last_knots(), robot)

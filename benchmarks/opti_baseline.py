@@ -3,8 +3,8 @@
 Kept to compare with: x = (r, q, H, L), u = (f, p) at each knot, explicit Euler steps of eq. 8 with
 I_W inverted symbolically, one dt a phase, the paper's costs and constraints. Departures, without
 which it finds no jump of this robot: the CoM-to-foot distance is bounded by 0.25 ... 0.75 m (the
-paper's 0.6 m excludes ANYmal's own stance), feet clear the ground, phases have the planner's shortest
-times, and the norm of q is fixed by the dynamics rather than by a constraint at each knot (with
+paper's 0.6 m excludes ANYmal's own stance), feet clear the ground, phases have the planner's
+shortest times, and the norm of q is fixed by the dynamics rather than by a constraint at each knot (with
 that constraint Ipopt does not converge).
 """
 
@@ -64,7 +64,8 @@ def solve_baseline(
     start, goal = task.start_feet.ravel(), task.goal_feet.ravel()
     cost = 20.0 * ca.sumsqr(T) + 200.0 * ca.sumsqr(q[:, N] - task.goal_quat)
     for name, k in (("takeoff", 0), ("flight", 1), ("landing", 2)):
-        opti.subject_to(opti.bounded(getattr(task.timing, name)[0], T[k], getattr(task.timing, name)[1]))
+        shortest, longest = getattr(task.timing, name)
+        opti.subject_to(opti.bounded(shortest, T[k], longest))
     for k in range(N):
         phase, dt = k // n, T[k // n] / n
         R = rotation_matrix(q[:, k])
@@ -79,9 +80,7 @@ def solve_baseline(
             total += force
             moment += ca.cross(feet[:, i] - r[:, k], force)
             arm = feet[:, i] - r[:, k]
-            opti.subject_to(
-                opti.bounded(LEG_LENGTH[0] ** 2, ca.sumsqr(arm), LEG_LENGTH[1] ** 2)
-            )
+            opti.subject_to(opti.bounded(LEG_LENGTH[0] ** 2, ca.sumsqr(arm), LEG_LENGTH[1] ** 2))
             if phase == 1:
                 opti.subject_to(force == 0)
             else:

@@ -2,9 +2,9 @@
 
     python benchmarks/solve_times.py [--repeats 9] [--baseline-repeats 3]
 
-Cold: from the analytic guess. Warm: each jump from the plan of its neighbour, one slider step (2 deg
-or 1 cm) away, up and down. Baseline: `opti_baseline.py`, expanded to SX (the faster of Opti's two ways) and
-as written. Use an idle machine; ratios are taken within the run.
+Cold: from the analytic guess. Warm: each jump from the plan of its neighbour, one slider step
+(2 deg or 1 cm) away, up and down. Baseline: `opti_baseline.py`, expanded to SX (the faster of Opti's
+two ways) and as written. Use an idle machine; ratios are taken within the run.
 """
 
 from __future__ import annotations
@@ -59,8 +59,19 @@ def main() -> None:
     if load > 0.5:
         print(f"note: the load is {load:.1f}; times are worth little, ratios a little more")
     print(f"ANYmal, {INTERVALS} intervals, milliseconds as median / p95; it = iterations, median")
-    print("| task | model | cold | it | warm | it | total / solve | Opti expanded | Opti as written |")
-    print("|---|---|---|---|---|---|---|---|---|")
+    columns = [
+        "task",
+        "model",
+        "cold",
+        "it",
+        "warm",
+        "it",
+        "total/solve",
+        "Opti-expanded",
+        "Opti-as-written",
+    ]
+    print("| " + " | ".join(columns) + " |")
+    print("|" + "---|" * len(columns))
     solve: dict[tuple[str, str], float] = {}
     for kind, motion in TASKS.items():
         for model in ("srbm", "llsrbm", "llsrbm-plus"):

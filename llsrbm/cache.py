@@ -93,8 +93,8 @@ def write_checked(path: Path, data: bytes) -> None:
     """Store an entry with a checksum; a cache that cannot be written is only a warning."""
     try:
         write_atomically(path, hashlib.sha256(data).digest() + data)
-        entries = sorted(path.parent.glob(f"*{path.suffix}"), key=lambda entry: entry.stat().st_mtime)
-        for entry in entries[:-KEPT]:
+        entries = path.parent.glob(f"*{path.suffix}")
+        for entry in sorted(entries, key=lambda entry: entry.stat().st_mtime)[:-KEPT]:
             entry.unlink(missing_ok=True)
     except OSError as error:
         _log.warning("cache entry %s cannot be written (%s); it is not kept", path, error)

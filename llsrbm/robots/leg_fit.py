@@ -23,8 +23,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from llsrbm.errors import RobotFileError
 from llsrbm.cache import cache_path, content_key, read_checked, write_checked
+from llsrbm.errors import RobotFileError
 from llsrbm.robots.legs import solve_legs
 from llsrbm.robots.robot import Robot
 

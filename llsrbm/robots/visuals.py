@@ -21,8 +21,8 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
-from llsrbm.errors import RobotFileError
 from llsrbm.cache import cache_path, content_key, read_checked, write_checked
+from llsrbm.errors import RobotFileError
 from llsrbm.robots.collada_repair import readable
 from llsrbm.robots.legs import apply, rotation_matrices
 from llsrbm.robots.mesh_reduction import face_shares, simplified
