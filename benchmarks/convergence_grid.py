@@ -16,7 +16,7 @@ from llsrbm import models
 
 
 def jumps() -> list[dict[str, float]]:
-    """Twist -180 ... 180 deg by 30 x forward 0 ... 0.6 m by 0.2, then lateral, heights and mixes."""
+    """Twist -180 ... 180 deg x forward 0 ... 0.6 m, then lateral, heights and mixes."""
     grid = [
         {"twist": math.radians(twist), "forward": forward}
         for twist, forward in itertools.product(range(-180, 181, 30), (0.0, 0.2, 0.4, 0.6))

@@ -4,8 +4,8 @@ Kept to compare with: x = (r, q, H, L), u = (f, p) at each knot, explicit Euler 
 I_W inverted symbolically, one dt a phase, the paper's costs and constraints. Departures, without
 which it finds no jump of this robot: the CoM-to-foot distance is bounded by 0.25 ... 0.75 m (the
 paper's 0.6 m excludes ANYmal's own stance), feet clear the ground, phases have the planner's
-shortest times, and the norm of q is fixed by the dynamics rather than by a constraint at each knot (with
-that constraint Ipopt does not converge).
+shortest times, and the norm of q is left to the dynamics (with a constraint at each knot Ipopt does
+not converge).
 """
 
 from __future__ import annotations

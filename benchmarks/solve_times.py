@@ -3,8 +3,8 @@
     python benchmarks/solve_times.py [--repeats 9] [--baseline-repeats 3]
 
 Cold: from the analytic guess. Warm: each jump from the plan of its neighbour, one slider step
-(2 deg or 1 cm) away, up and down. Baseline: `opti_baseline.py`, expanded to SX (the faster of Opti's
-two ways) and as written. Use an idle machine; ratios are taken within the run.
+(2 deg or 1 cm) away, up and down. Baseline: `opti_baseline.py`, expanded to SX (the faster of
+Opti's two ways) and as written. Use an idle machine; ratios are taken within the run.
 """
 
 from __future__ import annotations
