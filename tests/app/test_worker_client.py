@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import queue
 import signal
@@ -178,7 +179,7 @@ def test_a_long_job_makes_way_for_its_tabs_newer_request(own_client):
 
 
 @pytest.mark.parametrize("way", [planners.CRASH, planners.DEFECT])
-def test_a_crash_is_told_and_the_process_restarted(own_client, way, capfd):
+def test_a_crash_is_told_and_the_process_restarted(own_client, way):
     tab, other = Tab(own_client), Tab(own_client, "other")
     job = tab.plan(way)
     other_job = other.plan()
@@ -190,8 +191,15 @@ def test_a_crash_is_told_and_the_process_restarted(own_client, way, capfd):
     assert other.outcome().job == other_job
     tab.plan()
     assert isinstance(tab.outcome(), Planned)
-    if way == planners.DEFECT:
-        assert "ZeroDivisionError: a defect" in capfd.readouterr().err
+
+
+def test_a_defect_leaves_its_traceback_in_the_terminal(capfd):
+    # Made here: between a test's set-up and its call, pytest shows no process where to write.
+    with contextlib.closing(WorkerClient(SyntheticPlanner)) as client:
+        tab = Tab(client)
+        tab.plan(planners.DEFECT)
+        assert "exit status 1" in tab.outcome().message
+    assert "ZeroDivisionError: a defect" in capfd.readouterr().err
 
 
 def test_a_process_killed_from_outside_is_replaced(own_client):
