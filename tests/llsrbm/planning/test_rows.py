@@ -1,0 +1,101 @@
+"""What the solver is told and what is checked afterwards are two formulations: they must agree.
+
+Random motions: a plan's controls disturbed, and rolled out so that the dynamics hold.
+"""
+
+from functools import cache
+
+import numpy as np
+import pytest
+
+from llsrbm import models
+from llsrbm.planning.constraints import CONSTRAINTS
+from llsrbm.planning.knots import unpack
+from llsrbm.planning.residuals import dynamics_defects
+from llsrbm.planning.stage import BALANCE_SCALE, GRAVITY
+from llsrbm.planning.transcription import constraints_of
+from tests.llsrbm.planning.solved import function, parameters, solved
+
+every_model = pytest.mark.parametrize("model", models.names())
+
+
+def rolled_out(s, seed):
+    """A disturbed plan whose gaps are closed one after another, and its rows."""
+    layout, p = s.planner.layout, parameters(s.task)
+    nlp_g = function(s.planner, "nlp_g")
+    rng = np.random.default_rng(seed)
+    w = s.w + rng.normal(scale=0.05, size=s.w.size)
+    row = 0
+    for k, role in enumerate(layout.roles[:-1]):
+        places, after = layout.variables(k), layout.variables(k + 1)
+        for name in ("duration", "next_duration"):
+            if name in places:
+                w[places[name]] = np.maximum(w[places[name]], 0.2)
+        states = layout.states(layout.roles[k + 1])
+        first = after[states[0]].start
+        size = layout.state_size(layout.roles[k + 1])
+        gap = np.array(nlp_g(w, p)).ravel()[row : row + size]
+        w[first : first + size] -= gap
+        row += size + sum(len(c.bounds(s.task, layout, k)[0]) for c in constraints_of(role))
+    return w, np.array(nlp_g(w, p)).ravel()
+
+
+@cache
+def motion(model, seed):
+    s = solved(model, "all")
+    w, g = rolled_out(s, seed)
+    knots = unpack(w, s.planner.layout, s.task, s.planner.model)
+    return s, knots, row_excess(s, g)
+
+
+def row_excess(s, g):
+    """Constraint name -> (N+1,) by how much the rows at each knot leave their bounds."""
+    layout = s.planner.layout
+    excess = {c.name: np.zeros(layout.knots) for c in CONSTRAINTS}
+    row = 0
+    for k, role in enumerate(layout.roles):
+        if not role.terminal:
+            row += layout.state_size(layout.roles[k + 1])
+        for constraint in constraints_of(role):
+            low, high = constraint.bounds(s.task, layout, k)
+            here = g[row : row + len(low)]
+            excess[constraint.name][k] = max((low - here).max(), (here - high).max(), 0.0)
+            row += len(low)
+    assert row == len(g)
+    return excess
+
+
+@every_model
+@pytest.mark.parametrize("seed", [0, 1])
+def test_the_solvers_dynamics_are_those_of_numpy(model, seed):
+    _, knots, _ = motion(model, seed)
+    for name, (_, defect) in dynamics_defects(knots).items():
+        assert defect.max() < 1e-8, name
+
+
+@every_model
+@pytest.mark.parametrize("seed", [0, 1])
+@pytest.mark.parametrize("constraint", CONSTRAINTS, ids=lambda c: c.name)
+def test_rows_and_check_agree(model, seed, constraint):
+    s, knots, excess = motion(model, seed)
+    rows, amount = excess[constraint.name], constraint.violation(knots)
+    if constraint.name == "phase_times":
+        # The rows are at the knot where the duration is chosen, the check where its phase begins.
+        rows, amount = np.sort(rows)[-3:], np.sort(amount)[-3:]
+    force_unit = s.task.mass * GRAVITY / s.planner.layout.contacts
+    units = {
+        "momentum_balance": s.task.mass / BALANCE_SCALE,
+        "given_contacts": 1.0,
+        "friction_pyramid": force_unit,
+        "contact_force": force_unit,
+        "phase_times": 1.0,
+        "clearance": 1.0,
+        "foot_speed": 1.0,
+        "foot_speed_in_base": 1.0,
+    }
+    if constraint.name in units:
+        np.testing.assert_allclose(rows * units[constraint.name], amount, atol=1e-8)
+    np.testing.assert_array_equal(rows > 1e-9, amount > 1e-9)
+    # The disturbance is large enough to break what holds at many knots.
+    if constraint.name in ("momentum_balance", "given_contacts", "reach", "final_state"):
+        assert amount.max() > 1e-3
