@@ -1,0 +1,75 @@
+"""The objective recomputed in NumPy, and what each weight does."""
+
+import pytest
+
+from llsrbm import models
+from llsrbm.jump import Jump
+from llsrbm.planning.costs import COSTS, default_weights
+from llsrbm.planning.planner import planner_for
+from llsrbm.planning.stage import GRAVITY
+from llsrbm.trajectory.plan import Phase
+from tests.llsrbm.planning.solved import REQUESTS, solved
+
+
+def terms(knots) -> dict[str, float]:
+    """Each cost without its weight, from the finished motion."""
+    mass, contacts = knots.task.mass, knots.force.shape[1]
+    force = knots.force / (mass * GRAVITY / contacts)
+    n = {phase: int((knots.phase[:-1] == phase).sum()) for phase in Phase}
+    out = dict.fromkeys(default_weights(), 0.0)
+    for k, (phase, after) in enumerate(zip(knots.phase[:-1], knots.phase[1:], strict=True)):
+        if phase != Phase.FLIGHT:
+            out["force_magnitude"] += (force[k] ** 2).sum() / n[phase] / contacts
+            if after == phase and k + 1 < len(knots.time) - 1:
+                out["force_smoothness"] += (
+                    n[phase] * ((force[k + 1] - force[k]) ** 2).sum() / (contacts)
+                )
+        out["linear_momentum"] += (knots.velocity[k] ** 2).sum() / n[phase]
+        out["angular_momentum"] += ((knots.momentum[k] / mass) ** 2).sum() / n[phase]
+    steps = knots.foot_velocity_base * knots.dt[knots.phase[:-1] == Phase.FLIGHT][:, None, None]
+    out["foot_movement"] = n[Phase.FLIGHT] * (steps**2).sum()
+    out["time"] = (knots.durations**2).sum()
+    out["final_orientation"] = ((knots.quat[-1] - knots.task.goal_quat) ** 2).sum()
+    return out
+
+
+@pytest.mark.parametrize("request_name", REQUESTS)
+@pytest.mark.parametrize("model", models.names())
+def test_the_objective_is_the_weighted_sum(model, request_name):
+    s = solved(model, request_name)
+    total = sum(s.task.weights[name] * term for name, term in terms(s.knots).items())
+    assert s.plan.report.cost == pytest.approx(total, rel=1e-6)
+
+
+# By default every phase is as short as allowed, so time can only be made less dear.
+FACTORS = {
+    "force_smoothness": 10.0,
+    "force_magnitude": 100.0,
+    "foot_movement": 50.0,
+    "linear_momentum": 20.0,
+    "angular_momentum": 10.0,
+    "time": 0.02,
+}
+
+
+@pytest.mark.parametrize("name", FACTORS)
+def test_a_larger_weight_makes_its_term_smaller(name):
+    before = terms(solved("srbm", "all").knots)[name]
+    planner = planner_for("anymal", "srbm")
+    planner.plan(
+        Jump(model="srbm", **REQUESTS["all"]),
+        weights={name: FACTORS[name] * default_weights()[name]},
+    )
+    after = terms(planner.last_knots())[name]
+    if FACTORS[name] > 1:
+        assert after < 0.997 * before
+    else:
+        assert after > 1.02 * before
+
+
+def test_costs_say_what_they_are():
+    assert len({c.name for c in COSTS}) == len(COSTS)
+    for cost in COSTS:
+        assert cost.weight > 0
+        assert cost.unit.startswith("1")
+        assert len(cost.effect) > 10
