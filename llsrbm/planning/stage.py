@@ -28,6 +28,7 @@ class Stage:
         role, layout, model: what the stage is about.
         parameters: name -> symbols that stay fixed in a solve.
         symbols: name -> this stage's variables; variables: all of them, states first.
+        standing_feet: (3, L) m: where the feet stand in this phase (flight: where they left).
         lift: collects the intermediates derivatives run through.
     """
 
@@ -38,6 +39,8 @@ class Stage:
         names = (*layout.states(role), *layout.controls(role))
         self.symbols = {name: ca.SX.sym(name, layout.size(name)) for name in names}
         self.variables = ca.vertcat(*self.symbols.values())
+        # Symbols of their own, so that take-off and landing can share their expressions.
+        self.standing_feet = ca.SX.sym("standing_feet", 3, layout.legs)
         self.lift = Lifting(self.variables)
         self.intervals = layout.intervals_of(role.phase)
 
@@ -63,11 +66,10 @@ class Stage:
         """L / m, (3, 1) m2/s."""
         return self.symbols.get("momentum", ca.SX.zeros(3))
 
-    @cached_property
-    def standing_feet(self) -> Any:
-        """(3, L) m: where the feet stand in this phase (flight: where they left)."""
-        name = "goal_feet" if self.role.phase == Phase.LANDING else "start_feet"
-        return ca.reshape(self.parameters[name], 3, self.layout.legs)
+    @staticmethod
+    def feet_parameter(role: Role) -> str:
+        """The parameter that says where the feet stand in a role (flight: where they left)."""
+        return "goal_feet" if role.phase == Phase.LANDING else "start_feet"
 
     @cached_property
     def R_world_base(self) -> Any:

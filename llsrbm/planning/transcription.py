@@ -1,12 +1,13 @@
 """Multiple shooting: stages into one sparse problem, with its derivatives, for any solver.
 
-Each role becomes small functions of one stage, mapped over the stages that share it; the problem's
-functions assemble their non-zeros. This evaluates several times faster than one flat expression of
-the whole horizon, needs no compiler, and is small enough to be kept on disk.
+Each role becomes small functions of one stage, evaluated for all stages that share them at once;
+the problem's functions assemble their non-zeros. This evaluates several times faster than one flat
+expression of the whole horizon, needs no compiler, and is small enough to be kept on disk.
 """
 
 from __future__ import annotations
 
+from collections import defaultdict
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,38 +16,37 @@ import numpy as np
 from numpy.typing import NDArray
 
 from llsrbm.models.base import CentroidalModel
-from llsrbm.planning.constraints import CONSTRAINTS, Constraint
-from llsrbm.planning.costs import COSTS, weight_parameter
+from llsrbm.planning.batch import over_stages
 from llsrbm.planning.layout import Layout, Role
 from llsrbm.planning.stage import Stage
+from llsrbm.planning.stage_functions import StageFunctions, constraints_of, make_stage_functions
 from llsrbm.planning.task import Task, parameter_sizes
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class StageFunctions:
-    """Functions of (z, p) of one stage; g stacks -F(z), the next state, over the path rows.
+class Block:
+    """A run of stages of one role, and where its part of the problem begins.
 
     Attributes:
-        cost: f; constraints: g; gradient: df/dz.
-        jacobian: (g, non-zeros of dg/dz under the identity of the previous stage's gap).
-        hessian: of lam_f f + lam . g, arguments (z, p, lam_f, lam), non-zeros.
-        jacobian_pattern, hessian_pattern: their sparsities.
+        count: number of stages; width, height: variables and rows of g of one stage.
+        gap: rows of g that are the next state's gap.
+        first_variable, first_row: places in x and g.
     """
 
-    cost: ca.Function
-    constraints: ca.Function
-    gradient: ca.Function
-    jacobian: ca.Function
-    hessian: ca.Function
-    jacobian_pattern: ca.Sparsity
-    hessian_pattern: ca.Sparsity
+    role: Role
+    functions: StageFunctions
+    count: int
+    width: int
+    height: int
+    gap: int
+    first_variable: int
+    first_row: int
 
-
-def constraints_of(role: Role) -> tuple[Constraint, ...]:
-    """The constraints that apply to a role, in the order of their rows."""
-    return tuple(c for c in CONSTRAINTS if c.applies(role))
+    def columns(self, vector: Any, first: int, size: int) -> Any:
+        """(size, count): the block's part of x or of the multipliers, a column a stage."""
+        return ca.reshape(vector[first : first + self.count * size], size, self.count)
 
 
 class Problem:
@@ -65,22 +65,29 @@ class Problem:
         self.control_sizes = [layout.control_size(role) for role in layout.roles]
         self.row_counts: list[int] = []
         equality: list[bool] = []
-        parameters = {
-            name: ca.SX.sym(name, size) for name, size in parameter_sizes(layout.legs).items()
-        }
-        blocks = []
+        sizes = parameter_sizes(layout.legs)
+        parameters = {name: ca.SX.sym(name, size) for name, size in sizes.items()}
+        families: dict[tuple[Any, ...], StageFunctions] = {}
+        blocks: list[Block] = []
+        variable = row = 0
         for role, knots in layout.blocks():
-            stage = Stage(role, layout, model, parameters)
             following = () if role.terminal else layout.states(layout.roles[knots[-1] + 1])
-            functions, rows = _stage_functions(stage, following, knots[0] == 0)
-            blocks.append((functions, len(knots), stage, sum(map(layout.size, following))))
+            family = _family(role, following, layout)
+            if family not in families:
+                stage = Stage(role, layout, model, parameters)
+                families[family] = make_stage_functions(stage, following, knots[0] == 0)
+            functions = families[family]
+            width, height = functions.constraints.size1_in(0), functions.constraints.size1_out(0)
+            gap = sum(map(layout.size, following))
+            blocks.append(Block(role, functions, len(knots), width, height, gap, variable, row))
+            variable, row = variable + len(knots) * width, row + len(knots) * height
             for _ in knots:
-                self.row_counts.append(sum(count for _, count in rows))
-                equality += [True] * blocks[-1][3]
-                for constraint, count in rows:
+                self.row_counts.append(height - gap)
+                equality += [True] * gap
+                for constraint, count in functions.row_counts:
                     equality += [constraint.equality] * count
         self.equality = np.array(equality)
-        self.functions = _assemble(blocks, layout, sum(s.numel() for s in parameters.values()))
+        self.functions = _assemble(blocks, sizes)
 
 
 def row_bounds(layout: Layout, task: Task) -> tuple[Array, Array]:
@@ -98,132 +105,110 @@ def row_bounds(layout: Layout, task: Task) -> tuple[Array, Array]:
     return np.concatenate(lower), np.concatenate(upper)
 
 
-def _nonzeros(matrix: ca.SX) -> ca.SX:
-    return ca.vertcat(*matrix.nonzeros()) if matrix.nnz() else ca.SX(0, 1)
+def _family(role: Role, following: tuple[str, ...], layout: Layout) -> tuple[Any, ...]:
+    """Equal for stages with the same expressions: inner ones of take-off and landing are."""
+    inner = role.in_contact and not role.first and not role.last
+    name = "stance" if inner else role.describe()
+    return name, layout.intervals_of(role.phase), following, constraints_of(role)
 
 
-def _stage_functions(
-    stage: Stage, following: tuple[str, ...], initial: bool
-) -> tuple[StageFunctions, list[tuple[Constraint, int]]]:
-    z, p = stage.variables, ca.vertcat(*stage.parameters.values())
-    cost = ca.SX(0)
-    for term in COSTS:
-        if term.applies(stage.role):
-            cost += stage.parameters[weight_parameter(term)] * term.term(stage)
-    rows = [(c, ca.vec(ca.SX(c.rows(stage)))) for c in constraints_of(stage.role)]
-    gap = -stage.next_state(following) if following else ca.SX(0, 1)
-    g = ca.densify(ca.vertcat(gap, *(expression for _, expression in rows)))
+def _assemble(blocks: list[Block], sizes: dict[str, int]) -> dict[str, ca.Function]:
+    variables = sum(block.count * block.width for block in blocks)
+    rows = sum(block.count * block.height for block in blocks)
+    parameters = sum(sizes.values())
+    x, p = ca.MX.sym("x", variables), ca.MX.sym("p", parameters)
+    lam_f, lam = ca.MX.sym("lam_f"), ca.MX.sym("lam_g", rows)
 
-    lam_f, lam = ca.SX.sym("lam_f"), ca.SX.sym("lam", g.shape[0])
-    J = stage.lift.jacobian(g)
-    gradient = ca.densify(stage.lift.jacobian(cost).T)
-    H = ca.triu2symm(ca.triu(stage.lift.hessian(lam_f * cost + ca.dot(lam, g))))
-    states = stage.layout.state_size(stage.role)
-    gap_before = ca.SX(0, z.numel())
-    if not initial:
-        gap_before = ca.horzcat(ca.SX.eye(states), ca.SX(states, z.numel() - states))
-    J = ca.vertcat(gap_before, J)
+    def every(kind: str) -> list[list[Any]]:
+        return _evaluate(blocks, kind, x, _named(p, sizes), p, lam_f, lam)
 
-    name = stage.role.describe()
-    resolve = stage.lift.resolve
-
-    def function(kind: str, arguments: list[Any], results: list[ca.SX]) -> ca.Function:
-        # One substitution for all results of a function keeps what they share shared.
-        joined = resolve(ca.vertcat(*results))
-        split = np.cumsum([0, *(r.shape[0] for r in results)]).tolist()
-        outputs = ca.vertsplit(joined, split)
-        return ca.Function(f"{name}_{kind}", arguments, outputs, {"cse": True})
-
-    functions = StageFunctions(
-        cost=function("f", [z, p], [cost]),
-        constraints=function("g", [z, p], [g]),
-        gradient=function("df", [z, p], [gradient]),
-        jacobian=function("dg", [z, p], [g, _nonzeros(J)]),
-        hessian=function("h", [z, p, lam_f, lam], [_nonzeros(H)]),
-        jacobian_pattern=J.sparsity(),
-        hessian_pattern=H.sparsity(),
-    )
-    return functions, [(c, expression.shape[0]) for c, expression in rows]
-
-
-def _assemble(
-    blocks: list[tuple[StageFunctions, int, Stage, int]], layout: Layout, parameters: int
-) -> dict[str, ca.Function]:
-    x, p = ca.MX.sym("x", layout.size_total), ca.MX.sym("p", parameters)
-    rows_total = sum(n * f.constraints.size1_out(0) for f, n, _, _ in blocks)
-    lam_f, lam = ca.MX.sym("lam_f"), ca.MX.sym("lam_g", rows_total)
-
-    def over_stages(function: ca.Function, count: int, *arguments: Any) -> Any:
-        repeated = [ca.repmat(a, 1, count) if a.shape[1] != count else a for a in arguments]
-        return function.map(count)(*repeated) if count > 1 else function(*repeated)
-
-    cost: Any = 0
-    g, gradient, g_with_jacobian, jacobian, hessian = [], [], [], [], []
-    jacobian_patterns: list[tuple[ca.Sparsity, int]] = []
-    hessian_patterns: list[ca.Sparsity] = []
-    at, row = 0, 0
-    for functions, count, stage, gap in blocks:
-        width = stage.variables.numel()
-        height = functions.constraints.size1_out(0)
-        Z = ca.reshape(x[at : at + count * width], width, count)
-        lams = ca.reshape(lam[row : row + count * height], height, count)
-        following = [x[at + (i + 1) * width : at + (i + 1) * width + gap] for i in range(count)]
-        next_states = ca.horzcat(*following) if gap else ca.MX(0, count)
+    def with_gaps(block: Block, g: Any) -> Any:
         # The gap reads x_next - F, the sign that Fatrop expects.
-        added = ca.densify(ca.vertcat(next_states, ca.MX(height - gap, count)))
-        cost = cost + ca.sum2(over_stages(functions.cost, count, Z, p))
-        gradient.append(ca.vec(over_stages(functions.gradient, count, Z, p)))
-        g.append(ca.vec(over_stages(functions.constraints, count, Z, p) + added))
-        stage_g, nonzeros = over_stages(functions.jacobian, count, Z, p)
-        g_with_jacobian.append(ca.vec(stage_g + added))
-        jacobian.append(ca.vec(nonzeros))
-        hessian.append(ca.vec(over_stages(functions.hessian, count, Z, p, lam_f, lams)))
-        jacobian_patterns += [(functions.jacobian_pattern, height)] * count
-        hessian_patterns += [functions.hessian_pattern] * count
-        at, row = at + count * width, row + count * height
+        if not block.gap:
+            return ca.vec(g)
+        starts = [block.first_variable + (i + 1) * block.width for i in range(block.count)]
+        following = ca.horzcat(*(x[at : at + block.gap] for at in starts))
+        rest = ca.MX(block.height - block.gap, block.count)
+        return ca.vec(g + ca.densify(ca.vertcat(following, rest)))
 
-    J = ca.MX(_stacked(jacobian_patterns, rows_total, layout.size_total), ca.vertcat(*jacobian))
-    H = ca.MX(ca.diagcat(*hessian_patterns), ca.vertcat(*hessian))
-    df, all_g = ca.vertcat(*gradient), ca.vertcat(*g)
-    g_J = ca.vertcat(*g_with_jacobian)
+    def stack(parts: list[Any]) -> Any:
+        return ca.vertcat(*map(ca.vec, parts))
+
+    cost = sum(ca.sum2(f) for (f,) in every("cost"))
+    df = stack([gradient for (gradient,) in every("gradient")])
+    g = stack([with_gaps(b, part) for b, (part,) in zip(blocks, every("constraints"), strict=True)])
+    both = every("jacobian")
+    g_J = stack([with_gaps(b, part) for b, (part, _) in zip(blocks, both, strict=True)])
+    J = ca.MX(_stacked(blocks, rows, variables), stack([nonzeros for _, nonzeros in both]))
+    H_pattern = ca.diagcat(*(b.functions.hessian_pattern for b in blocks for _ in range(b.count)))
+    H = ca.MX(H_pattern, stack([nonzeros for (nonzeros,) in every("hessian")]))
     slope = lam_f * df + ca.mtimes(J.T, lam)
-    xp, lams_in = [x, p], ["lam_f", "lam_g"]
-    definitions: dict[str, tuple[list[Any], list[Any], list[str], list[str]]] = {
-        "nlp": (xp, [cost, all_g], ["x", "p"], ["f", "g"]),
-        "nlp_f": (xp, [cost], ["x", "p"], ["f"]),
-        "nlp_g": (xp, [all_g], ["x", "p"], ["g"]),
-        "nlp_grad_f": (xp, [df], ["x", "p"], ["grad_f_x"]),
-        "nlp_jac_g": (xp, [g_J, J], ["x", "p"], ["g", "jac_g_x"]),
-        "nlp_hess_l": (
-            [x, p, lam_f, lam],
-            [ca.MX(layout.size_total, 1), H],
-            ["x", "p", *lams_in],
-            ["grad_gamma_x", "hess_gamma_x_x"],
-        ),
+    xp, all_in = [x, p], [x, p, lam_f, lam]
+    names = ["x", "p", "lam_f", "lam_g"]
+    definitions: dict[str, tuple[list[Any], list[Any], list[str]]] = {
+        "nlp": (xp, [cost, g], ["f", "g"]),
+        "nlp_f": (xp, [cost], ["f"]),
+        "nlp_g": (xp, [g], ["g"]),
+        "nlp_grad_f": (xp, [df], ["grad_f_x"]),
+        "nlp_jac_g": (xp, [g_J, J], ["g", "jac_g_x"]),
+        # Neither solver reads the gradient here; it would cost as much as the Jacobian.
+        "nlp_hess_l": (all_in, [ca.MX(variables, 1), H], ["grad_gamma_x", "hess_gamma_x_x"]),
         "nlp_grad": (
-            [x, p, lam_f, lam],
-            [cost, all_g, slope, ca.MX(parameters, 1)],
-            ["x", "p", *lams_in],
+            all_in,
+            [cost, g, slope, ca.MX(parameters, 1)],
             ["f", "g", "grad_gamma_x", "grad_gamma_p"],
         ),
     }
     return {
-        name: ca.Function(name, arguments, results, names_in, names_out)
-        for name, (arguments, results, names_in, names_out) in definitions.items()
+        name: ca.Function(name, arguments, results, names[: len(arguments)], names_out)
+        for name, (arguments, results, names_out) in definitions.items()
     }
 
 
-def _stacked(
-    patterns: list[tuple[ca.Sparsity, int]], rows_total: int, columns_total: int
-) -> ca.Sparsity:
+def _named(p: Any, sizes: dict[str, int]) -> dict[str, Any]:
+    places = np.cumsum([0, *sizes.values()]).tolist()
+    return dict(zip(sizes, ca.vertsplit(p, places), strict=True))
+
+
+def _evaluate(
+    blocks: list[Block], kind: str, x: Any, named: dict[str, Any], p: Any, lam_f: Any, lam: Any
+) -> list[list[Any]]:
+    """Outputs of one of `StageFunctions`, (size, count) each, for each block."""
+    sharing: dict[int, list[int]] = defaultdict(list)
+    for index, block in enumerate(blocks):
+        sharing[id(block.functions)].append(index)
+    results: list[list[Any]] = [[] for _ in blocks]
+    for indices in sharing.values():
+        members = [blocks[i] for i in indices]
+        count = sum(block.count for block in members)
+        Z = ca.horzcat(*(b.columns(x, b.first_variable, b.width) for b in members))
+        feet = ca.horzcat(
+            *(ca.repmat(named[Stage.feet_parameter(b.role)], 1, b.count) for b in members)
+        )
+        arguments = [Z, p, feet]
+        if kind == "hessian":
+            arguments += [
+                lam_f,
+                ca.horzcat(*(b.columns(lam, b.first_row, b.height) for b in members)),
+            ]
+        outputs = over_stages(getattr(members[0].functions, kind), count, *arguments)
+        split = np.cumsum([0, *(block.count for block in members)]).tolist()
+        for output in outputs:
+            for index, part in zip(indices, ca.horzsplit(output, split), strict=True):
+                results[index].append(part)
+    return results
+
+
+def _stacked(blocks: list[Block], rows: int, variables: int) -> ca.Sparsity:
     """Stage Jacobians below each other; each one's identity rows belong to the gap before it."""
-    rows: list[NDArray[np.int64]] = []
+    found: list[NDArray[np.int64]] = []
     colind = [0]
     start = previous = 0
-    for pattern, height in patterns:
+    for block in (b for b in blocks for _ in range(b.count)):
+        pattern = block.functions.jacobian_pattern
         row = np.array(pattern.row())
-        identity = pattern.size1() - height
-        rows.append(np.where(row < identity, row + previous, row - identity + start))
+        identity = pattern.size1() - block.height
+        found.append(np.where(row < identity, row + previous, row - identity + start))
         colind += (colind[-1] + np.array(pattern.colind()[1:])).tolist()
-        previous, start = start, start + height
-    return ca.Sparsity(rows_total, columns_total, colind, np.concatenate(rows).tolist())
+        previous, start = start, start + block.height
+    return ca.Sparsity(rows, variables, colind, np.concatenate(found).tolist())
