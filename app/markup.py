@@ -7,8 +7,7 @@ from html import escape
 
 import numpy as np
 
-from app.replay import Figures
-from app.scene import (
+from app.overlays import (
     ARROW_PER_WEIGHT,
     COM_COLOUR,
     FORCE_COLOUR,
@@ -16,6 +15,7 @@ from app.scene import (
     RIGID_COLOUR,
     TARGET_COLOUR,
 )
+from app.replay import Figures
 from llsrbm.trajectory.plan import Plan, Violation
 
 _PADDING = "padding:0.35em 0.9em"

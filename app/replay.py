@@ -30,6 +30,7 @@ class Replay:
         planned_axes: (F, 3) m and planned_wxyz: (F, 4): ellipsoid of the model's inertia.
         rigid_axes: (3,) m and rigid_wxyz: (F, 4): ellipsoid of the constant inertia that SRBM has.
         yaw_wxyz: (F, 4): the base's heading alone.
+        weight: of the robot, N.
         interval: (F,) the plan's interval, over which contact forces are constant.
     """
 
@@ -42,6 +43,7 @@ class Replay:
     rigid_axes: Array
     rigid_wxyz: Array
     yaw_wxyz: Array
+    weight: float
     interval: NDArray[np.int64]
 
     def frame_at(self, time: float) -> int:
@@ -105,6 +107,7 @@ def bake(plan: Plan, robot: Robot) -> Replay:
         rigid_axes=rigid_axes[0],
         rigid_wxyz=rigid.as_quat(scalar_first=True),
         yaw_wxyz=_headings(base),
+        weight=float(robot.mass * np.linalg.norm(robot.model.gravity.linear)),
         interval=np.searchsorted(plan.time, motion.time, side="right").clip(1, last + 1) - 1,
     )
 

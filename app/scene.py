@@ -1,4 +1,4 @@
-"""What one tab sees: the robot, its inertia, forces, trails, where it shall land.
+"""What one tab sees: the robot, and the overlays that belong to its motion.
 
 The scene draws instants it is given; the player owns time.
 """
@@ -6,39 +6,27 @@ The scene draws instants it is given; the player owns time.
 from __future__ import annotations
 
 from functools import lru_cache
-from typing import Protocol
 
 import numpy as np
 import viser
 from numpy.typing import NDArray
 
+from app.overlays import (
+    COM_COLOUR,
+    PLANNED_COLOUR,
+    RIGID_COLOUR,
+    Ellipsoid,
+    Forces,
+    Target,
+    Trails,
+)
 from app.replay import Replay
 from llsrbm.robots import Robot
 from llsrbm.robots.visuals import forward_kinematics, link_visuals
-from llsrbm.trajectory.plan import Phase
 
 Array = NDArray[np.float64]
-Rgb = tuple[int, int, int]
-
-PLANNED_COLOUR: Rgb = (44, 123, 229)
-RIGID_COLOUR: Rgb = (240, 140, 30)
-FORCE_COLOUR: Rgb = (214, 51, 108)
-COM_COLOUR: Rgb = (90, 60, 180)
-FOOT_COLOUR: Rgb = (110, 120, 130)
-TARGET_COLOUR: Rgb = (40, 160, 90)
-_INFEASIBLE_COLOUR: Rgb = (220, 40, 40)
-
-ARROW_PER_WEIGHT = 0.8
-"""Length of the arrow of a force as large as the robot's weight, m."""
 
 _BLOT = 0.3  # m, length of the dark patch under the robot
-_OUTSIDE = 1.004  # a wireframe must lie just outside of a surface to be seen
-_FOOTPRINT = 0.03  # m, radius of a landing mark
-_ALONG_TRAIL = 4  # frames between the points of a trail
-
-
-class _Hideable(Protocol):
-    visible: bool
 
 
 @lru_cache(maxsize=8)
@@ -50,49 +38,17 @@ def _meshes(robot: Robot) -> tuple[tuple[str, int, bytes], ...]:
     )
 
 
-class _Ellipsoid:
-    """A unit sphere, a wireframe with or without a translucent surface, moved and stretched."""
-
-    def __init__(
-        self, client: viser.ClientHandle, name: str, colour: Rgb, *, surface: bool
-    ) -> None:
-        scene = client.scene
-        # A node's scale does not reach its children: only pose and visibility do.
-        self._frame = scene.add_frame(name, show_axes=False, visible=False)
-        self._axes = np.ones(3)
-        self._spheres = [
-            scene.add_icosphere(
-                f"{name}/wires", _OUTSIDE, colour, wireframe=True, opacity=0.35, cast_shadow=False
-            )
-        ]
-        if surface:
-            self._spheres.append(
-                scene.add_icosphere(f"{name}/surface", 1.0, colour, opacity=0.22, cast_shadow=False)
-            )
-
-    def move(self, position: Array, wxyz: Array, axes: Array) -> None:
-        self._frame.position = position
-        self._frame.wxyz = wxyz
-        if not np.allclose(axes, self._axes, atol=1e-4):
-            self._axes = axes
-            for sphere in self._spheres:
-                sphere.scale = (float(axes[0]), float(axes[1]), float(axes[2]))
-
-    def show(self, *, visible: bool) -> None:
-        self._frame.visible = visible
-
-
 class Scene:
     """The nodes of one tab; to be used by one thread."""
+
+    # Browser tests find controls by label. viser's scene tree has labels, too, made from the names
+    # of nodes, so these avoid the words of the panel (a node "robot" would be found as "Robot").
 
     def __init__(self, client: viser.ClientHandle) -> None:
         """An empty floor."""
         self._client = client
-        self._robot: Robot | None = None
         self._bodies: list[tuple[int, viser.GlbHandle]] = []
-        self._plan_nodes: list[viser.SceneNodeHandle] = []
         self._replay: Replay | None = None
-        self._shown_interval = -1
         self._show_ellipsoids = self._show_forces = self._show_trails = True
         scene = client.scene
         self._ground = scene.add_grid(
@@ -110,33 +66,27 @@ class Scene:
         self._blot = scene.add_icosphere(
             "/blot", _BLOT, (30, 34, 40), scale=(1.0, 0.7, 0.005), opacity=0.22, visible=False
         )
-        self._planned = _Ellipsoid(client, "/ellipsoid/planned", PLANNED_COLOUR, surface=True)
-        self._rigid = _Ellipsoid(client, "/ellipsoid/srbm", RIGID_COLOUR, surface=False)
         self._com = scene.add_icosphere("/com", 0.018, COM_COLOUR, visible=False)
-        self._forces: viser.ArrowsHandle | None = None
-        self._trails: list[_Hideable] = []
-
-    # ---- what there is
+        self._planned = Ellipsoid(client, "/ellipsoid/planned", PLANNED_COLOUR, surface=True)
+        self._rigid = Ellipsoid(client, "/ellipsoid/srbm", RIGID_COLOUR, surface=False)
+        self._trails = Trails(client)
+        self._forces: Forces | None = None
+        self._target: Target | None = None
 
     def show_robot(self, robot: Robot) -> None:
         """Replace the robot by this one, in its default posture; nothing of a plan stays."""
+        position, wxyz = forward_kinematics(
+            robot, robot.base_position[None], [[1.0, 0.0, 0.0, 0.0]], robot.posture[None, 7:]
+        )
         with self._client.atomic():
-            self._clear_plan()
+            self._clear()
             for _, handle in self._bodies:
                 handle.remove()
-            self._robot = robot
-            position, wxyz = forward_kinematics(
-                robot, robot.base_position[None], _level(), robot.posture[None, 7:]
-            )
             self._bodies = [
                 (
                     body,
                     self._client.scene.add_glb(
-                        f"/links/{link}",
-                        glb,
-                        position=position[0, body],
-                        wxyz=wxyz[0, body],
-                        receive_shadow=False,
+                        f"/links/{link}", glb, position=position[0, body], wxyz=wxyz[0, body]
                     ),
                 )
                 for link, body, glb in _meshes(robot)
@@ -144,13 +94,15 @@ class Scene:
 
     def show_replay(self, replay: Replay) -> None:
         """Draw what of a motion does not move; follow with `show_instant`."""
-        assert self._robot is not None
         with self._client.atomic():
-            self._clear_plan()
             self._replay = replay
-            self._draw_targets(replay)
-            self._draw_trails(replay)
-            self._draw_forces(replay)
+            if self._forces is None or self._target is None:
+                motion = replay.motion
+                self._forces = Forces(self._client, motion.contact_point.shape[1])
+                self._target = Target(self._client, motion.foot_position.shape[1])
+            self._target.draw(replay)
+            self._trails.draw(replay)
+            self._ground.position = (0.0, 0.0, min(replay.plan.jump.height, 0.0))
             self._com.visible = self._blot.visible = True
             self._apply_layers()
 
@@ -171,8 +123,8 @@ class Scene:
             if self._show_ellipsoids:
                 self._planned.move(com, replay.planned_wxyz[frame], replay.planned_axes[frame])
                 self._rigid.move(com, replay.rigid_wxyz[frame], replay.rigid_axes)
-            if self._show_forces:
-                self._update_forces(replay, frame)
+            if self._show_forces and self._forces is not None:
+                self._forces.move(replay, frame)
 
     def show_layers(self, *, ellipsoids: bool, forces: bool, trails: bool) -> None:
         """Choose what is drawn besides the robot; follow with `show_instant`."""
@@ -180,116 +132,20 @@ class Scene:
         with self._client.atomic():
             self._apply_layers()
 
-    # ---- parts
-
-    def _draw_targets(self, replay: Replay) -> None:
-        """Marks where the feet shall land, and the step up or down as a translucent block."""
-        plan, scene = replay.plan, self._client.scene
-        landing = plan.foot_position[-1]
-        for i, foot in enumerate(landing):
-            self._plan_nodes.append(
-                scene.add_cylinder(
-                    f"/target/foot{i}",
-                    _FOOTPRINT,
-                    0.004,
-                    TARGET_COLOUR,
-                    position=(foot[0], foot[1], plan.jump.height + 0.003),
-                    cast_shadow=False,
-                )
-            )
-        height = plan.jump.height
-        self._ground.position = (0.0, 0.0, min(height, 0.0))
-        if height == 0:
-            return
-        feet = landing if height > 0 else plan.foot_position[0]
-        low, high = feet[:, :2].min(axis=0) - 0.12, feet[:, :2].max(axis=0) + 0.12
-        centre = (low + high) / 2
-        self._plan_nodes.append(
-            scene.add_box(
-                "/target/step",
-                TARGET_COLOUR if height > 0 else FOOT_COLOUR,
-                (high[0] - low[0], high[1] - low[1], abs(height)),
-                position=(centre[0], centre[1], height / 2),
-                opacity=0.22,
-                cast_shadow=False,
-            )
-        )
-
-    def _draw_trails(self, replay: Replay) -> None:
-        plan, motion, scene = replay.plan, replay.motion, self._client.scene
-        kept = np.r_[0 : len(motion.time) - 1 : _ALONG_TRAIL, len(motion.time) - 1]
-        trails = [
-            scene.add_spline_catmull_rom(
-                "/path/com",
-                motion.com[kept],
-                thickness=0.008,
-                color=COM_COLOUR if plan.solved else _INFEASIBLE_COLOUR,
-            )
-        ]
-        flight = kept[motion.phase[kept] == Phase.FLIGHT]
-        if len(flight) > 1:
-            trails += [
-                scene.add_spline_catmull_rom(
-                    f"/path/foot{i}",
-                    motion.foot_position[flight, i],
-                    thickness=0.004,
-                    color=FOOT_COLOUR,
-                )
-                for i in range(motion.foot_position.shape[1])
-            ]
-        self._trails = list(trails)
-        self._plan_nodes += trails
-
-    def _draw_forces(self, replay: Replay) -> None:
-        contacts = replay.motion.contact_point.shape[1]
-        self._forces = self._client.scene.add_arrows(
-            "/arrows",
-            np.zeros((contacts, 2, 3), dtype=np.float32),
-            FORCE_COLOUR,
-            shaft_radius=0.008,
-            head_radius=0.02,
-            head_length=0.04,
-            visible=False,
-        )
-        self._plan_nodes.append(self._forces)
-        self._shown_interval = -1
-
-    def _update_forces(self, replay: Replay, frame: int) -> None:
-        """Only when they change: they are constant over an interval of the plan."""
-        assert self._forces is not None
-        assert self._robot is not None
-        interval = int(replay.interval[frame])
-        if interval == self._shown_interval:
-            return
-        self._shown_interval = interval
-        force = replay.motion.contact_force[frame]
-        pushing = bool(np.abs(force).max() > 1.0)
-        if pushing:
-            foot = replay.motion.contact_point[frame]
-            arrow = force * (ARROW_PER_WEIGHT / (self._robot.mass * 9.81))
-            self._forces.points = np.stack([foot, foot + arrow], axis=1).astype(np.float32)
-        self._forces.visible = pushing
-
     def _apply_layers(self) -> None:
         there = self._replay is not None
         for ellipsoid in (self._planned, self._rigid):
             ellipsoid.show(visible=there and self._show_ellipsoids)
-        for trail in self._trails:
-            trail.visible = self._show_trails
+        self._trails.show(visible=there and self._show_trails)
         if self._forces is not None:
-            self._forces.visible = False
-        self._shown_interval = -1
+            self._forces.hide()
 
-    def _clear_plan(self) -> None:
-        for node in self._plan_nodes:
-            node.remove()
-        self._plan_nodes.clear()
-        self._trails = []
-        self._forces = None
+    def _clear(self) -> None:
+        """Forget the motion, and the nodes whose number depends on the robot."""
         self._replay = None
         self._com.visible = self._blot.visible = False
         self._apply_layers()
-
-
-def _level() -> Array:
-    return np.array([[1.0, 0.0, 0.0, 0.0]])
+        for overlay in (self._forces, self._target):
+            if overlay is not None:
+                overlay.remove()
+        self._forces = self._target = None

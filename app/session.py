@@ -17,6 +17,7 @@ from pathlib import Path
 import viser
 
 from app import markup
+from app.pace import Pace
 from app.panel import Action, Panel
 from app.player import ServerPlayer
 from app.protocol import Cancelled, Failed, PlanJump, Planned, Prepare, Prepared, Progress, Report
@@ -54,10 +55,12 @@ class Session:
         self._thread = threading.Thread(
             target=self._run, name=f"session-{client.client_id}", daemon=True
         )
+        self._pace = Pace(self._ask_tab, lambda: self._player.playing)
         self.jump = FIRST_JUMP
         self.plan: Plan | None = None
         self._robot: Robot | None = None
         self._preparing = False
+        self._awaiting = False  # an outcome of the newest job
         self._asked: Jump | None = None  # what the newest job plans
         self._job = 0  # the newest job; reports of older ones are news, but not the end
         self._shown_job = 0
@@ -70,6 +73,7 @@ class Session:
     def close(self) -> None:
         """The tab has gone, or the server ends."""
         self._worker.forget(self._client.client_id)
+        self._pace.close()
         self._inbox.put(_Stop.STOP)
         self._thread.join()
 
@@ -81,7 +85,8 @@ class Session:
         )
         try:
             self._scene = Scene(self._client)
-            self._player = ServerPlayer(self._show_instant)
+            self._player = ServerPlayer(self._show_instant, self._frame_rate)
+            self._pace.start()
             self._prepare()
             self._loop()
         except BaseException:
@@ -157,7 +162,7 @@ class Session:
     def _prepare(self) -> None:
         self._robot = None
         self._asked = None
-        self._preparing = True
+        self._preparing = self._awaiting = True
         self._job = self._worker.submit(
             self._client.client_id, Prepare(self.jump.robot), self._inbox.put
         )
@@ -165,6 +170,7 @@ class Session:
 
     def _ask(self) -> None:
         self._asked = self.jump
+        self._awaiting = True
         self._job = self._worker.submit(
             self._client.client_id, PlanJump(self.jump), self._inbox.put
         )
@@ -173,7 +179,7 @@ class Session:
     def _hear(self, report: Report) -> None:
         newest = report.job == self._job
         if newest and not isinstance(report, Progress):
-            self._preparing = False
+            self._preparing = self._awaiting = False
         match report:
             case Progress():
                 if newest:
@@ -243,6 +249,13 @@ class Session:
     def _show_time(self) -> None:
         self._time_shown = time.monotonic()
         self._panel.show_time(self._player.time)
+
+    def _frame_rate(self) -> float:
+        return self._pace.rate_while_planning() if self._awaiting else self._pace.rate()
+
+    def _ask_tab(self) -> None:
+        """Return when the browser has worked off what it was sent."""
+        self._client.local_storage.get_item("llsrbm", timeout=2.0)
 
     # ---- files
 

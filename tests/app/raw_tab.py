@@ -9,6 +9,7 @@ from collections import Counter
 from html import unescape
 
 import msgspec
+import numpy as np
 import viser
 import zstandard
 from websockets.exceptions import ConnectionClosed
@@ -125,9 +126,11 @@ class RawTab:
                 inner = zstandard.ZstdDecompressor().decompress(
                     packet[16 : 16 + compressed], max_output_size=size
                 )
+                content = msgspec.msgpack.decode(inner)
+                buffers = _buffers(packet, 16 + compressed, content["binaryBufferLengths"])
                 with self._changed:
                     self.received_bytes += len(packet)
-                    for message in msgspec.msgpack.decode(inner)["messages"]:
+                    for message in _with_arrays(content["messages"], buffers):
                         self.received[message["type"]] += 1
                         self._take(message)
                     self._changed.notify_all()
@@ -160,7 +163,31 @@ class RawTab:
             self.nodes.setdefault(message["name"], {}).update(message["props"])
         elif kind == "NotificationShowMessage":
             self.notifications.append((message["props"]["title"], message["props"]["body"]))
+        elif kind == "LocalStorageGetItemRequestMessage":
+            answer = {"value": None, "error": None, "request_uuid": message["request_uuid"]}
+            self.send({"type": "LocalStorageGetItemResponseMessage", **answer})
         elif kind == "FileTransferStartDownload":
             self.downloads[message["transfer_uuid"]] = [message["filename"], b""]
         elif kind == "FileTransferPart":
             self.downloads[message["transfer_uuid"]][1] += message["content"]
+
+
+def _buffers(packet, offset, lengths):
+    """The raw arrays behind a message, each aligned to 8 bytes."""
+    found = []
+    for length in lengths:
+        offset = -(-offset // 8) * 8
+        found.append(packet[offset : offset + length])
+        offset += length
+    return found
+
+
+def _with_arrays(value, buffers):
+    """Placeholders replaced by flat arrays."""
+    if isinstance(value, dict):
+        if "__binary_index" in value:
+            return np.frombuffer(buffers[value["__binary_index"]], value["dtype"])
+        return {key: _with_arrays(item, buffers) for key, item in value.items()}
+    if isinstance(value, list):
+        return [_with_arrays(item, buffers) for item in value]
+    return value

@@ -149,7 +149,7 @@ def test_no_convergence_shows_where_the_solver_stopped(tab, session):
     assert "reach violated in flight by 0.02 m" in status
     assert "no feasible motion" in status
     assert not session.plan.solved
-    assert tab.nodes["/path/com"]["color"] == [220, 40, 40]
+    assert tab.nodes["/path/com"]["colors"][:3].tolist() == [220, 40, 40]
 
 
 def test_a_refused_request_is_a_sentence(tab):
