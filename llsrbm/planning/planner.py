@@ -6,7 +6,7 @@ import logging
 import time
 import zlib
 from collections.abc import Callable, Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -24,13 +24,13 @@ from llsrbm.planning.assembly import assemble_plan
 from llsrbm.planning.guess import analytic_guess
 from llsrbm.planning.knots import Knots, unpack
 from llsrbm.planning.layout import Intervals, Layout
-from llsrbm.planning.residuals import describe_worst, satisfied, violations
+from llsrbm.planning.residuals import describe_worst, excess, satisfied, violations
 from llsrbm.planning.solvers import Backend, Iterate
-from llsrbm.planning.task import Task, make_task
+from llsrbm.planning.task import Task, make_task, place_task
 from llsrbm.planning.transcription import Problem, row_bounds
 from llsrbm.robots import load_robot
 from llsrbm.robots.robot import Robot
-from llsrbm.trajectory.plan import Plan, SolveReport
+from llsrbm.trajectory.plan import Plan, SolveReport, Violation
 
 Array = NDArray[np.float64]
 Progress = Callable[[str], None]
@@ -44,6 +44,18 @@ MIN_INTERVALS, MAX_INTERVALS = 9, 300  # 3 a phase; more than 300 take minutes t
 PATIENT_FLIGHT = 0.45
 # Shares of the request that the third attempt solves one after another.
 HOMOTOPY = (0.34, 0.67, 1.0)
+
+
+@dataclass(frozen=True, eq=False)
+class _Attempt:
+    label: str
+    iterate: Iterate
+    knots: Knots
+    violations: dict[str, Violation]
+
+    @property
+    def solved(self) -> bool:
+        return self.iterate.converged and satisfied(self.violations)
 
 
 class Planner:
@@ -92,74 +104,84 @@ class Planner:
             jump: the request; robot and model are this planner's.
             weights: cost name -> weight, in place of the defaults.
             warm: start from this planner's last solution.
-            cancelled: asked between attempts.
+            cancelled: asked before every solve.
             progress: told what is being tried.
 
         Raises:
             InputError: the request is out of the robot's range.
-            NotConverged: no attempt satisfied every constraint; carries the last iterate.
+            NotConverged: no attempt satisfied every constraint; carries the nearest one.
             Cancelled: `cancelled` said so.
         """
         start = time.perf_counter()
         task = make_task(jump, self.robot, weights)
-        solve_time, best, attempts = 0.0, None, 0
-        for label, iterate in self._attempts(task, warm):
+
+        def check() -> None:
             if cancelled is not None and cancelled():
                 raise Cancelled("planning was cancelled")
-            attempts += 1
-            if attempts > 1:
-                _log.info("attempt %d: %s", attempts, label)
+
+        solve_time = 0.0
+        tried: list[_Attempt] = []
+        for label, solve in self._attempts(task, warm, check):
+            check()
             if progress is not None:
-                progress(f"attempt {attempts}: {label}, {iterate.iterations} iterations")
+                progress(f"attempt {len(tried) + 1}: {label}")
+            iterate = solve()
             solve_time += iterate.solve_time_s
             knots = unpack(iterate.w, self.layout, task, self.model)
-            found = violations(knots)
-            best = (iterate, knots, found)
-            if iterate.converged and satisfied(found):
+            tried.append(_Attempt(label, iterate, knots, violations(knots)))
+            if tried[-1].solved:
                 break
-        assert best is not None  # there is always a first attempt
-        iterate, knots, found = best
-        solved = iterate.converged and satisfied(found)
-        self.last = (task, iterate) if solved else None
+            _log.info("attempt %d, %s, failed", len(tried), label)
+        best = min(tried, key=lambda attempt: (not attempt.solved, excess(attempt.violations)))
+        self.last = (task, best.iterate) if best.solved else None
 
         def report() -> SolveReport:
             return SolveReport(
-                status="solved" if solved else "not-converged",
+                status="solved" if best.solved else "not-converged",
                 solver=self._backend.name,
-                iterations=iterate.iterations,
-                attempts=attempts,
+                iterations=best.iterate.iterations,
+                attempts=len(tried),
                 solve_time_s=solve_time,
                 total_time_s=time.perf_counter() - start,
                 build_time_s=0.0,
-                cost=iterate.cost,
+                cost=best.iterate.cost,
             )
 
-        plan = assemble_plan(jump, self.robot, knots, found, report)
-        if not solved:
+        plan = assemble_plan(jump, self.robot, best.knots, best.violations, report)
+        if not best.solved:
             raise NotConverged(
-                f"no plan found in {attempts} attempts ({_describe(jump)}): "
-                f"{describe_worst(found)}",
+                f"no plan found in {len(tried)} attempts ({_describe(jump)}); the nearest, "
+                f"{best.label}: {describe_worst(best.violations)}",
                 plan,
             )
         return plan
 
-    def _attempts(self, task: Task, warm: bool) -> Iterator[tuple[str, Iterate]]:
+    def _attempts(
+        self, task: Task, warm: bool, check: Callable[[], None]
+    ) -> Iterator[tuple[str, Callable[[], Iterate]]]:
         """What is tried, in order, each only when the one before failed."""
         if warm and self.last is not None:
-            yield "from the last plan", self._from(*self.last, task)
-        yield "from the analytic guess", self._solve(task, self._guess(task))
+            last = self.last
+            yield "from the last plan", lambda: self._from(*last, task)
+        yield "from the analytic guess", lambda: self._solve(task, self._guess(task))
         yield (
             "from a longer flight",
-            self._solve(task, self._guess(task, PATIENT_FLIGHT)),
+            lambda: self._solve(task, self._guess(task, PATIENT_FLIGHT)),
         )
-        easier = make_task(_scaled(task.jump, HOMOTOPY[0]), self.robot, task.weights)
-        step = easier, self._solve(easier, self._guess(easier))
-        solve_time = step[1].solve_time_s
+        yield "by way of easier jumps", lambda: self._by_easier_jumps(task, check)
+
+    def _by_easier_jumps(self, task: Task, check: Callable[[], None]) -> Iterate:
+        """Solve a share of the jump first, then larger ones, each from the one before."""
+        easier = place_task(_scaled(task.jump, HOMOTOPY[0]), self.robot, task.weights)
+        iterate = self._solve(easier, self._guess(easier))
+        solve_time = iterate.solve_time_s
         for share in HOMOTOPY[1:]:
-            harder = make_task(_scaled(task.jump, share), self.robot, task.weights)
-            step = harder, self._from(*step, harder)
-            solve_time += step[1].solve_time_s
-        yield "by way of easier jumps", replace(step[1], solve_time_s=solve_time)
+            check()
+            harder = place_task(_scaled(task.jump, share), self.robot, task.weights)
+            iterate = self._from(easier, iterate, harder)
+            easier = harder
+            solve_time += iterate.solve_time_s
+        return replace(iterate, solve_time_s=solve_time)
 
     def _from(self, old: Task, solution: Iterate, task: Task) -> Iterate:
         """Solve from another task's solution, moved as the analytic guesses of the two differ."""

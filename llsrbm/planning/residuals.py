@@ -15,6 +15,9 @@ Array = NDArray[np.float64]
 # A plan is solved when no violation exceeds this in its own SI unit: 1 mm, 1 mN, 1 mm/s ...
 TOLERANCE = 1e-3
 
+# What counts as equally bad in different units, to name the worst violation and the best attempt.
+SCALES = {"m": 0.05, "m/s": 0.5, "rad": 0.1, "rad/s": 3.0, "N": 30.0, "kg m2/s": 0.5, "s": 0.1}
+
 PHASE_NAMES = {Phase.TAKEOFF: "take-off", Phase.FLIGHT: "flight", Phase.LANDING: "landing"}
 
 
@@ -58,11 +61,21 @@ def satisfied(found: dict[str, Violation]) -> bool:
     return all(v.amount <= TOLERANCE for v in found.values())
 
 
+def excess(found: dict[str, Violation]) -> float:
+    """The largest violation in the units of `SCALES`."""
+    return max(_scaled(violation) for violation in found.values())
+
+
+def _scaled(violation: Violation) -> float:
+    # A constraint of several units is named with the first.
+    return violation.amount / SCALES[violation.unit.split(",")[0]]
+
+
 def describe_worst(found: dict[str, Violation]) -> str:
     """The violated constraints in words, the worst first, at most three."""
     broken = sorted(
         ((name, v) for name, v in found.items() if v.amount > TOLERANCE),
-        key=lambda item: -item[1].amount,
+        key=lambda item: -_scaled(item[1]),
     )
     if not broken:
         return "no constraint is violated, the optimum was not reached"

@@ -82,6 +82,8 @@ class Backend(ABC):
         self, guess: Array, parameters: Array, bounds: tuple[Array, Array], warm: bool
     ) -> Iterate:
         """Solve from a guess; `warm` says that it is near a solution, so that little is undone."""
+        if not np.isfinite(guess).all():  # Fatrop would never return
+            raise ValueError("the initial guess is not finite")
         solver = self._warm if warm else self._cold
         arguments = {"x0": guess, "p": parameters, "lbg": bounds[0], "ubg": bounds[1]}
         start = time.perf_counter()

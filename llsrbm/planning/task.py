@@ -80,7 +80,7 @@ def parameter_sizes(legs: int) -> dict[str, int]:
 
 
 def make_task(jump: Jump, robot: Robot, weights: dict[str, float] | None = None) -> Task:
-    """Place the request in the world.
+    """Check the request and place it in the world.
 
     Raises:
         InputError: a value outside of the robot file's [task], or a weight that is none.
@@ -99,6 +99,11 @@ def make_task(jump: Jump, robot: Robot, weights: dict[str, float] | None = None)
     for name, weight in (weights or {}).items():
         if not (np.isfinite(weight) and weight >= 0):
             raise InputError(f"weight {name}: expected a number of at least 0, got {weight}")
+    return place_task(jump, robot, default_weights() | (weights or {}))
+
+
+def place_task(jump: Jump, robot: Robot, weights: dict[str, float]) -> Task:
+    """Place the request in the world, whatever it asks; all weights given."""
     c, s = np.cos(jump.twist), np.sin(jump.twist)
     Rz = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
     shift = np.array([jump.forward, jump.lateral, jump.height])
@@ -114,7 +119,7 @@ def make_task(jump: Jump, robot: Robot, weights: dict[str, float] | None = None)
         reach=robot.file.reach,
         timing=robot.file.timing,
         knee=knee_links(robot),
-        weights=default_weights() | (weights or {}),
+        weights=weights,
     )
 
 

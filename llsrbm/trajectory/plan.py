@@ -30,7 +30,7 @@ class Violation:
     Attributes:
         amount: largest violation, in `unit`; 0 when satisfied.
         unit: SI unit of the amount.
-        phase: where the largest violation is ("take-off", "flight", "landing", "start", "end").
+        phase: where the largest violation is ("take-off", "flight", "landing").
         time: when, s.
     """
 

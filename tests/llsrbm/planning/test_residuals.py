@@ -96,8 +96,8 @@ def test_the_worst_three_in_words():
         "e": Violation(0.01, "s", "flight", 0.456),
     }
     assert describe_worst(found) == (
-        "b is violated by 3 N in take-off at 0.12 s; "
         "d is violated by 0.123 rad in landing at 1.00 s; "
+        "b is violated by 3 N in take-off at 0.12 s; "
         "e is violated by 0.01 s in flight at 0.46 s"
     )
 

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from benchmarks.leg_fit import truth
+from llsrbm.cache import ENVIRONMENT_VARIABLE
 from llsrbm.errors import RobotFileError
 from llsrbm.robots import load_robot
-from llsrbm.cache import ENVIRONMENT_VARIABLE
 from llsrbm.robots.leg_fit import (
     affine_slopes,
     fit_legs,

@@ -6,9 +6,9 @@ import pinocchio as pin
 import pytest
 import trimesh
 
+from llsrbm.cache import ENVIRONMENT_VARIABLE
 from llsrbm.errors import RobotFileError
 from llsrbm.robots import load_robot
-from llsrbm.cache import ENVIRONMENT_VARIABLE
 from llsrbm.robots.collada_repair import readable
 from llsrbm.robots.robot import build_robot
 from llsrbm.robots.visuals import FACES, forward_kinematics, link_visuals
