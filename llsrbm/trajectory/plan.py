@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from enum import IntEnum
 from pathlib import Path
 from typing import Any
@@ -117,7 +117,6 @@ class Plan:
     joint_position: Array
     joint_names: tuple[str, ...]
     foot_in_hip: Array
-    meta: dict[str, Any] = field(default_factory=dict)
 
     @property
     def solved(self) -> bool:

@@ -55,7 +55,6 @@ class _Meta(BaseModel):
     report: SolveReport
     violations: dict[str, Violation]
     package_version: str
-    extra: dict[str, Any] = {}
 
 
 def save_plan(plan: Plan, path: str | Path) -> None:
@@ -77,7 +76,6 @@ def save_plan(plan: Plan, path: str | Path) -> None:
         report=plan.report,
         violations=plan.violations,
         package_version=package_version(),
-        extra=plan.meta,
     )
     write_archive(
         path,
@@ -114,7 +112,6 @@ def plan_from_arrays(arrays: Arrays, path: str | Path) -> Plan:
         robot_parameters=meta.robot_parameters,
         report=meta.report,
         violations=meta.violations,
-        meta=meta.extra,
         **values,
     )
 

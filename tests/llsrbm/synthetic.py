@@ -125,5 +125,4 @@ def synthetic_plan(
         joint_position=joints,
         joint_names=JOINT_NAMES,
         foot_in_hip=in_base - HALF_STANCE,
-        meta={"note": "made by hand"},
     )

@@ -71,11 +71,10 @@ def test_round_trip(plan, saved):
     forward=st.floats(-1, 1),
     intervals=st.integers(1, 30),
     cost=st.floats(),
-    extra=st.dictionaries(st.text(max_size=5), st.one_of(st.text(), st.integers(), st.none())),
 )
-def test_round_trip_of_any_plan(tmp_path_factory, twist, forward, intervals, cost, extra):
+def test_round_trip_of_any_plan(tmp_path_factory, twist, forward, intervals, cost):
     plan = synthetic_plan(twist=twist, forward=forward, intervals=intervals)
-    plan = replace(plan, report=replace(plan.report, cost=cost), meta=extra)
+    plan = replace(plan, report=replace(plan.report, cost=cost))
     path = tmp_path_factory.mktemp("any") / "plan.npz"
     plan.save(path)
     back = load(path)
