@@ -124,13 +124,11 @@ class Trails:
         last = len(motion.time) - 1
         kept = np.append(np.arange(0, last, _ALONG_TRAIL), last)
         flight = np.flatnonzero(motion.phase == Phase.FLIGHT)[::_ALONG_TRAIL]
-        com = _segments(motion.com[kept, None])
+        self._com.points = _segments(motion.com[kept, None])
+        self._feet.points = _segments(motion.foot_position[flight])
         colour = COM_COLOUR if replay.plan.solved else INFEASIBLE_COLOUR
-        self._com.colors = np.broadcast_to(np.array(colour, dtype=np.uint8), com.shape).copy()
-        self._com.points = com
-        feet = _segments(motion.foot_position[flight])
-        self._feet.colors = np.broadcast_to(np.array(FOOT_COLOUR, np.uint8), feet.shape).copy()
-        self._feet.points = feet
+        # One colour for all, as when the node was made.
+        self._com.colors = np.array(colour, dtype=np.uint8)
 
     def show(self, *, visible: bool) -> None:
         """Show or hide."""

@@ -10,7 +10,8 @@ import threading
 import time
 from collections.abc import Callable
 
-FASTEST, SLOWEST, FIRST = 60.0, 6.0, 30.0
+FASTEST, SLOWEST, FIRST = 60.0, 12.0, 30.0
+WHILE_PLANNING = 6.0
 """Frames/s."""
 
 _INTERVAL = 0.25  # s between questions
@@ -60,7 +61,7 @@ class Pace:
         A browser that cannot draw at full rate has no graphics processor to draw with; on the same
         machine it would take the solver's time.
         """
-        return self._rate if self._rate == FASTEST else SLOWEST
+        return self._rate if self._rate == FASTEST else WHILE_PLANNING
 
     def learn(self, delay: float) -> None:
         """Take note of how long an answer took, s: late ones tell at once, quick ones slowly."""

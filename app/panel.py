@@ -170,11 +170,17 @@ class Panel:
         self._timeline.content = self._figures.content = self._residuals.content = ""
         self._export.disabled = True
 
-    def show_time(self, time: float) -> None:
-        """Where the motion is, s."""
-        if self._plan is not None:
+    def show_time(self, time: float, *, playing: bool) -> None:
+        """Where the motion is, s.
+
+        While it plays, only the timeline moves: a browser loses what a user enters into a control
+        that is being set.
+        """
+        if self._plan is None:
+            return
+        if not playing:
             _put(self._time, round(min(time, self._plan.duration), 2))
-            self._timeline.content = markup.timeline(self._plan, time)
+        self._timeline.content = markup.timeline(self._plan, time)
 
     def show_robot(self, robot_file: RobotFile) -> None:
         """The ranges of another robot; values outside of them move to the nearest end."""
@@ -216,7 +222,7 @@ class Panel:
         @self._time.on_update
         async def _(event: viser.GuiEvent[Any]) -> None:
             if event.client_id is not None:
-                # Kept apart, because playing sets the same slider.
+                # Kept apart, because the session sets the same slider.
                 self._scrubbed = event.target.value
                 self._act(Action.SCRUB)
 

@@ -30,7 +30,7 @@ from llsrbm.jump import Jump
 from llsrbm.robots import Robot, load_robot
 from llsrbm.trajectory.plan import Plan
 
-_TIME_SHOWN_EVERY = 0.1  # s; the time slider follows the picture more slowly, to spare the line
+_TIME_SHOWN_EVERY = 0.1  # s; the timeline follows the picture more slowly, to spare the line
 FIRST_JUMP = Jump(twist=math.radians(90))
 """What a tab begins with: the motion that shows most clearly what drawing in the legs does."""
 
@@ -248,7 +248,7 @@ class Session:
 
     def _show_time(self) -> None:
         self._time_shown = time.monotonic()
-        self._panel.show_time(self._player.time)
+        self._panel.show_time(self._player.time, playing=self._player.playing)
 
     def _frame_rate(self) -> float:
         return self._pace.rate_while_planning() if self._awaiting else self._pace.rate()

@@ -5,7 +5,7 @@ import time
 
 import pytest
 
-from app.pace import FASTEST, FIRST, SLOWEST, Pace
+from app.pace import FASTEST, FIRST, SLOWEST, WHILE_PLANNING, Pace
 
 
 @pytest.fixture
@@ -20,7 +20,7 @@ def test_a_quick_browser_gets_all_frames(pace):
 
 
 def test_a_slow_one_leaves_the_processor_to_the_solver(pace):
-    assert pace.rate_while_planning() == SLOWEST
+    assert pace.rate_while_planning() == WHILE_PLANNING
 
 
 def test_a_browser_that_falls_behind_gets_fewer_within_seconds(pace):
