@@ -11,7 +11,7 @@ import time
 from collections.abc import Callable
 
 FASTEST, SLOWEST, FIRST = 60.0, 12.0, 30.0
-WHILE_PLANNING = 6.0
+WHILE_PLANNING = 1.0
 """Frames/s."""
 
 _INTERVAL = 0.25  # s between questions
