@@ -40,7 +40,8 @@ class RawTab:
         self.controls = {}  # uuid -> message
         self.nodes = {}  # name -> {"position", "wxyz", **props}
         self.notifications = []
-        self.downloads = {}  # transfer -> [file name, content]
+        self.downloads = []  # (file name, content), complete ones
+        self._transfers = {}  # transfer -> [file name, size, content so far]
         self.received = Counter()  # message type -> count
         self.received_bytes = 0
         self.closed = threading.Event()
@@ -167,9 +168,13 @@ class RawTab:
             answer = {"value": None, "error": None, "request_uuid": message["request_uuid"]}
             self.send({"type": "LocalStorageGetItemResponseMessage", **answer})
         elif kind == "FileTransferStartDownload":
-            self.downloads[message["transfer_uuid"]] = [message["filename"], b""]
+            name, size = message["filename"], message["size_bytes"]
+            self._transfers[message["transfer_uuid"]] = [name, size, b""]
         elif kind == "FileTransferPart":
-            self.downloads[message["transfer_uuid"]][1] += message["content"]
+            transfer = self._transfers[message["transfer_uuid"]]
+            transfer[2] += message["content"]
+            if len(transfer[2]) == transfer[1]:
+                self.downloads.append((transfer[0], transfer[2]))
 
 
 def _buffers(packet, offset, lengths):
