@@ -82,7 +82,7 @@ def realise(knots: Knots, robot: Robot) -> Realised:
         flight=knots.phase[:-1] == Phase.FLIGHT,
         inertia_model=model.evaluate(x)[1][:, 2, 2],
         inertia_true=inertia,
-        momentum_plan=(knots.momentum[:-1, 2] + knots.momentum[1:, 2]) / 2,
+        momentum_plan=knots.momentum_mid[:, 2],
         momentum_true=momentum,
         joint_speed=speeds,
         foot_residual=postures.residual_m,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -103,6 +103,32 @@ class Knots:
         )
 
     @cached_property
+    def momentum_mid(self) -> Array:
+        """(N, 3) kg m2/s: L at the intervals' midpoints."""
+        dt = self.dt[:, None]
+        r, v, a = self.position[:-1], self.velocity[:-1], self.acceleration
+        return self.momentum[:-1] + dt / 2 * self.moment_about(r + v * dt / 4 + a * dt**2 / 24)
+
+    @cached_property
+    def momentum_mean(self) -> Array:
+        """(N, 3) kg m2/s: the mean of L over each interval."""
+        dt = self.dt[:, None]
+        r, v, a = self.position[:-1], self.velocity[:-1], self.acceleration
+        return self.momentum[:-1] + dt / 2 * self.moment_about(r + v * dt / 3 + a * dt**2 / 12)
+
+    @cached_property
+    def momentum_step(self) -> Array:
+        """(N, 3) kg m2/s: what the contact forces add to L over each interval."""
+        dt = self.dt[:, None]
+        r, v, a = self.position[:-1], self.velocity[:-1], self.acceleration
+        return dt * self.moment_about(r + v * dt / 2 + a * dt**2 / 6)
+
+    def moment_about(self, point: Array) -> Array:
+        """(N, 3) Nm: the contact forces' moment about a point an interval, (N, 3) m."""
+        arms = self.standing_feet[:-1] - point[:, None]
+        return np.cross(arms, self.force[:-1]).sum(axis=1)
+
+    @cached_property
     def feet_mid(self) -> tuple[Array, Array]:
         """x and xdot (N, L, 3) at the midpoints."""
         R, r, v = self.mid
@@ -125,11 +151,18 @@ class Knots:
     @cached_property
     def foot_position(self) -> Array:
         """(N+1, L, 3) m, as the model sees them in flight, where they stand in contact."""
-        beta = self.evaluated[0][:, None] + self.model.hips + self.model.mirrors * self.feet_in_hip
-        moving = self.position[:, None] + np.einsum("kij,klj->kli", self.R_world_base, beta)
         feet = self.standing_feet.copy()
-        feet[self.flight] = moving[self.flight]
+        inner = slice(self.flight.start + 1, self.flight.stop - 1)
+        feet[inner] = self.flying_feet[1:-1]
         return feet
+
+    @cached_property
+    def flying_feet(self) -> Array:
+        """(F+1, L, 3) m: the feet's places from lift-off to touchdown, as the model sees them."""
+        at = self.flight
+        offset, x = self.evaluated[0][at], self.flight_feet
+        beta = offset[:, None] + self.model.hips + self.model.mirrors * x
+        return self.position[at, None] + np.einsum("kij,klj->kli", self.R_world_base[at], beta)
 
     @cached_property
     def foot_velocity_base(self) -> Array:
@@ -146,6 +179,21 @@ class Knots:
             + offset_rate[:, None]
             + mirrors * xdot[flight]
         )
+
+
+def rolled_out(knots: Knots) -> Knots:
+    """The same forces and rates, with r, H and L integrated from the start, exactly.
+
+    A solver leaves defects of its tolerance; so they all show at the end, against the target.
+    """
+    dt = knots.dt[:, None]
+    a = knots.acceleration
+    velocity = knots.velocity[0] + np.vstack([np.zeros(3), np.cumsum(a * dt, axis=0)])
+    steps = velocity[:-1] * dt + a * dt**2 / 2
+    position = knots.position[0] + np.vstack([np.zeros(3), np.cumsum(steps, axis=0)])
+    moved = replace(knots, position=position, velocity=velocity)
+    turns = np.cumsum(moved.momentum_step, axis=0)
+    return replace(moved, momentum=knots.momentum[0] + np.vstack([np.zeros(3), turns]))
 
 
 def feet_in_stance(model: CentroidalModel, R: Array, position: Array, feet: Array) -> Array:

@@ -22,7 +22,7 @@ from llsrbm.models import check_name, make_model
 from llsrbm.planning import solvers
 from llsrbm.planning.assembly import assemble_plan
 from llsrbm.planning.guess import analytic_guess
-from llsrbm.planning.knots import Knots, unpack
+from llsrbm.planning.knots import Knots, rolled_out, unpack
 from llsrbm.planning.layout import Intervals, Layout
 from llsrbm.planning.residuals import describe_worst, excess, satisfied, violations
 from llsrbm.planning.solvers import Backend, Iterate
@@ -127,7 +127,7 @@ class Planner:
                 progress(f"attempt {len(tried) + 1}: {label}")
             iterate = solve()
             solve_time += iterate.solve_time_s
-            knots = unpack(iterate.w, self.layout, task, self.model)
+            knots = rolled_out(unpack(iterate.w, self.layout, task, self.model))
             tried.append(_Attempt(label, iterate, knots, violations(knots)))
             if tried[-1].solved:
                 break
@@ -204,7 +204,7 @@ class Planner:
         if self.last is None:
             raise InputError("this planner has no solution yet")
         task, iterate = self.last
-        return unpack(iterate.w, self.layout, task, self.model)
+        return rolled_out(unpack(iterate.w, self.layout, task, self.model))
 
 
 def _scaled(jump: Jump, share: float) -> Jump:

@@ -39,9 +39,8 @@ class GivenContacts(Constraint):
     def violation(self, knots: Knots) -> Array:
         """|p_i - p_i*| at the two knots."""
         out = np.zeros(len(knots.time))
-        ends = knots.flight.start, knots.flight.stop - 1
-        for k, feet in zip(ends, (knots.task.start_feet, knots.task.goal_feet), strict=True):
-            out[k] = np.abs(knots.foot_position[k] - feet).max()
+        out[knots.flight.start] = np.abs(knots.flying_feet[0] - knots.task.start_feet).max()
+        out[knots.flight.stop - 1] = np.abs(knots.flying_feet[-1] - knots.task.goal_feet).max()
         return out
 
 

@@ -16,7 +16,10 @@ from llsrbm.planning.task import Task
 
 
 class MomentumBalance(Constraint):
-    """I omega + h = R^T L at the midpoint of each interval (eqs. 3, 4; `llsrbm-plus`: with h)."""
+    """I omega + h = R^T L over each interval (eqs. 3, 4; `llsrbm-plus`: with h).
+
+    I, h and R at the midpoint, L its mean over the interval.
+    """
 
     name = "momentum_balance"
     unit = "kg m2/s"
@@ -39,8 +42,7 @@ class MomentumBalance(Constraint):
         R, _, _ = knots.mid
         x, xdot = knots.feet_mid
         momentum = knots.model.evaluate_momentum(x, xdot, knots.rotation_rate)
-        mean = (knots.momentum[:-1] + knots.momentum[1:]) / 2
-        error = momentum - np.einsum("kji,kj->ki", R, mean)
+        error = momentum - np.einsum("kji,kj->ki", R, knots.momentum_mean)
         return spread(knots, slice(0, len(error)), np.abs(error))
 
 

@@ -44,8 +44,8 @@ def swing_to(foot):
 def momentum_balance():
     step = np.array([0.0, 0.0, 2.0])
     knots = changed("momentum", MIDDLE, base().momentum[MIDDLE] + step)
-    # Half of it enters the mean of the intervals on both sides; the twist keeps z upright.
-    return knots, 1.0, "flight", {base().time[MIDDLE - 1], base().time[MIDDLE]}
+    # The mean over an interval follows from its first knot; the twist keeps z upright.
+    return knots, 2.0, "flight", {base().time[MIDDLE]}
 
 
 def given_contacts():
