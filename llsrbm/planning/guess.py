@@ -87,7 +87,8 @@ def analytic_guess(
             linear = _hermite(r_land, v_land, task.goal_position, rest, T[2], t)
             start = rest[:1] + yaw_lift + turn_rate * T[1]
             yaw = _hermite(start, rest[:1] + turn_rate, rest[:1] + twist, rest[:1], T[2], t)
-        return (*linear, float(yaw[0][0]), float(yaw[1][0]))  # type: ignore[return-value]
+        position, velocity, acceleration = linear
+        return position, velocity, acceleration, float(yaw[0][0]), float(yaw[1][0])
 
     def flying_feet(s: float) -> Array:
         carried = task.start_feet @ _about_vertical(twist * s).T

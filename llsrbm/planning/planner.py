@@ -67,7 +67,6 @@ class Planner:
         model: str,
         solver: str = solvers.names()[0],
         intervals: int = INTERVALS,
-        progress: Progress | None = None,
     ) -> None:
         """Load the solver from the cache, or build and keep it.
 
@@ -80,14 +79,12 @@ class Planner:
             raise InputError(
                 f"intervals: {intervals} given; expected {MIN_INTERVALS} to {MAX_INTERVALS}"
             )
-        start = time.perf_counter()
         self.robot = robot
         self.model = make_model(model, robot)
         legs = len(robot.legs)
         self.layout = Layout(legs, contacts=legs, intervals=Intervals.split(intervals))
-        self._backend = _cached_backend(kind, self.model, self.layout, robot, progress)
+        self._backend = _cached_backend(kind, self.model, self.layout, robot)
         self.last: tuple[Task, Iterate] | None = None
-        self.build_time_s = time.perf_counter() - start
 
     def plan(
         self,
@@ -219,12 +216,9 @@ def _describe(jump: Jump) -> str:
     )
 
 
-def _cached_backend(
-    kind: type[Backend], model: Any, layout: Layout, robot: Robot, progress: Progress | None
-) -> Backend:
+def _cached_backend(kind: type[Backend], model: Any, layout: Layout, robot: Robot) -> Backend:
     def build() -> bytes:
-        if progress is not None:
-            progress(f"building the {model.name} solver of {robot.name}, once on this machine")
+        _log.info("building the %s solver of %s, once on this machine", model.name, robot.name)
         text = kind.build(Problem(model, layout)).serialize()
         return zlib.compress(text.encode("ascii"), level=1)
 
