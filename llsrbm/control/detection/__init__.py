@@ -1,0 +1,40 @@
+"""Contact detectors, found by name; adding one is one file and one line here."""
+
+from __future__ import annotations
+
+from llsrbm.control.detection.base import CentroidalState, Detector
+from llsrbm.control.detection.norm import NormDetector
+from llsrbm.control.detection.residual import ResidualDetector
+from llsrbm.errors import InputError
+
+__all__ = ["CentroidalState", "Detector", "check_name", "describe", "make_detector", "names"]
+
+_DETECTORS: dict[str, type[Detector]] = {
+    detector.name: detector for detector in (ResidualDetector, NormDetector)
+}
+
+
+def names() -> tuple[str, ...]:
+    """The detectors' names, the default first."""
+    return tuple(_DETECTORS)
+
+
+def describe() -> dict[str, str]:
+    """Name -> one line."""
+    return {name: detector.summary for name, detector in _DETECTORS.items()}
+
+
+def check_name(name: str) -> None:
+    """Raise `InputError`, naming the valid ones, for a name that is no detector's."""
+    if name not in _DETECTORS:
+        raise InputError(f"unknown detector {name!r}; the detectors are {', '.join(_DETECTORS)}")
+
+
+def make_detector(name: str, tick: float) -> Detector:
+    """The detector called `name`, for a control tick in s.
+
+    Raises:
+        InputError: no detector has that name.
+    """
+    check_name(name)
+    return _DETECTORS[name](tick)

@@ -1,0 +1,72 @@
+"""What contact detectors see, and what they have to offer."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from functools import cached_property
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+GRAVITY = 9.81  # m/s2, downwards
+# Detectors listen once the CoM sinks faster than this: before, lift-off and the legs' retraction
+# look like contacts, and no landing is softer (it is the speed of a fall of 5 mm).
+ARMED_BELOW = -0.3  # m/s
+
+
+@dataclass(frozen=True, eq=False)
+class CentroidalState:
+    """The measured motion of the whole robot in one control tick; world frame.
+
+    Attributes:
+        mass: kg.
+        com_velocity: (3,) m/s.
+        angular_momentum: (3,) kg m2/s about the CoM.
+        inertia: (3, 3) kg m2 of the whole robot about its CoM.
+    """
+
+    mass: float
+    com_velocity: Array
+    angular_momentum: Array
+    inertia: Array
+
+    @cached_property
+    def average_angular_velocity(self) -> Array:
+        """(3,) rad/s: I^-1 L."""
+        return np.asarray(np.linalg.solve(self.inertia, self.angular_momentum), dtype=np.float64)
+
+    @property
+    def average_spatial_velocity_norm(self) -> float:
+        """‖v_G‖, m/s and rad/s in one norm, as in the paper."""
+        w, v = self.average_angular_velocity, self.com_velocity
+        return float(np.sqrt(w @ w + v @ v))
+
+
+class Detector(ABC):
+    """Tells from the centroidal motion when a robot in the air touches something.
+
+    Attributes:
+        threshold: what `signal` is compared with; constant.
+        signal: its last value, for plots: a contact is reported when it is above the threshold.
+    """
+
+    name: ClassVar[str]
+    summary: ClassVar[str]
+    threshold: float
+    signal: float
+
+    def __init__(self, tick: float) -> None:
+        self.tick = tick
+        self.reset()
+
+    @abstractmethod
+    def reset(self) -> None:
+        """Forget the past: the next state is the first of a flight."""
+
+    @abstractmethod
+    def update(self, state: CentroidalState) -> bool:
+        """Take in the state of one control tick of the flight; True: there is contact."""

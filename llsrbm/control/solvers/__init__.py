@@ -1,0 +1,38 @@
+"""Solvers of the controller's quadratic program, found by name; one file and one line here each."""
+
+from __future__ import annotations
+
+from llsrbm.control.solvers.base import Qp, QpSolution, QpSolver
+from llsrbm.control.solvers.proxqp import ProxQp
+from llsrbm.control.solvers.quadprog import Quadprog
+from llsrbm.errors import InputError
+
+__all__ = ["Qp", "QpSolution", "QpSolver", "check_name", "describe", "make_solver", "names"]
+
+_SOLVERS: dict[str, type[QpSolver]] = {solver.name: solver for solver in (ProxQp, Quadprog)}
+
+
+def names() -> tuple[str, ...]:
+    """The solvers' names, the default first."""
+    return tuple(_SOLVERS)
+
+
+def describe() -> dict[str, str]:
+    """Name -> one line."""
+    return {name: solver.summary for name, solver in _SOLVERS.items()}
+
+
+def check_name(name: str) -> None:
+    """Raise `InputError`, naming the valid ones, for a name that is no solver's."""
+    if name not in _SOLVERS:
+        raise InputError(f"unknown QP solver {name!r}; the solvers are {', '.join(_SOLVERS)}")
+
+
+def make_solver(name: str, variables: int, equalities: int, inequalities: int) -> QpSolver:
+    """The solver called `name`, for programs of one size.
+
+    Raises:
+        InputError: no solver has that name.
+    """
+    check_name(name)
+    return _SOLVERS[name](variables, equalities, inequalities)
