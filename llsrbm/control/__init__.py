@@ -1,0 +1,1 @@
+"""Following a plan with the whole body: tasks, one quadratic program a tick, contact detection."""

@@ -1,0 +1,143 @@
+"""A plan as the controller follows it: smooth, sampled finely, looked up in no time."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
+from scipy.spatial.transform import Rotation
+
+from llsrbm.trajectory.plan import Phase, Plan
+from llsrbm.trajectory.resample import resample
+
+Array = NDArray[np.float64]
+
+_STEP = 5e-4  # s; a reference is at most half of it old
+
+
+@dataclass(frozen=True, eq=False)
+class Target:
+    """What is wanted at one instant: L legs, J joints; world frame, SI units.
+
+    Attributes:
+        com, com_velocity, com_acceleration: (3,).
+        R_world_base: (3, 3); angular_velocity, angular_acceleration: (3,) of the base.
+        angular_momentum, angular_momentum_rate: (3,) about the CoM.
+        contact_force: (L, 3) N.
+        foot_from_com, foot_velocity_from_com, foot_acceleration_from_com: (L, 3): of the lowest
+            point of each foot, relative to the CoM, world axes.
+        joint_position, joint_velocity: (J,).
+    """
+
+    com: Array
+    com_velocity: Array
+    com_acceleration: Array
+    R_world_base: Array
+    angular_velocity: Array
+    angular_acceleration: Array
+    angular_momentum: Array
+    angular_momentum_rate: Array
+    contact_force: Array
+    foot_from_com: Array
+    foot_velocity_from_com: Array
+    foot_acceleration_from_com: Array
+    joint_position: Array
+    joint_velocity: Array
+
+
+class Reference:
+    """The plan at any time; before its start and after its end it stands still.
+
+    Attributes:
+        takeoff, touchdown, end: s: when feet leave the ground, when they meet it, the plan's end.
+    """
+
+    def __init__(self, plan: Plan, weight: float) -> None:
+        """Sample the plan.
+
+        Args:
+            plan: what to follow.
+            weight: of the robot, N, carried by all feet alike after the end.
+        """
+        self.takeoff, self.touchdown, self.end = (float(t) for t in plan.phase_start[1:])
+        times = np.arange(0.0, plan.duration + 2 * _STEP, _STEP) + plan.time[0]
+        motion = resample(plan, times)
+        interval = np.clip(
+            np.searchsorted(plan.time, times, side="right") - 1, 0, len(plan.time) - 2
+        )
+        omega, omega_rate = _angular_velocity(plan, times)
+        foot = _swing(plan, times)
+        rest = times >= plan.time[-1]
+        legs = plan.foot_position.shape[1]
+        force = motion.contact_force.reshape(len(times), legs, -1, 3).sum(axis=2)
+        force[rest] = np.array([0.0, 0.0, weight / legs])
+        moving = ~rest[:, None]
+        dt = np.diff(plan.time)[:, None]
+        columns = {
+            "com": motion.com,
+            "com_velocity": motion.com_velocity * moving,
+            "com_acceleration": (np.diff(plan.com_velocity, axis=0) / dt)[interval] * moving,
+            "R_world_base": Rotation.from_quat(motion.base_quat, scalar_first=True).as_matrix(),
+            "angular_velocity": omega * moving,
+            "angular_acceleration": omega_rate * moving,
+            "angular_momentum": motion.angular_momentum * moving,
+            "angular_momentum_rate": (np.diff(plan.angular_momentum, axis=0) / dt)[interval]
+            * moving,
+            "contact_force": force,
+            "foot_from_com": foot[0],
+            "foot_velocity_from_com": foot[1],
+            "foot_acceleration_from_com": foot[2],
+            "joint_position": motion.joint_position,
+            "joint_velocity": motion.joint_velocity * moving,
+        }
+        names = [field.name for field in fields(Target)]
+        self._targets = [
+            Target(*row) for row in zip(*(columns[name] for name in names), strict=True)
+        ]
+
+    def at(self, time: float) -> Target:
+        """The plan's nearest sample to a time, s since its start."""
+        index = round(time / _STEP)
+        return self._targets[min(max(index, 0), len(self._targets) - 1)]
+
+
+def _angular_velocity(plan: Plan, times: Array) -> tuple[Array, Array]:
+    """The base's angular velocity and acceleration, (K, 3), from the turns between knots.
+
+    Straight between the middles of intervals, because the knots' own values differ on both sides of
+    lift-off and touch-down, where the plan's legs begin and end to carry momentum.
+    """
+    attitude = Rotation.from_quat(plan.base_quat, scalar_first=True)
+    dt = np.diff(plan.time)
+    turn = (attitude[1:] * attitude[:-1].inv()).as_rotvec()
+    middle = (plan.time[1:] + plan.time[:-1]) / 2
+    at = np.concatenate([plan.time[:1], middle, plan.time[-1:]])
+    omega = np.concatenate([np.zeros((1, 3)), turn / dt[:, None], np.zeros((1, 3))])
+    piece = np.clip(np.searchsorted(at, times, side="right") - 1, 0, len(at) - 2)
+    share = np.clip((times - at[piece]) / np.diff(at)[piece], 0.0, 1.0)[:, None]
+    rate = np.diff(omega, axis=0) / np.diff(at)[:, None]
+    return (1 - share) * omega[piece] + share * omega[piece + 1], rate[piece]
+
+
+def _swing(plan: Plan, times: Array) -> tuple[Array, Array, Array]:
+    """Feet relative to the CoM in flight, and two derivatives, (K, L, 3) each.
+
+    A cubic spline through the knots of the flight whose feet leave and meet the ground at rest.
+    Outside of the flight the nearest end is held.
+    """
+    first, last = (int(k) for k in np.searchsorted(plan.time, plan.phase_start[1:3] - 1e-9))
+    knots = slice(first, last + 1)
+    assert (plan.phase[first:last] == Phase.FLIGHT).all()
+    legs = plan.foot_position.shape[1]
+    relative = plan.foot_position[knots] - plan.com[knots, None]
+    ends = [(1, np.tile(-plan.com_velocity[k], (legs, 1))) for k in (first, last)]
+    spline = CubicSpline(plan.time[knots], relative, bc_type=tuple(ends))
+    inside = np.clip(times, plan.time[first], plan.time[last])
+    held = (inside != times)[:, None, None]
+    return (
+        spline(inside),
+        np.where(held, 0.0, spline(inside, 1)),
+        np.where(held, 0.0, spline(inside, 2)),
+    )

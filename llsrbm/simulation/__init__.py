@@ -1,0 +1,1 @@
+"""The whole robot in MuJoCo, following a plan."""
