@@ -1,4 +1,4 @@
-"""What the server and its planning process say to each other.
+"""What the server and its computing process say to each other.
 
 Every job has a number, larger than that of any job before it. The process works on one job at a
 time, so "stop everything up to job n" is unambiguous and needs no reset.
@@ -12,6 +12,7 @@ from typing import Protocol
 
 from llsrbm.jump import Jump
 from llsrbm.trajectory.plan import Plan
+from llsrbm.trajectory.rollout import Conditions, Rollout
 
 # ---- tasks, server to process
 
@@ -38,7 +39,20 @@ class PlanJump:
     jump: Jump
 
 
-Task = Prepare | PlanJump
+@dataclass(frozen=True, eq=False)
+class SimulateJump:
+    """Follow a plan with the whole robot.
+
+    Attributes:
+        plan: a solved one.
+        conditions: board and disturbance.
+    """
+
+    plan: Plan
+    conditions: Conditions
+
+
+Task = Prepare | PlanJump | SimulateJump
 
 
 @dataclass(frozen=True)
@@ -69,10 +83,12 @@ class Progress:
     Attributes:
         job: number of the job that waits for it.
         text: one line to show.
+        share: done of this very job, 0 to 1; None where that is not known.
     """
 
     job: int
     text: str
+    share: float | None = None
 
 
 @dataclass(frozen=True)
@@ -102,6 +118,19 @@ class Planned:
 
 
 @dataclass(frozen=True)
+class Simulated:
+    """A plan was followed; whether the robot stands at the end is in the outcome.
+
+    Attributes:
+        job: number of the job.
+        rollout: the result.
+    """
+
+    job: int
+    rollout: Rollout
+
+
+@dataclass(frozen=True)
 class Failed:
     """The job ended without a result.
 
@@ -127,7 +156,7 @@ class Cancelled:
     job: int
 
 
-Report = Progress | Prepared | Planned | Failed | Cancelled
+Report = Progress | Prepared | Planned | Simulated | Failed | Cancelled
 
 
 # ---- what the process computes with
@@ -151,6 +180,21 @@ class Planner(Protocol):
 
         Raises:
             llsrbm.errors.Error: bad request, no convergence (`NotConverged`), or stopped
+                (`Cancelled`).
+        """
+        ...
+
+    def simulate(
+        self,
+        plan: Plan,
+        conditions: Conditions,
+        progress: Callable[[float], None],
+        cancelled: Callable[[], bool],
+    ) -> Rollout:
+        """Simulate `plan`, telling `progress` the share done, 0 to 1.
+
+        Raises:
+            llsrbm.errors.Error: the plan or the conditions cannot be used, or stopped
                 (`Cancelled`).
         """
         ...

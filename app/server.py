@@ -27,7 +27,7 @@ _WARM_UP = "warm-up"  # the queue's name for what the server itself asks
 
 
 class Designer:
-    """A running designer: the web server, the planning process and the sessions of all tabs."""
+    """A running designer: the web server, the computing process and the sessions of all tabs."""
 
     def __init__(
         self,
@@ -37,7 +37,7 @@ class Designer:
         allowed_hosts: Collection[str] = (),
         factory: PlannerFactory = LibraryPlanner,
     ) -> None:
-        """Bind, start the planning process and let tabs in.
+        """Bind, start the computing process and let tabs in.
 
         Args:
             host: address or name of this machine to bind to.
@@ -96,7 +96,7 @@ class Designer:
         self.worker.submit(_WARM_UP, Prepare(robot), tell)
 
     def close(self) -> None:
-        """End the sessions, the server and the planning process."""
+        """End the sessions, the server and the computing process."""
         for session in self.sessions:
             session.close()
         self._server.stop()

@@ -1,4 +1,4 @@
-"""The planning process: takes one job at a time and reports what comes of it."""
+"""The computing process, which plans and simulates: takes one job at a time and reports what comes of it."""
 
 from __future__ import annotations
 
@@ -19,10 +19,13 @@ from app.protocol import (
     Progress,
     Ready,
     Report,
+    SimulateJump,
+    Simulated,
 )
 from llsrbm import errors
 from llsrbm.jump import Jump
 from llsrbm.trajectory.plan import Plan
+from llsrbm.trajectory.rollout import Conditions, Rollout
 
 
 class SharedNumber(Protocol):
@@ -32,7 +35,7 @@ class SharedNumber(Protocol):
 
 
 class LibraryPlanner:
-    """The planner of the library, for robots found by name."""
+    """Planner and simulator of the library, for robots found by name."""
 
     def __init__(self) -> None:
         """Import what takes long, once, before the first job."""
@@ -64,6 +67,26 @@ class LibraryPlanner:
         finally:
             self._solvers.add(which)
 
+    def simulate(
+        self,
+        plan: Plan,
+        conditions: Conditions,
+        progress: Callable[[float], None],
+        cancelled: Callable[[], bool],
+    ) -> Rollout:
+        """See `app.protocol.Planner.simulate`."""
+        import llsrbm
+
+        return llsrbm.simulate(
+            plan,
+            board=conditions.board,
+            half_board=conditions.half_board,
+            seed=conditions.seed,
+            noise=None if conditions.seed is None else conditions.noise,
+            progress=progress,
+            cancelled=cancelled,
+        )
+
 
 def main(connection: Connection, cancelled_up_to: SharedNumber, factory: PlannerFactory) -> None:
     """Work until the server closes its end of the connection.
@@ -94,14 +117,27 @@ def _work(
     def progress(text: str) -> None:
         connection.send(Progress(job.number, text))
 
+    told = -1
+
+    def percent(share: float) -> None:
+        # A simulation tells every tick; whoever looks at it reads whole percents.
+        nonlocal told
+        if int(100 * share) > told:
+            told = int(100 * share)
+            connection.send(Progress(job.number, f"simulating, {told} %", share))
+
     def cancelled() -> bool:
         return cancelled_up_to.value >= job.number
 
+    task = job.task
     try:
-        if isinstance(job.task, Prepare):
-            planner.prepare(job.task.robot, progress)
-            return Prepared(job.number, job.task.robot)
-        return Planned(job.number, planner.plan(job.task.jump, progress, cancelled))
+        if isinstance(task, Prepare):
+            planner.prepare(task.robot, progress)
+            return Prepared(job.number, task.robot)
+        if isinstance(task, SimulateJump):
+            rollout = planner.simulate(task.plan, task.conditions, percent, cancelled)
+            return Simulated(job.number, rollout)
+        return Planned(job.number, planner.plan(task.jump, progress, cancelled))
     except errors.Cancelled:
         return Cancelled(job.number)
     except errors.NotConverged as error:

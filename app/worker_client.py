@@ -1,9 +1,9 @@
-"""The server's side of the planning process: who is next, who is told, and what if it dies.
+"""The server's side of the computing process: who is next, who is told, and what if it dies.
 
 Many tabs share one process. A tab has at most one job waiting: a newer one takes its place in the
 queue, so that a slider dragged in one tab cannot starve another. A job that is running when its
 tab asks for something newer may finish, because a solve is shorter than the patience of the eye;
-if it takes long it is stopped.
+if it takes long it is stopped. A simulation is stopped at once: its plan is no longer wanted.
 """
 
 from __future__ import annotations
@@ -29,6 +29,7 @@ from app.protocol import (
     Progress,
     Ready,
     Report,
+    SimulateJump,
     Task,
 )
 
@@ -45,7 +46,7 @@ class _Entry:
 
 
 class WorkerClient:
-    """Owns the planning process and passes it the jobs of all tabs, one at a time.
+    """Owns the computing process and passes it the jobs of all tabs, one at a time.
 
     Listeners are called from one thread of this object, in order; they must return at once.
     """
@@ -62,8 +63,8 @@ class WorkerClient:
         Args:
             factory: makes the planner inside the process.
             cancel_grace: how long a cancelled job may go on before its process is ended, s.
-            superseded_grace: how long a job may go on when its tab wants something newer, before it
-                is asked to stop, s.
+            superseded_grace: how long a plan may go on when its tab wants something newer, before
+                it is asked to stop, s.
         """
         # Never fork: the child would inherit the server's sockets and threads' locks.
         self._context = multiprocessing.get_context("spawn")
@@ -111,7 +112,9 @@ class WorkerClient:
             self._waiting[tab] = _Entry(tab, Job(number, task), listener)
             self._start_wanted = True
             if self._running is not None and self._running.tab == tab and self._stop_at is None:
-                self._stop_at = time.monotonic() + self._superseded_grace
+                simulating = isinstance(self._running.job.task, SimulateJump)
+                grace = 0.0 if simulating else self._superseded_grace
+                self._stop_at = time.monotonic() + grace
             self._wake()
         return number
 
@@ -132,7 +135,7 @@ class WorkerClient:
 
     @property
     def process_id(self) -> int | None:
-        """Of the planning process, or None while there is none."""
+        """Of the computing process, or None while there is none."""
         return self._process_id
 
     def _give_up(self, tab: Hashable, *, tell: bool) -> None:
@@ -260,9 +263,9 @@ class WorkerClient:
             self._stop_at = self._end_at = None
             victims = [running] if running is not None and not abandoned else []
             if started:
-                message = f"The planning process ended unexpectedly ({how}) and was restarted."
+                message = f"The computing process ended unexpectedly ({how}) and was restarted."
             else:
-                message = f"The planning process does not start ({how}); the terminal says why."
+                message = f"The computing process does not start ({how}); the terminal says why."
                 victims += self._waiting.values()
                 self._waiting.clear()
                 # Not again before somebody asks, so that a lasting defect does not spin.

@@ -1,4 +1,4 @@
-"""The planning process behind its client: order, cancelling, crashes."""
+"""The computing process behind its client: order, cancelling, crashes."""
 
 from __future__ import annotations
 
@@ -186,7 +186,7 @@ def test_a_crash_is_told_and_the_process_restarted(own_client, way):
     report = tab.outcome()
     status = 9 if way == planners.CRASH else 1
     assert report == Failed(
-        job, f"The planning process ended unexpectedly (exit status {status}) and was restarted."
+        job, f"The computing process ended unexpectedly (exit status {status}) and was restarted."
     )
     assert other.outcome().job == other_job
     tab.plan()

@@ -1,0 +1,137 @@
+"""Instants of a motion, ready to be drawn: computed once for all of them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from llsrbm.robots import Robot
+from llsrbm.robots.visuals import forward_kinematics
+
+Array = NDArray[np.float64]
+
+FRAME_RATE = 120.0
+"""Frames/s of motion: enough for half speed at 60 Hz."""
+
+
+@dataclass(frozen=True, eq=False)
+class Frames:
+    """F instants of a robot in motion, world frame: B bodies, L feet, C contacts.
+
+    Attributes:
+        time: (F,) s.
+        com: (F, 3) m.
+        body_position: (F, B, 3) m and body_wxyz: (F, B, 4): pose of every moving body.
+        inertia_axes: (F, 3) m and inertia_wxyz: (F, 4): ellipsoid of the inertia about the CoM.
+        yaw_wxyz: (F, 4): the base's heading alone.
+        foot_position: (F, L, 3) m.
+        flight: (F,) whether in flight.
+        contact_point: (F, C, 3) m and contact_force: (F, C, 3) N.
+        weight: of the robot, N.
+    """
+
+    time: Array
+    com: Array
+    body_position: Array
+    body_wxyz: Array
+    inertia_axes: Array
+    inertia_wxyz: Array
+    yaw_wxyz: Array
+    foot_position: Array
+    flight: NDArray[np.bool_]
+    contact_point: Array
+    contact_force: Array
+    weight: float
+
+    def frame_at(self, time: float) -> int:
+        """Index of the frame nearest to `time`, s."""
+        times = self.time
+        after = int(np.searchsorted(times, time).clip(1, len(times) - 1))
+        return after - 1 if time - times[after - 1] < times[after] - time else after
+
+    @property
+    def end(self) -> float:
+        """Time of the last frame, s."""
+        return float(self.time[-1])
+
+
+def make_frames(
+    robot: Robot,
+    *,
+    time: Array,
+    com: Array,
+    base_position: Array,
+    base_quat: Array,
+    joint_position: Array,
+    inertia: Array,
+    foot_position: Array,
+    flight: NDArray[np.bool_],
+    contact_point: Array,
+    contact_force: Array,
+) -> Frames:
+    """Frames of a motion, given as in `Plan`: joints in the robot's order, quaternions w x y z."""
+    body_position, body_wxyz = forward_kinematics(robot, base_position, base_quat, joint_position)
+    base = Rotation.from_quat(base_quat, scalar_first=True)
+    inertia_axes, inertia_wxyz = ellipsoid(inertia, robot.mass, base.as_matrix())
+    return Frames(
+        time=time,
+        com=com,
+        body_position=body_position,
+        body_wxyz=body_wxyz,
+        inertia_axes=inertia_axes,
+        inertia_wxyz=inertia_wxyz,
+        yaw_wxyz=_headings(base),
+        foot_position=foot_position,
+        flight=flight,
+        contact_point=contact_point,
+        contact_force=contact_force,
+        weight=float(robot.mass * np.linalg.norm(robot.model.gravity.linear)),
+    )
+
+
+def ellipsoid(inertia: Array, mass: float, reference: Array) -> tuple[Array, Array]:
+    """The uniform solid ellipsoid that has this mass and this inertia.
+
+    Its principal moments are I_i = m/5 (a_j^2 + a_k^2), so a_i = sqrt(5/(2m) (I_j + I_k - I_i)).
+
+    Args:
+        inertia: (K, 3, 3) kg m2.
+        mass: kg.
+        reference: (K, 3, 3) rotations; the axes are named so that axis i lies near its column i,
+            or the ellipsoid's wireframe would jump whenever two principal moments cross.
+
+    Returns:
+        semi-axes (K, 3) m and attitude (K, 4) w, x, y, z.
+    """
+    moments, axes = np.linalg.eigh(inertia)
+    likeness = np.abs(np.einsum("kji,kjl->kil", np.broadcast_to(reference, axes.shape), axes))
+    order = _assignment(likeness)
+    moments = np.take_along_axis(moments, order, axis=1)
+    axes = np.take_along_axis(axes, order[:, None, :], axis=2)
+    sign = np.sign(np.einsum("kji,kji->ki", np.broadcast_to(reference, axes.shape), axes))
+    axes = axes * np.where(sign == 0, 1.0, sign)[:, None, :]
+    axes[:, :, 2] *= np.sign(np.linalg.det(axes))[:, None]
+    squares = 5 / (2 * mass) * (moments.sum(axis=1, keepdims=True) - 2 * moments)
+    quaternion = Rotation.from_matrix(axes).as_quat(scalar_first=True)
+    # A point mass model may violate the triangle inequality of moments by rounding.
+    return np.sqrt(np.maximum(squares, 1e-6)), quaternion
+
+
+def _headings(attitude: Rotation) -> Array:
+    """Turns about the vertical that take x where `attitude` takes it, seen from above, (F, 4)."""
+    x, y = attitude.apply([1.0, 0.0, 0.0])[:, :2].T
+    wxyz: Array = Rotation.from_euler("z", np.arctan2(y, x)[:, None]).as_quat(scalar_first=True)
+    return wxyz
+
+
+_PERMUTATIONS = np.array([[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]])
+
+
+def _assignment(likeness: Array) -> NDArray[np.int64]:
+    """(K, 3): the permutation with the largest sum of likeness[k, i, order[i]]."""
+    total = likeness[:, [0, 1, 2], _PERMUTATIONS].sum(axis=-1)
+    best: NDArray[np.int64] = _PERMUTATIONS[np.argmax(total, axis=1)]
+    return best
