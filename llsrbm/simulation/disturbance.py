@@ -1,0 +1,60 @@
+"""Draws what the simulated world does differently from what the controller believes."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from llsrbm.errors import InputError
+from llsrbm.trajectory.rollout import Conditions, Disturbance
+
+# Spread of the robustness benchmark, at noise 1.
+TRUNK_MASS = 0.08  # of the trunk's mass, either way: a payload, cables, a wrong URDF
+FRICTION = (0.5, 1.0)  # wet linoleum to rubber mat
+CONTACT_TIME = (0.003, 0.020)  # s, hard floor to soft mat
+DELAY_CHANCE = 0.5  # of one control tick
+BASE_VELOCITY_NOISE = 0.01  # m/s and rad/s
+JOINT_VELOCITY_NOISE = 0.02  # rad/s or m/s
+
+# Bounds however large the noise: beyond them no robot stands, or the integrator fails.
+LEAST_FRICTION = 0.2
+LEAST_CONTACT_TIME = 0.002  # s, four steps of the simulator
+MOST_NOISE = 10.0  # the trunk still weighs something
+
+
+def draw_disturbance(conditions: Conditions) -> Disturbance:
+    """The disturbance that goes with a seed, the same each time.
+
+    Args:
+        conditions: `seed` None disturbs nothing; `noise` scales the distance from the nominal
+            world, and the chance of a delay.
+
+    Raises:
+        InputError: the seed is negative, or the noise out of range.
+    """
+    seed, noise = conditions.seed, conditions.noise
+    if not (math.isfinite(noise) and 0 <= noise <= MOST_NOISE):
+        raise InputError(f"noise: expected 0 to {MOST_NOISE:g}, got {noise:g}")
+    if seed is None:
+        return Disturbance()
+    if seed < 0:
+        raise InputError(f"seed: expected a whole number from 0 on, got {seed}")
+    nominal = Disturbance()
+    rng = np.random.default_rng(seed)
+    # Every number is drawn whatever the noise, so that runs of one seed differ in scale alone.
+    mass = rng.uniform(-TRUNK_MASS, TRUNK_MASS)
+    friction = rng.uniform(*FRICTION)
+    contact_time = rng.uniform(*CONTACT_TIME)
+    delayed = rng.uniform() < DELAY_CHANCE * noise
+    return Disturbance(
+        trunk_mass_factor=1 + noise * mass,
+        friction=max(LEAST_FRICTION, nominal.friction + noise * (friction - nominal.friction)),
+        contact_time=max(
+            LEAST_CONTACT_TIME,
+            nominal.contact_time + noise * (contact_time - nominal.contact_time),
+        ),
+        torque_delay_ticks=int(delayed),
+        base_velocity_noise=noise * BASE_VELOCITY_NOISE,
+        joint_velocity_noise=noise * JOINT_VELOCITY_NOISE,
+    )

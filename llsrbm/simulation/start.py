@@ -1,0 +1,70 @@
+"""Where a simulated jump starts: the whole robot standing as the plan's first knot says."""
+
+from __future__ import annotations
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from llsrbm.errors import InputError
+from llsrbm.robots.foot_contact import foot_contacts
+from llsrbm.robots.legs import rotation_matrices
+from llsrbm.robots.robot import Robot
+from llsrbm.trajectory.plan import Plan
+
+Array = NDArray[np.float64]
+
+_EXACT = 1e-9  # m and rad: where Newton's step stops
+_GOOD = 1e-5  # m and rad: far below what feet sink in by standing
+_ITERATIONS = 50
+_LONGEST_STEP = 0.2  # rad or m a joint: the linearisation holds
+
+
+def standing_state(robot: Robot, plan: Plan) -> Array:
+    """The posture in which the robot stands at the plan's first knot.
+
+    Base attitude and CoM are the plan's. The feet's spheres rest on the plan's foot positions; a
+    plan knows feet as points, so the legs are bent a little more or less than in the plan.
+
+    Returns:
+        q (nq,), Pinocchio's convention.
+
+    Raises:
+        InputError: the robot cannot stand so.
+    """
+    model, contacts = robot.model, foot_contacts(robot)
+    data = model.createData()
+    goal = plan.foot_position[0] + [[0.0, 0.0, contact.radius] for contact in contacts]
+    R_world_base = rotation_matrices(plan.base_quat[0])
+    q = robot.posture.copy()
+    q[:3] = plan.base_position[0]
+    q[3:7] = np.roll(plan.base_quat[0], -1)
+    q[7:] = plan.joint_position[0][[plan.joint_names.index(name) for name in robot.joint_names]]
+    for _ in range(_ITERATIONS):
+        pin.computeJointJacobians(model, data, q)
+        pin.updateFramePlacements(model, data)
+        J_com = pin.jacobianCenterOfMass(model, data, q)
+        R = data.oMi[1].rotation
+        turn = np.zeros((3, model.nv))
+        turn[:, 3:6] = np.eye(3)
+        errors, jacobians = [plan.com[0] - data.com[0], pin.log3(R.T @ R_world_base)], [J_com, turn]
+        for leg, contact, place in zip(robot.legs, contacts, goal, strict=True):
+            frame = data.oMf[leg.foot_frame_id]
+            J = pin.getFrameJacobian(
+                model, data, leg.foot_frame_id, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
+            )
+            lever = frame.rotation @ contact.centre
+            errors.append(place - frame.translation - lever)
+            jacobians.append(J[:3] - pin.skew(lever) @ J[3:])
+        error = np.concatenate(errors)
+        if np.abs(error).max() < _EXACT:
+            break
+        step = np.linalg.lstsq(np.vstack(jacobians), error, rcond=1e-8)[0]
+        step *= min(1.0, _LONGEST_STEP / np.abs(step).max())
+        q = pin.integrate(model, q, step)
+    if not np.abs(error).max() < _GOOD:
+        raise InputError(
+            f"plan: {robot.file.title} cannot stand as its first knot says: "
+            f"{np.abs(error).max():.3g} m or rad are left; expected a plan of this robot"
+        )
+    return q

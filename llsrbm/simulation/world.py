@@ -1,0 +1,150 @@
+"""The simulated world as a control loop sees it: torques in, state and contacts out."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from llsrbm.robots.robot import Robot
+from llsrbm.simulation.contacts import ContactReader
+from llsrbm.simulation.drives import Drives
+from llsrbm.simulation.scene import build_scene
+from llsrbm.simulation.surroundings import surroundings
+from llsrbm.trajectory.plan import Plan
+from llsrbm.trajectory.rollout import Conditions, Disturbance
+
+Array = NDArray[np.float64]
+
+STEP = 5e-4  # s; steps are not longer. Impacts change by less than their scatter below it.
+
+
+@dataclass(frozen=True, eq=False)
+class TickResult:
+    """What happened in one tick: L legs, J joints.
+
+    Attributes:
+        contact_force: (L, 3) N, mean of the tick, world frame: on the foot, sum of all it touches.
+        contact: (L,) whether the foot touched in any step of the tick.
+        first_contact: (L,) s: start of the first step in which it did; nan if none.
+        torque: (J,) Nm or N as applied, mean of the tick.
+        torque_limit: (J,) most that the drives could give at their speed, in the torque's
+            direction; mean of the tick.
+        trunk_contact: whether anything but the feet touched.
+    """
+
+    contact_force: Array
+    contact: NDArray[np.bool_]
+    first_contact: Array
+    torque: Array
+    torque_limit: Array
+    trunk_contact: bool
+
+
+class World:
+    """The robot and its surroundings, at rest in its default posture until `reset`.
+
+    Attributes:
+        scene: the MuJoCo model and what stands in it.
+        tick: control period, s.
+        joint_order: (J,) where the joints of MuJoCo's qpos are in `robot.joint_names`.
+    """
+
+    def __init__(
+        self,
+        robot: Robot,
+        plan: Plan,
+        conditions: Conditions,
+        disturbance: Disturbance,
+        tick: float,
+    ) -> None:
+        """Build the world in which `plan` is tried.
+
+        Args:
+            conditions: of these the board matters.
+            tick: control period, s.
+
+        Raises:
+            InputError: the board does not fit under the planned feet.
+            RobotFileError: the URDF cannot be simulated.
+        """
+        self.tick = tick
+        self._steps = max(1, int(np.ceil(tick / STEP - 1e-9)))
+        self.scene = build_scene(
+            robot, surroundings(robot, plan, conditions), disturbance, tick / self._steps
+        )
+        self._model = self.scene.model
+        self._data = mujoco.MjData(self._model)
+        self._qpos, self._qvel, self._ctrl = self._data.qpos, self._data.qvel, self._data.ctrl
+        self._joints = self.scene.v_order[6:]
+        self.joint_order = np.argsort(self._joints)
+        self._drives = Drives(robot, disturbance.torque_delay_ticks)
+        self._contacts = ContactReader(self._data, len(robot.legs), self._steps)
+        self._torque, self._limit = np.zeros((2, self._steps, len(robot.joint_names)))
+        self._conjugate = np.empty(4)
+        self._ticks = 0
+        self.reset(robot.posture, np.zeros(robot.model.nv))
+
+    @property
+    def time(self) -> float:
+        """Since the reset, s."""
+        return self._ticks * self.tick
+
+    @property
+    def qpos(self) -> Array:
+        """(7 + J,) MuJoCo's, a copy."""
+        return self._qpos.copy()
+
+    @property
+    def qvel(self) -> Array:
+        """(6 + J,) MuJoCo's, a copy."""
+        return self._qvel.copy()
+
+    def reset(self, q: Array, v: Array) -> None:
+        """Start over from q (nq,), v (nv,), Pinocchio's conventions, at time 0."""
+        mujoco.mj_resetData(self._model, self._data)
+        self._qpos[self.scene.q_order] = q
+        mujoco.mju_normalize4(self._qpos[3:7])
+        self._qvel[self.scene.v_order] = v
+        # The base's velocity is in the world frame here, in the base's own there.
+        mujoco.mju_rotVecQuat(self._qvel[:3], v[:3], self._qpos[3:7])
+        self._drives.reset()
+        self._ticks = 0
+        self.scene.move_blocks(self._data, 0.0)
+        mujoco.mj_forward(self._model, self._data)
+
+    def state(self) -> tuple[Array, Array]:
+        """True q (nq,) and v (nv,), Pinocchio's conventions: copies."""
+        q, v = self._qpos[self.scene.q_order], self._qvel[self.scene.v_order]
+        mujoco.mju_negQuat(self._conjugate, self._qpos[3:7])
+        mujoco.mju_rotVecQuat(v[:3], self._qvel[:3], self._conjugate)
+        return q, v
+
+    def advance(self, torque: Array) -> TickResult:
+        """Let a tick pass.
+
+        Args:
+            torque: (J,) Nm or N as commanded, in the order of `robot.joint_names`.
+        """
+        self.scene.move_blocks(self._data, self.time)
+        arriving = self._drives.arriving(np.array(torque, dtype=float))
+        for step in range(self._steps):
+            applied, limit = self._drives.limited(arriving, self._qvel[self._joints])
+            self._ctrl[:] = self._torque[step] = applied
+            self._limit[step] = limit
+            mujoco.mj_step(self._model, self._data)
+            self._contacts.read(step)
+        touched = self._contacts.touched()
+        contact: NDArray[np.bool_] = np.logical_or.reduce(touched)
+        first = self.time + touched.argmax(axis=0) * (self.tick / self._steps)
+        self._ticks += 1
+        return TickResult(
+            contact_force=self._contacts.mean_force(),
+            contact=contact,
+            first_contact=np.where(contact, first, np.nan),
+            torque=self._torque.mean(axis=0),
+            torque_limit=self._limit.mean(axis=0),
+            trunk_contact=self._contacts.trunk_touched(),
+        )
