@@ -1,0 +1,131 @@
+"""The paper's quadratic program: accelerations and contact forces that serve the tasks best.
+
+    min 1/2 |A a + dA v - B|^2_W1 + 1/2 |f - f_wanted|^2_W2    over a (n,), f (3 L,)
+    s.t. M_f a + h_f = J_f^T f                     floating base
+         |f_x|, |f_y| <= mu f_z                    friction pyramid
+         tau = M_a a + h_a - J_a^T f within the drives' limits
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from llsrbm.control.reference import Target
+from llsrbm.control.solvers import Qp, make_solver
+from llsrbm.control.tasks import Task
+from llsrbm.control.whole_body import WholeBody
+
+Array = NDArray[np.float64]
+
+_BASE = 6  # unactuated velocities
+_REGULARISATION = 1e-6  # (m/s2)^-2; accelerations that no task sees, e.g. the base's in flight
+
+
+class Command(NamedTuple):
+    """What a tick decides: `torque` (J,), `acceleration` (n,), `force` (L, 3) N.
+
+    `solved` is False when the program was not; the numbers are then those of the tick before.
+    """
+
+    torque: Array
+    acceleration: Array
+    force: Array
+    solved: bool
+
+
+class InverseDynamics:
+    """Builds and solves the program of one robot, tick after tick."""
+
+    def __init__(self, body: WholeBody, friction: float, solver: str) -> None:
+        """For a robot on point feet.
+
+        Args:
+            body: the robot; its state is read at each `solve`.
+            friction: coefficient of the pyramid.
+            solver: name of the QP solver.
+
+        Raises:
+            InputError: no such solver.
+        """
+        n, legs = body.velocities, body.legs
+        joints, forces = n - _BASE, 3 * legs
+        self._body = body
+        self._n = n
+        variables, pyramid = n + forces, 4 * legs
+        self._solver = make_solver(solver, variables, _BASE, pyramid + joints)
+        faces = np.array(
+            [[1, 0, -friction], [-1, 0, -friction], [0, 1, -friction], [0, -1, -friction]]
+        )
+        self._pyramid = pyramid
+        self._qp = Qp.zeros(variables, _BASE, pyramid + joints)
+        self._qp.C[:pyramid, n:] = np.kron(np.eye(legs), faces)
+        self._qp.upper[:pyramid] = 0.0
+        self._diagonal = np.arange(variables)
+        self._last = Command(np.zeros(joints), np.zeros(n), np.zeros((legs, 3)), solved=False)
+
+    def solve(
+        self,
+        tasks: Iterable[tuple[Task, float]],
+        target: Target,
+        contact: NDArray[np.bool_],
+        force: Array,
+        force_weight: float,
+        torque_limits: tuple[Array, Array],
+    ) -> Command:
+        """Torques for the body's present state.
+
+        Args:
+            tasks: with their weights.
+            target: what they want.
+            contact: (L,) whether a foot may push.
+            force: (L, 3) N: contact forces wanted; force_weight: 1/N2.
+            torque_limits: lowest and highest, (J,) each.
+        """
+        body, qp, n = self._body, self._qp, self._n
+        self._set_costs(tasks, target, force * contact[:, None], force_weight)
+        J = body.contact_jacobian.reshape(-1, n)
+        qp.A[:, :n] = body.M[:_BASE]
+        qp.A[:, n:] = -J[:, :_BASE].T
+        qp.b[:] = -body.h[:_BASE]
+        qp.C[self._pyramid :, :n] = body.M[_BASE:]
+        qp.C[self._pyramid :, n:] = -J[:, _BASE:].T
+        qp.lower[self._pyramid :] = torque_limits[0] - body.h[_BASE:]
+        qp.upper[self._pyramid :] = torque_limits[1] - body.h[_BASE:]
+        pushing = np.repeat(contact, 3)
+        qp.x_lower[n:] = np.where(pushing, -np.inf, 0.0)
+        qp.x_upper[n:] = np.where(pushing, np.inf, 0.0)
+        solution = self._solver.solve(qp)
+        if not solution.solved:
+            return self._last._replace(solved=False)
+        a, f = solution.x[:n], solution.x[n:]
+        torque = body.M[_BASE:] @ a + body.h[_BASE:] - J[:, _BASE:].T @ f
+        self._last = Command(torque, a, f.reshape(-1, 3), solved=True)
+        return self._last
+
+    def _set_costs(
+        self,
+        tasks: Iterable[tuple[Task, float]],
+        target: Target,
+        force: Array,
+        force_weight: float,
+    ) -> None:
+        body, qp, n = self._body, self._qp, self._n
+        active = [(task, weight) for task, weight in tasks if weight > 0]
+        rows = sum(task.rows for task, _ in active)
+        A, B, W = np.empty((rows, n)), np.empty(rows), np.empty(rows)
+        row = 0
+        for task, weight in active:
+            block = slice(row, row + task.rows)
+            task.write(body, target, A[block], B[block])
+            W[block] = weight
+            row = block.stop
+        weighted = A.T * W
+        qp.H[:n, :n] = weighted @ A
+        qp.g[:n] = -weighted @ B
+        qp.H[self._diagonal[:n], self._diagonal[:n]] += _REGULARISATION
+        qp.H[self._diagonal[n:], self._diagonal[n:]] = force_weight
+        qp.g[n:] = -force_weight * force.ravel()

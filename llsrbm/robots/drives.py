@@ -1,0 +1,31 @@
+"""What a robot's drives can give at a speed."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from llsrbm.robots.robot import Robot
+
+Array = NDArray[np.float64]
+
+FULL_UP_TO = 0.7
+"""Share of the speed limit up to which the whole torque is there; from there it falls to zero."""
+
+
+def torque_range(robot: Robot, speed: Array) -> tuple[Array, Array]:
+    """Lowest and highest torque, (J,) each, Nm or N.
+
+    Driving torque falls in a straight line to zero at the speed limit; braking torque does not.
+
+    Args:
+        robot: whose file states the limits.
+        speed: (J,) rad/s or m/s, in the order of `Robot.joint_names`.
+    """
+    limits = robot.file.limits
+    share = speed / limits.joint_speed
+    span = 1.0 - FULL_UP_TO
+    return (
+        -limits.torque * np.clip((1.0 + share) / span, 0.0, 1.0),
+        limits.torque * np.clip((1.0 - share) / span, 0.0, 1.0),
+    )

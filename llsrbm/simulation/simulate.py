@@ -1,0 +1,120 @@
+"""The loop: measure, decide, advance, record; from standing to a second after the plan's end."""
+
+from __future__ import annotations
+
+import time as wall_clock
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from llsrbm.control.controller import WholeBodyController
+from llsrbm.errors import Cancelled
+from llsrbm.robots import Robot
+from llsrbm.simulation.disturbance import draw_disturbance
+from llsrbm.simulation.recorder import Recorder
+from llsrbm.simulation.start import standing_state
+from llsrbm.simulation.verdict import TOPPLED, Fall, judge, tilt
+from llsrbm.simulation.world import World
+from llsrbm.trajectory.plan import Plan
+from llsrbm.trajectory.rollout import Conditions, Disturbance, Rollout
+
+Array = NDArray[np.float64]
+
+STANDING = 1.0  # s after the plan's end in which the robot has to stand
+_AFTER_FALL = 0.3  # s that are still shown of a robot that has fallen
+_ASKED_EVERY = 20  # ticks between looking whether to stop and telling how far it is
+
+
+def simulate(
+    plan: Plan,
+    robot: Robot,
+    conditions: Conditions,
+    *,
+    cancelled: Callable[[], bool] | None = None,
+    progress: Callable[[float], None] | None = None,
+) -> Rollout:
+    """Let the whole robot follow a plan.
+
+    The same plan and conditions give the same rollout, wall times aside.
+
+    Args:
+        plan: a plan that converged, of this robot.
+        robot: as the controller believes it is.
+        conditions: board, disturbance, and names of detector, landing strategy and QP solver.
+        cancelled: asked now and then; True ends with `Cancelled`.
+        progress: told the share that is done, 0 to 1.
+
+    Raises:
+        InputError: a name that is unknown, or a board that does not fit under the robot.
+        Cancelled: on request.
+    """
+    disturbance = draw_disturbance(conditions)
+    tick = 1.0 / robot.file.control.rate
+    world = World(robot, plan, conditions, disturbance, tick)
+    controller = WholeBodyController(robot, plan, conditions)
+    recorder = Recorder(robot, disturbance.trunk_mass_factor)
+    measure = _Sensors(robot, disturbance, conditions.seed or 0)
+    world.reset(standing_state(robot, plan), np.zeros(robot.model.nv))
+
+    ticks = round((plan.duration + STANDING) / tick) + 1
+    torque = np.zeros(len(robot.joint_names))
+    fall: Fall | None = None
+    wall_start = wall_clock.perf_counter()
+    for k in range(ticks):
+        if k % _ASKED_EVERY == 0:
+            if cancelled is not None and cancelled():
+                raise Cancelled("the simulation was cancelled")
+            if progress is not None:
+                progress(k / ticks)
+        state, mujoco_state = world.state(), (world.qpos, world.qvel)
+        q, v = measure(*state)
+        tick_start = wall_clock.perf_counter()
+        decision = controller.tick(k * tick, q, v, torque)
+        tick_time = wall_clock.perf_counter() - tick_start
+        result = world.advance(decision.command.torque)
+        torque = result.torque
+        recorder.add(state, mujoco_state, decision, tick_time, result)
+        if fall is None:
+            fall = _fallen(k * tick, state[0], trunk_contact=result.trunk_contact)
+        elif k * tick > fall.time + _AFTER_FALL:
+            break
+    wall_time = wall_clock.perf_counter() - wall_start
+
+    columns = recorder.arrays(world.joint_order)
+    columns["time"] = np.arange(len(recorder)) * tick
+    outcome = judge(robot, plan, recorder, columns, controller, fall, wall_time)
+    if progress is not None:
+        progress(1.0)
+    return Rollout(
+        jump=plan.jump,
+        robot_parameters=plan.robot_parameters,
+        conditions=conditions,
+        disturbance=disturbance,
+        outcome=outcome,
+        joint_names=tuple(robot.joint_names[j] for j in world.joint_order),
+        detection_threshold=controller.detector.threshold,
+        **columns,
+    )
+
+
+class _Sensors:
+    """Velocities as measured: the true ones and white noise, the same for the same seed."""
+
+    def __init__(self, robot: Robot, disturbance: Disturbance, seed: int) -> None:
+        self._rng = np.random.default_rng([seed, 1])  # apart from what drew the disturbance
+        self._scale = np.full(robot.model.nv, disturbance.joint_velocity_noise)
+        self._scale[:6] = disturbance.base_velocity_noise
+
+    def __call__(self, q: Array, v: Array) -> tuple[Array, Array]:
+        return q, v + self._scale * self._rng.standard_normal(len(v))
+
+
+def _fallen(time: float, q: Array, *, trunk_contact: bool) -> Fall | None:
+    if not np.isfinite(q).all():
+        return Fall(time, "the simulation diverged")
+    if trunk_contact:
+        return Fall(time, f"the trunk touched the ground at {time:.2f} s")
+    if tilt(q[None, [6, 3, 4, 5]])[0] > TOPPLED:
+        return Fall(time, f"it toppled over at {time:.2f} s")
+    return None

@@ -1,0 +1,89 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from llsrbm.control import tasks
+from tests.llsrbm.control.bodies import moved, resting_target
+
+DT = 1e-4
+SEED = 5
+ALL = {
+    "com": tasks.CentreOfMass((0.0, 0.0)),
+    "orientation": tasks.BaseOrientation((0.0, 0.0)),
+    "swing": tasks.SwingFoot(2, (0.0, 0.0)),
+    "seeking": tasks.SeekingFoot(1, 0.0),
+    "standing": tasks.StandingFoot(3),
+    "momentum": tasks.AngularMomentum(0.0),
+    "posture": tasks.Posture(12, (0.0, 0.0)),
+}
+SECOND_ORDER = ("com", "posture")
+WITH_RATES = ("com", "orientation", "momentum", "posture", "seeking")
+
+
+def _acceleration():
+    return 3.0 * np.random.default_rng(1).standard_normal(18)
+
+
+@pytest.mark.parametrize("name", SECOND_ORDER)
+def test_error_falls_at_the_error_rate(name):
+    task, target, still = ALL[name], resting_target(), np.zeros(18)
+    before, after = (task.motion(moved(SEED, still, dt), target).error for dt in (-DT, DT))
+    rate = task.motion(moved(SEED, still, 0.0), target).error_rate
+    np.testing.assert_allclose((after - before) / (2 * DT), rate, atol=1e-5)
+
+
+@pytest.mark.parametrize("name", WITH_RATES)
+def test_jacobian_and_bias_give_the_acceleration(name):
+    task, target, a = ALL[name], resting_target(), _acceleration()
+    before, after = (task.motion(moved(SEED, a, dt), target).error_rate for dt in (-DT, DT))
+    now = task.motion(moved(SEED, a, 0.0), target)
+    np.testing.assert_allclose(
+        now.jacobian @ a + now.bias, -(after - before) / (2 * DT), rtol=1e-5, atol=1e-4
+    )
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_swing_foot_is_measured_from_the_com(seed):
+    """Its Jacobian is the foot's own; the CoM's acceleration is gravity, put in by the task."""
+    target = resting_target()
+    body = moved(seed, np.zeros(18), 0.0)
+    motion = ALL["swing"].motion(body, target)
+    lowest = body.foot[2] - [0, 0, body.radius[2]]
+    np.testing.assert_allclose(motion.error, body.com - lowest, atol=1e-12)
+    np.testing.assert_allclose(motion.error_rate, body.com_velocity - body.foot_velocity[2])
+    np.testing.assert_allclose(motion.feedforward, [0, 0, -9.81])
+
+
+def test_orientation_error_is_the_turn_that_is_missing():
+    target = resting_target()
+    body = moved(SEED, np.zeros(18), 0.0)
+    error = ALL["orientation"].motion(body, target).error
+    angle = np.linalg.norm(error)
+    axis = error / angle
+    # Rodrigues: turning the base by the error brings it to the target, the identity.
+    K = np.array([[0, -axis[2], axis[1]], [axis[2], 0, -axis[0]], [-axis[1], axis[0], 0]])
+    turn = np.eye(3) + np.sin(angle) * K + (1 - np.cos(angle)) * K @ K
+    np.testing.assert_allclose(turn @ body.R_world_base, np.eye(3), atol=1e-9)
+
+
+def test_standing_foot_rolls():
+    """The wanted motion of a standing foot is that of a sphere on a floor, not of a fixed point."""
+    body = moved(SEED, np.zeros(18), 0.0)
+    motion = ALL["standing"].motion(body, resting_target())
+    a = np.linalg.lstsq(motion.jacobian, -motion.bias, rcond=None)[0]
+    dt = 1e-4
+    # v_touching = v_centre + omega x (-r z) stays constant.
+    np.testing.assert_allclose(
+        moved(SEED, a, dt).contact_velocity[3],
+        moved(SEED, a, -dt).contact_velocity[3],
+        atol=2e-6,
+    )
+
+
+def test_command_adds_feedback():
+    task, target, body = tasks.CentreOfMass((60.0, 12.0)), resting_target(), moved(2, np.zeros(18), 0)
+    jacobian, command = np.empty((3, 18)), np.empty(3)
+    task.write(body, target, jacobian, command)
+    wanted = -60.0 * body.com - 12.0 * body.com_velocity - body.momentum_bias[:3] / body.mass
+    np.testing.assert_allclose(command, wanted)

@@ -1,0 +1,131 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from llsrbm.control import tasks
+from llsrbm.control.inverse_dynamics import InverseDynamics
+from llsrbm.control.whole_body import WholeBody
+from llsrbm.robots import load_robot
+from tests.llsrbm.control.bodies import resting_target
+
+FRICTION, WEIGHT = 0.6, 30.475 * 9.81
+STANDING = np.ones(4, dtype=bool)
+WIDE = (np.full(12, -200.0), np.full(12, 200.0))
+
+
+def standing() -> WholeBody:
+    robot = load_robot("anymal")
+    body = WholeBody(robot)
+    body.update(robot.posture, np.zeros(robot.model.nv))
+    return body
+
+
+def feet():
+    return [(tasks.StandingFoot(i), 1e4) for i in range(4)]
+
+
+def solve(body, wishes, contact=STANDING, force=None, force_weight=1e-4, limits=WIDE, target=None):
+    dynamics = InverseDynamics(body, FRICTION, "quadprog")
+    command = dynamics.solve(
+        wishes,
+        target or resting_target(),
+        contact,
+        np.zeros((4, 3)) if force is None else force,
+        force_weight,
+        limits,
+    )
+    assert command.solved
+    return command
+
+
+def residual(body, command):
+    """Of the whole equation of motion, with the torques that were returned."""
+    actuated = np.concatenate([np.zeros(6), command.torque])
+    pushed = np.einsum("lin,li->n", body.contact_jacobian, command.force)
+    return body.M @ command.acceleration + body.h - actuated - pushed
+
+
+def still(body):
+    """Accelerate nothing: neither the CoM nor the attitude."""
+    target = resting_target()
+    return [(tasks.CentreOfMass((0.0, 0.0)), 10.0), (tasks.BaseOrientation((0.0, 0.0)), 10.0)], target
+
+
+def test_stands_by_carrying_its_weight():
+    body = standing()
+    wishes, target = still(body)
+    carried = np.tile([0.0, 0.0, WEIGHT / 4], (4, 1))
+    command = solve(body, [*wishes, *feet()], force=carried, target=target)
+    np.testing.assert_allclose(command.force.sum(axis=0), [0, 0, WEIGHT], atol=0.5)
+    assert np.abs(command.acceleration).max() < 0.05
+    np.testing.assert_allclose(residual(body, command), 0.0, atol=1e-6)
+
+
+def test_falls_freely_without_contacts():
+    body = standing()
+    command = solve(
+        body, [(tasks.Posture(12, (0.0, 0.0)), 1.0)], contact=np.zeros(4, dtype=bool)
+    )
+    assert not command.force.any()
+    com_acceleration = body.momentum_matrix[:3] @ command.acceleration + body.momentum_bias[:3]
+    np.testing.assert_allclose(com_acceleration / body.mass, [0, 0, -9.81], atol=1e-6)
+
+
+def test_forces_stay_in_the_friction_pyramid():
+    body = standing()
+    sideways = np.tile([500.0, -400.0, 80.0], (4, 1))
+    command = solve(body, feet(), force=sideways, force_weight=1.0)
+    horizontal = np.abs(command.force[:, :2]).max(axis=1)
+    assert (horizontal <= FRICTION * command.force[:, 2] + 1e-6).all()
+    assert horizontal.max() > 10.0
+
+
+def test_torques_stay_within_what_the_drives_give():
+    body = standing()
+    limits = (np.full(12, -7.0), np.full(12, 5.0))
+    wishes, target = still(body)
+    command = solve(body, [*wishes, *feet()], limits=limits, target=target)
+    assert command.torque.max() <= 5.0 + 1e-6
+    assert command.torque.min() >= -7.0 - 1e-6
+    assert max(command.torque.max() / 5.0, -command.torque.min() / 7.0) == pytest.approx(1.0)
+
+
+def test_a_foot_in_the_air_does_not_push():
+    body = standing()
+    contact = np.array([True, False, True, True])
+    wishes, target = still(body)
+    command = solve(body, [*wishes, *feet()], contact=contact, target=target)
+    assert not command.force[1].any()
+
+
+def test_heavier_weight_wins():
+    body = standing()
+    light, heavy = (
+        solve(
+            body,
+            [(tasks.CentreOfMass((0.0, 0.0)), weight), *feet()],
+            force=np.tile([0.0, 0.0, WEIGHT / 2], (4, 1)),
+            force_weight=1e-2,
+        )
+        for weight in (0.1, 1000.0)
+    )
+    # Forces of twice the weight are wanted, and a CoM at rest.
+    assert light.force[:, 2].sum() > 1.5 * WEIGHT
+    assert heavy.force[:, 2].sum() == pytest.approx(WEIGHT, rel=0.05)
+
+
+def test_an_unsolvable_program_keeps_the_last_torques():
+    body = standing()
+    dynamics = InverseDynamics(body, FRICTION, "quadprog")
+    wishes, target = still(body)
+
+    def once(limits):
+        return dynamics.solve(
+            [*wishes, *feet()], target, STANDING, np.zeros((4, 3)), 1e-4, limits
+        )
+
+    good = once(WIDE)
+    nonsense = once((np.full(12, 1.0), np.full(12, -1.0)))
+    assert not nonsense.solved
+    np.testing.assert_array_equal(nonsense.torque, good.torque)

@@ -1,0 +1,84 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from llsrbm.control.reference import Reference
+from tests.llsrbm.synthetic import synthetic_plan
+
+WEIGHT = 30.0 * 9.81
+
+
+@pytest.fixture(scope="module")
+def plan():
+    return synthetic_plan(twist=0.8, forward=0.3)
+
+
+@pytest.fixture(scope="module")
+def reference(plan):
+    return Reference(plan, WEIGHT)
+
+
+def test_knots_are_the_plans(plan, reference):
+    for k in (0, 5, 20, 40):
+        target = reference.at(plan.time[k])
+        # A sample is at most a quarter of a millisecond away.
+        np.testing.assert_allclose(target.com, plan.com[k], atol=3e-4 * 10)
+        np.testing.assert_allclose(target.angular_momentum, plan.angular_momentum[k], atol=0.05)
+
+
+def test_phases_are_the_plans(plan, reference):
+    assert [reference.takeoff, reference.touchdown, reference.end] == pytest.approx([0.5, 0.9, 1.5])
+
+
+def test_stands_still_after_the_end(plan, reference):
+    target = reference.at(99.0)
+    np.testing.assert_allclose(target.com, plan.com[-1])
+    assert not target.com_velocity.any()
+    assert not target.angular_velocity.any()
+    assert not target.angular_momentum_rate.any()
+    np.testing.assert_allclose(target.contact_force.sum(axis=0), [0, 0, WEIGHT])
+
+
+def test_no_forces_in_flight(reference):
+    assert not reference.at(0.7).contact_force.any()
+    assert reference.at(0.4).contact_force.any()
+    assert reference.at(1.0).contact_force.any()
+
+
+def test_attitude_turns_at_the_angular_velocity(reference):
+    dt = 0.05
+    for t in (0.2, 0.6, 1.2):
+        targets = [reference.at(t + s) for s in np.arange(0, dt, 5e-4)]
+        turned = sum(target.angular_velocity[2] for target in targets) * 5e-4
+        heading = [
+            np.arctan2(R[1, 0], R[0, 0])
+            for R in (targets[0].R_world_base, reference.at(t + dt).R_world_base)
+        ]
+        assert turned == pytest.approx(heading[1] - heading[0], abs=2e-3)
+
+
+def test_feet_leave_and_meet_the_ground_at_rest(plan, reference):
+    for t in (reference.takeoff + 5e-4, reference.touchdown - 5e-4):
+        target = reference.at(t)
+        foot_velocity = target.foot_velocity_from_com + target.com_velocity
+        assert np.abs(foot_velocity).max() < 0.25  # 0.75 ms of a swing that starts hard
+    middle = reference.at((reference.takeoff + reference.touchdown) / 2)
+    assert np.abs(middle.foot_velocity_from_com + middle.com_velocity).max() > 0.5
+
+
+def test_swing_is_smooth(reference):
+    """Velocity and acceleration are derivatives of the position."""
+    dt = 5e-4
+    for t in (0.6, 0.7, 0.8):
+        before, now, after = (reference.at(t + s) for s in (-dt, 0.0, dt))
+        np.testing.assert_allclose(
+            (after.foot_from_com - before.foot_from_com) / (2 * dt),
+            now.foot_velocity_from_com,
+            atol=1e-3,
+        )
+        np.testing.assert_allclose(
+            (after.foot_velocity_from_com - before.foot_velocity_from_com) / (2 * dt),
+            now.foot_acceleration_from_com,
+            atol=0.5,
+        )
