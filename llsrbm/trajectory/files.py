@@ -6,19 +6,21 @@ from collections.abc import Callable
 from pathlib import Path
 
 from llsrbm.errors import FileFormatError
-from llsrbm.trajectory import plan_file
+from llsrbm.trajectory import plan_file, rollout_file
 from llsrbm.trajectory.archive import Arrays, read_archive, text
 from llsrbm.trajectory.plan import Plan
+from llsrbm.trajectory.rollout import Rollout
 
-Trajectory = Plan
+Trajectory = Plan | Rollout
 
 _READERS: dict[str, Callable[[Arrays, str | Path], Trajectory]] = {
     plan_file.SCHEMA: plan_file.plan_from_arrays,
+    rollout_file.SCHEMA: rollout_file.rollout_from_arrays,
 }
 
 
 def load(path: str | Path) -> Trajectory:
-    """Read a native file (`Plan.save`).
+    """Read a native file (`Plan.save`, `Rollout.save`).
 
     Raises:
         FileFormatError: unreadable, damaged, or of no schema this version knows.

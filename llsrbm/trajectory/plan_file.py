@@ -6,11 +6,16 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, ValidationError
 
-from llsrbm.errors import Error, FileFormatError, InputError
-from llsrbm.jump import Jump
-from llsrbm.trajectory.archive import Arrays, Entry, checked, read_archive, text, write_archive
+from llsrbm.errors import FileFormatError
+from llsrbm.trajectory.archive import Arrays, Entry, checked, read_archive, text
+from llsrbm.trajectory.native_file import (
+    Meta,
+    check_quaternions,
+    check_times,
+    read_meta,
+    write_native,
+)
 from llsrbm.trajectory.plan import Phase, Plan, SolveReport, Violation
 from llsrbm.version import package_version
 
@@ -40,21 +45,10 @@ LAYOUT: dict[str, Entry] = {
     "joint_position": Entry(("N", "J")),
 }
 
-_UNIT_QUATERNION = 1e-3  # largest deviation of a norm from 1 that still is an attitude
 
-
-class _Meta(BaseModel):
-    """The JSON at `meta`: where the arrays come from."""
-
-    # JSON has no NaN, which the cost of a plan that did not converge may be.
-    model_config = ConfigDict(ser_json_inf_nan="strings")
-
-    request: Jump
-    model: str
-    robot_parameters: dict[str, Any]
+class _Meta(Meta):
     report: SolveReport
     violations: dict[str, Violation]
-    package_version: str
 
 
 def save_plan(plan: Plan, path: str | Path) -> None:
@@ -64,11 +58,6 @@ def save_plan(plan: Plan, path: str | Path) -> None:
         InputError: the file cannot be written.
         Error: the plan holds numbers that are not finite.
     """
-    arrays: dict[str, Any] = {key: np.asarray(getattr(plan, key)) for key in LAYOUT}
-    arrays["joint_names"] = np.array(plan.joint_names, dtype=np.str_)
-    for key, value in arrays.items():
-        if value.dtype.kind == "f" and not np.isfinite(value).all():
-            raise Error(f"plan.{key} holds numbers that are not finite; it is not written")
     meta = _Meta(
         request=plan.jump,
         model=plan.jump.model,
@@ -77,10 +66,7 @@ def save_plan(plan: Plan, path: str | Path) -> None:
         violations=plan.violations,
         package_version=package_version(),
     )
-    write_archive(
-        path,
-        {"schema": np.array(SCHEMA), "meta": np.array(meta.model_dump_json()), **arrays},
-    )
+    write_native(path, SCHEMA, meta, plan, LAYOUT)
 
 
 def load_plan(path: str | Path) -> Plan:
@@ -102,7 +88,7 @@ def plan_from_arrays(arrays: Arrays, path: str | Path) -> Plan:
     Raises:
         FileFormatError: a key is missing or holds something else.
     """
-    meta = _read_meta(text(arrays, "meta", path), path)
+    meta = read_meta(_Meta, arrays, path)
     values: dict[str, Any] = checked(arrays, LAYOUT, path)
     _check_values(values, path)
     values["base_mass"] = float(values["base_mass"])
@@ -116,26 +102,11 @@ def plan_from_arrays(arrays: Arrays, path: str | Path) -> Plan:
     )
 
 
-def _read_meta(content: str, path: str | Path) -> _Meta:
-    where = f'{path}: key "meta"'
-    try:
-        return _Meta.model_validate_json(content)
-    except ValidationError as error:
-        first = error.errors()[0]
-        place = ".".join(str(part) for part in first["loc"]) or "JSON"
-        raise FileFormatError(f"{where}: {place}: {first['msg']}") from error
-    except InputError as error:  # the request's own checks
-        raise FileFormatError(f"{where}: request: {error}") from error
-
-
 def _check_values(values: Arrays, path: str | Path) -> None:
-    time, phase = values["time"], values["phase"]
-    if len(time) < 2 or (np.diff(time) <= 0).any():
-        raise FileFormatError(f'{path}: key "time": expected 2 or more strictly increasing times')
+    check_times(values["time"], path)
+    phase = values["phase"]
     if (np.diff(phase) < 0).any() or not set(phase.tolist()) <= set(Phase):
         raise FileFormatError(
             f'{path}: key "phase": expected 0 (take-off), 1 (flight), 2 (landing) in that order'
         )
-    for key in ("base_quat", "foot_quat"):
-        if (np.abs(np.linalg.norm(values[key], axis=-1) - 1) > _UNIT_QUATERNION).any():
-            raise FileFormatError(f'{path}: key "{key}": expected unit quaternions w, x, y, z')
+    check_quaternions(values, ("base_quat", "foot_quat"), path)

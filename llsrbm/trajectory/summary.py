@@ -50,12 +50,17 @@ def plan_summary(plan: Plan) -> dict[str, Any]:
         "final_yaw": float(yaw(plan)[-1]),
         "violations": {name: v.amount for name, v in plan.violations.items()},
     }
-    return {key: _json_value(value) for key, value in figures.items()}
+    return {key: json_value(value) for key, value in figures.items()}
 
 
-def _json_value(value: Any) -> Any:
+def json_value(value: Any) -> Any:
+    """The same as JSON can hold it: null for numbers that are not finite."""
     if isinstance(value, dict):
-        return {key: _json_value(item) for key, item in value.items()}
+        return {key: json_value(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [json_value(item) for item in value]
+    if isinstance(value, np.generic):
+        return json_value(value.item())
     if isinstance(value, float) and not math.isfinite(value):
         return None
     return value
