@@ -1,7 +1,8 @@
-"""Jumps of legged robots: plan with a lump leg single rigid body model, replay, export.
+"""Jumps of legged robots: plan with a lump leg single rigid body model, simulate, replay, export.
 
     import llsrbm
     plan = llsrbm.plan(llsrbm.Jump(robot="anymal", twist=1.57))
+    rollout = llsrbm.simulate(plan)
     plan.save("plan.npz")
 
 World frame: x forward, y left, z up; SI units; quaternions w, x, y, z; angles in radians.
@@ -23,17 +24,20 @@ from llsrbm.errors import (
 from llsrbm.jump import Jump
 
 if TYPE_CHECKING:
-    from llsrbm.api import plan
+    from llsrbm.api import plan, simulate
     from llsrbm.exporters import export
     from llsrbm.trajectory.files import load
     from llsrbm.trajectory.plan import Plan
+    from llsrbm.trajectory.rollout import Rollout
 
 # CasADi and Pinocchio take most of a second to import: only when they are used.
 _LATER = {
     "plan": "llsrbm.api",
+    "simulate": "llsrbm.api",
     "export": "llsrbm.exporters",
     "load": "llsrbm.trajectory.files",
     "Plan": "llsrbm.trajectory.plan",
+    "Rollout": "llsrbm.trajectory.rollout",
 }
 
 __all__ = [
@@ -45,9 +49,11 @@ __all__ = [
     "NotConverged",
     "Plan",
     "RobotFileError",
+    "Rollout",
     "export",
     "load",
     "plan",
+    "simulate",
 ]
 
 

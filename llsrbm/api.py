@@ -12,6 +12,7 @@ from llsrbm.planning.solvers import names as solver_names
 from llsrbm.planning.task import make_task
 from llsrbm.robots import load_robot
 from llsrbm.trajectory.plan import Plan
+from llsrbm.trajectory.rollout import Rollout
 
 
 def plan(
@@ -46,3 +47,59 @@ def plan(
     build_time = time.perf_counter() - start
     result = planner.plan(jump, weights=weights, warm=warm, cancelled=cancelled, progress=progress)
     return replace(result, report=replace(result.report, build_time_s=build_time))
+
+
+def simulate(
+    plan: Plan,
+    *,
+    board: float = 0.0,
+    half_board: bool = False,
+    seed: int | None = None,
+    noise: float | None = None,
+    detector: str = "residual",
+    landing: str = "scaled",
+    solver: str = "proxqp",
+    cancelled: Callable[[], bool] | None = None,
+    progress: Callable[[float], None] | None = None,
+) -> Rollout:
+    """Let the whole robot follow a plan in MuJoCo, until a second after the plan's end.
+
+    The same arguments give the same rollout, wall times aside. A robot that falls is a result, not
+    an error: see `Rollout.outcome`.
+
+    Args:
+        plan: a plan that converged.
+        board: thickness of a board that is slid under the robot in mid-flight, m.
+        half_board: the board lies under the front feet only.
+        seed: draws a disturbance of trunk mass, friction, contact stiffness, torque delay and
+            measured velocities; None: nothing is disturbed.
+        noise: scale of the disturbance, 0 to 3; None: 1. Without a seed, the seed is 0.
+        detector: name of the contact detector (`llsrbm.control.detection`).
+        landing: name of the landing strategy (`llsrbm.control.landing`).
+        solver: name of the controller's QP solver (`llsrbm.control.solvers`).
+        cancelled: asked now and then; True ends with `Cancelled`.
+        progress: told the share that is done, 0 to 1.
+
+    Raises:
+        InputError: no plan, one that did not converge or is of another robot; an unknown name; a
+            number out of range, a board that does not fit under the robot among them.
+        RobotFileError: the robot file is wrong.
+        Cancelled: on request.
+    """
+    # MuJoCo takes its time to import: not for those who only plan.
+    from llsrbm.simulation import request
+    from llsrbm.simulation.simulate import simulate as run
+
+    request.check_plan(plan)
+    conditions = request.make_conditions(
+        board=board,
+        half_board=half_board,
+        seed=seed,
+        noise=noise,
+        detector=detector,
+        landing_strategy=landing,
+        solver=solver,
+    )
+    robot = load_robot(plan.jump.robot)
+    request.check_robot(plan, robot)
+    return run(plan, robot, conditions, cancelled=cancelled, progress=progress)
