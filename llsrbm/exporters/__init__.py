@@ -38,7 +38,7 @@ def export(
     """Write a trajectory to a file.
 
     Args:
-        trajectory: what `llsrbm.plan` or `llsrbm.load` returned.
+        trajectory: what `llsrbm.plan`, `llsrbm.simulate` or `llsrbm.load` returned.
         path: the file, replaced atomically.
         format: a name in `formats()`.
         fps: frames/s, for formats that have a frame rate.

@@ -1,4 +1,4 @@
-"""The project's own npz: everything, at the planner's knots, with request and solver report."""
+"""The project's own npz: everything, at the planner's knots or the controller's ticks."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ from llsrbm.trajectory.files import Trajectory
 
 
 def write_native(trajectory: Trajectory, path: str | Path, fps: float) -> None:
-    """Write the native file; it keeps the knots, so `fps` does not matter."""
+    """Write the native file; it keeps knots and ticks, so `fps` does not matter."""
     del fps
     trajectory.save(path)
 
 
 NATIVE = Format(
     "npz",
-    "the native file: every quantity at the planner's knots, with request, robot and solver report",
+    "the native file: every quantity, at the planner's knots or the controller's ticks, no loss",
     ".npz",
     write_native,
 )

@@ -82,11 +82,22 @@ def uniform_times(plan: Plan, fps: float, *, phase_edges: bool = False) -> Array
     Raises:
         InputError: `fps` is not a positive number up to 10000.
     """
+    return frame_times(plan.phase_start if phase_edges else plan.time[[0, -1]], fps)
+
+
+def frame_times(exact: Array, fps: float) -> Array:
+    """Instants 1/fps apart from the first of `exact`, and those of `exact`, in order, s.
+
+    Args:
+        exact: increasing; the last one ends the frames.
+
+    Raises:
+        InputError: `fps` is not a positive number up to 10000.
+    """
     if not (math.isfinite(fps) and 0 < fps <= _FASTEST):
         raise InputError(f"frames per second: expected 0 < fps <= {_FASTEST:.0f}, got {fps}")
-    start, end = plan.time[0], plan.time[-1]
+    start, end = exact[0], exact[-1]
     times = start + np.arange(math.floor((end - start) * fps) + 1) / fps
-    exact = plan.phase_start if phase_edges else plan.time[[0, -1]]
     apart = np.abs(times[:, None] - exact).min(axis=1) > _SAME_INSTANT
     return np.unique(np.concatenate([times[apart], exact]))
 
