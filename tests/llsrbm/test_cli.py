@@ -87,7 +87,7 @@ class TestBadInput:
     @pytest.mark.parametrize(
         ("arguments", "said"),
         [
-            (["nosuch"], 'no command "nosuch"; the commands are plan, export, robots, models'),
+            (["nosuch"], 'no command "nosuch"; the commands are plan, simulate, export, robots, models'),
             (["plan", "--twist", "nan"], "finite number"),
             (["plan", "--model", "nosuch"], "srbm, llsrbm, llsrbm-plus"),
             (["plan", "--solver", "nosuch"], "fatrop"),

@@ -1,0 +1,4 @@
+"""The commands of `llsrbm`, one module each; `llsrbm.cli` puts them together.
+
+Heavy imports happen inside the commands, so that `llsrbm --help` answers at once.
+"""

@@ -1,0 +1,71 @@
+"""`llsrbm plan`."""
+
+from __future__ import annotations
+
+import json
+import math
+from typing import TYPE_CHECKING
+
+from llsrbm.commands import console, options
+from llsrbm.errors import NotConverged
+
+if TYPE_CHECKING:
+    from llsrbm.trajectory.plan import Plan
+
+
+def plan_command(
+    robot: options.Robot = "anymal",
+    model: options.Model = "llsrbm-plus",
+    twist: options.Twist = 0.0,
+    forward: options.Forward = 0.0,
+    lateral: options.Lateral = 0.0,
+    height: options.Height = 0.0,
+    solver: options.Planner = "fatrop",
+    out: options.Out = None,
+    as_json: options.AsJson = False,
+) -> int:
+    """Plan one jump from standing to standing.
+
+    A plan that does not converge is written all the same, and the exit status is 1.
+    """
+    with console.result_stream(as_json=as_json) as stdout:
+        import llsrbm
+        from llsrbm.trajectory.summary import plan_summary
+
+        jump = options.requested_jump(robot, model, twist, forward, lateral, height)
+        status, failure = console.DONE, None
+        try:
+            plan = llsrbm.plan(jump, solver=solver, progress=console.tell)
+        except NotConverged as error:
+            plan, status, failure = error.plan, console.FAILED, error
+        if out is not None:
+            plan.save(out)
+        if as_json:
+            print(json.dumps(plan_summary(plan), allow_nan=False), file=stdout)
+        else:
+            console.print_lines(_description(plan), stdout)
+        if failure is not None:
+            console.complain(str(failure))
+    return status
+
+
+def _description(plan: Plan) -> dict[str, str]:
+    """A plan in a few lines for a person: degrees, milliseconds."""
+    from llsrbm.joint_margins import joint_margins
+    from llsrbm.robots import load_robot
+    from llsrbm.trajectory.summary import peak_yaw_rate, worst_violation, yaw
+
+    report = plan.report
+    takeoff, flight, landing = plan.phase_start[1:] - plan.phase_start[:-1]
+    return {
+        "request": options.described(plan.jump),
+        "solver": f"{report.status} by {report.solver} in {report.iterations} iterations, "
+        f"{1e3 * report.solve_time_s:.0f} ms ({1e3 * report.total_time_s:.0f} ms from request to "
+        f"plan, {report.build_time_s:.2f} s to build the solver)",
+        "duration": f"{plan.duration:.2f} s: take-off {takeoff:.2f}, flight {flight:.2f}, "
+        f"landing {landing:.2f} s",
+        "turn": f"{math.degrees(yaw(plan)[-1]):.1f} deg, peak yaw rate {peak_yaw_rate(plan):.2f} "
+        "rad/s",
+        "joints": joint_margins(plan, load_robot(plan.jump.robot)).worst(),
+        "violation": worst_violation(plan),
+    }

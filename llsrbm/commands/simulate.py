@@ -1,0 +1,165 @@
+"""`llsrbm simulate`."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from llsrbm.commands import console, options
+from llsrbm.errors import InputError
+
+if TYPE_CHECKING:
+    from llsrbm.trajectory.plan import Plan
+    from llsrbm.trajectory.rollout import Rollout
+
+
+def simulate_command(
+    context: typer.Context,
+    file: Annotated[
+        Path | None, typer.Argument(metavar="PLAN.npz", help="A plan; without: plan first.")
+    ] = None,
+    board: Annotated[
+        float, typer.Option(metavar="M", help="Thickness of a board slid in in mid-flight.")
+    ] = 0.0,
+    half_board: Annotated[
+        bool, typer.Option("--half-board", help="The board lies under the front feet only.")
+    ] = False,
+    seed: Annotated[
+        int | None, typer.Option(metavar="N", help="Draws a disturbance; without: none.")
+    ] = None,
+    noise: Annotated[
+        float | None, typer.Option(metavar="S", help="Scale of the disturbance, 0 to 3.")
+    ] = None,
+    detector: Annotated[str, typer.Option(help="residual or norm.")] = "residual",
+    landing: Annotated[str, typer.Option(help="scaled, planned or tracking.")] = "scaled",
+    qp_solver: Annotated[str, typer.Option(help="proxqp or quadprog.")] = "proxqp",
+    robot: options.Robot = "anymal",
+    model: options.Model = "llsrbm-plus",
+    twist: options.Twist = 0.0,
+    forward: options.Forward = 0.0,
+    lateral: options.Lateral = 0.0,
+    height: options.Height = 0.0,
+    solver: options.Planner = "fatrop",
+    out: options.Out = None,
+    as_json: options.AsJson = False,
+) -> int:
+    """Let the whole robot follow a plan, in MuJoCo.
+
+    The plan is a file, or made first from the same options as those of `llsrbm plan`. The exit
+    status is 1 if it does not converge, or if the robot falls.
+    """
+    with console.result_stream(as_json=as_json) as stdout:
+        import llsrbm
+        from llsrbm.simulation.request import make_conditions
+        from llsrbm.trajectory.rollout_summary import rollout_summary
+
+        given = [name for name in options.PLANNING if _is_given(context, name)]
+        if file is not None and given:
+            raise InputError(
+                f"--{given[0]}: is for planning, but {file} is planned already; "
+                "expected a plan's file or options of a jump, not both"
+            )
+        # What is wrong here shall not come out after seconds of planning.
+        make_conditions(
+            board=board,
+            half_board=half_board,
+            seed=seed,
+            noise=noise,
+            detector=detector,
+            landing_strategy=landing,
+            solver=qp_solver,
+        )
+        if file is not None:
+            plan = _read_plan(file)
+        else:
+            jump = options.requested_jump(robot, model, twist, forward, lateral, height)
+            plan = llsrbm.plan(jump, solver=solver, progress=console.tell)
+        rollout = llsrbm.simulate(
+            plan,
+            board=board,
+            half_board=half_board,
+            seed=seed,
+            noise=noise,
+            detector=detector,
+            landing=landing,
+            solver=qp_solver,
+            progress=console.tell_share,
+        )
+        if out is not None:
+            rollout.save(out)
+        if as_json:
+            print(json.dumps(rollout_summary(rollout), allow_nan=False), file=stdout)
+        else:
+            console.print_lines(_description(rollout), stdout)
+        if rollout.landed:
+            return console.DONE
+        console.complain(f"the robot {_fall(rollout)}")
+    return console.FAILED
+
+
+def _is_given(context: typer.Context, name: str) -> bool:
+    source = context.get_parameter_source(name)
+    return source is not None and source.name != "DEFAULT"
+
+
+def _read_plan(file: Path) -> Plan:
+    import llsrbm
+
+    trajectory = llsrbm.load(file)
+    if not isinstance(trajectory, llsrbm.Plan):
+        raise InputError(f"{file}: holds a {type(trajectory).__name__.lower()}; expected a plan")
+    return trajectory
+
+
+def _fall(rollout: Rollout) -> str:
+    outcome = rollout.outcome
+    when = "" if outcome.fell_at_s is None else f" at {outcome.fell_at_s:.2f} s"
+    return f"fell{when}: {outcome.reason}"
+
+
+def _description(rollout: Rollout) -> dict[str, str]:
+    """A rollout in a few lines for a person: degrees, millimetres, milliseconds."""
+    outcome, conditions = rollout.outcome, rollout.conditions
+    lines = {"request": options.described(rollout.jump)}
+    board = ""
+    if conditions.board:
+        half = "half " if conditions.half_board else ""
+        board = f"{half}board {1e3 * conditions.board:.0f} mm, "
+    noise = "undisturbed"
+    if conditions.seed is not None:
+        noise = f"disturbed by seed {conditions.seed}, noise {conditions.noise:g}"
+    lines["world"] = f"{board}{noise}"
+    lines["outcome"] = (
+        f"landed, by the strict measure {'too' if outcome.strict else 'not'}"
+        if rollout.landed
+        else _fall(rollout)
+    )
+    lines["touchdown"] = (
+        f"planned {outcome.touchdown_planned_s:.3f} s, true {_seconds(outcome.touchdown_true_s)}, "
+        f"detected {_seconds(outcome.touchdown_detected_s)}, {outcome.false_touchdowns} false"
+    )
+    at_touchdown = outcome.yaw_error_at_touchdown
+    before = "" if at_touchdown is None else f"{math.degrees(at_touchdown):+.1f} deg at touchdown, "
+    lines["yaw error"] = f"{before}{math.degrees(outcome.final_yaw_error):+.1f} deg at the end"
+    lines["place"] = (
+        f"CoM {1e3 * outcome.final_position_error:.0f} mm off, feet {1e3 * outcome.foot_error:.0f} "
+        f"mm, tilt {math.degrees(outcome.final_tilt):.1f} deg"
+    )
+    lines["drives"] = (
+        f"torque at most {100 * outcome.peak_torque_ratio:.0f} % of the limit, speed "
+        f"{100 * outcome.peak_speed_ratio:.0f} %, saturated in "
+        f"{100 * outcome.saturated_fraction:.1f} % of the ticks"
+    )
+    lines["speed"] = (
+        f"{outcome.real_time_factor:.1f} x real time, a tick {1e3 * outcome.tick_median_s:.2f} ms "
+        f"(p99 {1e3 * outcome.tick_p99_s:.2f} ms) at {outcome.control_rate_hz:.0f} Hz"
+    )
+    return lines
+
+
+def _seconds(value: float | None) -> str:
+    return "never" if value is None else f"{value:.3f} s"
