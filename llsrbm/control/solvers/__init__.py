@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from llsrbm.control.solvers.base import Qp, QpSolution, QpSolver
+from llsrbm.control.solvers.base import QpSolution, QpSolver
+from llsrbm.control.solvers.program import Qp
 from llsrbm.control.solvers.proxqp import ProxQp
 from llsrbm.control.solvers.quadprog import Quadprog
 from llsrbm.errors import InputError
@@ -13,7 +14,7 @@ _SOLVERS: dict[str, type[QpSolver]] = {solver.name: solver for solver in (ProxQp
 
 
 def names() -> tuple[str, ...]:
-    """The solvers' names, the default first."""
+    """The solvers' names."""
     return tuple(_SOLVERS)
 
 

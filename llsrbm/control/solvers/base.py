@@ -1,4 +1,4 @@
-"""A convex quadratic program of the controller, and what a solver of it has to offer."""
+"""What a solver of the controller's quadratic program has to offer."""
 
 from __future__ import annotations
 
@@ -7,49 +7,9 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
-
-
-@dataclass
-class Qp:
-    """min 1/2 x'Hx + g'x  subject to  A x = b,  lower <= C x <= upper,  x_lower <= x <= x_upper.
-
-    The arrays are written in place by the caller, tick by tick; a solver keeps none of them.
-    Bounds may be ±inf; x_lower == x_upper fixes a variable.
-
-    Attributes:
-        H, g: (n, n) symmetric and positive definite, (n,).
-        A, b: (e, n), (e,) equalities.
-        C, lower, upper: (m, n), (m,), (m,) inequalities.
-        x_lower, x_upper: (n,), (n,).
-    """
-
-    H: Array
-    g: Array
-    A: Array
-    b: Array
-    C: Array
-    lower: Array
-    upper: Array
-    x_lower: Array
-    x_upper: Array
-
-    @classmethod
-    def zeros(cls, variables: int, equalities: int, inequalities: int) -> Qp:
-        """A program of that size, to be filled in: all zero, without any bound."""
-        return cls(
-            H=np.zeros((variables, variables)),
-            g=np.zeros(variables),
-            A=np.zeros((equalities, variables)),
-            b=np.zeros(equalities),
-            C=np.zeros((inequalities, variables)),
-            lower=np.full(inequalities, -np.inf),
-            upper=np.full(inequalities, np.inf),
-            x_lower=np.full(variables, -np.inf),
-            x_upper=np.full(variables, np.inf),
-        )
+from llsrbm.control.solvers.elimination import without_fixed
+from llsrbm.control.solvers.program import Array, Qp
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,11 +26,7 @@ class QpSolution:
 
 
 class QpSolver(ABC):
-    """Solves programs of one size, one after the other.
-
-    A solver may start from its previous solution, so that what it returns may depend on its past
-    within its tolerance; the same sequence given to a new solver has the same solutions.
-    """
+    """Solves programs of one size, one after the other."""
 
     name: ClassVar[str]
     summary: ClassVar[str]
@@ -78,6 +34,16 @@ class QpSolver(ABC):
     def __init__(self, variables: int, equalities: int, inequalities: int) -> None:
         self.variables, self.equalities, self.inequalities = variables, equalities, inequalities
 
-    @abstractmethod
     def solve(self, problem: Qp) -> QpSolution:
         """Solve one program; whatever goes wrong numerically ends in `solved=False`."""
+        reduced = without_fixed(problem)
+        if reduced.hopeless:
+            return QpSolution(reduced.fixed_at, solved=False)
+        x = self._solve(reduced.problem) if len(reduced.free) else np.zeros(0)
+        if x is None or not np.isfinite(x).all():
+            return QpSolution(reduced.fixed_at, solved=False)
+        return QpSolution(reduced.expand(x), solved=True)
+
+    @abstractmethod
+    def _solve(self, p: Qp) -> Array | None:
+        """Solve a program with at least one variable, none of them fixed; None: not solved."""

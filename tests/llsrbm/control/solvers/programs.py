@@ -1,0 +1,71 @@
+"""Random quadratic programs with a known feasible point, and the optimality conditions of one."""
+
+import numpy as np
+from hypothesis import strategies as st
+from scipy.optimize import lsq_linear
+
+from llsrbm.control.solvers import Qp
+
+
+def program(seed, variables=12, equalities=3, inequalities=10, fixed=0):
+    """A program that the point `inside` satisfies, some of its limits exactly."""
+    rng = np.random.default_rng(seed)
+    p = Qp.zeros(variables, equalities, inequalities)
+    root = rng.normal(size=(variables, variables)) * 10 ** rng.uniform(-1, 1, variables)
+    p.H[:] = root.T @ root / variables + 1e-2 * np.eye(variables)
+    p.g[:] = 10 * rng.normal(size=variables)
+    inside = rng.normal(size=variables)
+    p.A[:] = rng.normal(size=(equalities, variables))
+    p.b[:] = p.A @ inside
+    p.C[:] = rng.normal(size=(inequalities, variables))
+    room = rng.choice([0.0, 0.1, 1.0, np.inf], size=(2, inequalities))
+    p.lower[:], p.upper[:] = p.C @ inside - room[0], p.C @ inside + room[1] + 1e-3
+    room = rng.choice([0.1, 1.0, np.inf], size=(2, variables))
+    p.x_lower[:], p.x_upper[:] = inside - room[0], inside + room[1]
+    chosen = rng.permutation(variables)[:fixed]
+    p.x_lower[chosen] = p.x_upper[chosen] = inside[chosen]
+    return p
+
+
+def programs():
+    return st.builds(
+        program,
+        seed=st.integers(0, 2**32 - 1),
+        inequalities=st.integers(0, 14),
+        fixed=st.integers(0, 5),
+    )
+
+
+def violation(p, x):
+    """How far x is from satisfying the constraints, largest first."""
+    return max(
+        np.abs(p.A @ x - p.b).max(initial=0),
+        (p.lower - p.C @ x).max(initial=0),
+        (p.C @ x - p.upper).max(initial=0),
+        (p.x_lower - x).max(),
+        (x - p.x_upper).max(),
+    )
+
+
+def stationarity(p, x, active=1e-4):
+    """What of the gradient no admissible multiplier of a constraint that is active explains."""
+    unit = np.eye(len(x))
+    columns, signs = [*p.A], [0] * len(p.A)
+    for rows, values, lower, upper in (
+        (p.C, p.C @ x, p.lower, p.upper),
+        (unit, x, p.x_lower, p.x_upper),
+    ):
+        for row, value, low, up in zip(rows, values, lower, upper, strict=True):
+            if value - low < active:
+                columns.append(row)
+                signs.append(1)
+            if up - value < active:
+                columns.append(row)
+                signs.append(-1)
+    gradient = p.H @ x + p.g
+    if not columns:
+        return np.abs(gradient).max()
+    sign = np.array(signs)
+    bounds = np.where(sign > 0, 0, -np.inf), np.where(sign < 0, 0, np.inf)
+    fit = lsq_linear(np.array(columns).T, gradient, bounds, tol=1e-12)
+    return np.abs(fit.fun).max()
