@@ -26,7 +26,6 @@ FRICTION_STIFFNESS = 10.0
 CONTACT_IMPEDANCE = (0.9, 0.95, 0.001, 0.5, 2.0)  # MuJoCo's default; results hang on it
 DAMPING_RATIO = 1.0  # of contacts: critical, no bouncing
 TORSION_AND_ROLLING = (0.005, 0.0001)  # m, MuJoCo's default; without effect at condim 3
-DUMMY_MASS = 1e-3  # kg; below it, a link's inertia is a placeholder
 
 _WORLD, _ROBOT = 1, 2  # collision bits: the robot meets the world, never itself
 _AWAY = np.array([0.0, 0.0, -100.0])  # m, where blocks are that do not stand in the world
@@ -101,6 +100,7 @@ def build_scene(
     root = spec.worldbody.first_body()
     # Before compiling, or the compiler fuses the base with the world.
     root.add_freejoint()
+    _set_inertias(spec, root, robot, disturbance.trunk_mass_factor)
     _add_motors(spec, robot)
     feet = _add_feet(spec, robot, touch)
     _add_trunk(root, robot, touch)
@@ -109,10 +109,6 @@ def build_scene(
         model = spec.compile()
     except ValueError as error:
         raise _refused(robot, error) from error
-    trunk_body = model.body(root.name).id
-    model.body_mass[trunk_body] *= disturbance.trunk_mass_factor
-    model.body_inertia[trunk_body] *= disturbance.trunk_mass_factor
-    mujoco.mj_setConst(model, mujoco.MjData(model))
     joints = [model.joint(name) for name in robot.joint_names]
     return Scene(
         model=model,
@@ -127,26 +123,32 @@ def build_scene(
 
 
 def _bare_urdf(robot: Robot) -> str:
-    """The URDF without shapes, and with placeholder inertias that are positive definite."""
+    """The URDF's links and joints only: without shapes, and without inertias.
+
+    MuJoCo refuses links that are welded to others and whose own inertia is a placeholder.
+    """
     root = ET.parse(robot.urdf_path).getroot()  # noqa: S314  the user's own file, read before
     for link in root.iter("link"):
-        for kind in ("visual", "collision"):
-            for shape in link.findall(kind):
-                link.remove(shape)
-        mass, inertia = link.find("inertial/mass"), link.find("inertial/inertia")
-        if mass is None or inertia is None or float(mass.get("value", 0)) >= DUMMY_MASS:
-            continue
-        if np.linalg.eigvalsh(_tensor(inertia))[0] <= 0:
-            for key in ("ixy", "ixz", "iyz"):
-                inertia.set(key, "0")
+        for kind in ("visual", "collision", "inertial"):
+            for part in link.findall(kind):
+                link.remove(part)
     return ET.tostring(root, encoding="unicode")
 
 
-def _tensor(inertia: ET.Element) -> NDArray[np.float64]:
-    xx, xy, xz, yy, yz, zz = (
-        float(inertia.get(key, 0)) for key in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
-    )
-    return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+def _set_inertias(
+    spec: mujoco.MjSpec, root: mujoco.MjsBody, robot: Robot, trunk_mass_factor: float
+) -> None:
+    """Give each moving body the URDF's inertia of its link and of all that is welded to it."""
+    bodies = {BASE_JOINT: root}
+    for joint in range(BASE_JOINT + 1, robot.model.njoints):
+        bodies[joint] = spec.joint(robot.model.names[joint]).parent
+    for joint, body in bodies.items():
+        welded = robot.model.inertias[joint]
+        factor = trunk_mass_factor if joint == BASE_JOINT else 1.0
+        body.explicitinertial = True
+        body.mass = factor * welded.mass
+        body.ipos = welded.lever
+        body.fullinertia = factor * welded.inertia[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]
 
 
 def _add_surroundings(

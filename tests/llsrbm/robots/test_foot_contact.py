@@ -1,0 +1,80 @@
+"""Feet as the URDF's collision spheres, against the URDF's own text."""
+
+import xml.etree.ElementTree as ET
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from llsrbm.errors import RobotFileError
+from llsrbm.robots import load_robot
+from llsrbm.robots.assets import robot_files
+from llsrbm.robots.foot_contact import foot_contacts
+from tests.llsrbm.simulation.sliding_biped import URDF, sliding_biped
+
+OTHERS = Path(__file__).parents[3] / "benchmarks" / "robots"
+
+
+@pytest.mark.parametrize("name", ["anymal", "a1", "anymal_c"])
+def test_the_sphere_of_each_foots_link(name):
+    robot = load_robot(name if name in robot_files() else str(OTHERS / f"{name}.toml"))
+    links = {link.get("name"): link for link in ET.parse(robot.urdf_path).iter("link")}
+    contacts = foot_contacts(robot)
+    assert len(contacts) == len(robot.legs)
+    for leg, contact in zip(robot.legs, contacts, strict=True):
+        (shape,) = (
+            shape
+            for shape in links[leg.foot_frame].iter("collision")
+            if shape.find("geometry/sphere") is not None
+        )
+        assert contact.radius == float(shape.find("geometry/sphere").get("radius"))
+        assert contact.centre == pytest.approx(
+            [float(x) for x in shape.find("origin").get("xyz").split()], abs=1e-12
+        )
+
+
+def test_anymals_feet():
+    for contact in foot_contacts(load_robot("anymal")):
+        assert contact.radius == 0.031
+        assert contact.centre == pytest.approx([0, 0, 0.02325], abs=1e-12)
+
+
+def test_of_several_spheres_on_a_leg_the_one_next_to_the_foot(tmp_path):
+    for contact in foot_contacts(sliding_biped(tmp_path)):
+        assert contact.radius == 0.04
+        assert contact.centre == pytest.approx([0, 0, 0.03], abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("name", "leg", "frame"), [("go2", "FL", "FL_foot"), ("solo12", "FL", "FL_FOOT")]
+)
+def test_feet_of_meshes_are_refused(name, leg, frame):
+    path = OTHERS / f"{name}.toml"
+    with pytest.raises(RobotFileError) as caught:
+        foot_contacts(load_robot(str(path)))
+    message = str(caught.value)
+    assert "\n" not in message
+    assert f"{name}.toml: legs.{leg}.foot" in message
+    assert f'"{frame}" has no collision sphere' in message
+
+
+def test_a_collision_mesh_that_is_missing_is_one_clear_line(tmp_path):
+    box = '<box size="0.2 0.3 0.2"/>'
+    robot = sliding_biped(tmp_path, URDF.replace(box, '<mesh filename="package://no/such.stl"/>'))
+    with pytest.raises(RobotFileError, match=r"sliding\.toml: urdf: .*such\.stl") as caught:
+        foot_contacts(robot)
+    assert "\n" not in str(caught.value)
+
+
+def test_the_feets_lowest_points_are_level(tmp_path):
+    """Standing, so that a robot's own spheres agree with its foot frames."""
+    import pinocchio as pin
+
+    for robot in (load_robot("anymal"), sliding_biped(tmp_path)):
+        data = robot.model.createData()
+        pin.framesForwardKinematics(robot.model, data, robot.posture)
+        lowest = [
+            data.oMf[leg.foot_frame_id].act(contact.centre)[2] - contact.radius
+            for leg, contact in zip(robot.legs, foot_contacts(robot), strict=True)
+        ]
+        assert np.ptp(lowest) < 1e-3

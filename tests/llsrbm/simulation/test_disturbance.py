@@ -1,0 +1,76 @@
+"""Draws: repeatable, within what is promised, and scaled about the nominal world."""
+
+from dataclasses import asdict
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from llsrbm.errors import InputError
+from llsrbm.simulation.disturbance import draw_disturbance
+from llsrbm.trajectory.rollout import Conditions, Disturbance
+
+SEEDS = st.integers(0, 2**32)
+
+
+@given(SEEDS)
+def test_a_seed_draws_within_the_benchmarks_spread(seed):
+    drawn = draw_disturbance(Conditions(seed=seed))
+    assert 0.92 <= drawn.trunk_mass_factor <= 1.08
+    assert 0.5 <= drawn.friction <= 1.0
+    assert 0.003 <= drawn.contact_time <= 0.020
+    assert drawn.torque_delay_ticks in (0, 1)
+    assert drawn.base_velocity_noise == 0.01
+    assert drawn.joint_velocity_noise == 0.02
+    assert drawn == draw_disturbance(Conditions(seed=seed, board=0.02, detector="paper"))
+
+
+def test_draws_fill_their_ranges():
+    drawn = [draw_disturbance(Conditions(seed=seed)) for seed in range(400)]
+    for name, low, high in (
+        ("trunk_mass_factor", 0.92, 1.08),
+        ("friction", 0.5, 1.0),
+        ("contact_time", 0.003, 0.020),
+    ):
+        values = [getattr(one, name) for one in drawn]
+        slack = 0.02 * (high - low)
+        assert min(values) < low + slack
+        assert max(values) > high - slack
+        assert sum(values) / len(values) == pytest.approx((low + high) / 2, rel=0.1)
+    assert sum(one.torque_delay_ticks for one in drawn) == pytest.approx(200, abs=40)
+
+
+@given(SEEDS, st.floats(0, 1))
+def test_noise_scales_about_the_nominal_world(seed, noise):
+    nominal, full = Disturbance(), draw_disturbance(Conditions(seed=seed))
+    some = draw_disturbance(Conditions(seed=seed, noise=noise))
+    for name in asdict(nominal):
+        if name != "torque_delay_ticks":
+            at_rest, whole = getattr(nominal, name), getattr(full, name)
+            assert getattr(some, name) == pytest.approx(at_rest + noise * (whole - at_rest))
+    assert some.torque_delay_ticks <= full.torque_delay_ticks
+
+
+@given(SEEDS)
+def test_nothing_is_disturbed_without_a_seed_or_without_noise(seed):
+    assert draw_disturbance(Conditions(seed=None)) == Disturbance()
+    assert draw_disturbance(Conditions(seed=seed, noise=0.0)) == Disturbance()
+
+
+@given(SEEDS, st.floats(0, 10))
+def test_however_large_the_noise_it_stays_physical(seed, noise):
+    drawn = draw_disturbance(Conditions(seed=seed, noise=noise))
+    assert drawn.trunk_mass_factor > 0
+    assert drawn.friction >= 0.2
+    assert drawn.contact_time >= 0.002
+
+
+@pytest.mark.parametrize("noise", [-0.1, float("nan"), float("inf"), 11.0])
+def test_a_noise_out_of_range_is_refused(noise):
+    with pytest.raises(InputError, match="noise: expected 0 to 10, got"):
+        draw_disturbance(Conditions(noise=noise))
+
+
+def test_a_negative_seed_is_refused():
+    with pytest.raises(InputError, match="seed: expected a whole number from 0 on, got -1"):
+        draw_disturbance(Conditions(seed=-1))

@@ -1,0 +1,234 @@
+"""The MuJoCo model against Pinocchio's: masses, mass matrix, accelerations, what collides."""
+
+import xml.etree.ElementTree as ET
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pinocchio as pin
+import pytest
+
+from llsrbm.errors import RobotFileError
+from llsrbm.robots import load_robot
+from llsrbm.robots.assets import robot_files
+from llsrbm.simulation.scene import build_scene
+from llsrbm.simulation.surroundings import Block, Surroundings
+from llsrbm.trajectory.rollout import Disturbance
+from tests.llsrbm.simulation.sliding_biped import URDF, sliding_biped
+
+OTHERS = Path(__file__).parents[3] / "benchmarks" / "robots"
+GROUND = Surroundings(ground=0.0, blocks=())
+
+
+@pytest.fixture(params=["anymal", "a1", "anymal_c", "sliding"])
+def robot(request, tmp_path):
+    if request.param == "sliding":
+        return sliding_biped(tmp_path)
+    if request.param in robot_files():
+        return load_robot(request.param)
+    return load_robot(str(OTHERS / f"{request.param}.toml"))
+
+
+def scene_of(robot, **disturbance):
+    return build_scene(robot, GROUND, Disturbance(**disturbance), 5e-4)
+
+
+def random_states(robot, count=20):
+    """Postures anywhere in the air, and velocities, in Pinocchio's conventions."""
+    rng = np.random.default_rng(4)
+    for _ in range(count):
+        q = pin.integrate(robot.model, robot.posture, rng.normal(scale=0.7, size=robot.model.nv))
+        q[2] += 20.0
+        yield q, rng.normal(scale=2.0, size=robot.model.nv), rng
+
+
+def in_mujoco(scene, q, v):
+    """Data at a state, converted here anew; `turn` with v_mujoco = turn v_pinocchio; R_world_base."""
+    data = mujoco.MjData(scene.model)
+    R = pin.Quaternion(q[3:7]).toRotationMatrix()
+    turn = np.zeros((len(v), len(v)))
+    turn[:3, :3] = R
+    for index in range(3, len(v)):
+        turn[scene.v_order[index], index] = 1
+    data.qpos[scene.q_order] = q
+    data.qvel[:] = turn @ v
+    return data, turn, R
+
+
+def test_joints_are_in_the_places_that_their_names_say(robot):
+    scene = scene_of(robot)
+    assert scene.q_order[:7].tolist() == [0, 1, 2, 4, 5, 6, 3]
+    assert scene.v_order[:6].tolist() == list(range(6))
+    for index, name in enumerate(robot.joint_names):
+        assert scene.model.joint(name).qposadr[0] == scene.q_order[7 + index]
+        assert scene.model.joint(name).dofadr[0] == scene.v_order[6 + index]
+        assert scene.model.actuator_trnid[index, 0] == scene.model.joint(name).id
+    assert scene.model.nu == len(robot.joint_names)
+
+
+def test_the_mass_is_the_urdfs(robot):
+    assert scene_of(robot).model.body_mass.sum() == pytest.approx(robot.mass, rel=1e-9)
+
+
+def test_mass_matrix(robot):
+    scene, data = scene_of(robot), robot.model.createData()
+    for q, v, _ in random_states(robot):
+        simulated, turn, _ = in_mujoco(scene, q, v)
+        mujoco.mj_forward(scene.model, simulated)
+        M = np.zeros((robot.model.nv, robot.model.nv))
+        mujoco.mj_fullM(scene.model, simulated, M)
+        believed = pin.crba(robot.model, data, q)
+        believed = np.triu(believed) + np.triu(believed, 1).T
+        assert turn.T @ M @ turn == pytest.approx(believed, abs=1e-9)
+
+
+@pytest.mark.parametrize("robot", ["anymal", "a1", "sliding"], indirect=True)
+def test_inertias_are_those_that_mujoco_itself_reads(robot):
+    """Its own reading of the URDF, which needs placeholders (1e-6 kg m2) without off-diagonals."""
+    urdf = ET.parse(robot.urdf_path).getroot()
+    for link in urdf.iter("link"):
+        for shape in [*link.findall("visual"), *link.findall("collision")]:
+            link.remove(shape)
+        if (
+            link.find("inertial") is not None
+            and float(link.find("inertial/mass").get("value")) < 1e-4
+        ):
+            for key in ("ixy", "ixz", "iyz"):
+                link.find("inertial/inertia").set(key, "0")
+    spec = mujoco.MjSpec.from_string(ET.tostring(urdf, encoding="unicode"))
+    spec.worldbody.first_body().add_freejoint()
+    read, ours = spec.compile(), scene_of(robot).model
+    matrices = []
+    for model in (read, ours):
+        data = mujoco.MjData(model)
+        data.qpos[7:] = np.linspace(-0.5, 0.5, model.nq - 7)
+        mujoco.mj_forward(model, data)
+        matrices.append(np.zeros((model.nv, model.nv)))
+        mujoco.mj_fullM(model, data, matrices[-1])
+    assert matrices[1] == pytest.approx(matrices[0], abs=3e-6)
+
+
+def test_accelerations(robot):
+    """Forward dynamics with torques and gravity, away from joint limits and contacts."""
+    scene, data = scene_of(robot), robot.model.createData()
+    scene.model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONSTRAINT)
+    joints = len(robot.joint_names)
+    for q, v, rng in random_states(robot):
+        torque = rng.normal(scale=20, size=joints)
+        simulated, turn, R = in_mujoco(scene, q, v)
+        simulated.ctrl[:] = torque
+        mujoco.mj_forward(scene.model, simulated)
+        expected = pin.aba(robot.model, data, q, v, np.concatenate([np.zeros(6), torque]))
+        in_world = turn @ expected
+        # Pinocchio's is the spatial acceleration, MuJoCo's that of the base's origin.
+        in_world[:3] += R @ np.cross(v[3:6], v[:3])
+        assert simulated.qacc == pytest.approx(in_world, abs=1e-9 * np.abs(expected).max())
+
+
+def test_a_heavier_trunk_is_that_of_pinocchio(robot):
+    scene = scene_of(robot, trunk_mass_factor=1.08)
+    model = robot.model.copy()
+    trunk = model.inertias[1]
+    model.inertias[1] = pin.Inertia(1.08 * trunk.mass, trunk.lever, 1.08 * trunk.inertia)
+    data = model.createData()
+    for q, v, _ in random_states(robot, 5):
+        simulated, turn, _ = in_mujoco(scene, q, v)
+        mujoco.mj_forward(scene.model, simulated)
+        M = np.zeros((model.nv, model.nv))
+        mujoco.mj_fullM(scene.model, simulated, M)
+        believed = pin.crba(model, data, q)
+        believed = np.triu(believed) + np.triu(believed, 1).T
+        assert turn.T @ M @ turn == pytest.approx(believed, abs=1e-9)
+
+
+def test_feet_and_trunk_meet_the_world_and_never_one_another(robot):
+    scene = scene_of(robot)
+    model = scene.model
+    names = [model.geom(g).name for g in range(model.ngeom)]
+    assert {name.split("/")[0] for name in names} == {"world", "foot", "trunk"}
+    assert [n for n in names if n.startswith("foot/")]
+    for a, first in enumerate(names):
+        for b, second in enumerate(names):
+            meet = bool(
+                model.geom_contype[a] & model.geom_conaffinity[b]
+                or model.geom_contype[b] & model.geom_conaffinity[a]
+            )
+            assert meet == (first.startswith("world/") != second.startswith("world/"))
+
+
+def test_feet_are_where_the_urdf_has_them():
+    """ANYmal's, by its sphere: 23.25 mm above the foot frame, 31 mm in radius."""
+    robot = load_robot("anymal")
+    scene, data = scene_of(robot), robot.model.createData()
+    for q, v, _ in random_states(robot, 3):
+        simulated, _, _ = in_mujoco(scene, q, v)
+        mujoco.mj_forward(scene.model, simulated)
+        pin.framesForwardKinematics(robot.model, data, q)
+        for leg in robot.legs:
+            geom = simulated.geom(f"foot/{leg.name}")
+            expected = data.oMf[leg.foot_frame_id].act(np.array([0, 0, 0.02325]))
+            assert geom.xpos == pytest.approx(expected, abs=1e-9)
+            assert scene.model.geom(f"foot/{leg.name}").size[0] == 0.031
+
+
+def test_the_trunk_is_as_large_as_its_primitives():
+    robot = load_robot("anymal")
+    model = scene_of(robot).model
+    box = model.geom("trunk/base_0")
+    assert 2 * box.size == pytest.approx([0.531, 0.27, 0.24])
+    assert box.pos == pytest.approx([0, 0, 0.08])
+    cylinder = model.geom("trunk/base_1")
+    assert cylinder.size[:2] == pytest.approx([0.05, 0.05])
+    axis = np.zeros(3)
+    mujoco.mju_rotVecQuat(axis, np.array([0, 0, 1.0]), cylinder.quat)
+    assert np.abs(axis) == pytest.approx([1, 0, 0], abs=1e-9)
+
+
+def test_friction_and_stiffness_are_the_disturbances(robot):
+    model = scene_of(robot, friction=0.55, contact_time=0.017).model
+    assert model.geom_friction[:, 0] == pytest.approx(0.55)
+    assert model.geom_solref[:, 0] == pytest.approx(0.017)
+    assert model.dof_damping == pytest.approx(0)
+    assert model.dof_armature == pytest.approx(0)
+    assert model.dof_frictionloss == pytest.approx(0)
+
+
+def test_blocks_come_and_go():
+    blocks = (
+        Block("board", np.array([1.0, 2, 0.01]), np.array([2.0, 1, 0.02]), 0.3, from_s=0.5),
+        Block("block", np.array([0.0, 0, -0.1]), np.array([1.0, 1, 0.2]), 0.0, until_s=0.5),
+    )
+    scene = build_scene(
+        load_robot("anymal"), Surroundings(ground=-0.2, blocks=blocks), Disturbance(), 5e-4
+    )
+    data = mujoco.MjData(scene.model)
+    for time, board, block in ((0.0, False, True), (0.4999, False, True), (0.5, True, False)):
+        scene.move_blocks(data, time)
+        mujoco.mj_forward(scene.model, data)
+        for stands, body in ((board, blocks[0]), (block, blocks[1])):
+            geom = data.geom(f"world/{body.name}")
+            if stands:
+                assert geom.xpos == pytest.approx(body.centre)
+                c, s = np.cos(body.yaw), np.sin(body.yaw)
+                R = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
+                assert geom.xmat.reshape(3, 3) == pytest.approx(R)
+                assert 2 * scene.model.geom(geom.id).size == pytest.approx(body.size)
+            else:
+                assert geom.xpos[2] < -10
+    assert data.geom("world/ground").xpos[2] == -0.2
+
+
+def test_a_base_without_primitives_is_refused(tmp_path):
+    box = '<geometry><box size="0.2 0.3 0.2"/></geometry>'
+    shape = f'<collision><origin xyz="0 0 0.1"/>{box}</collision>'
+    assert shape in URDF
+    robot = sliding_biped(tmp_path, URDF.replace(shape, ""))
+    with pytest.raises(RobotFileError, match=r"sliding\.toml: urdf: the base of .* has no collis"):
+        scene_of(robot)
+
+
+def test_a_heavy_link_with_an_impossible_inertia_is_refused(tmp_path):
+    robot = sliding_biped(tmp_path, URDF.replace('ixx="0.02"', 'ixx="-0.02"'))
+    with pytest.raises(RobotFileError, match=r"sliding\.toml: urdf: MuJoCo refuses") as caught:
+        scene_of(robot)
+    assert "\n" not in str(caught.value)

@@ -1,0 +1,84 @@
+"""The whole robot where the plan starts."""
+
+import dataclasses
+
+import mujoco
+import numpy as np
+import pinocchio as pin
+import pytest
+
+from llsrbm.errors import InputError
+from llsrbm.jump import Jump
+from llsrbm.robots import load_robot
+from llsrbm.robots.foot_contact import foot_contacts
+from llsrbm.simulation.scene import build_scene
+from llsrbm.simulation.start import standing_state
+from llsrbm.simulation.surroundings import Surroundings
+from llsrbm.trajectory.rollout import Disturbance
+from tests.app.synthetic_plan import synthetic_plan
+from tests.llsrbm.simulation.sliding_biped import sliding_biped
+
+
+@pytest.fixture(params=["anymal", "benchmarks/robots/a1.toml", "sliding"])
+def robot(request, tmp_path, pytestconfig):
+    if request.param == "sliding":
+        return sliding_biped(tmp_path)
+    if request.param.endswith(".toml"):
+        return load_robot(str(pytestconfig.rootpath / request.param))
+    return load_robot(request.param)
+
+
+def plan_of(robot):
+    name = robot.name if robot.name == "anymal" else str(robot.path)
+    return synthetic_plan(Jump(robot=name))
+
+
+def test_com_attitude_and_feet_are_the_plans(robot):
+    plan = plan_of(robot)
+    q = standing_state(robot, plan)
+    data = robot.model.createData()
+    pin.framesForwardKinematics(robot.model, data, q)
+    assert pin.centerOfMass(robot.model, data, q) == pytest.approx(plan.com[0], abs=1e-7)
+    assert np.roll(q[3:7], 1) == pytest.approx(plan.base_quat[0], abs=1e-8)
+    for i, (leg, contact) in enumerate(zip(robot.legs, foot_contacts(robot), strict=True)):
+        centre = data.oMf[leg.foot_frame_id].act(contact.centre)
+        resting = plan.foot_position[0, i] + [0, 0, contact.radius]
+        assert centre == pytest.approx(resting, abs=1e-7)
+    lower, upper = robot.model.lowerPositionLimit[7:], robot.model.upperPositionLimit[7:]
+    assert (q[7:] >= lower).all()
+    assert (q[7:] <= upper).all()
+
+
+def test_no_foot_is_in_the_ground(robot):
+    q = standing_state(robot, plan_of(robot))
+    scene = build_scene(robot, Surroundings(0.0, ()), Disturbance(), 5e-4)
+    data = mujoco.MjData(scene.model)
+    data.qpos[scene.q_order] = q
+    mujoco.mj_forward(scene.model, data)
+    depths = [contact.dist for contact in data.contact]
+    assert min(depths, default=0) > -1e-6
+
+
+def test_a_plan_that_starts_turned(robot):
+    """The same robot seen from another side stands the same."""
+    plan = plan_of(robot)
+    c, s = np.cos(0.4), np.sin(0.4)
+    R = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1.0]])
+    turned = dataclasses.replace(
+        plan,
+        com=plan.com @ R.T,
+        base_quat=np.tile([np.cos(0.2), 0, 0, np.sin(0.2)], (len(plan.time), 1)),
+        base_position=plan.base_position @ R.T,
+        foot_position=plan.foot_position @ R.T,
+    )
+    there, here = standing_state(robot, turned), standing_state(robot, plan)
+    assert there[7:] == pytest.approx(here[7:], abs=1e-6)
+    assert there[:3] == pytest.approx(R @ here[:3], abs=1e-6)
+
+
+def test_what_cannot_stand_is_refused():
+    robot = load_robot("anymal")
+    plan = plan_of(robot)
+    high = dataclasses.replace(plan, com=plan.com + np.array([0, 0, 0.4]))
+    with pytest.raises(InputError, match=r"plan: ANYmal B cannot stand as its first knot says"):
+        standing_state(robot, high)

@@ -1,0 +1,149 @@
+"""What stands where: under the feet it is meant for, and in nobody's way."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from llsrbm.errors import InputError
+from llsrbm.jump import Jump
+from llsrbm.robots import load_robot
+from llsrbm.simulation.surroundings import check_board, surroundings
+from llsrbm.trajectory.rollout import Conditions
+from tests.app.synthetic_plan import FLY, STAND, synthetic_plan
+
+ANYMAL = load_robot("anymal")
+RADIUS = 0.031
+MIDDLE = STAND + FLY / 2
+
+
+def around(conditions=None, **jump):
+    plan = synthetic_plan(Jump(**jump))
+    return plan, surroundings(ANYMAL, plan, conditions or Conditions())
+
+
+def overhang(block, points, radius=0.0):
+    """(L,) m: how far each point is inside a block's footprint, less a radius; negative outside."""
+    c, s = math.cos(block.yaw), math.sin(block.yaw)
+    own = (points[:, :2] - block.centre[:2]) @ np.array([[c, -s], [s, c]])
+    return (block.size[:2] / 2 - np.abs(own)).min(axis=1) - radius
+
+
+def top(block):
+    return block.centre[2] + block.size[2] / 2
+
+
+def test_level_jumps_have_the_ground_alone():
+    _, world = around(twist=1.0, forward=0.3)
+    assert world.ground == 0
+    assert world.blocks == ()
+
+
+def test_a_box_to_jump_onto():
+    plan, world = around(height=0.2, forward=0.3, twist=0.6)
+    (box,) = world.blocks
+    assert world.ground == 0
+    assert top(box) == pytest.approx(0.2)
+    assert box.centre[2] - box.size[2] / 2 == pytest.approx(0)
+    assert overhang(box, plan.foot_position[-1]).min() == pytest.approx(0.25)
+    # The feet that start where it lies have left by then.
+    assert overhang(box, plan.foot_position[0], -RADIUS).max() > 0
+    assert box.from_s == pytest.approx(MIDDLE)
+    assert box.until_s == math.inf
+
+
+def test_a_block_to_jump_down_from():
+    plan, world = around(height=-0.15, forward=0.3, twist=-0.4)
+    (block,) = world.blocks
+    assert world.ground == pytest.approx(-0.15)
+    assert top(block) == pytest.approx(0)
+    assert block.centre[2] - block.size[2] / 2 == pytest.approx(-0.15)
+    assert overhang(block, plan.foot_position[0]).min() >= 0.25 - 1e-9
+    assert block.from_s == 0
+    assert block.until_s == pytest.approx(MIDDLE)
+
+
+@pytest.mark.parametrize("height", [0.2, -0.15])
+@pytest.mark.parametrize("forward", [0.81, 0.95, 2.0])
+def test_start_and_landing_apart_stand_all_the_time(height, forward):
+    plan, world = around(height=height, forward=forward)
+    (block,) = world.blocks
+    assert (block.from_s, block.until_s) == (0, math.inf)
+    start, goal = plan.foot_position[[0, -1]]
+    on, beside = (goal, start) if height > 0 else (start, goal)
+    assert overhang(block, on, RADIUS).min() >= -1e-9
+    assert overhang(block, beside, -RADIUS).max() <= 1e-9
+    margins = np.sort((block.size[:2] - np.ptp(on[:, :2], axis=0)) / 2)
+    assert margins[1] == pytest.approx(0.25)
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    twist=st.floats(-3.1, 3.1),
+    forward=st.floats(-1.5, 1.5),
+    lateral=st.floats(-1.5, 1.5),
+    height=st.sampled_from([-0.2, -0.05, 0.05, 0.2]),
+)
+def test_nothing_stands_in_the_way(twist, forward, lateral, height):
+    plan, world = around(twist=twist, forward=forward, lateral=lateral, height=height)
+    (block,) = world.blocks
+    start, goal = plan.foot_position[[0, -1]]
+    on, beside = (goal, start) if height > 0 else (start, goal)
+    assert overhang(block, on, RADIUS).min() >= -1e-9
+    always = (block.from_s, block.until_s) == (0, math.inf)
+    if always:
+        assert overhang(block, beside, -RADIUS).max() <= 1e-9
+
+
+def test_a_board_on_the_ground_lies_under_all_feet_from_mid_flight_on():
+    plan, world = around(Conditions(board=0.025), twist=0.5, forward=0.3)
+    (board,) = world.blocks
+    assert top(board) == pytest.approx(0.025)
+    assert board.size == pytest.approx([2, 2, 0.025])
+    assert board.from_s == pytest.approx(MIDDLE)
+    assert board.until_s == math.inf
+    assert overhang(board, plan.foot_position[-1]).min() > 0.4
+
+
+@pytest.mark.parametrize("height", [0.0, 0.2, -0.2])
+def test_half_a_board_lies_under_the_front_feet_alone(height):
+    """Front in the heading of the landing, whatever that is."""
+    plan, world = around(
+        Conditions(board=0.025, half_board=True), twist=2.0, forward=0.2, height=height
+    )
+    (board,) = (block for block in world.blocks if block.name == "board")
+    assert top(board) == pytest.approx(height + 0.025)
+    inside = overhang(board, plan.foot_position[-1])
+    assert (inside[:2] > 0.2).all()
+    assert (inside[2:] < -0.2).all()
+
+
+def test_a_board_on_a_box_is_as_large_as_the_box():
+    _, world = around(Conditions(board=0.02), height=0.2, forward=0.3)
+    box, board = world.blocks
+    assert board.size[:2] == pytest.approx(box.size[:2])
+    assert board.centre[:2] == pytest.approx(box.centre[:2])
+    assert top(board) == pytest.approx(0.22)
+
+
+@pytest.mark.parametrize("height", [0.0, 0.15, -0.15])
+def test_the_thickest_board_passes_under_the_feet(height):
+    plan = synthetic_plan(Jump(height=height))
+    middle = np.argmin(np.abs(plan.time - MIDDLE))
+    room = plan.foot_position[middle, :, 2].min() - height - 0.01
+    assert plan.time[middle] == pytest.approx(MIDDLE)
+    check_board(plan, 0.0)
+    check_board(plan, room - 1e-3)
+    for wrong in (room + 1e-3, 1.0, -0.01, float("nan")):
+        with pytest.raises(InputError, match=r"^board: expected 0 to 0\.\d\d\d m") as caught:
+            check_board(plan, wrong)
+        largest = float(str(caught.value).split("expected 0 to ")[1].split()[0])
+        assert room - 1e-3 <= largest <= room + 1e-12
+        check_board(plan, largest)
+
+
+def test_the_world_refuses_a_board_that_is_too_thick():
+    with pytest.raises(InputError, match=r"board: .* got 1 m"):
+        around(Conditions(board=1.0))
