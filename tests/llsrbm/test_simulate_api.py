@@ -1,0 +1,180 @@
+"""`llsrbm.simulate`: what it accepts, and what it hands on to the simulator."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+import llsrbm
+from llsrbm.errors import InputError
+from llsrbm.robots import load_robot
+from llsrbm.simulation import simulate as simulator
+from llsrbm.trajectory.plan import Violation
+from llsrbm.trajectory.rollout import Conditions
+from tests.llsrbm.synthetic import synthetic_plan
+from tests.llsrbm.synthetic_rollout import synthetic_rollout
+
+
+@pytest.fixture(scope="module")
+def plan():
+    """Of the ANYmal that is here, as far as a plan says so."""
+    robot = load_robot("anymal")
+    plan = synthetic_plan(twist=0.5)
+    order = [robot.joint_names.index(name) for leg in robot.legs for name in leg.joints]
+    return replace(
+        plan,
+        robot_parameters=robot.parameters(),
+        joint_names=robot.joint_names,
+        joint_position=plan.joint_position[:, order],
+    )
+
+
+@pytest.fixture
+def calls(monkeypatch):
+    """What reached the simulator, which answers with a rollout made by hand."""
+    calls = []
+
+    def simulate(plan, robot, conditions, *, cancelled, progress):
+        calls.append(SimpleNamespace(**locals()))
+        return replace(synthetic_rollout(plan), conditions=conditions)
+
+    monkeypatch.setattr(simulator, "simulate", simulate)
+    return calls
+
+
+def refused(*arguments, **options):
+    with pytest.raises(InputError) as caught:
+        llsrbm.simulate(*arguments, **options)
+    assert "\n" not in str(caught.value)
+    return str(caught.value)
+
+
+def test_what_is_not_said_is_nominal(plan, calls):
+    rollout = llsrbm.simulate(plan)
+    assert isinstance(rollout, llsrbm.Rollout)
+    assert rollout.conditions == Conditions()
+    assert calls[0].plan is plan
+    assert calls[0].robot is load_robot("anymal")
+
+
+def test_everything_reaches_the_simulator(plan, calls):
+    def cancelled():
+        return False
+
+    llsrbm.simulate(
+        plan, board=0.025, half_board=True, seed=np.int64(1004), noise=0.5, detector="norm",
+        landing="planned", solver="quadprog", cancelled=cancelled, progress=print,
+    )  # fmt: skip
+    conditions = Conditions(0.025, True, 1004, 0.5, "norm", "planned", "quadprog")
+    assert calls[0].conditions == conditions
+    assert type(calls[0].conditions.seed) is int
+    assert calls[0].cancelled is cancelled
+    assert calls[0].progress is print
+
+
+@pytest.mark.parametrize(
+    ("given", "seed", "noise"),
+    [
+        ({}, None, 1.0),
+        ({"seed": 4}, 4, 1.0),
+        ({"noise": 2}, 0, 2.0),
+        ({"noise": 0.0}, 0, 0.0),
+        ({"seed": 4, "noise": 3}, 4, 3.0),
+    ],
+)
+def test_seed_and_noise_imply_each_other(plan, calls, given, seed, noise):
+    llsrbm.simulate(plan, **given)
+    assert (calls[0].conditions.seed, calls[0].conditions.noise) == (seed, noise)
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        ({"board": -0.01}, "board: expected a thickness of 0 or more m, got -0.01"),
+        ({"board": math.nan}, "board: expected a finite number"),
+        ({"board": "thin"}, "board: expected a finite number, got 'thin'"),
+        ({"half_board": True}, "half board: expected the board's thickness"),
+        ({"seed": -1}, "seed: expected a whole number from 0 on, got -1"),
+        ({"seed": 1.5}, "seed: expected a whole number from 0 on, got 1.5"),
+        ({"seed": True}, "seed: expected a whole number"),
+        ({"noise": -0.1}, "noise: expected 0 to 3, got -0.1"),
+        ({"noise": 3.1}, "noise: expected 0 to 3, got 3.1"),
+        ({"noise": math.inf}, "noise: expected a finite number"),
+        ({"detector": "nosuch"}, "residual, norm"),
+        ({"landing": "nosuch"}, "scaled, planned, tracking"),
+        ({"solver": "nosuch"}, "proxqp, quadprog"),
+    ],
+)
+def test_conditions_that_make_no_sense(plan, calls, options, said):
+    assert said in refused(plan, **options)
+    assert not calls
+
+
+def test_what_is_no_plan(calls):
+    assert "got a Jump; plan it first: llsrbm.plan(jump)" in refused(llsrbm.Jump())
+    assert "expected a plan to simulate, got a Rollout" in refused(synthetic_rollout())
+    assert "got a str" in refused("plan.npz")
+    assert not calls
+
+
+def test_a_plan_that_did_not_converge_names_its_worst_violation(plan, calls):
+    plan = replace(
+        plan,
+        report=replace(plan.report, status="not-converged"),
+        violations={
+            "reach": Violation(1e-9, "m", "take-off", 0.0),
+            "friction": Violation(3.0, "N", "landing", 1.1),
+        },
+    )
+    assert "friction is violated by 3 N in landing at 1.10 s" in refused(plan)
+    assert not calls
+
+
+class TestAnotherRobot:
+    @pytest.mark.parametrize(
+        ("name", "value", "said"),
+        [
+            ("name", "spot", "its name is spot"),
+            ("mass", 99.0, "its mass is 99.0"),
+            ("legs", {"LEFT": {"foot": "L", "hip": "H"}}, "its legs is LEFT"),
+            ("joint_names", ["a", "b"], "its joint_names is a, b"),
+        ],
+    )
+    def test_by_its_parameters(self, plan, calls, name, value, said):
+        other = replace(plan, robot_parameters={**plan.robot_parameters, name: value})
+        text = refused(other)
+        assert text.startswith("the plan is of another robot")
+        assert said in text
+        assert "plan the jump again" in text
+        assert not calls
+
+    def test_that_the_plan_does_not_describe(self, plan, calls):
+        text = refused(replace(plan, robot_parameters={"name": "anymal"}))
+        assert "does not say its robot's legs" in text
+
+    def test_with_legs_in_another_order(self, plan, calls):
+        legs = dict(reversed(plan.robot_parameters["legs"].items()))
+        text = refused(replace(plan, robot_parameters={**plan.robot_parameters, "legs": legs}))
+        assert "its legs is RH, LH, RF, LF" in text
+
+    def test_with_arrays_of_another_robot(self, plan, calls):
+        names = tuple(f"joint{i}" for i in range(12))
+        assert "of another robot" in refused(replace(plan, joint_names=names))
+        assert "it has 2 feet" in refused(replace(plan, foot_position=plan.foot_position[:, :2]))
+
+    def test_that_is_not_here(self, plan, calls):
+        assert 'no robot "nosuch"' in refused(replace(plan, jump=llsrbm.Jump(robot="nosuch")))
+
+    def test_mass_may_differ_by_rounding(self, plan, calls):
+        mass = plan.robot_parameters["mass"] * (1 + 1e-9)
+        llsrbm.simulate(replace(plan, robot_parameters={**plan.robot_parameters, "mass": mass}))
+        assert calls
+
+    def test_a_plan_from_a_file_is_of_the_same_robot(self, plan, calls, tmp_path):
+        plan.save(tmp_path / "plan.npz")
+        llsrbm.simulate(llsrbm.load(tmp_path / "plan.npz"))
+        assert calls
