@@ -23,7 +23,7 @@ from llsrbm.trajectory.rollout import Conditions, Mode
 Array = NDArray[np.float64]
 
 _GRAVITY = 9.81
-_JUST_BEFORE = 1e-3  # s; the reference in late flight is that of a robot about to land
+_JUST_AFTER = 1e-3  # s after touchdown, where the nearest sample of a plan surely is one on the ground
 
 
 @dataclass(frozen=True, eq=False)
@@ -147,7 +147,7 @@ class WholeBodyController:
 
     def _touch_down(self, time: float, loaded: NDArray[np.bool_]) -> None:
         self.detected_at = time
-        planned = self._reference.at(self._reference.touchdown - _JUST_BEFORE).com_velocity[2]
+        planned = self._reference.late.com_velocity[2]
         self._momentum_share = float(self._body.com_velocity[2] / min(planned, -0.1))
         # Something has been hit; where no leg is sure yet, it is the one that feels most.
         self._touching = loaded.copy()
@@ -163,10 +163,9 @@ class WholeBodyController:
         """The plan, from detection on retimed to it and raised by the height of the ground."""
         reference = self._reference
         if self.detected_at is None:
-            if flying:
-                time = min(time, reference.touchdown - _JUST_BEFORE)
-            return reference.at(time)
-        target = reference.at(reference.touchdown + _JUST_BEFORE + time - self.detected_at)
+            late = flying and time > reference.touchdown - _JUST_AFTER
+            return reference.late if late else reference.at(time)
+        target = reference.at(reference.touchdown + _JUST_AFTER + time - self.detected_at)
         return replace(target, com=target.com + np.array([0.0, 0.0, self._ground_shift]))
 
     def _foot_target(self, phase: Phase, target: Target) -> Array:

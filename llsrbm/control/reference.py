@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +15,7 @@ from llsrbm.trajectory.resample import resample
 Array = NDArray[np.float64]
 
 _STEP = 5e-4  # s; a reference is at most half of it old
+_JUST_BEFORE = 2 * _STEP  # touchdown, where the nearest sample surely is one of the flight
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,6 +53,7 @@ class Reference:
 
     Attributes:
         takeoff, touchdown, end: s: when feet leave the ground, when they meet it, the plan's end.
+        late: the target in flight after the planned touchdown: legs held as they should land.
     """
 
     def __init__(self, plan: Plan, weight: float) -> None:
@@ -96,6 +98,12 @@ class Reference:
         self._targets = [
             Target(*row) for row in zip(*(columns[name] for name in names), strict=True)
         ]
+        still = np.zeros((legs, 3))
+        self.late = replace(
+            self.at(self.touchdown - _JUST_BEFORE),
+            foot_velocity_from_com=still,
+            foot_acceleration_from_com=still,
+        )
 
     def at(self, time: float) -> Target:
         """The plan's nearest sample to a time, s since its start."""

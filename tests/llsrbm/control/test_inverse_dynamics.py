@@ -49,7 +49,10 @@ def residual(body, command):
 def still(body):
     """Accelerate nothing: neither the CoM nor the attitude."""
     target = resting_target()
-    return [(tasks.CentreOfMass((0.0, 0.0)), 10.0), (tasks.BaseOrientation((0.0, 0.0)), 10.0)], target
+    return [
+        (tasks.CentreOfMass((0.0, 0.0)), 10.0),
+        (tasks.BaseOrientation((0.0, 0.0)), 10.0),
+    ], target
 
 
 def test_stands_by_carrying_its_weight():
@@ -64,9 +67,7 @@ def test_stands_by_carrying_its_weight():
 
 def test_falls_freely_without_contacts():
     body = standing()
-    command = solve(
-        body, [(tasks.Posture(12, (0.0, 0.0)), 1.0)], contact=np.zeros(4, dtype=bool)
-    )
+    command = solve(body, [(tasks.Posture(12, (0.0, 0.0)), 1.0)], contact=np.zeros(4, dtype=bool))
     assert not command.force.any()
     com_acceleration = body.momentum_matrix[:3] @ command.acceleration + body.momentum_bias[:3]
     np.testing.assert_allclose(com_acceleration / body.mass, [0, 0, -9.81], atol=1e-6)
@@ -121,9 +122,7 @@ def test_an_unsolvable_program_keeps_the_last_torques():
     wishes, target = still(body)
 
     def once(limits):
-        return dynamics.solve(
-            [*wishes, *feet()], target, STANDING, np.zeros((4, 3)), 1e-4, limits
-        )
+        return dynamics.solve([*wishes, *feet()], target, STANDING, np.zeros((4, 3)), 1e-4, limits)
 
     good = once(WIDE)
     nonsense = once((np.full(12, 1.0), np.full(12, -1.0)))

@@ -28,9 +28,7 @@ def test_equation_of_motion_is_pinocchios(seed):
         point = body.foot[i] - [0, 0, body.radius[i]]
         world = pin.Force(force[i], np.cross(point, force[i]))
         external[joint] = data.oMi[joint].actInv(world)
-    expected = pin.aba(
-        robot.model, data, q, v, np.concatenate([np.zeros(6), torque]), external
-    )
+    expected = pin.aba(robot.model, data, q, v, np.concatenate([np.zeros(6), torque]), external)
     np.testing.assert_allclose(np.linalg.solve(body.M, rhs), expected, rtol=1e-7, atol=1e-6)
 
 

@@ -8,7 +8,7 @@ from llsrbm.control.solvers import Qp
 
 
 def program(seed, variables=12, equalities=3, inequalities=10, fixed=0):
-    """A program that the point `inside` satisfies, some of its limits exactly."""
+    """A program with feasible points around `inside`, as near to some limits as 0.02."""
     rng = np.random.default_rng(seed)
     p = Qp.zeros(variables, equalities, inequalities)
     root = rng.normal(size=(variables, variables)) * 10 ** rng.uniform(-1, 1, variables)
@@ -18,8 +18,8 @@ def program(seed, variables=12, equalities=3, inequalities=10, fixed=0):
     p.A[:] = rng.normal(size=(equalities, variables))
     p.b[:] = p.A @ inside
     p.C[:] = rng.normal(size=(inequalities, variables))
-    room = rng.choice([0.0, 0.1, 1.0, np.inf], size=(2, inequalities))
-    p.lower[:], p.upper[:] = p.C @ inside - room[0], p.C @ inside + room[1] + 1e-3
+    room = rng.choice([0.02, 0.1, 1.0, np.inf], size=(2, inequalities))
+    p.lower[:], p.upper[:] = p.C @ inside - room[0], p.C @ inside + room[1]
     room = rng.choice([0.1, 1.0, np.inf], size=(2, variables))
     p.x_lower[:], p.x_upper[:] = inside - room[0], inside + room[1]
     chosen = rng.permutation(variables)[:fixed]

@@ -82,7 +82,11 @@ def test_standing_foot_rolls():
 
 
 def test_command_adds_feedback():
-    task, target, body = tasks.CentreOfMass((60.0, 12.0)), resting_target(), moved(2, np.zeros(18), 0)
+    task, target, body = (
+        tasks.CentreOfMass((60.0, 12.0)),
+        resting_target(),
+        moved(2, np.zeros(18), 0),
+    )
     jacobian, command = np.empty((3, 18)), np.empty(3)
     task.write(body, target, jacobian, command)
     wanted = -60.0 * body.com - 12.0 * body.com_velocity - body.momentum_bias[:3] / body.mass
