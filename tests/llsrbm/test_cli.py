@@ -2,39 +2,16 @@
 
 from __future__ import annotations
 
-import json
-import math
 import os
 import subprocess
 import sys
-from dataclasses import replace
 from importlib.metadata import EntryPoint
 
-import numpy as np
 import pytest
 
-import llsrbm
 from llsrbm import cli
-from llsrbm.errors import InputError, NotConverged
-from llsrbm.trajectory.files import load
+from tests.llsrbm.commands.process import run
 from tests.llsrbm.synthetic import synthetic_plan
-
-# As the contract has them, in its order.
-PLAN_KEYS = [
-    "status", "solver", "iterations", "solve_time_s", "total_time_s", "build_time_s", "cost",
-    "duration_s", "phase_durations_s", "peak_yaw_rate", "final_yaw", "violations",
-]  # fmt: skip
-
-
-def run(*arguments, **options):
-    """`llsrbm` in a process of its own."""
-    return subprocess.run(
-        [sys.executable, "-m", "llsrbm.cli", *map(str, arguments)],
-        capture_output=True,
-        text=True,
-        timeout=100,
-        **options,
-    )
 
 
 def assert_one_line(process, status):
@@ -44,28 +21,11 @@ def assert_one_line(process, status):
     assert process.stderr.startswith("llsrbm: ")
 
 
-@pytest.fixture(scope="module")
-def saved(tmp_path_factory):
-    path = tmp_path_factory.mktemp("cli") / "plan.npz"
+@pytest.fixture
+def saved(tmp_path):
+    path = tmp_path / "plan.npz"
     synthetic_plan().save(path)
     return path
-
-
-@pytest.fixture
-def planner(monkeypatch):
-    """`llsrbm.plan` that answers at once with the plan or the error put into the list."""
-    answers, requests = [], []
-
-    def plan(jump, **options):
-        requests.append((jump, options))
-        print("a banner of a solver")
-        if isinstance(answers[0], Exception):
-            raise answers[0]
-        return replace(answers[0], jump=jump)
-
-    monkeypatch.setattr(llsrbm, "plan", plan)
-    plan.answers, plan.requests = answers, requests
-    return plan
 
 
 class TestBadInput:
@@ -87,7 +47,10 @@ class TestBadInput:
     @pytest.mark.parametrize(
         ("arguments", "said"),
         [
-            (["nosuch"], 'no command "nosuch"; the commands are plan, simulate, export, robots, models'),
+            (
+                ["nosuch"],
+                'no command "nosuch"; the commands are plan, simulate, export, robots, models',
+            ),
             (["plan", "--twist", "nan"], "finite number"),
             (["plan", "--model", "nosuch"], "srbm, llsrbm, llsrbm-plus"),
             (["plan", "--solver", "nosuch"], "fatrop"),
@@ -96,6 +59,16 @@ class TestBadInput:
             (["plan", "--nosuch"], "--nosuch"),
             (["plan", "extra"], "extra"),
             (["export"], "FILE.npz"),
+            (["simulate", "nosuch.npz"], "nosuch.npz: cannot be read: No such file"),
+            (["simulate", "--twist", "400"], "400 deg is out of range"),
+            (["simulate", "--board", "-0.1"], "0 or more m, got -0.1"),
+            (["simulate", "--half-board"], "half board: expected the board's thickness"),
+            (["simulate", "--noise", "5"], "noise: expected 0 to 3, got 5"),
+            (["simulate", "--seed", "-2"], "seed: expected a whole number from 0 on, got -2"),
+            (["simulate", "--seed", "1.5"], "--seed"),
+            (["simulate", "--detector", "nosuch"], "residual, norm"),
+            (["simulate", "--landing", "nosuch", "--json"], "scaled, planned, tracking"),
+            (["simulate", "--qp-solver", "nosuch"], "proxqp, quadprog"),
             (["export", "nosuch.npz", "--format", "csv", "--out", "x"], "No such file"),
         ],
     )
@@ -140,7 +113,7 @@ class TestLists:
     def test_help_without_arguments(self, capsys):
         assert cli.main([]) == 0
         out = capsys.readouterr().out
-        assert all(word in out for word in ("plan", "export", "robots", "models", "formats"))
+        assert all(word in out for word in ("plan", "simulate", "export", "robots", "formats"))
 
     def test_robots_models_formats(self, capsys):
         for command, first in (("robots", "anymal"), ("models", "srbm"), ("formats", "npz")):
@@ -161,102 +134,6 @@ class TestLists:
         os.close(writing)
         assert process.stderr == b""
         assert process.returncode == 1
-
-
-class TestPlan:
-    def test_options_become_a_request_in_radians(self, planner, capsys):
-        planner.answers.append(synthetic_plan())
-        words = "--robot anymal --model srbm --twist -90 --forward 0.2 --lateral -0.1 --height 0.1"
-        assert cli.main(["plan", *words.split(), "--solver", "ipopt"]) == 0
-        jump, options = planner.requests[0]
-        assert jump == llsrbm.Jump("anymal", "srbm", -math.pi / 2, 0.2, -0.1, 0.1)
-        assert options["solver"] == "ipopt"
-
-    def test_json_is_one_object_with_the_contracts_keys(self, planner, capfd):
-        plan = synthetic_plan(twist=-math.pi)
-        planner.answers.append(plan)
-        assert cli.main(["plan", "--json"]) == 0
-        out, err = capfd.readouterr()
-        assert out.count("\n") == 1
-        result = json.loads(out)
-        assert list(result) == PLAN_KEYS
-        assert result["status"] == "solved"
-        assert result["phase_durations_s"] == pytest.approx([0.5, 0.4, 0.6])
-        assert result["final_yaw"] == pytest.approx(-math.pi)
-        assert result["peak_yaw_rate"] == pytest.approx(1.5 * math.pi / 1.5, rel=1e-2)
-        assert result["violations"] == {"friction": 2e-5, "reach": 0.0}
-        assert "a banner of a solver" in err
-
-    def test_json_keeps_compiled_libraries_off_stdout(self, planner, capfd, monkeypatch):
-        planner.answers.append(synthetic_plan())
-        inner = llsrbm.plan
-
-        def noisy(jump, **options):
-            os.write(1, b"printed from C\n")
-            return inner(jump, **options)
-
-        monkeypatch.setattr(llsrbm, "plan", noisy)
-        assert cli.main(["plan", "--json"]) == 0
-        out, err = capfd.readouterr()
-        json.loads(out)
-        assert "printed from C" in err
-
-    def test_not_converged_is_exit_1_with_the_plan(self, planner, capfd, tmp_path):
-        plan = synthetic_plan()
-        report = replace(plan.report, status="not-converged", cost=math.nan)
-        plan = replace(plan, report=report)
-        said = "friction is violated by 3 N in the landing"
-        planner.answers.append(NotConverged(said, plan))
-        assert cli.main(["plan", "--json", "--out", str(tmp_path / "p.npz")]) == 1
-        out, err = capfd.readouterr()
-        result = json.loads(out, parse_constant=pytest.fail)
-        assert result["status"] == "not-converged"
-        assert result["cost"] is None
-        assert err.splitlines()[-1] == f"llsrbm: {said}"
-        assert not load(tmp_path / "p.npz").solved
-
-    def test_out_is_what_the_planner_returned(self, planner, tmp_path, capsys):
-        plan = synthetic_plan()
-        planner.answers.append(plan)
-        assert cli.main(["plan", "--out", str(tmp_path / "p.npz")]) == 0
-        np.testing.assert_array_equal(load(tmp_path / "p.npz").com, plan.com)
-
-    def test_summary_for_a_person(self, planner, capsys):
-        planner.answers.append(synthetic_plan())
-        assert cli.main(["plan", "--twist", "90"]) == 0
-        out = capsys.readouterr().out
-        assert "twist 90 deg" in out
-        assert "14 iterations" in out
-        assert "fastest" in out
-        assert "2.0e-05 N (friction, landing, 1.10 s)" in out
-
-    def test_the_planners_refusal_is_exit_2(self, planner, capsys):
-        planner.answers.append(InputError("forward 50 m\nis out of range"))
-        assert cli.main(["plan"]) == 2
-        assert capsys.readouterr().err == "llsrbm: forward 50 m is out of range\n"
-
-    def test_interrupt(self, monkeypatch):
-        def interrupted(*_args, **_kwargs):
-            raise KeyboardInterrupt
-
-        monkeypatch.setattr(llsrbm, "plan", interrupted)
-        assert cli.main(["plan"]) == 130
-
-    def test_for_real(self, tmp_path):
-        process = run("plan", "--twist", 30, "--json", "--out", tmp_path / "plan.npz")
-        assert process.returncode == 0, process.stderr
-        result = json.loads(process.stdout)
-        assert result["status"] == "solved"
-        assert result["final_yaw"] == pytest.approx(math.radians(30), abs=1e-3)
-        assert max(result["violations"].values()) < 1e-3
-        plan = load(tmp_path / "plan.npz")
-        assert plan.jump.twist == pytest.approx(math.radians(30))
-        process = run(
-            "export", tmp_path / "plan.npz", "--format", "csv", "--out", tmp_path / "plan.csv"
-        )
-        assert process.returncode == 0, process.stderr
-        table = np.loadtxt(tmp_path / "plan.csv", delimiter=",", skiprows=1)
-        assert table[-1, 0] == pytest.approx(plan.duration)
 
 
 class TestCommandsOfOtherPackages:

@@ -1,0 +1,127 @@
+"""`llsrbm plan`: exit status, one line for what is wrong, one JSON object when asked."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import llsrbm
+from llsrbm import cli
+from llsrbm.errors import InputError, NotConverged
+from llsrbm.trajectory.files import load
+from tests.llsrbm.commands.process import run
+from tests.llsrbm.synthetic import synthetic_plan
+
+# As the contract has them, in its order.
+PLAN_KEYS = [
+    "status", "solver", "iterations", "solve_time_s", "total_time_s", "build_time_s", "cost",
+    "duration_s", "phase_durations_s", "peak_yaw_rate", "final_yaw", "violations",
+]  # fmt: skip
+
+
+def test_options_become_a_request_in_radians(planner, capsys):
+    planner.answers.append(synthetic_plan())
+    words = "--robot anymal --model srbm --twist -90 --forward 0.2 --lateral -0.1 --height 0.1"
+    assert cli.main(["plan", *words.split(), "--solver", "ipopt"]) == 0
+    jump, options = planner.requests[0]
+    assert jump == llsrbm.Jump("anymal", "srbm", -math.pi / 2, 0.2, -0.1, 0.1)
+    assert options["solver"] == "ipopt"
+
+
+def test_json_is_one_object_with_the_contracts_keys(planner, capfd):
+    plan = synthetic_plan(twist=-math.pi)
+    planner.answers.append(plan)
+    assert cli.main(["plan", "--json"]) == 0
+    out, err = capfd.readouterr()
+    assert out.count("\n") == 1
+    result = json.loads(out)
+    assert list(result) == PLAN_KEYS
+    assert result["status"] == "solved"
+    assert result["phase_durations_s"] == pytest.approx([0.5, 0.4, 0.6])
+    assert result["final_yaw"] == pytest.approx(-math.pi)
+    assert result["peak_yaw_rate"] == pytest.approx(1.5 * math.pi / 1.5, rel=1e-2)
+    assert result["violations"] == {"friction": 2e-5, "reach": 0.0}
+    assert "a banner of a solver" in err
+
+
+def test_json_keeps_compiled_libraries_off_stdout(planner, capfd, monkeypatch):
+    planner.answers.append(synthetic_plan())
+    inner = llsrbm.plan
+
+    def noisy(jump, **options):
+        os.write(1, b"printed from C\n")
+        return inner(jump, **options)
+
+    monkeypatch.setattr(llsrbm, "plan", noisy)
+    assert cli.main(["plan", "--json"]) == 0
+    out, err = capfd.readouterr()
+    json.loads(out)
+    assert "printed from C" in err
+
+
+def test_not_converged_is_exit_1_with_the_plan(planner, capfd, tmp_path):
+    plan = synthetic_plan()
+    report = replace(plan.report, status="not-converged", cost=math.nan)
+    plan = replace(plan, report=report)
+    said = "friction is violated by 3 N in the landing"
+    planner.answers.append(NotConverged(said, plan))
+    assert cli.main(["plan", "--json", "--out", str(tmp_path / "p.npz")]) == 1
+    out, err = capfd.readouterr()
+    result = json.loads(out, parse_constant=pytest.fail)
+    assert result["status"] == "not-converged"
+    assert result["cost"] is None
+    assert err.splitlines()[-1] == f"llsrbm: {said}"
+    assert not load(tmp_path / "p.npz").solved
+
+
+def test_out_is_what_the_planner_returned(planner, tmp_path, capsys):
+    plan = synthetic_plan()
+    planner.answers.append(plan)
+    assert cli.main(["plan", "--out", str(tmp_path / "p.npz")]) == 0
+    np.testing.assert_array_equal(load(tmp_path / "p.npz").com, plan.com)
+
+
+def test_summary_for_a_person(planner, capsys):
+    planner.answers.append(synthetic_plan())
+    assert cli.main(["plan", "--twist", "90"]) == 0
+    out = capsys.readouterr().out
+    assert "twist 90 deg" in out
+    assert "14 iterations" in out
+    assert "fastest" in out
+    assert "2.0e-05 N (friction, landing, 1.10 s)" in out
+
+
+def test_the_planners_refusal_is_exit_2(planner, capsys):
+    planner.answers.append(InputError("forward 50 m\nis out of range"))
+    assert cli.main(["plan"]) == 2
+    assert capsys.readouterr().err == "llsrbm: forward 50 m is out of range\n"
+
+
+def test_interrupt(monkeypatch):
+    def interrupted(*_args, **_kwargs):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(llsrbm, "plan", interrupted)
+    assert cli.main(["plan"]) == 130
+
+
+def test_for_real(tmp_path):
+    process = run("plan", "--twist", 30, "--json", "--out", tmp_path / "plan.npz")
+    assert process.returncode == 0, process.stderr
+    result = json.loads(process.stdout)
+    assert result["status"] == "solved"
+    assert result["final_yaw"] == pytest.approx(math.radians(30), abs=1e-3)
+    assert max(result["violations"].values()) < 1e-3
+    plan = load(tmp_path / "plan.npz")
+    assert plan.jump.twist == pytest.approx(math.radians(30))
+    process = run(
+        "export", tmp_path / "plan.npz", "--format", "csv", "--out", tmp_path / "plan.csv"
+    )
+    assert process.returncode == 0, process.stderr
+    table = np.loadtxt(tmp_path / "plan.csv", delimiter=",", skiprows=1)
+    assert table[-1, 0] == pytest.approx(plan.duration)

@@ -1,0 +1,159 @@
+"""`llsrbm simulate`: a file or a jump, exit status, one JSON object when asked."""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import llsrbm
+from llsrbm import cli
+from llsrbm.errors import NotConverged
+from llsrbm.trajectory.files import load
+from llsrbm.trajectory.rollout import Conditions
+from llsrbm.trajectory.rollout_summary import rollout_summary
+from tests.llsrbm.commands.process import run
+from tests.llsrbm.synthetic import synthetic_plan
+from tests.llsrbm.synthetic_rollout import synthetic_rollout
+
+
+def test_a_file_is_simulated_as_it_is(simulator, saved, capsys, tmp_path):
+    simulator.answers.append(synthetic_rollout())
+    words = "--board 0.025 --half-board --seed 7 --noise 0.5 --detector norm --landing planned"
+    out = tmp_path / "r.npz"
+    command = ["simulate", str(saved), *words.split(), "--qp-solver", "quadprog"]
+    assert cli.main([*command, "--out", str(out)]) == 0
+    (plan, options), *_ = simulator.requests
+    np.testing.assert_array_equal(plan.com, synthetic_plan().com)
+    assert options == {
+        "board": 0.025, "half_board": True, "seed": 7, "noise": 0.5, "detector": "norm",
+        "landing": "planned", "solver": "quadprog",
+    }  # fmt: skip
+    np.testing.assert_array_equal(load(out).qpos, simulator.answers[0].qpos)
+
+
+def test_without_a_file_the_jump_is_planned_first(planner, simulator, capsys):
+    planner.answers.append(synthetic_plan())
+    simulator.answers.append(synthetic_rollout())
+    words = "--robot anymal --model srbm --twist -90 --forward 0.2 --lateral -0.1 --height 0.1"
+    assert cli.main(["simulate", *words.split(), "--solver", "ipopt"]) == 0
+    jump, options = planner.requests[0]
+    assert jump == llsrbm.Jump("anymal", "srbm", -math.pi / 2, 0.2, -0.1, 0.1)
+    assert options["solver"] == "ipopt"
+    plan, options = simulator.requests[0]
+    assert plan.jump == jump
+    assert (options["seed"], options["noise"], options["solver"]) == (None, None, "proxqp")
+
+
+def test_the_bare_command_plans_the_default_jump(planner, simulator, capsys):
+    planner.answers.append(synthetic_plan())
+    simulator.answers.append(synthetic_rollout())
+    assert cli.main(["simulate"]) == 0
+    assert planner.requests[0][0] == llsrbm.Jump()
+
+
+@pytest.mark.parametrize(
+    "words",
+    ["--twist 30", "--model srbm", "--robot anymal", "--solver fatrop", "--height 0",
+     "--forward 0", "--lateral 0.0"],
+)  # fmt: skip
+def test_a_file_and_a_jump_contradict_each_other(words, simulator, saved, capfd):
+    """Even where the option says what is the default."""
+    assert cli.main(["simulate", str(saved), *words.split()]) == 2
+    out, err = capfd.readouterr()
+    assert (out, err.count("\n")) == ("", 1)
+    assert err.startswith(f"llsrbm: {words.split()[0]}: ")
+    assert not simulator.requests
+
+
+def test_a_rollout_is_no_plan(simulator, tmp_path, capfd):
+    synthetic_rollout().save(tmp_path / "r.npz")
+    assert cli.main(["simulate", str(tmp_path / "r.npz")]) == 2
+    out, err = capfd.readouterr()
+    assert out == ""
+    assert err == f"llsrbm: {tmp_path / 'r.npz'}: holds a rollout; expected a plan\n"
+
+
+def test_json_is_one_object(simulator, saved, capfd):
+    rollout = synthetic_rollout(seed=7)
+    simulator.answers.append(rollout)
+    assert cli.main(["simulate", str(saved), "--json"]) == 0
+    out, err = capfd.readouterr()
+    assert out.count("\n") == 1
+    assert json.loads(out, parse_constant=pytest.fail) == rollout_summary(rollout)
+    assert "a banner of a simulator" in err
+
+
+def test_a_fall_is_exit_1_with_when_and_why(simulator, saved, capfd, tmp_path):
+    simulator.answers.append(synthetic_rollout(fell_at=1.25))
+    out_file = tmp_path / "r.npz"
+    assert cli.main(["simulate", str(saved), "--json", "--out", str(out_file)]) == 1
+    out, err = capfd.readouterr()
+    assert json.loads(out)["status"] == "fell"
+    assert json.loads(out)["fell_at_s"] == 1.25
+    last = err.splitlines()[-1]
+    assert last.startswith("llsrbm: the robot fell at 1.25 s: the base touched the ground")
+    assert not load(out_file).landed
+
+
+def test_no_plan_is_exit_1_and_nothing_is_simulated(planner, simulator, capfd):
+    said = "friction is violated by 3 N in landing"
+    planner.answers.append(NotConverged(said, synthetic_plan()))
+    assert cli.main(["simulate", "--json"]) == 1
+    out, err = capfd.readouterr()
+    assert out == ""
+    assert err.splitlines()[-1] == f"llsrbm: {said}"
+    assert not simulator.requests
+
+
+def test_summary_for_a_person(simulator, saved, capsys):
+    conditions = Conditions(board=0.025, half_board=True, seed=7)
+    simulator.answers.append(replace(synthetic_rollout(), conditions=conditions))
+    assert cli.main(["simulate", str(saved)]) == 0
+    out, err = capsys.readouterr()
+    assert err == ""
+    assert "half board 25 mm, disturbed by seed 7, noise 1" in out
+    assert "planned 0.900 s, true 0.890 s, detected 0.895 s, 0 false" in out
+    assert "-2.9 deg at touchdown, +0.1 deg at the end" in out
+    assert "4.2 x real time" in out
+
+
+def test_summary_of_a_robot_that_never_came_down(simulator, saved, capsys):
+    rollout = synthetic_rollout(fell_at=0.7)
+    outcome = replace(
+        rollout.outcome,
+        touchdown_true_s=None,
+        touchdown_detected_s=None,
+        yaw_error_at_touchdown=None,
+    )
+    simulator.answers.append(replace(rollout, outcome=outcome))
+    assert cli.main(["simulate", str(saved)]) == 1
+    out = capsys.readouterr().out
+    assert "true never, detected never" in out
+    assert "fell at 0.70 s" in out
+
+
+def test_a_waiting_person_sees_how_far_it_is(simulator, saved, capsys, monkeypatch):
+    monkeypatch.setattr("sys.stderr.isatty", lambda: True, raising=False)
+    simulator.answers.append(synthetic_rollout())
+    assert cli.main(["simulate", str(saved)]) == 0
+    assert "simulating  50 %" in capsys.readouterr().err
+
+
+def test_for_real(tmp_path):
+    out = tmp_path / "rollout.npz"
+    process = run("simulate", "--twist", 30, "--seed", 3, "--json", "--out", out)
+    assert process.returncode == 0, process.stderr
+    result = json.loads(process.stdout)
+    assert result["status"] == "landed"
+    assert result["control_rate_hz"] == 400
+    rollout = load(out)
+    assert rollout.jump.twist == pytest.approx(math.radians(30))
+    assert rollout_summary(rollout) == result
+    process = run("export", out, "--format", "csv", "--out", tmp_path / "rollout.csv")
+    assert process.returncode == 0, process.stderr
+    table = np.loadtxt(tmp_path / "rollout.csv", delimiter=",", skiprows=1)
+    assert table[-1, 0] == pytest.approx(rollout.duration)
