@@ -32,6 +32,11 @@ def standing_state(robot: Robot, plan: Plan) -> Array:
     Raises:
         InputError: the robot cannot stand so.
     """
+    if set(plan.joint_names) != set(robot.joint_names):
+        raise InputError(
+            f"plan: it has joints {', '.join(plan.joint_names)}; expected a plan of "
+            f"{robot.file.title}: {', '.join(robot.joint_names)}"
+        )
     model, contacts = robot.model, foot_contacts(robot)
     data = model.createData()
     goal = plan.foot_position[0] + [[0.0, 0.0, contact.radius] for contact in contacts]

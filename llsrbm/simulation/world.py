@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from dataclasses import dataclass
 
 import mujoco
@@ -18,7 +19,15 @@ from llsrbm.trajectory.rollout import Conditions, Disturbance
 
 Array = NDArray[np.float64]
 
+_log = logging.getLogger(__name__)
+# By itself MuJoCo prints warnings and writes them to a file in the working directory.
+mujoco.set_mju_user_warning(_log.info)
+
 STEP = 5e-4  # s; steps are not longer. Impacts change by less than their scatter below it.
+
+
+class Diverged(Exception):
+    """The simulation has become meaningless: numbers are not finite, or huge."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,6 +92,7 @@ class World:
         self._drives = Drives(robot, disturbance.torque_delay_ticks)
         self._contacts = ContactReader(self._data, len(robot.legs), self._steps)
         self._torque, self._limit = np.zeros((2, self._steps, len(robot.joint_names)))
+        self._warnings = self._data.warning.number
         self._conjugate = np.empty(4)
         self._ticks = 0
         self.reset(robot.posture, np.zeros(robot.model.nv))
@@ -127,6 +137,9 @@ class World:
 
         Args:
             torque: (J,) Nm or N as commanded, in the order of `robot.joint_names`.
+
+        Raises:
+            Diverged: the tick is worth nothing, nor is the state until a `reset`.
         """
         self.scene.move_blocks(self._data, self.time)
         arriving = self._drives.arriving(np.array(torque, dtype=float))
@@ -136,6 +149,9 @@ class World:
             self._limit[step] = limit
             mujoco.mj_step(self._model, self._data)
             self._contacts.read(step)
+        if self._warnings.any():
+            # MuJoCo has already put the robot back to where its model was compiled.
+            raise Diverged(self._what_went_wrong())
         touched = self._contacts.touched()
         contact: NDArray[np.bool_] = np.logical_or.reduce(touched)
         first = self.time + touched.argmax(axis=0) * (self.tick / self._steps)
@@ -148,3 +164,8 @@ class World:
             torque_limit=self._limit.mean(axis=0),
             trunk_contact=self._contacts.trunk_touched(),
         )
+
+    def _what_went_wrong(self) -> str:
+        kind = int(self._warnings.argmax())
+        text = mujoco.mju_warningText(kind, self._data.warning[kind].lastinfo)
+        return f"MuJoCo after {self.time:.4f} s: {text}"

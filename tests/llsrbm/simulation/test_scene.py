@@ -43,7 +43,7 @@ def random_states(robot, count=20):
 
 
 def in_mujoco(scene, q, v):
-    """Data at a state, converted here anew; `turn` with v_mujoco = turn v_pinocchio; R_world_base."""
+    """Data at a state, `turn` with v_mujoco = turn v_pinocchio, and R_world_base."""
     data = mujoco.MjData(scene.model)
     R = pin.Quaternion(q[3:7]).toRotationMatrix()
     turn = np.zeros((len(v), len(v)))

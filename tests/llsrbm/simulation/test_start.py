@@ -82,3 +82,9 @@ def test_what_cannot_stand_is_refused():
     high = dataclasses.replace(plan, com=plan.com + np.array([0, 0, 0.4]))
     with pytest.raises(InputError, match=r"plan: ANYmal B cannot stand as its first knot says"):
         standing_state(robot, high)
+
+
+def test_a_plan_of_another_robot_is_refused(tmp_path):
+    plan = plan_of(sliding_biped(tmp_path))
+    with pytest.raises(InputError, match=r"plan: it has joints .*_slide.* a plan of ANYmal B: LF_"):
+        standing_state(load_robot("anymal"), plan)

@@ -12,7 +12,7 @@ from llsrbm.jump import Jump
 from llsrbm.robots import load_robot
 from llsrbm.robots.foot_contact import foot_contacts
 from llsrbm.simulation.start import standing_state
-from llsrbm.simulation.world import World
+from llsrbm.simulation.world import Diverged, World
 from llsrbm.trajectory.rollout import Conditions, Disturbance
 from tests.app.synthetic_plan import FLY, STAND, synthetic_plan
 from tests.llsrbm.simulation.sliding_biped import sliding_biped
@@ -190,11 +190,6 @@ def check_momenta(run):
     middle = (run.com[1:] + run.com[:-1]) / 2
     arm = (run.feet[1:] + run.feet[:-1]) / 2 - middle[:, None]
     moment = np.cross(arm, run.force).sum(axis=1)
-    print(
-        "MOM",
-        rms(rate[:, :3] - linear) / rms(rate[:, :3]),
-        rms(rate[:, 3:] - moment) / rms(rate[:, 3:]),
-    )
     assert rms(rate[:, 3:] - moment) < 0.01 * rms(rate[:, 3:])
 
 
@@ -249,8 +244,8 @@ def test_the_trunk_on_the_ground_is_told():
     world.reset(q, np.zeros(18))
     results = [world.advance(np.zeros(JOINTS)) for _ in range(120)]
     assert not results[0].trunk_contact
-    assert results[-1].trunk_contact
-    assert not results[-1].contact.any()
+    assert any(result.trunk_contact for result in results)
+    assert not any(result.contact.any() for result in results)
 
 
 def test_torques_are_late_by_the_delay():
@@ -302,6 +297,22 @@ def test_a_joint_is_not_driven_beyond_its_speed():
     assert last < 1.02 * limits.joint_speed
 
 
+def test_a_simulation_that_diverges_says_so(tmp_path, monkeypatch, capfd):
+    monkeypatch.chdir(tmp_path)
+    world = world_of()
+    q, v = in_the_air()
+    v[8] = 1e12
+    world.reset(q, v)
+    with pytest.raises(Diverged, match=r"MuJoCo after 0\.0000 s: .*QVEL"):
+        world.advance(np.zeros(JOINTS))
+    world.reset(*in_the_air())
+    world.advance(np.zeros(JOINTS))
+    with pytest.raises(Diverged, match=r"MuJoCo after 0\.0025 s: .*CTRL"):
+        world.advance(np.full(JOINTS, np.nan))
+    assert not list(tmp_path.iterdir())
+    assert capfd.readouterr() == ("", "")
+
+
 def test_runs_are_repeatable():
     runs = []
     for _ in range(2):
@@ -330,6 +341,7 @@ def drop_at_landing(conditions, jump):
     for _ in range(ticks):
         world.advance(springs(world, start))
     assert world.time == pytest.approx(STAND + FLY / 2)
+    # Carried over in mid-flight, which only the simulator's own state allows.
     world._qpos[world.scene.q_order] = q
     world._qvel[:] = 0
     for _ in range(200):
