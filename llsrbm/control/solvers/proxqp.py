@@ -19,6 +19,9 @@ TOLERANCE = 1e-5
 # Without a limit on the gap between primal and dual cost, a limit with a large multiplier may be
 # missed by far; a smaller one costs an iteration.
 DUALITY_GAP = 1e-3
+# What its certificates of infeasibility must be exact to; with the library's 1e-4 it gives up
+# programs whose feasible set is thin. MAX_ITERATIONS ends what is truly infeasible.
+INFEASIBLE = 1e-12
 # A tick takes 1-7 iterations and 35 when most limits are active; one that takes more is lost, and
 # shall not delay the next ones.
 MAX_ITERATIONS = 100
@@ -64,6 +67,7 @@ class ProxQp(QpSolver):
             settings.eps_abs, settings.eps_rel = TOLERANCE, 0.0
             settings.check_duality_gap = True
             settings.eps_duality_gap_abs, settings.eps_duality_gap_rel = DUALITY_GAP, 0.0
+            settings.eps_primal_inf = settings.eps_dual_inf = INFEASIBLE
             settings.max_iter = MAX_ITERATIONS
             settings.initial_guess = proxqp.InitialGuess.EQUALITY_CONSTRAINED_INITIAL_GUESS
             qp.init(*data, mu_eq=MU_EQUALITY, mu_in=MU_INEQUALITY)

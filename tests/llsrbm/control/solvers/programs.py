@@ -2,7 +2,7 @@
 
 import numpy as np
 from hypothesis import strategies as st
-from scipy.optimize import lsq_linear
+from scipy.optimize import nnls
 
 from llsrbm.control.solvers import Qp
 
@@ -48,24 +48,13 @@ def violation(p, x):
 
 
 def stationarity(p, x, active=1e-4):
-    """What of the gradient no admissible multiplier of a constraint that is active explains."""
+    """What of the gradient no admissible multipliers of the constraints that are active explain."""
     unit = np.eye(len(x))
-    columns, signs = [*p.A], [0] * len(p.A)
+    columns = [*p.A, *-p.A]
     for rows, values, lower, upper in (
         (p.C, p.C @ x, p.lower, p.upper),
         (unit, x, p.x_lower, p.x_upper),
     ):
-        for row, value, low, up in zip(rows, values, lower, upper, strict=True):
-            if value - low < active:
-                columns.append(row)
-                signs.append(1)
-            if up - value < active:
-                columns.append(row)
-                signs.append(-1)
+        columns += [*rows[values - lower < active], *-rows[upper - values < active]]
     gradient = p.H @ x + p.g
-    if not columns:
-        return np.abs(gradient).max()
-    sign = np.array(signs)
-    bounds = np.where(sign > 0, 0, -np.inf), np.where(sign < 0, 0, np.inf)
-    fit = lsq_linear(np.array(columns).T, gradient, bounds, tol=1e-12)
-    return np.abs(fit.fun).max()
+    return nnls(np.array(columns).T, gradient)[1] if columns else np.linalg.norm(gradient)
