@@ -5,23 +5,20 @@ Making a node costs a browser far more than moving it: new buffers, perhaps a ne
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
+
 import numpy as np
 import viser
 from numpy.typing import NDArray
 
-from app.replay import Replay
-from llsrbm.trajectory.plan import Phase
+from app import colours
+from app.colours import Rgb
+from app.frames import Frames
+from llsrbm.simulation.surroundings import Block
+from llsrbm.trajectory.plan import Plan
 
 Array = NDArray[np.float64]
-Rgb = tuple[int, int, int]
-
-PLANNED_COLOUR: Rgb = (44, 123, 229)
-RIGID_COLOUR: Rgb = (240, 140, 30)
-FORCE_COLOUR: Rgb = (214, 51, 108)
-COM_COLOUR: Rgb = (90, 60, 180)
-FOOT_COLOUR: Rgb = (110, 120, 130)
-TARGET_COLOUR: Rgb = (40, 160, 90)
-INFEASIBLE_COLOUR: Rgb = (220, 40, 40)
 
 ARROW_PER_WEIGHT = 0.8
 """Length of the arrow of a force as large as the robot's weight, m."""
@@ -31,6 +28,8 @@ _FOOTPRINT = 0.03  # m, radius of a landing mark
 _MARGIN = 0.12  # m, of the landing surface around the feet
 _ALONG_TRAIL = 4  # frames between the points of a trail
 _PUSHING = 1.0  # N; smaller forces are not drawn
+_STILL = 1e-5  # m; arrows that move less are not sent again
+_OUT_OF_SIGHT = np.array([0.0, 0.0, -100.0])  # m; an arrow without length would still have a head
 
 
 class Ellipsoid:
@@ -73,39 +72,46 @@ class Forces:
 
     def __init__(self, client: viser.ClientHandle, contacts: int) -> None:
         """Hidden."""
+        self._points = np.zeros((contacts, 2, 3), dtype=np.float32)
+        self._visible = False
         self._arrows = client.scene.add_arrows(
             "/arrows",
-            np.zeros((contacts, 2, 3), dtype=np.float32),
-            FORCE_COLOUR,
+            self._points,
+            colours.FORCE,
             shaft_radius=0.008,
             head_radius=0.02,
             head_length=0.04,
             visible=False,
         )
-        self._interval = -1
 
-    def move(self, replay: Replay, frame: int) -> None:
-        """Show a frame's forces, if they differ: they are constant over an interval."""
-        interval = int(replay.interval[frame])
-        if interval == self._interval:
-            return
-        self._interval = interval
-        force = replay.motion.contact_force[frame]
-        pushing = bool(np.abs(force).max() > _PUSHING)
-        if pushing:
-            foot = replay.motion.contact_point[frame]
-            tip = foot + force * (ARROW_PER_WEIGHT / replay.weight)
-            self._arrows.points = np.stack([foot, tip], axis=1).astype(np.float32)
-        self._arrows.visible = pushing
+    def move(self, frames: Frames, frame: int) -> None:
+        """Show a frame's forces, if they differ: planned ones are constant over an interval."""
+        force, foot = frames.contact_force[frame], frames.contact_point[frame]
+        pushing = np.linalg.norm(force, axis=1) > _PUSHING
+        if pushing.any():
+            tip = foot + force * (ARROW_PER_WEIGHT / frames.weight)
+            points = np.stack([foot, tip], axis=1)
+            points[~pushing] = _OUT_OF_SIGHT
+            self._put(points.astype(np.float32))
+        self._show(visible=bool(pushing.any()))
 
     def hide(self) -> None:
         """Hide until the next `move`."""
-        self._arrows.visible = False
-        self._interval = -1
+        self._show(visible=False)
 
     def remove(self) -> None:
         """Remove for good."""
         self._arrows.remove()
+
+    def _put(self, points: NDArray[np.float32]) -> None:
+        if points.shape != self._points.shape or np.abs(points - self._points).max() > _STILL:
+            self._points = points
+            self._arrows.points = points
+
+    def _show(self, *, visible: bool) -> None:
+        if visible != self._visible:
+            self._visible = visible
+            self._arrows.visible = visible
 
 
 class Trails:
@@ -115,19 +121,18 @@ class Trails:
         """Hidden."""
         nothing = np.zeros((1, 2, 3), dtype=np.float32)
         add = client.scene.add_line_segments
-        self._com = add("/path/com", nothing, COM_COLOUR, thickness=0.008, visible=False)
-        self._feet = add("/path/feet", nothing, FOOT_COLOUR, thickness=0.005, visible=False)
+        self._com = add("/path/com", nothing, colours.COM, thickness=0.008, visible=False)
+        self._feet = add("/path/feet", nothing, colours.FOOT, thickness=0.005, visible=False)
 
-    def draw(self, replay: Replay) -> None:
-        """Take a motion's paths."""
-        motion = replay.motion
-        last = len(motion.time) - 1
+    def draw(self, frames: Frames, *, feasible: bool) -> None:
+        """Take a motion's paths; one that breaks constraints gets a warning colour."""
+        last = len(frames.time) - 1
         kept = np.append(np.arange(0, last, _ALONG_TRAIL), last)
-        flight = np.flatnonzero(motion.phase == Phase.FLIGHT)[::_ALONG_TRAIL]
-        self._com.points = _segments(motion.com[kept, None])
-        self._feet.points = _segments(motion.foot_position[flight])
-        colour = COM_COLOUR if replay.plan.solved else INFEASIBLE_COLOUR
+        flight = np.flatnonzero(frames.flight)[::_ALONG_TRAIL]
+        self._com.points = _segments(frames.com[kept, None])
+        self._feet.points = _segments(frames.foot_position[flight])
         # One colour for all, as when the node was made.
+        colour = colours.COM if feasible else colours.INFEASIBLE
         self._com.colors = np.array(colour, dtype=np.uint8)
 
     def show(self, *, visible: bool) -> None:
@@ -146,7 +151,7 @@ class Target:
                 f"/target/foot{i}",
                 _FOOTPRINT,
                 0.004,
-                TARGET_COLOUR,
+                colours.TARGET,
                 radial_segments=16,
                 cast_shadow=False,
                 visible=False,
@@ -154,30 +159,66 @@ class Target:
             for i in range(feet)
         ]
         self._step = scene.add_box(
-            "/target/step", TARGET_COLOUR, opacity=0.22, cast_shadow=False, visible=False
+            "/target/step", colours.TARGET, opacity=0.22, cast_shadow=False, visible=False
         )
 
-    def draw(self, replay: Replay) -> None:
-        """Take a plan's."""
-        plan = replay.plan
+    def draw(self, plan: Plan, *, step: bool) -> None:
+        """Take a plan's; without `step`, only the marks."""
         height, landing = plan.jump.height, plan.foot_position[-1]
         for mark, foot in zip(self._marks, landing, strict=True):
             mark.position = (foot[0], foot[1], height + 0.003)
             mark.visible = True
-        self._step.visible = height != 0
-        if height == 0:
+        self._step.visible = step and height != 0
+        if not self._step.visible:
             return
         # A step down is drawn as the block the robot starts from.
         feet = landing if height > 0 else plan.foot_position[0]
         low, high = feet[:, :2].min(axis=0) - _MARGIN, feet[:, :2].max(axis=0) + _MARGIN
         self._step.dimensions = (high[0] - low[0], high[1] - low[1], abs(height))
         self._step.position = (*((low + high) / 2), height / 2)
-        self._step.color = TARGET_COLOUR if height > 0 else FOOT_COLOUR
+        self._step.color = colours.TARGET if height > 0 else colours.FOOT
 
     def remove(self) -> None:
         """Remove for good."""
         for node in (*self._marks, self._step):
             node.remove()
+
+
+class Blocks:
+    """What the simulated robot stands and lands on besides the ground, while it is there."""
+
+    def __init__(self, client: viser.ClientHandle) -> None:
+        """Nothing is there."""
+        self._client = client
+        self._nodes: list[tuple[Block, viser.BoxHandle]] = []
+
+    def draw(self, blocks: Sequence[Block]) -> None:
+        """Replace all by these; hidden until `move`."""
+        for _, node in self._nodes:
+            node.remove()
+        self._nodes = [
+            (
+                block,
+                self._client.scene.add_box(
+                    f"/blocks/{index}",
+                    colours.BLOCK,
+                    dimensions=tuple(block.size),
+                    position=block.centre,
+                    wxyz=(math.cos(block.yaw / 2), 0.0, 0.0, math.sin(block.yaw / 2)),
+                    opacity=0.55,
+                    cast_shadow=False,
+                    visible=False,
+                ),
+            )
+            for index, block in enumerate(blocks)
+        ]
+
+    def move(self, time: float) -> None:
+        """Show those that stand there at `time`, s."""
+        for block, node in self._nodes:
+            there = block.from_s <= time < block.until_s
+            if node.visible != there:
+                node.visible = there
 
 
 def _segments(points: Array) -> NDArray[np.float32]:

@@ -5,41 +5,31 @@ The scene draws instants it is given; the player owns time.
 
 from __future__ import annotations
 
-from functools import lru_cache
+from collections.abc import Sequence
 
 import numpy as np
 import viser
 from numpy.typing import NDArray
 
-from app.overlays import (
-    COM_COLOUR,
-    PLANNED_COLOUR,
-    RIGID_COLOUR,
-    Ellipsoid,
-    Forces,
-    Target,
-    Trails,
-)
+from app import colours
+from app.frames import Frames
+from app.overlays import Blocks, Ellipsoid, Forces, Target, Trails
 from app.replay import Replay
+from app.robot_nodes import RobotNodes
 from llsrbm.robots import Robot
-from llsrbm.robots.visuals import forward_kinematics, link_visuals
+from llsrbm.simulation.surroundings import Block
 
 Array = NDArray[np.float64]
 
 _BLOT = 0.3  # m, length of the dark patch under the robot
 
 
-@lru_cache(maxsize=8)
-def _meshes(robot: Robot) -> tuple[tuple[str, int, bytes], ...]:
-    """(link, body index, glTF) of each body, made once for all tabs."""
-    return tuple(
-        (visual.link, visual.joint_id - 1, visual.mesh().export(file_type="glb"))
-        for visual in link_visuals(robot)
-    )
-
-
 class Scene:
-    """The nodes of one tab; to be used by one thread."""
+    """The nodes of one tab; to be used by one thread.
+
+    A plan alone is drawn solid. Beside a simulation it becomes a translucent ghost, made when it is
+    needed first, and what moves with the robot moves with the simulated one.
+    """
 
     # Browser tests find controls by label. viser's scene tree has labels, too, made from the names
     # of nodes, so these avoid the words of the panel (a node "robot" would be found as "Robot").
@@ -47,9 +37,12 @@ class Scene:
     def __init__(self, client: viser.ClientHandle) -> None:
         """An empty floor."""
         self._client = client
-        self._bodies: list[tuple[int, viser.GlbHandle]] = []
-        self._replay: Replay | None = None
-        self._show_ellipsoids = self._show_forces = self._show_trails = True
+        self._robot: Robot | None = None
+        self._solid: RobotNodes | None = None
+        self._ghost: RobotNodes | None = None
+        self._planned: Replay | None = None
+        self._simulated: Frames | None = None
+        self._show_ellipsoids = self._show_forces = self._show_trails = self._show_ghost = True
         scene = client.scene
         self._ground = scene.add_grid(
             "/ground",
@@ -66,86 +59,105 @@ class Scene:
         self._blot = scene.add_icosphere(
             "/blot", _BLOT, (30, 34, 40), scale=(1.0, 0.7, 0.005), opacity=0.22, visible=False
         )
-        self._com = scene.add_icosphere("/com", 0.018, COM_COLOUR, visible=False)
-        self._planned = Ellipsoid(client, "/ellipsoid/planned", PLANNED_COLOUR, surface=True)
-        self._rigid = Ellipsoid(client, "/ellipsoid/srbm", RIGID_COLOUR, surface=False)
+        self._com = scene.add_icosphere("/com", 0.018, colours.COM, visible=False)
+        self._model = Ellipsoid(client, "/ellipsoid/planned", colours.PLANNED, surface=True)
+        self._whole = Ellipsoid(client, "/ellipsoid/whole", colours.SIMULATED, surface=True)
+        self._rigid = Ellipsoid(client, "/ellipsoid/srbm", colours.RIGID, surface=False)
         self._trails = Trails(client)
+        self._blocks = Blocks(client)
         self._forces: Forces | None = None
         self._target: Target | None = None
 
     def show_robot(self, robot: Robot) -> None:
         """Replace the robot by this one, in its default posture; nothing of a plan stays."""
-        position, wxyz = forward_kinematics(
-            robot, robot.base_position[None], [[1.0, 0.0, 0.0, 0.0]], robot.posture[None, 7:]
-        )
         with self._client.atomic():
             self._clear()
-            for _, handle in self._bodies:
-                handle.remove()
-            self._bodies = [
-                (
-                    body,
-                    self._client.scene.add_glb(
-                        f"/links/{link}", glb, position=position[0, body], wxyz=wxyz[0, body]
-                    ),
-                )
-                for link, body, glb in _meshes(robot)
-            ]
+            for nodes in (self._solid, self._ghost):
+                if nodes is not None:
+                    nodes.remove()
+            self._robot = robot
+            self._solid = RobotNodes(self._client, robot, "/links")
+            self._ghost = None
 
-    def show_replay(self, replay: Replay) -> None:
-        """Draw what of a motion does not move; follow with `show_instant`."""
+    def show_motion(
+        self, planned: Replay, simulated: Frames | None = None, blocks: Sequence[Block] = ()
+    ) -> None:
+        """Draw what of a motion does not move; follow with `show_instant`.
+
+        Args:
+            planned: the plan's.
+            simulated: of the robot that followed it.
+            blocks: what stood around it.
+        """
         with self._client.atomic():
-            self._replay = replay
+            self._planned, self._simulated = planned, simulated
+            solid = simulated or planned.frames
             if self._forces is None or self._target is None:
-                motion = replay.motion
-                self._forces = Forces(self._client, motion.contact_point.shape[1])
-                self._target = Target(self._client, motion.foot_position.shape[1])
-            self._target.draw(replay)
-            self._trails.draw(replay)
-            self._ground.position = (0.0, 0.0, min(replay.plan.jump.height, 0.0))
+                self._forces = Forces(self._client, solid.contact_point.shape[1])
+                self._target = Target(self._client, solid.foot_position.shape[1])
+            if simulated is not None and self._ghost is None and self._robot is not None:
+                self._ghost = RobotNodes(self._client, self._robot, "/shade", ghost=True)
+            self._target.draw(planned.plan, step=simulated is None)
+            self._blocks.draw(blocks)
+            self._trails.draw(solid, feasible=planned.plan.solved)
+            self._ground.position = (0.0, 0.0, min(planned.plan.jump.height, 0.0))
             self._com.visible = self._blot.visible = True
             self._apply_layers()
 
     def show_instant(self, time: float) -> None:
         """Move everything to an instant of the motion, s."""
-        replay = self._replay
-        if replay is None:
+        planned = self._planned
+        if planned is None or self._solid is None:
             return
-        frame = replay.frame_at(time)
-        com = replay.motion.com[frame]
+        model, solid = planned.frames, self._simulated or planned.frames
+        model_frame, frame = model.frame_at(time), solid.frame_at(time)
+        com = solid.com[frame]
         with self._client.atomic():
-            for body, handle in self._bodies:
-                handle.position = replay.body_position[frame, body]
-                handle.wxyz = replay.body_wxyz[frame, body]
+            self._solid.move(solid, frame)
+            if self._ghost is not None:
+                self._ghost.move(model, model_frame)
             self._com.position = com
             self._blot.position = (com[0], com[1], self._ground.position[2] + 0.002)
-            self._blot.wxyz = replay.yaw_wxyz[frame]
+            self._blot.wxyz = solid.yaw_wxyz[frame]
             if self._show_ellipsoids:
-                self._planned.move(com, replay.planned_wxyz[frame], replay.planned_axes[frame])
-                self._rigid.move(com, replay.rigid_wxyz[frame], replay.rigid_axes)
+                _move(self._model, model, model_frame)
+                if self._simulated is not None:
+                    _move(self._whole, solid, frame)
+                else:
+                    self._rigid.move(com, planned.rigid_wxyz[frame], planned.rigid_axes)
             if self._show_forces and self._forces is not None:
-                self._forces.move(replay, frame)
+                self._forces.move(solid, frame)
+            self._blocks.move(time)
 
-    def show_layers(self, *, ellipsoids: bool, forces: bool, trails: bool) -> None:
+    def show_layers(self, *, ellipsoids: bool, forces: bool, trails: bool, ghost: bool) -> None:
         """Choose what is drawn besides the robot; follow with `show_instant`."""
         self._show_ellipsoids, self._show_forces, self._show_trails = ellipsoids, forces, trails
+        self._show_ghost = ghost
         with self._client.atomic():
             self._apply_layers()
 
     def _apply_layers(self) -> None:
-        there = self._replay is not None
-        for ellipsoid in (self._planned, self._rigid):
-            ellipsoid.show(visible=there and self._show_ellipsoids)
+        there, simulated = self._planned is not None, self._simulated is not None
+        self._model.show(visible=there and self._show_ellipsoids)
+        self._rigid.show(visible=there and not simulated and self._show_ellipsoids)
+        self._whole.show(visible=simulated and self._show_ellipsoids)
         self._trails.show(visible=there and self._show_trails)
+        if self._ghost is not None:
+            self._ghost.show(visible=simulated and self._show_ghost)
         if self._forces is not None:
             self._forces.hide()
 
     def _clear(self) -> None:
         """Forget the motion, and the nodes whose number depends on the robot."""
-        self._replay = None
+        self._planned = self._simulated = None
         self._com.visible = self._blot.visible = False
+        self._blocks.draw(())
         self._apply_layers()
         for overlay in (self._forces, self._target):
             if overlay is not None:
                 overlay.remove()
         self._forces = self._target = None
+
+
+def _move(ellipsoid: Ellipsoid, frames: Frames, frame: int) -> None:
+    ellipsoid.move(frames.com[frame], frames.inertia_wxyz[frame], frames.inertia_axes[frame])

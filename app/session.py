@@ -1,4 +1,4 @@
-"""One tab: its request, its plan, its picture. One thread does everything, in order.
+"""One tab: its request, its plan, its simulation. One thread does everything, in order.
 
 viser calls back from threads of its own, and a browser may skip values, so callbacks only say that
 something happened; this thread then reads the controls as they stand. The latest counts.
@@ -8,29 +8,37 @@ from __future__ import annotations
 
 import math
 import queue
-import tempfile
 import threading
-import time
+from contextlib import closing
 from enum import Enum
-from pathlib import Path
 
 import viser
 
-from app import markup
-from app.pace import Pace
+from app import summaries
+from app.download import exported
 from app.panel import Action, Panel
-from app.player import ServerPlayer
-from app.protocol import Cancelled, Failed, PlanJump, Planned, Prepare, Prepared, Progress, Report
-from app.replay import bake, figures, presentable
-from app.scene import Scene
+from app.protocol import (
+    Cancelled,
+    Failed,
+    PlanJump,
+    Planned,
+    Prepare,
+    Prepared,
+    Progress,
+    Report,
+    Simulated,
+    SimulateJump,
+    Task,
+)
+from app.replay import presentable
+from app.stage import Stage
 from app.worker_client import WorkerClient
 from llsrbm.errors import Error
-from llsrbm.exporters import export, suffix
 from llsrbm.jump import Jump
 from llsrbm.robots import Robot, load_robot
 from llsrbm.trajectory.plan import Plan
+from llsrbm.trajectory.rollout import Rollout
 
-_TIME_SHOWN_EVERY = 0.1  # s; the timeline follows the picture more slowly, to spare the line
 FIRST_JUMP = Jump(twist=math.radians(90))
 """What a tab begins with: the motion that shows most clearly what drawing in the legs does."""
 
@@ -47,7 +55,7 @@ class Session:
 
         Args:
             client: the tab.
-            worker: plans for all tabs.
+            worker: plans and simulates for all tabs.
         """
         self._client = client
         self._worker = worker
@@ -55,16 +63,22 @@ class Session:
         self._thread = threading.Thread(
             target=self._run, name=f"session-{client.client_id}", daemon=True
         )
-        self._pace = Pace(self._ask_tab, lambda: self._player.playing)
         self.jump = FIRST_JUMP
-        self.plan: Plan | None = None
         self._robot: Robot | None = None
-        self._preparing = False
-        self._awaiting = False  # an outcome of the newest job
-        self._asked: Jump | None = None  # what the newest job plans
+        self._awaited: Task | None = None  # the newest job's, until its outcome is there
+        self._asked: Jump | None = None  # what the newest plan was asked for
         self._job = 0  # the newest job; reports of older ones are news, but not the end
         self._shown_job = 0
-        self._time_shown = 0.0
+
+    @property
+    def plan(self) -> Plan | None:
+        """The plan that is shown."""
+        return self._stage.plan
+
+    @property
+    def rollout(self) -> Rollout | None:
+        """The simulation that is shown."""
+        return self._stage.rollout
 
     def start(self) -> None:
         """Build the page and begin to plan."""
@@ -73,7 +87,6 @@ class Session:
     def close(self) -> None:
         """The tab has gone, or the server ends."""
         self._worker.forget(self._client.client_id)
-        self._pace.close()
         self._inbox.put(_Stop.STOP)
         self._thread.join()
 
@@ -84,11 +97,10 @@ class Session:
             self._client, self.jump, load_robot(self.jump.robot).file, self._inbox.put
         )
         try:
-            self._scene = Scene(self._client)
-            self._player = ServerPlayer(self._show_instant, self._frame_rate)
-            self._pace.start()
-            self._prepare()
-            self._loop()
+            with closing(Stage(self._client, self._panel, self._computing)) as self._stage:
+                self._stage.start()
+                self._prepare()
+                self._loop()
         except BaseException:
             self._panel.show_status("Failed", "by a defect of this page; reload it, please.")
             raise
@@ -103,12 +115,12 @@ class Session:
                     self._act(event)
                 elif not isinstance(event, _Stop):
                     self._hear(event)
-            self._player.step()
+            self._stage.player.step()
 
     def _next_events(self) -> list[Action | Report | _Stop]:
         """What has happened, each kind of action once; waits until something has or is due."""
         try:
-            first = self._inbox.get(timeout=self._player.wait)
+            first = self._inbox.get(timeout=self._stage.player.wait)
         except queue.Empty:
             return []
         events: dict[Action | Report | _Stop, None] = {first: None}
@@ -122,68 +134,94 @@ class Session:
             events[event] = None
 
     def _act(self, action: Action) -> None:
+        player = self._stage.player
         match action:
             case Action.REQUEST:
                 self._request()
+            case Action.SIMULATE:
+                self._simulate()
             case Action.CANCEL:
                 self._worker.cancel(self._client.client_id)
             case Action.PLAY:
-                self._player.play()
+                player.play()
             case Action.PAUSE:
-                self._player.pause()
-                self._show_time()
+                player.pause()
+                self._stage.show_time()
             case Action.SCRUB:
-                self._player.pause()
-                self._player.seek(self._panel.read_time())
+                player.pause()
+                player.seek(self._panel.read_time())
             case Action.PACE:
                 speed, loop = self._panel.read_pace()
-                self._player.set_speed(speed)
-                self._player.set_loop(loop)
+                player.set_speed(speed)
+                player.set_loop(loop)
             case Action.LAYERS:
-                self._scene.show_layers(**self._panel.read_layers())
-                self._player.seek(self._player.time)
+                self._stage.show_layers()
             case Action.EXPORT:
                 self._export()
 
-    # ---- planning
+    # ---- asking
 
     def _request(self) -> None:
-        jump, complaints = self._panel.read_jump(self.jump)
+        jump, complaints = self._panel.jump.read(self.jump)
         if complaints:
             self._panel.notify("Corrected", "; ".join(complaints))
-            self._panel.show_jump(jump)
+            self._panel.jump.show(jump)
         robot_changed = jump.robot != self.jump.robot
         self.jump = jump
-        if robot_changed or (self._robot is None and not self._preparing):
+        preparing = isinstance(self._awaited, Prepare)
+        if robot_changed or (self._robot is None and not preparing):
             self._prepare()
         elif self._robot is not None and jump != self._asked:
-            self._ask()
+            self._plan()
 
     def _prepare(self) -> None:
         self._robot = None
         self._asked = None
-        self._preparing = self._awaiting = True
-        self._job = self._worker.submit(
-            self._client.client_id, Prepare(self.jump.robot), self._inbox.put
-        )
+        self._submit(Prepare(self.jump.robot))
         self._panel.show_status("Planning", "begins when the robot is ready.", busy=True)
 
-    def _ask(self) -> None:
+    def _plan(self) -> None:
         self._asked = self.jump
-        self._awaiting = True
-        self._job = self._worker.submit(
-            self._client.client_id, PlanJump(self.jump), self._inbox.put
-        )
+        self._submit(PlanJump(self.jump))
         self._panel.show_status("Planning", "...", busy=True)
+
+    def _simulate(self) -> None:
+        plan = self.plan
+        obstacle = ""
+        if self._robot is None or plan is None:
+            obstacle = "There is no plan yet."
+        elif isinstance(self._awaited, PlanJump):
+            obstacle = "The jump is still being planned."
+        elif not plan.solved:
+            obstacle = "The planner did not converge, so there is no motion to follow."
+        if plan is None or obstacle:
+            self._panel.notify("Not simulated", obstacle)
+            return
+        conditions, complaints = self._panel.simulation.read()
+        if complaints:
+            self._panel.notify("Corrected", "; ".join(complaints))
+            self._panel.simulation.show(conditions)
+        self._submit(SimulateJump(plan, conditions))
+        self._panel.show_status("Simulating", "...", busy=True)
+
+    def _computing(self) -> bool:
+        return self._awaited is not None
+
+    def _submit(self, task: Task) -> None:
+        self._awaited = task
+        self._job = self._worker.submit(self._client.client_id, task, self._inbox.put)
+
+    # ---- hearing
 
     def _hear(self, report: Report) -> None:
         newest = report.job == self._job
+        task = self._awaited
         if newest and not isinstance(report, Progress):
-            self._preparing = self._awaiting = False
+            self._awaited = None
         match report:
             case Progress():
                 if newest:
-                    self._panel.show_status("Planning", f"({report.text}) ...", busy=True)
+                    self._tell_progress(report)
             case Prepared():
                 if newest:
                     self._show_robot(report.robot)
@@ -191,14 +229,30 @@ class Session:
                 # An older one is still worth showing while the slider moves.
                 self._show_plan(report.plan, report.job)
                 if newest:
-                    self._panel.show_status("Planned", markup.planned_line(report.plan))
+                    self._panel.show_status("Planned", summaries.planned_line(report.plan))
+            case Simulated():
+                # An older one is of another plan, or of another world.
+                if newest:
+                    self._stage.show_rollout(report.rollout)
+                    self._panel.show_status(*summaries.simulated_line(report.rollout))
             case Failed():
                 if newest:
-                    self._fail(report)
+                    self._fail(report, task)
             case Cancelled():
                 if newest:
-                    self._asked = None
-                    self._panel.show_status("Cancelled", "Move a slider to plan again.")
+                    self._tell_cancelled(task)
+
+    def _tell_progress(self, report: Progress) -> None:
+        simulating = isinstance(self._awaited, SimulateJump)
+        told = f"({report.text}) ..." if report.share is None else f"{report.share:.0%}"
+        self._panel.show_status("Simulating" if simulating else "Planning", told, busy=True)
+
+    def _tell_cancelled(self, task: Task | None) -> None:
+        if isinstance(task, SimulateJump):
+            self._panel.show_status("Cancelled", "The plan is still there.")
+            return
+        self._asked = None
+        self._panel.show_status("Cancelled", "Move a slider to plan again.")
 
     def _show_robot(self, name: str) -> None:
         try:
@@ -207,71 +261,40 @@ class Session:
             self._panel.show_status("Failed", str(error))
             return
         self._robot = robot
-        self.plan = None
-        self._panel.clear_plan()
-        self._panel.show_robot(robot.file)
-        self._scene.show_robot(robot)
+        self._stage.show_robot(robot)
         self._request()
         if self._asked is None:
-            self._ask()
+            self._plan()
 
     def _show_plan(self, plan: Plan, job: int) -> None:
         if self._robot is None or plan.jump.robot != self._robot.name or job < self._shown_job:
             return
-        first = self.plan is None
         self._shown_job = job
-        self.plan = plan
-        replay = bake(plan, self._robot)
-        with self._client.atomic():
-            self._scene.show_replay(replay)
-            self._panel.show_plan(plan, figures(replay, self._robot))
-            self._player.load(plan.duration)
-            if first:
-                self._player.play()
-            self._show_time()
+        self._stage.show_plan(plan)
 
-    def _fail(self, report: Failed) -> None:
-        self._asked = None
+    def _fail(self, report: Failed, task: Task | None) -> None:
         message = report.message
+        if not isinstance(task, SimulateJump):
+            self._asked = None
         if report.plan is not None and presentable(report.plan):
             self._show_plan(report.plan, report.job)
             message += " The picture shows where the solver stopped; it is no feasible motion."
         self._panel.show_status("Failed", message)
 
-    # ---- playing
-
-    def _show_instant(self, instant: float) -> None:
-        self._scene.show_instant(instant)
-        now = time.monotonic()
-        if not self._player.playing or now - self._time_shown > _TIME_SHOWN_EVERY:
-            self._show_time()
-
-    def _show_time(self) -> None:
-        self._time_shown = time.monotonic()
-        self._panel.show_time(self._player.time, playing=self._player.playing)
-
-    def _frame_rate(self) -> float:
-        return self._pace.rate_while_planning() if self._awaiting else self._pace.rate()
-
-    def _ask_tab(self) -> None:
-        """Return when the browser has worked off what it was sent."""
-        self._client.local_storage.get_item("llsrbm", timeout=2.0)
-
     # ---- files
 
     def _export(self) -> None:
-        if self.plan is None:
+        # What is drawn solid.
+        shown = self.rollout or self.plan
+        if shown is None:
             self._panel.notify("Nothing to export", "There is no plan yet.")
             return
         name, complaints = self._panel.read_format()
         if complaints:
             self._panel.notify("Corrected", "; ".join(complaints))
-        jump = self.plan.jump
-        with tempfile.TemporaryDirectory() as folder:
-            path = Path(folder) / f"{jump.robot}-{jump.model}{suffix(name)}"
-            try:
-                export(self.plan, path, format=name)
-            except Error as error:
-                self._panel.notify("Not exported", str(error))
-                return
-            self._client.send_file_download(path.name, path.read_bytes(), save_immediately=True)
+        try:
+            file_name, content = exported(shown, name)
+        except Error as error:
+            self._panel.notify("Not exported", str(error))
+            return
+        self._client.send_file_download(file_name, content, save_immediately=True)

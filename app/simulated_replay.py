@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from app.frames import FRAME_RATE, Frames, make_frames
 from llsrbm.robots import Robot
-from llsrbm.trajectory.plan import Phase, Plan
+from llsrbm.trajectory.plan import Phase
 from llsrbm.trajectory.rollout import Mode, Rollout
 
 Array = NDArray[np.float64]
@@ -46,7 +46,7 @@ def bake_rollout(rollout: Rollout, robot: Robot) -> SimulatedReplay:
         com=rollout.com[kept],
         base_position=rollout.base_position[kept],
         base_quat=rollout.base_quat[kept],
-        joint_position=rollout.qpos[np.ix_(kept, joints)],
+        joint_position=rollout.qpos[kept][:, joints],
         inertia=rollout.inertia[kept],
         foot_position=rollout.foot_position[kept],
         flight=(rollout.phase == Phase.FLIGHT)[kept],
@@ -70,9 +70,3 @@ def force_phases(rollout: Rollout) -> list[tuple[float, float]]:
     edges = np.flatnonzero(np.diff(on.astype(int)))
     times = np.append(rollout.time, rollout.time[-1])
     return [(float(times[a]), float(times[b])) for a, b in edges.reshape(-1, 2)]
-
-
-def board_appears(plan: Plan) -> float:
-    """When a board is slid under the robot: the middle of the planned flight, s."""
-    _, lift_off, touchdown, _ = plan.phase_start
-    return float((lift_off + touchdown) / 2)

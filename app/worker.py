@@ -1,4 +1,4 @@
-"""The computing process, which plans and simulates: takes one job at a time and reports what comes of it."""
+"""The computing process: plans and simulates, one job at a time, and reports what comes of it."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ from app.protocol import (
     Progress,
     Ready,
     Report,
-    SimulateJump,
     Simulated,
+    SimulateJump,
 )
 from llsrbm import errors
 from llsrbm.jump import Jump

@@ -124,7 +124,7 @@ def test_export_downloads_what_is_shown(page, designer, tmp_path):
         page.get_by_role("button", name="Export").click()
     path = tmp_path / download.value.suggested_filename
     download.value.save_as(path)
-    assert path.name == "anymal-llsrbm-plus.npz"
+    assert path.name == "anymal-llsrbm-plus-plan.npz"
     assert llsrbm.load(path).jump == designer.sessions[-1].plan.jump
 
 

@@ -10,7 +10,8 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from scipy.spatial.transform import Rotation
 
-from app.replay import bake, ellipsoid, figures, presentable
+from app.frames import ellipsoid
+from app.replay import bake, figures, presentable
 from llsrbm.jump import Jump
 from llsrbm.robots import load_robot
 from tests.app.synthetic_plan import FLY, STAND, synthetic_plan
@@ -75,23 +76,25 @@ def test_bodies_are_where_pinocchio_puts_them(robot, replay):
         pin.forwardKinematics(robot.model, data, q)
         for body in range(robot.model.njoints - 1):
             expected = data.oMi[body + 1]
-            R = Rotation.from_quat(replay.body_wxyz[frame, body], scalar_first=True).as_matrix()
-            assert replay.body_position[frame, body] == pytest.approx(expected.translation)
+            R = Rotation.from_quat(
+                replay.frames.body_wxyz[frame, body], scalar_first=True
+            ).as_matrix()
+            assert replay.frames.body_position[frame, body] == pytest.approx(expected.translation)
             assert pytest.approx(expected.rotation, abs=1e-9) == R
 
 
 def test_a_stiff_robot_has_equal_ellipsoids(replay):
-    assert replay.planned_axes == pytest.approx(
-        np.broadcast_to(replay.rigid_axes, replay.planned_axes.shape)
+    assert replay.frames.inertia_axes == pytest.approx(
+        np.broadcast_to(replay.rigid_axes, replay.frames.inertia_axes.shape)
     )
-    same = np.abs(np.sum(replay.planned_wxyz * replay.rigid_wxyz, axis=1))
+    same = np.abs(np.sum(replay.frames.inertia_wxyz * replay.rigid_wxyz, axis=1))
     assert same == pytest.approx(1.0)
 
 
 def test_frame_at_is_the_nearest(replay):
-    times = replay.motion.time
-    for instant in np.linspace(-0.1, replay.duration + 0.1, 200):
-        frame = replay.frame_at(instant)
+    times = replay.frames.time
+    for instant in np.linspace(-0.1, replay.frames.end + 0.1, 200):
+        frame = replay.frames.frame_at(instant)
         assert abs(times[frame] - instant) == np.abs(times - instant).min()
 
 

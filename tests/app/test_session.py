@@ -219,7 +219,7 @@ def test_export_downloads_the_plan_that_is_shown(tab, session):
     tab.press("Export")
     tab.wait(lambda: tab.downloads, "a download")
     ((name, content),) = tab.downloads
-    assert name == "anymal-llsrbm-plus.npz"
+    assert name == "anymal-llsrbm-plus-plan.npz"
     stored = np.load(io.BytesIO(content), allow_pickle=False)
     assert stored["com"].tolist() == session.plan.com.tolist()
 

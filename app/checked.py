@@ -1,0 +1,37 @@
+"""Values of controls, checked where they are read: a browser's script can send anything."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+
+def option(
+    label: str, value: Any, valid: Sequence[str], otherwise: str, complaints: list[str]
+) -> str:
+    """`value` if it is one of `valid`, or else `otherwise` and a complaint."""
+    if isinstance(value, str) and value in valid:
+        return value
+    complaints.append(f"{label}: expected one of {', '.join(valid)}, got {value!r:.80}")
+    return otherwise
+
+
+def number(label: str, value: Any, ends: tuple[float, float], complaints: list[str]) -> float:
+    """`value` if it is a number between `ends`, or else the nearest one and a complaint."""
+    lowest, highest = ends
+    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+        complaints.append(f"{label}: expected a number, got {value!r:.80}")
+        return min(max(0.0, lowest), highest)
+    slack = 1e-6 * max(1.0, abs(highest - lowest))
+    if not lowest - slack <= value <= highest + slack:
+        complaints.append(
+            f"{label}: expected {lowest:.4g} to {highest:.4g}, got {value:.6g}; "
+            "the nearest is taken"
+        )
+    return min(max(float(value), lowest), highest)
+
+
+def put(handle: Any, value: float | str) -> None:
+    """Set a control; mypy does not see the setter of viser's property."""
+    handle.value = value
