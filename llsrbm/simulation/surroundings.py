@@ -53,8 +53,8 @@ def surroundings(robot: Robot, plan: Plan, conditions: Conditions) -> Surroundin
     """What stands where while a plan is followed.
 
     A landing surface above the ground is a box, one below it is the ground, and the robot starts
-    on a block. Where start and landing overlap, the box is slid in, or the block drawn away, in
-    mid-flight. So is the board, which lies on the landing surface.
+    on a block. Where start and landing overlap, the box is slid in in mid-flight, or the block is
+    drawn away when the feet are highest. The board is slid onto the landing surface in mid-flight.
 
     Raises:
         InputError: the board is too thick, see `check_board`.
@@ -74,7 +74,7 @@ def surroundings(robot: Robot, plan: Plan, conditions: Conditions) -> Surroundin
         apart = _avoiding(start, goal, radius)
         base = apart or _around(start, MARGIN)
         blocks.append(
-            _block(plan, "block", base, height, 0.0, until_s=math.inf if apart else middle)
+            _block(plan, "block", base, height, 0.0, until_s=math.inf if apart else _highest(plan))
         )
     if conditions.board > 0:
         if conditions.half_board:
@@ -112,6 +112,13 @@ class _Rectangle:
 
 def _mid_flight(plan: Plan) -> float:
     return float(plan.phase_start[[Phase.FLIGHT, Phase.LANDING]].mean())
+
+
+def _highest(plan: Plan) -> float:
+    """When in flight the lowest foot is highest: on a deep landing long before mid-flight."""
+    flight = np.flatnonzero(plan.phase == Phase.FLIGHT)
+    lowest = plan.contact_point[flight, :, 2].min(axis=1)
+    return float(plan.time[flight[lowest.argmax()]])
 
 
 def _heading(plan: Plan) -> Array:

@@ -62,7 +62,17 @@ def test_a_block_to_jump_down_from():
     assert block.centre[2] - block.size[2] / 2 == pytest.approx(-0.15)
     assert overhang(block, plan.foot_position[0]).min() >= 0.25 - 1e-9
     assert block.from_s == 0
-    assert block.until_s == pytest.approx(MIDDLE)
+    lowest = plan.foot_position[..., 2].min(axis=1)
+    assert block.until_s == plan.time[lowest.argmax()]
+
+
+def test_the_block_goes_before_the_feet_pass_through_it():
+    plan, world = around(height=-0.8, forward=0.3)
+    (block,) = world.blocks
+    there = (plan.time > STAND) & (plan.time <= block.until_s)
+    assert there.any()
+    assert plan.foot_position[there, :, 2].min() > 0
+    assert plan.foot_position[np.argmin(np.abs(plan.time - MIDDLE)), :, 2].max() < 0
 
 
 @pytest.mark.parametrize("height", [0.2, -0.15])
