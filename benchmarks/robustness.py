@@ -23,6 +23,7 @@ import numpy as np
 import typer
 
 import llsrbm
+from llsrbm.trajectory.rotation import yaw
 
 
 @dataclass(frozen=True)
@@ -72,28 +73,23 @@ def one(work: tuple[Cell, str, str, int, dict[str, Any]]) -> dict[str, Any]:
 
 
 def yaw_rates(plan: Any, rollout: Any) -> dict[str, float]:
-    """Share of the yaw rate at lift-off that is left, at the least, while flying; and yaw over time."""
-    omega = np.gradient(np.unwrap(_yaw(rollout.base_quat)), rollout.time)
-    takeoff = plan.phase_start[1]
-    touchdown = rollout.outcome.touchdown_true_s or plan.phase_start[2]
+    """How the yaw rate of lift-off holds on in flight, and when the goal is reached."""
+    heading = np.abs(yaw(rollout.base_quat))
+    rate = np.gradient(heading, rollout.time)
+    takeoff, planned = plan.phase_start[1:3]
+    touchdown = rollout.outcome.touchdown_true_s or planned
     flying = (rollout.time >= takeoff + 0.02) & (rollout.time <= touchdown - 0.01)
-    yaw = np.abs(np.unwrap(_yaw(rollout.base_quat)))
     goal = abs(rollout.jump.twist)
-    reached = np.flatnonzero(yaw >= 0.95 * goal)
+    reached = np.flatnonzero(heading >= 0.95 * goal)
     return {
-        "yaw_rate_takeoff": float(np.abs(omega[np.searchsorted(rollout.time, takeoff)])),
-        "yaw_rate_least": float(np.abs(omega[flying]).min()) if flying.any() else math.nan,
-        "yaw_rate_mean": float(np.abs(omega[flying]).mean()) if flying.any() else math.nan,
+        "yaw_rate_takeoff": float(rate[np.searchsorted(rollout.time, takeoff)]),
+        "yaw_rate_least": float(rate[flying].min()) if flying.any() else math.nan,
+        "yaw_rate_mean": float(rate[flying].mean()) if flying.any() else math.nan,
         "yaw_at_touchdown_deg": float(
-            np.degrees(yaw[min(np.searchsorted(rollout.time, touchdown), len(yaw) - 1)])
+            np.degrees(heading[min(np.searchsorted(rollout.time, touchdown), len(heading) - 1)])
         ),
         "goal_reached_s": float(rollout.time[reached[0]]) if goal and len(reached) else math.nan,
     }
-
-
-def _yaw(quat: np.ndarray) -> np.ndarray:
-    w, x, y, z = quat.T
-    return np.arctan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
 
 
 def table(results: list[dict[str, Any]]) -> Iterator[str]:
@@ -132,6 +128,36 @@ def table(results: list[dict[str, Any]]) -> Iterator[str]:
                 yield f"    seed {row['seed']}: {_complaint(row)}"
 
 
+def yaw_table(results: list[dict[str, Any]]) -> Iterator[str]:
+    """How the models' twists compare in flight: the paper's figure, as medians."""
+    columns = ("rate off", "least", "mean", "kept %", "yaw td", "95 % at")
+    yield f"{'twist':20} {'model':12}" + "".join(f"{column:>9}" for column in columns)
+    cells = dict.fromkeys(
+        (r["cell"], r["model"]) for r in results if not math.isnan(r["goal_reached_s"])
+    )
+    for cell, model in cells:
+        rows = [r for r in results if (r["cell"], r["model"]) == (cell, model)]
+        off, least, mean, at_touchdown, reached = (
+            np.nanmedian(_column(rows, name))
+            for name in (
+                "yaw_rate_takeoff",
+                "yaw_rate_least",
+                "yaw_rate_mean",
+                "yaw_at_touchdown_deg",
+                "goal_reached_s",
+            )
+        )
+        values = (
+            f"{off:.2f}",
+            f"{least:.2f}",
+            f"{mean:.2f}",
+            f"{100 * least / off:.0f}",
+            f"{at_touchdown:.1f}",
+            f"{reached:.3f}",
+        )
+        yield f"{cell:20} {model:12}" + "".join(f"{value:>9}" for value in values)
+
+
 def _column(rows: list[dict[str, Any]], name: str) -> np.ndarray:
     return np.array([math.nan if row[name] is None else row[name] for row in rows], dtype=float)
 
@@ -139,7 +165,8 @@ def _column(rows: list[dict[str, Any]], name: str) -> np.ndarray:
 def _complaint(row: dict[str, Any]) -> str:
     return (
         f"{row['status']} {row['reason']} foot {1e3 * row['foot_error']:.0f} mm, "
-        f"tilt {math.degrees(row['final_tilt']):.1f} peak {math.degrees(row['peak_tilt']):.1f} deg, "
+        f"tilt {math.degrees(row['final_tilt']):.1f}, "
+        f"at most {math.degrees(row['peak_tilt']):.1f} deg, "
         f"air {1e3 * row['second_flight_s']:.0f} ms, trunk {row['trunk_touched']}"
     )
 
@@ -170,7 +197,7 @@ def main(
     else:
         with ProcessPoolExecutor(jobs, mp_context=get_context("spawn")) as pool:
             results = list(pool.map(one, work, chunksize=last - first))
-    print("\n".join(table(results)))
+    print("\n".join((*table(results), "", *yaw_table(results))))
     if out is not None:
         out.write_text("".join(json.dumps(result) + "\n" for result in results))
 

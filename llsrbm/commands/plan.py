@@ -53,7 +53,8 @@ def _description(plan: Plan) -> dict[str, str]:
     """A plan in a few lines for a person: degrees, milliseconds."""
     from llsrbm.joint_margins import joint_margins
     from llsrbm.robots import load_robot
-    from llsrbm.trajectory.summary import peak_yaw_rate, worst_violation, yaw
+    from llsrbm.trajectory.rotation import yaw
+    from llsrbm.trajectory.summary import peak_yaw_rate, worst_violation
 
     report = plan.report
     takeoff, flight, landing = plan.phase_start[1:] - plan.phase_start[:-1]
@@ -64,8 +65,8 @@ def _description(plan: Plan) -> dict[str, str]:
         f"plan, {report.build_time_s:.2f} s to build the solver)",
         "duration": f"{plan.duration:.2f} s: take-off {takeoff:.2f}, flight {flight:.2f}, "
         f"landing {landing:.2f} s",
-        "turn": f"{math.degrees(yaw(plan)[-1]):.1f} deg, peak yaw rate {peak_yaw_rate(plan):.2f} "
-        "rad/s",
+        "turn": f"{math.degrees(yaw(plan.base_quat)[-1]):.1f} deg, "
+        f"peak yaw rate {peak_yaw_rate(plan):.2f} rad/s",
         "joints": joint_margins(plan, load_robot(plan.jump.robot)).worst(),
         "violation": worst_violation(plan),
     }

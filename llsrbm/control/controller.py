@@ -23,7 +23,9 @@ from llsrbm.trajectory.rollout import Conditions, Mode
 Array = NDArray[np.float64]
 
 _GRAVITY = 9.81
-_JUST_AFTER = 1e-3  # s after touchdown, where the nearest sample of a plan surely is one on the ground
+_JUST_AFTER = (
+    1e-3  # s after touchdown, where the nearest sample of a plan surely is one on the ground
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,9 +105,7 @@ class WholeBodyController:
         """
         body = self._body
         body.update(q, v)
-        state = CentroidalState(
-            body.mass, body.com_velocity, body.angular_momentum, body.inertia
-        )
+        state = CentroidalState(body.mass, body.com_velocity, body.angular_momentum, body.inertia)
         # Half a tick, so that rounding of times cannot shift a phase by a whole one.
         flying = self.detected_at is None and time >= self._reference.takeoff - self._tick / 2
         if flying:
@@ -183,9 +183,7 @@ class WholeBodyController:
         contact = np.ones(body.legs, dtype=bool) if phase == Phase.TAKEOFF else self._touching
         in_the_air = self._swing if flying else self._seeking
         feet = (
-            (self._standing[i], weights.contact)
-            if contact[i]
-            else (in_the_air[i], weights.swing)
+            (self._standing[i], weights.contact) if contact[i] else (in_the_air[i], weights.swing)
             for i in range(body.legs)
         )
         wanted = target.contact_force

@@ -1,9 +1,9 @@
 """The paper's quadratic program: accelerations and contact forces that serve the tasks best.
 
-    min 1/2 |A a + dA v - B|^2_W1 + 1/2 |f - f_wanted|^2_W2    over a (n,), f (3 L,)
-    s.t. M_f a + h_f = J_f^T f                     floating base
-         |f_x|, |f_y| <= mu f_z                    friction pyramid
-         tau = M_a a + h_a - J_a^T f within the drives' limits
+min 1/2 |A a + dA v - B|^2_W1 + 1/2 |f - f_wanted|^2_W2    over a (n,), f (3 L,)
+s.t. M_f a + h_f = J_f^T f                     floating base
+     |f_x|, |f_y| <= mu f_z                    friction pyramid
+     tau = M_a a + h_a - J_a^T f within the drives' limits
 """
 
 from __future__ import annotations

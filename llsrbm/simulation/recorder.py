@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
@@ -54,7 +56,7 @@ class Recorder:
         self.tick_times.append(tick_time)
         self.results.append(result)
 
-    def arrays(self, joint_order: NDArray[np.int64]) -> dict[str, Array]:
+    def arrays(self, joint_order: NDArray[np.int64]) -> dict[str, Any]:
         """The columns, with joints in the simulator's order.
 
         Args:

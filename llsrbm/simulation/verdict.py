@@ -12,13 +12,13 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 from llsrbm.control.controller import WholeBodyController
 from llsrbm.robots import Robot
 from llsrbm.simulation.recorder import Recorder
 from llsrbm.trajectory.plan import Phase, Plan
 from llsrbm.trajectory.rollout import Outcome
+from llsrbm.trajectory.rotation import tilt, yaw
 
 Array = NDArray[np.float64]
 
@@ -33,20 +33,6 @@ _AT_REST = 0.2  # s before the end in which a robot should stand still
 _STILL = 0.1  # m/s of the CoM; a robot that stands sways at less
 _SATURATED = 0.99  # of what a drive can give
 _UNDER_WAY = 0.3  # of the planned flight; contact before is a foot that leaves late
-
-
-def tilt(base_quat: Array) -> Array:
-    """Angle between the base's z axis and the vertical, (K,) rad, from (K, 4) w, x, y, z."""
-    up = Rotation.from_quat(base_quat, scalar_first=True).apply([0.0, 0.0, 1.0])[..., 2]
-    angle: Array = np.arccos(np.clip(up, -1.0, 1.0))
-    return angle
-
-
-def yaw(base_quat: Array) -> Array:
-    """Heading of the base's x axis, (K,) rad, from (K, 4) w, x, y, z."""
-    x = Rotation.from_quat(base_quat, scalar_first=True).apply([1.0, 0.0, 0.0])
-    angle: Array = np.arctan2(x[..., 1], x[..., 0])
-    return angle
 
 
 @dataclass(frozen=True)
@@ -79,7 +65,7 @@ def judge(
     touched = [t for t in first_contacts if t is not None]
     touchdown = min(touched, default=None)
     detected = controller.detected_at
-    tilts = tilt(columns["base_quat"])
+    tilts, headings = tilt(columns["base_quat"]), yaw(columns["base_quat"])
     goal = plan.foot_position[-1]
     feet_off = np.linalg.norm((columns["foot_position"] - goal)[..., :2], axis=-1)
     com_off = columns["com"][-1] - plan.com[-1]
@@ -116,7 +102,7 @@ def judge(
         reason="" if fall is None else fall.reason,
         fell_at_s=None if fall is None else fall.time,
         strict=bool(strict),
-        final_yaw_error=_wrapped(yaw(columns["base_quat"][-1]) - yaw(plan.base_quat[-1])),
+        final_yaw_error=_wrapped(headings[-1] - yaw(plan.base_quat)[-1]),
         final_position_error=float(np.linalg.norm(com_off[:2])),
         final_tilt=float(tilts[-1]),
         final_speed=final_speed,
@@ -125,7 +111,7 @@ def judge(
         touchdown_detected_s=detected,
         foot_touchdown_s=tuple(first_contacts),
         false_touchdowns=int(detected is not None and (touchdown is None or detected < touchdown)),
-        yaw_error_at_touchdown=_yaw_error(plan, columns, touchdown),
+        yaw_error_at_touchdown=_yaw_error(plan, time, headings, touchdown),
         foot_error_at_touchdown=_foot_error(time, feet_off, first_contacts),
         foot_error=foot_error,
         peak_tilt=peak_tilt,
@@ -165,12 +151,12 @@ def _not_standing(
     return None
 
 
-def _yaw_error(plan: Plan, columns: dict[str, Any], touchdown: float | None) -> float | None:
+def _yaw_error(plan: Plan, time: Array, heading: Array, touchdown: float | None) -> float | None:
     if touchdown is None:
         return None
-    at = min(int(np.searchsorted(columns["time"], touchdown)), len(columns["time"]) - 1)
+    at = min(int(np.searchsorted(time, touchdown)), len(time) - 1)
     knot = int(np.searchsorted(plan.time, plan.phase_start[2] - 1e-9))
-    return _wrapped(yaw(columns["base_quat"][at]) - yaw(plan.base_quat[knot]))
+    return _wrapped(heading[at] - yaw(plan.base_quat)[knot])
 
 
 def _foot_error(time: Array, feet_off: Array, touchdowns: list[float | None]) -> float | None:

@@ -95,7 +95,7 @@ class Outcome:
         peak_torque_ratio, peak_speed_ratio: largest share of the robot file's limits.
         takeoff_joint_speed: largest until lift-off, rad/s or m/s.
         saturated_fraction: share of ticks with a torque at its limit.
-        unsolved_ticks: ticks whose QP was not solved and whose torques were those of the tick before.
+        unsolved_ticks: whose QP was not solved and whose torques were those of the tick before.
         tick_median_s, tick_p99_s: wall time of a controller tick.
         real_time_factor: simulated time / wall time, controller included.
         control_rate_hz: ticks a simulated second.

@@ -49,3 +49,21 @@ def slerp(start: Array, end: Array, share: Array) -> Array:
     quat = a[..., None] * start + b[..., None] * end
     unit: Array = quat / np.linalg.norm(quat, axis=-1, keepdims=True)
     return unit
+
+
+def yaw(quat: Array) -> Array:
+    """Heading of a body's x axis seen from above, (K, 4) -> (K,) rad, continuous over time.
+
+    Continuous, so that a half turn keeps its sign.
+    """
+    w, x, y, z = np.moveaxis(quat, -1, 0)
+    heading: Array = np.unwrap(np.arctan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z)))
+    return heading
+
+
+def tilt(quat: Array) -> Array:
+    """Angle between a body's z axis and the vertical, (..., 4) -> (...) rad."""
+    _, x, y, _ = np.moveaxis(quat, -1, 0)
+    # The half angle's sine is exact where the cosine of a small tilt has lost its digits.
+    angle: Array = 2 * np.arcsin(np.minimum(np.hypot(x, y), 1.0))
+    return angle

@@ -8,12 +8,7 @@ from typing import Any
 import numpy as np
 
 from llsrbm.trajectory.plan import Plan
-
-
-def yaw(plan: Plan) -> np.ndarray[Any, np.dtype[np.float64]]:
-    """(N+1,) rad: heading of the base's x axis, continuous, so that a half turn keeps its sign."""
-    w, x, y, z = plan.base_quat.T
-    return np.unwrap(np.arctan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z)))
+from llsrbm.trajectory.rotation import yaw
 
 
 def peak_yaw_rate(plan: Plan) -> float:
@@ -47,7 +42,7 @@ def plan_summary(plan: Plan) -> dict[str, Any]:
         "duration_s": plan.duration,
         "phase_durations_s": np.diff(plan.phase_start).tolist(),
         "peak_yaw_rate": peak_yaw_rate(plan),
-        "final_yaw": float(yaw(plan)[-1]),
+        "final_yaw": float(yaw(plan.base_quat)[-1]),
         "violations": {name: v.amount for name, v in plan.violations.items()},
     }
     return {key: json_value(value) for key, value in figures.items()}
