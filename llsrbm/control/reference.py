@@ -6,7 +6,7 @@ from dataclasses import dataclass, fields, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline
+from scipy.interpolate import CubicSpline, make_interp_spline
 from scipy.spatial.transform import Rotation
 
 from llsrbm.trajectory.plan import Phase, Plan
@@ -66,28 +66,28 @@ class Reference:
         self.takeoff, self.touchdown, self.end = (float(t) for t in plan.phase_start[1:])
         times = np.arange(0.0, plan.duration + 2 * _STEP, _STEP) + plan.time[0]
         motion = resample(plan, times)
-        interval = np.clip(
-            np.searchsorted(plan.time, times, side="right") - 1, 0, len(plan.time) - 2
-        )
         omega, omega_rate = _angular_velocity(plan, times)
         foot = _swing(plan, times)
-        rest = times >= plan.time[-1]
+        moving = times[:, None] < plan.time[-1]
         legs = plan.foot_position.shape[1]
-        force = motion.contact_force.reshape(len(times), legs, -1, 3).sum(axis=2)
-        force[rest] = np.array([0.0, 0.0, weight / legs])
-        moving = ~rest[:, None]
+        standing = np.zeros((legs, 3))
+        standing[:, 2] = weight / legs
+        by_foot = plan.contact_force.reshape(len(plan.time), legs, -1, 3).sum(axis=2)
         dt = np.diff(plan.time)[:, None]
         columns = {
             "com": motion.com,
             "com_velocity": motion.com_velocity * moving,
-            "com_acceleration": (np.diff(plan.com_velocity, axis=0) / dt)[interval] * moving,
+            "com_acceleration": _without_steps(
+                plan, times, np.diff(plan.com_velocity, axis=0) / dt
+            ),
             "R_world_base": Rotation.from_quat(motion.base_quat, scalar_first=True).as_matrix(),
             "angular_velocity": omega * moving,
             "angular_acceleration": omega_rate * moving,
             "angular_momentum": motion.angular_momentum * moving,
-            "angular_momentum_rate": (np.diff(plan.angular_momentum, axis=0) / dt)[interval]
-            * moving,
-            "contact_force": force,
+            "angular_momentum_rate": _without_steps(
+                plan, times, np.diff(plan.angular_momentum, axis=0) / dt
+            ),
+            "contact_force": _without_steps(plan, times, by_foot[:-1] - standing) + standing,
             "foot_from_com": foot[0],
             "foot_velocity_from_com": foot[1],
             "foot_acceleration_from_com": foot[2],
@@ -109,6 +109,27 @@ class Reference:
         """The plan's nearest sample to a time, s since its start."""
         index = round(time / _STEP)
         return self._targets[min(max(index, 0), len(self._targets) - 1)]
+
+
+def _without_steps(plan: Plan, times: Array, values: Array) -> Array:
+    """Values (N, ...) that are constant over each of the plan's intervals, at K times, (K, ...).
+
+    Straight between the middles of intervals of one phase, so that torques have no steps, and zero
+    from the plan's end on. Only phases begin and end with steps.
+    """
+    middle = (plan.time[1:] + plan.time[:-1]) / 2
+    smooth = np.zeros((len(times), *values.shape[1:]))
+    for phase in Phase:
+        inside = plan.phase[:-1] == phase
+        start, end = plan.phase_start[phase], plan.phase_start[phase + 1]
+        now = (times >= start) & (times < end)
+        at, value = middle[inside], values[inside]
+        if phase == Phase.LANDING:
+            at = np.append(at, end)
+            value = np.concatenate([value, np.zeros((1, *value.shape[1:]))])
+        curve = make_interp_spline(at, value, k=1)
+        smooth[now] = curve(np.clip(times[now], at[0], at[-1]))
+    return smooth
 
 
 def _angular_velocity(plan: Plan, times: Array) -> tuple[Array, Array]:

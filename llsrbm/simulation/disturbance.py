@@ -20,7 +20,7 @@ JOINT_VELOCITY_NOISE = 0.02  # rad/s or m/s
 # Bounds however large the noise: beyond them no robot stands, or the integrator fails.
 LEAST_FRICTION = 0.2
 LEAST_CONTACT_TIME = 0.002  # s, four steps of the simulator
-MOST_NOISE = 10.0  # the trunk still weighs something
+MOST_NOISE = 3.0  # beyond it no floor is that slippery
 
 
 def draw_disturbance(conditions: Conditions) -> Disturbance:

@@ -10,10 +10,10 @@ from llsrbm.control import detection, landing, solvers
 from llsrbm.errors import InputError
 from llsrbm.planning.residuals import describe_worst
 from llsrbm.robots import Robot
+from llsrbm.simulation.disturbance import MOST_NOISE
 from llsrbm.trajectory.plan import Plan
 from llsrbm.trajectory.rollout import Conditions
 
-MOST_NOISE = 3.0  # times the benchmark's disturbance; beyond it no floor is that slippery
 _SAME_MASS = 1e-6  # relative; what arithmetic of another machine may make of the same URDF
 
 

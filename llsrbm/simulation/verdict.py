@@ -134,7 +134,9 @@ def _touchdowns(plan: Plan, recorder: Recorder) -> list[float | None]:
     start, end = plan.phase_start[1:3]
     first = np.array([result.first_contact for result in recorder.results])
     first[np.nan_to_num(first, nan=-1.0) < start + _UNDER_WAY * (end - start)] = np.nan
-    return [None if np.isnan(column).all() else float(np.nanmin(column)) for column in first.T]
+    return [
+        None if np.isnan(column).all() else round(float(np.nanmin(column)), 6) for column in first.T
+    ]
 
 
 def _not_standing(

@@ -74,7 +74,7 @@ class Outcome:
 
     Attributes:
         status: "landed" or "fell".
-        reason: what gave way, with the time; "" when it landed.
+        reason: what gave way; "" when it landed.
         fell_at_s: when; None when it landed.
         strict: whether it landed by the strict measure: see `llsrbm.simulation.verdict`.
         final_yaw_error, final_position_error, final_tilt: at the end, against the plan's last knot:

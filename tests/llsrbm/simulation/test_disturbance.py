@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from llsrbm.errors import InputError
-from llsrbm.simulation.disturbance import draw_disturbance
+from llsrbm.simulation.disturbance import MOST_NOISE, draw_disturbance
 from llsrbm.trajectory.rollout import Conditions, Disturbance
 
 SEEDS = st.integers(0, 2**32)
@@ -57,7 +57,7 @@ def test_nothing_is_disturbed_without_a_seed_or_without_noise(seed):
     assert draw_disturbance(Conditions(seed=seed, noise=0.0)) == Disturbance()
 
 
-@given(SEEDS, st.floats(0, 10))
+@given(SEEDS, st.floats(0, MOST_NOISE))
 def test_however_large_the_noise_it_stays_physical(seed, noise):
     drawn = draw_disturbance(Conditions(seed=seed, noise=noise))
     assert drawn.trunk_mass_factor > 0
@@ -67,7 +67,7 @@ def test_however_large_the_noise_it_stays_physical(seed, noise):
 
 @pytest.mark.parametrize("noise", [-0.1, float("nan"), float("inf"), 11.0])
 def test_a_noise_out_of_range_is_refused(noise):
-    with pytest.raises(InputError, match="noise: expected 0 to 10, got"):
+    with pytest.raises(InputError, match="noise: expected 0 to 3, got"):
         draw_disturbance(Conditions(noise=noise))
 
 

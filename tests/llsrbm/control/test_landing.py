@@ -1,0 +1,43 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from llsrbm.control.landing import landing_strategy, names
+from llsrbm.errors import InputError
+
+PLANNED = np.array([[10.0, -5.0, 160.0], [0.0, 0.0, 90.0]])
+STANDING = np.array([0.0, 0.0, 75.0])
+
+
+def test_names_are_described():
+    assert list(names()) == ["scaled", "planned", "tracking"]
+    assert all(names().values())
+
+
+def test_scaled_forces_brake_in_proportion_to_the_momentum():
+    force = landing_strategy("scaled").force
+    np.testing.assert_allclose(force(PLANNED, STANDING, 1.0), PLANNED)
+    half = force(PLANNED, STANDING, 0.5)
+    np.testing.assert_allclose(half - STANDING, (PLANNED - STANDING) / 2)
+
+
+def test_an_absurd_momentum_is_not_believed():
+    force = landing_strategy("scaled").force
+    np.testing.assert_allclose(force(PLANNED, STANDING, 9.0), force(PLANNED, STANDING, 1.5))
+    np.testing.assert_allclose(force(PLANNED, STANDING, -1.0), force(PLANNED, STANDING, 0.2))
+
+
+def test_the_papers_landing_takes_the_plans_forces():
+    planned = landing_strategy("planned")
+    assert planned.follows_forces
+    np.testing.assert_array_equal(planned.force(PLANNED, STANDING, 0.3), PLANNED)
+
+
+def test_tracking_has_no_force_phase():
+    assert not landing_strategy("tracking").follows_forces
+
+
+def test_unknown_names_are_refused():
+    with pytest.raises(InputError, match=r'no strategy "softly"; valid: scaled, planned, tracking'):
+        landing_strategy("softly")
