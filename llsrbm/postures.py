@@ -205,7 +205,6 @@ def margins(
     room = np.minimum(
         q - robot.model.lowerPositionLimit[7:], robot.model.upperPositionLimit[7:] - q
     )
-    limit = robot.file.limits.joint_speed
     found = []
     for j, name in enumerate(robot.joint_names):
         tightest, fastest = int(np.argmin(room[:, j])), int(np.argmax(speed[:, j]))
@@ -215,7 +214,7 @@ def margins(
                 position_margin=float(room[tightest, j]),
                 position_time=float(t[tightest]),
                 peak_speed=float(speed[fastest, j]),
-                speed_margin=float(limit - speed[fastest, j]),
+                speed_margin=float(robot.speed_limit[j] - speed[fastest, j]),
                 speed_time=float(t[fastest]),
             )
         )

@@ -22,11 +22,11 @@ def torque_range(robot: Robot, speed: Array) -> tuple[Array, Array]:
         robot: whose file states the limits.
         speed: (J,) rad/s or m/s, in the order of `Robot.joint_names`.
     """
-    limits = robot.file.limits
+    torque = robot.torque_limit
     # Called in every step of a simulation: minimum and maximum take a third of clip's time.
-    share = speed / ((1.0 - FULL_UP_TO) * limits.joint_speed)
+    share = speed / ((1.0 - FULL_UP_TO) * robot.speed_limit)
     room = 1.0 / (1.0 - FULL_UP_TO)
     return (
-        -limits.torque * np.minimum(np.maximum(room + share, 0.0), 1.0),
-        limits.torque * np.minimum(np.maximum(room - share, 0.0), 1.0),
+        -torque * np.minimum(np.maximum(room + share, 0.0), 1.0),
+        torque * np.minimum(np.maximum(room - share, 0.0), 1.0),
     )

@@ -112,6 +112,31 @@ class Robot:
         return np.array([leg.q_index for leg in self.legs]) - 7
 
     @cached_property
+    def torque_limit(self) -> Array:
+        """(J,) Nm or N, in the order of `joint_names`."""
+        return self._of_joints(self.file.limits.torque)
+
+    @cached_property
+    def speed_limit(self) -> Array:
+        """(J,) rad/s or m/s, in the order of `joint_names`."""
+        return self._of_joints(self.file.limits.joint_speed)
+
+    def _of_joints(self, limit: float | tuple[float, ...]) -> Array:
+        joints = np.empty(len(self.joint_names))
+        joints[self.leg_joint_index] = limit
+        return joints
+
+    @property
+    def foot_coordinates(self) -> int:
+        """What describes a foot's place: 3 for points; 4, with its yaw, for lines and soles."""
+        return 3 if self.file.foot.is_point else 4
+
+    @cached_property
+    def corners(self) -> Array:
+        """(c, 3) m: contact points of a foot in its frame, at the height of the sole."""
+        return np.array([(x, y, 0.0) for x, y in self.file.foot.corners])
+
+    @cached_property
     def fit(self) -> LegFit:
         """The fitted leg maps, from the cache if they have been computed before."""
         from llsrbm.robots.leg_fit import load_or_fit

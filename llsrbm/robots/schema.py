@@ -73,6 +73,29 @@ class LegFrames(_Table):
     hip: str
 
 
+class Foot(_Table):
+    """What of a foot touches the ground; without this table feet are points.
+
+    Attributes:
+        corners: x forward, y left of the contact points in the frame of the foot, m: one for a
+            point foot, two for a line, four for a sole. In the world the sole is level.
+        yaw: how far a foot may turn against the base, rad, outwards positive; not for points.
+        turn_speed: the largest speed of that turn, rad/s; not for points.
+        radius: of the sphere that is simulated at each corner, m; where the URDF has spheres
+            there, theirs count.
+    """
+
+    corners: Annotated[tuple[tuple[float, float], ...], Field(min_length=1)] = ((0.0, 0.0),)
+    yaw: Interval = (0.0, 0.0)
+    turn_speed: Positive = 10.0
+    radius: Positive | None = None
+
+    @property
+    def is_point(self) -> bool:
+        """Whether the foot has no direction."""
+        return len(self.corners) == 1
+
+
 class Reach(_Table):
     """Where a foot may be, in the leg's mirrored hip frame, m.
 
@@ -102,8 +125,9 @@ class Limits(_Table):
 
     Attributes:
         contact_force: largest vertical force at a contact, N.
-        torque: largest joint torque, Nm.
-        joint_speed: largest joint speed, rad/s.
+        torque: largest joint torque, Nm, or force of a sliding joint, N: one number for all joints,
+            or one for each joint of a leg, from the base outwards.
+        joint_speed: largest joint speed, rad/s or m/s, in the same way.
         friction: coefficient of friction.
         foot_speed: largest foot speed in the world along each axis, m/s.
         foot_speed_in_base: largest foot speed relative to the base along its x, y, z, m/s.
@@ -112,8 +136,8 @@ class Limits(_Table):
     """
 
     contact_force: Positive
-    torque: Positive
-    joint_speed: Positive
+    torque: Positive | Annotated[tuple[Positive, ...], Field(min_length=1)]
+    joint_speed: Positive | Annotated[tuple[Positive, ...], Field(min_length=1)]
     friction: Positive
     foot_speed: Positive
     foot_speed_in_base: tuple[Positive, Positive, Positive]
@@ -211,7 +235,7 @@ class RobotFile(_Table):
         urdf: where its URDF is.
         legs: leg name -> frames, in the order used everywhere.
         posture: leg name -> joint angles of the default posture, rad, from the base outwards.
-        reach, limits, timing, task, control: see there.
+        foot, reach, limits, timing, task, control: see there.
     """
 
     name: Annotated[str, Field(pattern=r"^[a-z0-9][a-z0-9_-]*$")]
@@ -219,6 +243,7 @@ class RobotFile(_Table):
     urdf: UrdfSource
     legs: Annotated[dict[str, LegFrames], Field(min_length=1)]
     posture: dict[str, tuple[float, ...]]
+    foot: Foot = Foot()
     reach: Reach
     limits: Limits
     timing: Timing

@@ -82,7 +82,8 @@ def judge(
             float(time[-1]), touchdown, height / planned_height, float(tilts[-1]), final_speed
         )
     torque_share = np.abs(columns["torque"]) / np.maximum(columns["torque_limit"], 1e-9)
-    speed = np.abs(columns["qvel"][:, 6:])
+    speed = np.abs(np.array(recorder.v))[:, 6:]
+    torque = np.abs([result.torque for result in recorder.results])
     takeoff = columns["phase"] == Phase.TAKEOFF
     peak_tilt = float(tilts[after].max(initial=0.0))
     second_flight = float((after & ~contact.any(axis=1)).sum() * tick)
@@ -96,7 +97,6 @@ def judge(
         and peak_tilt < PEAK_TILT
         and second_flight < SECOND_FLIGHT
     )
-    limits = robot.file.limits
     return Outcome(
         status="landed" if fall is None else "fell",
         reason="" if fall is None else fall.reason,
@@ -117,8 +117,8 @@ def judge(
         peak_tilt=peak_tilt,
         second_flight_s=second_flight,
         trunk_touched=trunk_touched,
-        peak_torque_ratio=float(np.abs(columns["torque"]).max() / limits.torque),
-        peak_speed_ratio=float(speed.max() / limits.joint_speed),
+        peak_torque_ratio=float((torque / robot.torque_limit).max()),
+        peak_speed_ratio=float((speed / robot.speed_limit).max()),
         takeoff_joint_speed=float(speed[takeoff].max(initial=0.0)),
         saturated_fraction=float((torque_share >= _SATURATED).any(axis=1).mean()),
         unsolved_ticks=sum(not entry.command.solved for entry in recorder.ticks),
