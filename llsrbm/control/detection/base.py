@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 GRAVITY = 9.81  # m/s2, downwards
-# Detectors listen once the CoM sinks faster than this: before, lift-off and the legs' retraction
+# Detectors listen once the CoM has sunk faster than this: before, feet that leave the ground late
 # look like contacts, and no landing is softer (it is the speed of a fall of 5 mm).
 ARMED_BELOW = -0.3  # m/s
 
@@ -51,7 +51,8 @@ class Detector(ABC):
 
     Attributes:
         threshold: what `signal` is compared with; constant.
-        signal: its last value, for plots: a contact is reported when it is above the threshold.
+        signal: its last value, for plots: a contact is reported when it is above the threshold,
+            0 while the detector does not listen.
     """
 
     name: ClassVar[str]
@@ -60,13 +61,20 @@ class Detector(ABC):
     signal: float
 
     def __init__(self, tick: float) -> None:
+        """Begin with `reset`; `tick` is the time between updates, s."""
         self.tick = tick
         self.reset()
 
-    @abstractmethod
     def reset(self) -> None:
         """Forget the past: the next state is the first of a flight."""
+        self.signal = 0.0
+        self._has_fallen = False
 
     @abstractmethod
     def update(self, state: CentroidalState) -> bool:
         """Take in the state of one control tick of the flight; True: there is contact."""
+
+    def _falling(self, state: CentroidalState) -> bool:
+        """Whether it is time to listen, from now on: a contact slows the fall before it is seen."""
+        self._has_fallen |= float(state.com_velocity[2]) < ARMED_BELOW
+        return self._has_fallen

