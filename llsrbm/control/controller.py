@@ -86,7 +86,10 @@ class WholeBodyController:
         self._posture = tasks.Posture(body.velocities - 6, gains.posture)
         self._swing = [tasks.SwingFoot(i, gains.swing) for i in legs]
         self._seeking = [tasks.SeekingFoot(i, gains.swing[1]) for i in legs]
-        self._standing = [tasks.StandingFoot(i) for i in legs]
+        points = body.contacts // body.legs
+        self._standing = [tasks.StandingFoot(i, points, gains.standing) for i in legs]
+        self._level = [tasks.FootOrientation(i, gains.swing) for i in legs] if points > 1 else []
+        self._points = points
 
         self._touching = np.ones(body.legs, dtype=bool)
         self._landing_foot = plan.foot_position[-1]
@@ -156,7 +159,7 @@ class WholeBodyController:
 
     def _height_of_ground(self) -> float:
         """Of the ground under the feet that stand, above the plan's, m."""
-        height = self._body.foot[:, 2] - self._body.radius - self._landing_foot[:, 2]
+        height = self._body.foot[:, 2] - self._landing_foot[:, 2]
         return float(height[self._touching].mean())
 
     def _target(self, time: float, *, flying: bool) -> Target:
@@ -188,7 +191,7 @@ class WholeBodyController:
         )
         wanted = target.contact_force
         if phase == Phase.LANDING:
-            standing = np.array([0.0, 0.0, body.mass * _GRAVITY / body.legs])
+            standing = np.array([0.0, 0.0, body.mass * _GRAVITY / body.contacts])
             wanted = self._landing.force(wanted, standing, self._momentum_share)
         return self._dynamics.solve(
             chain(
@@ -204,7 +207,7 @@ class WholeBodyController:
                 feet,
             ),
             target,
-            contact,
+            np.repeat(contact, self._points),
             wanted,
             weights.force_in_landing if following_forces else weights.force,
             torque_range(self._robot, body.v[6:]),

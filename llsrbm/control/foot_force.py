@@ -66,6 +66,6 @@ class FootForces:
             self.vertical += _SMOOTHING * (force[:, 2, 0] - self.vertical)
             above = self.vertical > self._threshold
             self._touching = np.where(above, self._touching + 1, 0)
-        self._equations = (body.M.copy(), body.h, body.contact_jacobian.copy(), body.v.copy())
+        self._equations = (body.M.copy(), body.h, body.foot_jacobian.copy(), body.v.copy())
         touching: NDArray[np.bool_] = self._touching >= _SURE
         return touching

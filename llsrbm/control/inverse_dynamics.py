@@ -1,6 +1,6 @@
 """The paper's quadratic program: accelerations and contact forces that serve the tasks best.
 
-min 1/2 |A a + dA v - B|^2_W1 + 1/2 |f - f_wanted|^2_W2    over a (n,), f (3 L,)
+min 1/2 |A a + dA v - B|^2_W1 + 1/2 |f - f_wanted|^2_W2    over a (n,), f (3 C,)
 s.t. M_f a + h_f = J_f^T f                     floating base
      |f_x|, |f_y| <= mu f_z                    friction pyramid
      tau = M_a a + h_a - J_a^T f within the drives' limits
@@ -26,7 +26,7 @@ _REGULARISATION = 1e-6  # (m/s2)^-2; accelerations that no task sees, e.g. the b
 
 
 class Command(NamedTuple):
-    """What a tick decides: `torque` (J,), `acceleration` (n,), `force` (L, 3) N.
+    """What a tick decides: `torque` (J,), `acceleration` (n,), `force` (C, 3) N.
 
     `solved` is False when the program was not; the numbers are then those of the tick before.
     """
@@ -41,7 +41,7 @@ class InverseDynamics:
     """Builds and solves the program of one robot, tick after tick."""
 
     def __init__(self, body: WholeBody, friction: float, solver: str) -> None:
-        """For a robot on point feet.
+        """Set up the program's size.
 
         Args:
             body: the robot; its state is read at each `solve`.
@@ -51,21 +51,21 @@ class InverseDynamics:
         Raises:
             InputError: no such solver.
         """
-        n, legs = body.velocities, body.legs
-        joints, forces = n - _BASE, 3 * legs
+        n, contacts = body.velocities, body.contacts
+        joints, forces = n - _BASE, 3 * contacts
         self._body = body
         self._n = n
-        variables, pyramid = n + forces, 4 * legs
+        variables, pyramid = n + forces, 4 * contacts
         self._solver = make_solver(solver, variables, _BASE, pyramid + joints)
         faces = np.array(
             [[1, 0, -friction], [-1, 0, -friction], [0, 1, -friction], [0, -1, -friction]]
         )
         self._pyramid = pyramid
         self._qp = Qp.zeros(variables, _BASE, pyramid + joints)
-        self._qp.C[:pyramid, n:] = np.kron(np.eye(legs), faces)
+        self._qp.C[:pyramid, n:] = np.kron(np.eye(contacts), faces)
         self._qp.upper[:pyramid] = 0.0
         self._diagonal = np.arange(variables)
-        self._last = Command(np.zeros(joints), np.zeros(n), np.zeros((legs, 3)), solved=False)
+        self._last = Command(np.zeros(joints), np.zeros(n), np.zeros((contacts, 3)), solved=False)
 
     def solve(
         self,
@@ -81,8 +81,8 @@ class InverseDynamics:
         Args:
             tasks: with their weights.
             target: what they want.
-            contact: (L,) whether a foot may push.
-            force: (L, 3) N: contact forces wanted; force_weight: 1/N2.
+            contact: (C,) whether a point may push.
+            force: (C, 3) N: contact forces wanted; force_weight: 1/N2.
             torque_limits: lowest and highest, (J,) each.
         """
         body, qp, n = self._body, self._qp, self._n

@@ -22,7 +22,7 @@ class LandingStrategy:
     Attributes:
         description: one line.
         follows_forces: whether a force phase follows touchdown.
-        force: (planned (L, 3) N, standing (3,) N a foot, momentum met / planned) -> wanted (L, 3).
+        force: (planned (C, 3) N, standing (3,) N a contact, momentum met / planned) -> wanted.
     """
 
     description: str

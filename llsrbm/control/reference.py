@@ -11,6 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from llsrbm.trajectory.plan import Phase, Plan
 from llsrbm.trajectory.resample import resample
+from llsrbm.trajectory.rotation import yaw
 
 Array = NDArray[np.float64]
 
@@ -20,15 +21,16 @@ _JUST_BEFORE = 2 * _STEP  # touchdown, where the nearest sample surely is one of
 
 @dataclass(frozen=True, eq=False)
 class Target:
-    """What is wanted at one instant: L legs, J joints; world frame, SI units.
+    """What is wanted at one instant: L legs, C contact points, J joints; world frame, SI units.
 
     Attributes:
         com, com_velocity, com_acceleration: (3,).
         R_world_base: (3, 3); angular_velocity, angular_acceleration: (3,) of the base.
         angular_momentum, angular_momentum_rate: (3,) about the CoM.
-        contact_force: (L, 3) N.
+        contact_force: (C, 3) N.
         foot_from_com, foot_velocity_from_com, foot_acceleration_from_com: (L, 3): of the lowest
             point of each foot, relative to the CoM, world axes.
+        foot_heading: (L, 3): heading of each foot, its rate and its acceleration.
         joint_position, joint_velocity: (J,).
     """
 
@@ -44,6 +46,7 @@ class Target:
     foot_from_com: Array
     foot_velocity_from_com: Array
     foot_acceleration_from_com: Array
+    foot_heading: Array
     joint_position: Array
     joint_velocity: Array
 
@@ -61,18 +64,16 @@ class Reference:
 
         Args:
             plan: what to follow.
-            weight: of the robot, N, carried by all feet alike after the end.
+            weight: of the robot, N, carried by all contacts alike after the end.
         """
         self.takeoff, self.touchdown, self.end = (float(t) for t in plan.phase_start[1:])
         times = np.arange(0.0, plan.duration + 2 * _STEP, _STEP) + plan.time[0]
         motion = resample(plan, times)
         omega, omega_rate = _angular_velocity(plan, times)
-        foot = _swing(plan, times)
+        foot, heading = _swing(plan, times)
         moving = times[:, None] < plan.time[-1]
-        legs = plan.foot_position.shape[1]
-        standing = np.zeros((legs, 3))
-        standing[:, 2] = weight / legs
-        by_foot = plan.contact_force.reshape(len(plan.time), legs, -1, 3).sum(axis=2)
+        standing = np.zeros(plan.contact_force.shape[1:])
+        standing[:, 2] = weight / len(standing)
         dt = np.diff(plan.time)[:, None]
         columns = {
             "com": motion.com,
@@ -87,10 +88,12 @@ class Reference:
             "angular_momentum_rate": _without_steps(
                 plan, times, np.diff(plan.angular_momentum, axis=0) / dt
             ),
-            "contact_force": _without_steps(plan, times, by_foot[:-1] - standing) + standing,
+            "contact_force": _without_steps(plan, times, plan.contact_force[:-1] - standing)
+            + standing,
             "foot_from_com": foot[0],
             "foot_velocity_from_com": foot[1],
             "foot_acceleration_from_com": foot[2],
+            "foot_heading": heading,
             "joint_position": motion.joint_position,
             "joint_velocity": motion.joint_velocity * moving,
         }
@@ -98,11 +101,13 @@ class Reference:
         self._targets = [
             Target(*row) for row in zip(*(columns[name] for name in names), strict=True)
         ]
-        still = np.zeros((legs, 3))
+        still = np.zeros(plan.foot_position.shape[1:])
+        last = self.at(self.touchdown - _JUST_BEFORE)
         self.late = replace(
-            self.at(self.touchdown - _JUST_BEFORE),
+            last,
             foot_velocity_from_com=still,
             foot_acceleration_from_com=still,
+            foot_heading=last.foot_heading * [1.0, 0.0, 0.0],
         )
 
     def at(self, time: float) -> Target:
@@ -150,10 +155,10 @@ def _angular_velocity(plan: Plan, times: Array) -> tuple[Array, Array]:
     return (1 - share) * omega[piece] + share * omega[piece + 1], rate[piece]
 
 
-def _swing(plan: Plan, times: Array) -> tuple[Array, Array, Array]:
-    """Feet relative to the CoM in flight, and two derivatives, (K, L, 3) each.
+def _swing(plan: Plan, times: Array) -> tuple[tuple[Array, Array, Array], Array]:
+    """Feet in flight: position relative to the CoM and two derivatives, (K, L, 3) each; headings.
 
-    A cubic spline through the knots of the flight whose feet leave and meet the ground at rest.
+    Cubic splines through the knots of the flight whose feet leave and meet the ground at rest.
     Outside of the flight the nearest end is held.
     """
     first, last = (int(k) for k in np.searchsorted(plan.time, plan.phase_start[1:3] - 1e-9))
@@ -161,12 +166,20 @@ def _swing(plan: Plan, times: Array) -> tuple[Array, Array, Array]:
     assert (plan.phase[first:last] == Phase.FLIGHT).all()
     legs = plan.foot_position.shape[1]
     relative = plan.foot_position[knots] - plan.com[knots, None]
-    ends = [(1, np.tile(-plan.com_velocity[k], (legs, 1))) for k in (first, last)]
-    spline = CubicSpline(plan.time[knots], relative, bc_type=tuple(ends))
+    ends = tuple((1, np.tile(-plan.com_velocity[k], (legs, 1))) for k in (first, last))
+    place = CubicSpline(plan.time[knots], relative, bc_type=ends)
+    headings = np.stack([yaw(plan.foot_quat[knots, i]) for i in range(legs)], axis=1)
+    turn = CubicSpline(plan.time[knots], headings, bc_type="clamped")
     inside = np.clip(times, plan.time[first], plan.time[last])
-    held = (inside != times)[:, None, None]
+    moving = inside == times
     return (
-        spline(inside),
-        np.where(held, 0.0, spline(inside, 1)),
-        np.where(held, 0.0, spline(inside, 2)),
+        (
+            place(inside),
+            place(inside, 1) * moving[:, None, None],
+            place(inside, 2) * moving[:, None, None],
+        ),
+        np.stack(
+            [turn(inside), turn(inside, 1) * moving[:, None], turn(inside, 2) * moving[:, None]],
+            axis=-1,
+        ),
     )

@@ -20,44 +20,48 @@ class WholeBody:
     Velocities and accelerations of the base are Pinocchio's: of its origin, in its own axes.
 
     Attributes:
-        mass: kg; radius: (L,) m of the feet's spheres.
+        mass: kg.
         M: (n, n) mass matrix; h: (n,) Coriolis, centrifugal and gravity terms.
         com, com_velocity: (3,) m, m/s.
         angular_momentum: (3,) kg m2/s about the CoM; inertia: (3, 3) kg m2, whole body's.
         momentum_matrix: (6, n) linear, angular; momentum_bias: (6,) its rate at zero acceleration.
         R_world_base: (3, 3); angular_velocity: (3,) rad/s of the base.
-        foot: (L, 3) m: centres of the spheres; foot_velocity: (L, 3) m/s.
-        foot_jacobian: (L, 3, n) of the centres; foot_bias: (L, 3) m/s2.
-        contact_jacobian: (L, 3, n): of the point of the foot that touches the ground.
-        contact_bias: (L, 3) m/s2: `contact_jacobian @ a + contact_bias` is zero while a foot rolls
-            without slipping.
-        contact_velocity: (L, 3) m/s of the point that touches.
+        foot: (L, 3) m: lowest points of the feet, in the middle of each foot's spheres; velocity,
+            Jacobian (L, 3, n) and bias (L, 3) m/s2 are those of the middle of their centres.
+        R_world_foot: (L, 3, 3); foot_angular_velocity: (L, 3) rad/s; foot_rotation_jacobian:
+            (L, 3, n); foot_rotation_bias: (L, 3) rad/s2.
+        contact_jacobian: (C, 3, n): of the points that touch the ground, c a foot.
+        contact_bias: (C, 3) m/s2: `contact_jacobian @ a + contact_bias` is zero while the spheres
+            roll without slipping.
+        contact_velocity: (C, 3) m/s of the points that touch.
     """
 
     def __init__(self, robot: Robot) -> None:
         """Nothing is known before the first `update`."""
         model = robot.model.copy()
         contacts = foot_contacts(robot)
-        self._frames = []
+        self._frames, self._corners = [], []
         for leg, contact in zip(robot.legs, contacts, strict=True):
             foot = model.frames[leg.foot_frame_id]
-            centre = pin.Frame(
-                f"{leg.foot_frame}/centre",
+            middle = contact.centres.mean(axis=0)
+            self._corners.append(contact.centres - middle)
+            frame = pin.Frame(
+                f"{leg.foot_frame}/middle",
                 foot.parentJoint,
-                foot.placement * pin.SE3(np.eye(3), contact.centre),
+                foot.placement * pin.SE3(np.eye(3), middle),
                 pin.FrameType.OP_FRAME,
             )
-            self._frames.append(model.addFrame(centre))
+            self._frames.append(model.addFrame(frame))
         self._model, self._data = model, model.createData()
         n, legs = model.nv, len(contacts)
+        points = legs * len(robot.corners)
         self._no_acceleration = np.zeros(n)
         self._lower = np.tril_indices(n, -1)
         self.velocities = n
         self.legs = legs
         self.mass = robot.mass
-        self.radius = np.array([contact.radius for contact in contacts])
-        # From a foot's centre to the point that touches: v_touching = v_centre + J_omega a x lever.
-        self._cross_lever = np.array([pin.skew(r * _UP) for r in self.radius])
+        self.contacts = points
+        self._radius = [contact.radius for contact in contacts]
 
         self.q = np.zeros(model.nq)
         self.v = np.zeros(n)
@@ -68,9 +72,11 @@ class WholeBody:
         self.momentum_matrix, self.momentum_bias = np.zeros((6, n)), np.zeros(6)
         self.R_world_base, self.angular_velocity = np.eye(3), np.zeros(3)
         self.foot, self.foot_velocity, self.foot_bias = np.zeros((3, legs, 3))
-        self.foot_jacobian = np.zeros((legs, 3, n))
-        self.contact_jacobian = np.zeros((legs, 3, n))
-        self.contact_bias, self.contact_velocity = np.zeros((2, legs, 3))
+        self.foot_angular_velocity, self.foot_rotation_bias = np.zeros((2, legs, 3))
+        self.foot_jacobian, self.foot_rotation_jacobian = np.zeros((2, legs, 3, n))
+        self.R_world_foot = np.zeros((legs, 3, 3))
+        self.contact_jacobian = np.zeros((points, 3, n))
+        self.contact_bias, self.contact_velocity = np.zeros((2, points, 3))
 
     def update(self, q: Array, v: Array) -> None:
         """Take a state: q (nq,) and v (n,), Pinocchio's conventions."""
@@ -96,15 +102,25 @@ class WholeBody:
     def _update_feet(self) -> None:
         model, data = self._model, self._data
         axes = pin.LOCAL_WORLD_ALIGNED
+        point = 0
         for i, frame in enumerate(self._frames):
-            self.foot[i] = pin.updateFramePlacement(model, data, frame).translation
+            placement = pin.updateFramePlacement(model, data, frame)
             jacobian = pin.getFrameJacobian(model, data, frame, axes)
             velocity = pin.getFrameVelocity(model, data, frame, axes)
             bias = pin.getFrameClassicalAcceleration(model, data, frame, axes)
-            self.foot_jacobian[i] = jacobian[:3]
+            radius, R, omega = self._radius[i] * _UP, placement.rotation, velocity.angular
+            self.foot[i] = placement.translation - radius
+            self.foot_jacobian[i], self.foot_rotation_jacobian[i] = jacobian[:3], jacobian[3:]
             self.foot_velocity[i], self.foot_bias[i] = velocity.linear, bias.linear
-            # A sphere that rolls: v_centre = omega x lever, hence a_centre = alpha x lever.
-            lever = self._cross_lever[i]
-            self.contact_jacobian[i] = jacobian[:3] + lever @ jacobian[3:]
-            self.contact_velocity[i] = velocity.linear + lever @ velocity.angular
-            self.contact_bias[i] = bias.linear + lever @ bias.angular
+            self.R_world_foot[i] = R
+            self.foot_angular_velocity[i], self.foot_rotation_bias[i] = omega, bias.angular
+            for corner in self._corners[i]:
+                # From the middle to a sphere's centre, which turns with the foot, and from there
+                # down to the ground, which does not: a sphere that rolls.
+                arm = R @ corner
+                lever = pin.skew(radius - arm)
+                self.contact_jacobian[point] = jacobian[:3] + lever @ jacobian[3:]
+                self.contact_velocity[point] = velocity.linear + lever @ omega
+                self.contact_bias[point] = bias.linear + lever @ bias.angular
+                self.contact_bias[point] += pin.skew(omega) @ pin.skew(omega) @ arm
+                point += 1

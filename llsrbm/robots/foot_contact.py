@@ -1,4 +1,4 @@
-"""What of a foot touches the ground: the sphere that the URDF gives it for collisions."""
+"""What of a foot touches the ground: spheres, one at each of its contact points."""
 
 from __future__ import annotations
 
@@ -17,22 +17,26 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class FootContact:
-    """A foot's sphere.
+    """A foot's spheres, all alike: c contact points.
 
     Attributes:
-        centre: (3,) m, in the frame that the robot file names as the leg's foot.
+        centres: (c, 3) m, in the frame that the robot file names as the leg's foot, in the order of
+            the file's corners.
         radius: m.
     """
 
-    centre: Array
+    centres: Array
     radius: float
 
 
 def foot_contacts(robot: Robot) -> tuple[FootContact, ...]:
-    """The sphere of each foot, in the order of the legs: of several the nearest to its frame.
+    """The spheres of each foot, in the order of the legs.
+
+    They are the URDF's collision spheres nearest to the robot file's corners; where it has none,
+    spheres of the file's radius that rest on the sole.
 
     Raises:
-        RobotFileError: the URDF gives a foot no sphere.
+        RobotFileError: the URDF gives a foot no spheres and the file no radius.
     """
     shapes = collision_shapes(robot)
     return tuple(_foot_contact(robot, leg, shapes) for leg in robot.legs)
@@ -63,16 +67,20 @@ def collision_shapes(robot: Robot) -> list[pin.GeometryObject]:
 def _foot_contact(robot: Robot, leg: Leg, shapes: list[pin.GeometryObject]) -> FootContact:
     frame = robot.model.frames[leg.foot_frame_id]
     spheres = [
-        FootContact(
-            centre=frame.placement.actInv(shape.placement.translation),
-            radius=float(shape.geometry.radius),
-        )
+        (frame.placement.actInv(shape.placement.translation), float(shape.geometry.radius))
         for shape in shapes
         if shape.parentJoint == frame.parentJoint and isinstance(shape.geometry, coal.Sphere)
     ]
-    if not spheres:
+    radius = robot.file.foot.radius
+    if spheres:
+        nearest = [
+            min(spheres, key=lambda sphere: float(np.linalg.norm(sphere[0] - corner)))
+            for corner in robot.corners
+        ]
+        return FootContact(np.array([centre for centre, _ in nearest]), nearest[0][1])
+    if radius is None:
         raise RobotFileError(
             f'{robot.path}: legs.{leg.name}.foot: the link that carries "{leg.foot_frame}" has no '
-            f"collision sphere in {robot.urdf_path}; expected one at the foot"
+            f"collision sphere in {robot.urdf_path}; expected one there, or foot.radius here"
         )
-    return min(spheres, key=lambda sphere: float(np.linalg.norm(sphere.centre)))
+    return FootContact(robot.corners + [0.0, 0.0, radius], radius)

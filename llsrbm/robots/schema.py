@@ -177,6 +177,7 @@ class Gains(_Table):
         swing: of feet in the air.
         posture: of the joints, where no other task wants them.
         angular_momentum: decay of its error, 1/s.
+        standing: damping of feet on the ground, 1/s.
     """
 
     com: tuple[Length, Length] = (60.0, 12.0)
@@ -184,6 +185,7 @@ class Gains(_Table):
     swing: tuple[Length, Length] = (500.0, 40.0)
     posture: tuple[Length, Length] = (100.0, 20.0)
     angular_momentum: Length = 5.0
+    standing: Length = 0.0
 
 
 class Weights(_Table):
@@ -192,6 +194,7 @@ class Weights(_Table):
     Attributes:
         com, orientation, angular_momentum, swing, contact, posture: of squared accelerations (of
             the angular momentum, its rate).
+        swing_orientation: of soles in the air.
         orientation_in_flight: momentum is conserved there, so the feet come first.
         force: of squared contact force errors while a trajectory is tracked, 1/N2: only chooses
             among forces that do the same.
@@ -203,6 +206,7 @@ class Weights(_Table):
     orientation_in_flight: Length = 0.1
     angular_momentum: Length = 1.0
     swing: Length = 100.0
+    swing_orientation: Length = 10.0
     contact: Length = 1e4
     posture: Length = 1e-4
     force: Length = 1e-4

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import chain
+
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
@@ -11,24 +13,24 @@ Array = NDArray[np.float64]
 _FOUND = 1 << int(mujoco.mjtConDataField.mjCONDATA_FOUND)
 _FORCE = 1 << int(mujoco.mjtConDataField.mjCONDATA_FORCE)
 _NO_REDUCTION, _NET_FORCE = 0, 3  # of a sensor's contacts; the net force is in the world frame
-_FOOT_WIDTH = 4  # numbers a foot: contacts found, force
+_WIDTH = 4  # numbers a geom of a foot: contacts found, force
 
 
-def add_sensors(spec: mujoco.MjSpec, feet: list[str], trunk: str) -> None:
+def add_sensors(spec: mujoco.MjSpec, feet: list[list[str]], trunk: str) -> None:
     """Give a model the sensors that `ContactReader` reads.
 
     The specification must have no other sensors.
 
     Args:
-        feet: the feet's geoms, in the order of the legs.
+        feet: each foot's geoms, as many for all, in the order of the legs.
         trunk: the body with all other geoms that can touch something.
     """
-    for foot in feet:
+    for geom in chain.from_iterable(feet):
         spec.add_sensor(
-            name=foot,
+            name=geom,
             type=mujoco.mjtSensor.mjSENS_CONTACT,
             objtype=mujoco.mjtObj.mjOBJ_GEOM,
-            objname=foot,
+            objname=geom,
             intprm=[_FOUND | _FORCE, _NET_FORCE, 1],
         )
     spec.add_sensor(
@@ -46,11 +48,13 @@ class ContactReader:
     A step's contacts are those of the state it starts from, and its forces act until its end.
     """
 
-    def __init__(self, data: mujoco.MjData, legs: int, steps: int) -> None:
+    def __init__(self, data: mujoco.MjData, legs: int, geoms: int, steps: int) -> None:
+        """Read the sensors of `data`, of `geoms` geoms a foot."""
         self._sensors = data.sensordata
         self._tick = np.zeros((steps, len(self._sensors)))
-        self._feet = self._tick[:, : _FOOT_WIDTH * legs].reshape(steps, legs, _FOOT_WIDTH)
-        self._trunk = self._tick[:, _FOOT_WIDTH * legs :]
+        width = _WIDTH * legs * geoms
+        self._feet = self._tick[:, :width].reshape(steps, legs, geoms, _WIDTH)
+        self._trunk = self._tick[:, width:]
 
     def read(self, step: int) -> None:
         """Note the contacts of a step of the tick, after it."""
@@ -58,13 +62,13 @@ class ContactReader:
 
     def touched(self) -> NDArray[np.bool_]:
         """(S, L): whether each foot touched anything in each step."""
-        touched: NDArray[np.bool_] = self._feet[..., 0] > 0
+        touched: NDArray[np.bool_] = (self._feet[..., 0] > 0).any(axis=2)
         return touched
 
     def mean_force(self) -> Array:
         """(L, 3) N, world frame, on the feet."""
         # MuJoCo gives the force of the sensor's geom on what it touches.
-        force: Array = self._feet[..., 1:].sum(axis=0) * (-1.0 / len(self._tick))
+        force: Array = self._feet[..., 1:].sum(axis=(0, 2)) * (-1.0 / len(self._tick))
         return force
 
     def trunk_touched(self) -> bool:

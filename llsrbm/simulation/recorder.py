@@ -113,6 +113,6 @@ class Recorder:
             pin.forwardKinematics(model, data, q)
             for i, (leg, contact) in enumerate(zip(robot.legs, contacts, strict=True)):
                 frame = pin.updateFramePlacement(model, data, leg.foot_frame_id)
-                columns["foot_position"][k, i] = frame.act(contact.centre)
+                columns["foot_position"][k, i] = frame.act(contact.centres.mean(axis=0))
                 columns["foot_position"][k, i, 2] -= contact.radius
         return columns

@@ -191,24 +191,26 @@ def _add_motors(spec: mujoco.MjSpec, robot: Robot) -> None:
         spec.add_actuator(name=name, target=name, trntype=mujoco.mjtTrn.mjTRN_JOINT)
 
 
-def _add_feet(spec: mujoco.MjSpec, robot: Robot, touch: dict[str, object]) -> list[str]:
-    """Add the feet's spheres, without mass; returns their names."""
-    names = []
+def _add_feet(spec: mujoco.MjSpec, robot: Robot, touch: dict[str, object]) -> list[list[str]]:
+    """Add the feet's spheres, without mass; returns their names, a list a foot."""
+    feet = []
     for leg, contact in zip(robot.legs, foot_contacts(robot), strict=True):
         frame = robot.model.frames[leg.foot_frame_id]
-        name = f"foot/{leg.name}"
-        spec.joint(leg.joints[-1]).parent.add_geom(
-            name=name,
-            type=mujoco.mjtGeom.mjGEOM_SPHERE,
-            size=[contact.radius, 0, 0],
-            pos=frame.placement.act(contact.centre),
-            mass=0,
-            contype=_ROBOT,
-            conaffinity=_WORLD,
-            **touch,
-        )
-        names.append(name)
-    return names
+        names = []
+        for i, centre in enumerate(contact.centres):
+            names.append(f"foot/{leg.name}/{i}")
+            spec.joint(leg.joints[-1]).parent.add_geom(
+                name=names[-1],
+                type=mujoco.mjtGeom.mjGEOM_SPHERE,
+                size=[contact.radius, 0, 0],
+                pos=frame.placement.act(centre),
+                mass=0,
+                contype=_ROBOT,
+                conaffinity=_WORLD,
+                **touch,
+            )
+        feet.append(names)
+    return feet
 
 
 def _add_trunk(root: mujoco.MjsBody, robot: Robot, touch: dict[str, object]) -> None:

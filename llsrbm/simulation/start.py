@@ -23,8 +23,8 @@ _LONGEST_STEP = 0.2  # rad or m a joint: the linearisation holds
 def standing_state(robot: Robot, plan: Plan) -> Array:
     """The posture in which the robot stands at the plan's first knot.
 
-    Base attitude and CoM are the plan's. The feet's spheres rest on the plan's foot positions; a
-    plan knows feet as points, so the legs are bent a little more or less than in the plan.
+    Base attitude and CoM are the plan's. The feet's spheres rest on the plan's contact points; a
+    plan knows them as points, so the legs are bent a little more or less than in the plan.
 
     Returns:
         q (nq,), Pinocchio's convention.
@@ -39,7 +39,12 @@ def standing_state(robot: Robot, plan: Plan) -> Array:
         )
     model, contacts = robot.model, foot_contacts(robot)
     data = model.createData()
-    goal = plan.foot_position[0] + [[0.0, 0.0, contact.radius] for contact in contacts]
+    # Spheres may lie inside of a sole's corners: the sole's own place is what counts.
+    R_world_foot = rotation_matrices(plan.foot_quat[0])
+    goal = [
+        place + contact.centres @ R.T * [1, 1, 0] + [0.0, 0.0, contact.radius]
+        for place, R, contact in zip(plan.foot_position[0], R_world_foot, contacts, strict=True)
+    ]
     R_world_base = rotation_matrices(plan.base_quat[0])
     q = robot.posture.copy()
     q[:3] = plan.base_position[0]
@@ -53,14 +58,15 @@ def standing_state(robot: Robot, plan: Plan) -> Array:
         turn = np.zeros((3, model.nv))
         turn[:, 3:6] = np.eye(3)
         errors, jacobians = [plan.com[0] - data.com[0], pin.log3(R.T @ R_world_base)], [J_com, turn]
-        for leg, contact, place in zip(robot.legs, contacts, goal, strict=True):
+        for leg, contact, places in zip(robot.legs, contacts, goal, strict=True):
             frame = data.oMf[leg.foot_frame_id]
             J = pin.getFrameJacobian(
                 model, data, leg.foot_frame_id, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
             )
-            lever = frame.rotation @ contact.centre
-            errors.append(place - frame.translation - lever)
-            jacobians.append(J[:3] - pin.skew(lever) @ J[3:])
+            for centre, place in zip(contact.centres, places, strict=True):
+                lever = frame.rotation @ centre
+                errors.append(place - frame.translation - lever)
+                jacobians.append(J[:3] - pin.skew(lever) @ J[3:])
         error = np.concatenate(errors)
         if np.abs(error).max() < _EXACT:
             break

@@ -90,7 +90,7 @@ class World:
         self._joints = self.scene.v_order[6:]
         self.joint_order = np.argsort(self._joints)
         self._drives = Drives(robot, disturbance.torque_delay_ticks)
-        self._contacts = ContactReader(self._data, len(robot.legs), self._steps)
+        self._contacts = ContactReader(self._data, len(robot.legs), len(robot.corners), self._steps)
         self._torque, self._limit = np.zeros((2, self._steps, len(robot.joint_names)))
         self._warnings = self._data.warning.number
         self._conjugate = np.empty(4)

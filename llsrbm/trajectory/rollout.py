@@ -153,7 +153,7 @@ class Rollout:
         base_quat, base_position: (T, 4) w, x, y, z, (T, 3) m: of the URDF's root link.
         linear_momentum, angular_momentum: (T, 3) kg m/s, kg m2/s about the CoM.
         inertia: (T, 3, 3) kg m2: the whole body's, about its CoM.
-        foot_position: (T, L, 3) m: the lowest point of the foot.
+        foot_position: (T, L, 3) m: the lowest point of a foot, of a sole its middle.
         contact: (T, L) whether the foot touches anything, the simulator's truth.
         contact_force: (T, L, 3) N, sum a foot, mean of the tick.
         average_spatial_velocity_norm: (T,) ‖v_G‖ as the controller measures it (m/s and rad/s in

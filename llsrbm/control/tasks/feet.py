@@ -31,12 +31,10 @@ class SwingFoot(Task):
     def motion(self, body: WholeBody, target: Target) -> Motion:
         """See `Task.motion`; the CoM accelerates with gravity."""
         i = self._foot
-        position = body.foot[i] - body.com
-        position[2] -= body.radius[i]
         return Motion(
             body.foot_jacobian[i],
             body.foot_bias[i],
-            target.foot_from_com[i] - position,
+            target.foot_from_com[i] - (body.foot[i] - body.com),
             target.foot_velocity_from_com[i] - (body.foot_velocity[i] - body.com_velocity),
             target.foot_acceleration_from_com[i] + _GRAVITY,
         )
@@ -65,19 +63,26 @@ class SeekingFoot(Task):
 
 
 class StandingFoot(Task):
-    """The point of a foot that touches the ground does not accelerate: a soft contact constraint.
+    """The points of a foot that touch the ground do not accelerate: a soft contact constraint.
 
-    Without damping, which hurts landings: the first ticks after an impact are no rest.
+    Point feet without damping, which hurts landings: the first ticks after an impact are no rest.
+    A sole needs some, to settle flat.
     """
 
-    rows = 3
-
-    def __init__(self, foot: int) -> None:
-        """For the foot of that index."""
-        super().__init__((0.0, 0.0))
-        self._foot = foot
+    def __init__(self, foot: int, points: int, damping: float) -> None:
+        """For the foot of that index with that many points; damping in 1/s."""
+        super().__init__((0.0, damping))
+        self._points = slice(foot * points, (foot + 1) * points)
+        self.rows = 3 * points
+        self._none = np.zeros(self.rows)
 
     def motion(self, body: WholeBody, target: Target) -> Motion:
         """See `Task.motion`."""
-        i = self._foot
-        return Motion(body.contact_jacobian[i], body.contact_bias[i], _NONE, _NONE, _NONE)
+        points = self._points
+        return Motion(
+            body.contact_jacobian[points].reshape(self.rows, -1),
+            body.contact_bias[points].ravel(),
+            self._none,
+            -body.contact_velocity[points].ravel(),
+            self._none,
+        )

@@ -1,4 +1,4 @@
-"""The base's attitude follows the plan."""
+"""Attitudes follow the plan: the base's, and those of soles in the air."""
 
 from __future__ import annotations
 
@@ -28,4 +28,32 @@ class BaseOrientation(Task):
             pin.log3(target.R_world_base @ body.R_world_base.T),
             target.angular_velocity - body.angular_velocity,
             target.angular_acceleration,
+        )
+
+
+class FootOrientation(Task):
+    """Attitude of a foot, rad, world axes: level, with the plan's heading.
+
+    Relative to the world, because that is how soles shall meet the ground.
+    """
+
+    rows = 3
+
+    def __init__(self, foot: int, gains: tuple[float, float]) -> None:
+        """For the foot of that index."""
+        super().__init__(gains)
+        self._foot = foot
+
+    def motion(self, body: WholeBody, target: Target) -> Motion:
+        """See `Task.motion`."""
+        i = self._foot
+        heading, rate, acceleration = target.foot_heading[i]
+        c, s = np.cos(heading), np.sin(heading)
+        wanted = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+        return Motion(
+            body.foot_rotation_jacobian[i],
+            body.foot_rotation_bias[i],
+            pin.log3(wanted @ body.R_world_foot[i].T),
+            np.array([0.0, 0.0, rate]) - body.foot_angular_velocity[i],
+            np.array([0.0, 0.0, acceleration]),
         )

@@ -45,6 +45,7 @@ def resting_target() -> Target:
         foot_from_com=np.zeros((legs, 3)),
         foot_velocity_from_com=np.zeros((legs, 3)),
         foot_acceleration_from_com=np.zeros((legs, 3)),
+        foot_heading=np.zeros((legs, 3)),
         joint_position=np.zeros(joints),
         joint_velocity=np.zeros(joints),
     )

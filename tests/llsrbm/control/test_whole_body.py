@@ -25,7 +25,7 @@ def test_equation_of_motion_is_pinocchios(seed):
     pin.forwardKinematics(robot.model, data, q)
     for i, leg in enumerate(robot.legs):
         joint = leg.joint_ids[-1]
-        point = body.foot[i] - [0, 0, body.radius[i]]
+        point = body.foot[i]
         world = pin.Force(force[i], np.cross(point, force[i]))
         external[joint] = data.oMi[joint].actInv(world)
     expected = pin.aba(robot.model, data, q, v, np.concatenate([np.zeros(6), torque]), external)

@@ -28,7 +28,7 @@ def test_the_sphere_of_each_foots_link(name):
             if shape.find("geometry/sphere") is not None
         )
         assert contact.radius == float(shape.find("geometry/sphere").get("radius"))
-        assert contact.centre == pytest.approx(
+        assert contact.centres[0] == pytest.approx(
             [float(x) for x in shape.find("origin").get("xyz").split()], abs=1e-12
         )
 
@@ -36,13 +36,13 @@ def test_the_sphere_of_each_foots_link(name):
 def test_anymals_feet():
     for contact in foot_contacts(load_robot("anymal")):
         assert contact.radius == 0.031
-        assert contact.centre == pytest.approx([0, 0, 0.02325], abs=1e-12)
+        assert contact.centres[0] == pytest.approx([0, 0, 0.02325], abs=1e-12)
 
 
 def test_of_several_spheres_on_a_leg_the_one_next_to_the_foot(tmp_path):
     for contact in foot_contacts(sliding_biped(tmp_path)):
         assert contact.radius == 0.04
-        assert contact.centre == pytest.approx([0, 0, 0.03], abs=1e-12)
+        assert contact.centres[0] == pytest.approx([0, 0, 0.03], abs=1e-12)
 
 
 @pytest.mark.parametrize(
@@ -74,7 +74,7 @@ def test_the_feets_lowest_points_are_level(tmp_path):
         data = robot.model.createData()
         pin.framesForwardKinematics(robot.model, data, robot.posture)
         lowest = [
-            data.oMf[leg.foot_frame_id].act(contact.centre)[2] - contact.radius
+            data.oMf[leg.foot_frame_id].act(contact.centres[0])[2] - contact.radius
             for leg, contact in zip(robot.legs, foot_contacts(robot), strict=True)
         ]
         assert np.ptp(lowest) < 1e-3

@@ -165,10 +165,10 @@ def test_feet_are_where_the_urdf_has_them():
         mujoco.mj_forward(scene.model, simulated)
         pin.framesForwardKinematics(robot.model, data, q)
         for leg in robot.legs:
-            geom = simulated.geom(f"foot/{leg.name}")
+            geom = simulated.geom(f"foot/{leg.name}/0")
             expected = data.oMf[leg.foot_frame_id].act(np.array([0, 0, 0.02325]))
             assert geom.xpos == pytest.approx(expected, abs=1e-9)
-            assert scene.model.geom(f"foot/{leg.name}").size[0] == 0.031
+            assert scene.model.geom(f"foot/{leg.name}/0").size[0] == 0.031
 
 
 def test_the_trunk_is_as_large_as_its_primitives():

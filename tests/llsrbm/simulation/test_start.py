@@ -41,7 +41,7 @@ def test_com_attitude_and_feet_are_the_plans(robot):
     assert pin.centerOfMass(robot.model, data, q) == pytest.approx(plan.com[0], abs=1e-7)
     assert np.roll(q[3:7], 1) == pytest.approx(plan.base_quat[0], abs=1e-8)
     for i, (leg, contact) in enumerate(zip(robot.legs, foot_contacts(robot), strict=True)):
-        centre = data.oMf[leg.foot_frame_id].act(contact.centre)
+        centre = data.oMf[leg.foot_frame_id].act(contact.centres[0])
         resting = plan.foot_position[0, i] + [0, 0, contact.radius]
         assert centre == pytest.approx(resting, abs=1e-7)
     lower, upper = robot.model.lowerPositionLimit[7:], robot.model.upperPositionLimit[7:]

@@ -163,7 +163,7 @@ def lowest_points(robot, data):
     """(L, 3) m, of the feet's spheres."""
     return np.array(
         [
-            data.oMf[leg.foot_frame_id].act(contact.centre) - [0, 0, contact.radius]
+            data.oMf[leg.foot_frame_id].act(contact.centres[0]) - [0, 0, contact.radius]
             for leg, contact in zip(robot.legs, foot_contacts(robot), strict=True)
         ]
     )

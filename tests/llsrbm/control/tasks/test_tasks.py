@@ -13,7 +13,7 @@ ALL = {
     "orientation": tasks.BaseOrientation((0.0, 0.0)),
     "swing": tasks.SwingFoot(2, (0.0, 0.0)),
     "seeking": tasks.SeekingFoot(1, 0.0),
-    "standing": tasks.StandingFoot(3),
+    "standing": tasks.StandingFoot(3, 1, 0.0),
     "momentum": tasks.AngularMomentum(0.0),
     "posture": tasks.Posture(12, (0.0, 0.0)),
 }
@@ -49,8 +49,7 @@ def test_swing_foot_is_measured_from_the_com(seed):
     target = resting_target()
     body = moved(seed, np.zeros(18), 0.0)
     motion = ALL["swing"].motion(body, target)
-    lowest = body.foot[2] - [0, 0, body.radius[2]]
-    np.testing.assert_allclose(motion.error, body.com - lowest, atol=1e-12)
+    np.testing.assert_allclose(motion.error, body.com - body.foot[2], atol=1e-12)
     np.testing.assert_allclose(motion.error_rate, body.com_velocity - body.foot_velocity[2])
     np.testing.assert_allclose(motion.feedforward, [0, 0, -9.81])
 
