@@ -83,4 +83,4 @@ def _foot_contact(robot: Robot, leg: Leg, shapes: list[pin.GeometryObject]) -> F
             f'{robot.path}: legs.{leg.name}.foot: the link that carries "{leg.foot_frame}" has no '
             f"collision sphere in {robot.urdf_path}; expected one there, or foot.radius here"
         )
-    return FootContact(robot.corners + [0.0, 0.0, radius], radius)
+    return FootContact(robot.corners + np.array([0.0, 0.0, radius]), radius)

@@ -62,7 +62,7 @@ class ContactReader:
 
     def touched(self) -> NDArray[np.bool_]:
         """(S, L): whether each foot touched anything in each step."""
-        touched: NDArray[np.bool_] = (self._feet[..., 0] > 0).any(axis=2)
+        touched: NDArray[np.bool_] = np.logical_or.reduce(self._feet[..., 0] > 0, axis=2)
         return touched
 
     def mean_force(self) -> Array:
