@@ -6,12 +6,14 @@ Frames and symbols, as in the docstrings of the models:
 - o: origin of the base (the URDF's root link) seen from the CoM, base axes.
 - h_i: hip i in the base frame; M_i = diag(mirror_i) turns base axes into the leg's mirrored axes.
 - x_i = M_i (beta_i - o - h_i): foot i in its mirrored hip frame. The legs' configuration is the
-  (3, L) matrix of all x_i: the variables of the planner in flight, functions of r and R in stance.
+  (d, L) matrix of all x_i: the variables of the planner in flight, functions of r and R in stance.
+- Where feet are lines or soles, d = 4: beta_i goes on with the foot's yaw relative to the base, x_i
+  with the same in mirrored axes, det(M_i) times it (outwards positive). The feet are level.
 
 Every model's leg CoM is an affine function of x_i for the purpose of finding o, so that o is affine
 in the feet: the CoM's definition (eq. 3 of the paper) m o = -(m_T c_T + m_l sum_i d_i), with
-d_i = h_i + M_i (w_0 + W x_i) the CoM of leg i in the base frame, has a solution in closed form both
-for given x_i and for given beta_i.
+d_i = h_i + M_i (w_0 + W x_i) the CoM of leg i in the base frame, W (3, d), has a solution in closed
+form both for given x_i and for given beta_i.
 
 The matrices may be CasADi SX or DM: the same code builds the planner and evaluates plans.
 """
@@ -57,6 +59,8 @@ class CentroidalModel(ABC):
         mass: kg, the whole robot.
         leg_mass: (L,) kg; base_mass: kg.
         hips: (L, 3) m, base frame; mirrors: (L, 3) of +-1.
+        coordinates: d, of a foot: 3, or 4 with its yaw.
+        turn_mirrors: (L,) of +-1, what mirroring does to a yaw.
     """
 
     name: ClassVar[str]
@@ -76,29 +80,39 @@ class CentroidalModel(ABC):
             robot: whose fit and default posture the model is made from.
             leg_mass: m_l, kg.
             trunk_com: c_T, (3,) m, CoM of everything but the legs, base frame.
-            leg_com_affine: (4, 3): rows w_0 and W^T of the leg's CoM in the mirrored hip frame.
+            leg_com_affine: (1 + d, 3): rows w_0 and W^T of the leg's CoM, mirrored hip frame.
         """
         fit = robot.fit
         self.mass = float(robot.mass)
         self.hips, self.mirrors = fit.hips, fit.mirrors
         self.legs = len(self.hips)
+        self.coordinates = robot.foot_coordinates
+        self.turn_mirrors = self.mirrors[:, 0] * self.mirrors[:, 1]
         self.leg_mass = np.full(self.legs, leg_mass)
         self.base_mass = self.mass - self.legs * leg_mass
         self._leg_com_affine = leg_com_affine
         self._functions: dict[tuple[str, int], ca.Function] = {}
-        W = leg_com_affine[1:].T
+        W, W_turn = leg_com_affine[1:4].T, leg_com_affine[4:].T
         per_leg = [np.diag(M) @ W @ np.diag(M) for M in self.mirrors]
+        turns = [
+            t * np.diag(M) @ W_turn for M, t in zip(self.mirrors, self.turn_mirrors, strict=True)
+        ]
         fixed = self.base_mass * trunk_com + leg_mass * sum(
             h + M * leg_com_affine[0] for h, M in zip(self.hips, self.mirrors, strict=True)
         )
         # Given x: o = offset_0 + sum_i offset_x_i x_i.
         self._offset_0 = -fixed / self.mass
-        self._offset_x = [-leg_mass / self.mass * np.diag(M) @ W for M in self.mirrors]
-        # Given beta: A o = k + m_l sum_i M_i W M_i beta_i.
+        self._offset_x = [
+            -leg_mass / self.mass * np.diag(M) @ leg_com_affine[1:].T for M in self.mirrors
+        ]
+        # Given beta: A o = k + m_l sum_i M_i W M_i beta_i, yaws as further columns.
         A_inverse = np.linalg.inv(-self.mass * np.eye(3) + leg_mass * sum(per_leg))
         hips_share = sum(G @ h for G, h in zip(per_leg, self.hips, strict=True))
         self._offset_beta_0 = A_inverse @ (fixed - leg_mass * hips_share)
-        self._offset_beta = [leg_mass * A_inverse @ G for G in per_leg]
+        self._offset_beta = [
+            np.hstack([leg_mass * A_inverse @ G, leg_mass * A_inverse @ T])
+            for G, T in zip(per_leg, turns, strict=True)
+        ]
 
     def numbers(self) -> dict[str, Any]:
         """Everything the model computed from the robot, for keys of caches."""
@@ -107,32 +121,35 @@ class CentroidalModel(ABC):
     # ---- where the base is
 
     def base_offset(self, feet_in_hip: Matrix) -> Matrix:
-        """o(x), (3, 1) m, affine in the feet x (3, L)."""
+        """o(x), (3, 1) m, affine in the feet x (d, L)."""
         return ca.DM(self._offset_0) + self.base_offset_rate(feet_in_hip)
 
     def base_offset_rate(self, feet_in_hip_rate: Matrix) -> Matrix:
-        """Time derivative of o(x), (3, 1) m/s, linear in xdot (3, L)."""
+        """Time derivative of o(x), (3, 1) m/s, linear in xdot (d, L)."""
         return sum(
             ca.mtimes(_sparse(G), feet_in_hip_rate[:, i]) for i, G in enumerate(self._offset_x)
         )
 
     def base_offset_from_com(self, feet_from_com: Matrix) -> Matrix:
-        """o(beta), (3, 1) m, affine in the feet seen from the CoM, (3, L)."""
+        """o(beta), (3, 1) m, affine in the feet seen from the CoM, (d, L)."""
         return ca.DM(self._offset_beta_0) + self.base_offset_rate_from_com(feet_from_com)
 
     def base_offset_rate_from_com(self, feet_from_com_rate: Matrix) -> Matrix:
-        """Time derivative of o(beta), (3, 1) m/s, linear in betadot (3, L)."""
+        """Time derivative of o(beta), (3, 1) m/s, linear in betadot (d, L)."""
         return sum(
             ca.mtimes(_sparse(G), feet_from_com_rate[:, i]) for i, G in enumerate(self._offset_beta)
         )
 
     def foot_in_hip(self, leg: int, foot_from_com: Matrix, offset: Matrix) -> Matrix:
-        """x_i = M_i (beta_i - o - h_i), (3, 1) m."""
-        return ca.DM(self.mirrors[leg]) * (foot_from_com - offset - ca.DM(self.hips[leg]))
+        """x_i of beta_i, (d, 1): M_i (beta_i - o - h_i) m, and a yaw mirrored, rad."""
+        place = ca.DM(self.mirrors[leg]) * (foot_from_com[:3] - offset - ca.DM(self.hips[leg]))
+        if self.coordinates == 3:
+            return place
+        return ca.vertcat(place, self.turn_mirrors[leg] * foot_from_com[3])
 
     def foot_from_com(self, leg: int, foot_in_hip: Matrix, offset: Matrix) -> Matrix:
-        """beta_i = o + h_i + M_i x_i, (3, 1) m."""
-        return offset + ca.DM(self.hips[leg]) + ca.DM(self.mirrors[leg]) * foot_in_hip
+        """o + h_i + M_i x_i, (3, 1) m: where a point is; a yaw in x_i is not looked at."""
+        return offset + ca.DM(self.hips[leg]) + ca.DM(self.mirrors[leg]) * foot_in_hip[:3]
 
     # ---- what differs from model to model
 
@@ -170,19 +187,24 @@ class CentroidalModel(ABC):
     # ---- evaluation on a plan
 
     def stance_feet(self, feet_from_com: Array) -> Array:
-        """x (K, L, 3) m of feet seen from the CoM, (K, L, 3) m, base axes."""
+        """x (K, L, d) of feet seen from the CoM, (K, L, d): m, rad, base axes."""
         offset = self._offset_beta_0 + np.einsum(
             "lij,klj->ki", np.array(self._offset_beta), feet_from_com
         )
-        return self.mirrors * (feet_from_com - offset[:, None] - self.hips)
+        return self._mirrored(feet_from_com[..., :3] - offset[:, None] - self.hips, feet_from_com)
 
     def stance_rate(self, feet_from_com_rate: Array) -> Array:
-        """xdot (K, L, 3) m/s of betadot (K, L, 3)."""
+        """xdot (K, L, d) m/s, rad/s of betadot (K, L, d)."""
         rate = np.einsum("lij,klj->ki", np.array(self._offset_beta), feet_from_com_rate)
-        return self.mirrors * (feet_from_com_rate - rate[:, None])
+        return self._mirrored(feet_from_com_rate[..., :3] - rate[:, None], feet_from_com_rate)
+
+    def _mirrored(self, place: Array, feet: Array) -> Array:
+        """Places (K, L, 3) in mirrored axes, with the feet's yaws if they have any, (K, L, d)."""
+        turn = self.turn_mirrors[:, None] * feet[..., 3:]
+        return np.concatenate([self.mirrors * place, turn], axis=-1)
 
     def offsets(self, feet_in_hip: Array, feet_in_hip_rate: Array) -> tuple[Array, Array]:
-        """o (K, 3) m and its rate (K, 3) m/s of x and xdot, (K, L, 3)."""
+        """o (K, 3) m and its rate (K, 3) m/s of x and xdot, (K, L, d)."""
         maps = np.array(self._offset_x)
         return (
             self._offset_0 + np.einsum("lij,klj->ki", maps, feet_in_hip),
@@ -193,14 +215,14 @@ class CentroidalModel(ABC):
         """Evaluate K configurations of the feet.
 
         Args:
-            feet_in_hip: (K, L, 3) m.
+            feet_in_hip: (K, L, d) m, rad.
 
         Returns:
             offset (K, 3) m, inertia (K, 3, 3) kg m2 and leg CoMs seen from the CoM (K, L, 3) m,
             base axes.
         """
         count = len(feet_in_hip)
-        outputs = self._mapped("evaluate", count)(feet_in_hip.reshape(-1, 3).T)
+        outputs = self._mapped("evaluate", count)(feet_in_hip.reshape(-1, self.coordinates).T)
         offset, inertia, leg_com = (np.array(out) for out in outputs)
         return (
             offset.T,
@@ -214,17 +236,18 @@ class CentroidalModel(ABC):
         """I omega + h at K instants, (K, 3) kg m2/s, base axes.
 
         Args:
-            feet_in_hip, feet_in_hip_rate: (K, L, 3) m, m/s.
+            feet_in_hip, feet_in_hip_rate: (K, L, d) m, rad and per s.
             angular_velocity: (K, 3) rad/s, base axes.
         """
-        columns = (a.reshape(-1, 3).T for a in (feet_in_hip, feet_in_hip_rate, angular_velocity))
-        return np.array(self._mapped("momentum", len(angular_velocity))(*columns)).T
+        feet = (a.reshape(-1, self.coordinates).T for a in (feet_in_hip, feet_in_hip_rate))
+        momentum = self._mapped("momentum", len(angular_velocity))
+        return np.array(momentum(*feet, angular_velocity.T)).T
 
     def _mapped(self, name: str, count: int) -> ca.Function:
         """One of the two functions below over `count` instants, made once."""
         key = (name, count)
         if key not in self._functions:
-            x, xdot = ca.SX.sym("x", 3, self.legs), ca.SX.sym("xdot", 3, self.legs)
+            x, xdot = (ca.SX.sym(n, self.coordinates, self.legs) for n in ("x", "xdot"))
             w = ca.SX.sym("w", 3)
             o = self.base_offset(x)
             if name == "momentum":

@@ -29,12 +29,14 @@ class LLSRBM(CentroidalModel):
 
     def __init__(self, robot: Robot) -> None:
         fit = robot.fit
-        affine = np.vstack([np.zeros(3), (1.0 - fit.proportional_fraction) * np.eye(3)])
+        affine = np.vstack(
+            [np.zeros(3), (1.0 - fit.proportional_fraction) * np.eye(robot.foot_coordinates, 3)]
+        )
         m_l = fit.proportional_mass
         offset = robot.base_position - robot.com
         m_B = robot.mass - m_l * len(fit.hips)
         legs_from_base = [
-            h + M * (affine[1:].T @ (M * (foot - robot.base_position - h)))
+            h + M * (affine[1:4].T @ (M * (foot - robot.base_position - h)))
             for foot, h, M in zip(robot.feet, fit.hips, fit.mirrors, strict=True)
         ]
         base_com = (-robot.mass * offset - m_l * sum(legs_from_base)) / m_B
@@ -59,7 +61,7 @@ class LLSRBM(CentroidalModel):
 
     def leg_com(self, leg: int, foot_in_hip: Any) -> Any:
         """(1 - s) x_i, (3, 1) m."""
-        return ca.mtimes(ca.DM(self._leg_com_affine[1:].T), foot_in_hip)
+        return ca.mtimes(ca.DM(self._leg_com_affine[1:4].T), foot_in_hip[:3])
 
     def angular_momentum(
         self,

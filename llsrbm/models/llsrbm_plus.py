@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import combinations
 from typing import Any
 
 import casadi as ca
@@ -11,8 +12,9 @@ from llsrbm.models.base import CentroidalModel, no_lift, point_inertia
 from llsrbm.robots.robot import Robot
 
 
-def _square(row_major: Any) -> Any:
-    return ca.reshape(row_major, 3, 3).T
+def _rows(row_major: Any) -> Any:
+    """Three rows of what is given row by row."""
+    return ca.reshape(row_major, -1, 3).T
 
 
 class LLSRBMPlus(CentroidalModel):
@@ -20,7 +22,7 @@ class LLSRBMPlus(CentroidalModel):
 
     A leg is every link of the chain from the base to the foot, m_l heavy.
 
-    - CoM of a leg in its mirrored hip frame: c(x_i), quadratic in the foot's position;
+    - CoM of a leg in its mirrored hip frame: c(x_i), quadratic in the foot's place;
       a_i = h_i + M_i c(x_i) + o seen from the CoM.
     - I = I_T + m_T P(c_T + o) + sum [m_l P(a_i) + M_i I_c(x_i) M_i], I_c affine in x_i.
     - h = sum [m_l a_i x M_i (dc/dx) xdot_i + det(M_i) M_i S(x_i) xdot_i], S affine in x_i: the
@@ -49,28 +51,26 @@ class LLSRBMPlus(CentroidalModel):
 
     def leg_com(self, leg: int, foot_in_hip: Any) -> Any:
         """c(x_i), (3, 1) m."""
-        x, y, z = ca.vertsplit(foot_in_hip)
-        return ca.mtimes(
-            self._com, ca.vertcat(1, x, y, z, x * x, y * y, z * z, x * y, x * z, y * z)
-        )
+        x = ca.vertsplit(foot_in_hip)
+        squares = [a * a for a in x]
+        products = [a * b for a, b in combinations(x, 2)]
+        return ca.mtimes(self._com, ca.vertcat(1, *x, *squares, *products))
 
     def leg_com_rate(self, foot_in_hip: Any, foot_in_hip_rate: Any) -> Any:
         """(dc/dx) xdot_i, (3, 1) m/s."""
-        x, y, z = ca.vertsplit(foot_in_hip)
-        u, v, w = ca.vertsplit(foot_in_hip_rate)
-        features = ca.vertcat(
-            0, u, v, w, 2 * x * u, 2 * y * v, 2 * z * w, x * v + y * u, x * w + z * u, y * w + z * v
-        )
-        return ca.mtimes(self._com, features)
+        x, v = ca.vertsplit(foot_in_hip), ca.vertsplit(foot_in_hip_rate)
+        squares = [2 * a * u for a, u in zip(x, v, strict=True)]
+        products = [x[i] * v[j] + x[j] * v[i] for i, j in combinations(range(len(x)), 2)]
+        return ca.mtimes(self._com, ca.vertcat(0, *v, *squares, *products))
 
     def leg_inertia(self, leg: int, foot_in_hip: Any) -> Any:
         """M_i I_c(x_i) M_i, (3, 3) kg m2, base axes, about the leg's CoM."""
         M = ca.DM(np.diag(self.mirrors[leg]))
-        return ca.mtimes([M, _square(ca.mtimes(self._inertia, ca.vertcat(1, foot_in_hip))), M])
+        return ca.mtimes([M, _rows(ca.mtimes(self._inertia, ca.vertcat(1, foot_in_hip))), M])
 
     def leg_spin(self, leg: int, foot_in_hip: Any, foot_in_hip_rate: Any) -> Any:
         """det(M_i) M_i S(x_i) xdot_i, (3, 1) kg m2/s, base axes."""
-        S = _square(ca.mtimes(self._spin, ca.vertcat(1, foot_in_hip)))
+        S = _rows(ca.mtimes(self._spin, ca.vertcat(1, foot_in_hip)))
         mirror = self.mirrors[leg]
         return ca.DM(np.prod(mirror) * mirror) * ca.mtimes(S, foot_in_hip_rate)
 

@@ -26,7 +26,7 @@ class SRBM(CentroidalModel):
             robot,
             leg_mass=0.0,
             trunk_com=robot.com - robot.base_position,
-            leg_com_affine=np.zeros((4, 3)),
+            leg_com_affine=np.zeros((1 + robot.foot_coordinates, 3)),
         )
         self._inertia = ca.DM(robot.inertia)
 
@@ -40,4 +40,4 @@ class SRBM(CentroidalModel):
 
     def leg_com(self, leg: int, foot_in_hip: Any) -> Any:
         """The foot itself: a massless leg has no CoM to show."""
-        return foot_in_hip
+        return foot_in_hip[:3]
