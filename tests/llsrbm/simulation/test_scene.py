@@ -20,7 +20,7 @@ OTHERS = Path(__file__).parents[3] / "benchmarks" / "robots"
 GROUND = Surroundings(ground=0.0, blocks=())
 
 
-@pytest.fixture(params=["anymal", "a1", "anymal_c", "sliding"])
+@pytest.fixture(params=["anymal", "a1", "anymal_c", "sliding", "slider"])
 def robot(request, tmp_path):
     if request.param == "sliding":
         return sliding_biped(tmp_path)

@@ -1,0 +1,244 @@
+"""SLIDER's description against the figures that its makers published, written down here again."""
+
+import itertools
+import zlib
+
+import mujoco
+import numpy as np
+import pinocchio as pin
+import pytest
+
+from llsrbm.cache import ENVIRONMENT_VARIABLE
+from llsrbm.robots import load_robot
+from llsrbm.robots.foot_contact import foot_contacts
+from llsrbm.robots.visuals import forward_kinematics, link_visuals
+from llsrbm.simulation.scene import build_scene
+from llsrbm.simulation.surroundings import Surroundings
+from llsrbm.trajectory.rollout import Disturbance
+
+ROLL_AXIS = (-0.065, 0.100)  # x, y from the pelvis' origin
+LEG_OUT_OF_ROLL = 0.115  # along y
+ANKLE_BELOW_HIP, SOLE_BELOW_ANKLE = 0.6415, 0.045  # at the slide's zero
+SOLE = (0.082, 0.049)  # half of its length and width
+MASSES = {"roll": 2.367, "pitch": 1.145, "slide": 0.966, "ankle_pitch": 0.014, "ankle_roll": 0.465}
+RANGES = {"roll": 0.785, "pitch": 1.57, "slide": 0.40, "ankle_pitch": 0.785, "ankle_roll": 0.785}
+EFFORTS = {"roll": 700, "pitch": 300, "slide": 600, "yaw": 60, "ankle_pitch": 50, "ankle_roll": 50}
+ORDER = ("roll", "pitch", "slide", "yaw", "ankle_pitch", "ankle_roll")
+MIRROR = np.diag([1.0, -1.0, 1.0])
+# Joints about x and z turn the other way on the other side.
+MIRRORED_JOINTS = np.array([-1.0, 1.0, 1.0, -1.0, 1.0, -1.0])
+
+
+@pytest.fixture(scope="module")
+def slider():
+    return load_robot("slider")
+
+
+@pytest.fixture(scope="module")
+def visuals(slider, tmp_path_factory):
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv(ENVIRONMENT_VARIABLE, str(tmp_path_factory.mktemp("cache")))
+        return link_visuals(slider)
+
+
+def placed(robot, q):
+    data = robot.model.createData()
+    pin.framesForwardKinematics(robot.model, data, q)
+    return data
+
+
+def joint(robot, side, name):
+    return robot.model.getJointId(f"{side}_{name}")
+
+
+def test_it_weighs_what_the_paper_says(slider):
+    assert slider.mass == pytest.approx(16.0, abs=1e-3)
+    assert slider.model.inertias[1].mass == pytest.approx(6.08, abs=0.005)
+    for side, (name, mass) in itertools.product(("left", "right"), MASSES.items()):
+        assert slider.model.inertias[joint(slider, side, name)].mass == pytest.approx(mass)
+    # The yaw joint that the paper adds brings next to no mass of its own.
+    assert slider.model.inertias[joint(slider, "left", "yaw")].mass < 0.01
+
+
+def test_links_have_the_published_inertia(slider):
+    inertias = slider.model.inertias
+    hip, leg, foot = (inertias[joint(slider, "left", n)] for n in ("roll", "slide", "ankle_roll"))
+    assert hip.lever == pytest.approx([0.105, -0.021, 0])
+    assert leg.lever == pytest.approx([0, 0, 0.405])
+    assert foot.lever == pytest.approx([0, 0, -0.028])
+    assert np.diag(hip.inertia) == pytest.approx([0.0162, 0.0294, 0.0362])
+    assert np.diag(leg.inertia) == pytest.approx([0.0119, 0.0121, 0.0010])
+    assert np.diag(foot.inertia)[:2] == pytest.approx([0.0065, 0.0137])
+    depth, width, height = 0.16, 0.25, 0.20
+    even = [width**2 + height**2, depth**2 + height**2, depth**2 + width**2]
+    assert np.diag(inertias[1].inertia) == pytest.approx(6.08 / 12 * np.array(even), abs=1e-5)
+
+
+def test_no_links_inertia_is_impossible(slider):
+    for body in slider.model.inertias[1:]:
+        small, middle, large = np.linalg.eigvalsh(body.inertia)
+        assert small > 0
+        assert large <= small + middle + 1e-12
+
+
+def test_joints_are_where_they_were_published(slider):
+    data = placed(slider, pin.neutral(slider.model))
+    for side, sign in (("left", 1), ("right", -1)):
+        leg = next(leg for leg in slider.legs if leg.name == side)
+        assert leg.joints == tuple(f"{side}_{name}" for name in ORDER)
+        at = {name: data.oMi[joint(slider, side, name)].translation for name in ORDER}
+        assert at["roll"] == pytest.approx([ROLL_AXIS[0], sign * ROLL_AXIS[1], 0])
+        assert at["pitch"][1] == pytest.approx(sign * (ROLL_AXIS[1] + LEG_OUT_OF_ROLL))
+        assert at["pitch"][0] - at["roll"][0] == pytest.approx(0.065)
+        for name in ORDER[2:]:
+            assert at[name] - at["pitch"] == pytest.approx([0, 0, -ANKLE_BELOW_HIP])
+        sole = data.oMf[leg.foot_frame_id].translation
+        assert sole - at["ankle_roll"] == pytest.approx([0, 0, -SOLE_BELOW_ANKLE])
+
+
+def test_positive_slide_draws_the_leg_up(slider):
+    q = pin.neutral(slider.model)
+    q[slider.legs[0].q_index[2]] = 0.1
+    sole = placed(slider, q).oMf[slider.legs[0].foot_frame_id].translation
+    assert sole[2] == pytest.approx(0.1 - ANKLE_BELOW_HIP - SOLE_BELOW_ANKLE)
+
+
+def test_ranges_and_efforts(slider):
+    model = slider.model
+    for side, name in itertools.product(("left", "right"), ORDER):
+        at = model.joints[joint(slider, side, name)]
+        low, high = model.lowerPositionLimit[at.idx_q], model.upperPositionLimit[at.idx_q]
+        assert low == -high
+        assert high == RANGES[name] if name in RANGES else high >= 1.1
+        assert model.upperEffortLimit[at.idx_v] == EFFORTS[name]
+        assert slider.torque_limit[at.idx_v - 6] == EFFORTS[name]
+        assert slider.speed_limit[at.idx_v - 6] == model.upperVelocityLimit[at.idx_v]
+
+
+def test_the_file_keeps_within_the_joints(slider):
+    file, model = slider.file, slider.model
+    yaw = model.joints[joint(slider, "left", "yaw")]
+    assert max(map(abs, file.foot.yaw)) <= model.upperPositionLimit[yaw.idx_q]
+    assert (slider.posture[7:] > model.lowerPositionLimit[7:]).all()
+    assert (slider.posture[7:] < model.upperPositionLimit[7:]).all()
+    shortest, longest = file.reach.distance
+    stretched = ANKLE_BELOW_HIP + SOLE_BELOW_ANKLE
+    assert stretched - RANGES["slide"] < shortest
+    assert longest < stretched + RANGES["slide"]
+    # Level soles at the corners of the box: ankles turn by what the leg leans.
+    for x, y in itertools.product(*zip(file.reach.lower[:2], file.reach.upper[:2], strict=True)):
+        drop = -file.reach.upper[2] - SOLE_BELOW_ANKLE
+        assert np.arctan2(abs(x), drop) < RANGES["ankle_pitch"]
+        assert np.arctan2(abs(y), drop) < RANGES["ankle_roll"]
+
+
+def test_feet_can_neither_cross_nor_touch(slider):
+    inward = slider.file.reach.lower[1]
+    assert slider.hips[0, 1] + inward > 0
+    assert slider.file.limits.feet_apart > 2 * np.hypot(*SOLE)
+
+
+def test_left_and_right_are_mirror_images(slider):
+    """Mirrored posture and velocity: the same mass matrix, link by link."""
+    model, data = slider.model, slider.model.createData()
+    rng = np.random.default_rng(2)
+    left, right = (leg.v_index for leg in slider.legs)
+    turn = np.zeros((model.nv, model.nv))
+    turn[:3, :3], turn[3:6, 3:6] = MIRROR, -MIRROR  # angular velocity is a pseudovector
+    turn[np.ix_(left, right)] = turn[np.ix_(right, left)] = np.diag(MIRRORED_JOINTS)
+    for _ in range(5):
+        q = pin.neutral(model)
+        q[7:] = rng.uniform(-0.4, 0.4, model.nq - 7)
+        q_mirrored = q.copy()
+        q_mirrored[right + 1] = MIRRORED_JOINTS * q[left + 1]
+        q_mirrored[left + 1] = MIRRORED_JOINTS * q[right + 1]
+        M = pin.crba(model, data, q).copy()
+        M = np.triu(M) + np.triu(M, 1).T
+        M_mirrored = pin.crba(model, data, q_mirrored).copy()
+        M_mirrored = np.triu(M_mirrored) + np.triu(M_mirrored, 1).T
+        assert turn.T @ M_mirrored @ turn == pytest.approx(M, abs=1e-12)
+    assert slider.mirrors.tolist() == [[1, 1, 1], [1, -1, 1]]
+
+
+def test_it_stands_on_its_soles_below_its_com(slider):
+    data = placed(slider, slider.posture)
+    for leg, contact in zip(slider.legs, foot_contacts(slider), strict=True):
+        frame = data.oMf[leg.foot_frame_id]
+        assert frame.rotation == pytest.approx(np.eye(3), abs=1e-9)
+        assert frame.translation[2] == pytest.approx(0, abs=1e-9)
+        assert frame.translation[0] == pytest.approx(slider.com[0], abs=1e-3)
+        lowest = np.array([frame.act(c) for c in contact.centres]) - [0, 0, contact.radius]
+        assert lowest[:, 2] == pytest.approx(0, abs=1e-9)
+        # Spheres stay within the sole, and hold what the file says.
+        assert contact.centres[:, :2] == pytest.approx(slider.corners[:, :2])
+        assert (np.abs(contact.centres[:, :2]) + contact.radius <= np.array(SOLE) + 1e-9).all()
+        assert len(np.unique(np.sign(contact.centres[:, :2]), axis=0)) == 4
+    assert slider.com[2] == pytest.approx(0.60, abs=1e-3)
+    slide = slider.posture[[leg.q_index[2] for leg in slider.legs]]
+    assert slide == pytest.approx(0, abs=0.05)  # mid-stroke
+
+
+def test_what_is_drawn_is_1_2_m_high_and_light(slider, visuals):
+    position, quat = forward_kinematics(
+        slider, slider.base_position[None], [[1, 0, 0, 0]], slider.posture[None, 7:]
+    )
+    heights = {}
+    for visual in visuals:
+        w, x, y, z = quat[0, visual.joint_id - 1]
+        R = pin.Quaternion(w, x, y, z).matrix()
+        at = visual.vertices @ R.T + position[0, visual.joint_id - 1]
+        heights[visual.link] = at[:, 2].min(), at[:, 2].max()
+    assert set(heights) == {
+        "pelvis",
+        *(
+            f"{side}_{link}"
+            for side in ("left", "right")
+            for link in ("hip", "carriage", "leg", "shank", "cross", "foot")
+        ),
+    }
+    assert min(low for low, _ in heights.values()) == pytest.approx(0, abs=2e-3)
+    assert max(high for _, high in heights.values()) == pytest.approx(1.2, abs=0.005)
+    # The legs stand out above the pelvis, and still hold in the hips when they are let down.
+    assert heights["left_leg"][1] > heights["pelvis"][1] + 0.3
+    assert heights["left_leg"][1] - RANGES["slide"] > slider.base_position[2]
+    on_the_wire = [zlib.compress(visual.mesh().export(file_type="glb")) for visual in visuals]
+    assert sum(map(len, on_the_wire)) < 50e3
+
+
+def test_mujoco_weighs_and_moves_it_as_pinocchio_does(slider):
+    scene = build_scene(slider, Surroundings(ground=0.0, blocks=()), Disturbance(), 1e-3)
+    model, data = slider.model, slider.model.createData()
+    simulated = mujoco.MjData(scene.model)
+    rng = np.random.default_rng(3)
+    for _ in range(5):
+        q = pin.neutral(model)
+        q[7:] = rng.uniform(-0.35, 0.35, model.nq - 7)  # base level: the same base velocities
+        simulated.qpos[scene.q_order] = q
+        mujoco.mj_forward(scene.model, simulated)
+        M = np.zeros((model.nv, model.nv))
+        mujoco.mj_fullM(scene.model, simulated, M)
+        believed = pin.crba(model, data, q)
+        believed = np.triu(believed) + np.triu(believed, 1).T
+        assert M[np.ix_(scene.v_order, scene.v_order)] == pytest.approx(believed, abs=1e-9)
+
+
+def test_it_stands_in_mujoco_on_eight_corners(slider):
+    """Held at its joints for half a second, it stays where it was put."""
+    scene = build_scene(slider, Surroundings(ground=0.0, blocks=()), Disturbance(), 1e-3)
+    data = mujoco.MjData(scene.model)
+    data.qpos[scene.q_order] = slider.posture
+    target = slider.posture[7:]
+    slides = np.isin(np.arange(len(target)), [leg.q_index[2] - 7 for leg in slider.legs])
+    stiffness, damping = np.where(slides, 2e4, 300.0), np.where(slides, 300.0, 3.0)
+    for _ in range(500):
+        q, v = data.qpos[scene.q_order][7:], data.qvel[scene.v_order][6:]
+        data.ctrl[:] = stiffness * (target - q) - damping * v
+        mujoco.mj_step(scene.model, data)
+    touching = {
+        geom
+        for contact in data.contact
+        for geom in (scene.model.geom(contact.geom1).name, scene.model.geom(contact.geom2).name)
+        if geom.startswith("foot/")
+    }
+    assert len(touching) == 8
+    assert data.qpos[:3] == pytest.approx(slider.posture[:3], abs=0.01)
