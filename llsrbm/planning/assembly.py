@@ -28,8 +28,9 @@ def assemble_plan(
     # Knot values of the interval rates: at rest at both ends, the mean in between.
     rate = np.zeros_like(knots.position)
     rate[1:-1] = (knots.rotation_rate[:-1] + knots.rotation_rate[1:]) / 2
-    identity = np.zeros((*feet.shape[:2], 4))
-    identity[..., 0] = 1.0
+    foot_quat = np.zeros((*feet.shape[:2], 4))
+    foot_quat[..., 0] = np.cos(knots.foot_heading / 2)
+    foot_quat[..., 3] = np.sin(knots.foot_heading / 2)
     arrays = {
         "time": knots.time,
         "phase": knots.phase.astype(np.int64),
@@ -42,8 +43,8 @@ def assemble_plan(
         "angular_momentum": knots.momentum,
         "inertia": R @ inertia @ R.transpose(0, 2, 1),
         "foot_position": feet,
-        "foot_quat": identity,
-        "contact_point": feet,
+        "foot_quat": foot_quat,
+        "contact_point": knots.contact_point,
         "contact_force": knots.force,
         "leg_mass": knots.model.leg_mass,
         "leg_com": knots.position[:, None] + np.einsum("kij,klj->kli", R, leg_com),

@@ -100,10 +100,12 @@ def analytic_guess(
     def in_hips(s: float) -> Array:
         position, _, _, yaw, _ = body(Phase.FLIGHT, s)
         R = _about_vertical(yaw)[None]
-        x = feet_in_stance(model, R, position[None], flying_feet(s)[None])[0]
-        x = np.clip(x, task.reach.lower, task.reach.upper)
-        length = np.linalg.norm(x, axis=1, keepdims=True)
-        return x * np.clip(length, *task.reach.distance) / length
+        headings = (1 - s) * task.start_yaw + s * task.goal_yaw
+        x = feet_in_stance(model, R, position[None], flying_feet(s)[None], headings[None])[0]
+        place = np.clip(x[:, :3], task.reach.lower, task.reach.upper)
+        length = np.linalg.norm(place, axis=1, keepdims=True)
+        place = place * np.clip(length, *task.reach.distance) / length
+        return np.hstack([place, np.clip(x[:, 3:], *task.foot.yaw)])
 
     steps = layout.intervals.flight
     feet = np.array([in_hips(k / steps) for k in range(steps + 1)])
@@ -131,7 +133,8 @@ def analytic_guess(
         }
         if in_flight:
             rate = (feet[flight_knot + 1] - feet[flight_knot]) * steps / T[1]
-            top = np.array(task.limits.foot_speed_in_base)
+            top = np.array([*task.limits.foot_speed_in_base, task.foot.turn_speed])
+            top = top[: layout.foot_coordinates]
             values["feet_rate"] = np.clip(rate, -top, top).ravel()
         for name, place in layout.variables(k).items():
             w[place] = values[name]

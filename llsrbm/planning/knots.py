@@ -10,9 +10,10 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from llsrbm.models.base import CentroidalModel
+from llsrbm.planning.headings import headings, relative_yaw_rates, relative_yaws
 from llsrbm.planning.layout import Layout
 from llsrbm.planning.stage import GRAVITY
-from llsrbm.planning.task import Task
+from llsrbm.planning.task import Task, contact_points
 from llsrbm.trajectory.plan import Phase
 
 Array = NDArray[np.float64]
@@ -33,8 +34,8 @@ class Knots:
         position, velocity: (N+1, 3) m, m/s, CoM; quat: (N+1, 4); momentum: (N+1, 3) kg m2/s.
         force: (N+1, C, 3) N.
         rotation_rate: (N, 3) rad/s, base axes.
-        flight_feet: (F+1, L, 3) m: x at the knots from lift-off to touchdown.
-        flight_feet_rate: (F, L, 3) m/s.
+        flight_feet: (F+1, L, d) m, rad: x at the knots from lift-off to touchdown.
+        flight_feet_rate: (F, L, d) m/s, rad/s.
     """
 
     task: Task
@@ -84,9 +85,23 @@ class Knots:
         return np.where(landed, self.task.goal_feet, self.task.start_feet)
 
     @cached_property
+    def standing_yaw(self) -> Array:
+        """(N+1, L) rad: where standing feet look, or looked last."""
+        landed = (self.phase == Phase.LANDING)[:, None]
+        return np.where(landed, self.task.goal_yaw, self.task.start_yaw)
+
+    @cached_property
+    def standing_contacts(self) -> Array:
+        """(N+1, C, 3) m: contact points of standing feet, or where they were last."""
+        landed = (self.phase == Phase.LANDING)[:, None, None]
+        return np.where(landed, self.task.goal_contacts, self.task.start_contacts)
+
+    @cached_property
     def feet_in_hip(self) -> Array:
-        """(N+1, L, 3) m: x, from the variables in flight, from r and R in stance."""
-        x = feet_in_stance(self.model, self.R_world_base, self.position, self.standing_feet)
+        """(N+1, L, d) m, rad: x, from the variables in flight, from r and R in stance."""
+        x = feet_in_stance(
+            self.model, self.R_world_base, self.position, self.standing_feet, self.standing_yaw
+        )
         x[self.flight] = self.flight_feet
         return x
 
@@ -125,18 +140,21 @@ class Knots:
 
     def moment_about(self, point: Array) -> Array:
         """(N, 3) Nm: the contact forces' moment about a point an interval, (N, 3) m."""
-        arms = self.standing_feet[:-1] - point[:, None]
+        arms = self.standing_contacts[:-1] - point[:, None]
         return np.cross(arms, self.force[:-1]).sum(axis=1)
 
     @cached_property
     def feet_mid(self) -> tuple[Array, Array]:
-        """x and xdot (N, L, 3) at the midpoints."""
+        """x and xdot (N, L, d) at the midpoints."""
         R, r, v = self.mid
-        x = feet_in_stance(self.model, R, r, self.standing_feet[:-1])
+        x = feet_in_stance(self.model, R, r, self.standing_feet[:-1], self.standing_yaw[:-1])
         beta_rate = -np.einsum("kji,kj->ki", R, v)[:, None] - np.cross(
             self.rotation_rate[:, None],
             np.einsum("kji,klj->kli", R, self.standing_feet[:-1] - r[:, None]),
         )
+        if self.model.coordinates > 3:
+            turn = relative_yaw_rates(R, self.standing_yaw[:-1], self.rotation_rate)
+            beta_rate = np.concatenate([beta_rate, turn[..., None]], axis=-1)
         xdot = self.model.stance_rate(beta_rate)
         flight = slice(self.flight.start, self.flight.stop - 1)
         x[flight] = (self.flight_feet[:-1] + self.flight_feet[1:]) / 2
@@ -160,9 +178,31 @@ class Knots:
     def flying_feet(self) -> Array:
         """(F+1, L, 3) m: the feet's places from lift-off to touchdown, as the model sees them."""
         at = self.flight
-        offset, x = self.evaluated[0][at], self.flight_feet
+        offset, x = self.evaluated[0][at], self.flight_feet[..., :3]
         beta = offset[:, None] + self.model.hips + self.model.mirrors * x
         return self.position[at, None] + np.einsum("kij,klj->kli", self.R_world_base[at], beta)
+
+    @cached_property
+    def flying_headings(self) -> Array:
+        """(F+1, L) rad: where the feet look from lift-off to touchdown, continuous in time."""
+        if self.model.coordinates == 3:
+            return np.zeros(self.flight_feet.shape[:2])
+        yaw = self.model.turn_mirrors * self.flight_feet[..., 3]
+        found = headings(self.R_world_base[self.flight], yaw)
+        # atan2 knows no whole turns, the start's heading does.
+        return found + 2 * np.pi * np.round((self.task.start_yaw - found[0]) / (2 * np.pi))
+
+    @cached_property
+    def foot_heading(self) -> Array:
+        """(N+1, L) rad: as the plan has them in flight, as they stand in contact."""
+        yaw = self.standing_yaw.copy()
+        yaw[self.flight.start + 1 : self.flight.stop - 1] = self.flying_headings[1:-1]
+        return yaw
+
+    @cached_property
+    def contact_point(self) -> Array:
+        """(N+1, C, 3) m: corners of the feet, wherever they are."""
+        return contact_points(self.foot_position, self.foot_heading, self.task.corners)
 
     @cached_property
     def foot_velocity_base(self) -> Array:
@@ -172,12 +212,12 @@ class Knots:
         flight = slice(self.flight.start, self.flight.stop - 1)
         offset, offset_rate = self.model.offsets(x[flight], xdot[flight])
         mirrors = self.model.mirrors
-        beta = offset[:, None] + self.model.hips + mirrors * x[flight]
+        beta = offset[:, None] + self.model.hips + mirrors * x[flight, :, :3]
         return (
             np.einsum("kji,kj->ki", R[flight], v[flight])[:, None]
             + np.cross(self.rotation_rate[flight][:, None], beta)
             + offset_rate[:, None]
-            + mirrors * xdot[flight]
+            + mirrors * xdot[flight, :, :3]
         )
 
 
@@ -196,9 +236,13 @@ def rolled_out(knots: Knots) -> Knots:
     return replace(moved, momentum=knots.momentum[0] + np.vstack([np.zeros(3), turns]))
 
 
-def feet_in_stance(model: CentroidalModel, R: Array, position: Array, feet: Array) -> Array:
-    """x (K, L, 3) m of feet (K, L, 3) that stand in the world, from R (K, 3, 3), r (K, 3)."""
+def feet_in_stance(
+    model: CentroidalModel, R: Array, position: Array, feet: Array, yaw: Array
+) -> Array:
+    """x (K, L, d) m, rad of feet (K, L, 3) with headings (K, L), from R (K, 3, 3), r (K, 3)."""
     beta = np.einsum("kji,klj->kli", R, feet - position[:, None])
+    if model.coordinates > 3:
+        beta = np.concatenate([beta, relative_yaws(R, yaw)[..., None]], axis=-1)
     return model.stance_feet(beta)
 
 
@@ -223,9 +267,9 @@ def unpack(w: Array, layout: Layout, task: Task, model: CentroidalModel) -> Knot
         if "rotation_rate" in value:
             rate[k] = value["rotation_rate"]
         if "feet" in value:
-            feet.append(value["feet"].reshape(-1, 3))
+            feet.append(value["feet"].reshape(layout.legs, -1))
         if "feet_rate" in value:
-            feet_rate.append(value["feet_rate"].reshape(-1, 3))
+            feet_rate.append(value["feet_rate"].reshape(layout.legs, -1))
         if role.first:
             durations[role.phase] = value["duration"][0]
     phase = np.array([role.phase for role in layout.roles])

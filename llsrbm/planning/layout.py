@@ -19,6 +19,9 @@ from llsrbm.trajectory.plan import Phase
 
 Array = NDArray[np.float64]
 
+# The parameters that say where feet stand: their middles, their contact points, their headings.
+STANDING = {when: (f"{when}_feet", f"{when}_contacts", f"{when}_yaw") for when in ("start", "goal")}
+
 BODY = ("position", "quat", "velocity", "momentum")
 
 
@@ -67,13 +70,20 @@ class Layout:
     """Names, sizes and places of all variables.
 
     In scaled units: position m; quat w, x, y, z; velocity m/s; momentum (angular, about the CoM)
-    L / m in m2/s; force in m g / contacts; duration s; feet x_i, (3 L), m in the hip frames;
-    rotation_rate: the base's angular velocity over the interval, base axes, rad/s.
+    L / m in m2/s; force in m g / contacts; duration s; feet x_i, (d L), m in the hip frames, with
+    d = 4 their yaw, rad; rotation_rate: the base's angular velocity over the interval, base axes,
+    rad/s.
+
+    Attributes:
+        legs: L; contacts: C, L times the corners of a foot.
+        intervals: N, by phase.
+        foot_coordinates: d, see `Robot.foot_coordinates`.
     """
 
     legs: int
     contacts: int
     intervals: Intervals
+    foot_coordinates: int = 3
 
     @property
     def knots(self) -> int:
@@ -114,7 +124,7 @@ class Layout:
         }
         if name in sizes:
             return sizes[name]
-        return 3 * (self.contacts if "force" in name else self.legs)
+        return 3 * self.contacts if "force" in name else self.foot_coordinates * self.legs
 
     def states(self, role: Role) -> tuple[str, ...]:
         """Names of the states at a knot of that role."""

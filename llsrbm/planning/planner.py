@@ -81,8 +81,12 @@ class Planner:
             )
         self.robot = robot
         self.model = make_model(model, robot)
-        legs = len(robot.legs)
-        self.layout = Layout(legs, contacts=legs, intervals=Intervals.split(intervals))
+        self.layout = Layout(
+            legs=len(robot.legs),
+            contacts=len(robot.legs) * len(robot.corners),
+            intervals=Intervals.split(intervals),
+            foot_coordinates=robot.foot_coordinates,
+        )
         self._backend = _cached_backend(kind, self.model, self.layout, robot)
         self.last: tuple[Task, Iterate] | None = None
 

@@ -8,7 +8,8 @@ from typing import Any
 import casadi as ca
 
 from llsrbm.models.base import CentroidalModel
-from llsrbm.planning.layout import Layout, Role
+from llsrbm.planning.headings import across, heading_rate, relative_yaw, relative_yaw_rate
+from llsrbm.planning.layout import STANDING, Layout, Role
 from llsrbm.planning.lifting import Lifting
 from llsrbm.planning.rotations import quat_exp, quat_product, rotation_matrix
 from llsrbm.trajectory.plan import Phase
@@ -29,6 +30,8 @@ class Stage:
         parameters: name -> symbols that stay fixed in a solve.
         symbols: name -> this stage's variables; variables: all of them, states first.
         standing_feet: (3, L) m: where the feet stand in this phase (flight: where they left).
+        standing_contacts: (3, C) m: their contact points; standing_yaw: (L,) rad, their headings.
+        standing: all three in one column.
         lift: collects the intermediates derivatives run through.
     """
 
@@ -41,6 +44,11 @@ class Stage:
         self.variables = ca.vertcat(*self.symbols.values())
         # Symbols of their own, so that take-off and landing can share their expressions.
         self.standing_feet = ca.SX.sym("standing_feet", 3, layout.legs)
+        self.standing_contacts = ca.SX.sym("standing_contacts", 3, layout.contacts)
+        self.standing_yaw = ca.SX.sym("standing_yaw", layout.legs)
+        self.standing = ca.vertcat(
+            ca.vec(self.standing_feet), ca.vec(self.standing_contacts), self.standing_yaw
+        )
         self.lift = Lifting(self.variables)
         self.intervals = layout.intervals_of(role.phase)
 
@@ -67,9 +75,9 @@ class Stage:
         return self.symbols.get("momentum", ca.SX.zeros(3))
 
     @staticmethod
-    def feet_parameter(role: Role) -> str:
-        """The parameter that says where the feet stand in a role (flight: where they left)."""
-        return "goal_feet" if role.phase == Phase.LANDING else "start_feet"
+    def standing_parameters(role: Role) -> tuple[str, ...]:
+        """The parameters of `standing` in a role."""
+        return STANDING["goal" if role.phase == Phase.LANDING else "start"]
 
     @cached_property
     def R_world_base(self) -> Any:
@@ -78,9 +86,9 @@ class Stage:
 
     @cached_property
     def feet_in_hip(self) -> Any:
-        """x at the knot, (3, L) m: variables in flight, functions of r and R in stance."""
+        """x at the knot, (d, L): variables in flight, functions of r and R in stance."""
         if "feet" in self.symbols:
-            return ca.reshape(self.symbols["feet"], 3, self.layout.legs)
+            return ca.reshape(self.symbols["feet"], self.layout.foot_coordinates, -1)
         return self._feet_in_stance(self.R_world_base, self.position)[0]
 
     @cached_property
@@ -92,9 +100,22 @@ class Stage:
         """beta_i at the knot of a stage whose feet are variables, (3, 1) m, base axes."""
         return self.model.foot_from_com(leg, self.feet_in_hip[:, leg], self.offset)
 
+    def relative_yaw(self, leg: int) -> Any:
+        """The foot's yaw against the base at the knot, rad, base axes."""
+        return self.model.turn_mirrors[leg] * self.feet_in_hip[3, leg]
+
+    def _across(self, R: Any) -> list[Any]:
+        """The direction across each standing foot, (3, 1) in base axes; none for points."""
+        if self.layout.foot_coordinates == 3:
+            return []
+        return [self.lift(across(R, psi)) for psi in ca.vertsplit(self.standing_yaw)]
+
     def _feet_in_stance(self, R: Any, position: Any) -> tuple[Any, Any, Any]:
         r_base = self.lift(ca.mtimes(R.T, position))
         beta = [ca.mtimes(R.T, self.standing_feet[:, i]) - r_base for i in range(self.layout.legs)]
+        if directions := self._across(R):
+            yaws = [self.lift(relative_yaw(nb)) for nb in directions]
+            beta = [ca.vertcat(b, yaw) for b, yaw in zip(beta, yaws, strict=True)]
         o = self.lift(self.model.base_offset_from_com(ca.horzcat(*beta)))
         feet = [self.lift(self.model.foot_in_hip(i, b, o)) for i, b in enumerate(beta)]
         return ca.horzcat(*feet), o, ca.horzcat(*beta)
@@ -129,7 +150,7 @@ class Stage:
 
     @cached_property
     def _moment_about_origin(self) -> Any:
-        points = self.standing_feet
+        points = self.standing_contacts
         moments = (ca.cross(points[:, j], self.force[:, j]) for j in range(self.layout.contacts))
         return self.lift(sum(moments) * (GRAVITY / self.layout.contacts))
 
@@ -187,9 +208,9 @@ class Stage:
 
     @cached_property
     def feet_mid(self) -> tuple[Any, Any, Any, Any]:
-        """x (3, L), xdot (3, L), o (3, 1) and odot (3, 1) at the midpoint."""
+        """x (d, L), xdot (d, L), o (3, 1) and odot (3, 1) at the midpoint."""
         if self.role.phase == Phase.FLIGHT:
-            xdot = ca.reshape(self.symbols["feet_rate"], 3, self.layout.legs)
+            xdot = ca.reshape(self.symbols["feet_rate"], self.layout.foot_coordinates, -1)
             x = self.lift(self.feet_in_hip + xdot * self.dt / 2)
             o_rate = self.lift(self.model.base_offset_rate(xdot))
             return x, xdot, self.lift(self.model.base_offset(x)), o_rate
@@ -198,13 +219,19 @@ class Stage:
         )
         x, o, beta = self._feet_in_stance(self.R_world_base_mid, position)
         beta_rate = [
-            -self.velocity_mid_base - ca.cross(self.rotation_rate, beta[:, i])
+            -self.velocity_mid_base - ca.cross(self.rotation_rate, beta[:3, i])
             for i in range(self.layout.legs)
         ]
-        o_rate = self.lift(self.model.base_offset_rate_from_com(ca.horzcat(*beta_rate)))
+        turns: list[Any] = [ca.SX(0, 1)] * self.layout.legs
+        if directions := self._across(self.R_world_base_mid):
+            turns = [relative_yaw_rate(nb, self.rotation_rate) for nb in directions]
+        seen = ca.horzcat(*map(ca.vertcat, beta_rate, turns))
+        o_rate = self.lift(self.model.base_offset_rate_from_com(seen))
         xdot = [
-            self.lift(ca.DM(M) * (rate - o_rate))
-            for M, rate in zip(self.model.mirrors, beta_rate, strict=True)
+            self.lift(ca.vertcat(ca.DM(M) * (rate - o_rate), side * turn))
+            for M, side, rate, turn in zip(
+                self.model.mirrors, self.model.turn_mirrors, beta_rate, turns, strict=True
+            )
         ]
         return x, ca.horzcat(*xdot), o, o_rate
 
@@ -222,11 +249,27 @@ class Stage:
         columns = []
         for i in range(self.layout.legs):
             beta = self.model.foot_from_com(i, x[:, i], o)
-            beta_rate = o_rate + ca.DM(self.model.mirrors[i]) * xdot[:, i]
+            beta_rate = o_rate + ca.DM(self.model.mirrors[i]) * xdot[:3, i]
             columns.append(
                 self.lift(self.velocity_mid_base + ca.cross(self.rotation_rate, beta) + beta_rate)
             )
         return ca.horzcat(*columns)
+
+    @cached_property
+    def foot_turn(self) -> Any:
+        """How fast the feet turn in the world, mean over a flight interval, (L, 1) rad/s.
+
+        Empty for points.
+        """
+        if self.layout.foot_coordinates == 3:
+            return ca.SX(0, 1)
+        x, xdot, _, _ = self.feet_mid
+        up = self.lift(self.R_world_base_mid[2, :].T)
+        rates = [
+            heading_rate(up, side * x[3, i], side * xdot[3, i], self.rotation_rate)
+            for i, side in enumerate(self.model.turn_mirrors)
+        ]
+        return ca.vertcat(*rates)
 
     # ---- dynamics
 

@@ -52,7 +52,7 @@ def make_stage_functions(stage: Stage, following: tuple[str, ...], initial: bool
         initial: whether no stage comes before.
     """
     z, p = stage.variables, ca.vertcat(*stage.parameters.values())
-    s = ca.vec(stage.standing_feet)
+    s = stage.standing
     cost = ca.SX(0)
     for term in COSTS:
         if term.applies(stage.role):

@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
+import pinocchio as pin
 from numpy.typing import NDArray
 
 from llsrbm.errors import InputError
 from llsrbm.jump import Jump
 from llsrbm.planning.costs import COSTS, default_weights, weight_parameter
+from llsrbm.planning.layout import STANDING, Layout
 from llsrbm.robots.knee import knee_links
 from llsrbm.robots.robot import Robot
-from llsrbm.robots.schema import Limits, Reach, Timing
+from llsrbm.robots.schema import Foot, Limits, Reach, Timing
 
 Array = NDArray[np.float64]
 
@@ -26,9 +29,13 @@ class Task:
         mass: kg.
         start_position, goal_position: (3,) m, CoM.
         goal_quat: (4,) w, x, y, z, continuous in the twist (w < 0 beyond 180 degrees).
-        start_feet, goal_feet: (L, 3) m.
-        limits, reach, timing: of the robot file.
+        start_feet, goal_feet: (L, 3) m; start_yaw, goal_yaw: (L,) rad, headings of the feet;
+            points look nowhere, 0.
+        start_contacts, goal_contacts: (C, 3) m, legs x corners.
+        corners: (c, 3) m, contact points of a foot in its frame.
+        limits, reach, timing, foot: of the robot file.
         knee: thigh and shank, m, of legs that fold at a knee.
+        knee_speed: limit of the joint after the hip, rad/s or m/s.
         weights: cost name -> weight.
     """
 
@@ -39,11 +46,26 @@ class Task:
     goal_quat: Array
     start_feet: Array
     goal_feet: Array
+    start_yaw: Array
+    goal_yaw: Array
+    corners: Array
     limits: Limits
     reach: Reach
     timing: Timing
+    foot: Foot
     knee: tuple[float, float] | None
+    knee_speed: float
     weights: dict[str, float]
+
+    @cached_property
+    def start_contacts(self) -> Array:
+        """(C, 3) m."""
+        return contact_points(self.start_feet, self.start_yaw, self.corners)
+
+    @cached_property
+    def goal_contacts(self) -> Array:
+        """(C, 3) m."""
+        return contact_points(self.goal_feet, self.goal_yaw, self.corners)
 
     def parameters(self) -> dict[str, Array]:
         """Name -> value of the solver's parameters (names and sizes: `parameter_sizes`)."""
@@ -52,10 +74,9 @@ class Task:
             "start_position": self.start_position,
             "goal_position": self.goal_position,
             "goal_quat": self.goal_quat,
-            "start_feet": self.start_feet,
-            "goal_feet": self.goal_feet,
+            **{name: getattr(self, name) for name in STANDING["start"] + STANDING["goal"]},
             "friction": np.array([self.limits.friction]),
-            "joint_speed": np.array([self.limits.joint_speed]),
+            "knee_speed": np.array([self.knee_speed]),
             "thigh": np.array([thigh]),
             "shank": np.array([shank]),
         }
@@ -63,16 +84,36 @@ class Task:
         return {name: np.ravel(value) for name, value in (values | weights).items()}
 
 
-def parameter_sizes(legs: int) -> dict[str, int]:
+def contact_points(feet: Array, yaw: Array, corners: Array) -> Array:
+    """Contact points of level feet.
+
+    Args:
+        feet: (..., L, 3) m, world frame.
+        yaw: (..., L) rad, headings.
+        corners: (c, 3) m, in the frame of a foot.
+
+    Returns:
+        (..., L c, 3) m, world frame, legs x corners.
+    """
+    c, s = np.cos(yaw)[..., None], np.sin(yaw)[..., None]
+    x, y, z = corners.T
+    turned = np.stack([c * x - s * y, s * x + c * y, np.broadcast_to(z, (c * x).shape)], axis=-1)
+    points: Array = feet[..., None, :] + turned
+    return points.reshape(*yaw.shape[:-1], -1, 3)
+
+
+def parameter_sizes(layout: Layout) -> dict[str, int]:
     """Name -> number of scalars of the solver's parameters."""
+    legs, contacts = layout.legs, layout.contacts
+    standing = (3 * legs, 3 * contacts, legs)
     sizes = {
         "start_position": 3,
         "goal_position": 3,
         "goal_quat": 4,
-        "start_feet": 3 * legs,
-        "goal_feet": 3 * legs,
+        **dict(zip(STANDING["start"], standing, strict=True)),
+        **dict(zip(STANDING["goal"], standing, strict=True)),
         "friction": 1,
-        "joint_speed": 1,
+        "knee_speed": 1,
         "thigh": 1,
         "shank": 1,
     }
@@ -107,6 +148,7 @@ def place_task(jump: Jump, robot: Robot, weights: dict[str, float]) -> Task:
     c, s = np.cos(jump.twist), np.sin(jump.twist)
     Rz = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
     shift = np.array([jump.forward, jump.lateral, jump.height])
+    yaw = _headings(robot)
     return Task(
         jump=jump,
         mass=float(robot.mass),
@@ -115,12 +157,34 @@ def place_task(jump: Jump, robot: Robot, weights: dict[str, float]) -> Task:
         goal_quat=np.array([np.cos(jump.twist / 2), 0.0, 0.0, np.sin(jump.twist / 2)]),
         start_feet=np.array(robot.feet),
         goal_feet=robot.feet @ Rz.T + shift,
+        start_yaw=yaw,
+        goal_yaw=yaw + jump.twist * (robot.foot_coordinates > 3),
+        corners=np.array(robot.corners),
         limits=robot.file.limits,
         reach=robot.file.reach,
         timing=robot.file.timing,
+        foot=robot.file.foot,
         knee=knee_links(robot),
+        knee_speed=_knee_speed(robot),
         weights=weights,
     )
+
+
+def _knee_speed(robot: Robot) -> float:
+    leg, frames = robot.legs[0], next(iter(robot.file.legs.values()))
+    after_hip = min(leg.joints.index(frames.hip) + 1, len(leg.joints) - 1)
+    return float(robot.speed_limit[robot.leg_joint_index[0, after_hip]])
+
+
+def _headings(robot: Robot) -> Array:
+    """(L,) rad: where the feet look in the default posture."""
+    if robot.foot_coordinates == 3:
+        return np.zeros(len(robot.legs))
+    data = robot.model.createData()
+    pin.framesForwardKinematics(robot.model, data, robot.posture)
+    ahead = np.array([data.oMf[leg.foot_frame_id].rotation[:, 0] for leg in robot.legs])
+    headings: Array = np.arctan2(ahead[:, 1], ahead[:, 0])
+    return headings
 
 
 def _out_of_range(robot: str, name: str, value: float, low: float, high: float) -> str:

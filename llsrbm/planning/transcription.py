@@ -65,7 +65,7 @@ class Problem:
         self.control_sizes = [layout.control_size(role) for role in layout.roles]
         self.row_counts: list[int] = []
         equality: list[bool] = []
-        sizes = parameter_sizes(layout.legs)
+        sizes = parameter_sizes(layout)
         parameters = {name: ca.SX.sym(name, size) for name, size in sizes.items()}
         families: dict[tuple[Any, ...], StageFunctions] = {}
         blocks: list[Block] = []
@@ -183,7 +183,14 @@ def _evaluate(
         count = sum(block.count for block in members)
         Z = ca.horzcat(*(b.columns(x, b.first_variable, b.width) for b in members))
         feet = ca.horzcat(
-            *(ca.repmat(named[Stage.feet_parameter(b.role)], 1, b.count) for b in members)
+            *(
+                ca.repmat(
+                    ca.vertcat(*(named[name] for name in Stage.standing_parameters(b.role))),
+                    1,
+                    b.count,
+                )
+                for b in members
+            )
         )
         arguments = [Z, p, feet]
         if kind == "hessian":

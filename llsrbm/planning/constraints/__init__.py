@@ -14,6 +14,7 @@ from llsrbm.planning.constraints.motion import FinalState, MomentumBalance
 from llsrbm.planning.constraints.reach import FeetApart, Reach
 from llsrbm.planning.constraints.swing import Clearance, FootSpeed, FootSpeedInBase
 from llsrbm.planning.constraints.timing import PhaseTimes
+from llsrbm.planning.constraints.turn import FootTurn, FootYaw
 
 __all__ = ["CONSTRAINTS", "Constraint"]
 
@@ -28,6 +29,8 @@ CONSTRAINTS: tuple[Constraint, ...] = (
     FeetApart(),
     FootSpeed(),
     FootSpeedInBase(),
+    FootYaw(),
+    FootTurn(),
     KneeSpeed(),
     FinalState(),
 )

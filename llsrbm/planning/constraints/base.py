@@ -53,7 +53,7 @@ def spread(knots: Knots, where: slice, amounts: Array) -> Array:
     """(N+1,) with the largest of `amounts`, (n, ...), at the knots `where`; never negative."""
     out = np.zeros(len(knots.time))
     flat = amounts.reshape(len(amounts), -1)
-    out[where] = np.maximum(flat.max(axis=1), 0.0)
+    out[where] = flat.max(axis=1, initial=0.0)
     return out
 
 

@@ -8,6 +8,7 @@ import casadi as ca
 import numpy as np
 
 from llsrbm.planning.constraints.base import Array, Bounds, Constraint, everywhere, spread
+from llsrbm.planning.headings import across
 from llsrbm.planning.knots import Knots
 from llsrbm.planning.layout import Layout, Role
 from llsrbm.planning.stage import GRAVITY, Stage
@@ -16,10 +17,13 @@ from llsrbm.trajectory.plan import Phase
 
 
 class GivenContacts(Constraint):
-    """p_i = p_i* at lift-off and at touchdown: the feet leave where they stood, land on target."""
+    """p_i = p_i* at lift-off and at touchdown: the feet leave where they stood, land on target.
+
+    Soles look where they stood, or shall stand: n . R (cos phi, sin phi, 0) = 0 with n across it.
+    """
 
     name = "given_contacts"
-    unit = "m"
+    unit = "m, rad"
     equality = True
 
     def applies(self, role: Role) -> bool:
@@ -27,20 +31,30 @@ class GivenContacts(Constraint):
         return role.first and role.phase != Phase.TAKEOFF
 
     def rows(self, stage: Stage) -> Any:
-        """(3 L, 1): p_i - p_i*."""
-        r, R = stage.position, stage.R_world_base
-        feet = [r + ca.mtimes(R, stage.foot_from_com(i)) for i in range(stage.layout.legs)]
-        return ca.vertcat(*feet) - ca.vec(stage.standing_feet)
+        """(d L, 1): p_i - p_i*, then the sines of what the headings miss."""
+        r, R, legs = stage.position, stage.R_world_base, range(stage.layout.legs)
+        feet = [r + ca.mtimes(R, stage.foot_from_com(i)) for i in legs]
+        yaws = [stage.relative_yaw(i) for i in legs] if stage.layout.foot_coordinates > 3 else []
+        misses = [
+            ca.dot(across(R, psi)[:2], ca.vertcat(ca.cos(phi), ca.sin(phi)))
+            for psi, phi in zip(ca.vertsplit(stage.standing_yaw), yaws, strict=False)
+        ]
+        return ca.vertcat(ca.vertcat(*feet) - ca.vec(stage.standing_feet), *misses)
 
     def bounds(self, task: Task, layout: Layout, knot: int) -> Bounds:
         """Zero."""
-        return np.zeros(3 * layout.legs), np.zeros(3 * layout.legs)
+        return (np.zeros(layout.foot_coordinates * layout.legs),) * 2
 
     def violation(self, knots: Knots) -> Array:
-        """|p_i - p_i*| at the two knots."""
-        out = np.zeros(len(knots.time))
-        out[knots.flight.start] = np.abs(knots.flying_feet[0] - knots.task.start_feet).max()
-        out[knots.flight.stop - 1] = np.abs(knots.flying_feet[-1] - knots.task.goal_feet).max()
+        """|p_i - p_i*| and what the headings miss, at the two knots."""
+        out, task = np.zeros(len(knots.time)), knots.task
+        for k, feet, yaw in (
+            (0, task.start_feet, task.start_yaw),
+            (-1, task.goal_feet, task.goal_yaw),
+        ):
+            place = np.abs(knots.flying_feet[k] - feet).max()
+            heading = np.abs(np.sin(knots.flying_headings[k] - yaw)).max()
+            out[knots.flight][k] = max(place, heading)
         return out
 
 

@@ -45,9 +45,9 @@ class KneeSpeed(Constraint):
 
     def rows(self, stage: Stage) -> Any:
         """(L, 1), left over right hand side."""
-        x, xdot, _, _ = stage.feet_mid
-        joint_speed, a, b = (stage.parameters[n] for n in ("joint_speed", "thigh", "shank"))
-        limit = KNEE_SHARE * joint_speed
+        x, xdot = (rows[:3, :] for rows in stage.feet_mid[:2])
+        speed, a, b = (stage.parameters[n] for n in ("knee_speed", "thigh", "shank"))
+        limit = KNEE_SHARE * speed
         columns = [
             (
                 (ca.dot(x[:, i], xdot[:, i]) / limit) ** 2
@@ -69,11 +69,11 @@ class KneeSpeed(Constraint):
         if knee is None:
             return np.zeros(len(knots.time))
         a, b = knee
-        x, xdot = knots.feet_mid
+        x, xdot = (array[..., :3] for array in knots.feet_mid)
         closing = np.abs(np.sum(x * xdot, axis=-1))
         lever = np.sqrt(
             np.maximum((a * b) ** 2 - ((a**2 + b**2 - np.sum(x * x, axis=-1)) / 2) ** 2, 1e-12)
         )
-        excess = closing / lever - KNEE_SHARE * knots.task.limits.joint_speed
+        excess = closing / lever - KNEE_SHARE * knots.task.knee_speed
         where = slice(knots.flight.start - 1, knots.flight.stop)
         return spread(knots, where, excess[where])

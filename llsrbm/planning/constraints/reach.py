@@ -33,7 +33,7 @@ class Reach(Constraint):
     def rows(self, stage: Stage) -> Any:
         """(4 L, 1): |x_i|^2 and x_i."""
         columns = []
-        for x in ca.horzsplit(stage.feet_in_hip):
+        for x in ca.horzsplit(stage.feet_in_hip[:3, :]):
             columns += [ca.sumsqr(x), x]
         return ca.vertcat(*columns)
 
@@ -46,7 +46,7 @@ class Reach(Constraint):
 
     def violation(self, knots: Knots) -> Array:
         """Metres beyond the distance or the box."""
-        reach, x = knots.task.reach, knots.feet_in_hip[1:-1]
+        reach, x = knots.task.reach, knots.feet_in_hip[1:-1, :, :3]
         distance = np.linalg.norm(x, axis=-1, keepdims=True)
         beyond = np.concatenate(
             [
@@ -76,7 +76,7 @@ class FeetApart(Constraint):
         feet = [
             (ca.DM(h) + ca.DM(M) * x)[:2]
             for h, M, x in zip(
-                model.hips, model.mirrors, ca.horzsplit(stage.feet_in_hip), strict=True
+                model.hips, model.mirrors, ca.horzsplit(stage.feet_in_hip[:3, :]), strict=True
             )
         ]
         return ca.vertcat(*(ca.sumsqr(a - b) for a, b in combinations(feet, 2)))
@@ -90,7 +90,7 @@ class FeetApart(Constraint):
         """Metres too close."""
         inner = slice(knots.flight.start + 1, knots.flight.stop - 1)
         model = knots.model
-        feet = (model.hips + model.mirrors * knots.feet_in_hip[inner])[..., :2]
+        feet = (model.hips + model.mirrors * knots.feet_in_hip[inner, :, :3])[..., :2]
         gaps = [
             np.linalg.norm(feet[:, i] - feet[:, j], axis=-1)
             for i, j in combinations(range(model.legs), 2)

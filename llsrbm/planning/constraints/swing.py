@@ -34,6 +34,11 @@ def ground_line(task: Task, progress: Array) -> Array:
     return np.where(goal > start, early, straight)
 
 
+def speed_ramp(s: Any) -> Any:
+    """Share of a foot's speed limit that is allowed at progress s of the flight."""
+    return np.minimum(1.0, SPEED_RAMP * s * (1 - s))
+
+
 class Clearance(Constraint):
     """p_z,i >= ground line + 4 s (1 - s) clearance over the flight."""
 
@@ -87,20 +92,16 @@ class FootSpeed(Constraint):
     def bounds(self, task: Task, layout: Layout, knot: int) -> Bounds:
         """Plus and minus the ramped limit at the interval's midpoint."""
         middle = layout.progress[knot] + 0.5 / layout.intervals.flight
-        top = np.full(3 * layout.legs, self._limit(task, middle))
+        top = np.full(3 * layout.legs, task.limits.foot_speed * speed_ramp(middle))
         return -top, top
 
     def violation(self, knots: Knots) -> Array:
         """Speed beyond the limit."""
         velocity = knots.foot_velocity_base
         middle = (np.arange(len(velocity)) + 0.5) / len(velocity)
-        limit = np.array([self._limit(knots.task, s) for s in middle])
+        limit = knots.task.limits.foot_speed * speed_ramp(middle)
         where = slice(knots.flight.start, knots.flight.stop - 1)
         return spread(knots, where, np.abs(velocity) - limit[:, None, None])
-
-    @staticmethod
-    def _limit(task: Task, s: float) -> float:
-        return task.limits.foot_speed * min(1.0, SPEED_RAMP * s * (1 - s))
 
 
 class FootSpeedInBase(Constraint):
@@ -115,7 +116,7 @@ class FootSpeedInBase(Constraint):
 
     def rows(self, stage: Stage) -> Any:
         """(3 L, 1) m/s."""
-        return stage.symbols["feet_rate"]
+        return ca.vec(stage.feet_mid[1][:3, :])
 
     def bounds(self, task: Task, layout: Layout, knot: int) -> Bounds:
         """Plus and minus the limit."""
@@ -124,5 +125,6 @@ class FootSpeedInBase(Constraint):
 
     def violation(self, knots: Knots) -> Array:
         """Speed beyond the limit."""
-        excess = np.abs(knots.flight_feet_rate) - np.array(knots.task.limits.foot_speed_in_base)
+        rate = np.abs(knots.flight_feet_rate[..., :3])
+        excess = rate - np.array(knots.task.limits.foot_speed_in_base)
         return spread(knots, slice(knots.flight.start, knots.flight.stop - 1), excess)

@@ -1,0 +1,91 @@
+"""How far and how fast soles turn about the vertical; points have no such rows."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from llsrbm.planning.constraints.base import Array, Bounds, Constraint, spread
+from llsrbm.planning.constraints.swing import speed_ramp
+from llsrbm.planning.headings import heading_rates
+from llsrbm.planning.knots import Knots
+from llsrbm.planning.layout import Layout, Role
+from llsrbm.planning.stage import Stage
+from llsrbm.planning.task import Task
+from llsrbm.trajectory.plan import Phase
+
+
+class FootYaw(Constraint):
+    """A foot's yaw against the base stays in the robot file's range, outwards positive."""
+
+    name = "foot_yaw"
+    unit = "rad"
+
+    def applies(self, role: Role) -> bool:
+        """Wherever the posture is free."""
+        return not role.terminal and not (role.phase == Phase.TAKEOFF and role.first)
+
+    def rows(self, stage: Stage) -> Any:
+        """(L, 1) rad."""
+        return ca.vec(stage.feet_in_hip[3:, :])
+
+    def bounds(self, task: Task, layout: Layout, knot: int) -> Bounds:
+        """The range."""
+        low, high = task.foot.yaw
+        rows = _turning(layout)
+        return np.full(rows, low), np.full(rows, high)
+
+    def violation(self, knots: Knots) -> Array:
+        """Angle out of range."""
+        low, high = knots.task.foot.yaw
+        yaw = knots.feet_in_hip[1:-1, :, 3:]
+        return spread(knots, slice(1, len(knots.time) - 1), np.maximum(low - yaw, yaw - high))
+
+
+class FootTurn(Constraint):
+    """How fast feet turn in flight: against the base, and in the world, from rest to rest."""
+
+    name = "foot_turn"
+    unit = "rad/s"
+
+    def applies(self, role: Role) -> bool:
+        """In flight."""
+        return role.phase == Phase.FLIGHT
+
+    def rows(self, stage: Stage) -> Any:
+        """(2 L, 1) rad/s."""
+        return ca.vertcat(ca.vec(stage.feet_mid[1][3:, :]), stage.foot_turn)
+
+    def bounds(self, task: Task, layout: Layout, knot: int) -> Bounds:
+        """Plus and minus the limit; in the world the ramped one at the interval's midpoint."""
+        rows, top = _turning(layout), task.foot.turn_speed
+        ramp = speed_ramp(layout.progress[knot] + 0.5 / layout.intervals.flight)
+        limit = top * np.concatenate([np.ones(rows), np.full(rows, ramp)])
+        return -limit, limit
+
+    def violation(self, knots: Knots) -> Array:
+        """Speed beyond the limit."""
+        top = knots.task.foot.turn_speed
+        flight = slice(knots.flight.start, knots.flight.stop - 1)
+        rate = np.abs(knots.flight_feet_rate[..., 3:]) - top
+        if not rate.size:
+            return np.zeros(len(knots.time))
+        ramp = speed_ramp((np.arange(len(rate)) + 0.5) / len(rate))
+        R, _, _ = knots.mid
+        x, xdot = knots.feet_mid
+        side = knots.model.turn_mirrors
+        turn = heading_rates(
+            R[flight],
+            side * x[flight, :, 3],
+            side * xdot[flight, :, 3],
+            knots.rotation_rate[flight],
+        )
+        turning = np.abs(turn) - top * ramp[:, None]
+        return spread(knots, flight, np.maximum(rate[..., 0], turning))
+
+
+def _turning(layout: Layout) -> int:
+    """Number of feet that have a direction."""
+    return layout.legs if layout.foot_coordinates > 3 else 0
