@@ -70,8 +70,8 @@ def plus_inertia_and_momentum(fit: LegFit, beta, beta_rate):
         x, x_rate = m @ (b - o - hip), m @ (b_rate - o_rate)
         arm = hip + m @ (quadratic_features(x) @ fit.com_quadratic) + o
         slope = fit.com_quadratic.T @ quadratic_slopes(x)
-        own = (affine_features(x) @ fit.inertia_affine).reshape(3, 3)
-        spin = (affine_features(x) @ fit.spin_affine).reshape(3, 3)
+        own = (affine_features(x) @ fit.inertia_map).reshape(3, 3)
+        spin = (affine_features(x) @ fit.spin_map).reshape(3, 3)
         inertia = inertia + fit.leg_mass * parallel_axis(arm) + m @ own @ m
         h = h + fit.leg_mass * np.cross(arm, m @ slope @ x_rate)
         h = h + np.linalg.det(m) * m @ spin @ x_rate
@@ -145,7 +145,7 @@ def main() -> None:
         t, r = truth(robot, fit), fit.residuals
         print(
             f"{robot.name:10s} {seconds:5.2f} s {1e3 * r['com_quadratic']:8.1f} mm "
-            f"{1e3 * r['com_affine']:7.1f} mm {r['inertia_affine']:8.5f} {r['spin_affine']:8.5f} "
+            f"{1e3 * r['com_affine']:7.1f} mm {r['inertia']:8.5f} {r['spin']:8.5f} "
             f"{1e3 * t.base_offset:6.1f} mm {100 * t.inertia_zz:6.2f} % "
             f"{100 * t.momentum_z:7.2f} / {100 * t.momentum_z_worst:.1f} %"
         )

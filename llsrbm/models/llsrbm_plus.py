@@ -17,6 +17,19 @@ def _rows(row_major: Any) -> Any:
     return ca.reshape(row_major, -1, 3).T
 
 
+def _affine(x: Any) -> Any:
+    """As `robots.leg_fit.affine_features`."""
+    return ca.vertcat(1, x)
+
+
+def _quadratic(x: Any) -> Any:
+    """As `robots.leg_fit.quadratic_features`."""
+    each = ca.vertsplit(x)
+    squares = [a * a for a in each]
+    products = [a * b for a, b in combinations(each, 2)]
+    return ca.vertcat(1, *each, *squares, *products)
+
+
 class LLSRBMPlus(CentroidalModel):
     """The model that makes the plan true: what the paper's point masses leave out is counted.
 
@@ -24,9 +37,10 @@ class LLSRBMPlus(CentroidalModel):
 
     - CoM of a leg in its mirrored hip frame: c(x_i), quadratic in the foot's place;
       a_i = h_i + M_i c(x_i) + o seen from the CoM.
-    - I = I_T + m_T P(c_T + o) + sum [m_l P(a_i) + M_i I_c(x_i) M_i], I_c affine in x_i.
-    - h = sum [m_l a_i x M_i (dc/dx) xdot_i + det(M_i) M_i S(x_i) xdot_i], S affine in x_i: the
-      rotation of the leg's links about the leg's CoM.
+    - I = I_T + m_T P(c_T + o) + sum [m_l P(a_i) + M_i I_c(x_i) M_i], I_c affine in x_i, or of legs
+      that slide quadratic.
+    - h = sum [m_l a_i x M_i (dc/dx) xdot_i + det(M_i) M_i S(x_i) xdot_i], S likewise: the rotation
+      of the leg's links about the leg's CoM, a sole's turn among them.
     - The path equality of the planner is I omega + h = R^T L, in place of eq. 4.
 
     c, I_c, S and the affine map behind o are least-squares fits to the URDF (`robots.leg_fit`).
@@ -46,15 +60,12 @@ class LLSRBMPlus(CentroidalModel):
         self._trunk_com = ca.DM(fit.trunk_com)
         self._trunk_inertia = ca.DM(fit.trunk_inertia)
         self._com = ca.DM(fit.com_quadratic.T)
-        self._inertia = ca.DM(fit.inertia_affine.T)
-        self._spin = ca.DM(fit.spin_affine.T)
+        self._inertia = ca.DM(fit.inertia_map.T)
+        self._spin = ca.DM(fit.spin_map.T)
 
     def leg_com(self, leg: int, foot_in_hip: Any) -> Any:
         """c(x_i), (3, 1) m."""
-        x = ca.vertsplit(foot_in_hip)
-        squares = [a * a for a in x]
-        products = [a * b for a, b in combinations(x, 2)]
-        return ca.mtimes(self._com, ca.vertcat(1, *x, *squares, *products))
+        return ca.mtimes(self._com, _quadratic(foot_in_hip))
 
     def leg_com_rate(self, foot_in_hip: Any, foot_in_hip_rate: Any) -> Any:
         """(dc/dx) xdot_i, (3, 1) m/s."""
@@ -66,13 +77,18 @@ class LLSRBMPlus(CentroidalModel):
     def leg_inertia(self, leg: int, foot_in_hip: Any) -> Any:
         """M_i I_c(x_i) M_i, (3, 3) kg m2, base axes, about the leg's CoM."""
         M = ca.DM(np.diag(self.mirrors[leg]))
-        return ca.mtimes([M, _rows(ca.mtimes(self._inertia, ca.vertcat(1, foot_in_hip))), M])
+        return ca.mtimes([M, self._of_leg(self._inertia, foot_in_hip), M])
 
     def leg_spin(self, leg: int, foot_in_hip: Any, foot_in_hip_rate: Any) -> Any:
         """det(M_i) M_i S(x_i) xdot_i, (3, 1) kg m2/s, base axes."""
-        S = _rows(ca.mtimes(self._spin, ca.vertcat(1, foot_in_hip)))
+        S = self._of_leg(self._spin, foot_in_hip)
         mirror = self.mirrors[leg]
         return ca.DM(np.prod(mirror) * mirror) * ca.mtimes(S, foot_in_hip_rate)
+
+    def _of_leg(self, coefficients: ca.DM, x: Any) -> Any:
+        """The matrix of three rows that a fitted map gives."""
+        affine = coefficients.shape[1] == 1 + self.coordinates
+        return _rows(ca.mtimes(coefficients, _affine(x) if affine else _quadratic(x)))
 
     def inertia(self, feet_in_hip: Any, offset: Any) -> Any:
         """I_T + m_T P(c_T + o) + sum [m_l P(a_i) + M_i I_c M_i], (3, 3) kg m2."""

@@ -1,14 +1,17 @@
 """Maps from where a foot is to where its leg's mass is, fitted to the URDF's own legs.
 
 A leg's links follow the foot through inverse kinematics; a planner wants that as a few polynomials.
-All legs are mirrored onto the reference leg (x = M (foot - hip), base axes) and fitted together:
+All legs are mirrored onto the reference leg (x = M (foot - hip), base axes) and fitted together. Of
+lines and soles x has a fourth coordinate, the yaw relative to the base, det(M) times it, and the
+foot is level; d = 3 or 4 counts the coordinates.
 
     c(x)     leg's CoM in the mirrored hip frame, affine and quadratic, value and derivative
-    I_c(x)   leg's inertia about its CoM, affine
-    S(x)     S(x) dx/dt is the angular momentum of the leg's links about the leg's CoM, affine
+    I_c(x)   leg's inertia about its CoM
+    S(x)     S(x) dx/dt is the angular momentum of the leg's links about the leg's CoM
 
-With them the leg's part of the centroidal inertia and angular momentum, base at rest, is
-m_l P(a) + M I_c M and m_l a x M (dc/dx) dx/dt + det(M) M S dx/dt, a = hip + M c - CoM.
+I_c and S are affine, of sliding legs quadratic. With them the leg's part of the centroidal inertia
+and angular momentum, base at rest, is m_l P(a) + M I_c M and
+m_l a x M (dc/dx) dx/dt + det(M) M S dx/dt, a = hip + M c - CoM.
 """
 
 from __future__ import annotations
@@ -18,6 +21,7 @@ import json
 import logging
 from collections.abc import Callable
 from dataclasses import dataclass, fields
+from itertools import combinations
 from typing import Any
 
 import numpy as np
@@ -25,12 +29,12 @@ from numpy.typing import NDArray
 
 from llsrbm.cache import cache_path, content_key, read_checked, write_checked
 from llsrbm.errors import RobotFileError
-from llsrbm.robots.legs import solve_legs
+from llsrbm.robots.legs import TURN_ARM, foot_task, solve_legs, turns_about_z
 from llsrbm.robots.robot import Robot
 
 Array = NDArray[np.float64]
 
-FIT_VERSION = "3"  # part of the cache key: raise it when a fit's numbers change
+FIT_VERSION = "4"  # part of the cache key: raise it when a fit's numbers change
 
 _DERIVATIVE_WEIGHT = 0.1  # m: by how far a foot moves where its derivative counts as its value
 _SINGULAR = 30.0  # condition of the foot's Jacobian beyond which a sample says little
@@ -53,10 +57,11 @@ class LegFit:
         trunk_inertia: (3, 3) kg m2 about the trunk's CoM, base axes.
         hips: (L, 3) m, base frame.
         mirrors: (L, 3) of +1 or -1, the diagonals of M.
-        com_affine: (4, 3): [1, x, y, z] -> c, m.
-        com_quadratic: (10, 3): [1, x, y, z, xx, yy, zz, xy, xz, yz] -> c, m.
-        inertia_affine: (4, 9): [1, x, y, z] -> I_c row by row, kg m2, symmetric.
-        spin_affine: (4, 9): [1, x, y, z] -> S row by row, kg m.
+        com_affine: (1 + d, 3): [1, x] -> c, m.
+        com_quadratic: (10 or 15, 3): [1, x, squares, products] -> c, m.
+        inertia_map: (f, 9): features -> I_c row by row, kg m2, symmetric; the features are affine,
+            f = 1 + d, or quadratic.
+        spin_map: (f, 3 d): features -> S row by row, kg m, a yaw's column kg m2.
         proportional_mass: kg: the paper's point mass, the links from the hip joint outwards.
         proportional_fraction: where the paper's rule puts it, as a fraction of foot -> hip.
         residuals: RMS error of each map over the samples, by the map's name, in its unit; names
@@ -72,38 +77,49 @@ class LegFit:
     mirrors: Array
     com_affine: Array
     com_quadratic: Array
-    inertia_affine: Array
-    spin_affine: Array
+    inertia_map: Array
+    spin_map: Array
     proportional_mass: float
     proportional_fraction: float
     residuals: dict[str, float]
 
 
 def affine_features(x: Array) -> Array:
-    """(..., 3) -> (..., 4): 1, x, y, z."""
+    """(..., d) -> (..., 1 + d): 1, x, y, z and so on."""
     return np.concatenate([np.ones((*x.shape[:-1], 1)), x], axis=-1)
 
 
 def quadratic_features(x: Array) -> Array:
-    """(..., 3) -> (..., 10): 1, x, y, z, xx, yy, zz, xy, xz, yz."""
-    return np.concatenate([affine_features(x), x * x, x[..., [0, 0, 1]] * x[..., [1, 2, 2]]], -1)
+    """(..., d) -> (..., 10 or 15): 1, x, y, z, xx, yy, zz, xy, xz, yz; likewise of four."""
+    i, j = _pairs(x.shape[-1])
+    return np.concatenate([affine_features(x), x * x, x[..., i] * x[..., j]], -1)
 
 
 def affine_slopes(x: Array) -> Array:
-    """(..., 3) -> (..., 4, 3): derivative of the affine features."""
-    slopes = np.zeros((*x.shape[:-1], 4, 3))
-    slopes[..., 1:, :] = np.eye(3)
+    """(..., d) -> (..., 1 + d, d): derivative of the affine features."""
+    d = x.shape[-1]
+    slopes = np.zeros((*x.shape[:-1], 1 + d, d))
+    slopes[..., 1:, :] = np.eye(d)
     return slopes
 
 
 def quadratic_slopes(x: Array) -> Array:
-    """(..., 3) -> (..., 10, 3): derivative of the quadratic features."""
-    slopes = np.zeros((*x.shape[:-1], 10, 3))
-    slopes[..., 1:4, :] = np.eye(3)
-    for row, (i, j) in enumerate([(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)], start=4):
+    """(..., d) -> (..., 10 or 15, d): derivative of the quadratic features."""
+    d = x.shape[-1]
+    squares, products = [(i, i) for i in range(d)], zip(*_pairs(d), strict=True)
+    pairs = [*squares, *products]
+    slopes = np.zeros((*x.shape[:-1], 1 + d + len(pairs), d))
+    slopes[..., 1 : 1 + d, :] = np.eye(d)
+    for row, (i, j) in enumerate(pairs, start=1 + d):
         slopes[..., row, i] += x[..., j]
         slopes[..., row, j] += x[..., i]
     return slopes
+
+
+def _pairs(d: int) -> tuple[list[int], list[int]]:
+    """First and second of each pair of different coordinates."""
+    first, second = zip(*combinations(range(d), 2), strict=True)
+    return list(first), list(second)
 
 
 def fit_legs(
@@ -130,8 +146,11 @@ def fit_legs(
     one, two = affine_features(x), quadratic_features(x)
     com_affine = _fit_with_slopes(one, affine_slopes(x), com, com_slope)
     com_quadratic = _fit_with_slopes(two, quadratic_slopes(x), com, com_slope)
-    inertia_affine = _least_squares(one, inertia.reshape(-1, 9))
-    spin_affine = _least_squares(one, spin.reshape(-1, 9))
+    # The inertia of a leg whose parts slide goes with the square of their distance: affine maps are
+    # 10 % wrong, quadratic ones 1 %. Of legs that fold at a knee quadratic maps are no better.
+    features = two if robot.chains.prismatic.any() else one
+    inertia, spin = inertia.reshape(len(x), -1), spin.reshape(len(x), -1)
+    inertia_map, spin_map = _least_squares(features, inertia), _least_squares(features, spin)
     mass, fraction = _proportional(robot)
 
     def slope_error(slopes: Array, weights: Array) -> float:
@@ -148,8 +167,8 @@ def fit_legs(
         mirrors=robot.mirrors,
         com_affine=com_affine,
         com_quadratic=com_quadratic,
-        inertia_affine=inertia_affine,
-        spin_affine=spin_affine,
+        inertia_map=inertia_map,
+        spin_map=spin_map,
         proportional_mass=mass,
         proportional_fraction=fraction,
         residuals={
@@ -157,9 +176,9 @@ def fit_legs(
             "com_affine_slope": slope_error(affine_slopes(x), com_affine),
             "com_quadratic": _rms(com - two @ com_quadratic),
             "com_quadratic_slope": slope_error(quadratic_slopes(x), com_quadratic),
-            "com_proportional": _rms(com - (1.0 - fraction) * x),
-            "inertia_affine": _rms(inertia.reshape(-1, 9) - one @ inertia_affine),
-            "spin_affine": _rms(spin.reshape(-1, 9) - one @ spin_affine),
+            "com_proportional": _rms(com - (1.0 - fraction) * x[:, :3]),
+            "inertia": _rms(inertia - features @ inertia_map),
+            "spin": _rms(spin - features @ spin_map),
         },
     )
     report(1.0)
@@ -180,33 +199,46 @@ def load_or_fit(robot: Robot, progress: Callable[[float], None] | None = None) -
 
 
 def _sample(robot: Robot, samples: int, seed: int) -> tuple[Array, Array, Array, Array, Array]:
-    """Foot places x (S, 3) and there c (S, 3), dc/dx, I_c, S (S, 3, 3), all mirrored."""
+    """Foot places x (S, d), c (S, 3), dc/dx (S, 3, d), I_c (S, 3, 3), S (S, 3, d), all mirrored."""
     reach, mirrors, hips = robot.file.reach, robot.mirrors, robot.hips
-    rng = np.random.default_rng(seed)
-    drawn = rng.uniform(reach.lower, reach.upper, size=(40 * samples, 3))
+    lower, upper = list(reach.lower), list(reach.upper)
     standing = (mirrors * (robot.feet - robot.base_position - hips)).mean(axis=0)
+    turned = robot.foot_coordinates == 4
+    if turned:
+        lower.append(robot.file.foot.yaw[0])
+        upper.append(robot.file.foot.yaw[1])
+        standing = np.append(standing, (mirrors.prod(axis=1) * robot.foot_yaw).mean())
+    rng = np.random.default_rng(seed)
+    drawn = rng.uniform(lower, upper, size=(40 * samples, len(lower)))
     near = rng.random(len(drawn)) < _NEAR_SHARE
     drawn[near] = standing + _NEAR_SCALE * (drawn[near] - standing)
-    distance = np.linalg.norm(drawn, axis=1)
+    distance = np.linalg.norm(drawn[:, :3], axis=1)
     drawn = drawn[(distance >= reach.distance[0]) & (distance <= reach.distance[1])]
     per_leg = min(len(drawn), samples) // len(robot.legs)
-    drawn = drawn[: per_leg * len(robot.legs)].reshape(per_leg, len(robot.legs), 3)
+    drawn = drawn[: per_leg * len(robot.legs)].reshape(per_leg, len(robot.legs), -1)
 
+    chains, det = robot.chains, mirrors.prod(axis=1)
     angles = np.array([robot.file.posture[leg.name] for leg in robot.legs])
-    q, error = solve_legs(robot.chains, hips + mirrors * drawn, angles)
-    motion = robot.chains.motion(q)
-    inertia, spin = robot.chains.inertia_and_spin(motion)
-    jacobian = motion.foot_jacobian
+    place = hips + mirrors * drawn[..., :3]
+    rotation = turns_about_z(det * drawn[..., 3]) if turned else None
+    q, error = solve_legs(chains, place, angles, rotation)
+    motion = chains.motion(q)
+    inertia, spin = chains.inertia_and_spin(motion)
+    _, jacobian = foot_task(chains, motion, place, rotation)
     good = (error < 1e-7) & (np.linalg.cond(jacobian) < _SINGULAR)
     if good.sum() < min(samples, _FEWEST_SAMPLES) / 2:
         raise RobotFileError(
             f"{robot.path}: reach: the legs reach only {good.sum()} of {good.size} places drawn "
             "from the box; expected a box in the mirrored hip frame that the feet can reach"
         )
-    # A leg's rates follow from its foot's velocity: dq = J^-1 M dx (least-norm for n > 3 joints).
-    rates = np.linalg.pinv(jacobian) * mirrors[:, None, :]
+    # A leg's rates follow from its foot's velocity, least-norm for joints to spare: dq = J^-1 M dx,
+    # where a sole stays level and turns about the vertical alone.
+    rates = np.linalg.pinv(jacobian)[..., :3] * mirrors[:, None, :]
+    if turned:
+        turning = np.linalg.pinv(jacobian)[..., 5:] * TURN_ARM * det[:, None, None]
+        rates = np.concatenate([rates, turning], axis=-1)
     flip = mirrors[:, :, None]
-    det = mirrors.prod(axis=1)[:, None, None]
+    det = det[:, None, None]
     return (
         drawn[good],
         (mirrors * (motion.com - hips))[good],
@@ -217,10 +249,10 @@ def _sample(robot: Robot, samples: int, seed: int) -> tuple[Array, Array, Array,
 
 
 def _fit_with_slopes(features: Array, slopes: Array, value: Array, derivative: Array) -> Array:
-    """Least squares of a vector's value (S, 3) and derivative (S, 3, 3) together."""
-    w = _DERIVATIVE_WEIGHT
-    rows = np.vstack([features, *(w * slopes[:, :, k] for k in range(3))])
-    right = np.vstack([value, *(w * derivative[:, :, k] for k in range(3))])
+    """Least squares of a vector's value (S, 3) and derivative (S, 3, d) together."""
+    w, d = _DERIVATIVE_WEIGHT, slopes.shape[-1]
+    rows = np.vstack([features, *(w * slopes[:, :, k] for k in range(d))])
+    right = np.vstack([value, *(w * derivative[:, :, k] for k in range(d))])
     return _least_squares(rows, right)
 
 

@@ -12,8 +12,13 @@ from functools import cached_property
 import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
+from scipy.spatial.transform import Rotation
 
 Array = NDArray[np.float64]
+
+# m: a sole's turn counts in inverse kinematics as what it moves a point at this distance, which is
+# about where the corners are.
+TURN_ARM = 0.1
 
 _NEXT, _AFTER_NEXT = [1, 2, 0], [2, 0, 1]
 
@@ -37,8 +42,18 @@ def parallel_axis(d: Array) -> Array:
 
 
 def apply(matrix: Array, vector: Array) -> Array:
-    """Matrix times vector over leading dimensions: (..., 3, k), (..., k) -> (..., 3)."""
+    """Matrix times vector over leading dimensions: (..., r, k), (..., k) -> (..., r)."""
     return (matrix @ vector[..., None])[..., 0]
+
+
+def turns_about_z(angle: Array) -> Array:
+    """Rotation matrices (..., 3, 3) of angles (...) rad about z."""
+    rotation = np.zeros((*angle.shape, 3, 3))
+    rotation[..., 0, 0] = rotation[..., 1, 1] = np.cos(angle)
+    rotation[..., 1, 0] = np.sin(angle)
+    rotation[..., 0, 1] = -rotation[..., 1, 0]
+    rotation[..., 2, 2] = 1.0
+    return rotation
 
 
 def rotation_matrices(quat: ArrayLike) -> Array:
@@ -82,6 +97,7 @@ class LegChains:
         axis: (L, n, 3) unit axis in the joint's own frame.
         prismatic: (n,) whether the joint slides, the same for every leg.
         foot_offset: (L, 3) m: the foot frame's origin in the last joint's frame.
+        foot_rotation: (L, 3, 3) of the foot frame in the last joint's frame.
         link_mass: (L, n) kg; link_com: (L, n, 3) m; link_inertia: (L, n, 3, 3) kg m2 about its CoM;
             all in the joint's frame.
     """
@@ -91,6 +107,7 @@ class LegChains:
     axis: Array
     prismatic: NDArray[np.bool_]
     foot_offset: Array
+    foot_rotation: Array
     link_mass: Array
     link_com: Array
     link_inertia: Array
@@ -116,6 +133,7 @@ class LegChains:
             axis=np.where(prismatic[..., None], motion[..., :3], motion[..., 3:]),
             prismatic=prismatic[0],
             foot_offset=np.array([model.frames[f].placement.translation for f in foot_frame_ids]),
+            foot_rotation=np.array([model.frames[f].placement.rotation for f in foot_frame_ids]),
             link_mass=np.array([[model.inertias[j].mass for j in leg] for leg in joint_ids]),
             link_com=np.array([[model.inertias[j].lever for j in leg] for leg in joint_ids]),
             link_inertia=np.array([[model.inertias[j].inertia for j in leg] for leg in joint_ids]),
@@ -194,6 +212,18 @@ class LegChains:
             com_jacobian=np.swapaxes(com_jacobian / total[..., None], -1, -2),
         )
 
+    def foot_turning(self, motion: LegMotion) -> tuple[Array, Array]:
+        """How the feet's frames stand and turn.
+
+        Returns:
+            rotation: (..., L, 3, 3) R_base_foot.
+            jacobian: (..., L, 3, n): the foot's angular velocity relative to the base per joint
+                speed, base axes.
+        """
+        axis = apply(motion.rotation, self.axis)
+        axis[..., self.prismatic, :] = 0.0
+        return motion.rotation[..., -1, :, :] @ self.foot_rotation, np.swapaxes(axis, -1, -2)
+
     def inertia_and_spin(self, motion: LegMotion) -> tuple[Array, Array]:
         """What a leg's extent adds to its point mass, in base axes.
 
@@ -223,26 +253,60 @@ class LegChains:
         return inertia, spin
 
 
+def foot_task(
+    chains: LegChains, motion: LegMotion, foot: Array, foot_rotation: Array | None = None
+) -> tuple[Array, Array]:
+    """What keeps the feet from where they shall be, base frame; r = 3, or 6 with rotations.
+
+    Args:
+        chains, motion: the legs.
+        foot: (..., L, 3) m.
+        foot_rotation: (..., L, 3, 3) R_base_foot, where it matters.
+
+    Returns:
+        error (..., L, r) m, rotations by TURN_ARM below; its Jacobian (..., L, r, n), sign changed.
+    """
+    error = foot - motion.foot
+    if foot_rotation is None:
+        return error, motion.foot_jacobian
+    rotation, turning = chains.foot_turning(motion)
+    missing = foot_rotation @ np.swapaxes(rotation, -1, -2)
+    turn = Rotation.from_matrix(missing.reshape(-1, 3, 3)).as_rotvec().reshape(error.shape)
+    return (
+        np.concatenate([error, TURN_ARM * turn], axis=-1),
+        np.concatenate([motion.foot_jacobian, TURN_ARM * turning], axis=-2),
+    )
+
+
 def solve_legs(
-    chains: LegChains, foot: Array, q: Array, tolerance: float = 1e-10, iterations: int = 60
+    chains: LegChains,
+    foot: Array,
+    q: Array,
+    foot_rotation: Array | None = None,
+    tolerance: float = 1e-10,
+    iterations: int = 60,
 ) -> tuple[Array, Array]:
     """Inverse kinematics of each leg alone: feet at `foot` (..., L, 3) m, base frame.
 
     Starts at q (..., L, n) and moves each foot along a straight line, so that a leg stays on the
     side of its singularities on which it started.
 
+    Args:
+        chains, foot, q: see above.
+        foot_rotation: (..., L, 3, 3) R_base_foot, where it matters.
+        tolerance: m, when to stop.
+        iterations: when to give up.
+
     Returns:
-        q (..., L, n) and the remaining error (..., L) m.
+        q (..., L, n) and the remaining error (..., L) m (a rotation's times TURN_ARM).
     """
     q = np.broadcast_to(q, (*foot.shape[:-1], q.shape[-1])).copy()
-    motion = chains.motion(q)
-    error = foot - motion.foot
+    error, jacobian = foot_task(chains, chains.motion(q), foot, foot_rotation)
     for _ in range(iterations):
         if np.abs(error).max() < tolerance:
             break
-        q = q + apply(damped_inverse(motion.foot_jacobian, error), shortened(error))
-        motion = chains.motion(q)
-        error = foot - motion.foot
+        q = q + apply(damped_inverse(jacobian, error), shortened(error))
+        error, jacobian = foot_task(chains, chains.motion(q), foot, foot_rotation)
     return q, np.linalg.norm(error, axis=-1)
 
 
@@ -253,11 +317,12 @@ def shortened(error: Array, longest: float = 0.12) -> Array:
 
 
 def damped_inverse(jacobian: Array, error: Array) -> Array:
-    """J^T (J J^T + |e|^2 1)^-1, (..., n, 3): undamped at the goal, bounded where there is none.
+    """J^T (J J^T + |e|^2 1)^-1, (..., n, r): undamped at the goal, bounded where there is none.
 
     Damping by the squared error keeps Newton's quadratic convergence and limits a step to half a
     radian at a singularity (T. Sugihara, IEEE T-RO 27(5), 2011).
     """
     transpose = np.swapaxes(jacobian, -1, -2)
     squared = np.minimum(np.sum(error * error, axis=-1), 1e-2) + 1e-12
-    return transpose @ np.linalg.inv(jacobian @ transpose + squared[..., None, None] * np.eye(3))
+    square = jacobian @ transpose
+    return transpose @ np.linalg.inv(square + squared[..., None, None] * np.eye(square.shape[-1]))

@@ -137,6 +137,13 @@ class Robot:
         return np.array([(x, y, 0.0) for x, y in self.file.foot.corners])
 
     @cached_property
+    def foot_yaw(self) -> Array:
+        """(L,) rad: headings of the feet in the default posture."""
+        motion = self.chains.motion(self.posture[7:][self.leg_joint_index])
+        rotation, _ = self.chains.foot_turning(motion)
+        return np.arctan2(rotation[:, 1, 0], rotation[:, 0, 0])
+
+    @cached_property
     def fit(self) -> LegFit:
         """The fitted leg maps, from the cache if they have been computed before."""
         from llsrbm.robots.leg_fit import load_or_fit

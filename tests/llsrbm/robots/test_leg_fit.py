@@ -44,11 +44,11 @@ def test_masses_add_up(name):
     fit = fit_legs(robot, samples=400)
     assert fit.trunk_mass + len(robot.legs) * fit.leg_mass == pytest.approx(robot.mass)
     assert np.linalg.eigvalsh(fit.trunk_inertia).min() > 0
-    for row in fit.inertia_affine:
+    for row in fit.inertia_map:
         np.testing.assert_allclose(row.reshape(3, 3), row.reshape(3, 3).T, atol=1e-9)
     # In mirrored axes all legs stand alike: the map's inertia there is a body's.
     seen = robot.mirrors * (robot.feet - robot.base_position - robot.hips)
-    standing = (np.append(1.0, seen[0]) @ fit.inertia_affine).reshape(3, 3)
+    standing = (np.append(1.0, seen[0]) @ fit.inertia_map).reshape(3, 3)
     assert np.linalg.eigvalsh(standing).min() > 0
 
 
@@ -103,6 +103,6 @@ def test_a_fit_is_cached_and_a_damaged_one_made_anew(tmp_path, monkeypatch, capl
     content = entry.read_bytes()
     entry.write_bytes(content[: len(content) // 2])
     with caplog.at_level(logging.WARNING):
-        np.testing.assert_array_equal(load_or_fit(robot).spin_affine, fitted.spin_affine)
+        np.testing.assert_array_equal(load_or_fit(robot).spin_map, fitted.spin_map)
     assert "damaged" in caplog.text
     assert entry.read_bytes() == content
