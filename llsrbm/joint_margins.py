@@ -25,15 +25,20 @@ def joint_margins(plan: Plan, robot: Robot) -> JointMargins:
         robot,
         motion.joint_position,
         motion.base_quat,
-        _angular_velocity(before.base_quat, after.base_quat, 2 * step),
+        _turn(before.base_quat, after.base_quat) / (2 * step[:, None]),
         motion.com_velocity,
         foot_velocity,
+        _turn(before.foot_quat, after.foot_quat) / (2 * step[:, None, None]),
     )
     return margins(robot, times, motion.joint_position, speeds)
 
 
-def _angular_velocity(before: np.ndarray, after: np.ndarray, dt: np.ndarray) -> np.ndarray:
-    """World frame, (K, 3) rad/s, from attitudes (K, 4) a small turn apart: 2 vec(after before*)."""
-    w0, v0 = before[:, :1], before[:, 1:]
-    w1, v1 = after[:, :1], after[:, 1:]
-    return 2 * (w0 * v1 - w1 * v0 + np.cross(v0, v1)) / dt[:, None]
+def _turn(before: np.ndarray, after: np.ndarray) -> np.ndarray:
+    """Rotation vectors (..., 3) rad, world frame, between attitudes (..., 4) close to each other.
+
+    2 vec(after before*).
+    """
+    w0, v0 = before[..., :1], before[..., 1:]
+    w1, v1 = after[..., :1], after[..., 1:]
+    turn: np.ndarray = 2 * (w0 * v1 - w1 * v0 + np.cross(v0, v1))
+    return turn

@@ -11,6 +11,8 @@ and each foot shall be at beta_i = o + f_i(q_i). Newton's step couples the legs 
 
 with mu_i = m_i / m, C_i = Jc_i J_i^-1. So the CoM and the attitude are exact in every iterate, and
 what a leg cannot reach shows as a foot's residual.
+
+Of soles the attitude is given too: e_i and J_i have three more rows, to which do adds nothing.
 """
 
 from __future__ import annotations
@@ -20,11 +22,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from llsrbm.errors import InputError
 from llsrbm.robots.legs import (
+    TURN_ARM,
     LegMotion,
     apply,
     cross,
     damped_inverse,
+    foot_task,
     rotation_matrices,
     shortened,
 )
@@ -37,6 +42,7 @@ _REACHED = 1e-5  # m: a knot with a larger residual is tried again from its neig
 _AS_GOOD = 1e-3  # m: how much more a foot may miss for the sake of continuity
 _JUMP = 1.0  # rad between neighbouring knots that hints at another branch of the kinematics
 _ITERATIONS = 30
+_SOLES_NEED = "{what} is missing: the feet of {robot} are not points; expected it for every foot"
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,7 +52,8 @@ class Postures:
     Attributes:
         joint_position: (K, J) rad or m, in the order of `Robot.joint_names`.
         base_position: (K, 3) m, world frame: origin of the root link.
-        residual_m: (K,) m: largest distance of a foot from where it should be.
+        residual_m: (K,) m: largest distance of a foot from where it should be; a sole's wrong turn
+            counts as what it moves a point 0.1 m away.
     """
 
     joint_position: Array
@@ -59,7 +66,7 @@ class JointMargin:
     """How close one joint comes to its limits; negative margins are violations.
 
     Attributes:
-        joint: its name.
+        joint: its name; unit: "rad", or "m" of a sliding joint.
         position_margin: rad or m, smallest distance to the URDF's limits.
         position_time: s, when.
         peak_speed: rad/s or m/s.
@@ -68,6 +75,7 @@ class JointMargin:
     """
 
     joint: str
+    unit: str
     position_margin: float
     position_time: float
     peak_speed: float
@@ -87,8 +95,8 @@ class JointMargins:
 
     @property
     def peak_speed(self) -> float:
-        """Largest speed of any joint, rad/s or m/s."""
-        return max(margin.peak_speed for margin in self.joints)
+        """Largest speed of any joint that turns, rad/s."""
+        return max((m.peak_speed for m in self.joints if m.unit == "rad"), default=0.0)
 
     @property
     def satisfied(self) -> bool:
@@ -97,16 +105,17 @@ class JointMargins:
 
     def worst(self) -> str:
         """One sentence on the joints that come closest to their limits."""
-        fast = min(self.joints, key=lambda margin: margin.speed_margin)
+        fast = max(self.joints, key=lambda m: m.peak_speed / (m.peak_speed + m.speed_margin))
         near = min(self.joints, key=lambda margin: margin.position_margin)
         speed = (
             f"{fast.joint} is fastest, {fast.peak_speed:.1f} of "
-            f"{fast.peak_speed + fast.speed_margin:.1f} rad/s at {fast.speed_time:.2f} s"
+            f"{fast.peak_speed + fast.speed_margin:.1f} {fast.unit}/s at {fast.speed_time:.2f} s"
         )
         side = "beyond" if near.position_margin < 0 else "within"
+        room = f"{abs(near.position_margin):.2f} {near.unit}"
         position = (
-            f"{near.joint} comes nearest to a stop, {abs(near.position_margin):.2f} rad {side} "
-            f"its limits at {near.position_time:.2f} s"
+            f"{near.joint} comes nearest to a stop, {room} {side} its limits "
+            f"at {near.position_time:.2f} s"
         )
         return f"{speed}; {position}."
 
@@ -116,6 +125,7 @@ def solve_postures(
     com: ArrayLike,
     base_quat: ArrayLike,
     foot_position: ArrayLike,
+    foot_quat: ArrayLike | None = None,
     q_start: ArrayLike | None = None,
 ) -> Postures:
     """Joint angles that put the CoM, the base's attitude and every foot where they shall be.
@@ -129,21 +139,25 @@ def solve_postures(
         com: (K, 3) m, world frame.
         base_quat: (K, 4) w, x, y, z of the root link.
         foot_position: (K, L, 3) m, world frame.
+        foot_quat: (K, L, 4) w, x, y, z of lines and soles; that of points does not matter.
         q_start: (nq,) posture to start from, Pinocchio's convention; default: standing.
 
     Returns:
         The postures; where a foot is out of reach, the nearest found and its residual.
+
+    Raises:
+        InputError: the robot has soles and their attitude is not given.
     """
     r, p = np.asarray(com, dtype=float), np.asarray(foot_position, dtype=float)
     R_world_base = rotation_matrices(base_quat)
     start = robot.posture if q_start is None else np.asarray(q_start, dtype=float)
     # (p - r) @ R is R^T (p - r), a row a foot.
-    beta = (p - r[:, None, :]) @ R_world_base
+    goal = _Goal((p - r[:, None, :]) @ R_world_base, _soles_in_base(robot, R_world_base, foot_quat))
     first = np.broadcast_to(
         start[7:][robot.leg_joint_index], (len(r), *robot.leg_joint_index.shape)
     )
-    q, residual = _newton(robot, beta, first)
-    _make_continuous(robot, beta, q, residual)
+    q, residual = _newton(robot, goal, first)
+    _make_continuous(robot, goal, q, residual)
     joint_position = np.empty((len(r), len(robot.joint_names)))
     joint_position[:, robot.leg_joint_index] = q
     origin = _base_from_com(robot, robot.chains.motion(q).com)
@@ -157,6 +171,7 @@ def joint_speeds(
     angular_velocity: ArrayLike,
     com_velocity: ArrayLike,
     foot_velocity: ArrayLike,
+    foot_angular_velocity: ArrayLike | None = None,
 ) -> Array:
     """Joint speeds that go with a motion, exactly (by Jacobians, not by differences).
 
@@ -167,9 +182,13 @@ def joint_speeds(
         angular_velocity: (K, 3) rad/s of the base, world frame.
         com_velocity: (K, 3) m/s, world frame.
         foot_velocity: (K, L, 3) m/s, world frame.
+        foot_angular_velocity: (K, L, 3) rad/s of lines and soles, world frame.
 
     Returns:
         (K, J) rad/s or m/s; very large next to a singularity.
+
+    Raises:
+        InputError: the robot has soles and how they turn is not given.
     """
     position = np.asarray(joint_position, dtype=float)
     R_world_base = rotation_matrices(base_quat)
@@ -178,12 +197,18 @@ def joint_speeds(
     beta = _base_from_com(robot, motion.com)[:, None, :] + motion.foot
     omega = apply(np.swapaxes(R_world_base, -1, -2), np.asarray(angular_velocity, dtype=float))
     relative = np.asarray(foot_velocity, dtype=float) - np.asarray(com_velocity)[:, None, :]
-    beta_rate = relative @ R_world_base - cross(
-        np.broadcast_to(omega[:, None, :], beta.shape), beta
-    )
+    rate = relative @ R_world_base - cross(np.broadcast_to(omega[:, None, :], beta.shape), beta)
+    jacobian = motion.foot_jacobian
+    if robot.foot_coordinates > 3:
+        if foot_angular_velocity is None:
+            raise InputError(_SOLES_NEED.format(robot=robot.name, what="foot_angular_velocity"))
+        turn = np.asarray(foot_angular_velocity, dtype=float) @ R_world_base - omega[:, None, :]
+        rate = np.concatenate([rate, TURN_ARM * turn], axis=-1)
+        _, turning = robot.chains.foot_turning(motion)
+        jacobian = np.concatenate([jacobian, TURN_ARM * turning], axis=-2)
     speeds = np.empty_like(position)
     speeds[:, robot.leg_joint_index] = _joint_step(
-        robot, motion, damped_inverse(motion.foot_jacobian, np.zeros_like(beta)), beta_rate
+        robot, motion, damped_inverse(jacobian, np.zeros_like(rate)), rate
     )
     return speeds
 
@@ -205,12 +230,15 @@ def margins(
     room = np.minimum(
         q - robot.model.lowerPositionLimit[7:], robot.model.upperPositionLimit[7:] - q
     )
+    sliding = np.empty(len(robot.joint_names), dtype=bool)
+    sliding[robot.leg_joint_index] = robot.chains.prismatic
     found = []
     for j, name in enumerate(robot.joint_names):
         tightest, fastest = int(np.argmin(room[:, j])), int(np.argmax(speed[:, j]))
         found.append(
             JointMargin(
                 joint=name,
+                unit="m" if sliding[j] else "rad",
                 position_margin=float(room[tightest, j]),
                 position_time=float(t[tightest]),
                 peak_speed=float(speed[fastest, j]),
@@ -221,22 +249,56 @@ def margins(
     return JointMargins(tuple(found))
 
 
-def _newton(robot: Robot, beta: Array, q: Array) -> tuple[Array, Array]:
-    """Angles (K, L, n) with feet at beta (K, L, 3) from the CoM, and residuals (K,) m."""
+@dataclass(frozen=True, eq=False)
+class _Goal:
+    """Where K knots' feet shall be, base frame.
+
+    Attributes:
+        beta: (K, L, 3) m, seen from the CoM.
+        rotation: (K, L, 3, 3) R_base_foot of soles, None for points.
+    """
+
+    beta: Array
+    rotation: Array | None
+
+    def at(self, knot: int) -> _Goal:
+        """One knot's, K = 1."""
+        one = slice(knot, knot + 1)
+        return _Goal(self.beta[one], None if self.rotation is None else self.rotation[one])
+
+
+def _soles_in_base(robot: Robot, R_world_base: Array, foot_quat: ArrayLike | None) -> Array | None:
+    """R_base_foot (K, L, 3, 3) of soles; None for point feet, which have no attitude."""
+    if robot.foot_coordinates == 3:
+        return None
+    if foot_quat is None:
+        raise InputError(_SOLES_NEED.format(robot=robot.name, what="foot_quat"))
+    R_base_world = np.swapaxes(R_world_base, -1, -2)[:, None]
+    R_base_foot: Array = R_base_world @ rotation_matrices(foot_quat)
+    return R_base_foot
+
+
+def _newton(robot: Robot, goal: _Goal, q: Array) -> tuple[Array, Array]:
+    """Angles (K, L, n) with the feet at the goal, and residuals (K,) m."""
     q = q.copy()
+    motion, error, jacobian = _miss(robot, goal, q)
     for _ in range(_ITERATIONS):
-        motion = robot.chains.motion(q)
-        error = beta - _base_from_com(robot, motion.com)[:, None, :] - motion.foot
         if np.abs(error).max() < _CONVERGED:
             break
-        inverse = damped_inverse(motion.foot_jacobian, error)
+        inverse = damped_inverse(jacobian, error)
         q += _joint_step(robot, motion, inverse, shortened(error))
-    motion = robot.chains.motion(q)
-    error = beta - _base_from_com(robot, motion.com)[:, None, :] - motion.foot
+        motion, error, jacobian = _miss(robot, goal, q)
     return q, np.sqrt(np.sum(error * error, axis=-1)).max(axis=-1)
 
 
-def _make_continuous(robot: Robot, beta: Array, q: Array, residual: Array) -> None:
+def _miss(robot: Robot, goal: _Goal, q: Array) -> tuple[LegMotion, Array, Array]:
+    """The legs at q, what keeps their feet from the goal and its Jacobian: see `foot_task`."""
+    motion = robot.chains.motion(q)
+    foot = goal.beta - _base_from_com(robot, motion.com)[:, None, :]
+    return motion, *foot_task(robot.chains, motion, foot, goal.rotation)
+
+
+def _make_continuous(robot: Robot, goal: _Goal, q: Array, residual: Array) -> None:
     """Solve knots that failed, or lie on another branch, again from the last that is in reach."""
     last: int | None = None
     for k in range(len(q)):
@@ -244,7 +306,7 @@ def _make_continuous(robot: Robot, beta: Array, q: Array, residual: Array) -> No
         jump = last is not None and np.abs(q[k] - q[last]).max() > _JUMP
         # After a gap of knots out of reach the distance from the last one says nothing.
         if last is not None and (not reached or (jump and last == k - 1)):
-            again, again_residual = _newton(robot, beta[k : k + 1], q[last : last + 1])
+            again, again_residual = _newton(robot, goal.at(k), q[last : last + 1])
             nearer = np.abs(again[0] - q[last]).max() < np.abs(q[k] - q[last]).max()
             as_good = again_residual[0] <= (_REACHED if reached else residual[k] + _AS_GOOD)
             if as_good and (nearer or not reached):
@@ -255,12 +317,14 @@ def _make_continuous(robot: Robot, beta: Array, q: Array, residual: Array) -> No
 
 
 def _joint_step(robot: Robot, motion: LegMotion, inverse: Array, error: Array) -> Array:
-    """Joint step (K, L, n) that moves the feet by `error` (K, L, 3) as seen from the CoM."""
+    """Joint step (K, L, n) that moves the feet by `error` (K, L, r) as seen from the CoM."""
     fraction = robot.chains.mass / robot.mass
     carried = fraction[:, None, None] * (motion.com_jacobian @ inverse)
     right = -np.sum(apply(carried, error), axis=1)
-    base_step = np.linalg.solve(np.eye(3) - carried.sum(axis=1), right[..., None])[..., 0]
-    return apply(inverse, error - base_step[:, None, :])
+    moved = np.eye(3) - carried[..., :3].sum(axis=1)
+    step = error.copy()
+    step[..., :3] -= np.linalg.solve(moved, right[..., None])[..., 0][:, None, :]
+    return apply(inverse, step)
 
 
 def _base_from_com(robot: Robot, leg_com: Array) -> Array:

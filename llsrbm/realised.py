@@ -9,6 +9,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from llsrbm.planning.headings import heading_rates, headings
 from llsrbm.planning.knots import Knots
 from llsrbm.postures import joint_speeds, solve_postures
 from llsrbm.robots.robot import Robot
@@ -19,13 +20,16 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Realised:
-    """The model's word and Pinocchio's at the N intervals' midpoints; z components.
+    """The model's word and Pinocchio's at the N intervals' midpoints.
 
     Attributes:
         time: (N,) s; flight: (N,) whether in flight.
         inertia_model, inertia_true: (N,) kg m2, Izz about the CoM, base axes.
         momentum_plan, momentum_true: (N,) kg m2/s, Lz about the CoM, world axes.
-        joint_speed: (N, J) rad/s.
+        rate_error: (N, 3) rad/s, base axes: how much faster than planned the base turns if the
+            whole robot has the planned momentum and its joints move as planned.
+        interval: (N,) s.
+        joint_speed: (N, J) rad/s or m/s.
         foot_residual: (N,) m, what inverse kinematics could not reach.
     """
 
@@ -35,6 +39,8 @@ class Realised:
     inertia_true: Array
     momentum_plan: Array
     momentum_true: Array
+    rate_error: Array
+    interval: Array
     joint_speed: Array
     foot_residual: Array
 
@@ -51,32 +57,47 @@ class Realised:
         error = error / np.abs(self.momentum_plan).max()
         return float(np.sqrt(np.mean(error**2))), float(np.abs(error).max())
 
+    @property
+    def turn_error(self) -> Array:
+        """(3,) rad, base axes: what `rate_error` comes to over flight."""
+        turn: Array = self.interval[self.flight] @ self.rate_error[self.flight]
+        return turn
+
 
 def realise(knots: Knots, robot: Robot) -> Realised:
     """Postures and velocities at the midpoints: same CoM, attitude, feet, and their velocities."""
     R, position, velocity = knots.mid
     x, xdot = knots.feet_mid
-    model = knots.model
+    model, omega_base = knots.model, knots.rotation_rate
     offset, offset_rate = model.offsets(x, xdot)
-    beta = offset[:, None] + model.hips + model.mirrors * x
-    turning = np.cross(knots.rotation_rate[:, None], beta)
-    beta_rate = offset_rate[:, None] + model.mirrors * xdot
+    beta = offset[:, None] + model.hips + model.mirrors * x[..., :3]
+    turning = np.cross(omega_base[:, None], beta)
+    beta_rate = offset_rate[:, None] + model.mirrors * xdot[..., :3]
     feet = position[:, None] + np.einsum("kij,klj->kli", R, beta)
     foot_velocity = velocity[:, None] + np.einsum("kij,klj->kli", R, beta_rate + turning)
     quat = Rotation.from_matrix(R).as_quat(scalar_first=True)
-    omega = np.einsum("kij,kj->ki", R, knots.rotation_rate)
-    postures = solve_postures(robot, position, quat, feet)
-    speeds = joint_speeds(robot, postures.joint_position, quat, omega, velocity, foot_velocity)
+    omega = np.einsum("kij,kj->ki", R, omega_base)
+    foot_quat, foot_omega = None, None
+    if model.coordinates > 3:
+        yaw, yaw_rate = model.turn_mirrors * x[..., 3], model.turn_mirrors * xdot[..., 3]
+        foot_quat = _about_vertical(headings(R, yaw))
+        foot_omega = heading_rates(R, yaw, yaw_rate, omega_base)[..., None] * [0.0, 0.0, 1.0]
+    postures = solve_postures(robot, position, quat, feet, foot_quat)
+    speeds = joint_speeds(
+        robot, postures.joint_position, quat, omega, velocity, foot_velocity, foot_omega
+    )
 
     pin_model, data = robot.model, robot.model.createData()
-    inertia, momentum = np.zeros(len(R)), np.zeros(len(R))
+    inertia, momentum, rate_error = np.zeros(len(R)), np.zeros(len(R)), np.zeros((len(R), 3))
     for k in range(len(R)):
         q = np.r_[postures.base_position[k], quat[k, 1:], quat[k, 0], postures.joint_position[k]]
         # The base's linear velocity does not enter the momentum about the CoM.
-        v = np.r_[np.zeros(3), knots.rotation_rate[k], speeds[k]]
+        v = np.r_[np.zeros(3), omega_base[k], speeds[k]]
         pin.ccrba(pin_model, data, q, v)
         inertia[k] = (R[k].T @ data.Ig.inertia @ R[k])[2, 2]
         momentum[k] = data.hg.angular[2]
+        missing = knots.momentum_mid[k] - data.hg.angular
+        rate_error[k] = R[k].T @ np.linalg.solve(data.Ig.inertia, missing)
     return Realised(
         time=(knots.time[:-1] + knots.time[1:]) / 2,
         flight=knots.phase[:-1] == Phase.FLIGHT,
@@ -84,6 +105,14 @@ def realise(knots: Knots, robot: Robot) -> Realised:
         inertia_true=inertia,
         momentum_plan=knots.momentum_mid[:, 2],
         momentum_true=momentum,
+        rate_error=rate_error,
+        interval=knots.dt,
         joint_speed=speeds,
         foot_residual=postures.residual_m,
     )
+
+
+def _about_vertical(angle: Array) -> Array:
+    """Quaternions w, x, y, z (..., 4) of turns (...) rad about z."""
+    zero = np.zeros_like(angle)
+    return np.stack([np.cos(angle / 2), zero, zero, np.sin(angle / 2)], axis=-1)
