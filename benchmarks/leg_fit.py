@@ -27,7 +27,7 @@ from llsrbm.robots.leg_fit import (
 )
 from llsrbm.robots.legs import parallel_axis, solve_legs
 
-ROBOTS = ("anymal", *sorted(map(str, (Path(__file__).parent / "robots").glob("*.toml"))))
+ROBOTS = ("anymal", "go2", *sorted(map(str, (Path(__file__).parent / "robots").glob("*.toml"))))
 YAW_RATE = 3.0  # rad/s, largest
 FOOT_SPEED = 1.0  # m/s relative to the hip, largest on each axis
 

@@ -33,7 +33,7 @@ def foot_contacts(robot: Robot) -> tuple[FootContact, ...]:
     """The spheres of each foot, in the order of the legs.
 
     They are the URDF's collision spheres nearest to the robot file's corners; where it has none,
-    spheres of the file's radius that rest on the sole.
+    spheres of the file's radius: about the frame of a point foot, resting on a sole.
 
     Raises:
         RobotFileError: the URDF gives a foot no spheres and the file no radius.
@@ -83,4 +83,6 @@ def _foot_contact(robot: Robot, leg: Leg, shapes: list[pin.GeometryObject]) -> F
             f'{robot.path}: legs.{leg.name}.foot: the link that carries "{leg.foot_frame}" has no '
             f"collision sphere in {robot.urdf_path}; expected one there, or foot.radius here"
         )
-    return FootContact(robot.corners + np.array([0.0, 0.0, radius]), radius)
+    # A point foot's frame is the middle of its ball; a sole's is on the ground.
+    height = 0.0 if robot.file.foot.is_point else radius
+    return FootContact(robot.corners + np.array([0.0, 0.0, height]), radius)

@@ -70,7 +70,7 @@ def build_scene(
 ) -> Scene:
     """Compile the robot in its surroundings.
 
-    Feet are the URDF's spheres and the trunk its primitives; nothing else of the robot collides.
+    Feet are spheres and the trunk its collision shapes; nothing else of the robot collides.
     Joints have neither armature nor damping, so that masses and accelerations are Pinocchio's.
 
     Args:
@@ -103,7 +103,7 @@ def build_scene(
     _set_inertias(spec, root, robot, disturbance.trunk_mass_factor)
     _add_motors(spec, robot)
     feet = _add_feet(spec, robot, touch)
-    _add_trunk(root, robot, touch)
+    _add_trunk(spec, root, robot, touch)
     add_sensors(spec, feet, root.name)
     try:
         model = spec.compile()
@@ -213,18 +213,28 @@ def _add_feet(spec: mujoco.MjSpec, robot: Robot, touch: dict[str, object]) -> li
     return feet
 
 
-def _add_trunk(root: mujoco.MjsBody, robot: Robot, touch: dict[str, object]) -> None:
-    """Add the trunk's boxes, cylinders and spheres, without mass."""
+def _add_trunk(
+    spec: mujoco.MjSpec, root: mujoco.MjsBody, robot: Robot, touch: dict[str, object]
+) -> None:
+    """Add the trunk's boxes, cylinders, spheres and the convex hulls of its meshes, massless."""
     before = len(root.geoms)
     for shape in collision_shapes(robot):
-        if shape.parentJoint != BASE_JOINT or type(shape.geometry) not in _SHAPES:
+        if shape.parentJoint != BASE_JOINT:
             continue
-        kind, size = _SHAPES[type(shape.geometry)]
+        name, geometry = f"trunk/{shape.name}", shape.geometry
+        form: dict[str, object]
+        if type(geometry) in _SHAPES:
+            kind, size = _SHAPES[type(geometry)]
+            form = {"type": kind, "size": size(geometry)}
+        elif isinstance(geometry, coal.BVHModelBase):
+            spec.add_mesh(name=name, uservert=np.ravel(geometry.vertices()))
+            form = {"type": mujoco.mjtGeom.mjGEOM_MESH, "meshname": name}
+        else:
+            continue
         x, y, z, w = pin.Quaternion(shape.placement.rotation).coeffs()
         root.add_geom(
-            name=f"trunk/{shape.name}",
-            type=kind,
-            size=size(shape.geometry),
+            name=name,
+            **form,
             pos=shape.placement.translation,
             quat=[w, x, y, z],
             mass=0,
@@ -234,8 +244,8 @@ def _add_trunk(root: mujoco.MjsBody, robot: Robot, touch: dict[str, object]) -> 
         )
     if len(root.geoms) == before:
         raise RobotFileError(
-            f"{robot.path}: urdf: the base of {robot.urdf_path} has no collision box, cylinder or "
-            "sphere; expected one, or a fall on the trunk would go unnoticed"
+            f"{robot.path}: urdf: the base of {robot.urdf_path} has no collision box, cylinder, "
+            "sphere or mesh; expected one, or a fall on the trunk would go unnoticed"
         )
 
 

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import trimesh
 
 from llsrbm.errors import RobotFileError
 from llsrbm.robots import load_robot
@@ -45,17 +46,40 @@ def test_of_several_spheres_on_a_leg_the_one_next_to_the_foot(tmp_path):
         assert contact.centres[0] == pytest.approx([0, 0, 0.03], abs=1e-12)
 
 
-@pytest.mark.parametrize(
-    ("name", "leg", "frame"), [("go2", "FL", "FL_foot"), ("solo12", "FL", "FL_FOOT")]
-)
-def test_feet_of_meshes_are_refused(name, leg, frame):
-    path = OTHERS / f"{name}.toml"
+def test_feet_of_meshes_without_a_radius_are_refused():
     with pytest.raises(RobotFileError) as caught:
-        foot_contacts(load_robot(str(path)))
+        foot_contacts(load_robot(str(OTHERS / "solo12.toml")))
     message = str(caught.value)
     assert "\n" not in message
-    assert f"{name}.toml: legs.{leg}.foot" in message
-    assert f'"{frame}" has no collision sphere' in message
+    assert "solo12.toml: legs.FL.foot" in message
+    assert '"FL_FOOT" has no collision sphere' in message
+    assert "foot.radius" in message
+
+
+def test_feet_of_meshes_become_balls_of_the_files_radius():
+    """Go2's: about the foot frame, as large as the mesh is below it within 2 mm."""
+    for contact in foot_contacts(load_robot("go2")):
+        assert contact.radius == 0.022
+        assert contact.centres.tolist() == [[0, 0, 0]]
+    mesh = next(load_robot("go2").urdf_path.parents[1].glob("collisions/foot_convex.stl"))
+    assert -trimesh.load_mesh(mesh).bounds[0][2] == pytest.approx(0.022, abs=2e-3)
+
+
+def test_a_sole_without_spheres_rests_on_those_of_the_files_radius(tmp_path):
+    shape = '<collision><origin xyz="0 0 0.03"/><geometry><sphere radius="0.04"/></geometry>'
+    shin = '<collision><origin xyz="0 0 -0.1"/><geometry><sphere radius="0.05"/></geometry>'
+    assert shape in URDF
+    assert shin in URDF
+    text = URDF.replace(shape + "</collision>", "").replace(shin + "</collision>", "")
+    bare = sliding_biped(tmp_path, text)
+    corners = "corners = [[0.08, 0.04], [-0.08, -0.04]]\nradius = 0.01\n"
+    path = tmp_path / "soles.toml"
+    path.write_text(bare.path.read_text().replace("[reach]", f"[foot]\n{corners}[reach]"))
+    for contact in foot_contacts(load_robot(str(path))):
+        assert contact.radius == 0.01
+        assert contact.centres == pytest.approx(
+            np.array([[0.08, 0.04, 0.01], [-0.08, -0.04, 0.01]])
+        )
 
 
 def test_a_collision_mesh_that_is_missing_is_one_clear_line(tmp_path):

@@ -12,7 +12,8 @@ from llsrbm.robots.assets import robot_files
 
 ANYMAL = robot_files()["anymal"].read_text()
 OTHERS = sorted((Path(__file__).parents[3] / "benchmarks" / "robots").glob("*.toml"))
-QUADRUPEDS = [pytest.param(str(p), id=p.stem) for p in (robot_files()["anymal"], *OTHERS)]
+SHIPPED = [robot_files()[name] for name in ("anymal", "go2")]
+QUADRUPEDS = [pytest.param(str(p), id=p.stem) for p in (*SHIPPED, *OTHERS)]
 
 
 @pytest.fixture(params=QUADRUPEDS)

@@ -7,6 +7,7 @@ import mujoco
 import numpy as np
 import pinocchio as pin
 import pytest
+import trimesh
 
 from llsrbm.errors import RobotFileError
 from llsrbm.robots import load_robot
@@ -20,7 +21,7 @@ OTHERS = Path(__file__).parents[3] / "benchmarks" / "robots"
 GROUND = Surroundings(ground=0.0, blocks=())
 
 
-@pytest.fixture(params=["anymal", "a1", "anymal_c", "sliding", "slider"])
+@pytest.fixture(params=["anymal", "a1", "anymal_c", "go2", "sliding", "slider"])
 def robot(request, tmp_path):
     if request.param == "sliding":
         return sliding_biped(tmp_path)
@@ -182,6 +183,31 @@ def test_the_trunk_is_as_large_as_its_primitives():
     axis = np.zeros(3)
     mujoco.mju_rotVecQuat(axis, np.array([0, 0, 1.0]), cylinder.quat)
     assert np.abs(axis) == pytest.approx([1, 0, 0], abs=1e-9)
+
+
+def test_a_trunk_of_meshes_is_their_hull():
+    """Go2's trunk: its lowest point, of whatever attitude, is the mesh's."""
+    robot = load_robot("go2")
+    scene = scene_of(robot)
+    mesh = trimesh.load_mesh(next(robot.urdf_path.parents[1].glob("collisions/base_convex.stl")))
+    vertices = np.asarray(mesh.vertices)
+    for q, v, _ in random_states(robot, 5):
+        simulated, _, R = in_mujoco(scene, q, v)
+        lowest = (q[:3] + vertices @ R.T)[:, 2].min()
+        simulated.qpos[2] -= lowest - 1e-6  # by a hair above the ground
+        mujoco.mj_forward(scene.model, simulated)
+        assert not touched_by_the_trunk(scene.model, simulated)
+        simulated.qpos[2] -= 2e-6
+        mujoco.mj_forward(scene.model, simulated)
+        assert touched_by_the_trunk(scene.model, simulated)
+
+
+def touched_by_the_trunk(model, data):
+    return any(
+        model.geom(geom).name.startswith("trunk/")
+        for contact in data.contact
+        for geom in (contact.geom1, contact.geom2)
+    )
 
 
 def test_friction_and_stiffness_are_the_disturbances(robot):
