@@ -63,11 +63,12 @@ def _simulated_strip(rollout: Rollout, planned_end: float, end: float) -> str:
         f'background:{colours.css(colours.FORCE)}"></div>'
         for a, b in force_phases(rollout)
     )
+    # The detection is broad and below: a few ms later, it would hide the touch-down.
     outcome = rollout.outcome
+    if outcome.touchdown_detected_s is not None:
+        marks += _mark("detected", outcome.touchdown_detected_s / end, colours.DETECTION, 6)
     if outcome.touchdown_true_s is not None:
         marks += _mark("touch-down", outcome.touchdown_true_s / end, colours.CURSOR, 2)
-    if outcome.touchdown_detected_s is not None:
-        marks += _mark("detected", outcome.touchdown_detected_s / end, colours.DETECTION, 2)
     return _strip(pieces, end, marks)
 
 
