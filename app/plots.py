@@ -32,12 +32,9 @@ FORCE = "Vertical force [N]"
 DETECTION = "Detection signal, dashed: threshold"
 TITLES = (NORM, YAW, YAW_RATE, COM_HEIGHT, FORCE, DETECTION)
 
-_POINTS = 320  # of a curve: about one a pixel
+_POINTS = 240  # of a curve: one a pixel
 _PIXELS = 100  # height of a chart below its title
 _ABOVE, _BELOW = 2.0, -1.0  # of the shading's range 0 to 1: its own line stays out of sight
-_FLAT = 1e-6  # smallest range of a curve that is taken for one
-_SIGNIFICANT = 2.0**-12
-"""Of a chart's range: rounded to that, curves compress to a third on the wire."""
 _SETTLED = 1.0
 """s. uPlot forgets its time axis if data come while a new chart is still being measured."""
 
@@ -162,11 +159,10 @@ class _Chart:
     def _resampled(self, curve: Curve | None) -> Array:
         if curve is None:
             return np.full(_POINTS, np.nan)
-        step = _SIGNIFICANT * max(float(np.ptp(curve.values)), _FLAT)
         # uPlot passes over what is no number, so a curve that has ended draws nothing.
-        values = np.interp(self._time, curve.time, curve.values, right=np.nan)
-        rounded: Array = np.round(values / step) * step
-        return rounded
+        values: Array = np.interp(self._time, curve.time, curve.values)
+        values[self._time > curve.time[-1] + self._time[1]] = np.nan
+        return values
 
 
 def _planned(planned: Replay) -> dict[str, Curve]:

@@ -19,7 +19,7 @@ from llsrbm.trajectory.plan import Plan
 from llsrbm.trajectory.rollout import Rollout
 
 _TIME_SHOWN_EVERY = 0.1  # s; the timeline follows the picture more slowly, to spare the line
-_FRAMES_A_PLOT = 12  # the plots still more slowly, the more so in a browser that draws slowly
+_FRAMES_A_PLOT = 15  # the plots still more slowly, the more so in a browser that draws slowly
 
 
 class Stage:
