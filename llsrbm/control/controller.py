@@ -86,7 +86,7 @@ class WholeBodyController:
         self._posture = tasks.Posture(body.velocities - 6, gains.posture)
         self._swing = [tasks.SwingFoot(i, gains.swing) for i in legs]
         self._seeking = [tasks.SeekingFoot(i, gains.swing[1]) for i in legs]
-        self._standing = [tasks.StandingFoot(i) for i in legs]
+        self._standing = [tasks.StandingFoot(i, gains.standing) for i in legs]
 
         self._touching = np.ones(body.legs, dtype=bool)
         self._landing_foot = plan.foot_position[-1]

@@ -65,19 +65,25 @@ class SeekingFoot(Task):
 
 
 class StandingFoot(Task):
-    """The point of a foot that touches the ground does not accelerate: a soft contact constraint.
+    """The point of a foot that touches the ground comes to rest: a soft contact constraint.
 
-    Without damping, which hurts landings: the first ticks after an impact are no rest.
+    Some damping brings feet back that bounce; much of it fights the impact itself.
     """
 
     rows = 3
 
-    def __init__(self, foot: int) -> None:
-        """For the foot of that index."""
-        super().__init__((0.0, 0.0))
+    def __init__(self, foot: int, damping: float) -> None:
+        """For the foot of that index; damping in 1/s."""
+        super().__init__((0.0, damping))
         self._foot = foot
 
     def motion(self, body: WholeBody, target: Target) -> Motion:
         """See `Task.motion`."""
         i = self._foot
-        return Motion(body.contact_jacobian[i], body.contact_bias[i], _NONE, _NONE, _NONE)
+        return Motion(
+            body.contact_jacobian[i],
+            body.contact_bias[i],
+            _NONE,
+            -body.contact_velocity[i],
+            _NONE,
+        )

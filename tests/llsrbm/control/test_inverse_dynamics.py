@@ -22,7 +22,7 @@ def standing() -> WholeBody:
 
 
 def feet():
-    return [(tasks.StandingFoot(i), 1e4) for i in range(4)]
+    return [(tasks.StandingFoot(i, 0.0), 1e4) for i in range(4)]
 
 
 def solve(body, wishes, contact=STANDING, force=None, force_weight=1e-4, limits=WIDE, target=None):

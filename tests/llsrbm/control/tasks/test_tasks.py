@@ -13,7 +13,7 @@ ALL = {
     "orientation": tasks.BaseOrientation((0.0, 0.0)),
     "swing": tasks.SwingFoot(2, (0.0, 0.0)),
     "seeking": tasks.SeekingFoot(1, 0.0),
-    "standing": tasks.StandingFoot(3),
+    "standing": tasks.StandingFoot(3, 0.0),
     "momentum": tasks.AngularMomentum(0.0),
     "posture": tasks.Posture(12, (0.0, 0.0)),
 }
