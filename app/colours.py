@@ -17,6 +17,7 @@ INFEASIBLE: Rgb = (220, 40, 40)
 PHASES: tuple[Rgb, ...] = ((227, 169, 59), (76, 143, 220), (87, 167, 115))
 STANDING: Rgb = (206, 211, 217)
 CURSOR: Rgb = (34, 34, 34)
+DETECTION: Rgb = (255, 255, 255)
 
 
 def css(colour: Rgb, opacity: float = 1.0) -> str:

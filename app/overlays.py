@@ -29,6 +29,7 @@ _MARGIN = 0.12  # m, of the landing surface around the feet
 _ALONG_TRAIL = 4  # frames between the points of a trail
 _PUSHING = 1.0  # N; smaller forces are not drawn
 _STILL = 1e-5  # m; arrows that move less are not sent again
+_NOTHING = np.zeros((1, 2, 3), dtype=np.float32)  # a line without a length
 _OUT_OF_SIGHT = np.array([0.0, 0.0, -100.0])  # m; an arrow without length would still have a head
 
 
@@ -119,10 +120,9 @@ class Trails:
 
     def __init__(self, client: viser.ClientHandle) -> None:
         """Hidden."""
-        nothing = np.zeros((1, 2, 3), dtype=np.float32)
         add = client.scene.add_line_segments
-        self._com = add("/path/com", nothing, colours.COM, thickness=0.008, visible=False)
-        self._feet = add("/path/feet", nothing, colours.FOOT, thickness=0.005, visible=False)
+        self._com = add("/path/com", _NOTHING, colours.COM, thickness=0.008, visible=False)
+        self._feet = add("/path/feet", _NOTHING, colours.FOOT, thickness=0.005, visible=False)
 
     def draw(self, frames: Frames, *, feasible: bool) -> None:
         """Take a motion's paths; one that breaks constraints gets a warning colour."""
@@ -130,7 +130,8 @@ class Trails:
         kept = np.append(np.arange(0, last, _ALONG_TRAIL), last)
         flight = np.flatnonzero(frames.flight)[::_ALONG_TRAIL]
         self._com.points = _segments(frames.com[kept, None])
-        self._feet.points = _segments(frames.foot_position[flight])
+        # A robot that fell early may never have flown.
+        self._feet.points = _segments(frames.foot_position[flight]) if len(flight) > 1 else _NOTHING
         # One colour for all, as when the node was made.
         colour = colours.COM if feasible else colours.INFEASIBLE
         self._com.colors = np.array(colour, dtype=np.uint8)

@@ -20,7 +20,7 @@ from app import colours
 from app.replay import Replay
 from app.simulated_replay import means_from
 from llsrbm.trajectory.rollout import Rollout
-from llsrbm.trajectory.rotation import rotation_matrices
+from llsrbm.trajectory.rotation import rotation_matrices, yaw
 
 Array = NDArray[np.float64]
 
@@ -32,12 +32,9 @@ FORCE = "Vertical force [N]"
 DETECTION = "Detection signal, dashed: threshold"
 TITLES = (NORM, YAW, YAW_RATE, COM_HEIGHT, FORCE, DETECTION)
 
-_POINTS = 320  # of a curve: about one a pixel
+_POINTS = 240  # of a curve: one a pixel
 _PIXELS = 100  # height of a chart below its title
 _ABOVE, _BELOW = 2.0, -1.0  # of the shading's range 0 to 1: its own line stays out of sight
-_FLAT = 1e-6  # smallest range of a curve that is taken for one
-_SIGNIFICANT = 2.0**-12
-"""Of a chart's range: rounded to that, curves compress to a third on the wire."""
 _SETTLED = 1.0
 """s. uPlot forgets its time axis if data come while a new chart is still being measured."""
 
@@ -127,7 +124,7 @@ class _Chart:
             title=title,
             axes=(
                 uplot.Axis(size=22, gap=2, font=small),
-                uplot.Axis(size=38, gap=2, font=small),
+                uplot.Axis(size=38, gap=2, font=small, space=20),
             ),
             # A range of the shading's own, and no other fixed one, so that new curves never make
             # the browser build the chart anew.
@@ -162,11 +159,10 @@ class _Chart:
     def _resampled(self, curve: Curve | None) -> Array:
         if curve is None:
             return np.full(_POINTS, np.nan)
-        step = _SIGNIFICANT * max(float(np.ptp(curve.values)), _FLAT)
         # uPlot passes over what is no number, so a curve that has ended draws nothing.
-        values = np.interp(self._time, curve.time, curve.values, right=np.nan)
-        rounded: Array = np.round(values / step) * step
-        return rounded
+        values: Array = np.interp(self._time, curve.time, curve.values)
+        values[self._time > curve.time[-1] + self._time[1]] = np.nan
+        return values
 
 
 def _planned(planned: Replay) -> dict[str, Curve]:
@@ -174,7 +170,7 @@ def _planned(planned: Replay) -> dict[str, Curve]:
     turning = np.linalg.solve(motion.inertia, motion.angular_momentum[..., None])[..., 0]
     values = {
         NORM: np.linalg.norm(np.hstack([motion.com_velocity, turning]), axis=1),
-        YAW: _yaw(motion.base_quat),
+        YAW: np.degrees(yaw(motion.base_quat)),
         YAW_RATE: motion.angular_velocity[:, 2],
         COM_HEIGHT: motion.com[:, 2],
         FORCE: motion.contact_force[..., 2].sum(axis=1),
@@ -188,7 +184,7 @@ def _simulated(rollout: Rollout) -> dict[str, Curve]:
     vertical = rotation_matrices(rollout.base_quat)[:, 2]
     values = {
         NORM: rollout.average_spatial_velocity_norm[kept],
-        YAW: _yaw(rollout.base_quat)[kept],
+        YAW: np.degrees(yaw(rollout.base_quat))[kept],
         YAW_RATE: np.sum(vertical * rollout.qvel[:, 3:6], axis=1)[kept],
         COM_HEIGHT: rollout.com[kept, 2],
         # An impact is short: its mean is seen, a sample may miss it.
@@ -211,10 +207,3 @@ def _stretches(rollout: Rollout) -> NDArray[np.int64]:
     """First ticks of stretches as long as a chart resolves."""
     count = len(rollout.time)
     return np.arange(0, count, max(1, count // _POINTS))
-
-
-def _yaw(quat: Array) -> Array:
-    """Heading of the base's x axis (K,), degrees, continuous."""
-    R = rotation_matrices(quat)
-    heading: Array = np.degrees(np.unwrap(np.arctan2(R[:, 1, 0], R[:, 0, 0])))
-    return heading

@@ -12,7 +12,7 @@ from app.frames import Frames
 from llsrbm.robots import Robot
 from llsrbm.robots.visuals import forward_kinematics, link_visuals
 
-_GHOST_OPACITY = 0.3
+_GHOST_OPACITY = 0.22
 
 
 @lru_cache(maxsize=8)

@@ -61,7 +61,8 @@ class Scene:
         )
         self._com = scene.add_icosphere("/com", 0.018, colours.COM, visible=False)
         self._model = Ellipsoid(client, "/ellipsoid/planned", colours.PLANNED, surface=True)
-        self._whole = Ellipsoid(client, "/ellipsoid/whole", colours.SIMULATED, surface=True)
+        # Two surfaces so close to each other would hide one another in turn.
+        self._whole = Ellipsoid(client, "/ellipsoid/whole", colours.SIMULATED, surface=False)
         self._rigid = Ellipsoid(client, "/ellipsoid/srbm", colours.RIGID, surface=False)
         self._trails = Trails(client)
         self._blocks = Blocks(client)

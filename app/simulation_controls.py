@@ -8,7 +8,7 @@ from app.checked import number, put
 from llsrbm.trajectory.rollout import Conditions
 
 _THICKEST, _STEP = 60, 5  # mm; what passes under the feet of a usual jump
-_LARGEST_SEED = 999_999
+_LARGEST_SEED = 9999
 
 
 class SimulationControls:

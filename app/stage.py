@@ -19,7 +19,7 @@ from llsrbm.trajectory.plan import Plan
 from llsrbm.trajectory.rollout import Rollout
 
 _TIME_SHOWN_EVERY = 0.1  # s; the timeline follows the picture more slowly, to spare the line
-_PLOTS_SHOWN_EVERY = 0.3  # s; the plots still more slowly
+_FRAMES_A_PLOT = 15  # the plots still more slowly, the more so in a browser that draws slowly
 
 
 class Stage:
@@ -50,7 +50,8 @@ class Stage:
         self._robot: Robot | None = None
         self._replay: Replay | None = None
         self.rollout: Rollout | None = None
-        self._time_shown = self._plots_shown = 0.0
+        self._time_shown = 0.0
+        self._frames = 0  # since the plots were told the time
 
     def start(self) -> None:
         """Begin to follow the browser's pace."""
@@ -105,20 +106,20 @@ class Stage:
 
     def show_time(self) -> None:
         """Tell the panel where the motion is."""
-        now = time.monotonic()
-        self._time_shown = now
+        self._time_shown = time.monotonic()
         self._panel.show_time(self.player.time, playing=self.player.playing)
-        if not self.player.playing or now - self._plots_shown > _PLOTS_SHOWN_EVERY:
-            self._plots_shown = now
+        if not self.player.playing or self._frames >= _FRAMES_A_PLOT:
+            self._frames = 0
             self._panel.show_plots_time(self.player.time)
 
     def _load(self, duration: float) -> None:
+        self._frames = _FRAMES_A_PLOT
         self.player.load(duration)
-        self._plots_shown = 0.0
         self.show_time()
 
     def _show_instant(self, instant: float) -> None:
         self._scene.show_instant(instant)
+        self._frames += 1
         if not self.player.playing or time.monotonic() - self._time_shown > _TIME_SHOWN_EVERY:
             self.show_time()
 

@@ -30,7 +30,7 @@ def timeline(plan: Plan, time: float, rollout: Rollout | None = None) -> str:
     rows = [_strip(planned, end)]
     if rollout is not None:
         rows.append(_simulated_strip(rollout, plan.duration, end))
-    cursor = _mark(time / end, colours.CURSOR, 3)
+    cursor = _mark("", time / end, colours.CURSOR, 3)
     if rollout is None:
         phase = _phase(starts, time)
         events = f"lift-off {starts[1]:.2f} s, touch-down {starts[2]:.2f} s"
@@ -63,11 +63,12 @@ def _simulated_strip(rollout: Rollout, planned_end: float, end: float) -> str:
         f'background:{colours.css(colours.FORCE)}"></div>'
         for a, b in force_phases(rollout)
     )
+    # The detection is broad and below: a few ms later, it would hide the touch-down.
     outcome = rollout.outcome
-    if outcome.touchdown_true_s is not None:
-        marks += _mark(outcome.touchdown_true_s / end, colours.CURSOR, 2)
     if outcome.touchdown_detected_s is not None:
-        marks += _mark(outcome.touchdown_detected_s / end, (255, 255, 255), 2)
+        marks += _mark("detected", outcome.touchdown_detected_s / end, colours.DETECTION, 6)
+    if outcome.touchdown_true_s is not None:
+        marks += _mark("touch-down", outcome.touchdown_true_s / end, colours.CURSOR, 2)
     return _strip(pieces, end, marks)
 
 
@@ -82,9 +83,10 @@ def _strip(pieces: list[tuple[float, float, Rgb]], end: float, marks: str = "") 
     )
 
 
-def _mark(share: float, colour: Rgb, width: int) -> str:
+def _mark(title: str, share: float, colour: Rgb, width: int) -> str:
     return (
-        f'<div style="position:absolute;left:{100 * share:.2f}%;top:0;bottom:0;width:{width}px;'
+        f'<div title="{escape(title)}" style="position:absolute;left:{100 * share:.2f}%;'
+        f"width:{width}px;top:0;bottom:0;"
         f'margin-left:-{width / 2}px;background:{colours.css(colour)}"></div>'
     )
 
@@ -104,7 +106,7 @@ def _events(rollout: Rollout) -> str:
     outcome = rollout.outcome
     true, detected = outcome.touchdown_true_s, outcome.touchdown_detected_s
     parts = [f"touch-down {outcome.touchdown_planned_s:.3f} s planned"]
-    parts.append("none" if true is None else f"{true:.3f} s simulated")
+    parts.append("none simulated" if true is None else f"{true:.3f} s simulated")
     if detected is None:
         parts.append("not detected")
     elif true is not None:

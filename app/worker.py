@@ -42,6 +42,7 @@ class LibraryPlanner:
         import llsrbm
 
         self._plan = llsrbm.plan
+        self._simulate = llsrbm.simulate
         self._solvers: set[tuple[str, str]] = set()
 
     def prepare(self, robot: str, progress: Callable[[str], None]) -> None:
@@ -75,9 +76,7 @@ class LibraryPlanner:
         cancelled: Callable[[], bool],
     ) -> Rollout:
         """See `app.protocol.Planner.simulate`."""
-        import llsrbm
-
-        return llsrbm.simulate(
+        return self._simulate(
             plan,
             board=conditions.board,
             half_board=conditions.half_board,

@@ -180,7 +180,7 @@ def main(
     noise: float = 1.0,
     detector: str = "residual",
     landing: str = "scaled",
-    solver: str = "proxqp",
+    solver: str = "quadprog",
     out: Annotated[Path | None, typer.Option(help="All outcomes, JSON lines.")] = None,
 ) -> None:
     first, last = (int(part) for part in seeds.split(":"))

@@ -58,7 +58,7 @@ def simulate(
     noise: float | None = None,
     detector: str = "residual",
     landing: str = "scaled",
-    solver: str = "proxqp",
+    solver: str = "quadprog",
     cancelled: Callable[[], bool] | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> Rollout:

@@ -36,7 +36,7 @@ def simulate_command(
     ] = None,
     detector: Annotated[str, typer.Option(help="residual or norm.")] = "residual",
     landing: Annotated[str, typer.Option(help="scaled, planned or tracking.")] = "scaled",
-    qp_solver: Annotated[str, typer.Option(help="proxqp or quadprog.")] = "proxqp",
+    qp_solver: Annotated[str, typer.Option(help="quadprog or proxqp.")] = "quadprog",
     robot: options.Robot = "anymal",
     model: options.Model = "llsrbm-plus",
     twist: options.Twist = 0.0,

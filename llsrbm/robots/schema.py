@@ -177,7 +177,7 @@ class Gains(_Table):
         swing: of feet in the air.
         posture: of the joints, where no other task wants them.
         angular_momentum: decay of its error, 1/s.
-        standing: damping of feet on the ground, 1/s.
+        standing: damping of feet on the ground, 1/s: brings feet back that bounce.
     """
 
     com: tuple[Length, Length] = (60.0, 12.0)
@@ -185,7 +185,7 @@ class Gains(_Table):
     swing: tuple[Length, Length] = (500.0, 40.0)
     posture: tuple[Length, Length] = (100.0, 20.0)
     angular_momentum: Length = 5.0
-    standing: Length = 0.0
+    standing: Length = 20.0
 
 
 class Weights(_Table):
@@ -218,13 +218,13 @@ class Control(_Table):
 
     Attributes:
         rate: of the controller, Hz.
-        friction: coefficient that the controller believes in; below the ground's, above the plan's.
+        friction: coefficient that the controller believes in: not above the ground's.
         force_phase: how long forces are followed after touchdown, s.
         gains, weights: see there.
     """
 
     rate: Positive = 400.0
-    friction: Positive = 0.6
+    friction: Positive = 0.5
     force_phase: Length = 0.2
     gains: Gains = Gains()
     weights: Weights = Weights()

@@ -25,7 +25,7 @@ def make_conditions(
     noise: float | None = None,
     detector: str = "residual",
     landing_strategy: str = "scaled",
-    solver: str = "proxqp",
+    solver: str = "quadprog",
 ) -> Conditions:
     """Conditions from what a user gave.
 

@@ -42,7 +42,7 @@ class Conditions:
     noise: float = 1.0
     detector: str = "residual"
     landing: str = "scaled"
-    solver: str = "proxqp"
+    solver: str = "quadprog"
 
 
 @dataclass(frozen=True)

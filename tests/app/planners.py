@@ -25,6 +25,7 @@ SLOWLY = 51  # takes five seconds, asks whether to stop
 STUBBORNLY = 52  # takes a minute and never asks
 FALLING = 53  # the robot falls
 IMPOSSIBLE = 54  # InputError
+TRIPPING = 55  # the robot falls before it has left the ground
 
 
 class SyntheticPlanner:
@@ -69,7 +70,7 @@ class SyntheticPlanner:
         elif conditions.seed == IMPOSSIBLE:
             raise InputError("board: expected 0 to 0.05 m, got more")
         progress(1.0)
-        fell_at = 1.1 if conditions.seed == FALLING else None
+        fell_at = {FALLING: 1.1, TRIPPING: 0.2}.get(conditions.seed)
         rollout = synthetic_rollout(plan, fell_at=fell_at, seed=conditions.seed)
         return replace(rollout, conditions=conditions)
 

@@ -69,12 +69,23 @@ def test_the_robot_is_visible(page):
 
 
 def test_controls_are_found_by_the_contracts_labels(page):
-    for label in ("Robot", "Model", "Format", "Inertia ellipsoids"):
-        assert page.get_by_label(label).count() == 1
-    for name in ("Cancel", "Play", "Pause", "Export"):
-        assert page.get_by_role("button", name=name).count() == 1
-    for label in ("Twist [deg]", "Forward [m]", "Lateral [m]", "Landing height [m]"):
-        assert page.get_by_text(label, exact=True).count() == 1
+    labels = ("Robot", "Model", "Format", "Inertia ellipsoids", "Half board", "Disturb", "Seed")
+    sliders = ("Twist [deg]", "Forward [m]", "Lateral [m]", "Landing height [m]", "Board [mm]")
+
+    def check():
+        for label in labels:
+            assert page.get_by_label(label).count() == 1, label
+        for name in ("Simulate", "Cancel", "Play", "Pause", "Export"):
+            assert page.get_by_role("button", name=name).count() == 1, name
+        for label in sliders:
+            assert page.get_by_text(label, exact=True).count() == 1, label
+
+    check()
+    # Ghost and blocks are further names in viser's scene tree.
+    fill(page, "Board [mm]", 25)
+    page.get_by_role("button", name="Simulate").click()
+    status(page, "Landed")
+    check()
 
 
 def test_a_slider_shows_a_new_plan(page, designer):
@@ -128,6 +139,49 @@ def test_export_downloads_what_is_shown(page, designer, tmp_path):
     assert llsrbm.load(path).jump == designer.sessions[-1].plan.jump
 
 
+CHARTS = """() => Object.values(window.__viserTestpoints.uplots).map(({chart}) => ({
+  title: chart.root.querySelector('.u-title').innerText,
+  end: chart.scales.x.max,
+  ticks: chart.axes.map(axis => (axis._values || []).length),
+  curves: chart.data.slice(2).filter(values => values.some(v => !Number.isNaN(v))).length,
+}))"""
+
+
+def test_simulate_shows_the_whole_robot_beside_the_plan(page):
+    assert [chart["curves"] for chart in page.evaluate(CHARTS)] == [1] * 5
+    page.get_by_role("button", name="Simulate").click()
+    assert status(page, "Landed").startswith("Landed yaw -2.9° from the plan at touch-down")
+    # In mid-flight the made-up simulation is 9 cm above the plan: the ghost stands out.
+    paused_at(page, 0.65)
+    assert page.get_by_text("force control").is_visible()
+    page.get_by_label("Inertia ellipsoids").uncheck()
+    page.wait_for_timeout(PACE)
+    wait_until(lambda: 8000 < blue(picture(page)).sum() < 17_000, "the ghost, no ellipsoid")
+    page.get_by_label("Ghost").uncheck()
+    wait_until(lambda: blue(picture(page)).sum() < 3000, "no ghost")
+    page.wait_for_timeout(PACE)
+    page.get_by_label("Ghost").check()
+    wait_until(lambda: blue(picture(page)).sum() > 8000, "the ghost again")
+    charts = page.evaluate(CHARTS)
+    assert len(charts) == 6
+    for chart in charts:
+        assert chart["curves"] == 2, chart
+        assert chart["end"] == pytest.approx(2.3), chart
+        assert min(chart["ticks"]) >= 2, chart
+
+
+def test_cancel_ends_a_simulation(page, designer):
+    page.get_by_label("Disturb").check()
+    page.wait_for_timeout(PACE)
+    page.get_by_label("Seed").fill(str(planners.SLOWLY))
+    page.wait_for_timeout(PACE)
+    page.get_by_role("button", name="Simulate").click()
+    page.get_by_text(re.compile("^Simulating \\d+%$")).wait_for()
+    page.get_by_role("button", name="Cancel").click()
+    status(page, "Cancelled")
+    assert designer.sessions[-1].rollout is None
+
+
 def test_a_crash_is_told_and_the_page_goes_on(page, capfd):
     fill(page, "Twist [deg]", round(np.degrees(planners.CRASH)))
     assert "was restarted" in status(page, "Failed")
@@ -161,6 +215,9 @@ def test_with_the_real_planner(browser, tmp_path):
             page.get_by_role("button", name="Export").click()
         download.value.save_as(tmp_path / "plan.npz")
         assert llsrbm.load(tmp_path / "plan.npz").com.tolist() == plan.com.tolist()
+        page.get_by_role("button", name="Simulate").click()
+        status(page, "Landed", timeout=60_000)
+        assert session.rollout.com[-1, :2] == pytest.approx(plan.com[-1, :2], abs=0.05)
         assert page.faults == []
         page.context.close()
     finally:

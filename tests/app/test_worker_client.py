@@ -10,11 +10,23 @@ import time
 
 import pytest
 
-from app.protocol import Cancelled, Failed, PlanJump, Planned, Prepare, Prepared, Progress
+from app.protocol import (
+    Cancelled,
+    Failed,
+    PlanJump,
+    Planned,
+    Prepare,
+    Prepared,
+    Progress,
+    Simulated,
+    SimulateJump,
+)
 from app.worker_client import WorkerClient
 from llsrbm.jump import Jump
+from llsrbm.trajectory.rollout import Conditions
 from tests.app import planners
 from tests.app.planners import SyntheticPlanner, broken_factory
+from tests.app.synthetic_plan import synthetic_plan
 
 
 @pytest.fixture(scope="module")
@@ -37,6 +49,10 @@ class Tab:
 
     def plan(self, twist=0.0, forward=0.0):
         task = PlanJump(Jump(twist=twist, forward=forward))
+        return self.client.submit(self.name, task, self.reports.put)
+
+    def simulate(self, **conditions):
+        task = SimulateJump(synthetic_plan(Jump(twist=1.0)), Conditions(**conditions))
         return self.client.submit(self.name, task, self.reports.put)
 
     def outcome(self, timeout=20.0):
@@ -176,6 +192,44 @@ def test_a_long_job_makes_way_for_its_tabs_newer_request(own_client):
     assert tab.outcome() == Cancelled(old)
     report = tab.outcome()
     assert (type(report), report.job) == (Planned, new)
+
+
+def test_a_rollout_comes_back_with_its_number_and_its_conditions(shared_client):
+    tab = Tab(shared_client)
+    job = tab.simulate(board=0.02, seed=3)
+    report = tab.outcome()
+    assert isinstance(report, Simulated)
+    assert report.job == job
+    assert report.rollout.conditions == Conditions(board=0.02, seed=3)
+    assert report.rollout.landed
+
+
+def test_a_simulation_tells_whole_percents_to_its_tab_and_words_to_others(own_client):
+    tab, other = Tab(own_client), Tab(own_client, "other")
+    job = tab.simulate(seed=planners.SLOWLY)
+    assert tab.reports.get(timeout=20) == Progress(job, "simulating, 0 %", 0.0)
+    waiting = other.plan()
+    assert other.reports.get(timeout=20).job == waiting
+    shares = []
+    while len(shares) < 4:
+        shares.append(tab.reports.get(timeout=20).share)
+    assert shares == pytest.approx([0.01, 0.02, 0.03, 0.04])
+    own_client.cancel("tab")
+    while isinstance(report := other.reports.get(timeout=20), Progress):
+        # Whose percents they are would be misunderstood as its own.
+        assert report.share is None
+    assert isinstance(report, Planned)
+
+
+def test_a_simulation_makes_way_at_once(own_client):
+    tab = Tab(own_client)
+    old = tab.simulate(seed=planners.SLOWLY)
+    assert tab.reports.get(timeout=20).job == old
+    began = time.monotonic()
+    new = tab.plan()
+    assert tab.outcome() == Cancelled(old)
+    assert time.monotonic() - began < 0.15
+    assert tab.outcome().job == new
 
 
 @pytest.mark.parametrize("way", [planners.CRASH, planners.DEFECT])

@@ -106,7 +106,7 @@ def test_seed_and_noise_imply_each_other(plan, calls, given, seed, noise):
         ({"noise": math.inf}, "noise: expected a finite number"),
         ({"detector": "nosuch"}, "residual, norm"),
         ({"landing": "nosuch"}, "scaled, planned, tracking"),
-        ({"solver": "nosuch"}, "proxqp, quadprog"),
+        ({"solver": "nosuch"}, "quadprog, proxqp"),
     ],
 )
 def test_conditions_that_make_no_sense(plan, calls, options, said):

@@ -10,7 +10,7 @@ from llsrbm.errors import InputError
 
 __all__ = ["Qp", "QpSolution", "QpSolver", "check_name", "describe", "make_solver", "names"]
 
-_SOLVERS: dict[str, type[QpSolver]] = {solver.name: solver for solver in (ProxQp, Quadprog)}
+_SOLVERS: dict[str, type[QpSolver]] = {solver.name: solver for solver in (Quadprog, ProxQp)}
 
 
 def names() -> tuple[str, ...]:

@@ -16,7 +16,7 @@ class Quadprog(QpSolver):
     """
 
     name = "quadprog"
-    summary = "dual active-set method; exact, repeatable bit by bit"
+    summary = "dual active-set method; exact, repeatable bit by bit (the default)"
 
     def _solve(self, p: Qp) -> Array | None:
         rows, right = _one_sided(p)

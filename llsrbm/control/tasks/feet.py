@@ -63,10 +63,9 @@ class SeekingFoot(Task):
 
 
 class StandingFoot(Task):
-    """The points of a foot that touch the ground do not accelerate: a soft contact constraint.
+    """The points of a foot that touch the ground come to rest: a soft contact constraint.
 
-    Point feet without damping, which hurts landings: the first ticks after an impact are no rest.
-    A sole needs some, to settle flat.
+    Some damping brings feet back that bounce, and soles to lie flat; much of it fights the impact.
     """
 
     def __init__(self, foot: int, points: int, damping: float) -> None:

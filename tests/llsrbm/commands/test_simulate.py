@@ -45,7 +45,7 @@ def test_without_a_file_the_jump_is_planned_first(planner, simulator, capsys):
     assert options["solver"] == "ipopt"
     plan, options = simulator.requests[0]
     assert plan.jump == jump
-    assert (options["seed"], options["noise"], options["solver"]) == (None, None, "proxqp")
+    assert (options["seed"], options["noise"], options["solver"]) == (None, None, "quadprog")
 
 
 def test_the_bare_command_plans_the_default_jump(planner, simulator, capsys):

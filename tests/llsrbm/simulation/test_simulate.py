@@ -136,7 +136,7 @@ def test_other_landings_stand_as_well(landing):
 
 
 def test_solvers_agree_until_touchdown(twist):
-    other = run(conditions=Conditions(solver="quadprog"))
+    other = run(conditions=Conditions(solver="proxqp"))
     assert other.outcome.strict
     until = np.searchsorted(twist.time, twist.outcome.touchdown_true_s) - 1
     np.testing.assert_allclose(other.com[:until], twist.com[:until], atol=2e-3)

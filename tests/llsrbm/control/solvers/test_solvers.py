@@ -211,7 +211,7 @@ def test_everything_fixed(name):
 
 
 def test_names_and_descriptions():
-    assert solvers.names() == ("proxqp", "quadprog")
+    assert solvers.names() == ("quadprog", "proxqp")
     assert tuple(solvers.describe()) == solvers.names()
     for name in solvers.names():
         assert make_solver(name, 3, 1, 2).name == name
@@ -220,4 +220,4 @@ def test_names_and_descriptions():
 def test_an_unknown_name_lists_the_known_ones():
     with pytest.raises(InputError) as caught:
         make_solver("osqp", 3, 1, 2)
-    assert str(caught.value) == "unknown QP solver 'osqp'; the solvers are proxqp, quadprog"
+    assert str(caught.value) == "unknown QP solver 'osqp'; the solvers are quadprog, proxqp"

@@ -1,0 +1,277 @@
+"""Simulating in one tab."""
+
+from __future__ import annotations
+
+import io
+import math
+import time
+
+import numpy as np
+import pytest
+
+import llsrbm
+from tests.app import planners
+
+
+@pytest.fixture
+def session(designer, tab):
+    """The server's side of `tab`."""
+    return designer.sessions[-1]
+
+
+def simulate(tab, session, word="Landed", seed=None):
+    if seed is not None:
+        tab.set("Disturb", True)
+        tab.set("Seed", seed)
+    tab.press("Simulate")
+    return tab.wait_for_status(word)
+
+
+def visible(tab, node):
+    return tab.nodes.get(node, {}).get("visible", True)
+
+
+def charts(tab):
+    """Title -> chart, of those that are shown."""
+    found = (m["props"] for m in tab.controls.values() if m["type"] == "GuiUplotMessage")
+    return {props["title"]: props for props in found if props["visible"]}
+
+
+def test_the_controls_are_there(tab):
+    assert tab.control("Simulate")["type"] == "GuiButtonMessage"
+    board = tab.control("Board [mm]")["props"]
+    assert (board["min"], board["max"], board["step"]) == (0, 60, 5)
+    assert not tab.value("Half board")
+    assert not tab.value("Disturb")
+
+
+def test_simulate_runs_and_says_how_it_ended(tab, session):
+    told = simulate(tab, session)
+    assert told.startswith("Landed yaw -2.9° from the plan at touch-down")
+    assert session.rollout.jump == session.plan.jump
+    assert session.rollout.conditions == llsrbm.trajectory.rollout.Conditions()
+    assert "Saturated ticks" in tab.text()
+    assert "detected +5.0 ms" in tab.text()
+
+
+def test_the_plan_becomes_a_ghost_on_the_same_timeline(tab, session):
+    tab.set("Time [s]", 0.6)
+    assert "/shade" not in tab.nodes
+    simulate(tab, session)
+    rollout = session.rollout
+    tab.set("Time [s]", 0.85)
+    tab.wait(lambda: "0.85 s of 2.30 s" in tab.text(), "the longer timeline")
+    tick = int(np.argmin(np.abs(rollout.time - 0.85)))
+    apart = rollout.base_position[tick] - np.array(
+        [np.interp(0.85, session.plan.time, axis) for axis in session.plan.base_position.T]
+    )
+    drawn = np.subtract(tab.nodes["/links/base"]["position"], tab.nodes["/shade/base"]["position"])
+    assert drawn == pytest.approx(apart, abs=0.012)
+    assert np.linalg.norm(apart) > 0.05
+    assert not visible(tab, "/ellipsoid/srbm")
+    assert visible(tab, "/ellipsoid/whole")
+    assert visible(tab, "/shade")
+
+
+def test_after_the_plans_end_the_ghost_stands_still(tab, session):
+    simulate(tab, session)
+    tab.set("Time [s]", 2.2)
+    tab.wait(lambda: "standing\n 2.20 s" in tab.text(), "the end")
+    end = session.plan.base_position[-1]
+    assert tab.nodes["/shade/base"]["position"] == pytest.approx(end, abs=1e-6)
+
+
+def test_the_ghost_can_be_hidden(tab, session):
+    simulate(tab, session)
+    tab.set("Ghost", False)
+    tab.wait(lambda: not visible(tab, "/shade"), "no ghost")
+
+
+def test_forces_are_those_that_were_measured(tab, session):
+    simulate(tab, session)
+    tab.set("Time [s]", 0.25)
+    tab.wait(lambda: "0.25 s of" in tab.text(), "the instant")
+    rollout, tick = session.rollout, int(np.argmin(np.abs(session.rollout.time - 0.25)))
+    arrows = tab.nodes["/arrows"]["points"].reshape(-1, 2, 3)
+    drawn = (arrows[:, 1] - arrows[:, 0]).sum(axis=0)
+    measured = rollout.contact_force[tick].sum(axis=0)
+    assert drawn[:2] / drawn[2] == pytest.approx(measured[:2] / measured[2], abs=0.02)
+    ratio = drawn[2] / measured[2]
+    tab.set("Time [s]", 2.0)
+    tab.wait(lambda: "2.00 s of" in tab.text(), "the end")
+    arrows = tab.nodes["/arrows"]["points"].reshape(-1, 2, 3)
+    standing = (arrows[:, 1] - arrows[:, 0]).sum(axis=0)[2]
+    assert standing == pytest.approx(0.8, rel=0.02)
+    assert ratio == pytest.approx(0.8 / rollout.contact_force[-1, :, 2].sum(), rel=0.05)
+
+
+def test_a_new_plan_drops_the_simulation(tab, session):
+    simulate(tab, session)
+    tab.set("Forward [m]", 0.2)
+    tab.wait_for_status("Planned")
+    tab.wait(lambda: session.rollout is None, "no rollout")
+    tab.wait(lambda: not visible(tab, "/shade"), "no ghost")
+    assert visible(tab, "/ellipsoid/srbm")
+    assert tab.control("Time [s]")["props"]["max"] == pytest.approx(1.3)
+    assert len(charts(tab)) == 5
+
+
+def test_a_board_is_drawn_from_mid_flight_on(tab, session):
+    tab.set("Board [mm]", 25)
+    tab.set("Half board", True)
+    simulate(tab, session)
+    conditions = session.rollout.conditions
+    assert (conditions.board, conditions.half_board) == (0.025, True)
+    tab.set("Time [s]", 0.6)
+    tab.wait(lambda: "0.60 s of" in tab.text(), "before mid-flight")
+    assert not visible(tab, "/blocks/0")
+    tab.set("Time [s]", 0.7)
+    tab.wait(lambda: visible(tab, "/blocks/0"), "the board")
+    board = tab.nodes["/blocks/0"]
+    assert board["dimensions"][2] == pytest.approx(0.025)
+    assert board["position"][2] == pytest.approx(0.0125)
+
+
+def test_half_of_no_board_is_no_board(tab, session):
+    tab.set("Half board", True)
+    simulate(tab, session)
+    assert not session.rollout.conditions.half_board
+
+
+def test_the_seed_counts_only_when_disturbed(tab, session):
+    tab.set("Seed", 9)
+    simulate(tab, session)
+    assert session.rollout.conditions.seed is None
+    tab.set("Disturb", True)
+    tab.press("Simulate")
+    tab.wait(lambda: session.rollout.conditions.seed == 9, "the disturbed one")
+
+
+def test_progress_is_told_and_cancel_keeps_the_plan(tab, session):
+    simulate(tab, session, "Simulating", planners.SLOWLY)
+    tab.wait(lambda: tab.status().startswith("Simulating 1"), "some percent")
+    assert not tab.control("Cancel")["props"]["disabled"]
+    tab.press("Cancel")
+    tab.wait_for_status("Cancelled")
+    assert session.plan is not None
+    assert session.rollout is None
+    simulate(tab, session, seed=1)
+
+
+def test_cancel_ends_a_simulation_that_does_not_ask(tab, session):
+    simulate(tab, session, "Simulating", planners.STUBBORNLY)
+    tab.wait(lambda: tab.status().startswith("Simulating 1"), "its beginning")
+    began = time.monotonic()
+    tab.press("Cancel")
+    tab.wait_for_status("Cancelled")
+    assert time.monotonic() - began < 1.0
+    simulate(tab, session, seed=1)
+
+
+def test_a_slider_stops_the_simulation_and_plans(tab, session):
+    simulate(tab, session, "Simulating", planners.SLOWLY)
+    tab.wait(lambda: tab.status().startswith("Simulating 1"), "its beginning")
+    began = time.monotonic()
+    tab.set("Forward [m]", 0.3)
+    tab.wait(lambda: session.plan.jump.forward == 0.3, "the plan")
+    assert time.monotonic() - began < 2.0
+    tab.wait_for_status("Planned")
+    time.sleep(0.2)
+    assert session.rollout is None
+
+
+@pytest.mark.parametrize("seed", [planners.FALLING, planners.TRIPPING])
+def test_a_fall_is_told_and_drawn(tab, session, seed):
+    told = simulate(tab, session, "Fell", seed)
+    when = session.rollout.outcome.fell_at_s
+    assert told == f"Fell the base touched the ground at {when:.2f} s."
+    tab.set("Time [s]", 1.25)
+    tab.wait(lambda: "1.25 s of 1.30 s" in tab.text(), "the plan's time")
+    lying = session.rollout.base_position[-1]
+    assert tab.nodes["/links/base"]["position"] == pytest.approx(lying)
+
+
+def test_a_refusal_is_a_sentence_and_the_plan_stays(tab, session):
+    told = simulate(tab, session, "Failed", planners.IMPOSSIBLE)
+    assert told == "Failed board: expected 0 to 0.05 m, got more"
+    simulate(tab, session, seed=1)
+
+
+def test_what_did_not_converge_is_not_simulated(tab, session):
+    tab.set("Twist [deg]", math.degrees(planners.UNSOLVABLE))
+    tab.wait_for_status("Failed")
+    tab.press("Simulate")
+    tab.wait(lambda: tab.notifications, "a notification")
+    assert tab.notifications[0][0] == "Not simulated"
+    assert "did not converge" in tab.notifications[0][1]
+    assert tab.status().startswith("Failed")
+
+
+def test_what_is_not_planned_yet_is_not_simulated(tab, session):
+    tab.set("Twist [deg]", math.degrees(planners.SLOW))
+    tab.wait_for_status("Planning")
+    tab.press("Simulate")
+    tab.wait(lambda: tab.notifications, "a notification")
+    assert "still being planned" in tab.notifications[0][1]
+
+
+@pytest.mark.parametrize(
+    ("label", "value", "told"),
+    [
+        ("Board [mm]", 999, "Board [mm]: expected 0 to 60, got 999; the nearest is taken"),
+        ("Seed", -3, "Seed: expected 0 to 9999, got -3; the nearest is taken"),
+    ],
+)
+def test_a_value_no_control_offers_is_corrected_and_said(tab, session, label, value, told):
+    tab.set("Disturb", True)
+    tab.set(label, value)
+    tab.press("Simulate")
+    tab.wait(lambda: tab.notifications, "a notification")
+    assert tab.notifications[0] == ("Corrected", told)
+    tab.wait_for_status("Landed")
+
+
+def test_export_saves_what_is_drawn_solid(tab, session):
+    simulate(tab, session)
+    tab.set("Format", "npz")
+    tab.press("Export")
+    tab.wait(lambda: tab.downloads, "a download")
+    ((name, content),) = tab.downloads
+    assert name == "anymal-llsrbm-plus-rollout.npz"
+    stored = np.load(io.BytesIO(content), allow_pickle=False)
+    assert stored["qpos"].tolist() == session.rollout.qpos.tolist()
+
+
+def test_plots_follow_the_time_and_gain_a_curve(tab, session):
+    tab.set("Time [s]", 0.5)
+    tab.wait(lambda: "0.50 s of" in tab.text(), "the instant")
+    assert len(charts(tab)) == 5
+    alone = charts(tab)["CoM height [m]"]["data"]
+    assert np.isnan(alone[3]).all()
+    simulate(tab, session)
+    tab.wait(lambda: len(charts(tab)) == 6, "the detection signal")
+    instant, played, planned, simulated = charts(tab)["CoM height [m]"]["data"]
+    assert instant[-1] == pytest.approx(2.3)
+    # Shaded until the instant that is shown.
+    assert instant[played > 0].max() == pytest.approx(0.5, abs=0.01)
+    rollout = session.rollout
+    assert simulated == pytest.approx(np.interp(instant, rollout.time, rollout.com[:, 2]), abs=5e-3)
+    over = instant > session.plan.duration + 0.02
+    assert np.isnan(planned[over]).all()
+    assert not np.isnan(planned[~over][:-5]).any()
+
+
+def test_plots_are_told_the_time_seldom(tab, session):
+    simulate(tab, session)
+    tab.set("Motion", "Play")
+
+    def shaded():
+        return charts(tab)["CoM height [m]"]["data"][1].tobytes()
+
+    changes, last, end = 0, shaded(), time.monotonic() + 1.5
+    while time.monotonic() < end:
+        now = shaded()
+        changes += now != last
+        last = now
+        time.sleep(0.005)
+    assert 1 <= changes <= 9

@@ -1,0 +1,66 @@
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from app.summaries import rollout_figures, simulated_line
+from llsrbm.jump import Jump
+from llsrbm.trajectory.rollout import Conditions
+from tests.app.synthetic_plan import synthetic_plan
+from tests.llsrbm.synthetic_rollout import synthetic_rollout
+
+
+@pytest.fixture(scope="module")
+def plan():
+    return synthetic_plan(Jump(twist=1.0))
+
+
+@pytest.fixture(scope="module")
+def rollout(plan):
+    return synthetic_rollout(plan, seed=4)
+
+
+def changed(rollout, **outcome):
+    return replace(rollout, outcome=replace(rollout.outcome, **outcome))
+
+
+def test_landed(rollout):
+    assert simulated_line(rollout) == (
+        "Landed",
+        "yaw -2.9° from the plan at touch-down, +0.1° at the end, 4.2× real time",
+    )
+
+
+def test_landed_badly(rollout):
+    _, rest = simulated_line(changed(rollout, strict=False))
+    assert rest.startswith("but not by the strict measure: yaw")
+
+
+def test_fell_says_when_and_why(plan):
+    word, rest = simulated_line(synthetic_rollout(plan, fell_at=0.95))
+    assert (word, rest) == ("Fell", "the base touched the ground at 0.95 s.")
+
+
+@pytest.mark.parametrize(
+    ("outcome", "told"),
+    [
+        ({}, "+5.0 ms from the first contact"),
+        ({"touchdown_detected_s": None}, "missed"),
+        ({"touchdown_true_s": None, "touchdown_detected_s": None}, "no contact, none detected"),
+        ({"false_touchdowns": 2}, "+5.0 ms from the first contact, 2 false"),
+        ({"foot_error_at_touchdown": None}, "none at touch-down, 13 mm at the end"),
+        ({"saturated_fraction": 0.0251}, "2.5%"),
+        ({"peak_torque_ratio": 0.98, "peak_speed_ratio": 1.02}, "98% of torque, 102% of speed"),
+    ],
+)
+def test_figures(rollout, outcome, told):
+    assert f">{told}<" in rollout_figures(changed(rollout, **outcome))
+
+
+def test_the_world_is_told(rollout):
+    world = rollout_figures(
+        replace(rollout, conditions=Conditions(board=0.025, half_board=True, seed=4))
+    )
+    assert "half board of 25 mm, seed 4: trunk +5.0%, friction 0.70" in world
+    assert "undisturbed" in rollout_figures(replace(rollout, conditions=Conditions()))
