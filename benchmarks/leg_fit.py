@@ -2,9 +2,9 @@
 
     python benchmarks/leg_fit.py
 
-Random feet anywhere in the reach box, every leg for itself, moving at random while the base turns;
-the centroidal inertia and angular momentum by the formulas of LL-SRBM+ against those of the whole
-robot in the same posture with the same joint speeds. A plan's motions are tamer than these.
+Random feet anywhere in the reach box (soles at any yaw), every leg for itself, moving at random
+while the base turns; the centroidal inertia and angular momentum of LL-SRBM+ against
+those of the whole robot in the same posture with the same joint speeds. A plan's motions are tamer.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 import pinocchio as pin
 
-from llsrbm.robots import Robot, load_robot
+from llsrbm.robots import Robot, load_robot, names
 from llsrbm.robots.leg_fit import (
     LegFit,
     affine_features,
@@ -25,10 +25,11 @@ from llsrbm.robots.leg_fit import (
     quadratic_features,
     quadratic_slopes,
 )
-from llsrbm.robots.legs import parallel_axis, solve_legs
+from llsrbm.robots.legs import TURN_ARM, foot_task, parallel_axis, solve_legs, turns_about_z
 
-ROBOTS = ("anymal", "go2", *sorted(map(str, (Path(__file__).parent / "robots").glob("*.toml"))))
-YAW_RATE = 3.0  # rad/s, largest
+ROBOTS = (*names(), *sorted(map(str, (Path(__file__).parent / "robots").glob("*.toml"))))
+RATES = (1.0, 1.0, 3.0)  # rad/s of the base about its axes, largest
+FOOT_TURN = 5.0  # rad/s of a sole against the base, largest
 FOOT_SPEED = 1.0  # m/s relative to the hip, largest on each axis
 
 
@@ -37,14 +38,14 @@ class Truth:
     """Errors over random motions: of inertia and momentum about z, and where the base is.
 
     Attributes:
-        inertia_zz: RMS error relative to the true value.
-        momentum_z: RMS error relative to the largest momentum; momentum_z_worst: largest error.
+        inertia: (3,) RMS error of Ixx, Iyy and Izz relative to the true value.
+        momentum: (3,) RMS error relative to the largest momentum; momentum_worst: largest error.
         base_offset: RMS error of the base's place relative to the CoM, m.
     """
 
-    inertia_zz: float
-    momentum_z: float
-    momentum_z_worst: float
+    inertia: np.ndarray
+    momentum: np.ndarray
+    momentum_worst: np.ndarray
     base_offset: float
 
 
@@ -53,25 +54,31 @@ def plus_inertia_and_momentum(fit: LegFit, beta, beta_rate):
 
     Args:
         fit: the leg maps.
-        beta, beta_rate: (L, 3) m, m/s: feet from the CoM, and their velocity in the base frame.
+        beta, beta_rate: (L, d) m, m/s: feet from the CoM, and their velocity in the base frame; the
+            fourth column their yaw, rad, and its rate.
     """
-    mirror = [np.diag(m) for m in fit.mirrors]
+    mirror = [np.diag(np.append(m, np.prod(m))[: beta.shape[1]]) for m in fit.mirrors]
     w1 = fit.com_affine[1:].T
-    mapped = [m @ w1 @ m for m in mirror]
-    a = -fit.total_mass * np.eye(3) + fit.leg_mass * sum(mapped)
+    mapped = [m[:3, :3] @ w1 @ m for m in mirror]
+    a = -fit.total_mass * np.eye(3) + fit.leg_mass * sum(w[:, :3] for w in mapped)
     k = fit.trunk_mass * fit.trunk_com + fit.leg_mass * sum(
-        h + m @ fit.com_affine[0] - w @ h for h, m, w in zip(fit.hips, mirror, mapped, strict=True)
+        h + m * fit.com_affine[0] - w[:, :3] @ h
+        for h, m, w in zip(fit.hips, fit.mirrors, mapped, strict=True)
     )
     o = np.linalg.solve(a, k + fit.leg_mass * sum(map(np.matmul, mapped, beta)))
     o_rate = np.linalg.solve(a, fit.leg_mass * sum(map(np.matmul, mapped, beta_rate)))
     inertia = fit.trunk_inertia + fit.trunk_mass * parallel_axis(fit.trunk_com + o)
     h = np.zeros(3)
-    for hip, m, b, b_rate in zip(fit.hips, mirror, beta, beta_rate, strict=True):
-        x, x_rate = m @ (b - o - hip), m @ (b_rate - o_rate)
+    padding = np.eye(beta.shape[1], 3)
+    for hip, mirrored, b, b_rate in zip(fit.hips, mirror, beta, beta_rate, strict=True):
+        x, x_rate = mirrored @ (b - padding @ (o + hip)), mirrored @ (b_rate - padding @ o_rate)
+        m = mirrored[:3, :3]
         arm = hip + m @ (quadratic_features(x) @ fit.com_quadratic) + o
         slope = fit.com_quadratic.T @ quadratic_slopes(x)
-        own = (affine_features(x) @ fit.inertia_map).reshape(3, 3)
-        spin = (affine_features(x) @ fit.spin_map).reshape(3, 3)
+        affine = len(fit.inertia_map) == 1 + len(x)
+        features = affine_features(x) if affine else quadratic_features(x)
+        own = (features @ fit.inertia_map).reshape(3, 3)
+        spin = (features @ fit.spin_map).reshape(3, -1)
         inertia = inertia + fit.leg_mass * parallel_axis(arm) + m @ own @ m
         h = h + fit.leg_mass * np.cross(arm, m @ slope @ x_rate)
         h = h + np.linalg.det(m) * m @ spin @ x_rate
@@ -79,63 +86,73 @@ def plus_inertia_and_momentum(fit: LegFit, beta, beta_rate):
 
 
 def random_feet(robot: Robot, count: int, rng: np.random.Generator):
-    """(count, L, 3) m: feet in the mirrored hip frame, within the robot file's reach."""
-    reach = robot.file.reach
-    drawn = rng.uniform(reach.lower, reach.upper, size=(60 * count, 3))
-    distance = np.linalg.norm(drawn, axis=1)
+    """(count, L, d): feet in the mirrored hip frame, within the robot file's reach and yaw."""
+    reach, (out, back) = robot.file.reach, robot.file.foot.yaw
+    d = robot.foot_coordinates
+    lower, upper = [*reach.lower, out][:d], [*reach.upper, back][:d]
+    drawn = rng.uniform(lower, upper, size=(60 * count, d))
+    distance = np.linalg.norm(drawn[:, :3], axis=1)
     drawn = drawn[(distance >= reach.distance[0]) & (distance <= reach.distance[1])]
-    return drawn[: count * len(robot.legs)].reshape(count, len(robot.legs), 3)
+    return drawn[: count * len(robot.legs)].reshape(count, len(robot.legs), d)
 
 
 def truth(robot: Robot, fit: LegFit, count: int = 300, seed: int = 1) -> Truth:
     """Compare the maps with Pinocchio on random postures and velocities."""
     rng = np.random.default_rng(seed)
-    feet = robot.hips + robot.mirrors * random_feet(robot, count, rng)
+    x = random_feet(robot, count, rng)
+    feet = robot.hips + robot.mirrors * x[..., :3]
+    yaw = robot.mirrors.prod(axis=1)[:, None] * x[..., 3:]  # no columns of point feet
+    soles = turns_about_z(yaw[..., 0]) if yaw.size else None
     angles = np.array([robot.file.posture[leg.name] for leg in robot.legs])
-    q_legs, error = solve_legs(robot.chains, feet, angles)
-    jacobian = robot.chains.motion(q_legs).foot_jacobian
+    q_legs, error = solve_legs(robot.chains, feet, angles, soles)
+    _, jacobian = foot_task(robot.chains, robot.chains.motion(q_legs), feet, soles)
     usable = (error < 1e-7).all(axis=1) & (np.linalg.cond(jacobian) < 30).all(axis=1)
     data = robot.model.createData()
     rows = []
-    for q_leg, jac in zip(q_legs[usable], jacobian[usable], strict=True):
+    for q_leg, jac, foot_yaw in zip(q_legs[usable], jacobian[usable], yaw[usable], strict=True):
         speeds = rng.uniform(-FOOT_SPEED, FOOT_SPEED, size=(len(robot.legs), 3))
+        turns = rng.uniform(-FOOT_TURN, FOOT_TURN, size=foot_yaw.shape)
+        level = np.zeros((len(turns), 2 * turns.shape[1]))
+        wanted = np.hstack([speeds, level, TURN_ARM * turns])
         q, v = pin.neutral(robot.model), np.zeros(robot.model.nv)
-        omega = np.array([0.0, 0.0, rng.uniform(-YAW_RATE, YAW_RATE)])
+        omega = rng.uniform(-1, 1, size=3) * RATES
         v[3:6] = omega
         for i, leg in enumerate(robot.legs):
             q[leg.q_index] = q_leg[i]
-            v[leg.v_index] = np.linalg.solve(jac[i], speeds[i])
+            v[leg.v_index] = np.linalg.solve(jac[i], wanted[i])
         pin.ccrba(robot.model, data, q, v)
         pin.updateFramePlacements(robot.model, data)
         com, com_rate = data.com[0].copy(), data.hg.linear / robot.mass
         foot = np.array([data.oMf[leg.foot_frame_id].translation for leg in robot.legs])
-        beta = foot - com
+        beta = np.hstack([foot - com, foot_yaw])
         # Relative to the base, the CoM moves by what the legs alone do.
-        beta_rate = speeds - (com_rate - np.cross(omega, com))
+        beta_rate = np.hstack([speeds - (com_rate - np.cross(omega, com)), turns])
         inertia, h, o = plus_inertia_and_momentum(fit, beta, beta_rate)
-        rows.append(
-            [
-                data.Ig.inertia[2, 2],
-                inertia[2, 2] / data.Ig.inertia[2, 2] - 1,
-                data.hg.angular[2],
-                (inertia @ omega + h - data.hg.angular)[2],
-                np.linalg.norm(o + com),
-            ]
-        )
-    _, relative, momentum, momentum_error, offset = np.array(rows).T
-    peak = np.abs(momentum).max()
+        true = np.diag(data.Ig.inertia)
+        momentum_error = inertia @ omega + h - data.hg.angular
+        rows.append([np.diag(inertia) / true - 1, data.hg.angular.copy(), momentum_error, o + com])
+    relative, momentum, momentum_error, offset = np.array(rows).transpose(1, 0, 2)
+    peak = np.abs(momentum).max(axis=0)
     return Truth(
-        inertia_zz=float(np.sqrt(np.mean(relative**2))),
-        momentum_z=float(np.sqrt(np.mean(momentum_error**2)) / peak),
-        momentum_z_worst=float(np.abs(momentum_error).max() / peak),
-        base_offset=float(np.sqrt(np.mean(offset**2))),
+        inertia=_rms(relative),
+        momentum=_rms(momentum_error) / peak,
+        momentum_worst=np.abs(momentum_error).max(axis=0) / peak,
+        base_offset=float(np.linalg.norm(_rms(offset))),
     )
+
+
+def _rms(rows):
+    return np.sqrt(np.mean(rows**2, axis=0))
+
+
+def _percent(values) -> str:
+    return " ".join(f"{100 * value:5.2f}" for value in values)
 
 
 def main() -> None:
     print(
-        "robot       fit    c quadratic  affine   I_c      S        base    Izz RMS  "
-        "Lz RMS / max of peak"
+        "robot       fit    c quadratic  affine   I_c      S        base    "
+        "Ixx, Iyy, Izz RMS      Lx, Ly, Lz RMS / max of peak"
     )
     for name in sys.argv[1:] or ROBOTS:
         robot = load_robot(name)
@@ -146,8 +163,8 @@ def main() -> None:
         print(
             f"{robot.name:10s} {seconds:5.2f} s {1e3 * r['com_quadratic']:8.1f} mm "
             f"{1e3 * r['com_affine']:7.1f} mm {r['inertia']:8.5f} {r['spin']:8.5f} "
-            f"{1e3 * t.base_offset:6.1f} mm {100 * t.inertia_zz:6.2f} % "
-            f"{100 * t.momentum_z:7.2f} / {100 * t.momentum_z_worst:.1f} %"
+            f"{1e3 * t.base_offset:6.1f} mm {_percent(t.inertia)} %   "
+            f"{_percent(t.momentum)} / {_percent(t.momentum_worst)} %"
         )
 
 

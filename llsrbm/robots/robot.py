@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from llsrbm.robots.legs import LegChains, solve_legs
 from llsrbm.robots.schema import RobotFile, read_robot_file
+from llsrbm.robots.soles import check_soles
 from llsrbm.robots.urdf import (
     BASE_JOINT,
     check_joints,
@@ -59,7 +60,7 @@ class Robot:
     """A robot as the rest of the library sees it: L legs, J joints.
 
     The default posture stands level on the ground, the lowest foot at z = 0, the CoM above the
-    world's origin.
+    world's origin; soles lie flat, the CoM above what they span.
 
     Attributes:
         file: the robot file's content; path: where it lies.
@@ -169,7 +170,8 @@ def build_robot(path: str | Path) -> Robot:
     """Read a robot file and compute everything from its URDF.
 
     Raises:
-        RobotFileError: the file is wrong in itself, or names what its URDF does not have.
+        RobotFileError: the file is wrong in itself, names what its URDF does not have, or its
+            default posture does not stand on its soles.
     """
     path = Path(path).resolve()
     file = read_robot_file(path)
@@ -200,7 +202,7 @@ def build_robot(path: str | Path) -> Robot:
     angles = np.array([file.posture[name] for name in file.legs])
     mirrors = _mirrors(chains, hips, angles)
 
-    return Robot(
+    robot = Robot(
         file=file,
         path=path,
         urdf_path=urdf_path,
@@ -229,6 +231,9 @@ def build_robot(path: str | Path) -> Robot:
         feet=np.array([data.oMf[f].translation for f in foot_ids]),
         base_position=posture[:3].copy(),
     )
+    if robot.foot_coordinates > 3:
+        check_soles(robot)
+    return robot
 
 
 def _symmetrised(hips: Array) -> Array:
