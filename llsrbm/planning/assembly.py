@@ -24,13 +24,13 @@ def assemble_plan(
     R = knots.R_world_base
     _, inertia, leg_com = knots.evaluated
     feet = knots.foot_position
-    postures = solve_postures(robot, knots.position, knots.quat, feet)
     # Knot values of the interval rates: at rest at both ends, the mean in between.
     rate = np.zeros_like(knots.position)
     rate[1:-1] = (knots.rotation_rate[:-1] + knots.rotation_rate[1:]) / 2
     foot_quat = np.zeros((*feet.shape[:2], 4))
     foot_quat[..., 0] = np.cos(knots.foot_heading / 2)
     foot_quat[..., 3] = np.sin(knots.foot_heading / 2)
+    postures = solve_postures(robot, knots.position, knots.quat, feet, foot_quat)
     arrays = {
         "time": knots.time,
         "phase": knots.phase.astype(np.int64),

@@ -76,7 +76,10 @@ class ForceMagnitude(Cost):
 
 
 class FootMovement(Cost):
-    """Steps of the feet in flight, squared: the paper's pdot^2."""
+    """Steps of the feet in flight, squared: the paper's pdot^2.
+
+    Of feet that turn, the mean over their contact points.
+    """
 
     name = "foot_movement"
     weight = 0.02
@@ -89,7 +92,12 @@ class FootMovement(Cost):
 
     def term(self, stage: Stage) -> Any:
         """n |dp|^2."""
-        return stage.intervals * stage.dt**2 * ca.sumsqr(stage.foot_velocity_base)
+        legs = stage.layout.legs
+        lever = ca.sumsqr(stage.parameters["corners"]) * legs / stage.layout.contacts
+        speed = ca.sumsqr(stage.foot_velocity_base)
+        if stage.layout.foot_coordinates > 3:
+            speed += lever * ca.sumsqr(stage.foot_turn)
+        return stage.intervals * stage.dt**2 * speed
 
 
 class LinearMomentum(Cost):
@@ -124,6 +132,40 @@ class AngularMomentum(Cost):
     def term(self, stage: Stage) -> Any:
         """|L/m|^2 / n."""
         return ca.sumsqr(stage.momentum) / stage.intervals
+
+
+class Tilt(Cost):
+    """Roll and pitch of the base: a light base rests upright between heavy legs."""
+
+    name = "tilt"
+    weight = 0.0
+    unit = "1"
+    effect = "the base stays upright; legs swing less"
+
+    def applies(self, role: Role) -> bool:
+        """Wherever the robot moves."""
+        return not role.terminal
+
+    def term(self, stage: Stage) -> Any:
+        """(qx^2 + qy^2) / n, the sine of half the tilt, squared."""
+        return ca.sumsqr(stage.quat[1:3]) / stage.intervals
+
+
+class TiltRate(Cost):
+    """The base's angular velocity about its own x and y."""
+
+    name = "tilt_rate"
+    weight = 0.0
+    unit = "1/(rad/s)^2"
+    effect = "the base rolls and pitches more slowly"
+
+    def applies(self, role: Role) -> bool:
+        """Over every interval."""
+        return not role.terminal
+
+    def term(self, stage: Stage) -> Any:
+        """(omega_x^2 + omega_y^2) / n."""
+        return ca.sumsqr(stage.rotation_rate[:2]) / stage.intervals
 
 
 class Time(Cost):
@@ -166,6 +208,8 @@ COSTS: tuple[Cost, ...] = (
     FootMovement(),
     LinearMomentum(),
     AngularMomentum(),
+    Tilt(),
+    TiltRate(),
     Time(),
     FinalOrientation(),
 )

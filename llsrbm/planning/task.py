@@ -67,6 +67,22 @@ class Task:
         """(C, 3) m."""
         return contact_points(self.goal_feet, self.goal_yaw, self.corners)
 
+    @cached_property
+    def towards(self) -> Array:
+        """(2,) horizontal direction in which the target lies apart from the start; or zeros.
+
+        Of the landing heading's axes the one that leaves the widest gap between the contact points;
+        zeros where they overlap along all of them.
+        """
+        c, s = np.cos(self.jump.twist), np.sin(self.jump.twist)
+        axes = np.array([(c, s), (-c, -s), (-s, c), (s, -c)])
+        start, goal = (
+            points[:, :2] @ axes.T for points in (self.start_contacts, self.goal_contacts)
+        )
+        gaps = goal.min(axis=0) - start.max(axis=0)
+        widest = int(np.argmax(gaps))
+        return axes[widest] * (gaps[widest] > 0)
+
     def parameters(self) -> dict[str, Array]:
         """Name -> value of the solver's parameters (names and sizes: `parameter_sizes`)."""
         thigh, shank = self.knee or (1.0, 1.0)
@@ -75,6 +91,8 @@ class Task:
             "goal_position": self.goal_position,
             "goal_quat": self.goal_quat,
             **{name: getattr(self, name) for name in STANDING["start"] + STANDING["goal"]},
+            "corners": self.corners[:, :2],
+            "towards": self.towards,
             "friction": np.array([self.limits.friction]),
             "knee_speed": np.array([self.knee_speed]),
             "thigh": np.array([thigh]),
@@ -112,6 +130,8 @@ def parameter_sizes(layout: Layout) -> dict[str, int]:
         "goal_quat": 4,
         **dict(zip(STANDING["start"], standing, strict=True)),
         **dict(zip(STANDING["goal"], standing, strict=True)),
+        "corners": 2 * contacts // legs,
+        "towards": 2,
         "friction": 1,
         "knee_speed": 1,
         "thigh": 1,

@@ -82,15 +82,15 @@ class Plan:
         angular_velocity: (N+1, 3) rad/s of the base.
         linear_momentum, angular_momentum: (N+1, 3) kg m/s, kg m2/s (about the CoM).
         inertia: (N+1, 3, 3) kg m2: the model's centroidal inertia.
-        foot_position: (N+1, L, 3) m: contact point of a point foot.
-        foot_quat: (N+1, L, 4) w, x, y, z (identity for point feet).
-        contact_point: (N+1, C, 3) m.
+        foot_position: (N+1, L, 3) m: contact point of a point foot, middle of a sole.
+        foot_quat: (N+1, L, 4) w, x, y, z: level, a turn about the vertical (identity for point feet).
+        contact_point: (N+1, C, 3) m, legs x corners.
         contact_force: (N+1, C, 3) N, constant over the interval that starts at the knot.
         leg_mass: (L,) kg; base_mass: kg.
         leg_com: (N+1, L, 3) m: where the model puts each leg's point mass.
         joint_position: (N+1, J) rad or m; joint_names: their names.
-        foot_in_hip: (N+1, L, 3) m: foot in the leg's mirrored hip frame as the model sees it
-            (`llsrbm.models.base`); linear in time between knots in flight.
+        foot_in_hip: (N+1, L, d) m, rad: foot in the leg's mirrored hip frame as the model sees it
+            (`llsrbm.models.base`), d = 4 with its yaw; linear in time between knots in flight.
     """
 
     jump: Jump

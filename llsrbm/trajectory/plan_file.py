@@ -21,7 +21,7 @@ from llsrbm.version import package_version
 
 SCHEMA = "llsrbm.plan/1"
 
-# N knots, L legs, C contacts, J joints.
+# N knots, L legs, C contacts, J joints, D coordinates of a foot.
 LAYOUT: dict[str, Entry] = {
     "time": Entry(("N",)),
     "phase": Entry(("N",), "whole"),
@@ -38,7 +38,7 @@ LAYOUT: dict[str, Entry] = {
     "leg_com": Entry(("N", "L", 3)),
     "foot_position": Entry(("N", "L", 3)),
     "foot_quat": Entry(("N", "L", 4)),
-    "foot_in_hip": Entry(("N", "L", 3)),
+    "foot_in_hip": Entry(("N", "L", "D")),
     "contact_point": Entry(("N", "C", 3)),
     "contact_force": Entry(("N", "C", 3)),
     "joint_names": Entry(("J",), "text"),

@@ -3,7 +3,7 @@
 Between knots every quantity follows from what the planner assumes there: contact forces are
 constant, so the CoM is quadratic and the angular momentum cubic in time; the attitude turns at a
 constant rate; in stance the feet stand still, in flight they move on straight lines seen from the
-CoM in base axes. Knots are reproduced exactly.
+CoM in base axes and carry their contact points along. Knots are reproduced exactly.
 """
 
 from __future__ import annotations
@@ -141,6 +141,8 @@ def resample(plan: Plan, times: Array) -> Motion:
     inertia_base = np.einsum("kai,kab,kbj->kij", R_knots, plan.inertia, R_knots)
     joints = _joint_curve(plan)
     feet = sign_continuous(plan.foot_quat)
+    foot_quat = slerp(feet[left], feet[left + 1], share[:, None])
+    foot_position = standing(plan.foot_position)
     motion = Motion(
         time=times,
         phase=plan.phase[knot],
@@ -152,9 +154,9 @@ def resample(plan: Plan, times: Array) -> Motion:
         linear_momentum=between.linear(plan.linear_momentum),
         angular_momentum=between.cubic(plan.angular_momentum, moment_start, moment_end),
         inertia=np.einsum("kia,kab,kjb->kij", R, between.linear(inertia_base), R),
-        foot_position=standing(plan.foot_position),
-        foot_quat=slerp(feet[left], feet[left + 1], share[:, None]),
-        contact_point=standing(plan.contact_point),
+        foot_position=foot_position,
+        foot_quat=foot_quat,
+        contact_point=_carried(plan, foot_position, foot_quat),
         contact_force=force[knot],
         leg_com=from_com(plan.leg_com),
         joint_position=joints(inside),
@@ -165,6 +167,16 @@ def resample(plan: Plan, times: Array) -> Motion:
     for name in _RATES:
         getattr(motion, name)[times != inside] = 0.0
     return motion
+
+
+def _carried(plan: Plan, foot_position: Array, foot_quat: Array) -> Array:
+    """Contact points (K, C, 3) of feet at places (K, L, 3) and attitudes (K, L, 4)."""
+    count, legs = foot_position.shape[:2]
+    levers = plan.contact_point[0].reshape(legs, -1, 3) - plan.foot_position[0][:, None]
+    in_foot = levers @ rotation_matrices(plan.foot_quat[0])
+    turned = in_foot @ np.swapaxes(rotation_matrices(foot_quat), -1, -2)
+    points: Array = foot_position[:, :, None] + turned
+    return points.reshape(count, -1, 3)
 
 
 @dataclass(frozen=True)

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from llsrbm.planning.constraints.base import Constraint
 from llsrbm.planning.constraints.contacts import ContactForce, FrictionPyramid, GivenContacts
+from llsrbm.planning.constraints.edge import Edge
 from llsrbm.planning.constraints.knee import KneeSpeed
 from llsrbm.planning.constraints.motion import FinalState, MomentumBalance
 from llsrbm.planning.constraints.reach import FeetApart, Reach
@@ -26,6 +27,7 @@ CONSTRAINTS: tuple[Constraint, ...] = (
     PhaseTimes(),
     Reach(),
     Clearance(),
+    Edge(),
     FeetApart(),
     FootSpeed(),
     FootSpeedInBase(),

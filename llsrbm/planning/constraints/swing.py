@@ -34,6 +34,12 @@ def ground_line(task: Task, progress: Array) -> Array:
     return np.where(goal > start, early, straight)
 
 
+def clearance_line(task: Task, progress: Array) -> Array:
+    """(K, L) m: the ground line and an arch of the robot file's clearance above it."""
+    arch = 4 * progress * (1 - progress) * task.limits.clearance
+    return ground_line(task, progress) + arch[:, None]
+
+
 def speed_ramp(s: Any) -> Any:
     """Share of a foot's speed limit that is allowed at progress s of the flight."""
     return np.minimum(1.0, SPEED_RAMP * s * (1 - s))
@@ -60,19 +66,15 @@ class Clearance(Constraint):
 
     def bounds(self, task: Task, layout: Layout, knot: int) -> Bounds:
         """At least the line."""
-        return self._line(task, layout.progress[knot : knot + 1])[0], np.full(layout.legs, np.inf)
+        line = clearance_line(task, layout.progress[knot : knot + 1])[0]
+        return line, np.full(layout.legs, np.inf)
 
     def violation(self, knots: Knots) -> Array:
         """Metres below the line."""
         inner = slice(knots.flight.start + 1, knots.flight.stop - 1)
         span = knots.flight.stop - knots.flight.start - 1
-        line = self._line(knots.task, np.arange(1, span) / span)
+        line = clearance_line(knots.task, np.arange(1, span) / span)
         return spread(knots, inner, line - knots.foot_position[inner][..., 2])
-
-    @staticmethod
-    def _line(task: Task, s: Array) -> Array:
-        arch = 4 * s * (1 - s) * task.limits.clearance
-        return ground_line(task, s) + arch[:, None]
 
 
 class FootSpeed(Constraint):

@@ -1,0 +1,85 @@
+"""Feet that jump up do not run into the edge of what they land on."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from llsrbm.planning.constraints.base import Array, Bounds, Constraint, spread
+from llsrbm.planning.constraints.swing import clearance_line
+from llsrbm.planning.headings import direction
+from llsrbm.planning.knots import Knots
+from llsrbm.planning.layout import Layout, Role
+from llsrbm.planning.stage import Stage
+from llsrbm.planning.task import Task
+from llsrbm.trajectory.plan import Phase
+
+# How far feet below the landing surface may come nearer to it than they stood at the start, m: next
+# to nothing, since its edge may be anywhere in between; something, since at lift-off they are there.
+ROOM = 0.005
+# How far feet are above the surface before they come nearer, m.
+ABOVE = 0.02
+
+
+class Edge(Constraint):
+    """Corners of soles stay behind the edge of a higher landing surface until they are above it.
+
+    Soles are long: of a jump 0.2 m forward only centimetres lie between where the toes start and
+    where the heels land. Seen along `Task.towards`, in which start and target lie apart, no corner
+    comes nearer than the foremost one stands, up to the knot where `Clearance` has lifted the feet
+    above the surface. Targets that overlap the start have no edge in between. Points are left to
+    `Clearance` alone.
+    """
+
+    name = "edge"
+    unit = "m"
+
+    def applies(self, role: Role) -> bool:
+        """Between lift-off and touchdown."""
+        return role.phase == Phase.FLIGHT and not role.first
+
+    def rows(self, stage: Stage) -> Any:
+        """(C, 1) m: how far each corner is along `towards`."""
+        layout = stage.layout
+        if layout.foot_coordinates == 3:
+            return ca.SX(0, 1)
+        corners = ca.reshape(stage.parameters["corners"], 2, -1)
+        towards, R = stage.parameters["towards"], stage.R_world_base
+        columns = []
+        for i in range(layout.legs):
+            ahead = stage.lift(direction(R, stage.relative_yaw(i)))
+            middle = stage.position[:2] + ca.mtimes(R[:2, :], stage.foot_from_com(i))
+            along = ca.dot(towards, ahead)
+            aside = towards[1] * ahead[0] - towards[0] * ahead[1]
+            columns.append(
+                ca.dot(towards, middle) + corners[0, :].T * along + corners[1, :].T * aside
+            )
+        return ca.vertcat(*columns)
+
+    def bounds(self, task: Task, layout: Layout, knot: int) -> Bounds:
+        """At most where the foremost corner stands, while the feet are low."""
+        rows = layout.contacts if layout.foot_coordinates > 3 else 0
+        step = 1 / layout.intervals.flight
+        top = self._top(task, layout.progress[knot : knot + 1], step)[0]
+        return np.full(rows, -np.inf), np.full(rows, top)
+
+    def violation(self, knots: Knots) -> Array:
+        """Metres too near."""
+        inner = slice(knots.flight.start + 1, knots.flight.stop - 1)
+        if knots.model.coordinates == 3:
+            return np.zeros(len(knots.time))
+        span = knots.flight.stop - knots.flight.start - 1
+        top = self._top(knots.task, np.arange(1, span) / span, 1 / span)
+        along = knots.contact_point[inner, :, :2] @ knots.task.towards
+        return spread(knots, inner, along - top[:, None])
+
+    @staticmethod
+    def _top(task: Task, s: Array, step: float) -> Array:
+        """(K,) m: bound at progress s (K,); infinite from where the knot before is high enough."""
+        surface = task.goal_feet[:, 2].max()
+        low = (clearance_line(task, s - step) < surface + ABOVE).any(axis=1) & (s < 0.5 + step)
+        edge = surface > task.start_feet[:, 2].max() and task.towards.any()
+        foremost = (task.start_contacts[:, :2] @ task.towards).max()
+        return np.where(low & edge, foremost + ROOM, np.inf)
