@@ -47,14 +47,29 @@ class Cell:
         )
 
 
-CELLS = (
-    Cell("90 deg", twist_deg=90),
+TWIST, FORWARD = Cell("90 deg", twist_deg=90), Cell("30 cm", forward=0.3)
+QUADRUPED = (
+    TWIST,
     Cell("-90 deg", twist_deg=-90),
-    Cell("30 cm", forward=0.3),
+    FORWARD,
     Cell("45 deg + 20 cm", twist_deg=45, forward=0.2),
     Cell("30 deg, board", twist_deg=30, board=0.025),
     Cell("30 deg, half board", twist_deg=30, board=0.025, half_board=True),
 )
+CELLS = {
+    "anymal": QUADRUPED,
+    "go2": (TWIST, FORWARD),
+    "slider": (
+        Cell("vertical"),
+        Cell("20 cm", forward=0.2),
+        TWIST,
+        Cell("35 cm box", forward=0.2, height=0.35),
+        Cell("180 deg", twist_deg=180),
+        Cell("40 cm box", forward=0.2, height=0.4),
+        Cell("40 cm", forward=0.4),
+    ),
+}
+"""What the project's issues ask of each robot; another quadruped is given the first row's."""
 
 _plans: dict[tuple[str, str, Cell], Any] = {}
 
@@ -188,7 +203,7 @@ def main(
     work = [
         (cell, robot, model, seed, options)
         for model in models.split(",")
-        for cell in CELLS
+        for cell in CELLS.get(robot, QUADRUPED)
         if cells in cell.name
         for seed in range(first, last)
     ]
