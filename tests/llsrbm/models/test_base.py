@@ -6,13 +6,28 @@ import casadi as ca
 import numpy as np
 import pytest
 from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from llsrbm import models
 from llsrbm.models.base import point_inertia
-from tests.llsrbm.models.postures import LEGS, ROBOT, feet_in_reach, random_motions, rates, vectors
+from tests.llsrbm.models.postures import (
+    ROBOT,
+    SLIDER,
+    feet_in_reach,
+    random_motions,
+    rates,
+    vectors,
+)
 
-MODELS = {name: models.make_model(name, ROBOT) for name in models.names()}
-every_model = pytest.mark.parametrize("model", MODELS.values(), ids=MODELS)
+MODELS = {
+    (robot, name): models.make_model(name, robot)
+    for robot in (ROBOT, SLIDER)
+    for name in models.names()
+}
+every_model = pytest.mark.parametrize(
+    ("robot", "model"),
+    [pytest.param(robot, m, id=f"{robot.name}-{name}") for (robot, name), m in MODELS.items()],
+)
 quickly = settings(max_examples=40, deadline=None)
 
 
@@ -24,6 +39,24 @@ def dm(feet) -> ca.DM:
     return ca.DM(feet.T)
 
 
+def some_feet(robot, count, rng) -> np.ndarray:
+    """(count, L, d), mirrored hip frame, anywhere in the reach box."""
+    reach, yaw, d = robot.file.reach, robot.file.foot.yaw, robot.foot_coordinates
+    lower, upper = [*reach.lower, yaw[0]][:d], [*reach.upper, yaw[1]][:d]
+    return rng.uniform(lower, upper, size=(count, len(robot.legs), d))
+
+
+def full_mirrors(model) -> np.ndarray:
+    """(L, d): a yaw turns the other way in every mirror."""
+    turn = model.mirrors.prod(axis=1, keepdims=True)
+    return np.hstack([model.mirrors, turn])[:, : model.coordinates]
+
+
+def padded(model, place) -> np.ndarray:
+    """(..., d): a place with no yaw."""
+    return place @ np.eye(3, model.coordinates)
+
+
 def test_point_inertia_is_the_parallel_axis_theorem():
     d = np.array([0.3, -0.2, 0.5])
     cross = np.cross(np.eye(3), d)
@@ -32,31 +65,36 @@ def test_point_inertia_is_the_parallel_axis_theorem():
 
 @every_model
 @quickly
-@given(x=feet_in_reach())
-def test_offset_from_feet_in_hip_and_from_com_are_one_map(model, x):
+@given(data=st.data())
+def test_offset_from_feet_in_hip_and_from_com_are_one_map(robot, model, data):
+    x = data.draw(feet_in_reach(robot))
     offset = model.base_offset(dm(x))
-    beta = [model.foot_from_com(i, dm(x)[:, i], offset) for i in range(LEGS)]
-    np.testing.assert_allclose(
-        column(model.base_offset_from_com(ca.horzcat(*beta))), column(offset), atol=1e-12
-    )
-    for i, b in enumerate(beta):
-        np.testing.assert_allclose(column(model.foot_in_hip(i, b, offset)), x[i], atol=1e-12)
+    places = [column(model.foot_from_com(i, dm(x)[:, i], offset)) for i in range(len(x))]
+    yaws = full_mirrors(model)[:, 3:] * x[:, 3:]
+    beta = dm(np.hstack([places, yaws]))
+    np.testing.assert_allclose(column(model.base_offset_from_com(beta)), column(offset), atol=1e-12)
+    for i in range(len(x)):
+        seen = model.foot_in_hip(i, beta[:, i], offset)
+        np.testing.assert_allclose(column(seen), x[i], atol=1e-12)
 
 
 @every_model
 @quickly
-@given(xdot=rates())
-def test_their_rates_too(model, xdot):
+@given(data=st.data())
+def test_their_rates_too(robot, model, data):
+    xdot = data.draw(rates(robot=robot))
     rate = model.base_offset_rate(dm(xdot))
-    beta_rate = ca.horzcat(*[rate + ca.DM(m) * ca.DM(v) for m, v in zip(model.mirrors, xdot)])
-    from_com = model.base_offset_rate_from_com(beta_rate)
+    beta_rate = padded(model, column(rate)) + full_mirrors(model) * xdot
+    from_com = model.base_offset_rate_from_com(dm(beta_rate))
     np.testing.assert_allclose(column(from_com), column(rate), atol=1e-12)
 
 
 @every_model
 @quickly
-@given(x=feet_in_reach(), xdot=rates())
-def test_rate_is_the_slope_of_the_offset(model, x, xdot):
+@given(data=st.data())
+def test_rate_is_the_slope_of_the_offset(robot, model, data):
+    x = data.draw(feet_in_reach(robot))
+    xdot = data.draw(rates(robot=robot))
     step = 1e-3  # exact: the map is affine
     slope = (model.base_offset(dm(x + step * xdot)) - model.base_offset(dm(x))) / step
     np.testing.assert_allclose(column(model.base_offset_rate(dm(xdot))), column(slope), atol=1e-10)
@@ -64,21 +102,26 @@ def test_rate_is_the_slope_of_the_offset(model, x, xdot):
 
 @every_model
 @quickly
-@given(x=feet_in_reach(), xdot=rates())
-def test_numpy_says_what_casadi_says(model, x, xdot):
+@given(data=st.data())
+def test_numpy_says_what_casadi_says(robot, model, data):
+    x = data.draw(feet_in_reach(robot))
+    xdot = data.draw(rates(robot=robot))
     offset, rate = model.offsets(x[None], xdot[None])
     np.testing.assert_allclose(offset[0], column(model.base_offset(dm(x))), atol=1e-13)
     np.testing.assert_allclose(rate[0], column(model.base_offset_rate(dm(xdot))), atol=1e-13)
-    beta = offset[:, None] + model.hips + model.mirrors * x
-    beta_rate = rate[:, None] + model.mirrors * xdot
+    beta = padded(model, offset[:, None] + model.hips) + full_mirrors(model) * x
+    beta_rate = padded(model, rate[:, None]) + full_mirrors(model) * xdot
     np.testing.assert_allclose(model.stance_feet(beta)[0], x, atol=1e-12)
     np.testing.assert_allclose(model.stance_rate(beta_rate)[0], xdot, atol=1e-12)
 
 
 @every_model
 @quickly
-@given(x=feet_in_reach(), xdot=rates(), w=vectors())
-def test_momentum_is_inertia_times_rate_plus_the_legs(model, x, xdot, w):
+@given(data=st.data())
+def test_momentum_is_inertia_times_rate_plus_the_legs(robot, model, data):
+    x = data.draw(feet_in_reach(robot))
+    xdot = data.draw(rates(robot=robot))
+    w = data.draw(vectors())
     offset = model.base_offset(dm(x))
     direct = ca.mtimes(model.inertia(dm(x), offset), ca.DM(w)) + model.legs_momentum(
         dm(x), dm(xdot), offset
@@ -92,8 +135,12 @@ def test_momentum_is_inertia_times_rate_plus_the_legs(model, x, xdot, w):
 
 @every_model
 @quickly
-@given(x=feet_in_reach(), one=rates(), two=rates(), a=vectors(2.0))
-def test_the_legs_momentum_is_linear_in_their_speed(model, x, one, two, a):
+@given(data=st.data())
+def test_the_legs_momentum_is_linear_in_their_speed(robot, model, data):
+    x = data.draw(feet_in_reach(robot))
+    one = data.draw(rates(robot=robot))
+    two = data.draw(rates(robot=robot))
+    a = data.draw(vectors(2.0))
     offset = model.base_offset(dm(x))
 
     def h(rate):
@@ -106,9 +153,10 @@ def test_the_legs_momentum_is_linear_in_their_speed(model, x, one, two, a):
 
 @every_model
 @quickly
-@given(x=feet_in_reach())
-def test_inertia_is_a_bodys(model, x):
+@given(data=st.data())
+def test_inertia_is_a_bodys(robot, model, data):
     """Symmetric, positive, and no axis heavier than the two others together."""
+    x = data.draw(feet_in_reach(robot))
     inertia = np.array(ca.DM(model.inertia(dm(x), model.base_offset(dm(x)))))
     np.testing.assert_allclose(inertia, inertia.T, atol=1e-12)
     moments = np.linalg.eigvalsh(inertia)
@@ -117,13 +165,12 @@ def test_inertia_is_a_bodys(model, x):
 
 
 @every_model
-def test_many_configurations_at_once_as_symbols_one_by_one(model):
+def test_many_configurations_at_once_as_symbols_one_by_one(robot, model):
     rng = np.random.default_rng(3)
-    reach = ROBOT.file.reach
-    x = rng.uniform(reach.lower, reach.upper, size=(7, LEGS, 3))
-    symbol = ca.SX.sym("x", 3, LEGS)
+    x = some_feet(robot, 7, rng)
+    symbol = ca.SX.sym("x", *x.shape[:0:-1])
     o = model.base_offset(symbol)
-    legs = [model.foot_from_com(i, model.leg_com(i, symbol[:, i]), o) for i in range(LEGS)]
+    legs = [model.foot_from_com(i, model.leg_com(i, symbol[:, i]), o) for i in range(model.legs)]
     one = ca.Function("one", [symbol], [o, model.inertia(symbol, o), ca.horzcat(*legs)])
     offset, inertia, leg_com = model.evaluate(x)
     for k, feet in enumerate(x):
@@ -134,13 +181,12 @@ def test_many_configurations_at_once_as_symbols_one_by_one(model):
 
 
 @every_model
-def test_mirror_images_mirror(model):
+def test_mirror_images_mirror(robot, model):
     """Left and right exchanged: inertia and momentum are those of the robot in the mirror."""
     rng = np.random.default_rng(4)
-    reach = ROBOT.file.reach
-    x = rng.uniform(reach.lower, reach.upper, size=(20, LEGS, 3))
-    xdot, w = rng.normal(size=(20, LEGS, 3)), rng.normal(size=(20, 3))
-    swap, flip = [1, 0, 3, 2], np.diag([1.0, -1.0, 1.0])
+    x = some_feet(robot, 20, rng)
+    xdot, w = rng.normal(size=x.shape), rng.normal(size=(20, 3))
+    swap, flip = [1, 0, 3, 2][: model.legs], np.diag([1.0, -1.0, 1.0])
     offset, inertia, leg_com = model.evaluate(x)
     swapped = model.evaluate(x[:, swap])
     # The URDF itself is symmetric only to within a few grams and millimetres.
@@ -154,26 +200,31 @@ def test_mirror_images_mirror(model):
 
 
 @every_model
-def test_numbers_are_plain_data_that_tell_robots_apart(model):
+def test_numbers_are_plain_data_that_tell_robots_apart(robot, model):
     text = json.dumps(model.numbers(), sort_keys=True)
-    again = models.make_model(model.name, ROBOT)
+    again = models.make_model(model.name, robot)
     assert json.dumps(again.numbers(), sort_keys=True) == text
-    model.evaluate(np.zeros((1, LEGS, 3)))
+    model.evaluate(np.zeros((1, model.legs, model.coordinates)))
     assert json.dumps(model.numbers(), sort_keys=True) == text
     others = [json.dumps(m.numbers(), sort_keys=True) for m in MODELS.values() if m is not model]
     assert text not in others
 
 
-def test_offset_is_where_the_base_is():
-    """The affine maps put the base to within millimetres; the paper's rule to within 2 cm."""
-    motions = random_motions(100, seed=1)
+@pytest.mark.parametrize(("robot", "bounds"), [(ROBOT, (0.01, 0.025)), (SLIDER, (0.005, 0.06))])
+def test_offset_is_where_the_base_is(robot, bounds):
+    """The affine maps put the base to within millimetres; the paper's rule to within 2 cm.
+
+    On SLIDER to 5 cm: not the whole leg shortens with the distance of the foot.
+    """
+    motions = random_motions(100, seed=1, robot=robot)
     beta = np.array([m.beta for m in motions])
     true = np.array([m.offset for m in motions])
     worst = {}
-    for name, model in MODELS.items():
+    for name in models.names():
+        model = MODELS[robot, name]
         offset = model.evaluate(model.stance_feet(beta))[0]
         worst[name] = np.linalg.norm(offset - true, axis=1).max()
-    assert worst["llsrbm-plus"] < 0.01
-    assert worst["llsrbm"] < 0.025
-    assert worst["srbm"] < 0.025
+    assert worst["llsrbm-plus"] < bounds[0]
+    assert worst["llsrbm"] < bounds[1]
+    assert worst["srbm"] < bounds[1]
     assert worst["llsrbm-plus"] < worst["llsrbm"]

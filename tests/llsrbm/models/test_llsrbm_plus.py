@@ -7,19 +7,33 @@ import casadi as ca
 import numpy as np
 import pytest
 from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from benchmarks.leg_fit import plus_inertia_and_momentum
 from llsrbm.models.llsrbm import LLSRBM
 from llsrbm.models.llsrbm_plus import LLSRBMPlus
 from llsrbm.models.srbm import SRBM
-from tests.llsrbm.models.postures import LEGS, ROBOT, feet_in_reach, random_motions, rates
+from tests.llsrbm.models.postures import (
+    LEGS,
+    ROBOT,
+    SLIDER,
+    feet_in_reach,
+    random_motions,
+    rates,
+)
 
 MODEL = LLSRBMPlus(ROBOT)
+SLIDING = LLSRBMPlus(SLIDER)
 
 
 @pytest.fixture(scope="module")
 def motions():
     return random_motions(200)
+
+
+@pytest.fixture(scope="module")
+def slides():
+    return random_motions(200, robot=SLIDER)
 
 
 def seen_by(model, motions):
@@ -54,6 +68,28 @@ def test_momentum_is_far_nearer_than_without_the_legs_own(motions):
     error = momentum_error(MODEL, motions)
     for other in (SRBM(ROBOT), LLSRBM(ROBOT)):
         assert (error < 0.5 * momentum_error(other, motions)).all()
+
+
+def test_sliding_legs_with_soles(slides):
+    """Bounds about twice what is reached: Ly decides whether SLIDER's pelvis stays upright."""
+    true = np.array([m.inertia for m in slides])
+    _, inertia, leg_com = SLIDING.evaluate(seen_by(SLIDING, slides)[0])
+    relative = np.diagonal(inertia - true, axis1=1, axis2=2) / np.diagonal(true, axis1=1, axis2=2)
+    assert (np.sqrt(np.mean(relative**2, axis=0)) < [0.01, 0.01, 0.01]).all()
+    assert (momentum_error(SLIDING, slides) < [0.012, 0.012, 0.012]).all()
+    for other in (SRBM(SLIDER), LLSRBM(SLIDER)):
+        assert (momentum_error(SLIDING, slides) < 0.1 * momentum_error(other, slides)).all()
+    assert np.abs(leg_com - [m.leg_com for m in slides]).max() < 0.01
+
+
+def test_a_soles_own_turn_counts():
+    """About the vertical, with the inertia that the URDF gives the foot about its own CoM."""
+    x = np.tile([0.0, 0.0, -0.66, 0.3], (1, 2, 1))
+    turning = np.zeros_like(x)
+    turning[..., 3] = 2.0, -3.0
+    h = SLIDING.evaluate_momentum(x, turning, np.zeros((1, 3)))[0]
+    # Outwards is to the left for the first leg, to the right for the second.
+    assert h == pytest.approx([0.0, 0.0, 0.017 * (2.0 + 3.0)], abs=2e-3)
 
 
 def test_leg_coms(motions):
@@ -92,19 +128,23 @@ def test_the_com_moves_as_its_map_says(x, xdot):
         np.testing.assert_allclose(rate, (ahead - behind) / (2 * step), atol=1e-8)
 
 
+@pytest.mark.parametrize("model", [MODEL, SLIDING], ids=["anymal", "slider"])
 @settings(max_examples=40, deadline=None)
-@given(x=feet_in_reach(), xdot=rates())
-def test_the_same_in_numpy(x, xdot):
+@given(data=st.data())
+def test_the_same_in_numpy(model, data):
     """The benchmark's formulas, written from the feet seen from the CoM."""
-    offset, offset_rate = MODEL.offsets(x[None], xdot[None])
-    beta = offset[0] + MODEL.hips + MODEL.mirrors * x
-    beta_rate = offset_rate[0] + MODEL.mirrors * xdot
-    inertia, h, o = plus_inertia_and_momentum(ROBOT.fit, beta, beta_rate)
+    robot = ROBOT if model is MODEL else SLIDER
+    x, xdot = data.draw(feet_in_reach(robot)), data.draw(rates(robot=robot))
+    offset, offset_rate = model.offsets(x[None], xdot[None])
+    yaw, yaw_rate = (model.mirrors.prod(axis=1)[:, None] * a[:, 3:] for a in (x, xdot))
+    beta = np.hstack([offset[0] + model.hips + model.mirrors * x[:, :3], yaw])
+    beta_rate = np.hstack([offset_rate[0] + model.mirrors * xdot[:, :3], yaw_rate])
+    inertia, h, o = plus_inertia_and_momentum(robot.fit, beta, beta_rate)
     np.testing.assert_allclose(offset[0], o, atol=1e-12)
-    np.testing.assert_allclose(MODEL.evaluate(x[None])[1][0], inertia, atol=1e-12)
+    np.testing.assert_allclose(model.evaluate(x[None])[1][0], inertia, atol=1e-12)
     still = np.zeros((1, 3))
     np.testing.assert_allclose(
-        MODEL.evaluate_momentum(x[None], xdot[None], still)[0], h, atol=1e-12
+        model.evaluate_momentum(x[None], xdot[None], still)[0], h, atol=1e-12
     )
 
 
