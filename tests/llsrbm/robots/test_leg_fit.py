@@ -8,6 +8,7 @@ from llsrbm.cache import ENVIRONMENT_VARIABLE
 from llsrbm.errors import RobotFileError
 from llsrbm.robots import load_robot
 from llsrbm.robots.leg_fit import (
+    affine_features,
     affine_slopes,
     fit_legs,
     load_or_fit,
@@ -23,9 +24,29 @@ def test_maps_are_true_of_every_quadruped(name):
     """Against Pinocchio, feet anywhere in the reach box and moving at random."""
     robot = load_robot(name)
     found = truth(robot, fit_legs(robot), count=150)
-    assert found.inertia_zz < 0.02
-    assert found.momentum_z < 0.03
+    assert found.inertia[2] < 0.02
+    assert found.momentum[2] < 0.03
     assert found.base_offset < 0.015 * np.linalg.norm(robot.feet - robot.com, axis=1).mean()
+
+
+def test_maps_are_true_of_sliding_legs_with_soles():
+    """About every axis, soles turning at random: the legs are five times the pelvis in pitch."""
+    robot = load_robot("slider")
+    found = truth(robot, fit_legs(robot), count=150)
+    assert (found.inertia < 0.02).all()
+    assert (found.momentum < 0.03).all()
+    assert found.base_offset < 0.008
+
+
+def test_a_soles_turn_is_the_foots_alone():
+    """SLIDER's yaw joint is below the slide: its column of S is the foot's Izz, of c nothing."""
+    robot = load_robot("slider")
+    fit = fit_legs(robot)
+    (x,) = quadratic_features(np.array([[0.05, 0.02, -0.6, 0.4]]))
+    spin = (x @ fit.spin_map).reshape(3, 4)
+    assert spin[:, 3] == pytest.approx([0, 0, 0.017], abs=5e-4)
+    slope = fit.com_quadratic.T @ quadratic_slopes(np.array([0.05, 0.02, -0.6, 0.4]))
+    assert np.abs(slope[:, 3]).max() < 2e-3
 
 
 def test_anymals_maps_beat_the_papers_rule():
@@ -38,7 +59,7 @@ def test_anymals_maps_beat_the_papers_rule():
     assert fit.proportional_fraction == pytest.approx(0.6225, abs=1e-3)
 
 
-@pytest.mark.parametrize("name", QUADRUPEDS)
+@pytest.mark.parametrize("name", [*QUADRUPEDS, "slider"])
 def test_masses_add_up(name):
     robot = load_robot(name)
     fit = fit_legs(robot, samples=400)
@@ -48,18 +69,21 @@ def test_masses_add_up(name):
         np.testing.assert_allclose(row.reshape(3, 3), row.reshape(3, 3).T, atol=1e-9)
     # In mirrored axes all legs stand alike: the map's inertia there is a body's.
     seen = robot.mirrors * (robot.feet - robot.base_position - robot.hips)
-    standing = (np.append(1.0, seen[0]) @ fit.inertia_map).reshape(3, 3)
+    x = np.append(seen[0], np.zeros(robot.foot_coordinates - 3))
+    features = affine_features(x) if len(fit.inertia_map) == 1 + len(x) else quadratic_features(x)
+    standing = (features @ fit.inertia_map).reshape(3, 3)
     assert np.linalg.eigvalsh(standing).min() > 0
 
 
-def test_slopes_are_the_features_derivatives():
+@pytest.mark.parametrize("coordinates", [3, 4])
+def test_slopes_are_the_features_derivatives(coordinates):
     rng = np.random.default_rng(0)
-    x, step = rng.uniform(-0.5, 0.5, size=(20, 3)), 1e-6
-    for k in range(3):
-        d = step * np.eye(3)[k]
+    x, step = rng.uniform(-0.5, 0.5, size=(20, coordinates)), 1e-6
+    for k in range(coordinates):
+        d = step * np.eye(coordinates)[k]
         slope = (quadratic_features(x + d) - quadratic_features(x - d)) / (2 * step)
         np.testing.assert_allclose(quadratic_slopes(x)[:, :, k], slope, atol=1e-8)
-    np.testing.assert_array_equal(affine_slopes(x)[3, 1:], np.eye(3))
+    np.testing.assert_array_equal(affine_slopes(x)[3, 1:], np.eye(coordinates))
 
 
 def test_the_same_seed_gives_the_same_fit():
