@@ -47,6 +47,10 @@ def anymal_with(tmp_path, change):
     return build_robot(path)
 
 
+def test_no_knee_of_slider():
+    assert knee_links(load_robot("slider")) is None
+
+
 def test_no_knee_that_slides(tmp_path):
     robot = anymal_with(tmp_path, lambda m: m[0].replace('"revolute"', '"prismatic"'))
     assert knee_links(robot) is None
