@@ -185,10 +185,15 @@ class WholeBodyController:
         tracking = not flying and not following_forces
         contact = np.ones(body.legs, dtype=bool) if phase == Phase.TAKEOFF else self._touching
         in_the_air = self._swing if flying else self._seeking
-        feet = (
+        feet: list[tuple[tasks.Task, float]] = [
             (self._standing[i], weights.contact) if contact[i] else (in_the_air[i], weights.swing)
             for i in range(body.legs)
-        )
+        ]
+        feet += [
+            (level, weights.swing_orientation)
+            for level, stands in zip(self._level, contact, strict=False)
+            if not stands
+        ]
         wanted = target.contact_force
         if phase == Phase.LANDING:
             standing = np.array([0.0, 0.0, body.mass * _GRAVITY / body.contacts])
