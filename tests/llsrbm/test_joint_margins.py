@@ -13,14 +13,18 @@ from llsrbm.trajectory.resample import resample, uniform_times
 from tests.llsrbm.kinematics import foot_positions
 
 
-@pytest.fixture(scope="module")
-def robot():
-    return load_robot("anymal")
-
-
-@pytest.fixture(scope="module", params=[{"twist": 1.57}, {"forward": 0.3}], ids=str)
+@pytest.fixture(
+    scope="module",
+    params=[{"twist": 1.57}, {"forward": 0.3}, {"robot": "slider", "twist": 1.57}],
+    ids=str,
+)
 def plan(request):
     return llsrbm.plan(llsrbm.Jump(**request.param))
+
+
+@pytest.fixture
+def robot(plan):
+    return load_robot(plan.jump.robot)
 
 
 def test_feet_of_the_resampled_posture(plan, robot):
@@ -36,7 +40,7 @@ def test_peak_speeds_are_those_of_inverse_kinematics(plan, robot):
     times = (plan.time[:-1, None] + np.array([0.01, 0.5, 0.99]) * dt).ravel()
     half = 1e-5
     before, after = (
-        solve_postures(robot, m.com, m.base_quat, m.foot_position).joint_position
+        solve_postures(robot, m.com, m.base_quat, m.foot_position, m.foot_quat).joint_position
         for m in (resample(plan, times - half), resample(plan, times + half))
     )
     peaks = np.abs(after - before).max(axis=0) / (2 * half)
@@ -48,4 +52,5 @@ def test_peak_speeds_are_those_of_inverse_kinematics(plan, robot):
 
 
 def test_peak_speed_is_within_the_limit(plan, robot):
-    assert joint_margins(plan, robot).peak_speed <= 15.0 + 0.2
+    for margin in joint_margins(plan, robot).joints:
+        assert margin.speed_margin > -0.2, margin
