@@ -183,6 +183,11 @@ class WholeBodyController:
         flying = phase == Phase.FLIGHT
         following_forces = mode == Mode.FORCE
         tracking = not flying and not following_forces
+        orientation, angular_momentum = {
+            Phase.TAKEOFF: (weights.orientation_in_takeoff, weights.angular_momentum_in_takeoff),
+            Phase.FLIGHT: (weights.orientation_in_flight, 0.0),
+            Phase.LANDING: (weights.orientation, weights.angular_momentum if tracking else 0.0),
+        }[phase]
         contact = np.ones(body.legs, dtype=bool) if phase == Phase.TAKEOFF else self._touching
         in_the_air = self._swing if flying else self._seeking
         feet: list[tuple[tasks.Task, float]] = [
@@ -202,11 +207,8 @@ class WholeBodyController:
             chain(
                 (
                     (self._com, weights.com if tracking else 0.0),
-                    (self._angular_momentum, weights.angular_momentum if tracking else 0.0),
-                    (
-                        self._orientation,
-                        weights.orientation_in_flight if flying else weights.orientation,
-                    ),
+                    (self._angular_momentum, angular_momentum),
+                    (self._orientation, orientation),
                     (self._posture, weights.posture),
                 ),
                 feet,

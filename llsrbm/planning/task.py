@@ -152,15 +152,17 @@ def make_task(jump: Jump, robot: Robot, weights: dict[str, float] | None = None)
         value = getattr(jump, name)
         if not low - 1e-4 <= value <= high + 1e-4:
             raise InputError(_out_of_range(robot.name, name, value, low, high))
-    unknown = set(weights or {}) - set(default_weights())
-    if unknown:
-        raise InputError(
-            f"unknown weight {sorted(unknown)[0]!r}; the weights are {', '.join(default_weights())}"
-        )
-    for name, weight in (weights or {}).items():
-        if not (np.isfinite(weight) and weight >= 0):
-            raise InputError(f"weight {name}: expected a number of at least 0, got {weight}")
-    return place_task(jump, robot, default_weights() | (weights or {}))
+    of_robot = robot.file.planning
+    for where, given in ((f"{robot.path}: planning: ", of_robot), ("", weights or {})):
+        for name, weight in given.items():
+            if name not in default_weights():
+                valid = ", ".join(default_weights())
+                raise InputError(f"{where}unknown weight {name!r}; the weights are {valid}")
+            if not (np.isfinite(weight) and weight >= 0):
+                raise InputError(
+                    f"{where}weight {name}: expected a number of at least 0, got {weight}"
+                )
+    return place_task(jump, robot, default_weights() | of_robot | (weights or {}))
 
 
 def place_task(jump: Jump, robot: Robot, weights: dict[str, float]) -> Task:

@@ -168,6 +168,20 @@ class Task(_Table):
     height: Interval
 
 
+class Example(_Table):
+    """The jump that a page shows first: one that shows the robot well, within `Task`.
+
+    Attributes:
+        twist: rad, positive to the left.
+        forward, lateral, height: m.
+    """
+
+    twist: float = 0.0
+    forward: float = 0.0
+    lateral: float = 0.0
+    height: float = 0.0
+
+
 class Gains(_Table):
     """Feedback of the whole-body controller's tasks: (stiffness 1/s2, damping 1/s).
 
@@ -195,6 +209,8 @@ class Weights(_Table):
         com, orientation, angular_momentum, swing, contact, posture: of squared accelerations (of
             the angular momentum, its rate).
         swing_orientation: of soles in the air.
+        orientation_in_takeoff, angular_momentum_in_takeoff: there the momenta decide where a flight
+            leads; a light base between heavy legs must give way to them.
         orientation_in_flight: momentum is conserved there, so the feet come first.
         force: of squared contact force errors while a trajectory is tracked, 1/N2: only chooses
             among forces that do the same.
@@ -203,8 +219,10 @@ class Weights(_Table):
 
     com: Length = 10.0
     orientation: Length = 10.0
+    orientation_in_takeoff: Length = 10.0
     orientation_in_flight: Length = 0.1
     angular_momentum: Length = 1.0
+    angular_momentum_in_takeoff: Length = 1.0
     swing: Length = 100.0
     swing_orientation: Length = 10.0
     contact: Length = 1e4
@@ -239,7 +257,9 @@ class RobotFile(_Table):
         urdf: where its URDF is.
         legs: leg name -> frames, in the order used everywhere.
         posture: leg name -> joint angles of the default posture, rad, from the base outwards.
-        foot, reach, limits, timing, task, control: see there.
+        foot, reach, limits, timing, task, example, control: see there.
+        planning: cost name -> weight, where this robot wants another one than
+            `llsrbm.planning.costs` has.
     """
 
     name: Annotated[str, Field(pattern=r"^[a-z0-9][a-z0-9_-]*$")]
@@ -252,7 +272,9 @@ class RobotFile(_Table):
     limits: Limits
     timing: Timing
     task: Task
+    example: Example = Example()
     control: Control = Control()
+    planning: dict[str, Length] = Field(default_factory=dict)
 
     @model_validator(mode="after")
     def _posture_of_every_leg(self) -> Self:
@@ -267,6 +289,18 @@ class RobotFile(_Table):
             if leg not in self.posture:
                 raise PydanticCustomError(
                     "posture", "posture.{leg}: missing; expected joint angles", {"leg": leg}
+                )
+        return self
+
+    @model_validator(mode="after")
+    def _example_within_task(self) -> Self:
+        for name in sorted(self.example.model_fields_set):
+            value, (low, high) = getattr(self.example, name), getattr(self.task, name)
+            if not low <= value <= high:
+                raise PydanticCustomError(
+                    "example",
+                    "example.{name}: expected {low} to {high}, as task.{name} says, got {value}",
+                    {"name": name, "low": low, "high": high, "value": value},
                 )
         return self
 
@@ -345,7 +379,7 @@ def _sentence(detail: ErrorDetails) -> str:
         case "missing" | "too_long" | "too_short":
             container = ".".join(str(part) for part in location if isinstance(part, str))
             return f"{container}: {_expected_length(container, detail)}, got {given_text}"
-        case "posture":
+        case "posture" | "example":
             return detail["msg"]
         case "tuple_type":
             return f"{key}: expected an array of numbers, got {given_text}"
