@@ -152,8 +152,9 @@ def _avoiding(points: Array, others: Array, radius: float) -> _Rectangle | None:
         )
         where = others[beside, axis]
         before, after = where[where < low[axis]], where[where > high[axis]]
-        low[axis] = max(wide.low[axis], before.max(initial=-np.inf) + radius)
-        high[axis] = min(wide.high[axis], after.min(initial=np.inf) - radius)
+        # An edge between start and landing is in the middle: feet rise and land beside it.
+        low[axis] = max(wide.low[axis], (before.max(initial=-np.inf) + radius + low[axis]) / 2)
+        high[axis] = min(wide.high[axis], (after.min(initial=np.inf) - radius + high[axis]) / 2)
     return _Rectangle(low, high)
 
 
