@@ -19,7 +19,7 @@ FRAME_RATE = 120.0
 
 @dataclass(frozen=True, eq=False)
 class Frames:
-    """F instants of a robot in motion, world frame: B bodies, L feet, C contacts.
+    """F instants of a robot in motion, world frame: B bodies, L feet.
 
     Attributes:
         time: (F,) s.
@@ -29,7 +29,8 @@ class Frames:
         yaw_wxyz: (F, 4): the base's heading alone.
         foot_position: (F, L, 3) m.
         flight: (F,) whether in flight.
-        contact_point: (F, C, 3) m and contact_force: (F, C, 3) N.
+        foot_force: (F, L, 3) N: the sum over a foot's contacts.
+        pressed_at: (F, L, 3) m: where it acts, a sole's centre of pressure.
         weight: of the robot, N.
     """
 
@@ -42,8 +43,8 @@ class Frames:
     yaw_wxyz: Array
     foot_position: Array
     flight: NDArray[np.bool_]
-    contact_point: Array
-    contact_force: Array
+    foot_force: Array
+    pressed_at: Array
     weight: float
 
     def frame_at(self, time: float) -> int:
@@ -69,10 +70,10 @@ def make_frames(
     inertia: Array,
     foot_position: Array,
     flight: NDArray[np.bool_],
-    contact_point: Array,
-    contact_force: Array,
+    foot_force: Array,
+    pressed_at: Array,
 ) -> Frames:
-    """Frames of a motion, given as in `Plan`: joints in the robot's order, quaternions w x y z."""
+    """Frames of a motion, given as in `Frames` and `Plan`: joints in the robot's order."""
     body_position, body_wxyz = forward_kinematics(robot, base_position, base_quat, joint_position)
     base = Rotation.from_quat(base_quat, scalar_first=True)
     inertia_axes, inertia_wxyz = ellipsoid(inertia, robot.mass, base.as_matrix())
@@ -86,8 +87,8 @@ def make_frames(
         yaw_wxyz=_headings(base),
         foot_position=foot_position,
         flight=flight,
-        contact_point=contact_point,
-        contact_force=contact_force,
+        foot_force=foot_force,
+        pressed_at=pressed_at,
         weight=float(robot.mass * np.linalg.norm(robot.model.gravity.linear)),
     )
 

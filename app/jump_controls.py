@@ -66,12 +66,13 @@ class JumpControls:
         return Jump(robot=robot, model=model, **amounts), complaints
 
     def show_robot(self, robot_file: RobotFile) -> None:
-        """The ranges of another robot; values outside of them move to the nearest end."""
+        """The ranges of another robot, and its own example."""
         self._task = robot_file.task
         for axis in _AXES:
             handle = self._sliders[axis.field]
             handle.min, handle.max = _range(axis, robot_file.task)
-            put(handle, min(max(float(handle.value), handle.min), handle.max))
+            shown = _rounded(axis, getattr(robot_file.example, axis.field))
+            put(handle, min(max(shown, handle.min), handle.max))
 
     def show(self, jump: Jump) -> None:
         """Put the controls where a corrected request has them."""

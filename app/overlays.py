@@ -11,10 +11,12 @@ from collections.abc import Sequence
 import numpy as np
 import viser
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
 from app import colours
 from app.colours import Rgb
 from app.frames import Frames
+from llsrbm.robots import Robot
 from llsrbm.simulation.surroundings import Block
 from llsrbm.trajectory.plan import Plan
 
@@ -24,7 +26,9 @@ ARROW_PER_WEIGHT = 0.8
 """Length of the arrow of a force as large as the robot's weight, m."""
 
 _OUTSIDE = 1.004  # a wireframe must lie just outside of a surface to be seen
-_FOOTPRINT = 0.03  # m, radius of a landing mark
+_FOOTPRINT = 0.03  # m, radius of a point foot's landing mark
+_SOLE_EDGE = 0.01  # m, of a sole's landing mark around the contact points
+_THIN = 0.004  # m, thickness of a landing mark
 _MARGIN = 0.12  # m, of the landing surface around the feet
 _ALONG_TRAIL = 4  # frames between the points of a trail
 _PUSHING = 1.0  # N; smaller forces are not drawn
@@ -69,11 +73,11 @@ class Ellipsoid:
 
 
 class Forces:
-    """An arrow a contact, from the contact along the force."""
+    """An arrow a foot, from where the force acts along the force."""
 
-    def __init__(self, client: viser.ClientHandle, contacts: int) -> None:
+    def __init__(self, client: viser.ClientHandle, feet: int) -> None:
         """Hidden."""
-        self._points = np.zeros((contacts, 2, 3), dtype=np.float32)
+        self._points = np.zeros((feet, 2, 3), dtype=np.float32)
         self._visible = False
         self._arrows = client.scene.add_arrows(
             "/arrows",
@@ -87,7 +91,7 @@ class Forces:
 
     def move(self, frames: Frames, frame: int) -> None:
         """Show a frame's forces, if they differ: planned ones are constant over an interval."""
-        force, foot = frames.contact_force[frame], frames.contact_point[frame]
+        force, foot = frames.foot_force[frame], frames.pressed_at[frame]
         pushing = np.linalg.norm(force, axis=1) > _PUSHING
         if pushing.any():
             tip = foot + force * (ARROW_PER_WEIGHT / frames.weight)
@@ -142,23 +146,19 @@ class Trails:
 
 
 class Target:
-    """Marks where the feet shall land, and the step up or down as a translucent block."""
+    """Marks where the feet shall land, and the step up or down as a translucent block.
 
-    def __init__(self, client: viser.ClientHandle, feet: int) -> None:
+    A mark is a disc for a point foot, and a sole's outline turned as the sole shall be.
+    """
+
+    def __init__(self, client: viser.ClientHandle, robot: Robot) -> None:
         """Hidden."""
+        self._client = client
+        corners = robot.corners
+        self._sole = None if robot.file.foot.is_point else np.ptp(corners, axis=0)[:2]
+        self._centre = (corners.min(axis=0) + corners.max(axis=0)) / 2 * [1.0, 1.0, 0.0]
         scene = client.scene
-        self._marks = [
-            scene.add_cylinder(
-                f"/target/foot{i}",
-                _FOOTPRINT,
-                0.004,
-                colours.TARGET,
-                radial_segments=16,
-                cast_shadow=False,
-                visible=False,
-            )
-            for i in range(feet)
-        ]
+        self._marks = [self._add_mark(f"/target/foot{i}") for i in range(len(robot.legs))]
         self._step = scene.add_box(
             "/target/step", colours.TARGET, opacity=0.22, cast_shadow=False, visible=False
         )
@@ -166,8 +166,10 @@ class Target:
     def draw(self, plan: Plan, *, step: bool) -> None:
         """Take a plan's; without `step`, only the marks."""
         height, landing = plan.jump.height, plan.foot_position[-1]
-        for mark, foot in zip(self._marks, landing, strict=True):
-            mark.position = (foot[0], foot[1], height + 0.003)
+        for mark, foot, wxyz in zip(self._marks, landing, plan.foot_quat[-1], strict=True):
+            x, y, _ = foot + Rotation.from_quat(wxyz, scalar_first=True).apply(self._centre)
+            mark.position = (x, y, height + 0.003)
+            mark.wxyz = wxyz
             mark.visible = True
         self._step.visible = step and height != 0
         if not self._step.visible:
@@ -183,6 +185,26 @@ class Target:
         """Remove for good."""
         for node in (*self._marks, self._step):
             node.remove()
+
+    def _add_mark(self, name: str) -> viser.CylinderHandle | viser.BoxHandle:
+        if self._sole is None:
+            return self._client.scene.add_cylinder(
+                name,
+                _FOOTPRINT,
+                _THIN,
+                colours.TARGET,
+                radial_segments=16,
+                cast_shadow=False,
+                visible=False,
+            )
+        length, width = self._sole + 2 * _SOLE_EDGE
+        return self._client.scene.add_box(
+            name,
+            colours.TARGET,
+            dimensions=(length, width, _THIN),
+            cast_shadow=False,
+            visible=False,
+        )
 
 
 class Blocks:

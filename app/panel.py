@@ -72,7 +72,7 @@ class Panel:
         with gui.add_folder("Jump"):
             self.jump = JumpControls(gui, jump, robot_file)
         with gui.add_folder("Whole body"):
-            self.simulation = SimulationControls(gui)
+            self.simulation = SimulationControls(gui, robot_file)
         with gui.add_folder("Playback"):
             self._transport = gui.add_button_group("Motion", ("Play", "Pause"))
             self._time = gui.add_slider("Time [s]", 0.0, 1.0, 0.01, 0.0)
@@ -136,6 +136,11 @@ class Panel:
         """The status line; `busy` while there is something to cancel."""
         self._status.content = markup.status(word, rest)
         self._cancel.disabled = not busy
+
+    def show_robot(self, robot_file: RobotFile) -> None:
+        """The ranges of another robot, and its example."""
+        self.jump.show_robot(robot_file)
+        self.simulation.show_robot(robot_file)
 
     def show_plan(self, replay: Replay, values: Figures) -> None:
         """A plan's numbers, and no simulation's."""

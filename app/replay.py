@@ -65,6 +65,7 @@ def presentable(plan: Plan) -> bool:
 def bake(plan: Plan, robot: Robot) -> Replay:
     """All frames of a plan; takes some milliseconds."""
     motion = resample(plan, uniform_times(plan, FRAME_RATE, phase_edges=True))
+    foot_force, pressed_at = resultants(motion.contact_point, motion.contact_force, len(robot.legs))
     frames = make_frames(
         robot,
         time=motion.time,
@@ -75,13 +76,29 @@ def bake(plan: Plan, robot: Robot) -> Replay:
         inertia=motion.inertia,
         foot_position=motion.foot_position,
         flight=motion.phase == Phase.FLIGHT,
-        contact_point=motion.contact_point,
-        contact_force=motion.contact_force,
+        foot_force=foot_force,
+        pressed_at=pressed_at,
     )
     base = Rotation.from_quat(motion.base_quat, scalar_first=True)
     rigid_axes, rigid_turn = ellipsoid(robot.inertia[None], robot.mass, np.eye(3)[None])
     rigid = base * Rotation.from_quat(rigid_turn[0], scalar_first=True)
     return Replay(plan, motion, frames, rigid_axes[0], rigid.as_quat(scalar_first=True))
+
+
+def resultants(points: Array, forces: Array, feet: int) -> tuple[Array, Array]:
+    """Forces on feet, (F, L, 3) N, and where they act, (F, L, 3) m: the centres of pressure.
+
+    Args:
+        points: (F, C, 3) m, feet x contacts of a foot.
+        forces: (F, C, 3) N, at the points.
+        feet: L.
+    """
+    points, forces = (values.reshape(len(values), feet, -1, 3) for values in (points, forces))
+    total = forces.sum(axis=2)
+    vertical = forces[..., 2:]
+    pushed = total[..., 2:] > 0
+    weighted = (vertical * points).sum(axis=2) / np.where(pushed, total[..., 2:], 1.0)
+    return total, np.where(pushed, weighted, points.mean(axis=2))
 
 
 def figures(replay: Replay, robot: Robot) -> Figures:

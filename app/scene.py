@@ -16,6 +16,7 @@ from app.frames import Frames
 from app.overlays import Blocks, Ellipsoid, Forces, Target, Trails
 from app.replay import Replay
 from app.robot_nodes import RobotNodes
+from app.viewpoint import viewpoint
 from llsrbm.robots import Robot
 from llsrbm.simulation.surroundings import Block
 
@@ -70,7 +71,10 @@ class Scene:
         self._target: Target | None = None
 
     def show_robot(self, robot: Robot) -> None:
-        """Replace the robot by this one, in its default posture; nothing of a plan stays."""
+        """Replace the robot by this one, in its default posture, and look at it.
+
+        Nothing of a plan stays.
+        """
         with self._client.atomic():
             self._clear()
             for nodes in (self._solid, self._ghost):
@@ -79,6 +83,9 @@ class Scene:
             self._robot = robot
             self._solid = RobotNodes(self._client, robot, "/links")
             self._ghost = None
+            # The position first: it takes along what is looked at.
+            camera, (position, target) = self._client.camera, viewpoint(robot)
+            camera.position, camera.look_at = position, target
 
     def show_motion(
         self, planned: Replay, simulated: Frames | None = None, blocks: Sequence[Block] = ()
@@ -90,13 +97,14 @@ class Scene:
             simulated: of the robot that followed it.
             blocks: what stood around it.
         """
+        assert self._robot is not None
         with self._client.atomic():
             self._planned, self._simulated = planned, simulated
             solid = simulated or planned.frames
             if self._forces is None or self._target is None:
-                self._forces = Forces(self._client, solid.contact_point.shape[1])
-                self._target = Target(self._client, solid.foot_position.shape[1])
-            if simulated is not None and self._ghost is None and self._robot is not None:
+                self._forces = Forces(self._client, len(self._robot.legs))
+                self._target = Target(self._client, self._robot)
+            if simulated is not None and self._ghost is None:
                 self._ghost = RobotNodes(self._client, self._robot, "/shade", ghost=True)
             self._target.draw(planned.plan, step=simulated is None)
             self._blocks.draw(blocks)

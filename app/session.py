@@ -6,7 +6,6 @@ something happened; this thread then reads the controls as they stand. The lates
 
 from __future__ import annotations
 
-import math
 import queue
 import threading
 from contextlib import closing
@@ -35,12 +34,10 @@ from app.stage import Stage
 from app.worker_client import WorkerClient
 from llsrbm.errors import Error
 from llsrbm.jump import Jump
-from llsrbm.robots import Robot, load_robot
+from llsrbm.robots import Robot, load_robot, read_robot_file
+from llsrbm.robots.assets import robot_files
 from llsrbm.trajectory.plan import Plan
 from llsrbm.trajectory.rollout import Rollout
-
-FIRST_JUMP = Jump(twist=math.radians(90))
-"""What a tab begins with: the motion that shows most clearly what drawing in the legs does."""
 
 
 class _Stop(Enum):
@@ -63,7 +60,8 @@ class Session:
         self._thread = threading.Thread(
             target=self._run, name=f"session-{client.client_id}", daemon=True
         )
-        self.jump = FIRST_JUMP
+        self._file = read_robot_file(robot_files()[Jump().robot])
+        self.jump = Jump(robot=self._file.name, **self._file.example.model_dump())
         self._robot: Robot | None = None
         self._awaited: Task | None = None  # the newest job's, until its outcome is there
         self._asked: Jump | None = None  # what the newest plan was asked for
@@ -93,9 +91,7 @@ class Session:
     # ---- the thread
 
     def _run(self) -> None:
-        self._panel = Panel(
-            self._client, self.jump, load_robot(self.jump.robot).file, self._inbox.put
-        )
+        self._panel = Panel(self._client, self.jump, self._file, self._inbox.put)
         try:
             with closing(Stage(self._client, self._panel, self._computing)) as self._stage:
                 self._stage.start()
@@ -163,10 +159,14 @@ class Session:
 
     def _request(self) -> None:
         jump, complaints = self._panel.jump.read(self.jump)
+        robot_changed = jump.robot != self.jump.robot
+        if robot_changed:
+            # What was asked of the other robot is not for this one.
+            self._panel.show_robot(read_robot_file(robot_files()[jump.robot]))
+            jump, complaints = self._panel.jump.read(jump)
         if complaints:
             self._panel.notify("Corrected", "; ".join(complaints))
             self._panel.jump.show(jump)
-        robot_changed = jump.robot != self.jump.robot
         self.jump = jump
         preparing = isinstance(self._awaited, Prepare)
         if robot_changed or (self._robot is None and not preparing):

@@ -50,8 +50,9 @@ def bake_rollout(rollout: Rollout, robot: Robot) -> SimulatedReplay:
         inertia=rollout.inertia[kept],
         foot_position=rollout.foot_position[kept],
         flight=(rollout.phase == Phase.FLIGHT)[kept],
-        contact_point=rollout.foot_position[kept],
-        contact_force=means_from(rollout.contact_force, kept),
+        foot_force=means_from(rollout.contact_force, kept),
+        # Where in a sole it acts is not recorded.
+        pressed_at=rollout.foot_position[kept],
     )
     return SimulatedReplay(rollout, frames)
 

@@ -5,22 +5,27 @@ from __future__ import annotations
 import viser
 
 from app.checked import number, put
+from llsrbm.robots import RobotFile
+from llsrbm.simulation.surroundings import TO_SPARE
 from llsrbm.trajectory.rollout import Conditions
 
-_THICKEST, _STEP = 60, 5  # mm; what passes under the feet of a usual jump
+_STEP = 5  # mm
 _LARGEST_SEED = 9999
 
 
 class SimulationControls:
     """Board, disturbance and the button, added to the folder that is open."""
 
-    def __init__(self, gui: viser.GuiApi) -> None:
-        """No board, nothing disturbed."""
+    def __init__(self, gui: viser.GuiApi, robot_file: RobotFile) -> None:
+        """No board, nothing disturbed; boards that fit under the robot."""
+        self._thickest = _thickest(robot_file)
         self._board = gui.add_slider(
-            "Board [mm]", 0, _THICKEST, _STEP, 0, hint="Slid under the robot in mid-flight"
+            "Board [mm]", 0, self._thickest, _STEP, 0, hint="Slid under the robot in mid-flight"
         )
         self._half = gui.add_checkbox(
-            "Half board", initial_value=False, hint="Under the front feet only"
+            "Half board",
+            initial_value=False,
+            hint="Under the front feet only, or under the front half of soles side by side",
         )
         self._disturb = gui.add_checkbox(
             "Disturb",
@@ -35,7 +40,7 @@ class SimulationControls:
     def read(self) -> tuple[Conditions, list[str]]:
         """The conditions as the controls stand, and what had to be corrected in them."""
         complaints: list[str] = []
-        board = number("Board [mm]", self._board.value, (0, _THICKEST), complaints) / 1000
+        board = number("Board [mm]", self._board.value, (0, self._thickest), complaints) / 1000
         seed = None
         if self._disturb.value:
             seed = round(number("Seed", self._seed.value, (0, _LARGEST_SEED), complaints))
@@ -43,8 +48,19 @@ class SimulationControls:
         half = bool(self._half.value) and board > 0
         return Conditions(board=board, half_board=half, seed=seed), complaints
 
+    def show_robot(self, robot_file: RobotFile) -> None:
+        """Boards that fit under another robot."""
+        self._thickest = self._board.max = _thickest(robot_file)
+        put(self._board, min(self._board.value, self._thickest))
+
     def show(self, conditions: Conditions) -> None:
         """Put the controls where corrected conditions have them."""
         put(self._board, round(1000 * conditions.board))
         if conditions.seed is not None:
             put(self._seed, conditions.seed)
+
+
+def _thickest(robot_file: RobotFile) -> int:
+    """What surely passes under the feet of a level jump, mm, in whole steps."""
+    room = 1000 * (robot_file.limits.clearance - TO_SPARE)
+    return max(_STEP, int(room / _STEP + 1e-6) * _STEP)

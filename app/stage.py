@@ -71,7 +71,6 @@ class Stage:
         self._robot = robot
         self._replay = self.rollout = None
         self._panel.clear_plan()
-        self._panel.jump.show_robot(robot.file)
         self._scene.show_robot(robot)
 
     def show_plan(self, plan: Plan) -> None:

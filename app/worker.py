@@ -62,7 +62,10 @@ class LibraryPlanner:
         """See `app.protocol.Planner.plan`."""
         which = (jump.robot, jump.model)
         if which not in self._solvers:
-            progress(f"building the solver of {jump.model} for {jump.robot}")
+            progress(
+                f"building the solver of {jump.model} for {jump.robot}; "
+                "if this machine has none yet, that takes about half a minute"
+            )
         try:
             return self._plan(jump, progress=progress, cancelled=cancelled)
         finally:

@@ -79,6 +79,8 @@ class WorkerClient:
         self._waiting: dict[Hashable, _Entry] = {}
         self._running: _Entry | None = None
         self._abandoned = False  # nobody waits for the running job any more
+        self._doing = ""  # what the running job last told
+        self._told = 0  # the newest waiting job that was told it
         self._stop_at: float | None = None  # when to ask the running job to stop
         self._end_at: float | None = None  # when to end the process
         self._closed = False
@@ -193,7 +195,7 @@ class WorkerClient:
                 return
             # Insertion order is the order of asking: tabs take turns.
             entry = self._waiting.pop(next(iter(self._waiting)))
-            self._running = entry
+            self._running, self._doing = entry, ""
             self._abandoned = False
             self._stop_at = self._end_at = None
         try:
@@ -209,6 +211,7 @@ class WorkerClient:
         for readable in wait(connections, timeout):
             if readable is self._wake_reader:
                 self._wake_reader.recv_bytes()
+                self._tell_newcomers()
                 continue
             assert self._connection is not None
             try:
@@ -225,18 +228,24 @@ class WorkerClient:
         with self._lock:
             running, abandoned = self._running, self._abandoned
             if isinstance(message, Progress):
-                # Whoever waits in the queue waits for this, too.
-                listening = list(self._waiting.values())
+                self._doing, self._told = message.text, 0
             else:
-                listening = []
                 self._running = None
                 self._stop_at = self._end_at = None
         assert running is not None
         if not abandoned:
             running.listener(message)
-        for entry in listening:
-            assert isinstance(message, Progress)
-            entry.listener(Progress(entry.job.number, message.text))
+        self._tell_newcomers()
+
+    def _tell_newcomers(self) -> None:
+        """Whoever waits in the queue waits for what is being done now."""
+        with self._lock:
+            text = self._doing if self._running is not None else ""
+            entries = [e for e in self._waiting.values() if e.job.number > self._told]
+            self._told = max([self._told, *(e.job.number for e in entries)])
+        if text:
+            for entry in entries:
+                entry.listener(Progress(entry.job.number, text))
 
     def _keep_deadlines(self) -> None:
         with self._lock:

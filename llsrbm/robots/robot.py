@@ -154,7 +154,7 @@ class Robot:
     def parameters(self) -> dict[str, Any]:
         """The numbers that a plan depends on, as plain data for its file."""
         return {
-            **self.file.model_dump(mode="json", exclude={"control"}),
+            **self.file.model_dump(mode="json", exclude={"control", "example"}),
             "mass": self.mass,
             "com": self.com.tolist(),
             "inertia": self.inertia.tolist(),

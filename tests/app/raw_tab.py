@@ -39,6 +39,7 @@ class RawTab:
         )
         self.controls = {}  # uuid -> message
         self.nodes = {}  # name -> {"position", "wxyz", **props}
+        self.camera = {}  # "position", "look_at"
         self.notifications = []
         self.downloads = []  # (file name, content), complete ones
         self._transfers = {}  # transfer -> [file name, size, content so far]
@@ -150,6 +151,10 @@ class RawTab:
                 (control if prop == "value" else control["props"])[prop] = value
         elif kind == "GuiRemoveMessage":
             self.controls.pop(message["uuid"], None)
+        elif kind == "SetCameraPositionMessage":
+            self.camera["position"] = message["position"]
+        elif kind == "SetCameraLookAtMessage":
+            self.camera["look_at"] = message["look_at"]
         elif kind == "SetPositionMessage":
             self.nodes.setdefault(message["name"], {})["position"] = message["position"]
         elif kind == "SetOrientationMessage":

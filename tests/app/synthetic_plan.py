@@ -50,8 +50,10 @@ def synthetic_plan(jump: Jump, status: str = "solved") -> Plan:
     inertia = R @ robot.inertia @ R.transpose(0, 2, 1)
     rate = np.zeros((n, 3))
     rate[phase == 1, 2] = jump.twist / FLY
-    force = np.zeros((n, legs, 3))
-    force[phase != 1, :, 2] = robot.mass * GRAVITY / legs
+    corners = np.einsum("kij,cj->kci", turn.as_matrix(), robot.corners)
+    contact_point = (foot_position[:, :, None] + corners[:, None]).reshape(n, -1, 3)
+    force = np.zeros_like(contact_point)
+    force[phase != 1, :, 2] = robot.mass * GRAVITY / contact_point.shape[1]
     quaternion = turn.as_quat(scalar_first=True)
     quaternion[quaternion[:, 0] < 0] *= -1
     return Plan(
@@ -70,8 +72,11 @@ def synthetic_plan(jump: Jump, status: str = "solved") -> Plan:
         angular_momentum=np.einsum("kij,kj->ki", inertia, rate),
         inertia=inertia,
         foot_position=foot_position,
-        foot_quat=np.tile([1.0, 0, 0, 0], (n, legs, 1)),
-        contact_point=foot_position,
+        foot_quat=np.tile(
+            [1.0, 0, 0, 0] if robot.file.foot.is_point else quaternion[:, None], (1, legs, 1)
+        )
+        * np.ones((n, 1, 1)),
+        contact_point=contact_point,
         contact_force=force,
         leg_mass=np.full(legs, 2.0),
         base_mass=robot.mass - 2.0 * legs,

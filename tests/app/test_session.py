@@ -9,10 +9,10 @@ import time
 import numpy as np
 import pytest
 
-from app.session import FIRST_JUMP
 from llsrbm import models
 from llsrbm.exporters import formats
-from llsrbm.robots import names
+from llsrbm.jump import Jump
+from llsrbm.robots import load_robot, names
 from tests.app import planners
 from tests.app.raw_tab import RawTab
 
@@ -29,7 +29,7 @@ def planned(tab, session, condition, what):
 
 
 def test_the_first_plan_comes_by_itself_and_plays(tab, session):
-    assert session.plan.jump == FIRST_JUMP
+    assert session.plan.jump == Jump(robot="anymal", twist=math.pi / 2)
     assert "12 ms, 7 iterations, largest violation 2.0e-07 N (friction)" in tab.status()
     before = tab.received["SetPositionMessage"]
     tab.wait(lambda: tab.received["SetPositionMessage"] > before + 50, "frames")
@@ -84,6 +84,70 @@ def test_the_last_of_many_slider_values_wins(tab, session):
 def test_the_model_reaches_the_planner(tab, session):
     tab.set("Model", "srbm")
     planned(tab, session, lambda jump: jump.model == "srbm", "a plan with srbm")
+
+
+def choose(tab, session, robot):
+    tab.set("Robot", robot)
+    planned(tab, session, lambda jump: jump.robot == robot, f"a plan of {robot}")
+    tab.wait_for_status("Planned")
+
+
+def test_a_robot_brings_its_ranges_and_its_example(tab, session):
+    tab.set("Forward [m]", 0.6)
+    tab.set("Model", "srbm")
+    tab.set("Board [mm]", 60)
+    planned(tab, session, lambda jump: jump.forward == 0.6, "a plan out of SLIDER's range")
+    choose(tab, session, "slider")
+    file = load_robot("slider").file
+    forward = tab.control("Forward [m]")
+    assert (forward["props"]["min"], forward["props"]["max"]) == file.task.forward
+    assert session.plan.jump.model == "srbm"
+    shown = {
+        "twist": math.radians(tab.value("Twist [deg]")),
+        "forward": forward["value"],
+        "height": tab.value("Landing height [m]"),
+    }
+    for name, value in shown.items():
+        assert value == pytest.approx(getattr(file.example, name), abs=0.01)
+        assert getattr(session.plan.jump, name) == pytest.approx(value)
+    choose(tab, session, "go2")
+    assert tab.control("Board [mm]")["props"]["max"] == 40
+    assert tab.value("Board [mm]") == 40
+    assert not tab.notifications
+
+
+def test_what_is_entered_while_a_robot_is_prepared_counts(tab, session):
+    tab.set("Robot", "go2")
+    tab.wait(lambda: tab.control("Landing height [m]")["props"]["max"] == 0.25, "Go2's ranges")
+    tab.set("Lateral [m]", 0.2)
+    planned(tab, session, lambda jump: jump.robot == "go2" and jump.lateral == 0.2, "that plan")
+
+
+def test_soles_are_marked_and_their_corners_forces_drawn_as_one(tab, session):
+    choose(tab, session, "slider")
+    tab.set("Time [s]", 0.0)
+    tab.wait(lambda: tab.nodes["/arrows"].get("visible"), "forces")
+    plan = session.plan
+    arrows = np.reshape(tab.nodes["/arrows"]["points"], (-1, 2, 3))
+    assert arrows[:, 0] == pytest.approx(plan.foot_position[0], abs=1e-6)
+    assert np.ptp(arrows[..., 2], axis=1) == pytest.approx([0.4, 0.4], rel=1e-3)
+    for i, (foot, wxyz) in enumerate(zip(plan.foot_position[-1], plan.foot_quat[-1], strict=True)):
+        mark = tab.nodes[f"/target/foot{i}"]
+        assert mark["dimensions"][:2] == pytest.approx((0.164, 0.098))
+        assert mark["position"][:2] == pytest.approx(foot[:2])
+        assert mark["wxyz"] == pytest.approx(wxyz)
+    assert "/target/foot2" not in tab.nodes
+
+
+def test_the_camera_goes_back_for_a_larger_robot(tab, session):
+    def distance():
+        return float(np.linalg.norm(np.subtract(*tab.camera.values())))
+
+    choose(tab, session, "go2")
+    small = distance()
+    choose(tab, session, "slider")
+    assert distance() > 1.3 * small
+    assert tab.camera["look_at"][2] > 0.5
 
 
 @pytest.mark.parametrize(

@@ -40,7 +40,7 @@ def charts(tab):
 def test_the_controls_are_there(tab):
     assert tab.control("Simulate")["type"] == "GuiButtonMessage"
     board = tab.control("Board [mm]")["props"]
-    assert (board["min"], board["max"], board["step"]) == (0, 60, 5)
+    assert (board["min"], board["max"], board["step"]) == (0, 70, 5)
     assert not tab.value("Half board")
     assert not tab.value("Disturb")
 
@@ -218,7 +218,7 @@ def test_what_is_not_planned_yet_is_not_simulated(tab, session):
 @pytest.mark.parametrize(
     ("label", "value", "told"),
     [
-        ("Board [mm]", 999, "Board [mm]: expected 0 to 60, got 999; the nearest is taken"),
+        ("Board [mm]", 999, "Board [mm]: expected 0 to 70, got 999; the nearest is taken"),
         ("Seed", -3, "Seed: expected 0 to 9999, got -3; the nearest is taken"),
     ],
 )

@@ -71,7 +71,7 @@ def test_a_frame_shows_the_mean_force_until_the_next_one(rollout, replay):
     frames = replay.frames
     tick = rollout.time[1]
     lasting = np.diff(np.append(frames.time, rollout.time[-1] + tick))
-    impulse = np.einsum("f,flk->lk", lasting, frames.contact_force)
+    impulse = np.einsum("f,flk->lk", lasting, frames.foot_force)
     assert impulse == pytest.approx(rollout.contact_force.sum(axis=0) * tick)
 
 

@@ -82,6 +82,14 @@ def test_progress_comes_before_the_outcome(shared_client):
     assert tab.reports.get(timeout=20) == Prepared(job, "anymal")
 
 
+def test_who_joins_the_queue_hears_what_is_being_done(shared_client):
+    first, second = Tab(shared_client, "first"), Tab(shared_client, "second")
+    first.wait_until_running(first.plan(planners.SLOW))
+    job = second.plan()
+    assert second.reports.get(timeout=0.5) == Progress(job, "solving")
+    assert isinstance(second.outcome(), Planned)
+
+
 @pytest.mark.parametrize(
     ("task", "message", "with_plan"),
     [

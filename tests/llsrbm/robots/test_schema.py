@@ -36,7 +36,7 @@ MISTAKES = {
         ["reach.distance", "expected 2 values", "[0.26]"],
     ),
     "interval too long": (
-        "takeoff = [0.3, 0.8]",
+        "takeoff = [0.4, 0.8]",
         "takeoff = [0.3, 0.8, 1.0]",
         ["timing.takeoff", "[0.3, 0.8, 1.0]", "2"],
     ),
@@ -77,6 +77,11 @@ MISTAKES = {
         "LF = [-0.1, 0.7, -1.0]\n",
         "",
         ["posture.LF: missing"],
+    ),
+    "example out of the task": (
+        "[example]",
+        "[example]\nheight = 0.4",
+        ["example.height: expected -0.2 to 0.3", "task.height", "0.4"],
     ),
     "two sources of a URDF": (
         'package = "example-robot-data"',

@@ -1,0 +1,39 @@
+"""From where a robot is looked at."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from llsrbm.robots import Robot
+from llsrbm.robots.visuals import forward_kinematics, link_visuals
+
+Array = NDArray[np.float64]
+
+_FROM = np.array([0.9, -1.39, 0.42])  # in the robot's size: from the right, ahead and above
+_AT = np.array([0.1, 0.0, 0.04])  # likewise, from its middle: it will jump, mostly forward
+
+
+@lru_cache(maxsize=8)
+def viewpoint(robot: Robot) -> tuple[Array, Array]:
+    """Where the camera is and where it looks at, (3,) m, for a robot in its default posture.
+
+    The robot fills the same part of the picture whatever its size, with room for a jump.
+    """
+    position, wxyz = forward_kinematics(
+        robot, robot.base_position[None], [[1.0, 0.0, 0.0, 0.0]], robot.posture[None, 7:]
+    )
+    turn = Rotation.from_quat(wxyz[0], scalar_first=True)
+    points = np.concatenate(
+        [
+            turn[visual.joint_id - 1].apply(visual.vertices) + position[0, visual.joint_id - 1]
+            for visual in link_visuals(robot)
+        ]
+    )
+    low, high = points.min(axis=0), points.max(axis=0)
+    size = np.linalg.norm(high - low)
+    target = (low + high) / 2 + size * _AT
+    return target + size * _FROM, target
