@@ -9,18 +9,20 @@ from llsrbm.control.reference import Target
 from llsrbm.control.whole_body import WholeBody
 from llsrbm.robots import load_robot
 
+ROBOTS = ("anymal", "slider")
 
-def state(seed: int) -> tuple[np.ndarray, np.ndarray]:
-    robot = load_robot("anymal")
+
+def state(seed: int, name: str = "anymal") -> tuple[np.ndarray, np.ndarray]:
+    robot = load_robot(name)
     rng = np.random.default_rng(seed)
     q = pin.integrate(robot.model, robot.posture, 0.3 * rng.standard_normal(robot.model.nv))
     return q, rng.standard_normal(robot.model.nv)
 
 
-def moved(seed: int, acceleration: np.ndarray, dt: float) -> WholeBody:
+def moved(seed: int, acceleration: np.ndarray, dt: float, name: str = "anymal") -> WholeBody:
     """The body of `state(seed)`, dt later under a constant acceleration."""
-    robot = load_robot("anymal")
-    q, v = state(seed)
+    robot = load_robot(name)
+    q, v = state(seed, name)
     body = WholeBody(robot)
     body.update(
         pin.integrate(robot.model, q, v * dt + acceleration * dt * dt / 2), v + acceleration * dt
@@ -28,9 +30,8 @@ def moved(seed: int, acceleration: np.ndarray, dt: float) -> WholeBody:
     return body
 
 
-def resting_target() -> Target:
+def resting_target(legs: int = 4, joints: int = 12) -> Target:
     """Everything at zero or as it stands."""
-    legs, joints = 4, 12
     zero = np.zeros(3)
     return Target(
         com=zero,

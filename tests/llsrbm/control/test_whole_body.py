@@ -6,28 +6,33 @@ import pytest
 
 from llsrbm.control.whole_body import WholeBody
 from llsrbm.robots import load_robot
-from tests.llsrbm.control.bodies import moved, state
+from llsrbm.robots.foot_contact import foot_contacts
+from tests.llsrbm.control.bodies import ROBOTS, moved, state
 
 STILL = np.zeros(18)
 
 
-@pytest.mark.parametrize("seed", range(4))
-def test_equation_of_motion_is_pinocchios(seed):
-    robot = load_robot("anymal")
-    q, v = state(seed)
-    body = moved(seed, STILL, 0.0)
+@pytest.mark.parametrize("name", ROBOTS)
+@pytest.mark.parametrize("seed", range(3))
+def test_equation_of_motion_is_pinocchios(seed, name):
+    robot = load_robot(name)
+    q, v = state(seed, name)
+    body = moved(seed, STILL, 0.0, name)
     rng = np.random.default_rng(seed)
-    force, torque = rng.normal(size=(4, 3)), rng.normal(size=12)
+    force = rng.normal(size=(body.contacts, 3))
+    torque = rng.normal(size=robot.model.nv - 6)
     rhs = np.concatenate([np.zeros(6), torque]) - body.h
-    rhs += np.einsum("lin,li->n", body.contact_jacobian, force)
+    rhs += np.einsum("cin,ci->n", body.contact_jacobian, force)
     data = robot.model.createData()
     external = [pin.Force.Zero() for _ in robot.model.joints]
-    pin.forwardKinematics(robot.model, data, q)
-    for i, leg in enumerate(robot.legs):
+    pin.framesForwardKinematics(robot.model, data, q)
+    corners = len(robot.corners)
+    for i, (leg, contact) in enumerate(zip(robot.legs, foot_contacts(robot), strict=True)):
         joint = leg.joint_ids[-1]
-        point = body.foot[i]
-        world = pin.Force(force[i], np.cross(point, force[i]))
-        external[joint] = data.oMi[joint].actInv(world)
+        for j, centre in enumerate(contact.centres):
+            point = data.oMf[leg.foot_frame_id].act(centre) - [0, 0, contact.radius]
+            f = force[corners * i + j]
+            external[joint] += data.oMi[joint].actInv(pin.Force(f, np.cross(point, f)))
     expected = pin.aba(robot.model, data, q, v, np.concatenate([np.zeros(6), torque]), external)
     np.testing.assert_allclose(np.linalg.solve(body.M, rhs), expected, rtol=1e-7, atol=1e-6)
 
@@ -41,16 +46,36 @@ def test_centroidal_quantities_follow_from_the_momentum_matrix():
     np.testing.assert_allclose(momentum[3:], body.angular_momentum, atol=1e-9)
 
 
-def test_feet_move_as_their_jacobians_say():
+@pytest.mark.parametrize("name", ROBOTS)
+def test_feet_move_as_their_jacobians_say(name):
     dt = 1e-5
-    _, v = state(4)
-    before, now, after = (moved(4, STILL, t) for t in (-dt, 0.0, dt))
+    _, v = state(4, name)
+    before, now, after = (moved(4, STILL, t, name) for t in (-dt, 0.0, dt))
     np.testing.assert_allclose((after.foot - before.foot) / (2 * dt), now.foot_velocity, atol=1e-6)
     np.testing.assert_allclose(now.foot_jacobian @ v, now.foot_velocity, atol=1e-12)
     np.testing.assert_allclose(now.contact_jacobian @ v, now.contact_velocity, atol=1e-12)
     np.testing.assert_allclose(
         (after.foot_velocity - before.foot_velocity) / (2 * dt), now.foot_bias, atol=1e-4
     )
+    np.testing.assert_allclose(
+        now.foot_rotation_jacobian @ v, now.foot_angular_velocity, atol=1e-12
+    )
+    np.testing.assert_allclose(
+        (after.foot_angular_velocity - before.foot_angular_velocity) / (2 * dt),
+        now.foot_rotation_bias,
+        atol=1e-4,
+    )
+    turn = (after.R_world_foot - before.R_world_foot) / (2 * dt)
+    spin = np.cross(now.foot_angular_velocity[:, None], now.R_world_foot.transpose(0, 2, 1))
+    np.testing.assert_allclose(turn, spin.transpose(0, 2, 1), atol=1e-5)
+
+
+def test_a_standing_soles_corners_are_on_the_ground():
+    robot = load_robot("slider")
+    body = WholeBody(robot)
+    body.update(robot.posture, np.zeros(robot.model.nv))
+    assert body.contacts == 8
+    np.testing.assert_allclose(body.foot[:, 2], 0.0, atol=1e-6)
 
 
 def test_numbers_of_a_tick_survive_the_next():

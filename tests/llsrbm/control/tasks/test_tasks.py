@@ -1,9 +1,13 @@
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from llsrbm.control import tasks
+from llsrbm.control.whole_body import WholeBody
+from llsrbm.robots import load_robot
 from tests.llsrbm.control.bodies import moved, resting_target
 
 DT = 1e-4
@@ -41,6 +45,38 @@ def test_jacobian_and_bias_give_the_acceleration(name):
     np.testing.assert_allclose(
         now.jacobian @ a + now.bias, -(after - before) / (2 * DT), rtol=1e-5, atol=1e-4
     )
+
+
+def test_foot_orientation_follows_from_its_jacobian():
+    task, target, a = tasks.FootOrientation(1, (0.0, 0.0)), resting_target(2), _acceleration()
+    before, after = (
+        task.motion(moved(SEED, a, dt, "slider"), target).error_rate for dt in (-DT, DT)
+    )
+    now = task.motion(moved(SEED, a, 0.0, "slider"), target)
+    np.testing.assert_allclose(
+        now.jacobian @ a + now.bias, -(after - before) / (2 * DT), rtol=1e-5, atol=1e-3
+    )
+
+
+def test_foot_orientation_wants_a_level_sole_with_the_plans_heading():
+    heading = 0.4
+    target = replace(resting_target(2), foot_heading=np.array([[heading, 0.5, 2.0]] * 2))
+    robot = load_robot("slider")
+    body = WholeBody(robot)
+    body.update(robot.posture, np.zeros(robot.model.nv))
+    motion = tasks.FootOrientation(0, (0.0, 0.0)).motion(body, target)
+    np.testing.assert_allclose(motion.error, [0, 0, heading], atol=1e-6)
+    np.testing.assert_allclose(motion.error_rate, [0, 0, 0.5], atol=1e-9)
+    np.testing.assert_allclose(motion.feedforward, [0, 0, 2.0])
+
+
+def test_a_standing_sole_is_held_at_all_its_corners():
+    body = moved(SEED, np.zeros(18), 0.0, "slider")
+    motion = tasks.StandingFoot(1, 4, 20.0).motion(body, resting_target(2))
+    assert motion.jacobian.shape == (12, 18)
+    np.testing.assert_allclose(motion.error_rate, -body.contact_velocity[4:].ravel())
+    # Four corners of a rigid sole: six degrees of freedom, no more.
+    assert np.linalg.matrix_rank(motion.jacobian, tol=1e-9) == 6
 
 
 @pytest.mark.parametrize("seed", range(3))

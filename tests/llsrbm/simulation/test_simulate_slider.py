@@ -1,0 +1,64 @@
+"""The biped on soles: the same chain, another robot file."""
+
+from __future__ import annotations
+
+import math
+from functools import cache
+
+import numpy as np
+import pinocchio as pin
+import pytest
+
+import llsrbm
+from llsrbm.robots import load_robot
+from llsrbm.simulation.simulate import simulate
+from llsrbm.trajectory.plan import Plan
+from llsrbm.trajectory.rollout import Conditions
+from llsrbm.trajectory.rotation import yaw
+
+JUMPS = {
+    "twist": {"twist": math.pi / 2},
+    "forward": {"forward": 0.2},
+    "box": {"forward": 0.2, "height": 0.35},
+}
+
+
+@cache
+def plan(jump: str) -> Plan:
+    return llsrbm.plan(llsrbm.Jump(robot="slider", **JUMPS[jump]))
+
+
+@pytest.mark.parametrize("jump", JUMPS)
+def test_the_papers_jumps_land_strictly(jump):
+    rollout = simulate(plan(jump), load_robot("slider"), Conditions(seed=5))
+    outcome = rollout.outcome
+    assert outcome.strict, outcome
+    assert abs(np.degrees(outcome.yaw_error_at_touchdown)) < 5
+    assert outcome.false_touchdowns == 0
+    assert outcome.control_rate_hz == pytest.approx(1000)
+    height = JUMPS[jump].get("height", 0.0)
+    np.testing.assert_allclose(rollout.foot_position[-1, :, 2], height, atol=5e-3)
+
+
+def test_soles_turn_in_the_air_and_land_level():
+    rollout = simulate(plan("twist"), load_robot("slider"), Conditions())
+    robot = load_robot("slider")
+    data = robot.model.createData()
+    q = np.empty(robot.model.nq)
+    q[:3] = rollout.base_position[-1]
+    q[3:7] = np.roll(rollout.base_quat[-1], -1)
+    order = [rollout.joint_names.index(name) for name in robot.joint_names]
+    q[7:] = rollout.qpos[-1, 7:][order]
+    pin.framesForwardKinematics(robot.model, data, q)
+    for leg in robot.legs:
+        R = data.oMf[leg.foot_frame_id].rotation
+        assert R[2, 2] > math.cos(math.radians(1))
+        heading = math.atan2(R[1, 0], R[0, 0])
+        assert heading == pytest.approx(math.pi / 2, abs=math.radians(5))
+    assert yaw(rollout.base_quat)[-1] == pytest.approx(math.pi / 2, abs=0.02)
+
+
+def test_a_board_nobody_planned_for():
+    conditions = Conditions(board=0.02, seed=1)
+    rollout = simulate(plan("twist"), load_robot("slider"), conditions)
+    assert rollout.landed, rollout.outcome
