@@ -83,7 +83,7 @@ class Plan:
         linear_momentum, angular_momentum: (N+1, 3) kg m/s, kg m2/s (about the CoM).
         inertia: (N+1, 3, 3) kg m2: the model's centroidal inertia.
         foot_position: (N+1, L, 3) m: contact point of a point foot, middle of a sole.
-        foot_quat: (N+1, L, 4) w, x, y, z: level, a turn about the vertical (identity for point feet).
+        foot_quat: (N+1, L, 4) w, x, y, z: of soles, which are level; identity for point feet.
         contact_point: (N+1, C, 3) m, legs x corners.
         contact_force: (N+1, C, 3) N, constant over the interval that starts at the knot.
         leg_mass: (L,) kg; base_mass: kg.

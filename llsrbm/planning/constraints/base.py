@@ -42,7 +42,11 @@ class Constraint(ABC):
 
     @abstractmethod
     def bounds(self, task: Task, layout: Layout, knot: int) -> Bounds:
-        """Lower and upper bounds of the rows, anything that broadcasts to (n,)."""
+        """Lower and upper bounds of the rows, anything that broadcasts to (n,).
+
+        Which of them are infinite must be the same in all tasks of a robot: Fatrop looks at that
+        only in its first solve.
+        """
 
     @abstractmethod
     def violation(self, knots: Knots) -> Array:

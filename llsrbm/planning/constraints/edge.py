@@ -16,9 +16,10 @@ from llsrbm.planning.stage import Stage
 from llsrbm.planning.task import Task
 from llsrbm.trajectory.plan import Phase
 
-# How far feet below the landing surface may come nearer to it than they stood at the start, m: next
-# to nothing, since its edge may be anywhere in between; something, since at lift-off they are there.
+# How far feet below the landing surface may come nearer to it than they stood at the start, m: its
+# edge may be anywhere in between, but they are there at lift-off, and a solver needs some room.
 ROOM = 0.005
+FAR = 10.0  # m, no bound; finite, see `Constraint.bounds`
 # How far feet are above the surface before they come nearer, m.
 ABOVE = 0.02
 
@@ -77,9 +78,9 @@ class Edge(Constraint):
 
     @staticmethod
     def _top(task: Task, s: Array, step: float) -> Array:
-        """(K,) m: bound at progress s (K,); infinite from where the knot before is high enough."""
+        """(K,) m: bound at progress s (K,); none from where the knot before is high enough."""
         surface = task.goal_feet[:, 2].max()
         low = (clearance_line(task, s - step) < surface + ABOVE).any(axis=1) & (s < 0.5 + step)
         edge = surface > task.start_feet[:, 2].max() and task.towards.any()
         foremost = (task.start_contacts[:, :2] @ task.towards).max()
-        return np.where(low & edge, foremost + ROOM, np.inf)
+        return np.where(low & edge, foremost + ROOM, FAR)
