@@ -10,6 +10,7 @@ from llsrbm.control.whole_body import WholeBody
 Array = NDArray[np.float64]
 
 _BASE = 6
+_REGULARISATION = 1e-6 * np.eye(3)  # m2, for legs that are stretched out
 _SMOOTHING = 0.5  # share of the newest tick; one tick's difference of noisy velocities is 10 N off
 _TOUCHING = 0.06  # of the robot's weight, N: twice what noise and a wrong trunk mass make of a leg
 _SURE = 2  # ticks in a row
@@ -36,6 +37,12 @@ class FootForces:
         """
         self._body, self._tick = body, tick
         self._rows = legs + _BASE
+        # Each leg's own columns of the feet's Jacobians, (L, 3, n).
+        self._columns = (
+            np.arange(body.legs)[:, None, None],
+            np.arange(3)[None, :, None],
+            self._rows[:, None, :],
+        )
         self._threshold = _TOUCHING * body.mass * 9.81
         self._equations: tuple[Array, Array, Array, Array] | None = None
         self.vertical = np.zeros(body.legs)
@@ -58,10 +65,9 @@ class FootForces:
             M, h, J, v = self._equations
             load = M @ (body.v - v) / self._tick + h
             load[_BASE:] -= torque
-            legs = np.take_along_axis(J, self._rows[:, None, :].repeat(3, axis=1), axis=2)
-            rhs = np.einsum("lij,lj->li", legs, load[self._rows])
+            own = J[self._columns]
             force = np.linalg.solve(
-                legs @ legs.transpose(0, 2, 1) + 1e-6 * np.eye(3), rhs[..., None]
+                own @ own.transpose(0, 2, 1) + _REGULARISATION, own @ load[self._rows][..., None]
             )
             self.vertical += _SMOOTHING * (force[:, 2, 0] - self.vertical)
             above = self.vertical > self._threshold

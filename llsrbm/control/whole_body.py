@@ -12,6 +12,8 @@ from llsrbm.robots.foot_contact import foot_contacts
 Array = NDArray[np.float64]
 
 _UP = np.array([0.0, 0.0, 1.0])
+# v @ _SKEW, as a 3 x 3 matrix, times w is v x w.
+_SKEW = np.array([pin.skew(axis).ravel() for axis in np.eye(3)])
 
 
 class WholeBody:
@@ -102,7 +104,6 @@ class WholeBody:
     def _update_feet(self) -> None:
         model, data = self._model, self._data
         axes = pin.LOCAL_WORLD_ALIGNED
-        point = 0
         for i, frame in enumerate(self._frames):
             placement = pin.updateFramePlacement(model, data, frame)
             jacobian = pin.getFrameJacobian(model, data, frame, axes)
@@ -114,13 +115,13 @@ class WholeBody:
             self.foot_velocity[i], self.foot_bias[i] = velocity.linear, bias.linear
             self.R_world_foot[i] = R
             self.foot_angular_velocity[i], self.foot_rotation_bias[i] = omega, bias.angular
-            for corner in self._corners[i]:
-                # From the middle to a sphere's centre, which turns with the foot, and from there
-                # down to the ground, which does not: a sphere that rolls.
-                arm = R @ corner
-                lever = pin.skew(radius - arm)
-                self.contact_jacobian[point] = jacobian[:3] + lever @ jacobian[3:]
-                self.contact_velocity[point] = velocity.linear + lever @ omega
-                self.contact_bias[point] = bias.linear + lever @ bias.angular
-                self.contact_bias[point] += pin.skew(omega) @ pin.skew(omega) @ arm
-                point += 1
+            # From the middle to a sphere's centre, which turns with the foot, and from there down to
+            # the ground, which does not: spheres that roll.
+            arms = self._corners[i] @ R.T
+            levers = ((radius - arms) @ _SKEW).reshape(-1, 3, 3)
+            points = slice(i * len(arms), (i + 1) * len(arms))
+            self.contact_jacobian[points] = jacobian[:3] + levers @ jacobian[3:]
+            self.contact_velocity[points] = velocity.linear + levers @ omega
+            self.contact_bias[points] = bias.linear + levers @ bias.angular
+            inward = (arms @ omega)[:, None] * omega - (omega @ omega) * arms
+            self.contact_bias[points] += inward
