@@ -115,8 +115,8 @@ class WholeBody:
             self.foot_velocity[i], self.foot_bias[i] = velocity.linear, bias.linear
             self.R_world_foot[i] = R
             self.foot_angular_velocity[i], self.foot_rotation_bias[i] = omega, bias.angular
-            # From the middle to a sphere's centre, which turns with the foot, and from there down to
-            # the ground, which does not: spheres that roll.
+            # From the middle to a sphere's centre, which turns with the foot, and from there down
+            # to the ground, which does not: spheres that roll.
             arms = self._corners[i] @ R.T
             levers = ((radius - arms) @ _SKEW).reshape(-1, 3, 3)
             points = slice(i * len(arms), (i + 1) * len(arms))
