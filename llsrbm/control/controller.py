@@ -108,7 +108,13 @@ class WholeBodyController:
         """
         body = self._body
         body.update(q, v)
-        state = CentroidalState(body.mass, body.com_velocity, body.angular_momentum, body.inertia)
+        state = CentroidalState(
+            body.mass,
+            body.com_velocity,
+            body.angular_momentum,
+            body.inertia,
+            body.R_world_base @ v[:3] - body.com_velocity,
+        )
         # Half a tick, so that rounding of times cannot shift a phase by a whole one.
         flying = self.detected_at is None and time >= self._reference.takeoff - self._tick / 2
         if flying:

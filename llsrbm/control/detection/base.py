@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import ClassVar
 
@@ -27,12 +27,15 @@ class CentroidalState:
         com_velocity: (3,) m/s.
         angular_momentum: (3,) kg m2/s about the CoM.
         inertia: (3, 3) kg m2 of the whole robot about its CoM.
+        trunk_from_com_velocity: (3,) m/s, of the trunk minus the CoM's: how fast the legs move
+            against it.
     """
 
     mass: float
     com_velocity: Array
     angular_momentum: Array
     inertia: Array
+    trunk_from_com_velocity: Array = field(default_factory=lambda: np.zeros(3))
 
     @cached_property
     def average_angular_velocity(self) -> Array:
