@@ -57,6 +57,8 @@ def _description(plan: Plan) -> dict[str, str]:
     from llsrbm.trajectory.summary import peak_yaw_rate, worst_violation
 
     report = plan.report
+    # The instants of one that failed may run backwards.
+    joints = joint_margins(plan, load_robot(plan.jump.robot)).worst() if plan.solved else "-"
     takeoff, flight, landing = plan.phase_start[1:] - plan.phase_start[:-1]
     return {
         "request": options.described(plan.jump),
@@ -67,6 +69,6 @@ def _description(plan: Plan) -> dict[str, str]:
         f"landing {landing:.2f} s",
         "turn": f"{math.degrees(yaw(plan.base_quat)[-1]):.1f} deg, "
         f"peak yaw rate {peak_yaw_rate(plan):.2f} rad/s",
-        "joints": joint_margins(plan, load_robot(plan.jump.robot)).worst(),
+        "joints": joints,
         "violation": worst_violation(plan),
     }

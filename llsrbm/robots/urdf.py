@@ -105,6 +105,13 @@ def joint_chain(model: pin.Model, file: RobotFile, path: Path, leg: str) -> list
             f"{path}: posture.{leg}: expected {len(chain)} joint angles ({', '.join(names)}), "
             f"got {len(angles)}"
         )
+    for limit in ("torque", "joint_speed"):
+        given = getattr(file.limits, limit)
+        if isinstance(given, tuple) and len(given) != len(chain):
+            raise RobotFileError(
+                f"{path}: limits.{limit}: expected one number, or {len(chain)}, one a joint of a "
+                f"leg ({', '.join(names)}), got {len(given)}"
+            )
     return chain
 
 

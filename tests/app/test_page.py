@@ -130,6 +130,37 @@ def test_a_model_is_chosen(page, designer):
     wait_until(lambda: session.plan.jump.model == "srbm", "the plan")
 
 
+def choose(page, session, robot):
+    page.get_by_label("Robot").click()
+    page.get_by_role("option", name=robot, exact=True).click()
+    wait_until(lambda: session.plan and session.plan.jump.robot == robot, f"a plan of {robot}")
+    status(page, "Planned")
+
+
+def extent(page):
+    """Width and height of what is nearly black, pixels."""
+    rows, columns = np.nonzero(dark(picture(page)))
+    return np.ptp(columns), np.ptp(rows)
+
+
+def test_robots_take_turns(page, designer):
+    session = designer.sessions[-1]
+    choose(page, session, "slider")
+    paused_at(page, 0.0)
+    # Its legs are black, and so is most of ANYmal.
+    width, height = extent(page)
+    assert height > max(200, 1.5 * width)
+    assert green(picture(page)).sum() > 200
+    page.get_by_role("button", name="Simulate").click()
+    status(page, "Landed")
+    page.wait_for_timeout(PACE)
+    choose(page, session, "anymal")
+    paused_at(page, 0.0)
+    width, height = extent(page)
+    assert width > 0.8 * height > 100
+    assert session.rollout is None
+
+
 def test_export_downloads_what_is_shown(page, designer, tmp_path):
     with page.expect_download() as download:
         page.get_by_role("button", name="Export").click()

@@ -79,6 +79,15 @@ def test_not_converged_is_exit_1_with_the_plan(planner, capfd, tmp_path):
     assert not load(tmp_path / "p.npz").solved
 
 
+def test_what_did_not_converge_is_described_too(planner, capsys):
+    plan = synthetic_plan()
+    report = replace(plan.report, status="not-converged")
+    backwards = replace(plan, report=report, time=plan.time[::-1])
+    planner.answers.append(NotConverged("no plan found", backwards))
+    assert cli.main(["plan"]) == 1
+    assert "not-converged" in capsys.readouterr().out
+
+
 def test_out_is_what_the_planner_returned(planner, tmp_path, capsys):
     plan = synthetic_plan()
     planner.answers.append(plan)

@@ -122,6 +122,11 @@ WRONG_FOR_THE_URDF = {
         "LF = [-0.1, 0.7]",
         ["posture.LF", "expected 3 joint angles (LF_HAA, LF_HFE, LF_KFE)", "got 2"],
     ),
+    "a limit for some joints only": (
+        "torque = 40.0",
+        "torque = [40.0, 40.0]",
+        ["limits.torque", "one number, or 3", "(LF_HAA, LF_HFE, LF_KFE)", "got 2"],
+    ),
     "no such URDF in the package": (
         "robots/anymal.urdf",
         "robots/anymall.urdf",
