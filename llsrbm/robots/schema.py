@@ -11,30 +11,15 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Annotated, Any, Self
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import BaseModel, Field, ValidationError, model_validator
 from pydantic_core import ErrorDetails, PydanticCustomError
 
 from llsrbm.errors import RobotFileError
+from llsrbm.robots.control_table import Control
+from llsrbm.robots.tables import Interval, Length, Positive, PositiveInterval, Table, Vector
 
 
-def _ordered(interval: tuple[float, float]) -> tuple[float, float]:
-    if interval[0] > interval[1]:
-        raise PydanticCustomError("interval", "the first number (lower) exceeds the second (upper)")
-    return interval
-
-
-Interval = Annotated[tuple[float, float], AfterValidator(_ordered)]
-Vector = tuple[float, float, float]
-Positive = Annotated[float, Field(gt=0)]
-Length = Annotated[float, Field(ge=0)]
-PositiveInterval = Annotated[tuple[Positive, Positive], AfterValidator(_ordered)]
-
-
-class _Table(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
-
-
-class UrdfSource(_Table):
+class UrdfSource(Table):
     """Where the URDF is: in an installed package's data, or beside the robot file.
 
     Attributes:
@@ -61,7 +46,7 @@ class UrdfSource(_Table):
         return self.package, self.path
 
 
-class LegFrames(_Table):
+class LegFrames(Table):
     """Names, in the URDF, that make a leg.
 
     Attributes:
@@ -73,7 +58,7 @@ class LegFrames(_Table):
     hip: str
 
 
-class Foot(_Table):
+class Foot(Table):
     """What of a foot touches the ground; without this table feet are points.
 
     Attributes:
@@ -96,7 +81,7 @@ class Foot(_Table):
         return len(self.corners) == 1
 
 
-class Reach(_Table):
+class Reach(Table):
     """Where a foot may be, in the leg's mirrored hip frame, m.
 
     Attributes:
@@ -120,7 +105,7 @@ class Reach(_Table):
         return self
 
 
-class Limits(_Table):
+class Limits(Table):
     """What a plan keeps to.
 
     Attributes:
@@ -145,7 +130,7 @@ class Limits(_Table):
     feet_apart: Length
 
 
-class Timing(_Table):
+class Timing(Table):
     """Shortest and longest duration of each phase, s."""
 
     takeoff: PositiveInterval
@@ -153,7 +138,7 @@ class Timing(_Table):
     landing: PositiveInterval
 
 
-class Task(_Table):
+class Task(Table):
     """What may be asked of the robot: lowest and highest value of each part of a request.
 
     Attributes:
@@ -168,7 +153,7 @@ class Task(_Table):
     height: Interval
 
 
-class Example(_Table):
+class Example(Table):
     """The jump that a page shows first: one that shows the robot well, within `Task`.
 
     Attributes:
@@ -182,73 +167,7 @@ class Example(_Table):
     height: float = 0.0
 
 
-class Gains(_Table):
-    """Feedback of the whole-body controller's tasks: (stiffness 1/s2, damping 1/s).
-
-    Attributes:
-        com: of the CoM.
-        orientation: of the base's attitude.
-        swing: of feet in the air.
-        posture: of the joints, where no other task wants them.
-        angular_momentum: decay of its error, 1/s.
-        standing: damping of feet on the ground, 1/s: brings feet back that bounce.
-    """
-
-    com: tuple[Length, Length] = (60.0, 12.0)
-    orientation: tuple[Length, Length] = (150.0, 20.0)
-    swing: tuple[Length, Length] = (500.0, 40.0)
-    posture: tuple[Length, Length] = (100.0, 20.0)
-    angular_momentum: Length = 5.0
-    standing: Length = 20.0
-
-
-class Weights(_Table):
-    """What the whole-body controller's tasks cost: 1 over (the task's unit squared).
-
-    Attributes:
-        com, orientation, angular_momentum, swing, contact, posture: of squared accelerations (of
-            the angular momentum, its rate).
-        swing_orientation: of soles in the air.
-        orientation_in_takeoff, angular_momentum_in_takeoff: there the momenta decide where a flight
-            leads; a light base between heavy legs must give way to them.
-        orientation_in_flight: momentum is conserved there, so the feet come first.
-        force: of squared contact force errors while a trajectory is tracked, 1/N2: only chooses
-            among forces that do the same.
-        force_in_landing: in the force phase, where CoM and angular momentum cost nothing.
-    """
-
-    com: Length = 10.0
-    orientation: Length = 10.0
-    orientation_in_takeoff: Length = 10.0
-    orientation_in_flight: Length = 0.1
-    angular_momentum: Length = 1.0
-    angular_momentum_in_takeoff: Length = 1.0
-    swing: Length = 100.0
-    swing_orientation: Length = 10.0
-    contact: Length = 1e4
-    posture: Length = 1e-4
-    force: Length = 1e-4
-    force_in_landing: Length = 1e-2
-
-
-class Control(_Table):
-    """How the whole-body controller follows a plan on this robot.
-
-    Attributes:
-        rate: of the controller, Hz.
-        friction: coefficient that the controller believes in: not above the ground's.
-        force_phase: how long forces are followed after touchdown, s.
-        gains, weights: see there.
-    """
-
-    rate: Positive = 400.0
-    friction: Positive = 0.5
-    force_phase: Length = 0.2
-    gains: Gains = Gains()
-    weights: Weights = Weights()
-
-
-class RobotFile(_Table):
+class RobotFile(Table):
     """A robot file's content.
 
     Attributes:

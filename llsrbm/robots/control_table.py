@@ -1,0 +1,71 @@
+"""The robot file's [control]: how the whole-body controller follows a plan on a robot."""
+
+from __future__ import annotations
+
+from llsrbm.robots.tables import Length, Positive, Table
+
+
+class Gains(Table):
+    """Feedback of the whole-body controller's tasks: (stiffness 1/s2, damping 1/s).
+
+    Attributes:
+        com: of the CoM.
+        orientation: of the base's attitude.
+        swing: of feet in the air.
+        posture: of the joints, where no other task wants them.
+        angular_momentum: decay of its error, 1/s.
+        standing: damping of feet on the ground, 1/s: brings feet back that bounce.
+    """
+
+    com: tuple[Length, Length] = (60.0, 12.0)
+    orientation: tuple[Length, Length] = (150.0, 20.0)
+    swing: tuple[Length, Length] = (500.0, 40.0)
+    posture: tuple[Length, Length] = (100.0, 20.0)
+    angular_momentum: Length = 5.0
+    standing: Length = 20.0
+
+
+class Weights(Table):
+    """What the whole-body controller's tasks cost: 1 over (the task's unit squared).
+
+    Attributes:
+        com, orientation, angular_momentum, swing, contact, posture: of squared accelerations (of
+            the angular momentum, its rate).
+        swing_orientation: of soles in the air.
+        orientation_in_takeoff, angular_momentum_in_takeoff: there the momenta decide where a flight
+            leads; a light base between heavy legs must give way to them.
+        orientation_in_flight: momentum is conserved there, so the feet come first.
+        force: of squared contact force errors while a trajectory is tracked, 1/N2: only chooses
+            among forces that do the same.
+        force_in_landing: in the force phase, where CoM and angular momentum cost nothing.
+    """
+
+    com: Length = 10.0
+    orientation: Length = 10.0
+    orientation_in_takeoff: Length = 10.0
+    orientation_in_flight: Length = 0.1
+    angular_momentum: Length = 1.0
+    angular_momentum_in_takeoff: Length = 1.0
+    swing: Length = 100.0
+    swing_orientation: Length = 10.0
+    contact: Length = 1e4
+    posture: Length = 1e-4
+    force: Length = 1e-4
+    force_in_landing: Length = 1e-2
+
+
+class Control(Table):
+    """How the whole-body controller follows a plan on this robot.
+
+    Attributes:
+        rate: of the controller, Hz.
+        friction: coefficient that the controller believes in: not above the ground's.
+        force_phase: how long forces are followed after touchdown, s.
+        gains, weights: see there.
+    """
+
+    rate: Positive = 400.0
+    friction: Positive = 0.5
+    force_phase: Length = 0.2
+    gains: Gains = Gains()
+    weights: Weights = Weights()
