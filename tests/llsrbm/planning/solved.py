@@ -19,6 +19,7 @@ REQUESTS: dict[str, dict[str, float]] = {
     "forward": {"forward": 0.3},
     "all": {"twist": 0.8, "forward": 0.2, "lateral": 0.15, "height": 0.15},
 }
+BIPED = {"box": {"forward": 0.2, "height": 0.35}}
 
 
 @dataclass(frozen=True)
@@ -31,10 +32,10 @@ class Solved:
 
 
 @cache
-def solved(model: str, request: str) -> Solved:
-    """The plan of a request by ANYmal, from the analytic guess."""
-    planner = planner_for("anymal", model)
-    jump = Jump(model=model, **REQUESTS[request])
+def solved(model: str, request: str, robot: str = "anymal") -> Solved:
+    """The plan of a request, from the analytic guess."""
+    planner = planner_for(robot, model)
+    jump = Jump(robot=robot, model=model, **(REQUESTS | BIPED)[request])
     plan = planner.plan(jump)
     task, iterate = planner.last
     return Solved(planner, task, plan, planner.last_knots(), iterate.w)

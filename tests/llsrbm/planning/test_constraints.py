@@ -157,7 +157,8 @@ BROKEN = [
 
 
 def test_every_constraint_has_its_example():
-    assert [make.__name__ for make in BROKEN] == list(NAMED)
+    """What concerns soles is broken in test_sole_constraints."""
+    assert {make.__name__ for make in BROKEN} | {"edge", "foot_yaw", "foot_turn"} == set(NAMED)
 
 
 @pytest.mark.parametrize("make", BROKEN, ids=lambda make: make.__name__)

@@ -59,7 +59,9 @@ def row_excess(s, g):
         for constraint in constraints_of(role):
             low, high = constraint.bounds(s.task, layout, k)
             here = g[row : row + len(low)]
-            excess[constraint.name][k] = max((low - here).max(), (here - high).max(), 0.0)
+            # Points have no rows about the turn of feet.
+            beyond = np.concatenate([low - here, here - high])
+            excess[constraint.name][k] = beyond.max(initial=0.0)
             row += len(low)
     assert row == len(g)
     return excess

@@ -1,0 +1,108 @@
+"""SLIDER's plans: what soles add, looked at in NumPy, and broken by known amounts."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from llsrbm.planning.residuals import violations
+from llsrbm.robots import load_robot
+from llsrbm.trajectory.plan import Phase
+from llsrbm.trajectory.rotation import yaw
+from tests.llsrbm.planning.solved import solved
+
+ROBOT = load_robot("slider")
+FOOT, LIMITS = ROBOT.file.foot, ROBOT.file.limits
+MIDDLE, LEG = 8, 1
+
+
+@pytest.fixture(scope="module")
+def twist():
+    return solved("llsrbm-plus", "twist", "slider")
+
+
+@pytest.fixture(scope="module")
+def box():
+    return solved("llsrbm-plus", "box", "slider")
+
+
+def moved(knots, name, index, amount):
+    array = getattr(knots, name).copy()
+    array[index] += amount
+    return replace(knots, **{name: array})
+
+
+def test_plans_from_the_analytic_guess(twist, box):
+    for solution in (twist, box):
+        assert solution.plan.solved
+        assert solution.plan.report.attempts == 1
+        assert max(v.amount for v in solution.plan.violations.values()) < 1e-3
+
+
+def test_foot_yaw(twist):
+    present = twist.knots.flight_feet[MIDDLE, LEG, 3]
+    broken = moved(twist.knots, "flight_feet", (MIDDLE, LEG, 3), FOOT.yaw[1] + 0.05 - present)
+    found = violations(broken)["foot_yaw"]
+    assert found.amount == pytest.approx(0.05, abs=1e-6)
+    assert found.phase == "flight"
+
+
+def test_foot_turn(twist):
+    present = twist.knots.flight_feet_rate[MIDDLE, LEG, 3]
+    broken = moved(
+        twist.knots, "flight_feet_rate", (MIDDLE, LEG, 3), FOOT.turn_speed + 2.0 - present
+    )
+    assert violations(broken)["foot_turn"].amount >= 2.0
+
+
+def test_edge(box):
+    """Toes that swing 0.1 m forward at once run into the box."""
+    broken = moved(box.knots, "flight_feet", (2, LEG, 0), 0.1)
+    assert violations(broken)["edge"].amount == pytest.approx(0.1, abs=0.03)
+
+
+def test_soles_stand_still_and_turn_in_the_air(twist):
+    plan = twist.plan
+    headings = np.stack([yaw(plan.foot_quat[:, i]) for i in range(2)], axis=1)
+    np.testing.assert_allclose(headings[plan.phase == Phase.TAKEOFF], 0.0, atol=1e-9)
+    np.testing.assert_allclose(headings[plan.phase == Phase.LANDING], np.pi / 2, atol=1e-6)
+
+
+def test_contact_points_are_the_corners_of_the_soles(twist):
+    plan = twist.plan
+    assert plan.contact_point.shape == (len(plan.time), 8, 3)
+    for i in range(2):
+        heading = yaw(plan.foot_quat[:, i])
+        c, s = np.cos(heading)[:, None], np.sin(heading)[:, None]
+        x, y = np.array(FOOT.corners).T
+        expected = plan.foot_position[:, i, None, :2] + np.stack(
+            [c * x - s * y, s * x + c * y], axis=-1
+        )
+        np.testing.assert_allclose(
+            plan.contact_point[:, 4 * i : 4 * i + 4, :2], expected, atol=1e-4
+        )
+
+
+def test_corners_push_within_their_pyramids(twist, box):
+    for solution in (twist, box):
+        force = solution.plan.contact_force
+        assert force[..., 2].min() > -1e-3
+        assert force[..., 2].max() < LIMITS.contact_force + 1e-3
+        sideways = np.abs(force[..., :2]) - LIMITS.friction * force[..., 2:]
+        assert sideways.max() < 1e-3
+
+
+@pytest.mark.parametrize("request_name", ["twist", "box"])
+def test_momenta_follow_from_the_corners_forces(request_name):
+    """Forces are constant over an interval, so that both integrals have closed forms."""
+    plan = solved("llsrbm-plus", request_name, "slider").plan
+    dt = np.diff(plan.time)[:, None]
+    force = plan.contact_force[:-1]
+    total = force.sum(axis=1)
+    acceleration = total / ROBOT.mass + [0.0, 0.0, -9.81]
+    mean_com = plan.com[:-1] + plan.com_velocity[:-1] * dt / 2 + acceleration * dt**2 / 6
+    moment = np.cross(plan.contact_point[:-1] - mean_com[:, None], force).sum(axis=1)
+    np.testing.assert_allclose(np.diff(plan.com_velocity, axis=0), acceleration * dt, atol=1e-6)
+    np.testing.assert_allclose(np.diff(plan.angular_momentum, axis=0), moment * dt, atol=1e-5)
