@@ -29,7 +29,6 @@ _OUTSIDE = 1.004  # a wireframe must lie just outside of a surface to be seen
 _FOOTPRINT = 0.03  # m, radius of a point foot's landing mark
 _SOLE_EDGE = 0.01  # m, of a sole's landing mark around the contact points
 _THIN = 0.004  # m, thickness of a landing mark
-_MARGIN = 0.12  # m, of the landing surface around the feet
 _ALONG_TRAIL = 4  # frames between the points of a trail
 _PUSHING = 1.0  # N; smaller forces are not drawn
 _STILL = 1e-5  # m; arrows that move less are not sent again
@@ -163,23 +162,21 @@ class Target:
             "/target/step", colours.TARGET, opacity=0.22, cast_shadow=False, visible=False
         )
 
-    def draw(self, plan: Plan, *, step: bool) -> None:
-        """Take a plan's; without `step`, only the marks."""
+    def draw(self, plan: Plan, steps: Sequence[Block]) -> None:
+        """Take a plan's marks, and the step if there is one among `steps`."""
         height, landing = plan.jump.height, plan.foot_position[-1]
         for mark, foot, wxyz in zip(self._marks, landing, plan.foot_quat[-1], strict=True):
             x, y, _ = foot + Rotation.from_quat(wxyz, scalar_first=True).apply(self._centre)
             mark.position = (x, y, height + 0.003)
             mark.wxyz = wxyz
             mark.visible = True
-        self._step.visible = step and height != 0
-        if not self._step.visible:
-            return
-        # A step down is drawn as the block the robot starts from.
-        feet = landing if height > 0 else plan.foot_position[0]
-        low, high = feet[:, :2].min(axis=0) - _MARGIN, feet[:, :2].max(axis=0) + _MARGIN
-        self._step.dimensions = (high[0] - low[0], high[1] - low[1], abs(height))
-        self._step.position = (*((low + high) / 2), height / 2)
-        self._step.color = colours.TARGET if height > 0 else colours.FOOT
+        self._step.visible = len(steps) > 0
+        for step in steps:
+            self._step.dimensions = tuple(step.size)
+            self._step.position = step.centre
+            self._step.wxyz = _turned(step)
+            # A step down is the block the robot starts from.
+            self._step.color = colours.TARGET if height > 0 else colours.FOOT
 
     def remove(self) -> None:
         """Remove for good."""
@@ -227,7 +224,7 @@ class Blocks:
                     colours.BLOCK,
                     dimensions=tuple(block.size),
                     position=block.centre,
-                    wxyz=(math.cos(block.yaw / 2), 0.0, 0.0, math.sin(block.yaw / 2)),
+                    wxyz=_turned(block),
                     opacity=0.55,
                     cast_shadow=False,
                     visible=False,
@@ -242,6 +239,23 @@ class Blocks:
             there = block.from_s <= time < block.until_s
             if node.visible != there:
                 node.visible = there
+
+
+def top_under(blocks: Sequence[Block], point: Array, time: float, ground: float) -> float:
+    """Height of what lies below a point (3,) m at `time`, s: the ground's, or a block's top, m."""
+    tops = [ground]
+    for block in blocks:
+        c, s = math.cos(block.yaw), math.sin(block.yaw)
+        x, y = (point - block.centre)[:2]
+        beside = np.abs([c * x + s * y, c * y - s * x]) > block.size[:2] / 2
+        if block.from_s <= time < block.until_s and not beside.any():
+            tops.append(float(block.centre[2] + block.size[2] / 2))
+    return max(tops)
+
+
+def _turned(block: Block) -> tuple[float, float, float, float]:
+    """A block's attitude, w, x, y, z."""
+    return math.cos(block.yaw / 2), 0.0, 0.0, math.sin(block.yaw / 2)
 
 
 def _segments(points: Array) -> NDArray[np.float32]:

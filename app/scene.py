@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from app import colours
 from app.frames import Frames
-from app.overlays import Blocks, Ellipsoid, Forces, Target, Trails
+from app.overlays import Blocks, Ellipsoid, Forces, Target, Trails, top_under
 from app.replay import Replay
 from app.robot_nodes import RobotNodes
 from app.viewpoint import viewpoint
@@ -43,6 +43,7 @@ class Scene:
         self._ghost: RobotNodes | None = None
         self._planned: Replay | None = None
         self._simulated: Frames | None = None
+        self._around: Sequence[Block] = ()
         self._show_ellipsoids = self._show_forces = self._show_trails = self._show_ghost = True
         scene = client.scene
         self._ground = scene.add_grid(
@@ -95,19 +96,19 @@ class Scene:
         Args:
             planned: the plan's.
             simulated: of the robot that followed it.
-            blocks: what stood around it.
+            blocks: what stands around it; of a plan alone, drawn as what it aims at.
         """
         assert self._robot is not None
         with self._client.atomic():
-            self._planned, self._simulated = planned, simulated
+            self._planned, self._simulated, self._around = planned, simulated, blocks
             solid = simulated or planned.frames
             if self._forces is None or self._target is None:
                 self._forces = Forces(self._client, len(self._robot.legs))
                 self._target = Target(self._client, self._robot)
             if simulated is not None and self._ghost is None:
                 self._ghost = RobotNodes(self._client, self._robot, "/shade", ghost=True)
-            self._target.draw(planned.plan, step=simulated is None)
-            self._blocks.draw(blocks)
+            self._target.draw(planned.plan, blocks if simulated is None else ())
+            self._blocks.draw(blocks if simulated is not None else ())
             self._trails.draw(solid, feasible=planned.plan.solved)
             self._ground.position = (0.0, 0.0, min(planned.plan.jump.height, 0.0))
             self._com.visible = self._blot.visible = True
@@ -126,7 +127,8 @@ class Scene:
             if self._ghost is not None:
                 self._ghost.move(model, model_frame)
             self._com.position = com
-            self._blot.position = (com[0], com[1], self._ground.position[2] + 0.002)
+            below = top_under(self._around, com, time, self._ground.position[2])
+            self._blot.position = (com[0], com[1], below + 0.002)
             self._blot.wxyz = solid.yaw_wxyz[frame]
             if self._show_ellipsoids:
                 _move(self._model, model, model_frame)

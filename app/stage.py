@@ -16,7 +16,7 @@ from app.simulated_replay import bake_rollout
 from llsrbm.robots import Robot
 from llsrbm.simulation.surroundings import surroundings
 from llsrbm.trajectory.plan import Plan
-from llsrbm.trajectory.rollout import Rollout
+from llsrbm.trajectory.rollout import Conditions, Rollout
 
 _TIME_SHOWN_EVERY = 0.1  # s; the timeline follows the picture more slowly, to spare the line
 _FRAMES_A_PLOT = 15  # the plots still more slowly, the more so in a browser that draws slowly
@@ -78,9 +78,10 @@ class Stage:
         assert self._robot is not None
         first = self._replay is None
         replay = bake(plan, self._robot)
+        around = surroundings(self._robot, plan, Conditions())
         self._replay, self.rollout = replay, None
         with self._client.atomic():
-            self._scene.show_motion(replay)
+            self._scene.show_motion(replay, blocks=around.blocks)
             self._panel.show_plan(replay, figures(replay, self._robot))
             self._load(plan.duration)
             if first:

@@ -63,8 +63,8 @@ class LibraryPlanner:
         which = (jump.robot, jump.model)
         if which not in self._solvers:
             progress(
-                f"building the solver of {jump.model} for {jump.robot}; "
-                "if this machine has none yet, that takes about half a minute"
+                f"building the solver of {jump.model} for {jump.robot}: "
+                "half a minute, the first time"
             )
         try:
             return self._plan(jump, progress=progress, cancelled=cancelled)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import coal
 import numpy as np
@@ -29,6 +30,7 @@ class FootContact:
     radius: float
 
 
+@lru_cache(maxsize=16)
 def foot_contacts(robot: Robot) -> tuple[FootContact, ...]:
     """The spheres of each foot, in the order of the legs.
 

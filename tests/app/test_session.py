@@ -125,7 +125,11 @@ def test_what_is_entered_while_a_robot_is_prepared_counts(tab, session):
 
 def test_soles_are_marked_and_their_corners_forces_drawn_as_one(tab, session):
     choose(tab, session, "slider")
+    tab.set("Twist [deg]", 60)
+    planned(tab, session, lambda jump: jump.twist == pytest.approx(math.pi / 3), "a twist")
+    tab.wait_for_status("Planned")
     tab.set("Time [s]", 0.0)
+    tab.wait(lambda: "take-off\n 0.00 s" in tab.text(), "the start")
     tab.wait(lambda: tab.nodes["/arrows"].get("visible"), "forces")
     plan = session.plan
     arrows = np.reshape(tab.nodes["/arrows"]["points"], (-1, 2, 3))
@@ -245,6 +249,7 @@ def test_scrubbing_pauses_and_shows_that_instant(tab, session):
 
 
 def test_layers_can_be_hidden(tab):
+    tab.wait(lambda: tab.nodes["/ellipsoid/planned"].get("visible"), "the ellipsoid")
     tab.set("Inertia ellipsoids", False)
     tab.wait(lambda: not tab.nodes["/ellipsoid/planned"]["visible"], "no ellipsoid")
     tab.set("Trails", False)
