@@ -42,11 +42,11 @@ class WholeBody:
         """Nothing is known before the first `update`."""
         model = robot.model.copy()
         contacts = foot_contacts(robot)
-        self._frames, self._corners = [], []
+        self._frames, corners = [], []
         for leg, contact in zip(robot.legs, contacts, strict=True):
             foot = model.frames[leg.foot_frame_id]
             middle = contact.centres.mean(axis=0)
-            self._corners.append(contact.centres - middle)
+            corners.append(contact.centres - middle)
             frame = pin.Frame(
                 f"{leg.foot_frame}/middle",
                 foot.parentJoint,
@@ -63,7 +63,9 @@ class WholeBody:
         self.legs = legs
         self.mass = robot.mass
         self.contacts = points
-        self._radius = [contact.radius for contact in contacts]
+        self._corners = np.array(corners)
+        # (L, 1, 3): from the lowest point of a sphere up to its centre.
+        self._radius = np.array([contact.radius * _UP for contact in contacts])[:, None]
 
         self.q = np.zeros(model.nq)
         self.v = np.zeros(n)
@@ -73,10 +75,14 @@ class WholeBody:
         self.inertia = np.eye(3)
         self.momentum_matrix, self.momentum_bias = np.zeros((6, n)), np.zeros(6)
         self.R_world_base, self.angular_velocity = np.eye(3), np.zeros(3)
-        self.foot, self.foot_velocity, self.foot_bias = np.zeros((3, legs, 3))
-        self.foot_angular_velocity, self.foot_rotation_bias = np.zeros((2, legs, 3))
-        self.foot_jacobian, self.foot_rotation_jacobian = np.zeros((2, legs, 3, n))
-        self.R_world_foot = np.zeros((legs, 3, 3))
+        self.foot, self.R_world_foot = np.zeros((legs, 3)), np.zeros((legs, 3, 3))
+        self._jacobian = np.zeros((legs, 6, n))
+        self._velocity, self._bias = np.zeros((2, legs, 6))
+        # Linear and angular parts, as views.
+        self.foot_jacobian = self._jacobian[:, :3]
+        self.foot_rotation_jacobian = self._jacobian[:, 3:]
+        self.foot_velocity, self.foot_angular_velocity = np.split(self._velocity, 2, axis=1)
+        self.foot_bias, self.foot_rotation_bias = np.split(self._bias, 2, axis=1)
         self.contact_jacobian = np.zeros((points, 3, n))
         self.contact_bias, self.contact_velocity = np.zeros((2, points, 3))
 
@@ -104,24 +110,26 @@ class WholeBody:
     def _update_feet(self) -> None:
         model, data = self._model, self._data
         axes = pin.LOCAL_WORLD_ALIGNED
+        J, velocity, bias = self._jacobian, self._velocity, self._bias
         for i, frame in enumerate(self._frames):
             placement = pin.updateFramePlacement(model, data, frame)
-            jacobian = pin.getFrameJacobian(model, data, frame, axes)
-            velocity = pin.getFrameVelocity(model, data, frame, axes)
-            bias = pin.getFrameClassicalAcceleration(model, data, frame, axes)
-            radius, R, omega = self._radius[i] * _UP, placement.rotation, velocity.angular
-            self.foot[i] = placement.translation - radius
-            self.foot_jacobian[i], self.foot_rotation_jacobian[i] = jacobian[:3], jacobian[3:]
-            self.foot_velocity[i], self.foot_bias[i] = velocity.linear, bias.linear
-            self.R_world_foot[i] = R
-            self.foot_angular_velocity[i], self.foot_rotation_bias[i] = omega, bias.angular
-            # From the middle to a sphere's centre, which turns with the foot, and from there down
-            # to the ground, which does not: spheres that roll.
-            arms = self._corners[i] @ R.T
-            levers = ((radius - arms) @ _SKEW).reshape(-1, 3, 3)
-            points = slice(i * len(arms), (i + 1) * len(arms))
-            self.contact_jacobian[points] = jacobian[:3] + levers @ jacobian[3:]
-            self.contact_velocity[points] = velocity.linear + levers @ omega
-            self.contact_bias[points] = bias.linear + levers @ bias.angular
-            inward = (arms @ omega)[:, None] * omega - (omega @ omega) * arms
-            self.contact_bias[points] += inward
+            self.foot[i], self.R_world_foot[i] = placement.translation, placement.rotation
+            J[i] = pin.getFrameJacobian(model, data, frame, axes)
+            velocity[i] = pin.getFrameVelocity(model, data, frame, axes).vector
+            bias[i] = pin.getFrameClassicalAcceleration(model, data, frame, axes).vector
+        self.foot -= self._radius[:, 0]
+        # From the middle to a sphere's centre, which turns with the foot, and from there down to
+        # the ground, which does not: spheres that roll.
+        omega = velocity[:, None, 3:]
+        arms = self._corners @ self.R_world_foot.transpose(0, 2, 1)
+        levers = ((self._radius - arms) @ _SKEW).reshape(*arms.shape, 3)
+        inward = (arms * omega).sum(axis=2, keepdims=True) * omega
+        inward -= (omega * omega).sum(axis=2, keepdims=True) * arms
+        points = (self.contacts, 3)
+        self.contact_jacobian = (J[:, None, :3] + levers @ J[:, None, 3:]).reshape(*points, -1)
+        self.contact_velocity = (
+            velocity[:, None, :3] + (levers @ omega[..., None])[..., 0]
+        ).reshape(points)
+        self.contact_bias = (
+            bias[:, None, :3] + (levers @ bias[:, None, 3:, None])[..., 0] + inward
+        ).reshape(points)
