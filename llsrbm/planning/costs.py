@@ -7,13 +7,18 @@ costs nothing. Adding a cost is one class and its place in `COSTS`.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from itertools import combinations
 from typing import Any, ClassVar
 
 import casadi as ca
+import numpy as np
 
+from llsrbm.jump import Jump
 from llsrbm.planning.layout import Role
 from llsrbm.planning.stage import Stage
 from llsrbm.trajectory.plan import Phase
+
+FREE_TWIST = 0.2  # rad at which `Symmetry` counts half
 
 
 class Cost(ABC):
@@ -30,6 +35,10 @@ class Cost(ABC):
     weight: ClassVar[float]
     unit: ClassVar[str]
     effect: ClassVar[str]
+
+    def share(self, jump: Jump) -> float:
+        """Share of the weight that counts for a request."""
+        return 1.0
 
     @abstractmethod
     def applies(self, role: Role) -> bool:
@@ -76,10 +85,7 @@ class ForceMagnitude(Cost):
 
 
 class FootMovement(Cost):
-    """Steps of the feet in flight, squared: the paper's pdot^2.
-
-    Of feet that turn, the mean over their contact points.
-    """
+    """Steps of the feet in flight, squared: the paper's pdot^2."""
 
     name = "foot_movement"
     weight = 0.02
@@ -92,12 +98,24 @@ class FootMovement(Cost):
 
     def term(self, stage: Stage) -> Any:
         """n |dp|^2."""
-        legs = stage.layout.legs
-        lever = ca.sumsqr(stage.parameters["corners"]) * legs / stage.layout.contacts
-        speed = ca.sumsqr(stage.foot_velocity_base)
-        if stage.layout.foot_coordinates > 3:
-            speed += lever * ca.sumsqr(stage.foot_turn)
-        return stage.intervals * stage.dt**2 * speed
+        return stage.intervals * stage.dt**2 * ca.sumsqr(stage.foot_velocity_base)
+
+
+class FootTurning(Cost):
+    """Turns of the feet about the vertical in flight, squared; points do not turn."""
+
+    name = "foot_turning"
+    weight = 0.05
+    unit = "1/rad^2"
+    effect = "soles turn no more than the twist asks"
+
+    def applies(self, role: Role) -> bool:
+        """In flight."""
+        return role.phase == Phase.FLIGHT
+
+    def term(self, stage: Stage) -> Any:
+        """n |dpsi|^2."""
+        return stage.intervals * stage.dt**2 * ca.sumsqr(stage.foot_turn)
 
 
 class LinearMomentum(Cost):
@@ -168,6 +186,38 @@ class TiltRate(Cost):
         return ca.sumsqr(stage.rotation_rate[:2]) / stage.intervals
 
 
+class Symmetry(Cost):
+    """Legs that mirror each other swing alike in flight, where no twist is asked.
+
+    Legs that swing apart, one forward and one back, spare a light base some of its pitch; that is
+    walking's way, and what they land in. Fades with the twist that is asked:
+    1 / (1 + (twist / 0.2 rad)^2) of the weight counts.
+    """
+
+    name = "symmetry"
+    weight = 0.0
+    unit = "1/m^2, 1/rad^2"
+    effect = "jumps without a twist swing left and right legs alike"
+
+    def share(self, jump: Jump) -> float:
+        """Fades with the twist."""
+        return 1 / (1 + (jump.twist / FREE_TWIST) ** 2)
+
+    def applies(self, role: Role) -> bool:
+        """In flight."""
+        return role.phase == Phase.FLIGHT
+
+    def term(self, stage: Stage) -> Any:
+        """|x_i - x_j|^2 / n of mirrored legs."""
+        x, hips = stage.feet_in_hip, stage.model.hips
+        pairs = [
+            (i, j)
+            for i, j in combinations(range(stage.layout.legs), 2)
+            if np.allclose(hips[i] * [1, -1, 1], hips[j])
+        ]
+        return sum(ca.sumsqr(x[:, i] - x[:, j]) for i, j in pairs) / stage.intervals
+
+
 class Time(Cost):
     """Squared durations of the phases: the paper's time penalisation."""
 
@@ -206,10 +256,12 @@ COSTS: tuple[Cost, ...] = (
     ForceSmoothness(),
     ForceMagnitude(),
     FootMovement(),
+    FootTurning(),
     LinearMomentum(),
     AngularMomentum(),
     Tilt(),
     TiltRate(),
+    Symmetry(),
     Time(),
     FinalOrientation(),
 )

@@ -69,19 +69,17 @@ class Task:
 
     @cached_property
     def towards(self) -> Array:
-        """(2,) horizontal direction in which the target lies apart from the start; or zeros.
+        """(L, 2) horizontal directions in which all of the target lies ahead of a foot; or zeros.
 
-        Of the landing heading's axes the one that leaves the widest gap between the contact points;
-        zeros where they overlap along all of them.
+        Of the landing heading's axes the one that leaves the widest gap between the contact points
+        of the foot at the start and those of all feet at the target; zeros where there is none.
         """
         c, s = np.cos(self.jump.twist), np.sin(self.jump.twist)
         axes = np.array([(c, s), (-c, -s), (-s, c), (s, -c)])
-        start, goal = (
-            points[:, :2] @ axes.T for points in (self.start_contacts, self.goal_contacts)
-        )
-        gaps = goal.min(axis=0) - start.max(axis=0)
-        widest = int(np.argmax(gaps))
-        return axes[widest] * (gaps[widest] > 0)
+        start = self.start_contacts[:, :2].reshape(len(self.start_feet), -1, 2) @ axes.T
+        goal = self.goal_contacts[:, :2] @ axes.T
+        gaps = goal.min(axis=0) - start.max(axis=1)
+        return axes[gaps.argmax(axis=1)] * (gaps.max(axis=1, keepdims=True) > 0)
 
     def parameters(self) -> dict[str, Array]:
         """Name -> value of the solver's parameters (names and sizes: `parameter_sizes`)."""
@@ -98,7 +96,10 @@ class Task:
             "thigh": np.array([thigh]),
             "shank": np.array([shank]),
         }
-        weights = {weight_parameter(cost): np.array([self.weights[cost.name]]) for cost in COSTS}
+        weights = {
+            weight_parameter(cost): np.array([cost.share(self.jump) * self.weights[cost.name]])
+            for cost in COSTS
+        }
         return {name: np.ravel(value) for name, value in (values | weights).items()}
 
 
@@ -131,7 +132,7 @@ def parameter_sizes(layout: Layout) -> dict[str, int]:
         **dict(zip(STANDING["start"], standing, strict=True)),
         **dict(zip(STANDING["goal"], standing, strict=True)),
         "corners": 2 * contacts // legs,
-        "towards": 2,
+        "towards": 2 * legs,
         "friction": 1,
         "knee_speed": 1,
         "thigh": 1,

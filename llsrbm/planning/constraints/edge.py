@@ -28,10 +28,10 @@ class Edge(Constraint):
     """Corners of soles stay behind the edge of a higher landing surface until they are above it.
 
     Soles are long: of a jump 0.2 m forward only centimetres lie between where the toes start and
-    where the heels land. Seen along `Task.towards`, in which start and target lie apart, no corner
-    comes nearer than the foremost one stands, up to the knot where `Clearance` has lifted the feet
-    above the surface. Targets that overlap the start have no edge in between. Points are left to
-    `Clearance` alone.
+    where the heels land. Seen along `Task.towards`, in which the target lies ahead of a foot, none
+    of its corners comes nearer than the foremost one stands, up to the knot where `Clearance` has
+    lifted the feet above the surface. A foot whose place the target overlaps has no edge before it.
+    Points are left to `Clearance` alone.
     """
 
     name = "edge"
@@ -47,10 +47,11 @@ class Edge(Constraint):
         if layout.foot_coordinates == 3:
             return ca.SX(0, 1)
         corners = ca.reshape(stage.parameters["corners"], 2, -1)
-        towards, R = stage.parameters["towards"], stage.R_world_base
+        directions = ca.reshape(stage.parameters["towards"], 2, -1)
+        R = stage.R_world_base
         columns = []
         for i in range(layout.legs):
-            ahead = stage.lift(direction(R, stage.relative_yaw(i)))
+            ahead, towards = stage.lift(direction(R, stage.relative_yaw(i))), directions[:, i]
             middle = stage.position[:2] + ca.mtimes(R[:2, :], stage.foot_from_com(i))
             along = ca.dot(towards, ahead)
             aside = towards[1] * ahead[0] - towards[0] * ahead[1]
@@ -61,10 +62,12 @@ class Edge(Constraint):
 
     def bounds(self, task: Task, layout: Layout, knot: int) -> Bounds:
         """At most where the foremost corner stands, while the feet are low."""
-        rows = layout.contacts if layout.foot_coordinates > 3 else 0
+        if layout.foot_coordinates == 3:
+            return np.zeros(0), np.zeros(0)
         step = 1 / layout.intervals.flight
         top = self._top(task, layout.progress[knot : knot + 1], step)[0]
-        return np.full(rows, -np.inf), np.full(rows, top)
+        corners = layout.contacts // layout.legs
+        return np.full(layout.contacts, -np.inf), np.repeat(top, corners)
 
     def violation(self, knots: Knots) -> Array:
         """Metres too near."""
@@ -73,14 +76,17 @@ class Edge(Constraint):
             return np.zeros(len(knots.time))
         span = knots.flight.stop - knots.flight.start - 1
         top = self._top(knots.task, np.arange(1, span) / span, 1 / span)
-        along = knots.contact_point[inner, :, :2] @ knots.task.towards
-        return spread(knots, inner, along - top[:, None])
+        legs = knots.model.legs
+        corners = knots.contact_point[inner, :, :2].reshape(span - 1, legs, -1, 2)
+        along = np.einsum("klcj,lj->klc", corners, knots.task.towards)
+        return spread(knots, inner, along - top[..., None])
 
     @staticmethod
     def _top(task: Task, s: Array, step: float) -> Array:
-        """(K,) m: bound at progress s (K,); none from where the knot before is high enough."""
-        surface = task.goal_feet[:, 2].max()
-        low = (clearance_line(task, s - step) < surface + ABOVE).any(axis=1) & (s < 0.5 + step)
-        edge = surface > task.start_feet[:, 2].max() and task.towards.any()
-        foremost = (task.start_contacts[:, :2] @ task.towards).max()
+        """(K, L) m: bounds at progress s (K,); none from where the knot before is high enough."""
+        surface, ground = task.goal_feet[:, 2].max(), task.start_feet[:, 2]
+        low = (clearance_line(task, s - step) < surface + ABOVE) & (s[:, None] < 0.5 + step)
+        edge = (surface > ground) & task.towards.any(axis=1)
+        corners = task.start_contacts[:, :2].reshape(len(ground), -1, 2)
+        foremost = np.einsum("lcj,lj->lc", corners, task.towards).max(axis=1)
         return np.where(low & edge, foremost + ROOM, FAR)

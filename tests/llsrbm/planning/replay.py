@@ -1,10 +1,11 @@
 """A plan's forces and feet through the model's continuous equations: an integrator of its own.
 
-    rdot = v,  v' = sum f / m + g,  L' = sum (p_i - r) x f_i,  q' = q (0, omega) / 2,
+    rdot = v,  v' = sum f / m + g,  L' = sum (c_j - r) x f_j,  q' = q (0, omega) / 2,
     I(x) omega + h(x, xdot) = R^T L
 
 In stance the feet stand in the world, so that x and xdot follow from r, v, R and omega; xdot is
 affine in omega, and so is the left side. In flight x runs linearly between the plan's knots.
+Forces act at the contact points. How standing soles turn against the base is found by differences.
 """
 
 from __future__ import annotations
@@ -68,8 +69,18 @@ def _rate(plan, model, k, share, s):
         xdot = np.repeat([(after - before) / (plan.time[k + 1] - plan.time[k])], 4, axis=0)
     else:
         beta = (plan.foot_position[k] - s.position) @ R
+        rate = -s.velocity @ R - np.cross(PROBES[:, None], beta)
+        if model.coordinates > 3:
+            step = 1e-6
+            ends = [
+                [_yaws(R @ Rotation.from_rotvec(h * w).as_matrix(), plan, k) for w in PROBES]
+                for h in (-step, step)
+            ]
+            turn = np.subtract(*ends[::-1]) / (2 * step)
+            rate = np.concatenate([rate, turn[..., None]], axis=-1)
+            beta = np.concatenate([beta, _yaws(R, plan, k)[:, None]], axis=-1)
         x = model.stance_feet(beta[None])[0]
-        xdot = model.stance_rate(-s.velocity @ R - np.cross(PROBES[:, None], beta))
+        xdot = model.stance_rate(rate)
     left = model.evaluate_momentum(np.repeat(x[None], 4, axis=0), xdot, PROBES)
     omega = np.linalg.solve((left[1:] - left[0]).T, s.momentum @ R - left[0])
     w, v = s.quat[0], s.quat[1:]
@@ -77,8 +88,17 @@ def _rate(plan, model, k, share, s):
         position=s.velocity,
         velocity=force.sum(axis=0) / model.mass + GRAVITY,
         quat=np.append(-v @ omega, w * omega + np.cross(v, omega)) / 2,
-        momentum=np.cross(plan.foot_position[k] - s.position, force).sum(axis=0),
+        momentum=np.cross(plan.contact_point[k] - s.position, force).sum(axis=0),
     )
+
+
+def _yaws(R, plan, k):
+    """Turns about the base's z that put its x above where the soles look, (L,) rad."""
+    ahead = Rotation.from_quat(plan.foot_quat[k], scalar_first=True).as_matrix()[:, :, 0]
+    # Of the plane of base x and y, the direction that is above `ahead`: up cross (ahead cross z).
+    aside = np.cross([0.0, 0.0, 1.0], ahead)
+    seen = np.cross(aside, R[:, 2]) @ R
+    return np.arctan2(seen[:, 1], seen[:, 0])
 
 
 def angle_between(a, b) -> float:

@@ -29,6 +29,17 @@ def test_replayed(model, request_name):
     assert max(turned) < 0.05
 
 
+@pytest.mark.parametrize("request_name", ["twist", "box"])
+def test_soles_replayed(request_name):
+    s = solved("llsrbm-plus", request_name, "slider")
+    states = replay(s.plan, s.planner.model, step=2e-3)
+    momentum = np.array([state.momentum for state in states])
+    assert np.abs(momentum - s.plan.angular_momentum).max() < 1e-6
+    turned = [angle_between(a.quat, q) for a, q in zip(states, s.plan.base_quat, strict=True)]
+    # The light pelvis turns faster within an interval than a quadruped's trunk.
+    assert max(turned) < 0.2
+
+
 def test_the_integrators_own_error_is_beyond_notice():
     s = solved("llsrbm-plus", "twist")
     coarse, fine = (replay(s.plan, s.planner.model, step)[-1] for step in (4e-3, 2e-3))

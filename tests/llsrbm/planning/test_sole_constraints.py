@@ -4,10 +4,25 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import casadi as ca
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
+from llsrbm.jump import Jump
+from llsrbm.planning.costs import Symmetry, default_weights
+from llsrbm.planning.headings import (
+    across,
+    heading_rate,
+    heading_rates,
+    headings,
+    relative_yaw,
+    relative_yaw_rate,
+    relative_yaw_rates,
+    relative_yaws,
+)
 from llsrbm.planning.residuals import violations
+from llsrbm.planning.task import place_task
 from llsrbm.robots import load_robot
 from llsrbm.trajectory.plan import Phase
 from llsrbm.trajectory.rotation import yaw
@@ -61,6 +76,50 @@ def test_edge(box):
     """Toes that swing 0.1 m forward at once run into the box."""
     broken = moved(box.knots, "flight_feet", (2, LEG, 0), 0.1)
     assert violations(broken)["edge"].amount == pytest.approx(0.1, abs=0.03)
+
+
+def test_edges_of_a_box_that_is_turned_lie_ahead_of_each_foot():
+    """Landing turned by 45 degrees, the box lies to the right of one foot, before the other."""
+    jump = Jump(robot="slider", twist=np.pi / 4, forward=0.3, height=0.35)
+    task = place_task(jump, ROBOT, default_weights())
+    ahead = np.array([np.cos(np.pi / 4), np.sin(np.pi / 4)])
+    right = np.array([ahead[1], -ahead[0]])
+    np.testing.assert_allclose(task.towards, [right, ahead], atol=1e-12)
+    for towards, foot in zip(task.towards, task.start_contacts.reshape(2, 4, 3), strict=True):
+        assert (foot[:, :2] @ towards).max() < (task.goal_contacts[:, :2] @ towards).min()
+    on_the_spot = place_task(Jump(robot="slider", height=0.2), ROBOT, default_weights())
+    assert not on_the_spot.towards.any()
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_headings_and_yaws(seed):
+    """There and back, and rates against differences, at random attitudes."""
+    rng = np.random.default_rng(seed)
+    R = Rotation.from_euler("zyx", rng.uniform([-3, -0.5, -0.5], [3, 0.5, 0.5]))
+    heading = R.as_euler("zyx")[0] + rng.uniform(-1.1, 1.1, size=(1, 2))
+    omega, h = rng.normal(size=3), 1e-6
+    at = R.as_matrix()[None]
+    yaws = relative_yaws(at, heading)
+    there = headings(at, yaws)
+    np.testing.assert_allclose(np.cos(there - heading), 1.0, atol=1e-12)
+    ends = [
+        relative_yaws((R * Rotation.from_rotvec(k * omega)).as_matrix()[None], heading)
+        for k in (-h, h)
+    ]
+    rate = relative_yaw_rates(at, heading, omega[None])
+    np.testing.assert_allclose(rate, np.subtract(*ends[::-1]) / (2 * h), atol=1e-6)
+    across_base = across(ca.DM(at[0]), heading[0, 0])
+    assert float(relative_yaw(across_base)) == pytest.approx(yaws[0, 0])
+    assert float(relative_yaw_rate(across_base, ca.DM(omega))) == pytest.approx(rate[0, 0])
+    spin = rng.normal()
+    symbolic = heading_rate(ca.DM(at[0][2]), yaws[0, 0], spin, ca.DM(omega))
+    numeric = heading_rates(at, yaws, np.full((1, 2), spin), omega[None])
+    assert float(symbolic) == pytest.approx(numeric[0, 0])
+
+
+def test_symmetry_fades_with_the_twist():
+    assert Symmetry().share(Jump()) == 1.0
+    assert Symmetry().share(Jump(twist=0.2)) == pytest.approx(0.5)
 
 
 def test_soles_stand_still_and_turn_in_the_air(twist):
