@@ -8,7 +8,7 @@ easy ticks slow or "infeasible".
 from __future__ import annotations
 
 import numpy as np
-from proxsuite import proxqp  # type: ignore[import-untyped]
+from proxsuite import proxqp
 
 from llsrbm.control.solvers.base import QpSolver
 from llsrbm.control.solvers.program import Array, Qp

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-import quadprog  # type: ignore[import-not-found]
+import quadprog
 
 from llsrbm.control.solvers.base import QpSolver
 from llsrbm.control.solvers.program import Array, Qp
