@@ -17,6 +17,7 @@ from typing import Any
 from urllib.parse import urlsplit
 
 import viser
+import viser._messages
 import websockets.asyncio.server
 from websockets.asyncio.server import ServerConnection
 from websockets.datastructures import Headers
@@ -64,6 +65,16 @@ def silent() -> Iterator[None]:
     """viser prints boxes whatever `verbose` says; the terminal gets our one line instead."""
     with contextlib.redirect_stdout(io.StringIO()):
         yield
+
+
+def run_javascript(client: viser.ClientHandle, source: str) -> None:
+    """Have one tab run a script, after whatever was sent to it before.
+
+    Args:
+        client: the tab.
+        source: the script; it must not contain what a visitor wrote.
+    """
+    client._websock_connection.queue_message(viser._messages.RunJavascriptMessage(source))
 
 
 def refusal(

@@ -42,6 +42,7 @@ class RawTab:
         self.camera = {}  # "position", "look_at"
         self.notifications = []
         self.downloads = []  # (file name, content), complete ones
+        self.scripts = []  # JavaScript it was told to run
         self._transfers = {}  # transfer -> [file name, size, content so far]
         self.received = Counter()  # message type -> count
         self.received_bytes = 0
@@ -169,6 +170,8 @@ class RawTab:
             self.nodes.setdefault(message["name"], {}).update(message["props"])
         elif kind == "NotificationShowMessage":
             self.notifications.append((message["props"]["title"], message["props"]["body"]))
+        elif kind == "RunJavascriptMessage":
+            self.scripts.append(message["source"])
         elif kind == "LocalStorageGetItemRequestMessage":
             answer = {"value": None, "error": None, "request_uuid": message["request_uuid"]}
             self.send({"type": "LocalStorageGetItemResponseMessage", **answer})

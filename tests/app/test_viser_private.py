@@ -12,7 +12,8 @@ import websockets
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import connect
 
-from app.viser_private import MAX_CONNECTIONS, DesignerServer, refusal
+from app.viser_private import MAX_CONNECTIONS, DesignerServer, refusal, run_javascript
+from tests.app.raw_tab import RawTab
 
 PROTOCOL = [f"viser-v{viser.__version__}"]
 NAMES = {"localhost"}
@@ -95,6 +96,23 @@ def test_a_behind_proxy_name_works_with_its_origin():
 def test_no_client_can_open_a_tunnel(designer):
     assert DesignerServer.request_share_url is not viser.ViserServer.request_share_url
     assert designer._server.request_share_url() is None
+
+
+def test_a_script_reaches_its_tab_and_no_other(designer):
+    with RawTab(designer.port) as one:
+        one.wait_for_status("Planned")
+        known = designer._server.get_clients().keys()
+        with RawTab(designer.port) as other:
+            other.wait_for_status("Planned")
+            (client,) = (
+                client for key, client in designer._server.get_clients().items() if key not in known
+            )
+            run_javascript(client, "first()")
+            run_javascript(client, "second()")
+            client.add_notification("last", "")
+            other.wait(lambda: ("last", "") in other.notifications, "what was sent afterwards")
+            assert other.scripts == ["first()", "second()"]
+            assert one.scripts == []
 
 
 def test_viser_still_builds_its_server_the_way_the_guard_expects():
