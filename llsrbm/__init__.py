@@ -22,6 +22,7 @@ from llsrbm.errors import (
     RobotFileError,
 )
 from llsrbm.jump import Jump
+from llsrbm.tuning import Tuning
 
 if TYPE_CHECKING:
     from llsrbm.api import plan, simulate
@@ -50,6 +51,7 @@ __all__ = [
     "Plan",
     "RobotFileError",
     "Rollout",
+    "Tuning",
     "export",
     "load",
     "plan",

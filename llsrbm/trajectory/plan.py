@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import IntEnum
 from pathlib import Path
 from typing import Any
@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from llsrbm.jump import Jump
+from llsrbm.tuning import Tuning
 
 Array = NDArray[np.float64]
 
@@ -91,6 +92,7 @@ class Plan:
         joint_position: (N+1, J) rad or m; joint_names: their names.
         foot_in_hip: (N+1, L, d) m, rad: foot in the leg's mirrored hip frame as the model sees it
             (`llsrbm.models.base`), d = 4 with its yaw; linear in time between knots in flight.
+        tuning: weights and limits that were asked for in place of the robot's.
     """
 
     jump: Jump
@@ -117,6 +119,7 @@ class Plan:
     joint_position: Array
     joint_names: tuple[str, ...]
     foot_in_hip: Array
+    tuning: Tuning = field(default_factory=Tuning)
 
     @property
     def solved(self) -> bool:

@@ -17,6 +17,7 @@ from llsrbm.trajectory.native_file import (
     write_native,
 )
 from llsrbm.trajectory.plan import Phase, Plan, SolveReport, Violation
+from llsrbm.tuning import Tuning
 from llsrbm.version import package_version
 
 SCHEMA = "llsrbm.plan/1"
@@ -49,6 +50,7 @@ LAYOUT: dict[str, Entry] = {
 class _Meta(Meta):
     report: SolveReport
     violations: dict[str, Violation]
+    tuning: Tuning = Tuning()  # files of 0.1 have none
 
 
 def save_plan(plan: Plan, path: str | Path) -> None:
@@ -64,6 +66,7 @@ def save_plan(plan: Plan, path: str | Path) -> None:
         robot_parameters=plan.robot_parameters,
         report=plan.report,
         violations=plan.violations,
+        tuning=plan.tuning,
         package_version=package_version(),
     )
     write_native(path, SCHEMA, meta, plan, LAYOUT)
@@ -98,6 +101,7 @@ def plan_from_arrays(arrays: Arrays, path: str | Path) -> Plan:
         robot_parameters=meta.robot_parameters,
         report=meta.report,
         violations=meta.violations,
+        tuning=meta.tuning,
         **values,
     )
 

@@ -18,6 +18,7 @@ from llsrbm.errors import Error, FileFormatError, InputError
 from llsrbm.trajectory.files import load
 from llsrbm.trajectory.plan import Plan
 from llsrbm.trajectory.plan_file import LAYOUT, load_plan, save_plan
+from llsrbm.tuning import Tuning
 from tests.llsrbm.synthetic import synthetic_plan
 
 
@@ -103,6 +104,20 @@ def test_layout_is_the_contracts(plan, saved):
     assert meta["report"]["solver"] == "fatrop"
     assert meta["violations"]["friction"]["amount"] == 2e-5
     assert meta["package_version"]
+
+
+def test_what_was_tuned_is_kept(plan, tmp_path):
+    tuned = replace(plan, tuning=Tuning(weights={"time": 5.0}, limits={"friction": 0.4}))
+    save_plan(tuned, tmp_path / "plan.npz")
+    assert load(tmp_path / "plan.npz").tuning == tuned.tuning
+
+
+def test_a_file_from_before_there_was_tuning(plan, saved, tmp_path):
+    with np.load(saved) as archive:
+        meta = json.loads(str(archive["meta"]))
+    assert meta.pop("tuning") == {"weights": {}, "limits": {}}
+    path = rewritten(saved, tmp_path / "old.npz", meta=np.array(json.dumps(meta)))
+    assert load(path).tuning == Tuning()
 
 
 def test_keys_added_by_later_versions_are_no_error(plan, saved, tmp_path):
