@@ -17,7 +17,7 @@ from app.protocol import Failed, PlanJump, PlannerFactory, Prepare, Progress, Re
 from app.session import Session
 from app.viser_private import DesignerServer
 from app.worker import LibraryPlanner
-from app.worker_client import WorkerClient
+from app.worker_pool import WorkerPool
 from llsrbm import models
 from llsrbm.errors import InputError
 from llsrbm.jump import Jump
@@ -58,7 +58,7 @@ class Designer:
         self.host = host
         self._sessions: dict[int, Session] = {}
         self._lock = threading.Lock()
-        self.worker = WorkerClient(factory)
+        self.pool = WorkerPool(factory)
         _configure(self._server)
         self._server.on_client_connect(self._connected)
         self._server.on_client_disconnect(self._disconnected)
@@ -89,21 +89,21 @@ class Designer:
             if isinstance(report, Failed):
                 print(f"  {report.message}", file=sys.stderr, flush=True)
             if jumps:
-                self.worker.submit(_WARM_UP, PlanJump(jumps.pop(0)), tell)
+                self.pool.submit(_WARM_UP, PlanJump(jumps.pop(0)), tell)
             else:
                 print("ready", file=sys.stderr, flush=True)
 
-        self.worker.submit(_WARM_UP, Prepare(robot), tell)
+        self.pool.submit(_WARM_UP, Prepare(robot), tell)
 
     def close(self) -> None:
         """End the sessions, the server and the computing process."""
         for session in self.sessions:
             session.close()
         self._server.stop()
-        self.worker.close()
+        self.pool.close()
 
     def _connected(self, client: viser.ClientHandle) -> None:
-        session = Session(client, self.worker)
+        session = Session(client, self.pool)
         with self._lock:
             self._sessions[client.client_id] = session
         session.start()

@@ -31,7 +31,7 @@ from app.protocol import (
 )
 from app.replay import presentable
 from app.stage import Stage
-from app.worker_client import WorkerClient
+from app.worker_pool import WorkerPool
 from llsrbm.errors import Error
 from llsrbm.jump import Jump
 from llsrbm.robots import Robot, load_robot, read_robot_file
@@ -47,15 +47,15 @@ class _Stop(Enum):
 class Session:
     """A tab's state; `start` runs its thread until `close`."""
 
-    def __init__(self, client: viser.ClientHandle, worker: WorkerClient) -> None:
+    def __init__(self, client: viser.ClientHandle, pool: WorkerPool) -> None:
         """Nothing happens before `start`.
 
         Args:
             client: the tab.
-            worker: plans and simulates for all tabs.
+            pool: plans and simulates for all tabs.
         """
         self._client = client
-        self._worker = worker
+        self._pool = pool
         self._inbox: queue.SimpleQueue[Action | Report | _Stop] = queue.SimpleQueue()
         self._thread = threading.Thread(
             target=self._run, name=f"session-{client.client_id}", daemon=True
@@ -84,7 +84,7 @@ class Session:
 
     def close(self) -> None:
         """The tab has gone, or the server ends."""
-        self._worker.forget(self._client.client_id)
+        self._pool.forget(self._client.client_id)
         self._inbox.put(_Stop.STOP)
         self._thread.join()
 
@@ -137,7 +137,7 @@ class Session:
             case Action.SIMULATE:
                 self._simulate()
             case Action.CANCEL:
-                self._worker.cancel(self._client.client_id)
+                self._pool.cancel(self._client.client_id)
             case Action.PLAY:
                 player.play()
             case Action.PAUSE:
@@ -209,7 +209,7 @@ class Session:
 
     def _submit(self, task: Task) -> None:
         self._awaited = task
-        self._job = self._worker.submit(self._client.client_id, task, self._inbox.put)
+        self._job = self._pool.submit(self._client.client_id, task, self._inbox.put)
 
     # ---- hearing
 

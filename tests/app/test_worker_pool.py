@@ -21,7 +21,7 @@ from app.protocol import (
     Simulated,
     SimulateJump,
 )
-from app.worker_client import WorkerClient
+from app.worker_pool import WorkerPool
 from llsrbm.jump import Jump
 from llsrbm.trajectory.rollout import Conditions
 from tests.app import planners
@@ -31,14 +31,14 @@ from tests.app.synthetic_plan import synthetic_plan
 
 @pytest.fixture(scope="module")
 def shared_client():
-    client = WorkerClient(SyntheticPlanner)
+    client = WorkerPool(SyntheticPlanner)
     yield client
     client.close()
 
 
 @pytest.fixture
 def own_client():
-    client = WorkerClient(SyntheticPlanner, cancel_grace=0.2, superseded_grace=0.2)
+    client = WorkerPool(SyntheticPlanner, cancel_grace=0.2, superseded_grace=0.2)
     yield client
     client.close()
 
@@ -257,7 +257,7 @@ def test_a_crash_is_told_and_the_process_restarted(own_client, way):
 
 def test_a_defect_leaves_its_traceback_in_the_terminal(capfd):
     # Made here: between a test's set-up and its call, pytest shows no process where to write.
-    with contextlib.closing(WorkerClient(SyntheticPlanner)) as client:
+    with contextlib.closing(WorkerPool(SyntheticPlanner)) as client:
         tab = Tab(client)
         tab.plan(planners.DEFECT)
         assert "exit status 1" in tab.outcome().message
@@ -274,7 +274,7 @@ def test_a_process_killed_from_outside_is_replaced(own_client):
 
 
 def test_a_process_that_cannot_start_is_told_and_does_not_spin(capfd):
-    client = WorkerClient(broken_factory)
+    client = WorkerPool(broken_factory)
     try:
         tab = Tab(client)
         for _ in range(2):
@@ -288,7 +288,7 @@ def test_a_process_that_cannot_start_is_told_and_does_not_spin(capfd):
 
 
 def test_closing_ends_the_process_even_in_the_middle_of_a_job():
-    client = WorkerClient(SyntheticPlanner)
+    client = WorkerPool(SyntheticPlanner)
     tab = Tab(client)
     tab.wait_until_running(tab.plan(planners.STUBBORN))
     process = client.process_id

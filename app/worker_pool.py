@@ -45,7 +45,7 @@ class _Entry:
     listener: Listener
 
 
-class WorkerClient:
+class WorkerPool:
     """Owns the computing process and passes it the jobs of all tabs, one at a time.
 
     Listeners are called from one thread of this object, in order; they must return at once.
@@ -91,7 +91,7 @@ class WorkerClient:
         self._connection: Connection | None = None
         self._ready = False
         self._wake_reader, self._wake_writer = self._context.Pipe(duplex=False)
-        self._thread = threading.Thread(target=self._run, name="worker-client", daemon=True)
+        self._thread = threading.Thread(target=self._run, name="worker-pool", daemon=True)
         self._thread.start()
 
     # ---- called by tabs, from any thread
