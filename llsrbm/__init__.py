@@ -26,6 +26,7 @@ from llsrbm.tuning import Tuning
 
 if TYPE_CHECKING:
     from llsrbm.api import plan, simulate
+    from llsrbm.design import Design, dump_design, load_design
     from llsrbm.exporters import export
     from llsrbm.trajectory.files import load
     from llsrbm.trajectory.plan import Plan
@@ -35,6 +36,9 @@ if TYPE_CHECKING:
 _LATER = {
     "plan": "llsrbm.api",
     "simulate": "llsrbm.api",
+    "Design": "llsrbm.design",
+    "dump_design": "llsrbm.design",
+    "load_design": "llsrbm.design",
     "export": "llsrbm.exporters",
     "load": "llsrbm.trajectory.files",
     "Plan": "llsrbm.trajectory.plan",
@@ -43,6 +47,7 @@ _LATER = {
 
 __all__ = [
     "Cancelled",
+    "Design",
     "Error",
     "FileFormatError",
     "InputError",
@@ -52,8 +57,10 @@ __all__ = [
     "RobotFileError",
     "Rollout",
     "Tuning",
+    "dump_design",
     "export",
     "load",
+    "load_design",
     "plan",
     "simulate",
 ]

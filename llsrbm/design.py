@@ -1,0 +1,245 @@
+"""Designs as files: a jump, what it changes about the planner, and the world to follow it in."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import AfterValidator, BaseModel, Field, ValidationError, model_validator
+from pydantic_core import ErrorDetails, PydanticCustomError
+
+from llsrbm.errors import FileFormatError, InputError
+from llsrbm.jump import Jump
+from llsrbm.robots.schema import choices
+from llsrbm.robots.tables import Table
+from llsrbm.trajectory.rollout import Conditions
+from llsrbm.tuning import Tuning
+
+SCHEMA = "llsrbm.design/1"
+SUFFIX = ".jump.json"
+LARGEST = 64_000  # bytes; a design with every weight and limit changed takes a tenth of it
+
+_LONGEST_TITLE, _LONGEST_NOTE = 80, 400  # characters: a line of a list, a few lines of a page
+_FARTHEST = 100.0  # rad or m; far beyond any robot, whose own range is checked when it plans
+_LARGEST_SEED = 2**53 - 1  # the largest whole number that every reader of JSON keeps exact
+_SHOWN = 60  # characters of what was given, in a message
+
+
+@dataclass(frozen=True)
+class Design:
+    """Everything that was decided about one jump.
+
+    Attributes:
+        jump: the request.
+        tuning: weights and limits in place of the robot's own.
+        conditions: of the simulation.
+        title: to choose it by, in one line of at most 80 characters.
+        note: what to look at, at most 400 characters.
+    """
+
+    jump: Jump
+    tuning: Tuning = field(default_factory=Tuning)
+    conditions: Conditions = field(default_factory=Conditions)
+    title: str = ""
+    note: str = ""
+
+
+def dump_design(design: Design) -> str:
+    """A design as the text of a file: robot, model and task, and what differs from the defaults.
+
+    Raises:
+        InputError: a title, a name or a number that no file may hold.
+    """
+    table: dict[str, Any] = {"schema": SCHEMA, "jump": design.jump.as_dict()}
+    plain = {"title": design.title, "note": design.note}
+    tuning = {"weights": dict(design.tuning.weights), "limits": dict(design.tuning.limits)}
+    standard = asdict(Conditions())
+    conditions = {
+        name: value for name, value in asdict(design.conditions).items() if value != standard[name]
+    }
+    table |= {name: text for name, text in plain.items() if text}
+    table |= {name: values for name, values in tuning.items() if values}
+    table |= {"conditions": conditions} if conditions else {}
+    _checked(table, "this design")
+    return json.dumps(table, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def load_design(source: bytes | str | Path) -> Design:
+    """The design in a file, or in a file's content.
+
+    Args:
+        source: the content as bytes, or a path.
+
+    Raises:
+        FileFormatError: it cannot be read, or is no design; one line that says what is accepted.
+            Whether the robot can do it is said when it is planned.
+    """
+    if isinstance(source, bytes):
+        return _parse(source, "design")
+    try:
+        with Path(source).open("rb") as file:
+            # What is larger is refused without reading it all.
+            content = file.read(LARGEST + 1)
+    except (OSError, ValueError) as error:
+        why = error.strerror if isinstance(error, OSError) else str(error)
+        raise FileFormatError(f"{source}: cannot be read ({why})") from error
+    return _parse(content, str(source))
+
+
+def file_name(design: Design) -> str:
+    """Under which to save a design: its title, or else its robot, in plain letters."""
+    words = re.findall(r"[a-z0-9]+", (design.title or Path(design.jump.robot).stem).lower())
+    return ("-".join(words) or "design") + SUFFIX
+
+
+# ---- what a file may hold
+
+
+def _one_line(text: str) -> str:
+    if not text.isprintable():
+        raise PydanticCustomError("text", "expected one line of printable text")
+    return text
+
+
+_OneLine = AfterValidator(_one_line)
+_Name = Annotated[str, Field(min_length=1, max_length=1000), _OneLine]  # a robot may be a path
+_Amount = Annotated[float, Field(ge=-_FARTHEST, le=_FARTHEST)]
+_Value = Annotated[float, Field(ge=-1e9, le=1e9)]
+
+
+class _JumpTable(Table):
+    robot: _Name
+    model: _Name
+    twist: _Amount = 0.0
+    forward: _Amount = 0.0
+    lateral: _Amount = 0.0
+    height: _Amount = 0.0
+
+
+class _ConditionsTable(Table):
+    board: Annotated[float, Field(ge=0, le=1)] = 0.0
+    half_board: bool = False
+    seed: Annotated[int, Field(ge=0, le=_LARGEST_SEED)] | None = None
+    noise: Annotated[float, Field(ge=0, le=_FARTHEST)] = Conditions.noise
+    detector: _Name = Conditions.detector
+    landing: _Name = Conditions.landing
+    solver: _Name = Conditions.solver
+
+    @model_validator(mode="after")
+    def _half_of_something(self) -> Self:
+        if self.half_board and self.board == 0:
+            raise PydanticCustomError("half", "half_board: expected a board's thickness beside it")
+        return self
+
+
+class _File(Table):
+    schema_: Annotated[Literal["llsrbm.design/1"], Field(alias="schema")]
+    title: Annotated[str, Field(max_length=_LONGEST_TITLE), _OneLine] = ""
+    note: Annotated[str, Field(max_length=_LONGEST_NOTE), _OneLine] = ""
+    jump: _JumpTable
+    weights: dict[_Name, _Value] = Field(default_factory=dict)
+    limits: dict[_Name, _Value] = Field(default_factory=dict)
+    conditions: _ConditionsTable = _ConditionsTable()
+
+
+def _parse(content: bytes, where: str) -> Design:
+    if len(content) > LARGEST:
+        raise FileFormatError(
+            f"{where}: too large for a design; expected at most {LARGEST // 1000} kB"
+        )
+    try:
+        table = json.loads(
+            content.decode(),
+            object_pairs_hook=_without_duplicates,
+            parse_constant=_no_constant,
+        )
+    except InputError as error:
+        raise FileFormatError(f"{where}: {error}") from error
+    except UnicodeDecodeError as error:
+        raise FileFormatError(
+            f"{where}: not a text file in UTF-8; expected a design ({SCHEMA})"
+        ) from error
+    except RecursionError as error:
+        raise FileFormatError(f"{where}: nested too deeply for a design ({SCHEMA})") from error
+    except ValueError as error:  # JSONDecodeError, or a number of thousands of digits
+        told = str(error).partition("; use sys.")[0]
+        raise FileFormatError(f"{where}: not a JSON file: {told}") from error
+    file = _checked(table, where)
+    return Design(
+        jump=Jump(**file.jump.model_dump()),
+        tuning=Tuning(weights=file.weights, limits=file.limits),
+        conditions=Conditions(**file.conditions.model_dump()),
+        title=file.title,
+        note=file.note,
+    )
+
+
+def _without_duplicates(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    table: dict[str, Any] = {}
+    for name, value in pairs:
+        if name in table:
+            raise InputError(f"{_short(name)} appears twice; expected every key once")
+        table[name] = value
+    return table
+
+
+def _no_constant(word: str) -> float:
+    raise InputError(f"expected finite numbers, got {word}")
+
+
+def _checked(table: Any, where: str) -> _File:
+    if not isinstance(table, Mapping) or "schema" not in table:
+        raise FileFormatError(
+            f'{where}: not a design; expected an object with "schema": "{SCHEMA}"'
+        )
+    if table["schema"] != SCHEMA:
+        raise FileFormatError(
+            f'{where}: schema: expected "{SCHEMA}", got {_short(table["schema"])}'
+        )
+    try:
+        return _File.model_validate(table)
+    except ValidationError as error:
+        # A misspelt key is both unknown and missing; the first says more.
+        details = sorted(error.errors(), key=lambda detail: detail["type"] != "extra_forbidden")
+        more = f" (and {len(details) - 1} more)" if len(details) > 1 else ""
+        raise FileFormatError(f"{where}: {_sentence(details[0])}{more}") from error
+
+
+def _sentence(detail: ErrorDetails) -> str:
+    """One pydantic complaint as: key, what was wrong, what would be accepted."""
+    location = [str(part) for part in detail["loc"] if part != "[key]"]
+    key = _shortened(".".join(location))
+    match detail["type"]:
+        case "extra_forbidden":
+            known = _keys(location[:-1])
+            return f"unknown key {_short(location[-1])}; {choices(location[-1], known)}"
+        case "missing":
+            return f'missing key "{key}"; expected: {", ".join(_keys(location[:-1]))}'
+        case "half":
+            return f"{key}.{detail['msg']}"
+        case "model_type" | "dict_type":
+            return f"{key}: expected an object, got {_short(detail['input'])}"
+        case _:
+            message = detail["msg"][:1].lower() + detail["msg"][1:]
+            return f"{key}: {message}, got {_short(detail['input'])}"
+
+
+def _keys(location: list[str]) -> list[str]:
+    """What may stand in the table at a location."""
+    tables: dict[str, type[BaseModel]] = {"jump": _JumpTable, "conditions": _ConditionsTable}
+    table = tables[location[0]] if location else _File
+    return [info.alias or name for name, info in table.model_fields.items()]
+
+
+def _short(value: Any) -> str:
+    return _shortened(json.dumps(value, ensure_ascii=True, default=str))
+
+
+def _shortened(text: str) -> str:
+    """As much as fits into a message, in one printable line."""
+    printable = "".join(letter if letter.isprintable() else "?" for letter in text)
+    return printable if len(printable) <= _SHOWN else f"{printable[: _SHOWN - 3]}..."
