@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 from llsrbm.jump import Jump
@@ -20,7 +20,8 @@ def plan(
     *,
     solver: str = solver_names()[0],
     intervals: int = INTERVALS,
-    weights: dict[str, float] | None = None,
+    weights: Mapping[str, float] | None = None,
+    limits: Mapping[str, float] | None = None,
     warm: bool = False,
     cancelled: Callable[[], bool] | None = None,
     progress: Callable[[str], None] | None = None,
@@ -32,20 +33,25 @@ def plan(
         solver: "fatrop" or "ipopt".
         intervals: N, shared evenly by the three phases.
         weights: cost name -> weight, in place of the defaults (`llsrbm.planning.costs`).
+        limits: limit name -> value, in place of the robot's (`llsrbm.planning.limits`).
         warm: start from the last plan of the same robot and model.
         cancelled: asked between attempts; True ends with `Cancelled`.
         progress: told in words what is being done.
 
     Raises:
-        InputError: an unknown name, or a request out of the robot's range.
+        InputError: an unknown name, or a request or a limit out of the robot's range.
         RobotFileError: the robot file is wrong.
         NotConverged: no attempt satisfied every constraint; its `plan` is the last iterate.
     """
-    make_task(jump, load_robot(jump.robot), weights)  # a request out of range builds no solver
+    make_task(
+        jump, load_robot(jump.robot), weights, limits
+    )  # a request out of range builds no solver
     start = time.perf_counter()
     planner = planner_for(jump.robot, jump.model, solver, intervals)
     build_time = time.perf_counter() - start
-    result = planner.plan(jump, weights=weights, warm=warm, cancelled=cancelled, progress=progress)
+    result = planner.plan(
+        jump, weights=weights, limits=limits, warm=warm, cancelled=cancelled, progress=progress
+    )
     return replace(result, report=replace(result.report, build_time_s=build_time))
 
 

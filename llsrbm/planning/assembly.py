@@ -53,6 +53,7 @@ def assemble_plan(
     }
     return Plan(
         jump=jump,
+        tuning=knots.task.tuning,
         robot_parameters=robot.parameters(),
         violations=violations,
         base_mass=knots.model.base_mass,

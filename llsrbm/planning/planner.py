@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 import time
 import zlib
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
@@ -94,7 +94,8 @@ class Planner:
         self,
         jump: Jump,
         *,
-        weights: dict[str, float] | None = None,
+        weights: Mapping[str, float] | None = None,
+        limits: Mapping[str, float] | None = None,
         warm: bool = False,
         cancelled: Callable[[], bool] | None = None,
         progress: Progress | None = None,
@@ -104,6 +105,7 @@ class Planner:
         Args:
             jump: the request; robot and model are this planner's.
             weights: cost name -> weight, in place of the defaults.
+            limits: limit name -> value, in place of the robot's (`llsrbm.planning.limits`).
             warm: start from this planner's last solution.
             cancelled: asked before every solve.
             progress: told what is being tried.
@@ -114,7 +116,7 @@ class Planner:
             Cancelled: `cancelled` said so.
         """
         start = time.perf_counter()
-        task = make_task(jump, self.robot, weights)
+        task = make_task(jump, self.robot, weights, limits)
 
         def check() -> None:
             if cancelled is not None and cancelled():
@@ -173,12 +175,12 @@ class Planner:
 
     def _by_easier_jumps(self, task: Task, check: Callable[[], None]) -> Iterate:
         """Solve a share of the jump first, then larger ones, each from the one before."""
-        easier = place_task(_scaled(task.jump, HOMOTOPY[0]), self.robot, task.weights)
+        easier = place_task(_scaled(task.jump, HOMOTOPY[0]), self.robot, task.tuning)
         iterate = self._solve(easier, self._guess(easier))
         solve_time = iterate.solve_time_s
         for share in HOMOTOPY[1:]:
             check()
-            harder = place_task(_scaled(task.jump, share), self.robot, task.weights)
+            harder = place_task(_scaled(task.jump, share), self.robot, task.tuning)
             iterate = self._from(easier, iterate, harder)
             easier = harder
             solve_time += iterate.solve_time_s

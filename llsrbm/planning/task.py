@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -11,11 +12,14 @@ from numpy.typing import NDArray
 
 from llsrbm.errors import InputError
 from llsrbm.jump import Jump
+from llsrbm.planning.constraints.knee import KNEE_SHARE
 from llsrbm.planning.costs import COSTS, default_weights, weight_parameter
 from llsrbm.planning.layout import STANDING, Layout
+from llsrbm.planning.limits import check_limits, put_limits
 from llsrbm.robots.knee import knee_links
 from llsrbm.robots.robot import Robot
 from llsrbm.robots.schema import Foot, Limits, Reach, Timing
+from llsrbm.tuning import Tuning
 
 Array = NDArray[np.float64]
 
@@ -33,10 +37,11 @@ class Task:
             points look nowhere, 0.
         start_contacts, goal_contacts: (C, 3) m, legs x corners.
         corners: (c, 3) m, contact points of a foot in its frame.
-        limits, reach, timing, foot: of the robot file.
+        limits, reach, timing, foot: of the robot file, with what the request changes.
         knee: thigh and shank, m, of legs that fold at a knee.
-        knee_speed: limit of the joint after the hip, rad/s or m/s.
-        weights: cost name -> weight.
+        knee_speed: what a plan may use of the speed of the joint after the hip, rad/s or m/s.
+        weights: cost name -> weight, of every cost.
+        tuning: what of weights and limits the request changes.
     """
 
     jump: Jump
@@ -56,6 +61,7 @@ class Task:
     knee: tuple[float, float] | None
     knee_speed: float
     weights: dict[str, float]
+    tuning: Tuning
 
     @cached_property
     def start_contacts(self) -> Array:
@@ -141,11 +147,16 @@ def parameter_sizes(layout: Layout) -> dict[str, int]:
     return sizes | {weight_parameter(cost): 1 for cost in COSTS}
 
 
-def make_task(jump: Jump, robot: Robot, weights: dict[str, float] | None = None) -> Task:
+def make_task(
+    jump: Jump,
+    robot: Robot,
+    weights: Mapping[str, float] | None = None,
+    limits: Mapping[str, float] | None = None,
+) -> Task:
     """Check the request and place it in the world.
 
     Raises:
-        InputError: a value outside of the robot file's [task], or a weight that is none.
+        InputError: a value outside of the robot file's [task], a weight or a limit that is none.
     """
     asked = robot.file.task
     for name in ("twist", "forward", "lateral", "height"):
@@ -153,8 +164,7 @@ def make_task(jump: Jump, robot: Robot, weights: dict[str, float] | None = None)
         value = getattr(jump, name)
         if not low - 1e-4 <= value <= high + 1e-4:
             raise InputError(_out_of_range(robot.name, name, value, low, high))
-    of_robot = robot.file.planning
-    for where, given in ((f"{robot.path}: planning: ", of_robot), ("", weights or {})):
+    for where, given in ((f"{robot.path}: planning: ", robot.file.planning), ("", weights or {})):
         for name, weight in given.items():
             if name not in default_weights():
                 valid = ", ".join(default_weights())
@@ -163,16 +173,19 @@ def make_task(jump: Jump, robot: Robot, weights: dict[str, float] | None = None)
                 raise InputError(
                     f"{where}weight {name}: expected a number of at least 0, got {weight}"
                 )
-    return place_task(jump, robot, default_weights() | of_robot | (weights or {}))
+    if limits:
+        check_limits(limits, place_task(Jump(robot=jump.robot), robot), robot.name)
+    return place_task(jump, robot, Tuning(weights or {}, limits or {}))
 
 
-def place_task(jump: Jump, robot: Robot, weights: dict[str, float]) -> Task:
-    """Place the request in the world, whatever it asks; all weights given."""
+def place_task(jump: Jump, robot: Robot, tuning: Tuning | None = None) -> Task:
+    """Place the request in the world, whatever it asks; nothing is checked."""
+    tuning = tuning or Tuning()
     c, s = np.cos(jump.twist), np.sin(jump.twist)
     Rz = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
     shift = np.array([jump.forward, jump.lateral, jump.height])
     yaw = _headings(robot)
-    return Task(
+    task = Task(
         jump=jump,
         mass=float(robot.mass),
         start_position=np.array(robot.com),
@@ -188,9 +201,11 @@ def place_task(jump: Jump, robot: Robot, weights: dict[str, float]) -> Task:
         timing=robot.file.timing,
         foot=robot.file.foot,
         knee=knee_links(robot),
-        knee_speed=_knee_speed(robot),
-        weights=weights,
+        knee_speed=KNEE_SHARE * _knee_speed(robot),
+        weights=default_weights() | robot.file.planning | dict(tuning.weights),
+        tuning=tuning,
     )
+    return put_limits(task, tuning.limits)
 
 
 def _knee_speed(robot: Robot) -> float:

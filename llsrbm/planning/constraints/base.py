@@ -3,20 +3,69 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from typing import Any, ClassVar
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import BaseModel
 
-from llsrbm.planning.knots import Knots
 from llsrbm.planning.layout import Layout, Role
 from llsrbm.planning.stage import Stage
-from llsrbm.planning.task import Task
+
+if TYPE_CHECKING:  # a task knows the limits, which the constraints declare
+    from llsrbm.planning.knots import Knots
+    from llsrbm.planning.task import Task
 
 Array = NDArray[np.float64]
 
-
 Bounds = tuple[Any, Any]
+
+
+@dataclass(frozen=True)
+class Limit:
+    """A number in a constraint's bounds that a request may change.
+
+    Attributes:
+        name: as in requests and files.
+        unit: SI; angles in rad.
+        effect: what raising it does.
+        lowest, highest: what is accepted; shares of the robot's own value if `relative`.
+        place: where a `Task` has it: names of attributes, the index in a tuple.
+        relative: see `lowest`; `llsrbm.planning.limits.limits_of` has them in `unit`.
+    """
+
+    name: str
+    unit: str
+    effect: str
+    lowest: float
+    highest: float
+    place: tuple[str | int, ...]
+    relative: bool = False
+
+    def of(self, task: Task) -> float:
+        """The value that holds in a task."""
+        value: Any = task
+        for key in self.place:
+            value = value[key] if isinstance(key, int) else getattr(value, key)
+        return float(value)
+
+    def put(self, task: Task, value: float) -> Task:
+        """The task with another value."""
+        changed: Task = _put(task, self.place, value)
+        return changed
+
+
+def _put(whole: Any, place: tuple[str | int, ...], value: float) -> Any:
+    if not place:
+        return value
+    key, rest = place[0], place[1:]
+    if isinstance(key, int):
+        return (*whole[:key], _put(whole[key], rest, value), *whole[key + 1 :])
+    part = _put(getattr(whole, key), rest, value)
+    if isinstance(whole, BaseModel):
+        return whole.model_copy(update={key: part})
+    return replace(whole, **{key: part})
 
 
 class Constraint(ABC):
@@ -26,11 +75,17 @@ class Constraint(ABC):
         name: as in reports and files.
         unit: of `violation`.
         equality: whether lower equals upper.
+        limits: the numbers in its bounds that a request may change.
     """
 
     name: ClassVar[str]
     unit: ClassVar[str]
     equality: ClassVar[bool] = False
+    limits: ClassVar[tuple[Limit, ...]] = ()
+
+    def concerns(self, task: Task) -> bool:
+        """Whether the robot has what is limited."""
+        return True
 
     @abstractmethod
     def applies(self, role: Role) -> bool:

@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import casadi as ca
 import numpy as np
 
-from llsrbm.planning.constraints.base import Array, Bounds, Constraint, everywhere, spread
+from llsrbm.planning.constraints.base import Array, Bounds, Constraint, Limit, everywhere, spread
 from llsrbm.planning.headings import across
-from llsrbm.planning.knots import Knots
 from llsrbm.planning.layout import Layout, Role
 from llsrbm.planning.stage import GRAVITY, Stage
-from llsrbm.planning.task import Task
 from llsrbm.trajectory.plan import Phase
+
+if TYPE_CHECKING:
+    from llsrbm.planning.knots import Knots
+    from llsrbm.planning.task import Task
 
 
 class GivenContacts(Constraint):
@@ -63,6 +65,16 @@ class FrictionPyramid(Constraint):
 
     name = "friction_pyramid"
     unit = "N"
+    limits = (
+        Limit(
+            "friction",
+            "1",
+            "feet may push sideways harder for the load they carry",
+            lowest=0.1,
+            highest=1.5,
+            place=("limits", "friction"),
+        ),
+    )
 
     def applies(self, role: Role) -> bool:
         """In contact."""
@@ -93,6 +105,17 @@ class ContactForce(Constraint):
 
     name = "contact_force"
     unit = "N"
+    limits = (
+        Limit(
+            "contact_force",
+            "N",
+            "contacts may push down harder: shorter, higher and wider jumps; more torque",
+            lowest=0.25,
+            highest=3.0,
+            place=("limits", "contact_force"),
+            relative=True,
+        ),
+    )
 
     def applies(self, role: Role) -> bool:
         """In contact."""

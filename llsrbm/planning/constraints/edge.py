@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import casadi as ca
 import numpy as np
@@ -10,11 +10,13 @@ import numpy as np
 from llsrbm.planning.constraints.base import Array, Bounds, Constraint, spread
 from llsrbm.planning.constraints.swing import clearance_line
 from llsrbm.planning.headings import direction
-from llsrbm.planning.knots import Knots
 from llsrbm.planning.layout import Layout, Role
 from llsrbm.planning.stage import Stage
-from llsrbm.planning.task import Task
 from llsrbm.trajectory.plan import Phase
+
+if TYPE_CHECKING:
+    from llsrbm.planning.knots import Knots
+    from llsrbm.planning.task import Task
 
 # How far feet below the landing surface may come nearer to it than they stood at the start, m: its
 # edge may be anywhere in between, but they are there at lift-off, and a solver needs some room.

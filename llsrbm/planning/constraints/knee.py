@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import casadi as ca
 import numpy as np
 
-from llsrbm.planning.constraints.base import Array, Bounds, Constraint, spread
-from llsrbm.planning.knots import Knots
+from llsrbm.planning.constraints.base import Array, Bounds, Constraint, Limit, spread
 from llsrbm.planning.layout import Layout, Role
 from llsrbm.planning.stage import Stage
-from llsrbm.planning.task import Task
 from llsrbm.trajectory.plan import Phase
+
+if TYPE_CHECKING:
+    from llsrbm.planning.knots import Knots
+    from llsrbm.planning.task import Task
 
 # Share of the joint speed limit that the knee may use at an interval's midpoint. The rest is for
 # the speed it gains up to the interval's end (push-off: about 10 %) and for the hip abduction,
@@ -36,6 +38,21 @@ class KneeSpeed(Constraint):
 
     name = "knee_speed"
     unit = "rad/s"
+    limits = (
+        Limit(
+            "knee_speed",
+            "rad/s",
+            "legs may fold and stretch faster; the default is 3/4 of the drive's limit",
+            lowest=0.3,
+            highest=2.0,
+            place=("knee_speed",),
+            relative=True,
+        ),
+    )
+
+    def concerns(self, task: Task) -> bool:
+        """Legs that fold at a knee."""
+        return task.knee is not None
 
     def applies(self, role: Role) -> bool:
         """In flight, in the last interval before it and in the first one after it."""
@@ -46,8 +63,7 @@ class KneeSpeed(Constraint):
     def rows(self, stage: Stage) -> Any:
         """(L, 1), left over right hand side."""
         x, xdot = (rows[:3, :] for rows in stage.feet_mid[:2])
-        speed, a, b = (stage.parameters[n] for n in ("knee_speed", "thigh", "shank"))
-        limit = KNEE_SHARE * speed
+        limit, a, b = (stage.parameters[n] for n in ("knee_speed", "thigh", "shank"))
         columns = [
             (
                 (ca.dot(x[:, i], xdot[:, i]) / limit) ** 2
@@ -74,6 +90,6 @@ class KneeSpeed(Constraint):
         lever = np.sqrt(
             np.maximum((a * b) ** 2 - ((a**2 + b**2 - np.sum(x * x, axis=-1)) / 2) ** 2, 1e-12)
         )
-        excess = closing / lever - KNEE_SHARE * knots.task.knee_speed
+        excess = closing / lever - knots.task.knee_speed
         where = slice(knots.flight.start - 1, knots.flight.stop)
         return spread(knots, where, excess[where])

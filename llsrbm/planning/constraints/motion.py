@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import casadi as ca
 import numpy as np
 from scipy.spatial.transform import Rotation
 
 from llsrbm.planning.constraints.base import Array, Bounds, Constraint, spread
-from llsrbm.planning.knots import Knots
 from llsrbm.planning.layout import Layout, Role
 from llsrbm.planning.stage import Stage
-from llsrbm.planning.task import Task
+
+if TYPE_CHECKING:
+    from llsrbm.planning.knots import Knots
+    from llsrbm.planning.task import Task
 
 
 class MomentumBalance(Constraint):

@@ -3,17 +3,28 @@
 from __future__ import annotations
 
 from itertools import combinations
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import casadi as ca
 import numpy as np
 
-from llsrbm.planning.constraints.base import Array, Bounds, Constraint, spread
-from llsrbm.planning.knots import Knots
+from llsrbm.planning.constraints.base import Array, Bounds, Constraint, Limit, spread
 from llsrbm.planning.layout import Layout, Role
 from llsrbm.planning.stage import Stage
-from llsrbm.planning.task import Task
 from llsrbm.trajectory.plan import Phase
+
+if TYPE_CHECKING:
+    from llsrbm.planning.knots import Knots
+    from llsrbm.planning.task import Task
+
+
+# The ranges of the box and of the distance stay near the robot file's: the maps of the legs are
+# fitted there, and a leg that is nearly straight has no posture that is fast enough.
+_BOX = (
+    ("x", "behind their hips (mirrored hind legs: ahead)", "ahead of their hips (...: behind)"),
+    ("y", "inward of their hips", "outward of their hips"),
+    ("z", "below their hips", "up towards their hips"),
+)
 
 
 class Reach(Constraint):
@@ -25,6 +36,42 @@ class Reach(Constraint):
 
     name = "reach"
     unit = "m"
+    limits = (
+        Limit(
+            "reach_min",
+            "m",
+            "legs fold less",
+            lowest=0.8,
+            highest=1.4,
+            place=("reach", "distance", 0),
+            relative=True,
+        ),
+        Limit(
+            "reach_max",
+            "m",
+            "legs may stretch further: knees get faster near the straight leg",
+            lowest=0.75,
+            highest=1.08,
+            place=("reach", "distance", 1),
+            relative=True,
+        ),
+        *(
+            Limit(
+                f"reach_{axis}_{end}",
+                "m",
+                effect,
+                lowest=0.4,
+                highest=1.25,
+                place=("reach", corner, index),
+                relative=True,
+            )
+            for index, (axis, back, ahead) in enumerate(_BOX)
+            for end, corner, effect in (
+                ("min", "lower", f"feet come less far {back}"),
+                ("max", "upper", f"feet may come further {ahead}"),
+            )
+        ),
+    )
 
     def applies(self, role: Role) -> bool:
         """Wherever the posture is free."""
@@ -65,6 +112,16 @@ class FeetApart(Constraint):
 
     name = "feet_apart"
     unit = "m"
+    limits = (
+        Limit(
+            "feet_apart",
+            "m",
+            "feet stay further from each other in flight: less of a twist comes from the inertia",
+            lowest=0.0,
+            highest=0.5,
+            place=("limits", "feet_apart"),
+        ),
+    )
 
     def applies(self, role: Role) -> bool:
         """Between lift-off and touchdown."""

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import casadi as ca
 import numpy as np
 
-from llsrbm.planning.constraints.base import Array, Bounds, Constraint, spread
-from llsrbm.planning.knots import Knots
+from llsrbm.planning.constraints.base import Array, Bounds, Constraint, Limit, spread
 from llsrbm.planning.layout import Layout, Role
 from llsrbm.planning.stage import Stage
-from llsrbm.planning.task import Task
 from llsrbm.trajectory.plan import Phase
+
+if TYPE_CHECKING:
+    from llsrbm.planning.knots import Knots
+    from llsrbm.planning.task import Task
 
 # A foot's speed may rise to 8 s (1 - s) of its limit over the flight, s = 0 ... 1: full from an
 # eighth of the way on, zero at lift-off and touchdown, where the foot stands.
@@ -50,6 +52,16 @@ class Clearance(Constraint):
 
     name = "clearance"
     unit = "m"
+    limits = (
+        Limit(
+            "clearance",
+            "m",
+            "feet are lifted higher in mid-flight",
+            lowest=0.0,
+            highest=0.3,
+            place=("limits", "clearance"),
+        ),
+    )
 
     def applies(self, role: Role) -> bool:
         """Between lift-off and touchdown."""
@@ -82,6 +94,17 @@ class FootSpeed(Constraint):
 
     name = "foot_speed"
     unit = "m/s"
+    limits = (
+        Limit(
+            "foot_speed",
+            "m/s",
+            "feet may fly faster over the ground",
+            lowest=0.2,
+            highest=3.0,
+            place=("limits", "foot_speed"),
+            relative=True,
+        ),
+    )
 
     def applies(self, role: Role) -> bool:
         """In flight."""
@@ -111,6 +134,18 @@ class FootSpeedInBase(Constraint):
 
     name = "foot_speed_in_base"
     unit = "m/s"
+    limits = tuple(
+        Limit(
+            f"foot_speed_in_base_{axis}",
+            "m/s",
+            f"feet may swing faster along the base's {axis} in flight",
+            lowest=0.2,
+            highest=3.0,
+            place=("limits", "foot_speed_in_base", index),
+            relative=True,
+        )
+        for index, axis in enumerate("xyz")
+    )
 
     def applies(self, role: Role) -> bool:
         """In flight."""

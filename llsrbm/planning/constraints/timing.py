@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from llsrbm.planning.constraints.base import Array, Bounds, Constraint
-from llsrbm.planning.knots import Knots
+from llsrbm.planning.constraints.base import Array, Bounds, Constraint, Limit
 from llsrbm.planning.layout import Layout, Role
 from llsrbm.planning.stage import Stage
-from llsrbm.planning.task import Task
 from llsrbm.trajectory.plan import Phase
+
+if TYPE_CHECKING:
+    from llsrbm.planning.knots import Knots
+    from llsrbm.planning.task import Task
 
 
 class PhaseTimes(Constraint):
@@ -19,6 +21,23 @@ class PhaseTimes(Constraint):
 
     name = "phase_times"
     unit = "s"
+    limits = tuple(
+        Limit(
+            f"{phase}_{end}",
+            "s",
+            f"{title} {effect}",
+            lowest=accepted[0],
+            highest=accepted[1],
+            place=("timing", phase, index),
+        )
+        for phase, title in (("takeoff", "take-off"), ("flight", "flight"), ("landing", "landing"))
+        for index, (end, effect, accepted) in enumerate(
+            (
+                ("min", "takes at least this long", (0.1, 1.0)),
+                ("max", "may take longer", (0.15, 1.5)),
+            )
+        )
+    )
 
     def applies(self, role: Role) -> bool:
         """Where a duration is chosen: at the start, and at the end of take-off and flight."""

@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import casadi as ca
 import numpy as np
 
-from llsrbm.planning.constraints.base import Array, Bounds, Constraint, spread
+from llsrbm.planning.constraints.base import Array, Bounds, Constraint, Limit, spread
 from llsrbm.planning.constraints.swing import speed_ramp
 from llsrbm.planning.headings import heading_rates
-from llsrbm.planning.knots import Knots
 from llsrbm.planning.layout import Layout, Role
 from llsrbm.planning.stage import Stage
-from llsrbm.planning.task import Task
 from llsrbm.trajectory.plan import Phase
+
+if TYPE_CHECKING:
+    from llsrbm.planning.knots import Knots
+    from llsrbm.planning.task import Task
 
 
 class FootYaw(Constraint):
@@ -22,6 +24,30 @@ class FootYaw(Constraint):
 
     name = "foot_yaw"
     unit = "rad"
+    limits = (
+        Limit(
+            "foot_yaw_min",
+            "rad",
+            "feet may turn inward less far",
+            lowest=0.0,
+            highest=1.25,
+            place=("foot", "yaw", 0),
+            relative=True,
+        ),
+        Limit(
+            "foot_yaw_max",
+            "rad",
+            "feet may turn outward further",
+            lowest=0.0,
+            highest=1.25,
+            place=("foot", "yaw", 1),
+            relative=True,
+        ),
+    )
+
+    def concerns(self, task: Task) -> bool:
+        """Soles only."""
+        return not task.foot.is_point
 
     def applies(self, role: Role) -> bool:
         """Wherever the posture is free."""
@@ -49,6 +75,21 @@ class FootTurn(Constraint):
 
     name = "foot_turn"
     unit = "rad/s"
+    limits = (
+        Limit(
+            "foot_turn_speed",
+            "rad/s",
+            "feet may turn faster in flight",
+            lowest=0.2,
+            highest=2.0,
+            place=("foot", "turn_speed"),
+            relative=True,
+        ),
+    )
+
+    def concerns(self, task: Task) -> bool:
+        """Soles only."""
+        return not task.foot.is_point
 
     def applies(self, role: Role) -> bool:
         """In flight."""

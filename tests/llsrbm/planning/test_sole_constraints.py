@@ -10,7 +10,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from llsrbm.jump import Jump
-from llsrbm.planning.costs import Symmetry, default_weights
+from llsrbm.planning.costs import Symmetry
 from llsrbm.planning.headings import (
     across,
     heading_rate,
@@ -81,13 +81,13 @@ def test_edge(box):
 def test_edges_of_a_box_that_is_turned_lie_ahead_of_each_foot():
     """Landing turned by 45 degrees, the box lies to the right of one foot, before the other."""
     jump = Jump(robot="slider", twist=np.pi / 4, forward=0.3, height=0.35)
-    task = place_task(jump, ROBOT, default_weights())
+    task = place_task(jump, ROBOT)
     ahead = np.array([np.cos(np.pi / 4), np.sin(np.pi / 4)])
     right = np.array([ahead[1], -ahead[0]])
     np.testing.assert_allclose(task.towards, [right, ahead], atol=1e-12)
     for towards, foot in zip(task.towards, task.start_contacts.reshape(2, 4, 3), strict=True):
         assert (foot[:, :2] @ towards).max() < (task.goal_contacts[:, :2] @ towards).min()
-    on_the_spot = place_task(Jump(robot="slider", height=0.2), ROBOT, default_weights())
+    on_the_spot = place_task(Jump(robot="slider", height=0.2), ROBOT)
     assert not on_the_spot.towards.any()
 
 

@@ -1,0 +1,92 @@
+"""The limits that a request may change, generated from what the constraints declare."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from llsrbm.errors import InputError
+from llsrbm.planning.constraints import CONSTRAINTS
+from llsrbm.planning.constraints.base import Limit
+
+if TYPE_CHECKING:
+    from llsrbm.planning.task import Task
+    from llsrbm.robots.robot import Robot
+
+__all__ = ["Limit", "check_limits", "limits_in", "limits_of", "put_limits"]
+
+_LIMITS = {limit.name: limit for constraint in CONSTRAINTS for limit in constraint.limits}
+
+# What the upper of two limits, name_max, stays above the lower, name_min: an interior-point solver
+# needs an interior. In the limits' own unit: 1 mm, 1 ms.
+_ROOM = 1e-3
+
+
+def limits_of(robot: Robot) -> dict[str, tuple[Limit, float]]:
+    """Limit name -> the limit and the robot's own value; `lowest` and `highest` in its unit."""
+    from llsrbm.jump import Jump
+    from llsrbm.planning.task import place_task
+
+    return limits_in(place_task(Jump(robot=robot.name), robot))
+
+
+def limits_in(task: Task) -> dict[str, tuple[Limit, float]]:
+    """The same of a task; in one that changes no limits these are the robot's own values."""
+    found = {}
+    for limit in (x for c in CONSTRAINTS if c.concerns(task) for x in c.limits):
+        value = limit.of(task)
+        ends = np.array([limit.lowest, limit.highest]) * (value if limit.relative else 1.0)
+        # A robot file may say what is out of the usual range; it is accepted then.
+        low, high = min(*ends, value), max(*ends, value)
+        found[limit.name] = (
+            replace(limit, lowest=float(low) + 0.0, highest=float(high), relative=False),
+            value,
+        )
+    return found
+
+
+def check_limits(given: Mapping[str, float], task: Task, robot: str) -> None:
+    """Refuse limits that do not exist or cannot be.
+
+    Args:
+        given: limit name -> value.
+        task: one that changes no limits.
+        robot: its name, for messages.
+
+    Raises:
+        InputError: an unknown name, a value out of range, or a shortest above a longest.
+    """
+    known = limits_in(task)
+    for name, value in given.items():
+        if name not in known:
+            raise InputError(
+                f"unknown limit {name!r}; the limits of {robot} are {', '.join(known)}"
+            )
+        limit = known[name][0]
+        if not limit.lowest <= value <= limit.highest:
+            raise InputError(
+                f"limit {name}: {value:g} {limit.unit} is out of range; {robot} takes "
+                f"{limit.lowest:.4g} to {limit.highest:.4g} {limit.unit}"
+            )
+    for name in given:
+        stem = name.removesuffix("_min").removesuffix("_max")
+        pair = (f"{stem}_min", f"{stem}_max")
+        if stem == name or not set(pair) <= set(known):
+            continue
+        low, high = (given.get(end, known[end][1]) for end in pair)
+        if high - low < _ROOM:
+            unit = known[name][0].unit
+            raise InputError(
+                f"limit {name}: {pair[0]} {low:g} {unit} and {pair[1]} {high:g} {unit} leave no "
+                f"room between them; expected {pair[1]} to be at least {_ROOM:g} {unit} more"
+            )
+
+
+def put_limits(task: Task, given: Mapping[str, float]) -> Task:
+    """The task under other limits, which have been checked."""
+    for name, value in given.items():
+        task = _LIMITS[name].put(task, value)
+    return task
