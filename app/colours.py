@@ -23,3 +23,8 @@ DETECTION: Rgb = (255, 255, 255)
 def css(colour: Rgb, opacity: float = 1.0) -> str:
     """As style sheets write it."""
     return f"rgba({colour[0]},{colour[1]},{colour[2]},{opacity:g})"
+
+
+def linear(colour: Rgb) -> list[float]:
+    """A colour as glTF has it: proportional to light, not to what an eye sees."""
+    return [(c / 255) ** 2.2 for c in colour]

@@ -13,8 +13,8 @@ from llsrbm.robots.visuals import forward_kinematics
 
 Array = NDArray[np.float64]
 
-FRAME_RATE = 120.0
-"""Frames/s of motion: enough for half speed at 60 Hz."""
+FRAME_RATE = 60.0
+"""Frames/s of motion; browsers mix neighbouring ones at lower speeds."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,12 +46,6 @@ class Frames:
     foot_force: Array
     pressed_at: Array
     weight: float
-
-    def frame_at(self, time: float) -> int:
-        """Index of the frame nearest to `time`, s."""
-        times = self.time
-        after = int(np.searchsorted(times, time).clip(1, len(times) - 1))
-        return after - 1 if time - times[after - 1] < times[after] - time else after
 
     @property
     def end(self) -> float:

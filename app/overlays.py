@@ -7,6 +7,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from functools import lru_cache
+from typing import Any
 
 import numpy as np
 import viser
@@ -14,13 +16,16 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from app import colours
-from app.colours import Rgb
+from app.clip import Track
+from app.colours import Rgb, linear
 from app.frames import Frames
 from llsrbm.robots import Robot
 from llsrbm.simulation.surroundings import Block
 from llsrbm.trajectory.plan import Plan
 
 Array = NDArray[np.float64]
+Nodes = dict[str, Any]
+"""Name -> viser's handle of what moves with a clip."""
 
 ARROW_PER_WEIGHT = 0.8
 """Length of the arrow of a force as large as the robot's weight, m."""
@@ -29,42 +34,45 @@ _OUTSIDE = 1.004  # a wireframe must lie just outside of a surface to be seen
 _FOOTPRINT = 0.03  # m, radius of a point foot's landing mark
 _SOLE_EDGE = 0.01  # m, of a sole's landing mark around the contact points
 _THIN = 0.004  # m, thickness of a landing mark
-_ALONG_TRAIL = 4  # frames between the points of a trail
+_ALONG_TRAIL = 2  # frames between the points of a trail
 _PUSHING = 1.0  # N; smaller forces are not drawn
-_STILL = 1e-5  # m; arrows that move less are not sent again
 _NOTHING = np.zeros((1, 2, 3), dtype=np.float32)  # a line without a length
-_OUT_OF_SIGHT = np.array([0.0, 0.0, -100.0])  # m; an arrow without length would still have a head
+_SUBDIVISIONS = 2  # of an icosahedron: 320 triangles
 
 
 class Ellipsoid:
-    """A unit sphere, a wireframe with or without a translucent surface, moved and stretched."""
+    """A unit sphere, a wireframe with or without a translucent surface, turned and stretched."""
 
     def __init__(
         self, client: viser.ClientHandle, name: str, colour: Rgb, *, surface: bool
     ) -> None:
         """Hidden."""
         scene = client.scene
-        # A node's scale does not reach its children: only pose and visibility do.
         self._frame = scene.add_frame(name, show_axes=False, visible=False)
-        self._axes = np.ones(3)
-        self._spheres = [
-            scene.add_icosphere(
-                f"{name}/wires", _OUTSIDE, colour, wireframe=True, opacity=0.35, cast_shadow=False
+        self.nodes: Nodes = {
+            f"{name}/wires": scene.add_icosphere(
+                f"{name}/wires",
+                _OUTSIDE,
+                colour,
+                subdivisions=_SUBDIVISIONS,
+                wireframe=True,
+                opacity=0.35,
+                cast_shadow=False,
             )
-        ]
+        }
         if surface:
-            self._spheres.append(
-                scene.add_icosphere(f"{name}/surface", 1.0, colour, opacity=0.22, cast_shadow=False)
+            self.nodes[f"{name}/surface"] = scene.add_icosphere(
+                f"{name}/surface",
+                1.0,
+                colour,
+                subdivisions=_SUBDIVISIONS,
+                opacity=0.22,
+                cast_shadow=False,
             )
 
-    def move(self, position: Array, wxyz: Array, axes: Array) -> None:
-        """Put its centre at `position` (3,) m, its semi-axes `axes` (3,) m along `wxyz` (4,)."""
-        self._frame.position = position
-        self._frame.wxyz = wxyz
-        if not np.allclose(axes, self._axes, atol=1e-4):
-            self._axes = axes
-            for sphere in self._spheres:
-                sphere.scale = (float(axes[0]), float(axes[1]), float(axes[2]))
+    def track(self, position: Array, wxyz: Array, axes: Array) -> Track:
+        """Its centre at `position` (F, 3) m, its semi-axes `axes` (F, 3) m along `wxyz` (F, 4)."""
+        return Track(tuple(self.nodes), position, wxyz, axes)
 
     def show(self, *, visible: bool) -> None:
         """Show or hide."""
@@ -76,46 +84,37 @@ class Forces:
 
     def __init__(self, client: viser.ClientHandle, feet: int) -> None:
         """Hidden."""
-        self._points = np.zeros((feet, 2, 3), dtype=np.float32)
-        self._visible = False
-        self._arrows = client.scene.add_arrows(
-            "/arrows",
-            self._points,
-            colours.FORCE,
-            shaft_radius=0.008,
-            head_radius=0.02,
-            head_length=0.04,
-            visible=False,
-        )
+        scene = client.scene
+        self._frame = scene.add_frame("/arrows", show_axes=False, visible=False)
+        self.nodes: Nodes = {
+            name: scene.add_glb(name, _arrow(), cast_shadow=False, receive_shadow=False)
+            for name in (f"/arrows/{foot}" for foot in range(feet))
+        }
 
-    def move(self, frames: Frames, frame: int) -> None:
-        """Show a frame's forces, if they differ: planned ones are constant over an interval."""
-        force, foot = frames.foot_force[frame], frames.pressed_at[frame]
-        pushing = np.linalg.norm(force, axis=1) > _PUSHING
-        if pushing.any():
-            tip = foot + force * (ARROW_PER_WEIGHT / frames.weight)
-            points = np.stack([foot, tip], axis=1)
-            points[~pushing] = _OUT_OF_SIGHT
-            self._put(points.astype(np.float32))
-        self._show(visible=bool(pushing.any()))
+    def tracks(self, frames: Frames) -> list[Track]:
+        """Every foot's force over a motion; none where a foot hardly pushes."""
+        length = np.linalg.norm(frames.foot_force, axis=2)
+        pushing = length > _PUSHING
+        along = np.where(pushing[..., None], frames.foot_force, [0.0, 0.0, 1.0])
+        long = np.where(pushing, length * ARROW_PER_WEIGHT / frames.weight, 0.0)
+        wide = pushing.astype(float)
+        return [
+            Track(
+                (name,),
+                frames.pressed_at[:, foot],
+                _turned_up_to(along[:, foot]),
+                np.stack([wide[:, foot], wide[:, foot], long[:, foot]], axis=1),
+            )
+            for foot, name in enumerate(self.nodes)
+        ]
 
-    def hide(self) -> None:
-        """Hide until the next `move`."""
-        self._show(visible=False)
+    def show(self, *, visible: bool) -> None:
+        """Show or hide."""
+        self._frame.visible = visible
 
     def remove(self) -> None:
         """Remove for good."""
-        self._arrows.remove()
-
-    def _put(self, points: NDArray[np.float32]) -> None:
-        if points.shape != self._points.shape or np.abs(points - self._points).max() > _STILL:
-            self._points = points
-            self._arrows.points = points
-
-    def _show(self, *, visible: bool) -> None:
-        if visible != self._visible:
-            self._visible = visible
-            self._arrows.visible = visible
+        self._frame.remove()
 
 
 class Trails:
@@ -210,47 +209,91 @@ class Blocks:
     def __init__(self, client: viser.ClientHandle) -> None:
         """Nothing is there."""
         self._client = client
-        self._nodes: list[tuple[Block, viser.BoxHandle]] = []
+        self._blocks: Sequence[Block] = ()
+        self.nodes: Nodes = {}
 
     def draw(self, blocks: Sequence[Block]) -> None:
-        """Replace all by these; hidden until `move`."""
-        for _, node in self._nodes:
+        """Replace all by these."""
+        for node in self.nodes.values():
             node.remove()
-        self._nodes = [
-            (
-                block,
-                self._client.scene.add_box(
-                    f"/blocks/{index}",
-                    colours.BLOCK,
-                    dimensions=tuple(block.size),
-                    position=block.centre,
-                    wxyz=_turned(block),
-                    opacity=0.55,
-                    cast_shadow=False,
-                    visible=False,
-                ),
+        self._blocks = blocks
+        self.nodes = {
+            name: self._client.scene.add_box(
+                name,
+                colours.BLOCK,
+                dimensions=tuple(block.size),
+                position=block.centre,
+                wxyz=_turned(block),
+                opacity=0.55,
+                cast_shadow=False,
             )
-            for index, block in enumerate(blocks)
+            for name, block in ((f"/blocks/{i}", block) for i, block in enumerate(blocks))
+        }
+
+    def tracks(self, time: Array) -> list[Track]:
+        """Each block at its place at those of the instants (F,) s at which it stands there."""
+        return [
+            Track(
+                (name,),
+                np.broadcast_to(block.centre, (len(time), 3)),
+                scale=np.repeat(_stands(block, time)[:, None], 3, axis=1).astype(float),
+            )
+            for name, block in zip(self.nodes, self._blocks, strict=True)
         ]
 
-    def move(self, time: float) -> None:
-        """Show those that stand there at `time`, s."""
-        for block, node in self._nodes:
-            there = block.from_s <= time < block.until_s
-            if node.visible != there:
-                node.visible = there
 
+def tops_under(blocks: Sequence[Block], points: Array, time: Array, ground: float) -> Array:
+    """(F,) m: heights of what lies below points (F, 3) m: the ground's, or a block's top.
 
-def top_under(blocks: Sequence[Block], point: Array, time: float, ground: float) -> float:
-    """Height of what lies below a point (3,) m at `time`, s: the ground's, or a block's top, m."""
-    tops = [ground]
+    Args:
+        blocks: what stands around.
+        points: (F, 3) m, at the instants `time` (F,) s.
+        time: s.
+        ground: m.
+    """
+    tops = np.full(len(points), ground)
     for block in blocks:
         c, s = math.cos(block.yaw), math.sin(block.yaw)
-        x, y = (point - block.centre)[:2]
-        beside = np.abs([c * x + s * y, c * y - s * x]) > block.size[:2] / 2
-        if block.from_s <= time < block.until_s and not beside.any():
-            tops.append(float(block.centre[2] + block.size[2] / 2))
-    return max(tops)
+        x, y = (points - block.centre)[:, :2].T
+        above = np.abs(np.stack([c * x + s * y, c * y - s * x], axis=1)) <= block.size[:2] / 2
+        there = _stands(block, time) & above.all(axis=1)
+        top = float(block.centre[2] + block.size[2] / 2)
+        tops = np.where(there, np.maximum(tops, top), tops)
+    return tops
+
+
+def _stands(block: Block, time: Array) -> NDArray[np.bool_]:
+    return (block.from_s <= time) & (time < block.until_s)
+
+
+def _turned_up_to(along: Array) -> Array:
+    """Quaternions (F, 4) that turn z to the directions `along` (F, 3), the short way."""
+    z = along / np.linalg.norm(along, axis=1, keepdims=True)
+    wxyz = np.stack([1 + z[:, 2], -z[:, 1], z[:, 0], np.zeros(len(z))], axis=1)
+    # Straight down, any half turn about a horizontal axis.
+    wxyz[z[:, 2] < -1 + 1e-9] = [0.0, 1.0, 0.0, 0.0]
+    turned: Array = wxyz / np.linalg.norm(wxyz, axis=1, keepdims=True)
+    return turned
+
+
+@lru_cache(maxsize=1)
+def _arrow() -> bytes:
+    """An arrow along z, 1 m long, as glTF; stretched by its node's scale."""
+    import trimesh
+    from trimesh.visual.material import PBRMaterial
+
+    head, shaft = 0.2, 0.008  # share of the length; m, radius
+    body = trimesh.creation.cylinder(shaft, 1 - head, sections=8)
+    body.apply_translation([0.0, 0.0, (1 - head) / 2])
+    tip = trimesh.creation.cone(2.5 * shaft, head, sections=10)
+    tip.apply_translation([0.0, 0.0, 1 - head])
+    mesh = trimesh.util.concatenate([body, tip])
+    colour = [*(linear(colours.FORCE)), 1.0]
+    mesh.visual = trimesh.visual.TextureVisuals(
+        material=PBRMaterial(baseColorFactor=colour, metallicFactor=0.0, roughnessFactor=0.8)
+    )
+    glb: bytes = mesh.export(file_type="glb")
+    return glb
 
 
 def _turned(block: Block) -> tuple[float, float, float, float]:

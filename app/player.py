@@ -1,4 +1,4 @@
-"""Playing a motion: a clock that says which instant to show, and when the next one is due."""
+"""Playing a clip: whoever moves the nodes, browser or server, answers to one interface."""
 
 from __future__ import annotations
 
@@ -6,17 +6,25 @@ import time
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 
+from app.bridge import Bridge, PaceChosen, PlayerMoved
+from app.clip import Clip
+from app.timeline import Timeline
+
 SPEEDS = ("0.1×", "0.25×", "0.5×", "1×")
 
 _HOLD = 0.7  # s of rest at the end before a loop starts anew
 
 
 class Player(ABC):
-    """Plays one motion in one tab. Whoever moves the frames, server or browser, answers to this."""
+    """Plays one clip in one tab; to be used by one thread."""
 
     @abstractmethod
-    def load(self, duration: float) -> None:
-        """Play a motion of this length, s, from now on; keeps the time and whether it plays."""
+    def load(self, clip: Clip, events: Timeline) -> None:
+        """Play this clip from now on; keeps the time and whether it plays."""
+
+    @abstractmethod
+    def clear(self) -> None:
+        """Nothing to play."""
 
     @abstractmethod
     def play(self) -> None:
@@ -58,26 +66,98 @@ class Player(ABC):
         """The instant that is shown, s."""
 
 
+class BrowserPlayer(Player):
+    """The page plays by itself: nothing is sent but clips and what the panel's buttons say.
+
+    Time and state are what the page last told; it tells them when it is paused, started or moved.
+    """
+
+    def __init__(self, bridge: Bridge) -> None:
+        """Nothing is loaded and nothing moves."""
+        self._bridge = bridge
+        self._clip: Clip | None = None
+        self._playing = False
+        self._time = 0.0
+
+    def hear(self, event: PlayerMoved | PaceChosen) -> None:
+        """What the page told."""
+        if isinstance(event, PlayerMoved):
+            self._time, self._playing = event.time, event.playing
+
+    def load(self, clip: Clip, events: Timeline) -> None:
+        """See `Player.load`."""
+        self._clip = clip
+        self._bridge.load(clip, events)
+
+    def clear(self) -> None:
+        """See `Player.clear`."""
+        self._clip = None
+        self._playing = False
+        self._bridge.clear()
+
+    def play(self) -> None:
+        """See `Player.play`."""
+        if self._clip is not None:
+            self._playing = True
+            self._bridge.play()
+
+    def pause(self) -> None:
+        """See `Player.pause`."""
+        self._playing = False
+        self._bridge.pause()
+
+    def seek(self, time: float) -> None:
+        """See `Player.seek`."""
+        self._time = time
+        self._bridge.seek(time)
+
+    def set_speed(self, speed: float) -> None:
+        """See `Player.set_speed`."""
+        self._bridge.set_speed(speed)
+
+    def set_loop(self, loop: bool) -> None:
+        """See `Player.set_loop`."""
+        self._bridge.set_loop(loop)
+
+    def step(self) -> None:
+        """Nothing is ever due."""
+
+    @property
+    def wait(self) -> float | None:
+        """See `Player.wait`."""
+        return None
+
+    @property
+    def playing(self) -> bool:
+        """See `Player.playing`."""
+        return self._playing
+
+    @property
+    def time(self) -> float:
+        """See `Player.time`."""
+        return min(max(self._time, 0.0), 0.0 if self._clip is None else self._clip.end)
+
+
 class ServerPlayer(Player):
     """The server sends every frame. Nothing is sent while it is paused."""
 
     def __init__(
         self,
-        show: Callable[[float], None],
+        show: Callable[[Clip, float], None],
         frame_rate: Callable[[], float] = lambda: 60.0,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
         """Nothing is loaded and nothing moves.
 
         Args:
-            show: draws an instant, s.
+            show: draws an instant, s, of a clip.
             frame_rate: how many frames a second to send at present.
             clock: s.
         """
         self._show = show
         self._frame_rate = frame_rate
         self._clock = clock
-        self._duration = 0.0
+        self._clip: Clip | None = None
         self._speed = 1.0
         self._loop = True
         self._playing = False
@@ -85,10 +165,15 @@ class ServerPlayer(Player):
         self._last = 0.0  # clock at the latest step
         self._due = 0.0  # clock at the next one
 
-    def load(self, duration: float) -> None:
+    def load(self, clip: Clip, events: Timeline) -> None:
         """See `Player.load`."""
-        self._duration = duration
+        self._clip = clip
         self.seek(self._time)
+
+    def clear(self) -> None:
+        """See `Player.clear`."""
+        self._clip = None
+        self._playing = False
 
     def play(self) -> None:
         """See `Player.play`."""
@@ -106,7 +191,8 @@ class ServerPlayer(Player):
     def seek(self, time: float) -> None:
         """See `Player.seek`."""
         self._time = min(max(time, 0.0), self._duration)
-        self._show(self._time)
+        if self._clip is not None:
+            self._show(self._clip, self._time)
 
     def set_speed(self, speed: float) -> None:
         """See `Player.set_speed`."""
@@ -130,7 +216,12 @@ class ServerPlayer(Player):
                 self.pause()
             elif self._time >= self._duration + _HOLD * self._speed:
                 self._time = 0.0
-        self._show(self.time)
+        if self._clip is not None:
+            self._show(self._clip, self.time)
+
+    @property
+    def _duration(self) -> float:
+        return 0.0 if self._clip is None else self._clip.end
 
     @property
     def wait(self) -> float | None:

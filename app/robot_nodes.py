@@ -3,66 +3,63 @@
 from __future__ import annotations
 
 from functools import lru_cache
+from typing import Any
 
 import viser
 
-from app import colours
-from app.colours import Rgb
+from app.clip import Track
+from app.colours import Rgb, linear
 from app.frames import Frames
 from llsrbm.robots import Robot
-from llsrbm.robots.visuals import forward_kinematics, link_visuals
+from llsrbm.robots.visuals import FACES, forward_kinematics, link_visuals
 
-_GHOST_OPACITY = 0.22
+COARSE_FACES = 6000
+"""Of a robot in a browser without a graphics processor: a fourth of the triangles draws in half
+the time, and the page opens sooner. Others get the fine one as soon as they say so."""
 
-
-@lru_cache(maxsize=8)
-def _meshes(robot: Robot) -> tuple[tuple[str, int, bytes], ...]:
-    """(link, body index, glTF) of each body, made once for all tabs."""
-    return tuple(
-        (visual.link, visual.joint_id - 1, visual.mesh().export(file_type="glb"))
-        for visual in link_visuals(robot)
-    )
+_GHOST_OPACITY = 0.25
 
 
-@lru_cache(maxsize=8)
-def _ghost_meshes(robot: Robot) -> tuple[tuple[str, int, bytes], ...]:
-    """The same bodies in one translucent colour."""
+@lru_cache(maxsize=16)
+def _meshes(robot: Robot, faces: int, ghost: Rgb | None) -> tuple[tuple[str, int, bytes], ...]:
+    """(link, body index, glTF) of each body, made once for all tabs; ghosts in one colour."""
     from trimesh import Trimesh
     from trimesh.visual import TextureVisuals
     from trimesh.visual.material import PBRMaterial
 
-    material = PBRMaterial(
-        baseColorFactor=[*_linear(colours.PLANNED), _GHOST_OPACITY],
-        metallicFactor=0.0,
-        roughnessFactor=0.9,
-        alphaMode="BLEND",
-    )
-    return tuple(
-        (
-            visual.link,
-            visual.joint_id - 1,
-            Trimesh(
-                vertices=visual.vertices,
-                faces=visual.faces,
-                vertex_normals=visual.normals,
-                visual=TextureVisuals(material=material),
-                process=False,
-            ).export(file_type="glb"),
+    def glb(visual: Any) -> bytes:
+        if ghost is None:
+            solid: bytes = visual.mesh().export(file_type="glb")
+            return solid
+        material = PBRMaterial(
+            baseColorFactor=[*linear(ghost), _GHOST_OPACITY],
+            metallicFactor=0.0,
+            roughnessFactor=0.9,
+            alphaMode="BLEND",
         )
-        for visual in link_visuals(robot)
-    )
+        translucent: bytes = Trimesh(
+            vertices=visual.vertices,
+            faces=visual.faces,
+            vertex_normals=visual.normals,
+            visual=TextureVisuals(material=material),
+            process=False,
+        ).export(file_type="glb")
+        return translucent
 
-
-def _linear(colour: Rgb) -> list[float]:
-    """A colour of a style sheet as glTF has it: proportional to light, not to what an eye sees."""
-    return [(c / 255) ** 2.2 for c in colour]
+    return tuple((v.link, v.joint_id - 1, glb(v)) for v in link_visuals(robot, faces))
 
 
 class RobotNodes:
     """One drawn robot, in its default posture until it is moved."""
 
     def __init__(
-        self, client: viser.ClientHandle, robot: Robot, name: str, *, ghost: bool = False
+        self,
+        client: viser.ClientHandle,
+        robot: Robot,
+        name: str,
+        *,
+        ghost: Rgb | None = None,
+        fine: bool = False,
     ) -> None:
         """Visible, unless a ghost.
 
@@ -70,37 +67,51 @@ class RobotNodes:
             client: whose scene.
             robot: what to draw.
             name: of the node above the links.
-            ghost: translucent, in the colour of what is planned.
+            ghost: translucent, in this colour.
+            fine: with all triangles; ghosts never need them.
         """
-        position, wxyz = forward_kinematics(
-            robot, robot.base_position[None], [[1.0, 0.0, 0.0, 0.0]], robot.posture[None, 7:]
-        )
-        scene = client.scene
-        self._frame = scene.add_frame(name, show_axes=False, visible=not ghost)
-        self._visible = not ghost
-        self._bodies = [
-            (
-                body,
-                scene.add_glb(
-                    f"{name}/{link}", glb, position=position[0, body], wxyz=wxyz[0, body]
-                ),
-            )
-            for link, body, glb in (_ghost_meshes if ghost else _meshes)(robot)
+        self._client = client
+        self._robot = robot
+        self._name = name
+        self._ghost = ghost
+        self._frame = client.scene.add_frame(name, show_axes=False, visible=ghost is None)
+        self._bodies: dict[str, int] = {}
+        self.nodes: dict[str, Any] = {}
+        self._add(FACES if fine else COARSE_FACES)
+
+    def refine(self) -> None:
+        """Draw all triangles from now on."""
+        self._add(FACES)
+
+    def track(self, frames: Frames) -> list[Track]:
+        """Every body's way through a motion of this robot."""
+        return [
+            Track((name,), frames.body_position[:, body], frames.body_wxyz[:, body])
+            for name, body in self._bodies.items()
         ]
 
-    def move(self, frames: Frames, frame: int) -> None:
-        """Put every body where it is in a frame."""
-        if not self._visible:
-            return
-        for body, handle in self._bodies:
-            handle.position = frames.body_position[frame, body]
-            handle.wxyz = frames.body_wxyz[frame, body]
-
     def show(self, *, visible: bool) -> None:
-        """Show or hide; follow with `move`."""
-        self._visible = visible
+        """Show or hide."""
         self._frame.visible = visible
 
     def remove(self) -> None:
         """Remove for good."""
         self._frame.remove()
+
+    def _add(self, faces: int) -> None:
+        robot = self._robot
+        position, wxyz = forward_kinematics(
+            robot, robot.base_position[None], [[1.0, 0.0, 0.0, 0.0]], robot.posture[None, 7:]
+        )
+        for link, body, glb in _meshes(robot, faces, self._ghost):
+            node = f"{self._name}/{link}"
+            before = self.nodes.get(node)
+            self._bodies[node] = body
+            self.nodes[node] = self._client.scene.add_glb(
+                node,
+                glb,
+                position=position[0, body] if before is None else before.position,
+                wxyz=wxyz[0, body] if before is None else before.wxyz,
+                cast_shadow=False,
+                receive_shadow=False,
+            )

@@ -1,0 +1,102 @@
+"""A motion ready to be played: where every node of the scene is over time, whoever moves it."""
+
+from __future__ import annotations
+
+import base64
+import json
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Track:
+    """How some nodes of the scene move together, at the F instants of a strand.
+
+    Attributes:
+        nodes: their names.
+        position: (F, 3) m.
+        wxyz: (F, 4) unit quaternions; None: they do not turn.
+        scale: (F, 3) factors of their size, zeros where they are not there; None: ones.
+    """
+
+    nodes: tuple[str, ...]
+    position: Array
+    wxyz: Array | None = None
+    scale: Array | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Strand:
+    """Tracks with the same instants: those of a plan, or of a simulation.
+
+    Attributes:
+        time: (F,) s, increasing; before and after, the first and the last instant hold.
+        tracks: what moves.
+    """
+
+    time: Array
+    tracks: tuple[Track, ...]
+
+    def frame_at(self, time: float) -> int:
+        """Index of the instant nearest to `time`, s."""
+        after = int(np.searchsorted(self.time, time).clip(1, max(1, len(self.time) - 1)))
+        if after >= len(self.time):
+            return 0
+        return after - (time - self.time[after - 1] < self.time[after] - time)
+
+
+@dataclass(frozen=True, eq=False)
+class Clip:
+    """Everything that moves in a tab.
+
+    Attributes:
+        strands: that are shown together.
+        end: s, when the last of them ends.
+    """
+
+    strands: tuple[Strand, ...]
+    end: float
+
+    @cached_property
+    def encoded(self) -> tuple[str, str]:
+        """What a browser reads: JSON that says what there is, and the numbers.
+
+        The numbers are little-endian 32 bit floats in base64: of each strand the instants, then of
+        each of its tracks positions, quaternions (each on the same side as the one before, so that
+        they can be mixed) and scales, as far as the JSON says that there are any.
+        """
+        arrays: list[Array] = []
+        strands = []
+        for strand in self.strands:
+            arrays.append(strand.time)
+            tracks = []
+            for track in strand.tracks:
+                arrays.append(track.position)
+                if track.wxyz is not None:
+                    arrays.append(_continuous(track.wxyz))
+                if track.scale is not None:
+                    arrays.append(track.scale)
+                tracks.append(
+                    {
+                        "nodes": track.nodes,
+                        "turns": track.wxyz is not None,
+                        "scales": track.scale is not None,
+                    }
+                )
+            strands.append({"frames": len(strand.time), "tracks": tracks})
+        numbers = np.concatenate([np.ravel(a) for a in arrays]) if arrays else np.zeros(0)
+        blob = base64.b64encode(numbers.astype("<f4").tobytes()).decode("ascii")
+        return json.dumps({"end": self.end, "strands": strands}), blob
+
+
+def _continuous(wxyz: Array) -> Array:
+    """The same attitudes (F, 4), each quaternion on the side of the one before it."""
+    flips = np.sign(np.sum(wxyz[1:] * wxyz[:-1], axis=1))
+    signs = np.cumprod(np.concatenate([[1.0], np.where(flips == 0, 1.0, flips)]))
+    turned: Array = wxyz * signs[:, None]
+    return turned

@@ -1,0 +1,235 @@
+// Plays clips (app/clip.py) without the server: it moves viser's nodes on every frame.
+// Leans on what viser exposes to its own tests: __viserMutable and __viserTestpoints.
+(() => {
+  const HOLD = 0.7; // s of rest at the end before a loop starts anew
+  const LARGEST_STEP = 0.1; // s; a tab that was hidden goes on where it was
+  const SETTLE = 1.5; // s; nodes may come after their clip
+  const TELL_EVERY = 100; // ms between messages to the server while scrubbing
+  const SLOW = 1 / 33, FAST = 1 / 58; // s a frame, beyond which the resolution changes
+  const FINEST = 1, COARSEST = 0.5; // pixels a CSS pixel without a graphics processor
+  const WINDOW = 12; // frames between decisions about the resolution
+
+  const llsrbm = (window.llsrbm ??= { software: false });
+  const listeners = new Set();
+  let clip = null, time = 0, playing = false, speed = 1, loop = true, held = 0;
+  let last = null, settleUntil = 0, requested = false;
+  let bridge = null, count = 0, told = -Infinity, tellLater = null;
+  let resolution = FINEST, frames = 0, spent = 0, drawn = 0;
+
+  // ---- clips
+
+  function decode(header, blob) {
+    const bytes = Uint8Array.from(atob(blob), (c) => c.charCodeAt(0));
+    const numbers = new Float32Array(bytes.buffer);
+    let at = 0;
+    const take = (n) => numbers.subarray(at, (at += n));
+    const strands = header.strands.map(({ frames, tracks }) => ({
+      time: take(frames),
+      tracks: tracks.map(({ nodes, turns, scales }) => ({
+        nodes,
+        position: take(3 * frames),
+        wxyz: turns ? take(4 * frames) : null,
+        scale: scales ? take(3 * frames) : null,
+      })),
+    }));
+    return { ...header, strands };
+  }
+
+  // Index of the instant before `t`, and how far `t` is from it to the next, 0 to 1.
+  function place(times, t) {
+    const lastIndex = times.length - 1;
+    if (lastIndex < 1 || t <= times[0]) return [0, 0];
+    if (t >= times[lastIndex]) return [lastIndex - 1, 1];
+    let low = 0, high = lastIndex;
+    while (high - low > 1) {
+      const middle = (low + high) >> 1;
+      if (times[middle] <= t) low = middle;
+      else high = middle;
+    }
+    return [low, (t - times[low]) / (times[high] - times[low])];
+  }
+
+  function mix(values, size, index, share) {
+    const out = new Array(size), a = index * size, b = share > 0 ? a + size : a;
+    for (let i = 0; i < size; i++) out[i] = values[a + i] + share * (values[b + i] - values[a + i]);
+    return out;
+  }
+
+  function unit(q) {
+    const norm = Math.hypot(...q) || 1;
+    return q.map((value) => value / norm);
+  }
+
+  function apply() {
+    const viewer = window.__viserMutable;
+    if (!viewer || !clip) return;
+    for (const strand of clip.strands) {
+      const [index, share] = place(strand.time, time);
+      for (const track of strand.tracks) {
+        const position = mix(track.position, 3, index, share);
+        const wxyz = track.wxyz && unit(mix(track.wxyz, 4, index, share));
+        const scale = track.scale && mix(track.scale, 3, index, share);
+        for (const name of track.nodes) {
+          const pose = viewer.nodePoseData[name];
+          if (pose) {
+            pose.position = position;
+            if (wxyz) pose.wxyz = wxyz;
+            if (pose.poseUpdateState === "updated") pose.poseUpdateState = "needsUpdate";
+          }
+          if (scale) viewer.nodeRefFromName[name]?.scale.set(...scale);
+        }
+      }
+    }
+    viewer.requestRender();
+  }
+
+  // ---- time
+
+  function frame(now) {
+    requested = false;
+    const step = last === null ? 0 : (now - last) / 1000;
+    last = now;
+    if (playing && clip) {
+      const moved = Math.min(step, LARGEST_STEP) * speed;
+      if (time < clip.end) time = Math.min(time + moved, clip.end);
+      else if (loop) {
+        held += moved / speed;
+        if (held >= HOLD) time = held = 0;
+      } else {
+        playing = false;
+        tell();
+      }
+      adapt(step);
+    }
+    apply();
+    drawn += 1;
+    changed();
+    if (playing || now < settleUntil) request();
+    else last = null;
+  }
+
+  function request() {
+    if (!requested) {
+      requested = true;
+      requestAnimationFrame(frame);
+    }
+  }
+
+  function settle() {
+    settleUntil = performance.now() + 1000 * SETTLE;
+    request();
+  }
+
+  // A still picture is worth its time; a moving one is drawn as finely as it stays smooth.
+  function adapt(step) {
+    if (!llsrbm.software || step <= 0 || step > 0.5) return;
+    spent += step;
+    if (++frames < WINDOW) return;
+    const mean = spent / frames;
+    frames = spent = 0;
+    if (mean > SLOW) resolution = Math.max(COARSEST, resolution - 0.25);
+    else if (mean < FAST) resolution = Math.min(FINEST, resolution + 0.125);
+    draw(resolution);
+  }
+
+  function draw(pixels) {
+    if (!llsrbm.software) return;
+    const settings = window.__viserTestpoints?.devSettings;
+    if (settings && settings.get().fixedDpr !== pixels) settings.set({ fixedDpr: pixels });
+  }
+
+  function play() {
+    if (!clip || playing) return;
+    if (time >= clip.end) time = 0;
+    held = 0;
+    playing = true;
+    draw(resolution);
+    tell();
+    request();
+  }
+
+  function pause() {
+    if (!playing) return;
+    playing = false;
+    draw(FINEST);
+    tell();
+    settle();
+  }
+
+  function seek(instant) {
+    time = Math.min(Math.max(instant, 0), clip ? clip.end : 0);
+    held = 0;
+    tell();
+    settle();
+  }
+
+  // ---- the server
+
+  function send(event) {
+    if (!bridge) return;
+    // A number makes every message a change, which is what viser passes on.
+    const value = JSON.stringify({ ...event, count: (count += 1) });
+    window.__viserMutable?.sendMessage({
+      type: "GuiUpdateMessage", uuid: bridge, updates: { value },
+    });
+  }
+
+  function tell() {
+    clearTimeout(tellLater);
+    const wait = told + TELL_EVERY - performance.now();
+    if (wait > 0) tellLater = setTimeout(tell, wait);
+    else {
+      told = performance.now();
+      send({ kind: "state", time, playing });
+    }
+  }
+
+  function changed() {
+    for (const listener of listeners) listener();
+    window.llsrbmPlots?.show(time);
+  }
+
+  llsrbm.player = {
+    connect(uuid) {
+      bridge = uuid;
+      clip = null;
+      time = 0;
+      playing = false;
+      resolution = FINEST;
+      send({ kind: "ready", software: llsrbm.software });
+    },
+    load(header, blob) {
+      clip = decode(header, blob);
+      clip.shownAt = null;
+      time = Math.min(time, clip.end);
+      settle();
+    },
+    clear() {
+      clip = null;
+      changed();
+    },
+    play, pause, seek, send,
+    toggle: () => (playing ? pause() : play()),
+    // One step is a sixtieth of a second: the distance between a clip's instants.
+    step(frames) {
+      if (playing) pause();
+      seek(time + frames / 60);
+    },
+    setSpeed(value) {
+      speed = value;
+      changed();
+    },
+    setLoop(value) {
+      loop = value;
+      changed();
+    },
+    listen: (listener) => listeners.add(listener),
+    get clip() { return clip; },
+    get time() { return time; },
+    get playing() { return playing; },
+    get speed() { return speed; },
+    get loop() { return loop; },
+    get frames() { return drawn; },
+    get resolution() { return resolution; },
+  };
+})();
