@@ -6,6 +6,10 @@ Rgb = tuple[int, int, int]
 
 PLANNED: Rgb = (44, 123, 229)
 SIMULATED: Rgb = (222, 96, 16)
+PINNED: tuple[Rgb, ...] = ((140, 40, 255), (112, 112, 60), (214, 118, 168))
+"""Of pinned designs: with the two above at least 20 apart in CIELAB, for colour-blind eyes too, and
+2.5 : 1 against white and against viser's dark panel."""
+
 RIGID: Rgb = (240, 140, 30)
 FORCE: Rgb = (214, 51, 108)
 COM: Rgb = (90, 60, 180)

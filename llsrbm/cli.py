@@ -15,6 +15,7 @@ import typer
 from typer.core import TyperGroup
 
 from llsrbm.commands.console import BAD_INPUT, DONE, FAILED, INTERRUPTED, complain
+from llsrbm.commands.design import designs_command
 from llsrbm.commands.listing import (
     export_command,
     formats_command,
@@ -76,6 +77,7 @@ app.command("export")(export_command)
 app.command("robots")(robots_command)
 app.command("models")(models_command)
 app.command("formats")(formats_command)
+app.command("designs")(designs_command)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

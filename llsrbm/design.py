@@ -54,16 +54,20 @@ def dump_design(design: Design) -> str:
     Raises:
         InputError: a title, a name or a number that no file may hold.
     """
-    table: dict[str, Any] = {"schema": SCHEMA, "jump": design.jump.as_dict()}
-    plain = {"title": design.title, "note": design.note}
-    tuning = {"weights": dict(design.tuning.weights), "limits": dict(design.tuning.limits)}
     standard = asdict(Conditions())
-    conditions = {
-        name: value for name, value in asdict(design.conditions).items() if value != standard[name]
+    differing = {
+        "title": design.title,
+        "note": design.note,
+        "jump": design.jump.as_dict(),
+        "weights": dict(design.tuning.weights),
+        "limits": dict(design.tuning.limits),
+        "conditions": {
+            name: value
+            for name, value in asdict(design.conditions).items()
+            if value != standard[name]
+        },
     }
-    table |= {name: text for name, text in plain.items() if text}
-    table |= {name: values for name, values in tuning.items() if values}
-    table |= {"conditions": conditions} if conditions else {}
+    table = {"schema": SCHEMA} | {name: value for name, value in differing.items() if value}
     _checked(table, "this design")
     return json.dumps(table, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
 

@@ -23,7 +23,13 @@ AsJson = Annotated[
 ]
 
 # Names of the options that say what to plan, and how.
-PLANNING = ("robot", "model", "twist", "forward", "lateral", "height", "solver")
+PLANNING = ("design", "robot", "model", "twist", "forward", "lateral", "height", "solver")
+
+
+def is_given(context: typer.Context, name: str) -> bool:
+    """Whether a parameter of a command stands on the command line."""
+    source = context.get_parameter_source(name)
+    return source is not None and source.name != "DEFAULT"
 
 
 def requested_jump(

@@ -6,7 +6,10 @@ import json
 import math
 from typing import TYPE_CHECKING
 
+import typer
+
 from llsrbm.commands import console, options
+from llsrbm.commands.design import DesignOption, requested_design
 from llsrbm.errors import NotConverged
 
 if TYPE_CHECKING:
@@ -14,6 +17,8 @@ if TYPE_CHECKING:
 
 
 def plan_command(
+    context: typer.Context,
+    design: DesignOption = None,
     robot: options.Robot = "anymal",
     model: options.Model = "llsrbm-plus",
     twist: options.Twist = 0.0,
@@ -33,9 +38,16 @@ def plan_command(
         from llsrbm.trajectory.summary import plan_summary
 
         jump = options.requested_jump(robot, model, twist, forward, lateral, height)
+        request = requested_design(context, design, jump)
         status, failure = console.DONE, None
         try:
-            plan = llsrbm.plan(jump, solver=solver, progress=console.tell)
+            plan = llsrbm.plan(
+                request.jump,
+                solver=solver,
+                weights=request.tuning.weights,
+                limits=request.tuning.limits,
+                progress=console.tell,
+            )
         except NotConverged as error:
             plan, status, failure = error.plan, console.FAILED, error
         if out is not None:

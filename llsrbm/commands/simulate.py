@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from llsrbm.commands import console, options
+from llsrbm.commands.design import DesignOption, requested_design, requested_world
 from llsrbm.errors import InputError
 
 if TYPE_CHECKING:
@@ -26,7 +27,10 @@ def simulate_command(
         float, typer.Option(metavar="M", help="Thickness of a board slid in in mid-flight.")
     ] = 0.0,
     half_board: Annotated[
-        bool, typer.Option("--half-board", help="The board lies under the front feet only.")
+        bool,
+        typer.Option(
+            "--half-board/--whole-board", help="The board lies under the front feet only."
+        ),
     ] = False,
     seed: Annotated[
         int | None, typer.Option(metavar="N", help="Draws a disturbance; without: none.")
@@ -37,6 +41,7 @@ def simulate_command(
     detector: Annotated[str, typer.Option(help="residual or norm.")] = "residual",
     landing: Annotated[str, typer.Option(help="scaled, planned or tracking.")] = "scaled",
     qp_solver: Annotated[str, typer.Option(help="quadprog or proxqp.")] = "quadprog",
+    design: DesignOption = None,
     robot: options.Robot = "anymal",
     model: options.Model = "llsrbm-plus",
     twist: options.Twist = 0.0,
@@ -49,46 +54,50 @@ def simulate_command(
 ) -> int:
     """Let the whole robot follow a plan, in MuJoCo.
 
-    The plan is a file, or made first from the same options as those of `llsrbm plan`. The exit
-    status is 1 if it does not converge, or if the robot falls.
+    The plan is a file, or made first from the same options as those of `llsrbm plan`, and
+    followed under the conditions of the design, if there is one. The exit status is 1 if it does
+    not converge, or if the robot falls.
     """
     with console.result_stream(as_json=as_json) as stdout:
         import llsrbm
         from llsrbm.simulation.request import make_conditions
         from llsrbm.trajectory.rollout_summary import rollout_summary
 
-        given = [name for name in options.PLANNING if _is_given(context, name)]
+        given = [name for name in options.PLANNING if options.is_given(context, name)]
         if file is not None and given:
             raise InputError(
                 f"--{given[0]}: is for planning, but {file} is planned already; "
                 "expected a plan's file or options of a jump, not both"
             )
-        # What is wrong here shall not come out after seconds of planning.
-        make_conditions(
-            board=board,
-            half_board=half_board,
-            seed=seed,
-            noise=noise,
-            detector=detector,
-            landing_strategy=landing,
-            solver=qp_solver,
+        jump = options.requested_jump(robot, model, twist, forward, lateral, height)
+        request = requested_design(context, design, jump)
+        world = requested_world(
+            context,
+            request,
+            {
+                "board": board,
+                "half_board": half_board,
+                "seed": seed,
+                "noise": noise,
+                "detector": detector,
+                "landing": landing,
+                "solver": qp_solver,
+            },
         )
+        # What is wrong here shall not come out after seconds of planning.
+        strategy = {"landing_strategy": world["landing"]}
+        make_conditions(**strategy, **{k: v for k, v in world.items() if k != "landing"})
         if file is not None:
             plan = _read_plan(file)
         else:
-            jump = options.requested_jump(robot, model, twist, forward, lateral, height)
-            plan = llsrbm.plan(jump, solver=solver, progress=console.tell)
-        rollout = llsrbm.simulate(
-            plan,
-            board=board,
-            half_board=half_board,
-            seed=seed,
-            noise=noise,
-            detector=detector,
-            landing=landing,
-            solver=qp_solver,
-            progress=console.tell_share,
-        )
+            plan = llsrbm.plan(
+                request.jump,
+                solver=solver,
+                weights=request.tuning.weights,
+                limits=request.tuning.limits,
+                progress=console.tell,
+            )
+        rollout = llsrbm.simulate(plan, **world, progress=console.tell_share)
         if out is not None:
             rollout.save(out)
         if as_json:
@@ -99,11 +108,6 @@ def simulate_command(
             return console.DONE
         console.complain(f"the robot {_fall(rollout)}")
     return console.FAILED
-
-
-def _is_given(context: typer.Context, name: str) -> bool:
-    source = context.get_parameter_source(name)
-    return source is not None and source.name != "DEFAULT"
 
 
 def _read_plan(file: Path) -> Plan:

@@ -1,0 +1,64 @@
+"""Plan and simulate every example design and print how it went: `python benchmarks/examples.py`.
+
+Optional arguments are the names of the examples to run.
+"""
+
+from __future__ import annotations
+
+import math
+import sys
+
+import llsrbm
+from llsrbm.design import Design
+from llsrbm.examples import examples
+from llsrbm.trajectory.summary import worst_violation
+
+COLUMNS = (
+    "| example | plan | iterations | solve | duration | simulated | strict | yaw at touchdown "
+    "- plan | feet | tilt at the end | torque |"
+)
+
+
+def row(name: str, design: Design) -> str:
+    tuning, conditions = design.tuning, design.conditions
+    try:
+        plan = llsrbm.plan(design.jump, weights=tuning.weights, limits=tuning.limits)
+    except llsrbm.NotConverged as error:
+        return f"| {name} | failed: {error} |"
+    rollout = llsrbm.simulate(
+        plan,
+        board=conditions.board,
+        half_board=conditions.half_board,
+        seed=conditions.seed,
+        noise=None if conditions.seed is None else conditions.noise,
+        detector=conditions.detector,
+        landing=conditions.landing,
+        solver=conditions.solver,
+    )
+    report, outcome = plan.report, rollout.outcome
+    cells = (
+        name,
+        f"{report.status}, {worst_violation(plan)}",
+        f"{report.iterations}",
+        f"{1e3 * report.solve_time_s:.0f} ms",
+        f"{plan.duration:.2f} s",
+        outcome.status + (f" ({outcome.reason})" if outcome.reason else ""),
+        "yes" if outcome.strict else "no",
+        f"{math.degrees(outcome.yaw_error_at_touchdown or math.nan):+.1f}°",
+        f"{1e3 * outcome.foot_error:.0f} mm",
+        f"{math.degrees(outcome.final_tilt):.1f}°",
+        f"{100 * outcome.peak_torque_ratio:.0f} %",
+    )
+    return "| " + " | ".join(cells) + " |"
+
+
+def main(names: list[str]) -> None:
+    print(COLUMNS)
+    print("|" + "---|" * (COLUMNS.count("|") - 1))
+    for name, design in examples().items():
+        if not names or name in names:
+            print(row(name, design), flush=True)
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

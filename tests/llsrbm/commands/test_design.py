@@ -1,0 +1,107 @@
+"""`--design` and `llsrbm designs`: a file's values count unless an option says otherwise."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from llsrbm import cli
+from llsrbm.design import Design, dump_design
+from llsrbm.examples import examples
+from llsrbm.jump import Jump
+from llsrbm.trajectory.rollout import Conditions
+from llsrbm.tuning import Tuning
+from tests.llsrbm.synthetic import synthetic_plan
+from tests.llsrbm.synthetic_rollout import synthetic_rollout
+
+DESIGN = Design(
+    Jump("go2", "srbm", twist=0.5, forward=0.2),
+    Tuning(weights={"time": 3.0}, limits={"friction": 0.4}),
+    Conditions(board=0.02, half_board=True, seed=7, noise=0.5, detector="norm"),
+)
+
+
+@pytest.fixture
+def file(tmp_path):
+    path = tmp_path / "mine.jump.json"
+    path.write_text(dump_design(DESIGN))
+    return str(path)
+
+
+def test_a_design_is_planned(planner, file, capsys):
+    planner.answers.append(synthetic_plan())
+    assert cli.main(["plan", "--design", file]) == 0
+    jump, options = planner.requests[0]
+    assert jump == DESIGN.jump
+    assert (options["weights"], options["limits"]) == ({"time": 3.0}, {"friction": 0.4})
+
+
+def test_options_override_a_design_even_with_a_default(planner, file, capsys):
+    planner.answers.append(synthetic_plan())
+    words = "--robot anymal --twist 0 --height 0.1"
+    assert cli.main(["plan", *words.split(), "--design", file]) == 0
+    assert planner.requests[0][0] == Jump("anymal", "srbm", forward=0.2, height=0.1)
+
+
+def test_a_design_is_simulated_under_its_conditions(planner, simulator, file, capsys):
+    planner.answers.append(synthetic_plan())
+    simulator.answers.append(synthetic_rollout())
+    assert cli.main(["simulate", "--design", file]) == 0
+    assert planner.requests[0][0] == DESIGN.jump
+    assert planner.requests[0][1]["limits"] == {"friction": 0.4}
+    assert simulator.requests[0][1] == {
+        "board": 0.02, "half_board": True, "seed": 7, "noise": 0.5, "detector": "norm",
+        "landing": "scaled", "solver": "quadprog",
+    }  # fmt: skip
+
+
+def test_options_override_a_designs_conditions(planner, simulator, file, capsys):
+    planner.answers.append(synthetic_plan())
+    simulator.answers.append(synthetic_rollout())
+    words = "--board 0 --whole-board --noise 2 --detector residual --qp-solver proxqp"
+    assert cli.main(["simulate", *words.split(), "--design", file]) == 0
+    assert simulator.requests[0][1] == {
+        "board": 0, "half_board": False, "seed": 7, "noise": 2, "detector": "residual",
+        "landing": "scaled", "solver": "proxqp",
+    }  # fmt: skip
+
+
+def test_an_undisturbed_design_stays_so(planner, simulator, tmp_path, capsys):
+    planner.answers.append(synthetic_plan())
+    simulator.answers.append(synthetic_rollout())
+    path = tmp_path / "calm.json"
+    path.write_text(dump_design(Design(Jump())))
+    assert cli.main(["simulate", "--design", str(path)]) == 0
+    options = simulator.requests[0][1]
+    assert (options["seed"], options["noise"]) == (None, None)
+
+
+def test_an_example_is_named(planner, capsys):
+    planner.answers.append(synthetic_plan())
+    assert cli.main(["plan", "--design", "anymal-half-turn"]) == 0
+    assert planner.requests[0][0] == Jump(twist=math.pi)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "complaint"),
+    [
+        (["plan", "--design", "slider-bok"], 'no design "slider-bok"; did you mean "slider-box"?'),
+        (["plan", "--design", "a.json"], "a.json: cannot be read (No such file or directory)"),
+        (["simulate", "--design", "./a"], "./a: cannot be read (No such file or directory)"),
+        (["simulate", "p.npz", "--design", "slider-box"], "--design: is for planning, but p.npz"),
+    ],
+)
+def test_what_is_no_design_is_one_line(planner, arguments, complaint, capfd):
+    assert cli.main(arguments) == 2
+    out, err = capfd.readouterr()
+    assert (out, err.count("\n")) == ("", 1)
+    assert err.startswith(f"llsrbm: {complaint}")
+    assert not planner.requests
+
+
+def test_designs_are_listed(capsys):
+    assert cli.main(["designs"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[0] == "anymal-twist       Paper: ANYmal, 90° twist"
+    assert len(lines) == len(examples())
