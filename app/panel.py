@@ -15,7 +15,7 @@ from app.player import SPEEDS
 from app.plots import Plots, curves
 from app.replay import Figures, Replay
 from app.simulation_controls import SimulationControls
-from app.timeline import timeline
+from app.timeline import Timeline, html
 from llsrbm.exporters import formats
 from llsrbm.jump import Jump
 from llsrbm.robots import RobotFile
@@ -73,10 +73,10 @@ class Panel:
             self.jump = JumpControls(gui, jump, robot_file)
         with gui.add_folder("Whole body"):
             self.simulation = SimulationControls(gui, robot_file)
-        with gui.add_folder("Playback"):
-            self._transport = gui.add_button_group("Motion", ("Play", "Pause"))
+        self._transport = gui.add_button_group("Motion", ("Play", "Pause"))
+        with gui.add_folder("Playback", expand_by_default=False):
             self._time = gui.add_slider("Time [s]", 0.0, 1.0, 0.01, 0.0)
-            self._timeline = gui.add_html("")
+            self._timeline = gui.add_html("", visible=False)
             self._speed = gui.add_dropdown("Speed", SPEEDS, initial_value=SPEEDS[-1])
             self._loop = gui.add_checkbox("Loop", initial_value=True)
         with gui.add_folder("Plots"):
@@ -142,14 +142,15 @@ class Panel:
         self.jump.show_robot(robot_file)
         self.simulation.show_robot(robot_file)
 
-    def show_plan(self, replay: Replay, values: Figures) -> None:
-        """A plan's numbers, and no simulation's."""
+    def show_plan(self, replay: Replay, values: Figures, *, moving: bool = False) -> None:
+        """A plan's numbers, and no simulation's; the plots wait while it is `moving`."""
         self._plan, self._rollout = replay.plan, None
         self._plan_figures.content = summaries.plan_figures(replay.plan, values)
         self._residuals.content = summaries.residuals(replay.plan.violations)
         self._export.disabled = False
         self._rollout_figures.visible = False
-        self._show_motion(replay)
+        if not moving:
+            self._show_motion(replay)
 
     def show_rollout(self, replay: Replay, rollout: Rollout) -> None:
         """The numbers of a simulation of the plan that is shown."""
@@ -157,6 +158,11 @@ class Panel:
         self._rollout_figures.content = summaries.rollout_figures(rollout)
         self._rollout_figures.visible = True
         self._show_motion(replay)
+
+    def show_end(self, end: float) -> None:
+        """How long the motion is, s."""
+        self._end = end
+        self._time.max = round(max(end, 0.01), 2)
 
     def clear_plan(self) -> None:
         """No plan's numbers."""
@@ -170,14 +176,18 @@ class Panel:
     def show_time(self, time: float, *, playing: bool) -> None:
         """Where the motion is, s.
 
-        While it plays, only the timeline moves: a browser loses what a user enters into a control
-        that is being set.
+        Nothing moves while it plays: a browser loses what a user enters into a control that is
+        being set.
         """
         if self._plan is None:
             return
         if not playing:
             put(self._time, round(min(time, self._end), 2))
-        self._timeline.content = timeline(self._plan, time, self._rollout)
+
+    def show_timeline(self, events: Timeline, time: float) -> None:
+        """The timeline, where the page does not draw its own."""
+        self._timeline.visible = True
+        self._timeline.content = html(events, time)
 
     def show_plots_time(self, time: float) -> None:
         """Where the motion is, s, in the plots: these cost more than `show_time`."""
@@ -192,9 +202,7 @@ class Panel:
     def _show_motion(self, replay: Replay) -> None:
         rollout = self._rollout
         ends = [replay.plan.duration] + ([] if rollout is None else [float(rollout.time[-1])])
-        self._end = max(ends)
-        self._time.max = round(max(self._end, 0.01), 2)
-        self._plots.draw(curves(replay, rollout), self._end)
+        self._plots.draw(curves(replay, rollout), max(ends))
         self._legend.content = markup.legend(simulated=rollout is not None)
         self._plot_legend.content = markup.plot_legend(simulated=rollout is not None)
 

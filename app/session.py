@@ -14,6 +14,7 @@ from enum import Enum
 import viser
 
 from app import summaries
+from app.bridge import Bridge, PageEvent
 from app.download import exported
 from app.panel import Action, Panel
 from app.protocol import (
@@ -56,7 +57,7 @@ class Session:
         """
         self._client = client
         self._pool = pool
-        self._inbox: queue.SimpleQueue[Action | Report | _Stop] = queue.SimpleQueue()
+        self._inbox: queue.SimpleQueue[Action | PageEvent | Report | _Stop] = queue.SimpleQueue()
         self._thread = threading.Thread(
             target=self._run, name=f"session-{client.client_id}", daemon=True
         )
@@ -93,8 +94,8 @@ class Session:
     def _run(self) -> None:
         self._panel = Panel(self._client, self.jump, self._file, self._inbox.put)
         try:
-            with closing(Stage(self._client, self._panel, self._computing)) as self._stage:
-                self._stage.start()
+            bridge = Bridge(self._client, self._inbox.put)
+            with closing(Stage(self._client, self._panel, bridge)) as self._stage:
                 self._prepare()
                 self._loop()
         except BaseException:
@@ -109,17 +110,19 @@ class Session:
             for event in events:
                 if isinstance(event, Action):
                     self._act(event)
+                elif isinstance(event, PageEvent):
+                    self._stage.hear(event)
                 elif not isinstance(event, _Stop):
                     self._hear(event)
-            self._stage.player.step()
+            self._stage.step()
 
-    def _next_events(self) -> list[Action | Report | _Stop]:
+    def _next_events(self) -> list[Action | PageEvent | Report | _Stop]:
         """What has happened, each kind of action once; waits until something has or is due."""
         try:
-            first = self._inbox.get(timeout=self._stage.player.wait)
+            first = self._inbox.get(timeout=self._stage.wait)
         except queue.Empty:
             return []
-        events: dict[Action | Report | _Stop, None] = {first: None}
+        events: dict[Action | PageEvent | Report | _Stop, None] = {first: None}
         while True:
             try:
                 event = self._inbox.get_nowait()
@@ -203,9 +206,6 @@ class Session:
             self._panel.simulation.show(conditions)
         self._submit(SimulateJump(plan, conditions))
         self._panel.show_status("Simulating", "...", busy=True)
-
-    def _computing(self) -> bool:
-        return self._awaited is not None
 
     def _submit(self, task: Task) -> None:
         self._awaited = task

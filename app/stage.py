@@ -3,21 +3,24 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
 
 import viser
 
+from app.bridge import Bridge, PaceChosen, PageEvent, PageReady, PlayerMoved
+from app.clip import Clip
 from app.pace import Pace
 from app.panel import Panel
-from app.player import Player, ServerPlayer
+from app.player import BrowserPlayer, Player, ServerPlayer
 from app.replay import Replay, bake, figures
 from app.scene import Scene
-from app.simulated_replay import bake_rollout
+from app.simulated_replay import SimulatedReplay, bake_rollout
+from app.timeline import Timeline, timeline
 from llsrbm.robots import Robot
 from llsrbm.simulation.surroundings import surroundings
 from llsrbm.trajectory.plan import Plan
 from llsrbm.trajectory.rollout import Conditions, Rollout
 
+_PATIENCE = 8.0  # s for the page to say that its scripts run; a slow one takes 3 s to open
 _TIME_SHOWN_EVERY = 0.1  # s; the timeline follows the picture more slowly, to spare the line
 _FRAMES_A_PLOT = 15  # the plots still more slowly, the more so in a browser that draws slowly
 
@@ -25,65 +28,76 @@ _FRAMES_A_PLOT = 15  # the plots still more slowly, the more so in a browser tha
 class Stage:
     """Scene, player and the panel's view of time, for one thread.
 
+    The page plays by itself. One that does not say that it can is played for by the server.
+
     Attributes:
         player: plays what is shown.
-        plan: what is shown, or None.
-        rollout: the simulation of it that is shown, or None.
     """
 
-    def __init__(
-        self, client: viser.ClientHandle, panel: Panel, computing: Callable[[], bool]
-    ) -> None:
+    def __init__(self, client: viser.ClientHandle, panel: Panel, bridge: Bridge) -> None:
         """An empty scene.
 
         Args:
             client: whose tab.
             panel: where time, figures and plots are shown.
-            computing: whether this tab waits for the computing process.
+            bridge: to the scripts in the page.
         """
         self._client = client
         self._panel = panel
-        self._computing = computing
+        self._bridge = bridge
         self._scene = Scene(client)
-        self.player: Player = ServerPlayer(self._show_instant, self._frame_rate)
-        self._pace = Pace(self._ask_tab, lambda: self.player.playing)
+        self.player: Player = BrowserPlayer(bridge)
+        self._answered = False
+        self._give_up_at = time.monotonic() + _PATIENCE
+        self._pace: Pace | None = None
         self._robot: Robot | None = None
         self._replay: Replay | None = None
-        self.rollout: Rollout | None = None
+        self._simulated: SimulatedReplay | None = None
+        self._events: Timeline | None = None
         self._time_shown = 0.0
         self._frames = 0  # since the plots were told the time
 
-    def start(self) -> None:
-        """Begin to follow the browser's pace."""
-        self._pace.start()
-
     def close(self) -> None:
-        """Follow it no longer."""
-        self._pace.close()
+        """Follow the browser's pace no longer."""
+        if self._pace is not None:
+            self._pace.close()
 
     @property
     def plan(self) -> Plan | None:
         """The plan that is shown."""
         return None if self._replay is None else self._replay.plan
 
+    @property
+    def rollout(self) -> Rollout | None:
+        """The simulation of it that is shown, or None."""
+        return None if self._simulated is None else self._simulated.rollout
+
+    # ---- what is shown
+
     def show_robot(self, robot: Robot) -> None:
         """Show a robot without a motion."""
         self._robot = robot
-        self._replay = self.rollout = None
+        self._replay = self._simulated = self._events = None
         self._panel.clear_plan()
+        self.player.clear()
         self._scene.show_robot(robot)
 
-    def show_plan(self, plan: Plan) -> None:
-        """Show a plan of the robot that is shown; a simulation of another plan goes."""
+    def show_plan(self, plan: Plan, *, moving: bool = False) -> None:
+        """Show a plan of the robot that is shown; a simulation of another plan goes.
+
+        Args:
+            plan: to show.
+            moving: the next one will follow soon: only what can be seen at a glance is shown.
+        """
         assert self._robot is not None
         first = self._replay is None
         replay = bake(plan, self._robot)
         around = surroundings(self._robot, plan, Conditions())
-        self._replay, self.rollout = replay, None
+        self._replay, self._simulated = replay, None
         with self._client.atomic():
             self._scene.show_motion(replay, blocks=around.blocks)
-            self._panel.show_plan(replay, figures(replay, self._robot))
-            self._load(plan.duration)
+            self._panel.show_plan(replay, figures(replay, self._robot), moving=moving)
+            self._load()
             if first:
                 self.player.play()
 
@@ -91,40 +105,80 @@ class Stage:
         """Show a simulation of the plan that is shown, beside it."""
         assert self._robot is not None
         assert self._replay is not None
-        simulated = bake_rollout(rollout, self._robot)
+        self._simulated = bake_rollout(rollout, self._robot)
         around = surroundings(self._robot, self._replay.plan, rollout.conditions)
-        self.rollout = rollout
         with self._client.atomic():
-            self._scene.show_motion(self._replay, simulated.frames, around.blocks)
+            self._scene.show_motion(self._replay, self._simulated.frames, around.blocks)
             self._panel.show_rollout(self._replay, rollout)
-            self._load(max(self._replay.plan.duration, simulated.frames.end))
+            self._load()
 
     def show_layers(self) -> None:
         """Draw what the panel's boxes say."""
         self._scene.show_layers(**self._panel.read_layers())
-        self.player.seek(self.player.time)
+
+    def _load(self) -> None:
+        assert self._replay is not None
+        self._frames = _FRAMES_A_PLOT
+        self._events = timeline(self._replay.plan, self.rollout)
+        self._panel.show_end(self._events.end)
+        self.player.load(self._scene.clip(), self._events)
+        self.show_time()
+
+    # ---- time
+
+    def hear(self, event: PageEvent) -> None:
+        """What the page told."""
+        match event:
+            case PageReady(software):
+                self._answered = True
+                if not software:
+                    self._scene.refine()
+            case PlayerMoved() | PaceChosen():
+                if isinstance(self.player, BrowserPlayer):
+                    self.player.hear(event)
+                    self.show_time()
+
+    def step(self) -> None:
+        """Do what is due; called when `wait` has passed."""
+        if not self._answered and time.monotonic() >= self._give_up_at:
+            self._answered = True
+            self._play_from_here()
+        self.player.step()
+
+    @property
+    def wait(self) -> float | None:
+        """Seconds until `step` is due, or None when nothing is."""
+        if not self._answered:
+            return max(0.0, self._give_up_at - time.monotonic())
+        return self.player.wait
 
     def show_time(self) -> None:
         """Tell the panel where the motion is."""
         self._time_shown = time.monotonic()
         self._panel.show_time(self.player.time, playing=self.player.playing)
-        if not self.player.playing or self._frames >= _FRAMES_A_PLOT:
-            self._frames = 0
-            self._panel.show_plots_time(self.player.time)
+        if isinstance(self.player, ServerPlayer) and self._events is not None:
+            self._panel.show_timeline(self._events, self.player.time)
+            if not self.player.playing or self._frames >= _FRAMES_A_PLOT:
+                self._frames = 0
+                self._panel.show_plots_time(self.player.time)
 
-    def _load(self, duration: float) -> None:
-        self._frames = _FRAMES_A_PLOT
-        self.player.load(duration)
-        self.show_time()
+    def _play_from_here(self) -> None:
+        """The page's scripts do not answer: send every frame."""
+        self._panel.notify(
+            "Played by the server", "The page's own player does not answer; motion is less smooth."
+        )
+        self._pace = Pace(self._ask_tab, lambda: self.player.playing)
+        self._pace.start()
+        self.player = ServerPlayer(self._show_instant, self._pace.rate)
+        if self._events is not None:
+            self._load()
+            self.player.play()
 
-    def _show_instant(self, instant: float) -> None:
-        self._scene.show_instant(instant)
+    def _show_instant(self, clip: Clip, instant: float) -> None:
+        self._scene.show_instant(clip, instant)
         self._frames += 1
         if not self.player.playing or time.monotonic() - self._time_shown > _TIME_SHOWN_EVERY:
             self.show_time()
-
-    def _frame_rate(self) -> float:
-        return self._pace.rate_while_planning() if self._computing() else self._pace.rate()
 
     def _ask_tab(self) -> None:
         """Return when the browser has worked off what it was sent."""

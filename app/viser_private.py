@@ -23,10 +23,14 @@ from websockets.asyncio.server import ServerConnection
 from websockets.datastructures import Headers
 from websockets.http11 import Request, Response
 
+from app.page_html import page_gzip, page_html
+
 MAX_CONNECTIONS = 50
 """Tabs at a time; each costs a thread and some megabytes."""
 
 _MAX_MESSAGE = 1 << 20  # bytes a browser may send at once; sliders and clicks are far smaller
+
+_PAGE = ("/", "/index.html")
 
 _log = logging.getLogger(__name__)
 
@@ -105,6 +109,25 @@ def refusal(
     return None
 
 
+def uuid_of(handle: Any) -> str:
+    """The name by which a page knows a control."""
+    return str(handle._impl.uuid)
+
+
+def _page(*, gzipped: bool) -> Response:
+    body = page_gzip() if gzipped else page_html()
+    headers = Headers(
+        {
+            "Content-Type": "text/html; charset=utf-8",
+            "Content-Length": str(len(body)),
+            "Content-Encoding": "gzip" if gzipped else "identity",
+            # The browser asks again each time: a new version must not meet an old page.
+            "Cache-Control": "no-cache",
+        }
+    )
+    return Response(HTTPStatus.OK, "OK", headers, body)
+
+
 def _is_address(name: str) -> bool:
     try:
         ipaddress.ip_address(name)
@@ -136,6 +159,8 @@ def _guarded(allowed_hosts: frozenset[str]) -> Iterator[None]:
                 )
             )
             if why is None:
+                if not upgrade and request.path.partition("?")[0] in _PAGE:
+                    return _page(gzipped="gzip" in request.headers.get("Accept-Encoding", ""))
                 response: Response | None = answer(connection, request)
                 return response
             body = f"refused: {why}\n".encode()
