@@ -1,18 +1,19 @@
-"""What the server and its computing process say to each other.
+"""What the server and its computing processes say to each other.
 
-Every job has a number, larger than that of any job before it. The process works on one job at a
-time, so "stop everything up to job n" is unambiguous and needs no reset.
+Every job has a number of its own, and a process works on one job at a time, so "stop job n" is
+unambiguous and needs no reset.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Protocol
 
 from llsrbm.jump import Jump
 from llsrbm.trajectory.plan import Plan
 from llsrbm.trajectory.rollout import Conditions, Rollout
+from llsrbm.tuning import Tuning
 
 # ---- tasks, server to process
 
@@ -34,9 +35,15 @@ class PlanJump:
 
     Attributes:
         jump: the request.
+        tuning: weights and limits in place of the robot's own.
+        near: where to start from: a plan of the same robot and model.
+        patient: try all there is when the quick attempts fail.
     """
 
     jump: Jump
+    tuning: Tuning = field(default_factory=Tuning)
+    near: Plan | None = None
+    patient: bool = True
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,22 +80,26 @@ class Job:
 
 @dataclass(frozen=True)
 class Ready:
-    """The process has started and waits for its first job."""
+    """A process has started and waits for its first job."""
 
 
 @dataclass(frozen=True)
 class Progress:
-    """What the process is doing now.
+    """What a process is doing now.
 
     Attributes:
         job: number of the job that waits for it.
         text: one line to show.
         share: done of this very job, 0 to 1; None where that is not known.
+        iteration: of the solver in this job's running attempt; None where there is none.
+        residual: the largest constraint violation there, in the solver's scaling.
     """
 
     job: int
     text: str
     share: float | None = None
+    iteration: int | None = None
+    residual: float | None = None
 
 
 @dataclass(frozen=True)
@@ -162,10 +173,28 @@ Report = Progress | Prepared | Planned | Simulated | Failed | Cancelled
 # ---- what the process computes with
 
 
-class Planner(Protocol):
-    """The computing part, made once in the process and kept, its solvers warm."""
+class Tell(Protocol):
+    """Takes news of the job that is being worked on; see `Progress`."""
 
-    def prepare(self, robot: str, progress: Callable[[str], None]) -> None:
+    def __call__(
+        self,
+        text: str,
+        *,
+        share: float | None = None,
+        iteration: int | None = None,
+        residual: float | None = None,
+    ) -> None:
+        """Pass it on; cheap enough to be called often."""
+        ...
+
+
+class Planner(Protocol):
+    """The computing part, made once in each process and kept, its solvers warm.
+
+    `cancelled` is to be asked now and then.
+    """
+
+    def prepare(self, robot: str, tell: Tell) -> None:
         """Compute or load what drawing `robot` needs.
 
         Raises:
@@ -173,10 +202,8 @@ class Planner(Protocol):
         """
         ...
 
-    def plan(
-        self, jump: Jump, progress: Callable[[str], None], cancelled: Callable[[], bool]
-    ) -> Plan:
-        """Plan `jump`, asking `cancelled` now and then whether to stop.
+    def plan(self, task: PlanJump, tell: Tell, cancelled: Callable[[], bool]) -> Plan:
+        """Plan a jump.
 
         Raises:
             llsrbm.errors.Error: bad request, no convergence (`NotConverged`), or stopped
@@ -184,14 +211,8 @@ class Planner(Protocol):
         """
         ...
 
-    def simulate(
-        self,
-        plan: Plan,
-        conditions: Conditions,
-        progress: Callable[[float], None],
-        cancelled: Callable[[], bool],
-    ) -> Rollout:
-        """Simulate `plan`, telling `progress` the share done, 0 to 1.
+    def simulate(self, task: SimulateJump, tell: Tell, cancelled: Callable[[], bool]) -> Rollout:
+        """Simulate a plan, telling the share done.
 
         Raises:
             llsrbm.errors.Error: the plan or the conditions cannot be used, or stopped
@@ -201,4 +222,4 @@ class Planner(Protocol):
 
 
 PlannerFactory = Callable[[], Planner]
-"""Makes the planner inside the process; an importable function or class, found there by name."""
+"""Makes the planner inside a process; an importable function or class, found there by name."""

@@ -21,9 +21,10 @@ from app.worker_pool import WorkerPool
 from llsrbm import models
 from llsrbm.errors import InputError
 from llsrbm.jump import Jump
+from llsrbm.robots import read_robot_file
+from llsrbm.robots.assets import robot_files
 
 _LOOPBACK_NAMES = ("localhost",)
-_WARM_UP = "warm-up"  # the queue's name for what the server itself asks
 
 
 class Designer:
@@ -76,24 +77,25 @@ class Designer:
             return tuple(self._sessions.values())
 
     def warm_up(self, robot: str) -> None:
-        """Prepare a robot and the solver of every model before anybody asks, telling the terminal.
+        """Prepare a robot and load the solver of every model before anybody asks.
 
-        Tabs take turns with it, so a request waits for one solver at most.
+        Tells the terminal what is being done, and when all of it is.
         """
-        jumps = [Jump(robot=robot, model=model) for model in sorted(models.names(), key=_default)]
+        example = Jump(robot=robot, **read_robot_file(robot_files()[robot]).example.model_dump())
+        others = [name for name in models.names() if name != example.model]
+        jumps = [example, *(Jump(robot=robot, model=name) for name in others)]
 
         def tell(report: Report) -> None:
-            if isinstance(report, Progress):
-                print(f"  {report.text} ...", file=sys.stderr, flush=True)
-                return
-            if isinstance(report, Failed):
-                print(f"  {report.message}", file=sys.stderr, flush=True)
-            if jumps:
-                self.pool.submit(_WARM_UP, PlanJump(jumps.pop(0)), tell)
-            else:
-                print("ready", file=sys.stderr, flush=True)
+            match report:
+                case Progress():
+                    print(f"  {report.text} ...", file=sys.stderr, flush=True)
+                case Failed():
+                    print(f"  {report.message}", file=sys.stderr, flush=True)
 
-        self.pool.submit(_WARM_UP, Prepare(robot), tell)
+        def done() -> None:
+            print("ready", file=sys.stderr, flush=True)
+
+        self.pool.warm_up([Prepare(robot), *map(PlanJump, jumps)], tell, done)
 
     def close(self) -> None:
         """End the sessions, the server and the computing process."""
@@ -169,11 +171,6 @@ def check_bindable(host: str, port: int) -> None:
                     f"--host: cannot listen on {host!r} ({error.strerror}); "
                     "expected an address of this machine, for example 127.0.0.1"
                 ) from error
-
-
-def _default(model: str) -> bool:
-    """Sorts the model that pages start with first."""
-    return model != Jump().model
 
 
 def _in_use(host: str, port: int) -> InputError:

@@ -1,15 +1,18 @@
 """Everything that leans on viser's private parts; its test is the contract.
 
 viser accepts any Host, any Origin and any number of connections, takes the next port when one is
-in use, hangs when it cannot bind, and would open a public tunnel at any client's request.
+in use, hangs when it cannot bind, would open a public tunnel at any client's request, and keeps
+whatever is uploaded to any control.
 """
 
 from __future__ import annotations
 
+import asyncio
 import contextlib
 import io
 import ipaddress
 import logging
+import traceback
 import warnings
 from collections.abc import Collection, Iterator
 from http import HTTPStatus
@@ -17,10 +20,11 @@ from typing import Any
 from urllib.parse import urlsplit
 
 import viser
-import viser._messages
+import viser._messages as messages
 import websockets.asyncio.server
 from websockets.asyncio.server import ServerConnection
 from websockets.datastructures import Headers
+from websockets.frames import CloseCode
 from websockets.http11 import Request, Response
 
 from app.page_html import page_gzip, page_html
@@ -28,7 +32,12 @@ from app.page_html import page_gzip, page_html
 MAX_CONNECTIONS = 50
 """Tabs at a time; each costs a thread and some megabytes."""
 
+MAX_UPLOAD = 512 * 1024
+"""Bytes of an uploaded file: one part, as viser's page sends them."""
+
 _MAX_MESSAGE = 1 << 20  # bytes a browser may send at once; sliders and clicks are far smaller
+_LONGEST_NAME = 255  # characters of an uploaded file's name, or of an identifier
+_SETTLING = 0.3  # s until a page has drawn what an upload's end makes it draw
 
 _PAGE = ("/", "/index.html")
 
@@ -52,6 +61,9 @@ class DesignerServer(viser.ViserServer):
         names = frozenset(name.lower() for name in allowed_hosts)
         with _guarded(names), silent():
             super().__init__(host=host, port=port, verbose=False)
+        for kind in _UPLOADS:  # to controls that all tabs share: there are none
+            self._websock_server.unregister_handler(kind)
+        self.on_client_connect(_guard_uploads)
 
     def request_share_url(self, verbose: bool = True) -> str | None:
         """Refuse: a tunnel to an outside host is nothing a visitor may open."""
@@ -78,7 +90,73 @@ def run_javascript(client: viser.ClientHandle, source: str) -> None:
         client: the tab.
         source: the script; it must not contain what a visitor wrote.
     """
-    client._websock_connection.queue_message(viser._messages.RunJavascriptMessage(source))
+    client._websock_connection.queue_message(messages.RunJavascriptMessage(source))
+
+
+# ---- uploads
+
+_UPLOADS = (messages.FileTransferStartUpload, messages.FileTransferPart)
+
+
+async def _guard_uploads(client: viser.ClientHandle) -> None:
+    """Before a tab has any control: let only small files through to upload buttons.
+
+    viser would keep the parts of any number of files of any size, sent to any control.
+    """
+    connection, gui = client._websock_connection, client.gui
+
+    # What a message holds is of any type, whatever its class says.
+    async def start(client_id: Any, message: Any) -> None:
+        button = gui._gui_input_handle_from_uuid.get(str(message.source_component_uuid))
+        names = (message.transfer_uuid, message.filename, message.mime_type)
+        if not isinstance(button, viser.GuiUploadButtonHandle) or not all(
+            isinstance(name, str) and len(name) <= _LONGEST_NAME for name in names
+        ):
+            return
+        gui._drop_uploads_from_client(client_id)  # one at a time
+        size = message.size_bytes
+        if 0 <= size <= MAX_UPLOAD and message.part_count == (size > 0):
+            gui._handle_file_transfer_start(client_id, message)
+        else:
+            await _refuse_upload(client, message)
+
+    def part(client_id: Any, message: Any) -> None:
+        if not isinstance(message.transfer_uuid, str) or not isinstance(message.content, bytes):
+            return
+        state = gui._current_file_upload_states.get(message.transfer_uuid)
+        if state is not None and len(message.content) == state["total_bytes"]:
+            gui._handle_file_transfer_part(client_id, message)
+
+    for kind in _UPLOADS:
+        connection.unregister_handler(kind)
+    connection.register_handler(messages.FileTransferStartUpload, start)
+    connection.register_handler(messages.FileTransferPart, part)
+
+
+async def _refuse_upload(client: viser.ClientHandle, message: Any) -> None:
+    """Say so, and end the page's progress bar: it goes on sending, and nothing is kept."""
+    size = max(message.size_bytes, 0)
+    client._websock_connection.queue_message(
+        messages.FileTransferPartAck(
+            source_component_uuid=message.source_component_uuid,
+            transfer_uuid=message.transfer_uuid,
+            transferred_bytes=size,
+            total_bytes=size,
+        )
+    )
+    client.add_notification(
+        "Not opened",
+        f"{message.filename}: too large; expected at most {MAX_UPLOAD // 1024} kB",
+        color="orange",
+    )
+    # The page announces a success at the end of every upload.
+    await asyncio.sleep(_SETTLING)
+    client._websock_connection.queue_message(
+        messages.RemoveNotificationMessage(f"upload-{message.transfer_uuid}")
+    )
+
+
+# ---- requests and messages
 
 
 def refusal(
@@ -136,6 +214,13 @@ def _is_address(name: str) -> bool:
     return True
 
 
+def _is_bad_message(error: Exception) -> bool:
+    """Whether a connection ended because what arrived on it is no message of viser's."""
+    return any(
+        frame.name == "_message_consumer" for frame in traceback.extract_tb(error.__traceback__)
+    )
+
+
 @contextlib.contextmanager
 def _guarded(allowed_hosts: frozenset[str]) -> Iterator[None]:
     """While a viser server is made: have its WebSocket server check every request first."""
@@ -169,8 +254,17 @@ def _guarded(allowed_hosts: frozenset[str]) -> Iterator[None]:
             )
             return Response(HTTPStatus.FORBIDDEN, "Forbidden", headers, body)
 
+        async def handle(connection: ServerConnection) -> None:
+            try:
+                await handler(connection)
+            except Exception as error:
+                if not _is_bad_message(error):
+                    raise
+                _log.warning("a tab sent what cannot be read (%s); closed", type(error).__name__)
+                await connection.close(CloseCode.INVALID_DATA, "message cannot be read")
+
         options |= {"process_request": check_then_answer, "max_size": _MAX_MESSAGE}
-        return serve(handler, *args, **options)
+        return serve(handle, *args, **options)
 
     websockets.asyncio.server.serve = guarded_serve  # type: ignore[assignment,misc]
     try:

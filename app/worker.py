@@ -1,4 +1,4 @@
-"""The computing process: plans and simulates, one job at a time, and reports what comes of it."""
+"""A computing process: plans and simulates, one job at a time, and reports what comes of it."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from app.protocol import (
     Cancelled,
     Failed,
     Job,
+    PlanJump,
     Planned,
     Planner,
     PlannerFactory,
@@ -21,11 +22,11 @@ from app.protocol import (
     Report,
     Simulated,
     SimulateJump,
+    Tell,
 )
 from llsrbm import errors
-from llsrbm.jump import Jump
 from llsrbm.trajectory.plan import Plan
-from llsrbm.trajectory.rollout import Conditions, Rollout
+from llsrbm.trajectory.rollout import Rollout
 
 
 class SharedNumber(Protocol):
@@ -45,52 +46,51 @@ class LibraryPlanner:
         self._simulate = llsrbm.simulate
         self._solvers: set[tuple[str, str]] = set()
 
-    def prepare(self, robot: str, progress: Callable[[str], None]) -> None:
+    def prepare(self, robot: str, tell: Tell) -> None:
         """See `app.protocol.Planner.prepare`."""
         from llsrbm.robots import load_robot
         from llsrbm.robots.visuals import link_visuals
 
-        progress(f"fitting the legs of {robot}")
+        tell(f"fitting the legs of {robot}")
         loaded = load_robot(robot)
         loaded.fit  # noqa: B018  # computed on first use, then kept on disk
-        progress(f"simplifying the meshes of {robot}")
+        tell(f"simplifying the meshes of {robot}")
         link_visuals(loaded)
 
-    def plan(
-        self, jump: Jump, progress: Callable[[str], None], cancelled: Callable[[], bool]
-    ) -> Plan:
+    def plan(self, task: PlanJump, tell: Tell, cancelled: Callable[[], bool]) -> Plan:
         """See `app.protocol.Planner.plan`."""
-        which = (jump.robot, jump.model)
-        if which not in self._solvers:
-            progress(
-                f"building the solver of {jump.model} for {jump.robot}: "
-                "half a minute, the first time"
-            )
-        try:
-            return self._plan(jump, progress=progress, cancelled=cancelled)
-        finally:
-            self._solvers.add(which)
+        self._announce(task.jump.robot, task.jump.model, tell)
+        return self._plan(task.jump, progress=tell, cancelled=cancelled)
 
-    def simulate(
-        self,
-        plan: Plan,
-        conditions: Conditions,
-        progress: Callable[[float], None],
-        cancelled: Callable[[], bool],
-    ) -> Rollout:
+    def simulate(self, task: SimulateJump, tell: Tell, cancelled: Callable[[], bool]) -> Rollout:
         """See `app.protocol.Planner.simulate`."""
+        told = -1
+
+        def percent(share: float) -> None:
+            # A simulation tells every few ticks; whoever looks at it reads whole per cents.
+            nonlocal told
+            if int(100 * share) > told:
+                told = int(100 * share)
+                tell(f"simulating, {told} %", share=share)
+
+        conditions = task.conditions
         return self._simulate(
-            plan,
+            task.plan,
             board=conditions.board,
             half_board=conditions.half_board,
             seed=conditions.seed,
             noise=None if conditions.seed is None else conditions.noise,
-            progress=progress,
+            progress=percent,
             cancelled=cancelled,
         )
 
+    def _announce(self, robot: str, model: str, tell: Tell) -> None:
+        if (robot, model) not in self._solvers:
+            tell(f"building the solver of {model} for {robot}: half a minute, the first time")
+        self._solvers.add((robot, model))
 
-def main(connection: Connection, cancelled_up_to: SharedNumber, factory: PlannerFactory) -> None:
+
+def main(connection: Connection, stop: SharedNumber, factory: PlannerFactory) -> None:
     """Work until the server closes its end of the connection.
 
     An exception that is no `llsrbm.errors.Error` is a defect: it ends the process with a traceback
@@ -98,7 +98,7 @@ def main(connection: Connection, cancelled_up_to: SharedNumber, factory: Planner
 
     Args:
         connection: jobs come in, reports go out.
-        cancelled_up_to: jobs with this number or a smaller one need no result any more.
+        stop: number of the job that needs no result any more.
         factory: makes the planner.
     """
     # Ctrl-C reaches every process of the terminal; the server decides when this one ends.
@@ -108,38 +108,32 @@ def main(connection: Connection, cancelled_up_to: SharedNumber, factory: Planner
         connection.send(Ready())
         while True:
             job: Job = connection.recv()
-            connection.send(_work(planner, job, connection, cancelled_up_to))
+            connection.send(_work(planner, job, connection, stop))
     except (EOFError, BrokenPipeError, ConnectionResetError):
         return
 
 
-def _work(
-    planner: Planner, job: Job, connection: Connection, cancelled_up_to: SharedNumber
-) -> Report:
-    def progress(text: str) -> None:
-        connection.send(Progress(job.number, text))
-
-    told = -1
-
-    def percent(share: float) -> None:
-        # A simulation tells every tick; whoever looks at it reads whole percents.
-        nonlocal told
-        if int(100 * share) > told:
-            told = int(100 * share)
-            connection.send(Progress(job.number, f"simulating, {told} %", share))
+def _work(planner: Planner, job: Job, connection: Connection, stop: SharedNumber) -> Report:
+    def tell(
+        text: str,
+        *,
+        share: float | None = None,
+        iteration: int | None = None,
+        residual: float | None = None,
+    ) -> None:
+        connection.send(Progress(job.number, text, share, iteration, residual))
 
     def cancelled() -> bool:
-        return cancelled_up_to.value >= job.number
+        return stop.value == job.number
 
     task = job.task
     try:
         if isinstance(task, Prepare):
-            planner.prepare(task.robot, progress)
+            planner.prepare(task.robot, tell)
             return Prepared(job.number, task.robot)
         if isinstance(task, SimulateJump):
-            rollout = planner.simulate(task.plan, task.conditions, percent, cancelled)
-            return Simulated(job.number, rollout)
-        return Planned(job.number, planner.plan(task.jump, progress, cancelled))
+            return Simulated(job.number, planner.simulate(task, tell, cancelled))
+        return Planned(job.number, planner.plan(task, tell, cancelled))
     except errors.Cancelled:
         return Cancelled(job.number)
     except errors.NotConverged as error:

@@ -1,23 +1,21 @@
-"""The server's side of the computing process: who is next, who is told, and what if it dies.
+"""The pool of computing processes: who is told what, who has to stop, and what if one dies.
 
-Many tabs share one process. A tab has at most one job waiting: a newer one takes its place in the
-queue, so that a slider dragged in one tab cannot starve another. A job that is running when its
-tab asks for something newer may finish, because a solve is shorter than the patience of the eye;
-if it takes long it is stopped. A simulation is stopped at once: its plan is no longer wanted.
+Whose job is next is decided in `app.turns`. A plan that is running when its tab asks for something
+newer may finish if it is a quick one, because that is shorter than the patience of the eye; if it
+takes longer it is stopped. A simulation or a search is stopped at once: it is no longer wanted.
 """
 
 from __future__ import annotations
 
-import ctypes
 import itertools
 import logging
 import multiprocessing
+import os
 import threading
 import time
-from collections.abc import Callable, Hashable
-from dataclasses import dataclass
-from multiprocessing.connection import Connection, wait
-from multiprocessing.context import SpawnProcess
+from collections.abc import Callable, Hashable, Sequence
+from dataclasses import replace
+from multiprocessing.connection import wait
 from typing import Any
 
 from app import worker
@@ -25,72 +23,75 @@ from app.protocol import (
     Cancelled,
     Failed,
     Job,
+    PlanJump,
+    Planned,
     PlannerFactory,
+    Prepare,
     Progress,
     Ready,
     Report,
-    SimulateJump,
     Task,
 )
+from app.turns import Entry, Kind, Listener, Solver, Turns
+from app.worker_process import EXIT_PATIENCE, WorkerProcess
 
-Listener = Callable[[Report], None]
+# One process plans while another simulates; more than four would mostly cost memory (0.3 GB each).
+PROCESSES = min(max(os.cpu_count() or 1, 2), 4)
+# How long a cancelled job may go on before its process is ended, s: the rest of the 0.2 s that
+# cancelling may take is for ending it.
+CANCEL_GRACE = 0.15
+# How long a patient plan may go on when its tab wants something newer, s: longer than most take.
+SUPERSEDED_GRACE = 0.3
+# How long the job of a tab that has gone may go on, s: a solver that is being built (half a minute)
+# will be of use, a hung one never.
+FORGOTTEN_GRACE = 60.0
+# Least time between two pieces of progress of a job, s.
+NEWS_INTERVAL = 0.1
+# Who waits is told what for, after this time and then again and again, s.
+WAITING_INTERVAL = 0.5
 
 _log = logging.getLogger(__name__)
 
 
-@dataclass(frozen=True)
-class _Entry:
-    tab: Hashable
-    job: Job
-    listener: Listener
-
-
 class WorkerPool:
-    """Owns the computing process and passes it the jobs of all tabs, one at a time.
+    """Owns the computing processes and passes them the jobs of all tabs.
 
-    Listeners are called from one thread of this object, in order; they must return at once.
+    A listener hears its job's reports in order, nothing after the outcome; it must return at once.
     """
 
     def __init__(
         self,
         factory: PlannerFactory = worker.LibraryPlanner,
         *,
-        cancel_grace: float = 0.2,
-        superseded_grace: float = 1.0,
+        processes: int = PROCESSES,
+        cancel_grace: float = CANCEL_GRACE,
+        superseded_grace: float = SUPERSEDED_GRACE,
     ) -> None:
-        """Start the process.
+        """Start the first process; the others follow when it has planned something.
 
         Args:
-            factory: makes the planner inside the process.
+            factory: makes the planner inside a process.
+            processes: how many; with more than one, the last takes nothing that lasts seconds.
             cancel_grace: how long a cancelled job may go on before its process is ended, s.
-            superseded_grace: how long a plan may go on when its tab wants something newer, before
-                it is asked to stop, s.
+            superseded_grace: how long a patient plan may go on when its tab wants something newer,
+                before it is asked to stop, s.
         """
-        # Never fork: the child would inherit the server's sockets and threads' locks.
-        self._context = multiprocessing.get_context("spawn")
-        self._factory = factory
         self._cancel_grace = cancel_grace
         self._superseded_grace = superseded_grace
-        self._cancelled_up_to: Any = self._context.Value(ctypes.c_longlong, 0, lock=False)
         self._numbers = itertools.count(1)
+        context = multiprocessing.get_context("spawn")
 
-        # Under the lock: what tabs want. Everything else belongs to the thread alone.
-        self._lock = threading.Lock()
-        self._waiting: dict[Hashable, _Entry] = {}
-        self._running: _Entry | None = None
-        self._abandoned = False  # nobody waits for the running job any more
-        self._doing = ""  # what the running job last told
-        self._told = 0  # the newest waiting job that was told it
-        self._stop_at: float | None = None  # when to ask the running job to stop
-        self._end_at: float | None = None  # when to end the process
+        # Under the lock: what tabs want, and who works on what. The rest is the thread's alone.
+        self._lock = threading.RLock()  # listeners are called under it
+        self._turns = Turns()
+        self._workers = [
+            WorkerProcess(context, factory, i + 1, reserved=0 < i == processes - 1)
+            for i in range(processes)
+        ]
+        self._warming: tuple[Listener, Callable[[], None]] | None = None
         self._closed = False
-        self._start_wanted = True
 
-        self._process: SpawnProcess | None = None
-        self._process_id: int | None = None
-        self._connection: Connection | None = None
-        self._ready = False
-        self._wake_reader, self._wake_writer = self._context.Pipe(duplex=False)
+        self._wake_reader, self._wake_writer = context.Pipe(duplex=False)
         self._thread = threading.Thread(target=self._run, name="worker-pool", daemon=True)
         self._thread.start()
 
@@ -99,7 +100,7 @@ class WorkerPool:
     def submit(self, tab: Hashable, task: Task, listener: Listener) -> int:
         """Queue a task, in place of the tab's waiting one if there is one.
 
-        The replaced one gets no report; the running one still does.
+        The replaced one gets no report; a running one still does.
 
         Args:
             tab: who asks.
@@ -109,50 +110,81 @@ class WorkerPool:
         Returns:
             The job's number, larger than that of all jobs before.
         """
+        now = time.monotonic()
         with self._lock:
             number = next(self._numbers)
-            self._waiting[tab] = _Entry(tab, Job(number, task), listener)
-            self._start_wanted = True
-            if self._running is not None and self._running.tab == tab and self._stop_at is None:
-                simulating = isinstance(self._running.job.task, SimulateJump)
-                grace = 0.0 if simulating else self._superseded_grace
-                self._stop_at = time.monotonic() + grace
+            self._turns.put(Entry(tab, Job(number, task), listener, now + WAITING_INTERVAL))
+            for member in self._workers:
+                member.may_start = True
+                self._supersede(member, tab, now)
             self._wake()
         return number
 
     def cancel(self, tab: Hashable) -> None:
         """Give up the tab's jobs, waiting and running; it hears `Cancelled` of each at once."""
-        self._give_up(tab, tell=True)
+        with self._lock:
+            for entry in self._give_up(tab, self._cancel_grace):
+                entry.listener(Cancelled(entry.job.number))
 
     def forget(self, tab: Hashable) -> None:
         """Give up the tab's jobs without telling it: the tab has gone."""
-        self._give_up(tab, tell=False)
+        self._give_up(tab, FORGOTTEN_GRACE)
+
+    def warm_up(
+        self, tasks: Sequence[Prepare | PlanJump], listener: Listener, done: Callable[[], None]
+    ) -> None:
+        """Have every process load what is likely to be asked for, while nobody asks; called once.
+
+        Args:
+            tasks: in order; robots are prepared by the first process only, as that is for all.
+            listener: hears the reports of the first process.
+            done: called when all processes are through.
+        """
+        with self._lock:
+            self._warming = (listener, done)
+            for member in self._workers:
+                member.todo += [
+                    task
+                    for task in tasks
+                    if member is self._workers[0] or not isinstance(task, Prepare)
+                ]
+            self._wake()
 
     def close(self) -> None:
-        """End the process and this object's thread."""
+        """End the processes and this object's thread."""
         with self._lock:
             self._closed = True
             self._wake()
         self._thread.join()
 
     @property
-    def process_id(self) -> int | None:
-        """Of the computing process, or None while there is none."""
-        return self._process_id
+    def process_ids(self) -> tuple[int | None, ...]:
+        """Of each computing process, None while there is none; the reserved one is the last."""
+        return tuple(member.id for member in self._workers)
 
-    def _give_up(self, tab: Hashable, *, tell: bool) -> None:
+    def _supersede(self, member: WorkerProcess, tab: Hashable, now: float) -> None:
+        entry = member.working_on
+        if entry is None or entry.tab != tab or member.stop_at is not None:
+            return
+        task = entry.job.task
+        if Kind.of(task).long:
+            member.stop_at = now
+        elif isinstance(task, PlanJump) and task.patient:
+            member.stop_at = now + self._superseded_grace
+
+    def _give_up(self, tab: Hashable, grace: float) -> list[Entry]:
         with self._lock:
-            entries = [self._waiting.pop(tab)] if tab in self._waiting else []
-            if self._running is not None and self._running.tab == tab and not self._abandoned:
-                entries.insert(0, self._running)
-                self._abandoned = True
-                self._cancelled_up_to.value = self._running.job.number
-                if tell:
-                    self._end_at = time.monotonic() + self._cancel_grace
+            waiting = self._turns.withdraw(tab)
+            entries = [] if waiting is None else [waiting]
+            for member in self._workers:
+                entry = member.working_on
+                if entry is not None and entry.tab == tab and member.wanted:
+                    entries.append(entry)
+                    member.wanted = False
+                    member.ask_to_stop()
+                    member.end_at = time.monotonic() + grace
             self._wake()
-        if tell:
-            for entry in entries:
-                entry.listener(Cancelled(entry.job.number))
+        return sorted(entries, key=lambda entry: entry.job.number)
 
     def _wake(self) -> None:
         if not self._wake_writer.closed:
@@ -162,143 +194,177 @@ class WorkerPool:
 
     def _run(self) -> None:
         while not self._closed:
-            if self._process is None and self._start_wanted:
-                self._start()
-            self._send_next()
+            self._hand_out()
+            self._start()
             self._wait_and_read()
             self._keep_deadlines()
-        self._end_process()
+        for member in self._workers:
+            member.end()
         with self._lock:
             self._wake_writer.close()
             self._wake_reader.close()
 
-    def _start(self) -> None:
-        ours, theirs = self._context.Pipe()
-        self._process = self._context.Process(
-            target=worker.main,
-            args=(theirs, self._cancelled_up_to, self._factory),
-            name="llsrbm-planning",
-            daemon=True,
-        )
-        self._process.start()
-        self._process_id = self._process.pid
-        # Only the child may hold its end, or its death would go unnoticed.
-        theirs.close()
-        self._connection = ours
-        self._ready = False
+    def _hand_out(self) -> None:
+        while True:
+            with self._lock:
+                turn = self._turns.next(self._workers) or self._next_in_background()
+                if turn is None:
+                    break
+                entry, member = turn
+                member.begin(entry)
+            if not member.send(entry.job):
+                self._died(member)
+        self._look_whether_warm()
 
-    def _send_next(self) -> None:
-        if not self._ready or self._connection is None:
-            return
-        with self._lock:
-            if self._running is not None or not self._waiting:
-                return
-            # Insertion order is the order of asking: tabs take turns.
-            entry = self._waiting.pop(next(iter(self._waiting)))
-            self._running, self._doing = entry, ""
-            self._abandoned = False
-            self._stop_at = self._end_at = None
-        try:
-            self._connection.send(entry.job)
-        except (BrokenPipeError, ConnectionResetError):
-            self._died()
+    def _next_in_background(self) -> tuple[Entry, WorkerProcess] | None:
+        """A solver to load: one process at a time does that, so that the others stay free."""
+        if any(m.working_on is not None and m.working_on.tab is self for m in self._workers):
+            return None
+        able = [
+            m
+            for m in self._workers
+            if m.idle
+            and m.todo
+            and self._turns.may_run(m.todo[0], self._workers)
+            and not (m.reserved and self._turns.is_new(m.todo[0]))
+        ]
+        if not able:
+            return None
+        # The likeliest first, everywhere, then the next.
+        member = max(able, key=lambda m: len(m.todo))
+        listener: Listener = _nobody
+        if self._warming is not None and member is self._workers[0]:
+            listener = self._warming[0]
+        job = Job(next(self._numbers), member.todo.pop(0))
+        return Entry(self, job, listener, time.monotonic()), member
+
+    def _look_whether_warm(self) -> None:
+        if self._warming is not None and not any(
+            m.todo or m.working_on is not None or (m.may_start and not m.ready)
+            for m in self._workers
+        ):
+            done, self._warming = self._warming[1], None
+            done()
+
+    def _start(self) -> None:
+        first = self._workers[0]
+        # On two cores a second process would only delay the first one's first plan.
+        more = (
+            any(m.loaded for m in self._workers)
+            or len(self._turns) > 0
+            or (self._warming is not None and not first.todo)
+        )
+        for member in self._workers:
+            if member.connection is None and member.may_start and (more or member is first):
+                member.start()
 
     def _wait_and_read(self) -> None:
-        with self._lock:
-            deadlines = [at for at in (self._stop_at, self._end_at) if at is not None]
-        timeout = max(0.0, min(deadlines) - time.monotonic()) if deadlines else None
-        connections = [c for c in (self._wake_reader, self._connection) if c is not None]
-        for readable in wait(connections, timeout):
-            if readable is self._wake_reader:
+        due = self._next_deadline()
+        timeout = None if due is None else max(0.0, due - time.monotonic())
+        members = {m.connection: m for m in self._workers if m.connection is not None}
+        readable: list[Any] = wait([self._wake_reader, *members], timeout)
+        for connection in readable:
+            if connection is self._wake_reader:
                 self._wake_reader.recv_bytes()
-                self._tell_newcomers()
                 continue
-            assert self._connection is not None
             try:
-                message = self._connection.recv()
+                message = connection.recv()
             except (EOFError, ConnectionResetError):
-                self._died()
+                self._died(members[connection])
             else:
-                self._receive(message)
+                with self._lock:
+                    self._receive(members[connection], message)
 
-    def _receive(self, message: Ready | Report) -> None:
+    def _next_deadline(self) -> float | None:
+        with self._lock:
+            due = [at for m in self._workers for at in (m.stop_at, m.end_at) if at is not None]
+            due += [m.news_at for m in self._workers if m.news is not None]
+            due += [entry.tell_at for entry in self._turns]
+        return min(due, default=None)
+
+    def _receive(self, member: WorkerProcess, message: Ready | Report) -> None:
         if isinstance(message, Ready):
-            self._ready = True
+            member.ready = True
             return
-        with self._lock:
-            running, abandoned = self._running, self._abandoned
-            if isinstance(message, Progress):
-                self._doing, self._told = message.text, 0
-            else:
-                self._running = None
-                self._stop_at = self._end_at = None
-        assert running is not None
-        if not abandoned:
-            running.listener(message)
-        self._tell_newcomers()
-
-    def _tell_newcomers(self) -> None:
-        """Whoever waits in the queue waits for what is being done now."""
-        with self._lock:
-            text = self._doing if self._running is not None else ""
-            entries = [e for e in self._waiting.values() if e.job.number > self._told]
-            self._told = max([self._told, *(e.job.number for e in entries)])
-        if text:
-            for entry in entries:
-                entry.listener(Progress(entry.job.number, text))
+        if isinstance(message, Progress):
+            member.doing, member.news = message.text, message
+            return
+        assert member.working_on is not None
+        task = member.working_on.job.task
+        listening = member.finish()
+        if not isinstance(message, Cancelled):
+            self._turns.note_done(task)
+        if isinstance(message, Planned) and isinstance(task, PlanJump):
+            solver: Solver = (task.jump.robot, task.jump.model)
+            member.loaded[solver] = replace(task, near=None)
+        if listening is not None:
+            listening.listener(message)
 
     def _keep_deadlines(self) -> None:
+        now = time.monotonic()
+        overdue = []
         with self._lock:
-            now = time.monotonic()
-            if self._stop_at is not None and now >= self._stop_at:
-                assert self._running is not None
-                self._cancelled_up_to.value = self._running.job.number
-                self._stop_at = None
-            overdue = self._end_at is not None and now >= self._end_at
-            if overdue:
-                self._running = None
-                self._stop_at = self._end_at = None
-        if overdue:
-            self._end_process()
+            for member in self._workers:
+                if member.working_on is None:
+                    continue
+                if member.news is not None and now >= member.news_at:
+                    if member.wanted:
+                        member.working_on.listener(member.news)
+                    member.news, member.news_at = None, now + NEWS_INTERVAL
+                if member.stop_at is not None and now >= member.stop_at:
+                    member.ask_to_stop()
+                    member.stop_at = None
+                if member.end_at is not None and now >= member.end_at:
+                    member.finish()
+                    member.plan_to_restore(but=None)
+                    overdue.append(member)
+            self._tell_who_waits(now)
+        for member in overdue:
+            member.end()
 
-    def _died(self) -> None:
-        """Tell whoever waited for the running job; a process that cannot even start, everybody."""
-        started = self._ready
-        exit_code = self._end_process(patience=1.0)
-        how = f"signal {-exit_code}" if exit_code < 0 else f"exit status {exit_code}"
-        with self._lock:
-            running, self._running = self._running, None
-            abandoned = self._abandoned
-            self._stop_at = self._end_at = None
-            victims = [running] if running is not None and not abandoned else []
-            if started:
-                message = f"The computing process ended unexpectedly ({how}) and was restarted."
-            else:
-                message = f"The computing process does not start ({how}); the terminal says why."
-                victims += self._waiting.values()
-                self._waiting.clear()
-                # Not again before somebody asks, so that a lasting defect does not spin.
-                self._start_wanted = False
+    def _tell_who_waits(self, now: float) -> None:
+        busy = sorted(
+            (
+                (m.working_on, m.doing)
+                for m in self._workers
+                if m.working_on is not None and m.doing
+            ),
+            key=lambda pair: pair[0].job.number,
+        )
+        for entry in self._turns:
+            if now < entry.tell_at:
+                continue
+            entry.tell_at = now + WAITING_INTERVAL
+            # For its tab's own job if there is one, else for the one that takes longest.
+            others = [doing for other, doing in busy if other.tab == entry.tab]
+            others += [doing for _, doing in busy] or ["the computing process starts"]
+            entry.listener(Progress(entry.job.number, f"waiting: {others[0]}"))
+
+    def _died(self, member: WorkerProcess) -> None:
+        """Tell whoever waited for its job; if no process can even start, everybody."""
+        started = member.ready
+        how = member.end(EXIT_PATIENCE)
+        if started:
+            message = f"The computing process ended unexpectedly ({how}) and was restarted."
+        else:
+            message = f"The computing process does not start ({how}); the terminal says why."
         _log.error(message)
-        for entry in victims:
-            entry.listener(Failed(entry.job.number, message))
+        with self._lock:
+            entry, victim = member.working_on, member.finish()
+            victims = [] if victim is None else [victim]
+            in_background = entry is not None and entry.tab is self
+            member.plan_to_restore(but=entry.job.task if entry and in_background else None)
+            if not started:
+                # Not again before somebody asks, so that a lasting defect does not spin.
+                member.may_start = False
+                member.todo.clear()
+                if not any(m.connection for m in self._workers):
+                    victims += self._turns.clear()
+                    if self._warming is not None:
+                        self._warming[0](Failed(0, message))
+            for entry in victims:
+                entry.listener(Failed(entry.job.number, message))
 
-    def _end_process(self, patience: float = 0.0) -> int:
-        """Close the connection and end the process, at once or when it has had time to exit."""
-        process, connection = self._process, self._connection
-        self._process = self._process_id = self._connection = None
-        self._ready = False
-        if connection is not None:
-            connection.close()
-        if process is None:
-            return 0
-        process.join(patience)
-        if process.is_alive():
-            process.terminate()
-            process.join(1.0)
-        if process.is_alive():
-            process.kill()
-            process.join()
-        exit_code = process.exitcode or 0
-        process.close()
-        return exit_code
+
+def _nobody(_report: Report) -> None:
+    """Hears what nobody asked for."""

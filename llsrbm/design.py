@@ -72,18 +72,19 @@ def dump_design(design: Design) -> str:
     return json.dumps(table, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
 
 
-def load_design(source: bytes | str | Path) -> Design:
+def load_design(source: bytes | str | Path, *, name: str = "design") -> Design:
     """The design in a file, or in a file's content.
 
     Args:
         source: the content as bytes, or a path.
+        name: what messages call a content that came without a path.
 
     Raises:
         FileFormatError: it cannot be read, or is no design; one line that says what is accepted.
             Whether the robot can do it is said when it is planned.
     """
     if isinstance(source, bytes):
-        return _parse(source, "design")
+        return _parse(source, _shortened(name))
     try:
         with Path(source).open("rb") as file:
             # What is larger is refused without reading it all.

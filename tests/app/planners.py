@@ -9,7 +9,6 @@ from dataclasses import replace
 
 from llsrbm import errors
 from llsrbm.errors import InputError
-from llsrbm.jump import Jump
 from tests.app.synthetic_plan import synthetic_plan
 from tests.llsrbm.synthetic_rollout import synthetic_rollout
 
@@ -19,6 +18,7 @@ CRASH = math.radians(53)  # the process dies
 DEFECT = math.radians(54)  # an exception that is no llsrbm.Error
 UNSOLVABLE = math.radians(55)  # NotConverged with a plan
 REFUSED = math.radians(56)  # InputError
+ITERATING = math.radians(57)  # works one second, telling every iteration, asks whether to stop
 
 # Seeds of simulations:
 SLOWLY = 51  # takes five seconds, asks whether to stop
@@ -29,50 +29,68 @@ TRIPPING = 55  # the robot falls before it has left the ground
 
 
 class SyntheticPlanner:
-    def prepare(self, robot, progress):
-        progress(f"preparing {robot}")
+    def prepare(self, robot, tell):
+        tell(f"preparing {robot}")
         if robot == "nosuch":
             raise InputError('no robot "nosuch"')
 
-    def plan(self, jump: Jump, progress, cancelled):
-        progress("solving")
-        if math.isclose(jump.twist, SLOW):
-            for _ in range(100):
-                time.sleep(0.01)
-                if cancelled():
-                    raise errors.Cancelled("stopped")
-        elif math.isclose(jump.twist, STUBBORN):
+    def plan(self, task, tell, cancelled):
+        jump = task.jump
+        tell("solving")
+        if is_(jump, SLOW):
+            work(1.0, cancelled)
+        elif is_(jump, ITERATING):
+            for i in range(100):
+                tell("solving", iteration=i, residual=10.0**-i)
+                work(0.01, cancelled)
+        elif is_(jump, STUBBORN):
             time.sleep(60)
-        elif math.isclose(jump.twist, CRASH):
+        elif is_(jump, CRASH):
             os._exit(9)
-        elif math.isclose(jump.twist, DEFECT):
+        elif is_(jump, DEFECT):
             raise ZeroDivisionError("a defect")
-        elif math.isclose(jump.twist, UNSOLVABLE):
+        elif is_(jump, UNSOLVABLE):
             raise errors.NotConverged(
                 "no convergence: reach violated in flight by 0.02 m",
                 synthetic_plan(jump, "not-converged"),
             )
-        elif math.isclose(jump.twist, REFUSED):
+        elif is_(jump, REFUSED):
             raise InputError("twist: expected -1 to 1 rad, got more")
-        return synthetic_plan(jump)
+        return replace(synthetic_plan(jump), tuning=task.tuning)
 
-    def simulate(self, plan, conditions, progress, cancelled):
-        progress(0.0)
-        if conditions.seed == SLOWLY:
+    def simulate(self, task, tell, cancelled):
+        seed = task.conditions.seed
+
+        def percent(share):
+            tell(f"simulating, {share:.0%}", share=share)
+
+        percent(0.0)
+        if seed == SLOWLY:
             for i in range(500):
-                time.sleep(0.01)
-                progress(i / 500)
-                if cancelled():
-                    raise errors.Cancelled("stopped")
-        elif conditions.seed == STUBBORNLY:
-            progress(0.01)
+                work(0.01, cancelled)
+                percent(i / 500)
+        elif seed == STUBBORNLY:
+            percent(0.01)
             time.sleep(60)
-        elif conditions.seed == IMPOSSIBLE:
+        elif seed == IMPOSSIBLE:
             raise InputError("board: expected 0 to 0.05 m, got more")
-        progress(1.0)
-        fell_at = {FALLING: 1.1, TRIPPING: 0.2}.get(conditions.seed)
-        rollout = synthetic_rollout(plan, fell_at=fell_at, seed=conditions.seed)
-        return replace(rollout, conditions=conditions)
+        percent(1.0)
+        fell_at = {FALLING: 1.1, TRIPPING: 0.2}.get(seed)
+        rollout = synthetic_rollout(task.plan, fell_at=fell_at, seed=seed)
+        return replace(rollout, conditions=task.conditions)
+
+
+def is_(jump, way):
+    return math.isclose(jump.twist, way)
+
+
+def work(seconds, cancelled):
+    """Take time, asking whether to stop."""
+    end = time.monotonic() + seconds
+    while time.monotonic() < end:
+        time.sleep(0.01)
+        if cancelled():
+            raise errors.Cancelled("stopped")
 
 
 def broken_factory():

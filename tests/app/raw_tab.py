@@ -43,6 +43,9 @@ class RawTab:
         self.notifications = []
         self.downloads = []  # (file name, content), complete ones
         self.scripts = []  # JavaScript it was told to run
+        self.storage = {}  # what the page keeps in the browser
+        self.storage_error = None  # what reading it ends with instead
+        self.acknowledged = {}  # transfer -> (bytes received, bytes in all) of uploads
         self._transfers = {}  # transfer -> [file name, size, content so far]
         self.received = Counter()  # message type -> count
         self.received_bytes = 0
@@ -74,6 +77,19 @@ class RawTab:
 
     def press(self, label):
         self.set(label, True)
+
+    def upload(self, label, name, content, transfer="transfer", **declared):
+        """Send a file as viser's page does, except for what is declared differently."""
+        size = 512 * 1024
+        parts = [content[i : i + size] for i in range(0, len(content), size)]
+        source = self.control(label)["uuid"]
+        transfer = {"source_component_uuid": source, "transfer_uuid": transfer}
+        start = {"filename": name, "mime_type": "", "part_count": len(parts)}
+        start |= {"size_bytes": len(content)} | transfer | declared
+        self.send({"type": "FileTransferStartUpload", **start})
+        for index, part in enumerate(parts):
+            part = {"part_index": index, "content": part} | transfer
+            self.send({"type": "FileTransferPart", **part})
 
     # ---- seeing
 
@@ -173,8 +189,15 @@ class RawTab:
         elif kind == "RunJavascriptMessage":
             self.scripts.append(message["source"])
         elif kind == "LocalStorageGetItemRequestMessage":
-            answer = {"value": None, "error": None, "request_uuid": message["request_uuid"]}
+            error = self.storage_error
+            value = None if error else self.storage.get(message["key"])
+            answer = {"value": value, "error": error, "request_uuid": message["request_uuid"]}
             self.send({"type": "LocalStorageGetItemResponseMessage", **answer})
+        elif kind == "LocalStorageSetItemMessage":
+            self.storage[message["key"]] = message["value"]
+        elif kind == "FileTransferPartAck":
+            received = message["transferred_bytes"], message["total_bytes"]
+            self.acknowledged[message["transfer_uuid"]] = received
         elif kind == "FileTransferStartDownload":
             name, size = message["filename"], message["size_bytes"]
             self._transfers[message["transfer_uuid"]] = [name, size, b""]

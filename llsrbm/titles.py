@@ -1,0 +1,82 @@
+"""Short names of designs: what matters about one, and what tells several apart."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import asdict
+from pathlib import Path
+
+from llsrbm.jump import Jump
+from llsrbm.trajectory.rollout import Conditions
+from llsrbm.tuning import Tuning
+
+Decisions = tuple[Jump, Tuning, Conditions | None]
+"""What a title is made from; without conditions where nothing is simulated."""
+
+_ALWAYS = ("robot", "task", "model")
+
+
+def title_of(jump: Jump, tuning: Tuning | None = None, conditions: Conditions | None = None) -> str:
+    """A design's name by what was decided about it: "90° llsrbm-plus, friction 0.4"."""
+    return _joined(_parts(jump, tuning or Tuning(), conditions))
+
+
+def titles_of(designs: Sequence[Decisions]) -> tuple[str, ...]:
+    """Names of several designs beside each other: the jump and model of each, and what differs.
+
+    What they all share besides is left out; designs that are named alike are numbered.
+    """
+    every = [_parts(*design) for design in designs]
+    keys = {key for parts in every for key in parts}
+    told = {key for key in keys if len({parts.get(key) for parts in every}) > 1}
+    told |= {"task", "model"}
+    titles = [_joined({key: text for key, text in parts.items() if key in told}) for parts in every]
+    counts, seen = Counter(titles), Counter[str]()
+    for index, title in enumerate(titles):
+        if counts[title] > 1:
+            seen[title] += 1
+            titles[index] = f"{title} ({seen[title]})"
+    return tuple(titles)
+
+
+def _parts(jump: Jump, tuning: Tuning, conditions: Conditions | None) -> dict[str, str]:
+    """What was decided, in order: a key and how it is said; no defaults but the model's."""
+    parts = {}
+    if jump.robot != Jump().robot:
+        parts["robot"] = Path(jump.robot).stem
+    parts |= {"task": _task(jump), "model": jump.model}
+    for name, value in {**tuning.weights, **tuning.limits}.items():
+        parts[f"tuning {name}"] = f"{name.replace('_', ' ')} {value:g}"
+    if conditions is None:
+        return parts
+    standard = asdict(Conditions())
+    for name, value in asdict(conditions).items():
+        if value != standard[name] and name not in ("board", "half_board"):
+            parts[name] = f"{name} {value:g}" if isinstance(value, float | int) else str(value)
+    if conditions.board:
+        kind = "half board" if conditions.half_board else "board"
+        parts["board"] = f"{kind} {1e3 * conditions.board:g} mm"
+    return parts
+
+
+def _task(jump: Jump) -> str:
+    """The jump itself: "90° + 30 cm forward"."""
+    moves = (
+        (jump.forward, "forward", "back"),
+        (jump.lateral, "left", "right"),
+        (jump.height, "up", "down"),
+    )
+    parts = [f"{math.degrees(jump.twist):.4g}°"] if jump.twist else []
+    parts += [
+        f"{100 * abs(length):.4g} cm {onwards if length > 0 else backwards}"
+        for length, onwards, backwards in moves
+        if length
+    ]
+    return " + ".join(parts) or "on the spot"
+
+
+def _joined(parts: dict[str, str]) -> str:
+    head = " ".join(parts[key] for key in _ALWAYS if key in parts)
+    return ", ".join([head, *(text for key, text in parts.items() if key not in _ALWAYS)])

@@ -1,0 +1,49 @@
+"""A page of nothing but the design controls, which notes down what they tell."""
+
+from __future__ import annotations
+
+import contextlib
+import queue
+
+from app.design_controls import DesignControls
+from app.viser_private import DesignerServer
+from llsrbm.examples import examples
+
+
+class DesignPage:
+    """Attributes: port; told: what happened; clients, controls: by tab, in order of connection."""
+
+    def __init__(self):
+        self.told = queue.Queue()
+        self.tabs = queue.Queue()
+        self.server = DesignerServer("127.0.0.1", 0, {"localhost"})
+        self.port = self.server.get_port()
+        self.server.on_client_connect(self._connected)
+
+    def next(self, timeout=20):
+        return self.told.get(timeout=timeout)
+
+    def _connected(self, client):
+        slider = client.gui.add_slider("Twist [deg]", -180, 180, 1, 0)
+
+        @slider.on_update
+        async def _(event):
+            self.told.put(("slider", event.target.value))
+
+        controls = DesignControls(
+            client,
+            examples(),
+            on_example=lambda design: self.told.put(("example", design)),
+            on_upload=lambda name, content: self.told.put(("upload", name, content)),
+            on_save=lambda: self.told.put(("save",)),
+        )
+        self.tabs.put((client, controls))
+
+
+@contextlib.contextmanager
+def design_page():
+    page = DesignPage()
+    try:
+        yield page
+    finally:
+        page.server.stop()

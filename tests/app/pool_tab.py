@@ -1,0 +1,35 @@
+"""A tab as the pool of computing processes knows it: asks, and keeps what it hears."""
+
+from __future__ import annotations
+
+import queue
+
+from app.protocol import PlanJump, Progress, SimulateJump
+from llsrbm.jump import Jump
+from llsrbm.trajectory.rollout import Conditions
+from tests.app.synthetic_plan import synthetic_plan
+
+
+class Tab:
+    def __init__(self, pool, name="tab"):
+        self.pool, self.name, self.reports = pool, name, queue.SimpleQueue()
+
+    def submit(self, task):
+        return self.pool.submit(self.name, task, self.reports.put)
+
+    def plan(self, twist=0.0, forward=0.0, **how):
+        return self.submit(PlanJump(Jump(twist=twist, forward=forward), **how))
+
+    def simulate(self, **conditions):
+        return self.submit(SimulateJump(synthetic_plan(Jump(twist=1.0)), Conditions(**conditions)))
+
+    def outcome(self, timeout=20.0):
+        while isinstance(report := self.reports.get(timeout=timeout), Progress):
+            pass
+        return report
+
+    def wait_until_running(self, job):
+        while (report := self.reports.get(timeout=20)).text.startswith("waiting: "):
+            pass
+        assert isinstance(report, Progress)
+        assert report.job == job

@@ -1,0 +1,148 @@
+"""What a tab may send that is no click: files and messages of any size and shape."""
+
+from __future__ import annotations
+
+import logging
+import random
+from pathlib import Path
+
+import msgspec
+import pytest
+import viser
+
+from app.viser_private import MAX_UPLOAD
+from tests.app.design_page import design_page
+from tests.app.raw_tab import CAMERA, RawTab
+
+PART = 512 * 1024
+
+
+@pytest.fixture(scope="module")
+def page():
+    with design_page() as running:
+        yield running
+
+
+@pytest.fixture
+def tab(page):
+    with RawTab(page.port) as opened:
+        opened.client, _ = page.tabs.get(timeout=20)
+        opened.control("Save design")
+        yield opened
+
+
+def kept(client):
+    """Bytes that the server keeps of unfinished uploads, and how many there are."""
+    states = client.gui._current_file_upload_states.values()
+    return sum(len(part) for state in states for part in state["parts"].values()), len(states)
+
+
+def test_a_file_of_one_part_comes_through(page, tab):
+    content = random.Random(0).randbytes(MAX_UPLOAD)
+    tab.upload("Open design", "largest.bin", content)
+    assert page.next() == ("upload", "largest.bin", content)
+    whole = (MAX_UPLOAD, MAX_UPLOAD)
+    tab.wait(lambda: tab.acknowledged.get("transfer") == whole, "the acknowledgement")
+
+
+def test_a_larger_one_is_refused_at_its_start(page, tab):
+    tab.upload("Open design", "big.bin", bytes(10 * PART + 1))
+    tab.press("Save design")
+    assert page.next() == ("save",)
+    expected = ("Not opened", "big.bin: too large; expected at most 512 kB")
+    tab.wait(lambda: expected in tab.notifications, "the refusal")
+    tab.wait(lambda: "RemoveNotificationMessage" in tab.received, "the progress bar's end")
+    assert tab.acknowledged["transfer"] == (10 * PART + 1, 10 * PART + 1)  # ends the progress bar
+    assert kept(tab.client) == (0, 0)
+
+
+@pytest.mark.parametrize(
+    "declared",
+    [
+        {"size_bytes": 10},  # more comes than was declared
+        {"size_bytes": 1 << 40},
+        {"size_bytes": -1},
+        {"part_count": 1 << 40},
+        {"part_count": -1},
+        {"source_component_uuid": "nosuch"},
+        {"source_component_uuid": ["nosuch"]},
+        {"transfer_uuid": ["unhashable"]},
+        {"transfer_uuid": "another"},
+        {"filename": "x" * 256},
+        {"filename": 7},
+        {"mime_type": None},
+    ],
+)
+def test_a_file_that_is_not_as_declared_is_dropped(page, tab, declared):
+    tab.upload("Open design", "a.json", bytes(100), **declared)
+    tab.upload("Open design", "b.json", b"fine", transfer="next")
+    assert page.next() == ("upload", "b.json", b"fine")
+    assert kept(tab.client) == (0, 0)
+
+
+def test_a_file_goes_to_upload_buttons_only(page, tab):
+    tab.upload("Twist [deg]", "a.json", b"not a number")
+    tab.press("Save design")
+    assert page.next() == ("save",)
+
+
+def test_unfinished_uploads_do_not_pile_up(page, tab):
+    source = tab.control("Open design")["uuid"]
+    for number in range(100):
+        start = {"source_component_uuid": source, "transfer_uuid": str(number), "filename": "a"}
+        start |= {"mime_type": "", "part_count": 1, "size_bytes": 5}
+        tab.send({"type": "FileTransferStartUpload", **start})
+    tab.press("Save design")
+    assert page.next() == ("save",)
+    assert kept(tab.client) == (0, 1)
+
+
+def test_parts_without_a_start_are_dropped(page, tab):
+    part = {"source_component_uuid": None, "transfer_uuid": "nosuch", "part_index": 0}
+    for content in (b"", bytes(PART), "text", 7, None):
+        tab.send({"type": "FileTransferPart", "content": content, **part})
+    tab.press("Save design")
+    assert page.next() == ("save",)
+    assert kept(tab.client) == (0, 0)
+
+
+GARBAGE = [
+    b"",
+    b"\xc1",
+    b"\x93\x01\x02",
+    random.Random(1).randbytes(1000),
+    b"\x91" * 100_000,
+    msgspec.msgpack.encode([]),
+    msgspec.msgpack.encode({}),
+    msgspec.msgpack.encode({"type": "NoSuchMessage"}),
+    msgspec.msgpack.encode({"type": ["GuiUpdateMessage"]}),
+    msgspec.msgpack.encode({"type": "GuiUpdateMessage"}),
+    msgspec.msgpack.encode({"type": "GuiUpdateMessage", "nosuch": 1}),
+    msgspec.msgpack.encode(CAMERA | {"fov": "wide"}),
+    msgspec.msgpack.encode(CAMERA | {"wxyz": 7}),
+    "text",
+]
+
+
+@pytest.mark.parametrize("garbage", GARBAGE, ids=lambda garbage: repr(garbage[:20]))
+def test_garbage_closes_its_connection_and_no_other(page, tab, garbage, caplog):
+    with caplog.at_level(logging.WARNING), RawTab(page.port) as bad:
+        page.tabs.get(timeout=20)
+        bad._connection.send(garbage)
+        assert bad.closed.wait(10)
+    assert bad._connection.protocol.close_rcvd.code == 1007
+    (record,) = (r for r in caplog.records if r.name == "app.viser_private")
+    assert record.getMessage().startswith("a tab sent what cannot be read (")
+    assert not any(r.exc_info for r in caplog.records)
+    tab.set("Twist [deg]", 7)
+    assert page.next() == ("slider", 7)
+    with RawTab(page.port) as fresh:
+        page.tabs.get(timeout=20)
+        fresh.press("Save design")
+        assert page.next() == ("save",)
+
+
+def test_the_page_sends_files_in_parts_of_the_size_that_is_let_through():
+    client = Path(viser.__file__).parent / "client/src/components/UploadButton.tsx"
+    assert "const chunkSize = 512 * 1024;" in client.read_text()
+    assert MAX_UPLOAD == PART

@@ -1,0 +1,69 @@
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from llsrbm.jump import Jump
+from llsrbm.titles import title_of, titles_of
+from llsrbm.trajectory.rollout import Conditions
+from llsrbm.tuning import Tuning
+
+TWIST = Jump(twist=math.pi / 2)
+
+
+@pytest.mark.parametrize(
+    ("title", "decisions"),
+    [
+        ("90° llsrbm-plus", (TWIST,)),
+        ("on the spot llsrbm-plus", (Jump(),)),
+        (
+            "-45° + 30 cm back + 12.5 cm right + 10 cm down srbm",
+            (Jump("anymal", "srbm", -math.pi / 4, -0.3, -0.125, -0.1),),
+        ),
+        ("slider 35 cm up llsrbm", (Jump("slider", "llsrbm", height=0.35),)),
+        ("my 20 cm forward srbm", (Jump("/some/where/my.toml", "srbm", forward=0.2),)),
+        (
+            "90° llsrbm-plus, swing 2, foot clearance 0.1",
+            (TWIST, Tuning({"swing": 2}, {"foot_clearance": 0.1})),
+        ),
+        (
+            "90° llsrbm-plus, seed 7, half board 25 mm",
+            (TWIST, Tuning(), Conditions(board=0.025, half_board=True, seed=7)),
+        ),
+        ("90° llsrbm-plus", (TWIST, Tuning(), Conditions())),
+        (
+            "90° llsrbm-plus, noise 2, norm",
+            (TWIST, Tuning(), Conditions(noise=2.0, detector="norm")),
+        ),
+    ],
+)
+def test_a_title_tells_what_was_decided(title, decisions):
+    assert title_of(*decisions) == title
+
+
+def test_several_tell_what_differs_only():
+    friction, seeded = Tuning(limits={"friction": 0.4}), Conditions(board=0.02, seed=3)
+    slider = [Jump("slider", "srbm", 1.0), Jump("slider", "llsrbm", 1.0)]
+    assert titles_of([(jump, friction, seeded) for jump in slider]) == (
+        "57.3° srbm",
+        "57.3° llsrbm",
+    )
+    assert titles_of([(TWIST, Tuning(), seeded), (TWIST, friction, Conditions(board=0.02))]) == (
+        "90° llsrbm-plus, seed 3",
+        "90° llsrbm-plus, friction 0.4",
+    )
+    assert titles_of([(TWIST, Tuning(), None), (Jump("go2"), Tuning(), None)]) == (
+        "90° llsrbm-plus",
+        "go2 on the spot llsrbm-plus",
+    )
+
+
+def test_what_is_named_alike_is_numbered():
+    other = Jump(twist=1.0)
+    assert titles_of([(jump, Tuning(), None) for jump in (TWIST, other, TWIST)]) == (
+        "90° llsrbm-plus (1)",
+        "57.3° llsrbm-plus",
+        "90° llsrbm-plus (2)",
+    )
+    assert titles_of([]) == ()
