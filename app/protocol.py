@@ -59,7 +59,20 @@ class SimulateJump:
     conditions: Conditions
 
 
-Task = Prepare | PlanJump | SimulateJump
+@dataclass(frozen=True)
+class FindNearest:
+    """Find the nearest jump that can be planned.
+
+    Attributes:
+        jump: a request that cannot be.
+        tuning: weights and limits in place of the robot's own.
+    """
+
+    jump: Jump
+    tuning: Tuning = field(default_factory=Tuning)
+
+
+Task = Prepare | PlanJump | FindNearest | SimulateJump
 
 
 @dataclass(frozen=True)
@@ -76,6 +89,25 @@ class Job:
 
 
 # ---- reports, process to server
+
+
+class Nearest(Protocol):
+    """What a search finds (`llsrbm.nearest`)."""
+
+    @property
+    def jump(self) -> Jump:
+        """The one that can be planned."""
+        ...
+
+    @property
+    def plan(self) -> Plan:
+        """Its plan."""
+        ...
+
+    @property
+    def changes(self) -> str:
+        """How it differs from the request, in words."""
+        ...
 
 
 @dataclass(frozen=True)
@@ -129,6 +161,19 @@ class Planned:
 
 
 @dataclass(frozen=True)
+class Found:
+    """The nearest jump that can be planned was found.
+
+    Attributes:
+        job: number of the job.
+        nearest: the jump, its plan and how it differs from the request, in words.
+    """
+
+    job: int
+    nearest: Nearest
+
+
+@dataclass(frozen=True)
 class Simulated:
     """A plan was followed; whether the robot stands at the end is in the outcome.
 
@@ -167,7 +212,7 @@ class Cancelled:
     job: int
 
 
-Report = Progress | Prepared | Planned | Simulated | Failed | Cancelled
+Report = Progress | Prepared | Planned | Found | Simulated | Failed | Cancelled
 
 
 # ---- what the process computes with
@@ -208,6 +253,14 @@ class Planner(Protocol):
         Raises:
             llsrbm.errors.Error: bad request, no convergence (`NotConverged`), or stopped
                 (`Cancelled`).
+        """
+        ...
+
+    def nearest(self, task: FindNearest, tell: Tell, cancelled: Callable[[], bool]) -> Nearest:
+        """Find the nearest jump that can be planned.
+
+        Raises:
+            llsrbm.errors.Error: bad request, there is none, or stopped (`Cancelled`).
         """
         ...
 

@@ -16,7 +16,7 @@ from dataclasses import dataclass, field
 from enum import Enum
 from typing import TypeVar
 
-from app.protocol import Job, PlanJump, Prepare, Report, SimulateJump, Task
+from app.protocol import FindNearest, Job, PlanJump, Prepare, Report, SimulateJump, Task
 
 Listener = Callable[[Report], None]
 Solver = tuple[str, str]  # robot, model
@@ -26,11 +26,14 @@ class Kind(Enum):
     """What a tab can have going on, one of each at a time."""
 
     PLAN = 0
-    SIMULATE = 1
+    SEARCH = 1
+    SIMULATE = 2
 
     @staticmethod
     def of(task: Task) -> Kind:
         """A task's; preparing a robot comes before its plan, and counts as such."""
+        if isinstance(task, FindNearest):
+            return Kind.SEARCH
         return Kind.SIMULATE if isinstance(task, SimulateJump) else Kind.PLAN
 
     @property

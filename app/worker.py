@@ -7,10 +7,14 @@ from collections.abc import Callable
 from multiprocessing.connection import Connection
 from typing import Protocol
 
+import llsrbm
 from app.protocol import (
     Cancelled,
     Failed,
+    FindNearest,
+    Found,
     Job,
+    Nearest,
     PlanJump,
     Planned,
     Planner,
@@ -40,10 +44,8 @@ class LibraryPlanner:
 
     def __init__(self) -> None:
         """Import what takes long, once, before the first job."""
-        import llsrbm
+        import llsrbm.api  # noqa: F401
 
-        self._plan = llsrbm.plan
-        self._simulate = llsrbm.simulate
         self._solvers: set[tuple[str, str]] = set()
 
     def prepare(self, robot: str, tell: Tell) -> None:
@@ -60,7 +62,25 @@ class LibraryPlanner:
     def plan(self, task: PlanJump, tell: Tell, cancelled: Callable[[], bool]) -> Plan:
         """See `app.protocol.Planner.plan`."""
         self._announce(task.jump.robot, task.jump.model, tell)
-        return self._plan(task.jump, progress=tell, cancelled=cancelled)
+        return llsrbm.plan(
+            task.jump,
+            weights=task.tuning.weights,
+            limits=task.tuning.limits,
+            progress=tell,
+            cancelled=cancelled,
+        )
+
+    def nearest(self, task: FindNearest, tell: Tell, cancelled: Callable[[], bool]) -> Nearest:
+        """See `app.protocol.Planner.nearest`."""
+        self._announce(task.jump.robot, task.jump.model, tell)
+        found: Nearest = llsrbm.nearest(
+            task.jump,
+            weights=task.tuning.weights,
+            limits=task.tuning.limits,
+            progress=tell,
+            cancelled=cancelled,
+        )
+        return found
 
     def simulate(self, task: SimulateJump, tell: Tell, cancelled: Callable[[], bool]) -> Rollout:
         """See `app.protocol.Planner.simulate`."""
@@ -74,7 +94,7 @@ class LibraryPlanner:
                 tell(f"simulating, {told} %", share=share)
 
         conditions = task.conditions
-        return self._simulate(
+        return llsrbm.simulate(
             task.plan,
             board=conditions.board,
             half_board=conditions.half_board,
@@ -133,6 +153,8 @@ def _work(planner: Planner, job: Job, connection: Connection, stop: SharedNumber
             return Prepared(job.number, task.robot)
         if isinstance(task, SimulateJump):
             return Simulated(job.number, planner.simulate(task, tell, cancelled))
+        if isinstance(task, FindNearest):
+            return Found(job.number, planner.nearest(task, tell, cancelled))
         return Planned(job.number, planner.plan(task, tell, cancelled))
     except errors.Cancelled:
         return Cancelled(job.number)

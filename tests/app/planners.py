@@ -5,10 +5,13 @@ from __future__ import annotations
 import math
 import os
 import time
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from pathlib import Path
 
 from llsrbm import errors
 from llsrbm.errors import InputError
+from llsrbm.jump import Jump
+from llsrbm.trajectory.plan import Plan
 from tests.app.synthetic_plan import synthetic_plan
 from tests.llsrbm.synthetic_rollout import synthetic_rollout
 
@@ -20,6 +23,9 @@ UNSOLVABLE = math.radians(55)  # NotConverged with a plan
 REFUSED = math.radians(56)  # InputError
 ITERATING = math.radians(57)  # works one second, telling every iteration, asks whether to stop
 
+# Searches know SLOW (five seconds), STUBBORN and UNSOLVABLE (nothing is found); the others find the
+# jump with half the twist.
+
 # Seeds of simulations:
 SLOWLY = 51  # takes five seconds, asks whether to stop
 STUBBORNLY = 52  # takes a minute and never asks
@@ -28,7 +34,16 @@ IMPOSSIBLE = 54  # InputError
 TRIPPING = 55  # the robot falls before it has left the ground
 
 
+@dataclass(frozen=True)
+class Nearest:
+    jump: Jump
+    plan: Plan
+    changes: str
+
+
 class SyntheticPlanner:
+    """Quick and made up; tells a file, if there is one at PLANNED_LOG, what it planned."""
+
     def prepare(self, robot, tell):
         tell(f"preparing {robot}")
         if robot == "nosuch":
@@ -56,7 +71,23 @@ class SyntheticPlanner:
             )
         elif is_(jump, REFUSED):
             raise InputError("twist: expected -1 to 1 rad, got more")
+        if log := os.environ.get("PLANNED_LOG"):
+            with Path(log).open("a") as file:
+                file.write(f"{os.getpid()} {jump.model}\n")
         return replace(synthetic_plan(jump), tuning=task.tuning)
+
+    def nearest(self, task, tell, cancelled):
+        jump = task.jump
+        tell("trying less of the twist")
+        if is_(jump, SLOW):
+            work(5.0, cancelled)
+        elif is_(jump, STUBBORN):
+            time.sleep(60)
+        elif is_(jump, UNSOLVABLE):
+            raise errors.Error("contact_force: nothing can be planned within 10 N")
+        nearer = replace(jump, twist=jump.twist / 2)
+        changes = f"twist {math.degrees(nearer.twist):g} deg instead"
+        return Nearest(nearer, synthetic_plan(nearer), changes)
 
     def simulate(self, task, tell, cancelled):
         seed = task.conditions.seed
