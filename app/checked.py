@@ -32,6 +32,6 @@ def number(label: str, value: Any, ends: tuple[float, float], complaints: list[s
     return min(max(float(value), lowest), highest)
 
 
-def put(handle: Any, value: float | str) -> None:
+def put(handle: Any, value: float | str | bool) -> None:
     """Set a control; mypy does not see the setter of viser's property."""
     handle.value = value

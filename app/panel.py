@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Coroutine
+from collections.abc import Callable, Coroutine, Mapping, Sequence
+from dataclasses import dataclass
 from enum import Enum, auto
 from typing import Any
 
@@ -10,14 +11,19 @@ import viser
 
 from app import markup, summaries
 from app.checked import number, option, put
+from app.compare_controls import CompareControls
+from app.comparison import Column
+from app.design_controls import DesignControls
 from app.jump_controls import JumpControls
 from app.player import SPEEDS
-from app.plots import Plots, curves
-from app.replay import Figures, Replay
+from app.plots import Layer, Plots
+from app.replay import Figures
 from app.simulation_controls import SimulationControls
 from app.timeline import Timeline, html
+from app.tuning_controls import TuningControls
+from app.view_controls import ViewControls
+from llsrbm.design import Design
 from llsrbm.exporters import formats
-from llsrbm.jump import Jump
 from llsrbm.robots import RobotFile
 from llsrbm.trajectory.plan import Plan
 from llsrbm.trajectory.rollout import Rollout
@@ -27,14 +33,35 @@ class Action(Enum):
     """What a user did; which value it led to is read from the panel afterwards."""
 
     REQUEST = auto()
+    TARGET = auto()
     SIMULATE = auto()
     CANCEL = auto()
+    NEAREST = auto()
     PLAY = auto()
     PAUSE = auto()
     SCRUB = auto()
     PACE = auto()
     LAYERS = auto()
+    PIN = auto()
+    UNPIN = auto()
+    TAKE_UP = auto()
+    SAVE = auto()
     EXPORT = auto()
+
+
+@dataclass(frozen=True)
+class Chosen:
+    """An example was chosen."""
+
+    design: Design
+
+
+@dataclass(frozen=True)
+class Uploaded:
+    """A file was opened, whatever it is."""
+
+    name: str
+    content: bytes
 
 
 class Panel:
@@ -43,56 +70,59 @@ class Panel:
     Attributes:
         jump: the controls of the request.
         simulation: those of the simulated world.
+        tuning: of weights and limits.
+        view: of what is drawn.
+        compare: of what is pinned.
+        designs: of examples and files.
     """
 
     def __init__(
         self,
         client: viser.ClientHandle,
-        jump: Jump,
+        design: Design,
         robot_file: RobotFile,
-        act: Callable[[Action], None],
+        examples: Mapping[str, Design],
+        act: Callable[[Action | Chosen | Uploaded], None],
     ) -> None:
         """Build the controls.
 
         Args:
             client: whose tab.
-            jump: the request to start from.
+            design: to start from.
             robot_file: of its robot.
+            examples: to choose from.
             act: told what the user did; called from viser's thread, must return at once.
         """
         self._client = client
         self._act = act
-        self._plan: Plan | None = None
-        self._rollout: Rollout | None = None
         self._end = 0.0
         self._scrubbed = 0.0
         gui = client.gui
         self._status = gui.add_html(markup.status("Planning", ""))
+        self._nearest = gui.add_button("Take the nearest", visible=False)
         self._cancel = gui.add_button("Cancel", disabled=True, hint="Stop what is going on")
         with gui.add_folder("Jump"):
-            self.jump = JumpControls(gui, jump, robot_file)
+            self.jump = JumpControls(gui, design.jump, robot_file)
         with gui.add_folder("Whole body"):
             self.simulation = SimulationControls(gui, robot_file)
         self._transport = gui.add_button_group("Motion", ("Play", "Pause"))
-        with gui.add_folder("Playback", expand_by_default=False):
-            self._time = gui.add_slider("Time [s]", 0.0, 1.0, 0.01, 0.0)
-            self._timeline = gui.add_html("", visible=False)
-            self._speed = gui.add_dropdown("Speed", SPEEDS, initial_value=SPEEDS[-1])
-            self._loop = gui.add_checkbox("Loop", initial_value=True)
+        with gui.add_folder("Design"):
+            self.designs = DesignControls(
+                client,
+                examples,
+                on_example=lambda design: act(Chosen(design)),
+                on_upload=lambda name, content: act(Uploaded(name, content)),
+                on_save=lambda: act(Action.SAVE),
+            )
+        with gui.add_folder("Compare"):
+            self.compare = CompareControls(gui)
         with gui.add_folder("Plots"):
-            self._plot_legend = gui.add_html("")
             self._plots = Plots(client)
         with gui.add_folder("Figures"):
             self._rollout_figures = gui.add_html("", visible=False)
             self._plan_figures = gui.add_html("")
-        with gui.add_folder("Residuals", expand_by_default=False):
-            self._residuals = gui.add_html("")
         with gui.add_folder("Show"):
-            self._ellipsoids = gui.add_checkbox("Inertia ellipsoids", initial_value=True)
-            self._forces = gui.add_checkbox("Forces", initial_value=True)
-            self._trails = gui.add_checkbox("Trails", initial_value=True)
-            self._ghost = gui.add_checkbox("Ghost", initial_value=True)
-            self._legend = gui.add_html(markup.legend(simulated=False))
+            self.view = ViewControls(gui)
         with gui.add_folder("File"):
             self._format = gui.add_dropdown("Format", tuple(formats()))
             self._export = gui.add_button(
@@ -100,6 +130,15 @@ class Panel:
                 disabled=True,
                 hint="Saves what is drawn solid: the simulation if there is one, else the plan",
             )
+        with gui.add_folder("Weights and limits", expand_by_default=False):
+            self.tuning = TuningControls(client, lambda: act(Action.REQUEST))
+        with gui.add_folder("Residuals", expand_by_default=False):
+            self._residuals = gui.add_html("")
+        with gui.add_folder("Playback", expand_by_default=False):
+            self._time = gui.add_slider("Time [s]", 0.0, 1.0, 0.01, 0.0)
+            self._timeline = gui.add_html("", visible=False)
+            self._speed = gui.add_dropdown("Speed", SPEEDS, initial_value=SPEEDS[-1])
+            self._loop = gui.add_checkbox("Loop", initial_value=True)
         with gui.add_folder("Help", expand_by_default=False):
             gui.add_html(markup.HELP)
         self._listen()
@@ -115,15 +154,6 @@ class Panel:
         speed = option("Speed", self._speed.value, SPEEDS, SPEEDS[-1], [])
         return float(speed.removesuffix("×")), bool(self._loop.value)
 
-    def read_layers(self) -> dict[str, bool]:
-        """What to draw, as arguments of `Scene.show_layers`."""
-        return {
-            "ellipsoids": bool(self._ellipsoids.value),
-            "forces": bool(self._forces.value),
-            "trails": bool(self._trails.value),
-            "ghost": bool(self._ghost.value),
-        }
-
     def read_format(self) -> tuple[str, list[str]]:
         """The file format to export, and what had to be corrected."""
         complaints: list[str] = []
@@ -137,41 +167,42 @@ class Panel:
         self._status.content = markup.status(word, rest)
         self._cancel.disabled = not busy
 
+    def offer_nearest(self, changes: str | None) -> None:
+        """A jump that can be planned, in place of one that cannot; None: no offer any more."""
+        if changes is not None:
+            self._nearest.label = f"Take {changes}"
+        self._nearest.visible = changes is not None
+
     def show_robot(self, robot_file: RobotFile) -> None:
         """The ranges of another robot, and its example."""
         self.jump.show_robot(robot_file)
         self.simulation.show_robot(robot_file)
 
-    def show_plan(self, replay: Replay, values: Figures, *, moving: bool = False) -> None:
-        """A plan's numbers, and no simulation's; the plots wait while it is `moving`."""
-        self._plan, self._rollout = replay.plan, None
-        self._plan_figures.content = summaries.plan_figures(replay.plan, values)
-        self._residuals.content = summaries.residuals(replay.plan.violations)
+    def show_figures(
+        self, plan: Plan, values: Figures, rollout: Rollout | None, layers: Sequence[Layer]
+    ) -> None:
+        """A motion's numbers and curves."""
+        self._plan_figures.content = summaries.plan_figures(plan, values)
+        self._residuals.content = summaries.residuals(plan.violations)
         self._export.disabled = False
-        self._rollout_figures.visible = False
-        if not moving:
-            self._show_motion(replay)
+        self._rollout_figures.visible = rollout is not None
+        if rollout is not None:
+            self._rollout_figures.content = summaries.rollout_figures(rollout)
+        self._plots.draw(layers, self._end)
+        self.view.show_legend(simulated=rollout is not None)
 
-    def show_rollout(self, replay: Replay, rollout: Rollout) -> None:
-        """The numbers of a simulation of the plan that is shown."""
-        self._rollout = rollout
-        self._rollout_figures.content = summaries.rollout_figures(rollout)
-        self._rollout_figures.visible = True
-        self._show_motion(replay)
+    def clear_plan(self) -> None:
+        """No plan's numbers."""
+        for handle in (self._timeline, self._plan_figures, self._residuals):
+            handle.content = ""
+        self._plots.clear()
+        self._rollout_figures.visible = False
+        self._export.disabled = True
 
     def show_end(self, end: float) -> None:
         """How long the motion is, s."""
         self._end = end
         self._time.max = round(max(end, 0.01), 2)
-
-    def clear_plan(self) -> None:
-        """No plan's numbers."""
-        self._plan = self._rollout = None
-        for html in (self._timeline, self._plan_figures, self._residuals, self._plot_legend):
-            html.content = ""
-        self._plots.clear()
-        self._rollout_figures.visible = False
-        self._export.disabled = True
 
     def show_time(self, time: float, *, playing: bool) -> None:
         """Where the motion is, s.
@@ -179,8 +210,6 @@ class Panel:
         Nothing moves while it plays: a browser loses what a user enters into a control that is
         being set.
         """
-        if self._plan is None:
-            return
         if not playing:
             put(self._time, round(min(time, self._end), 2))
 
@@ -190,7 +219,7 @@ class Panel:
         self._timeline.content = html(events, time)
 
     def show_plots_time(self, time: float) -> None:
-        """Where the motion is, s, in the plots: these cost more than `show_time`."""
+        """Where the motion is, s, in the plots, where the page does not do it itself."""
         self._plots.show_time(time)
 
     def notify(self, title: str, body: str) -> None:
@@ -198,13 +227,6 @@ class Panel:
         self._client.add_notification(title, body, auto_close_seconds=6.0, color="orange")
 
     # ---- inside
-
-    def _show_motion(self, replay: Replay) -> None:
-        rollout = self._rollout
-        ends = [replay.plan.duration] + ([] if rollout is None else [float(rollout.time[-1])])
-        self._plots.draw(curves(replay, rollout), max(ends))
-        self._legend.content = markup.legend(simulated=rollout is not None)
-        self._plot_legend.content = markup.plot_legend(simulated=rollout is not None)
 
     def _listen(self) -> None:
         for handle in self.jump.handles:
@@ -219,11 +241,18 @@ class Panel:
 
         for handle in (self._speed, self._loop):
             handle.on_update(self._told(Action.PACE))
-        for handle in (self._ellipsoids, self._forces, self._trails, self._ghost):
+        for handle in self.view.handles:
             handle.on_update(self._told(Action.LAYERS))
-        self.simulation.button.on_click(self._told(Action.SIMULATE))
-        self._cancel.on_click(self._told(Action.CANCEL))
-        self._export.on_click(self._told(Action.EXPORT))
+        for button, action in (
+            (self.simulation.button, Action.SIMULATE),
+            (self._cancel, Action.CANCEL),
+            (self._nearest, Action.NEAREST),
+            (self._export, Action.EXPORT),
+            (self.compare.pin, Action.PIN),
+            (self.compare.unpin, Action.UNPIN),
+            (self.compare.take_up, Action.TAKE_UP),
+        ):
+            button.on_click(self._told(action))
 
         @self._transport.on_click
         async def _(event: viser.GuiEvent[Any]) -> None:

@@ -26,6 +26,11 @@ from llsrbm.simulation.surroundings import Block
 Array = NDArray[np.float64]
 
 _BLOT = 0.3  # m, length of the dark patch under the robot
+_GRID: dict[bool, tuple[Rgb, Rgb]] = {
+    False: ((225, 228, 232), (190, 195, 202)),
+    True: ((52, 56, 62), (84, 90, 98)),
+}
+"""Dark or not -> colours of the ground's lines, of 0.1 m and 0.5 m."""
 _ABOVE_GROUND = 0.002  # m; the patch would flicker in the ground's own plane
 
 
@@ -72,10 +77,10 @@ class Scene:
             "/ground",
             infinite_grid=True,
             cell_size=0.1,
-            cell_color=(225, 228, 232),
+            cell_color=_GRID[False][0],
             cell_thickness=0.6,
             section_size=0.5,
-            section_color=(190, 195, 202),
+            section_color=_GRID[False][1],
             fade_distance=9.0,
             shadow_opacity=0.0,
         )
@@ -198,11 +203,15 @@ class Scene:
             with self._client.atomic():
                 self._solid.refine()
 
-    def show_layers(self, *, ellipsoids: bool, forces: bool, trails: bool, ghost: bool) -> None:
-        """Choose what is drawn besides the robot."""
+    def show_layers(
+        self, *, ellipsoids: bool, forces: bool, trails: bool, ghost: bool, dark: bool
+    ) -> None:
+        """Choose what is drawn besides the robot, and whether the ground is dark."""
         self._show_ellipsoids, self._show_forces, self._show_trails = ellipsoids, forces, trails
         self._show_ghost = ghost
+        cells, sections = _GRID[dark]
         with self._client.atomic():
+            self._ground.cell_color, self._ground.section_color = cells, sections
             self._apply_layers()
 
     # ---- inside

@@ -1,4 +1,4 @@
-"""One tab: its request, its plan, its simulation. One thread does everything, in order.
+"""One tab: its design, its plan, its simulation. One thread does everything, in order.
 
 viser calls back from threads of its own, and a browser may skip values, so callbacks only say that
 something happened; this thread then reads the controls as they stand. The latest counts.
@@ -9,6 +9,7 @@ from __future__ import annotations
 import queue
 import threading
 from contextlib import closing
+from dataclasses import replace
 from enum import Enum
 
 import viser
@@ -16,10 +17,14 @@ import viser
 from app import summaries
 from app.bridge import Bridge, PageEvent
 from app.download import exported
-from app.panel import Action, Panel
+from app.live import Live
+from app.opening import Opening
+from app.panel import Action, Chosen, Panel, Uploaded
 from app.protocol import (
     Cancelled,
     Failed,
+    FindNearest,
+    Found,
     PlanJump,
     Planned,
     Prepare,
@@ -32,42 +37,62 @@ from app.protocol import (
 )
 from app.replay import presentable
 from app.stage import Stage
+from app.stored_design import recall, remember
+from app.upload import uploaded_design
 from app.worker_pool import WorkerPool
+from llsrbm.design import Design, dump_design, file_name
 from llsrbm.errors import Error
+from llsrbm.examples import examples
 from llsrbm.jump import Jump
+from llsrbm.planning.nearest import Nearest
 from llsrbm.robots import Robot, load_robot, read_robot_file
 from llsrbm.robots.assets import robot_files
 from llsrbm.trajectory.plan import Plan
 from llsrbm.trajectory.rollout import Rollout
+
+_RECALL = 1.5  # s to wait for what the browser kept; it answers as soon as it shows the panel
 
 
 class _Stop(Enum):
     STOP = 0
 
 
+Event = Action | Chosen | Uploaded | PageEvent | Report | _Stop
+
+
 class Session:
     """A tab's state; `start` runs its thread until `close`."""
 
-    def __init__(self, client: viser.ClientHandle, pool: WorkerPool) -> None:
+    def __init__(self, client: viser.ClientHandle, pool: WorkerPool, opening: Opening) -> None:
         """Nothing happens before `start`.
 
         Args:
             client: the tab.
             pool: plans and simulates for all tabs.
+            opening: plans that are there from the beginning.
         """
         self._client = client
         self._pool = pool
-        self._inbox: queue.SimpleQueue[Action | PageEvent | Report | _Stop] = queue.SimpleQueue()
+        self._opening = opening
+        self._inbox: queue.SimpleQueue[Event] = queue.SimpleQueue()
         self._thread = threading.Thread(
             target=self._run, name=f"session-{client.client_id}", daemon=True
         )
-        self._file = read_robot_file(robot_files()[Jump().robot])
-        self.jump = Jump(robot=self._file.name, **self._file.example.model_dump())
+        file = read_robot_file(robot_files()[Jump().robot])
+        self.design = Design(Jump(robot=file.name, **file.example.model_dump()))
+        self._file = file
         self._robot: Robot | None = None
+        self._live = Live()
         self._awaited: Task | None = None  # the newest job's, until its outcome is there
-        self._asked: Jump | None = None  # what the newest plan was asked for
         self._job = 0  # the newest job; reports of older ones are news, but not the end
         self._shown_job = 0
+        self._simulate_next = False  # once the plan that is being made is there
+        self._nearest: Nearest | None = None  # on offer
+
+    @property
+    def jump(self) -> Jump:
+        """What is asked for."""
+        return self.design.jump
 
     @property
     def plan(self) -> Plan | None:
@@ -92,11 +117,14 @@ class Session:
     # ---- the thread
 
     def _run(self) -> None:
-        self._panel = Panel(self._client, self.jump, self._file, self._inbox.put)
+        self._panel = Panel(
+            self._client, self.design, self._file, examples(), self._inbox.put
+        )
+        bridge = Bridge(self._client, self._inbox.put)
         try:
-            bridge = Bridge(self._client, self._inbox.put)
-            with closing(Stage(self._client, self._panel, bridge)) as self._stage:
-                self._prepare()
+            moved = lambda: self._inbox.put(Action.TARGET)  # noqa: E731
+            with closing(Stage(self._client, self._panel, bridge, moved)) as self._stage:
+                self._open()
                 self._loop()
         except BaseException:
             self._panel.show_status("Failed", "by a defect of this page; reload it, please.")
@@ -108,39 +136,57 @@ class Session:
             if _Stop.STOP in events:
                 return
             for event in events:
-                if isinstance(event, Action):
-                    self._act(event)
-                elif isinstance(event, PageEvent):
-                    self._stage.hear(event)
-                elif not isinstance(event, _Stop):
-                    self._hear(event)
+                match event:
+                    case Action():
+                        self._act(event)
+                    case Chosen(design):
+                        self._take_up(design)
+                    case Uploaded():
+                        self._open_file(event)
+                    case _Stop():
+                        pass
+                    case _ if isinstance(event, PageEvent):
+                        self._stage.hear(event)
+                    case _:
+                        self._hear(event)
+            rested = self._live.due()
+            if rested is not None:
+                self._submit(rested)
             self._stage.step()
 
-    def _next_events(self) -> list[Action | PageEvent | Report | _Stop]:
+    def _next_events(self) -> list[Event]:
         """What has happened, each kind of action once; waits until something has or is due."""
+        waits = [wait for wait in (self._stage.wait, self._live.wait) if wait is not None]
         try:
-            first = self._inbox.get(timeout=self._stage.wait)
+            first = self._inbox.get(timeout=min(waits) if waits else None)
         except queue.Empty:
             return []
-        events: dict[Action | PageEvent | Report | _Stop, None] = {first: None}
+        events = [first]
         while True:
             try:
                 event = self._inbox.get_nowait()
             except queue.Empty:
-                return list(events)
+                return events
             # The latest of its kind counts: play, pause, play is play.
-            events.pop(event, None)
-            events[event] = None
+            if isinstance(event, Action) and event in events:
+                events.remove(event)
+            events.append(event)
 
     def _act(self, action: Action) -> None:
         player = self._stage.player
         match action:
             case Action.REQUEST:
                 self._request()
+            case Action.TARGET:
+                self._panel.jump.show(self._stage.read_target(self.jump, self._file.task))
+                self._request()
             case Action.SIMULATE:
                 self._simulate()
             case Action.CANCEL:
+                self._simulate_next = False
                 self._pool.cancel(self._client.client_id)
+            case Action.NEAREST:
+                self._take_nearest()
             case Action.PLAY:
                 player.play()
             case Action.PAUSE:
@@ -155,61 +201,127 @@ class Session:
                 player.set_loop(loop)
             case Action.LAYERS:
                 self._stage.show_layers()
+            case Action.PIN:
+                self._stage.pin(self.design)
+            case Action.UNPIN:
+                self._stage.unpin()
+            case Action.TAKE_UP:
+                pin = self._stage.chosen_pin
+                if pin is not None:
+                    self._take_up(pin.design)
+            case Action.SAVE:
+                self._save()
             case Action.EXPORT:
                 self._export()
 
     # ---- asking
 
+    def _open(self) -> None:
+        """Show a jump at once: the one this browser kept, or the example of the first robot."""
+        complaints: list[str] = []
+        if self._opening.plan(self.jump.robot) is not None:
+            self._show_robot(self.jump.robot)
+        kept = recall(self._client, _RECALL, complaints)
+        if complaints:
+            self._panel.notify("The last design was not opened", "; ".join(complaints))
+        if kept is not None and kept != self.design:
+            self._take_up(kept)
+            return
+        plan = self._opening.plan(self.jump.robot)
+        if plan is None:
+            self._request()
+            return
+        self._live.ask(self.jump, self.design.tuning, None)
+        self._stage.show_plan(plan)
+        self._panel.show_status("Planned", summaries.planned_line(plan))
+
+    def _take_up(self, design: Design) -> None:
+        """Put the controls where a design has them, and plan it."""
+        self._use_robot(design.jump.robot)
+        self._panel.jump.show(design.jump)
+        self._panel.simulation.show(design.conditions)
+        self._panel.designs.show(design.title, design.note)
+        self.design = design
+        if self._robot is not None:
+            self._panel.tuning.show_robot(self._robot)
+        self._panel.tuning.show(design.tuning)
+        self._request()
+
+    def _use_robot(self, name: str) -> None:
+        """Ranges, drawing and numbers of this robot from now on."""
+        if name != self._file.name:
+            self._file = read_robot_file(robot_files()[name])
+            self._panel.show_robot(self._file)
+            self._robot = None
+
     def _request(self) -> None:
         jump, complaints = self._panel.jump.read(self.jump)
-        robot_changed = jump.robot != self.jump.robot
-        if robot_changed:
+        if jump.robot != self._file.name:
             # What was asked of the other robot is not for this one.
-            self._panel.show_robot(read_robot_file(robot_files()[jump.robot]))
+            self._use_robot(jump.robot)
             jump, complaints = self._panel.jump.read(jump)
+            self.design = Design(jump)
+        tuning, wrong = self._panel.tuning.read()
+        if self._robot is None:
+            tuning = self.design.tuning
+        complaints += wrong
         if complaints:
             self._panel.notify("Corrected", "; ".join(complaints))
             self._panel.jump.show(jump)
-        self.jump = jump
-        preparing = isinstance(self._awaited, Prepare)
-        if robot_changed or (self._robot is None and not preparing):
+            self._panel.tuning.show(tuning)
+        if (jump, tuning) != (self.design.jump, self.design.tuning):
+            self.design = replace(self.design, jump=jump, tuning=tuning, title="", note="")
+            self._panel.designs.show("")
+        self._stage.show_target(jump)
+        if self._robot is None:
             self._prepare()
-        elif self._robot is not None and jump != self._asked:
-            self._plan()
+            return
+        task = self._live.ask(jump, tuning, self.plan)
+        if task is not None:
+            self._offer(None)
+            self._submit(task)
 
     def _prepare(self) -> None:
-        self._robot = None
-        self._asked = None
+        if isinstance(self._awaited, Prepare) and self._awaited.robot == self.jump.robot:
+            return
+        self._live.forget()
         self._submit(Prepare(self.jump.robot))
-        self._panel.show_status("Planning", "begins when the robot is ready.", busy=True)
-
-    def _plan(self) -> None:
-        self._asked = self.jump
-        self._submit(PlanJump(self.jump))
-        self._panel.show_status("Planning", "...", busy=True)
 
     def _simulate(self) -> None:
         plan = self.plan
-        obstacle = ""
-        if self._robot is None or plan is None:
-            obstacle = "There is no plan yet."
-        elif isinstance(self._awaited, PlanJump):
-            obstacle = "The jump is still being planned."
-        elif not plan.solved:
-            obstacle = "The planner did not converge, so there is no motion to follow."
-        if plan is None or obstacle:
-            self._panel.notify("Not simulated", obstacle)
+        planning = isinstance(self._awaited, PlanJump) or not self._live.settled
+        if self._robot is not None and planning:
+            self._simulate_next = True
             return
-        conditions, complaints = self._panel.simulation.read()
+        if self._robot is None or plan is None:
+            self._panel.notify("Not simulated", "There is no plan yet.")
+            return
+        if not plan.solved:
+            self._panel.notify(
+                "Not simulated",
+                "The planner did not converge, so there is no motion to follow.",
+            )
+            return
+        conditions, complaints = self._panel.simulation.read(self.design.conditions)
         if complaints:
             self._panel.notify("Corrected", "; ".join(complaints))
             self._panel.simulation.show(conditions)
+        self.design = replace(self.design, conditions=conditions)
+        remember(self._client, self.design)
         self._submit(SimulateJump(plan, conditions))
-        self._panel.show_status("Simulating", "...", busy=True)
 
     def _submit(self, task: Task) -> None:
         self._awaited = task
         self._job = self._pool.submit(self._client.client_id, task, self._inbox.put)
+        match task:
+            case SimulateJump():
+                self._panel.show_status("Simulating", "...", busy=True)
+            case FindNearest():
+                pass
+            case Prepare():
+                self._panel.show_status("Planning", "begins when the robot is ready.", busy=True)
+            case PlanJump():
+                self._panel.show_status("Planning", "...", busy=True)
 
     # ---- hearing
 
@@ -218,6 +330,8 @@ class Session:
         task = self._awaited
         if newest and not isinstance(report, Progress):
             self._awaited = None
+            if isinstance(task, PlanJump):
+                self._live.answered(task)
         match report:
             case Progress():
                 if newest:
@@ -225,11 +339,12 @@ class Session:
             case Prepared():
                 if newest:
                     self._show_robot(report.robot)
+                    self._request()
             case Planned():
-                # An older one is still worth showing while the slider moves.
-                self._show_plan(report.plan, report.job)
+                self._show_planned(report, newest=newest)
+            case Found():
                 if newest:
-                    self._panel.show_status("Planned", summaries.planned_line(report.plan))
+                    self._offer(report.nearest)
             case Simulated():
                 # An older one is of another plan, or of another world.
                 if newest:
@@ -243,16 +358,24 @@ class Session:
                     self._tell_cancelled(task)
 
     def _tell_progress(self, report: Progress) -> None:
-        simulating = isinstance(self._awaited, SimulateJump)
-        told = f"({report.text}) ..." if report.share is None else f"{report.share:.0%}"
-        self._panel.show_status("Simulating" if simulating else "Planning", told, busy=True)
+        match self._awaited:
+            case SimulateJump():
+                told = f"({report.text}) ..." if report.share is None else f"{report.share:.0%}"
+                self._panel.show_status("Simulating", told, busy=True)
+            case FindNearest():
+                self._panel.show_status("Failed", f"{self._failure} ({report.text}) ...", busy=True)
+            case _:
+                self._panel.show_status("Planning", summaries.progress_line(report), busy=True)
 
     def _tell_cancelled(self, task: Task | None) -> None:
-        if isinstance(task, SimulateJump):
-            self._panel.show_status("Cancelled", "The plan is still there.")
-            return
-        self._asked = None
-        self._panel.show_status("Cancelled", "Move a slider to plan again.")
+        match task:
+            case SimulateJump():
+                self._panel.show_status("Cancelled", "The plan is still there.")
+            case FindNearest():
+                self._panel.show_status("Cancelled", "The search for a jump that works.")
+            case _:
+                self._live.forget()
+                self._panel.show_status("Cancelled", "Move a slider to plan again.")
 
     def _show_robot(self, name: str) -> None:
         try:
@@ -262,26 +385,82 @@ class Session:
             return
         self._robot = robot
         self._stage.show_robot(robot)
-        self._request()
-        if self._asked is None:
-            self._plan()
+        self._panel.tuning.show_robot(robot)
+        self._panel.tuning.show(self.design.tuning)
 
-    def _show_plan(self, plan: Plan, job: int) -> None:
-        if self._robot is None or plan.jump.robot != self._robot.name or job < self._shown_job:
+    def _show_planned(self, report: Planned, *, newest: bool) -> None:
+        plan = report.plan
+        # An older one is still worth showing while the slider moves.
+        if self._robot is None or plan.jump.robot != self._robot.name:
             return
-        self._shown_job = job
-        self._stage.show_plan(plan)
+        if report.job < self._shown_job:
+            return
+        self._shown_job = report.job
+        moving = not newest or not self._live.settled
+        self._stage.show_plan(plan, moving=moving)
+        if not newest:
+            return
+        if moving:
+            self._panel.show_status("Planning", summaries.live_line(plan), busy=True)
+            return
+        self._panel.show_status("Planned", summaries.planned_line(plan))
+        remember(self._client, self.design)
+        if self._simulate_next:
+            self._simulate_next = False
+            self._simulate()
 
     def _fail(self, report: Failed, task: Task | None) -> None:
-        message = report.message
-        if not isinstance(task, SimulateJump):
-            self._asked = None
-        if report.plan is not None and presentable(report.plan):
-            self._show_plan(report.plan, report.job)
-            message += " The picture shows where the solver stopped; it is no feasible motion."
-        self._panel.show_status("Failed", message)
+        self._simulate_next = False
+        self._failure = report.message
+        match task:
+            case PlanJump(patient=False):
+                # It rests before it is looked at with patience; a hand is still moving.
+                self._panel.show_status("Planning", "nothing found quickly ...", busy=True)
+                return
+            case PlanJump(jump, tuning) if report.plan is not None:
+                if presentable(report.plan):
+                    self._stage.show_plan(report.plan)
+                    self._failure += (
+                        " The picture shows where the solver stopped; it is no feasible motion."
+                    )
+                self._submit(FindNearest(jump, tuning))
+                self._panel.show_status(
+                    "Failed", f"{self._failure} Looking for the nearest jump ...", busy=True
+                )
+                return
+            case PlanJump():
+                self._live.forget()
+        self._panel.show_status("Failed", self._failure)
+
+    def _offer(self, nearest: Nearest | None) -> None:
+        """Show a button that takes a jump that works; None: no such offer any more."""
+        self._nearest = nearest
+        self._panel.offer_nearest(None if nearest is None else nearest.changes)
+        if nearest is not None:
+            self._panel.show_status("Failed", f"{self._failure} {nearest.changes} works.")
+
+    def _take_nearest(self) -> None:
+        if self._nearest is not None:
+            jump = self._nearest.jump
+            self._offer(None)
+            self._panel.jump.show(jump)
+            self._request()
 
     # ---- files
+
+    def _open_file(self, file: Uploaded) -> None:
+        try:
+            design = uploaded_design(file.name, file.content)
+        except Error as error:
+            self._panel.notify("Not opened", str(error))
+            return
+        self._take_up(design)
+
+    def _save(self) -> None:
+        conditions, _ = self._panel.simulation.read(self.design.conditions)
+        design = replace(self.design, conditions=conditions)
+        content = dump_design(design).encode()
+        self._client.send_file_download(file_name(design), content, save_immediately=True)
 
     def _export(self) -> None:
         # What is drawn solid.
@@ -293,8 +472,8 @@ class Session:
         if complaints:
             self._panel.notify("Corrected", "; ".join(complaints))
         try:
-            file_name, content = exported(shown, name)
+            file, content = exported(shown, name)
         except Error as error:
             self._panel.notify("Not exported", str(error))
             return
-        self._client.send_file_download(file_name, content, save_immediately=True)
+        self._client.send_file_download(file, content, save_immediately=True)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import viser
 
 from app.checked import number, put
@@ -37,8 +39,12 @@ class SimulationControls:
         )
         self.button = gui.add_button("Simulate", hint="Follow the plan with the whole robot")
 
-    def read(self) -> tuple[Conditions, list[str]]:
-        """The conditions as the controls stand, and what had to be corrected in them."""
+    def read(self, current: Conditions) -> tuple[Conditions, list[str]]:
+        """The conditions as the controls stand, and what had to be corrected in them.
+
+        Args:
+            current: holds what has no control.
+        """
         complaints: list[str] = []
         board = number("Board [mm]", self._board.value, (0, self._thickest), complaints) / 1000
         seed = None
@@ -46,7 +52,7 @@ class SimulationControls:
             seed = round(number("Seed", self._seed.value, (0, _LARGEST_SEED), complaints))
         # Half of no board is no board.
         half = bool(self._half.value) and board > 0
-        return Conditions(board=board, half_board=half, seed=seed), complaints
+        return replace(current, board=board, half_board=half, seed=seed), complaints
 
     def show_robot(self, robot_file: RobotFile) -> None:
         """Boards that fit under another robot."""
@@ -54,8 +60,10 @@ class SimulationControls:
         put(self._board, min(self._board.value, self._thickest))
 
     def show(self, conditions: Conditions) -> None:
-        """Put the controls where corrected conditions have them."""
+        """Put the controls where these conditions have them."""
         put(self._board, round(1000 * conditions.board))
+        put(self._half, conditions.half_board)
+        put(self._disturb, conditions.seed is not None)
         if conditions.seed is not None:
             put(self._seed, conditions.seed)
 

@@ -3,20 +3,31 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 
 import viser
 
+from app import colours
 from app.bridge import Bridge, PaceChosen, PageEvent, PageReady, PlayerMoved
 from app.clip import Clip
+from app.comparison import Column
 from app.pace import Pace
 from app.panel import Panel
+from app.pins import Pin, Pins
 from app.player import BrowserPlayer, Player, ServerPlayer
+from app.plots import Layer
 from app.replay import Replay, bake, figures
-from app.scene import Scene
+from app.scene import Ghost, Scene
 from app.simulated_replay import SimulatedReplay, bake_rollout
+from app.target_handle import TargetHandle
 from app.timeline import Timeline, timeline
+from llsrbm.design import Design
+from llsrbm.jump import Jump
 from llsrbm.robots import Robot
+from llsrbm.robots.schema import Task
 from llsrbm.simulation.surroundings import surroundings
+from llsrbm.titles import titles_of
+from llsrbm.trajectory.figures import figures_of_plan
 from llsrbm.trajectory.plan import Plan
 from llsrbm.trajectory.rollout import Conditions, Rollout
 
@@ -34,18 +45,27 @@ class Stage:
         player: plays what is shown.
     """
 
-    def __init__(self, client: viser.ClientHandle, panel: Panel, bridge: Bridge) -> None:
+    def __init__(
+        self,
+        client: viser.ClientHandle,
+        panel: Panel,
+        bridge: Bridge,
+        target_moved: Callable[[], None],
+    ) -> None:
         """An empty scene.
 
         Args:
             client: whose tab.
             panel: where time, figures and plots are shown.
             bridge: to the scripts in the page.
+            target_moved: called from viser's thread when the landing handle was dragged.
         """
         self._client = client
         self._panel = panel
         self._bridge = bridge
         self._scene = Scene(client)
+        self._target = TargetHandle(client, target_moved)
+        self._pins = Pins()
         self.player: Player = BrowserPlayer(bridge)
         self._answered = False
         self._give_up_at = time.monotonic() + _PATIENCE
@@ -76,6 +96,8 @@ class Stage:
 
     def show_robot(self, robot: Robot) -> None:
         """Show a robot without a motion."""
+        if robot is self._robot and self._replay is None:
+            return
         self._robot = robot
         self._replay = self._simulated = self._events = None
         self._panel.clear_plan()
@@ -96,9 +118,11 @@ class Stage:
         self._replay, self._simulated = replay, None
         with self._client.atomic():
             self._scene.show_motion(replay, blocks=around.blocks)
-            self._panel.show_plan(replay, figures(replay, self._robot), moving=moving)
             self._load()
+            if not moving:
+                self._tell()
             if first:
+                self.show_layers()
                 self.player.play()
 
     def show_rollout(self, rollout: Rollout) -> None:
@@ -109,12 +133,73 @@ class Stage:
         around = surroundings(self._robot, self._replay.plan, rollout.conditions)
         with self._client.atomic():
             self._scene.show_motion(self._replay, self._simulated.frames, around.blocks)
-            self._panel.show_rollout(self._replay, rollout)
             self._load()
+            self._tell()
+
+    def show_target(self, jump: Jump) -> None:
+        """Put the landing handle where a jump shall land."""
+        self._target.show(jump)
+
+    def read_target(self, jump: Jump, task: Task) -> Jump:
+        """The request with the landing place where the handle was dragged to."""
+        return self._target.read(jump, task)
 
     def show_layers(self) -> None:
         """Draw what the panel's boxes say."""
-        self._scene.show_layers(**self._panel.read_layers())
+        layers = self._panel.view.read()
+        self._target.set_visible(layers.pop("target") and self._replay is not None)
+        self._scene.show_layers(**layers)
+
+    # ---- what is compared
+
+    def pin(self, design: Design) -> None:
+        """Keep the motion that is shown, as what was asked for with `design`."""
+        if self._robot is None or self._replay is None or self._pins.full:
+            return
+        self._pins.add(design, self._robot, self._replay, self._simulated)
+        self._show_pins()
+
+    def unpin(self) -> None:
+        """Let go of the pin that is chosen in the panel."""
+        pin = self.chosen_pin
+        if pin is not None:
+            self._pins.remove(pin)
+            self._show_pins()
+
+    @property
+    def chosen_pin(self) -> Pin | None:
+        """The one that is chosen in the panel."""
+        return self._pins.at(self._panel.compare.chosen)
+
+    def _show_pins(self) -> None:
+        self._scene.show_ghosts([Ghost(pin.robot, pin.frames, pin.colour) for pin in self._pins])
+        if self._replay is not None:
+            self._load()
+            self._tell()
+
+    def _tell(self) -> None:
+        """Numbers, curves and comparison of what is shown."""
+        assert self._robot is not None
+        assert self._replay is not None
+        replay, rollout = self._replay, self.rollout
+        decisions = [
+            (pin.replay.plan.jump, pin.replay.plan.tuning, _conditions(pin.rollout))
+            for pin in self._pins
+        ]
+        current = (replay.plan.jump, replay.plan.tuning, _conditions(rollout))
+        title, *titles = titles_of([current, *decisions])
+        layers = [Layer(title, colours.PLANNED, replay, rollout, pinned=False)]
+        columns = []
+        for pin, name in zip(self._pins, titles, strict=True):
+            layers.append(Layer(name, pin.colour, pin.replay, pin.rollout, pinned=True))
+            columns.append(Column(name, pin.colour, pin.figures))
+        figures_now = figures_of_plan(replay.plan, rollout)
+        self._panel.show_figures(replay.plan, figures(replay, self._robot), rollout, layers)
+        self._panel.compare.show(
+            Column(title, colours.SIMULATED if rollout else colours.PLANNED, figures_now),
+            columns,
+            full=self._pins.full,
+        )
 
     def _load(self) -> None:
         assert self._replay is not None
@@ -183,3 +268,7 @@ class Stage:
     def _ask_tab(self) -> None:
         """Return when the browser has worked off what it was sent."""
         self._client.local_storage.get_item("llsrbm", timeout=2.0)
+
+
+def _conditions(rollout: Rollout | None) -> Conditions | None:
+    return None if rollout is None else rollout.conditions

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from app.markup import table
+from app.protocol import Progress
 from app.replay import Figures
 from llsrbm.trajectory.plan import Plan, Violation
 from llsrbm.trajectory.rollout import Conditions, Disturbance, Outcome, Rollout
@@ -17,6 +18,22 @@ def planned_line(plan: Plan) -> str:
         f"in {1e3 * report.solve_time_s:.0f} ms, {report.iterations} iterations, "
         f"largest violation {worst(plan.violations)}"
     )
+
+
+def live_line(plan: Plan) -> str:
+    """What follows "Planning" while the request still moves."""
+    report = plan.report
+    return f"while you drag: {1e3 * report.total_time_s:.0f} ms, {report.iterations} iterations"
+
+
+def progress_line(report: Progress) -> str:
+    """What follows "Planning" while the solver works."""
+    parts = [report.text]
+    if report.iteration is not None:
+        parts.append(f"iteration {report.iteration}")
+    if report.residual is not None:
+        parts.append(f"residual {report.residual:.1e}")
+    return f"({', '.join(parts)}) ..."
 
 
 def simulated_line(rollout: Rollout) -> tuple[str, str]:

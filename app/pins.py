@@ -1,0 +1,85 @@
+"""Designs that are kept beside the current one, to be compared with it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from app import colours
+from app.colours import Rgb
+from app.frames import Frames
+from app.replay import Replay
+from app.simulated_replay import SimulatedReplay
+from llsrbm.design import Design
+from llsrbm.robots import Robot
+from llsrbm.trajectory.figures import DesignFigures, figures_of_plan
+from llsrbm.trajectory.rollout import Rollout
+
+
+@dataclass(frozen=True, eq=False)
+class Pin:
+    """One design with its motion.
+
+    Attributes:
+        design: what was asked for.
+        robot: its robot.
+        replay: its plan.
+        simulated: the simulation that followed the plan, if there was one.
+        colour: of its ghost and curves.
+    """
+
+    design: Design
+    robot: Robot
+    replay: Replay
+    simulated: SimulatedReplay | None
+    colour: Rgb
+
+    @property
+    def rollout(self) -> Rollout | None:
+        """The simulation."""
+        return None if self.simulated is None else self.simulated.rollout
+
+    @property
+    def frames(self) -> Frames:
+        """What is drawn of it: the simulated robot if there is one."""
+        return self.replay.frames if self.simulated is None else self.simulated.frames
+
+    @property
+    def figures(self) -> DesignFigures:
+        """Its row of numbers."""
+        return figures_of_plan(self.replay.plan, self.rollout)
+
+
+class Pins:
+    """A tab's pins, as many as there are colours."""
+
+    def __init__(self) -> None:
+        """None."""
+        self._pins: list[Pin] = []
+
+    def __iter__(self) -> Iterator[Pin]:
+        return iter(self._pins)
+
+    def __len__(self) -> int:
+        return len(self._pins)
+
+    @property
+    def full(self) -> bool:
+        """Whether there is no colour left."""
+        return len(self._pins) >= len(colours.PINNED)
+
+    def add(
+        self, design: Design, robot: Robot, replay: Replay, simulated: SimulatedReplay | None
+    ) -> None:
+        """Keep one more; there must be a colour left."""
+        taken = {pin.colour for pin in self._pins}
+        colour = next(colour for colour in colours.PINNED if colour not in taken)
+        self._pins.append(Pin(design, robot, replay, simulated, colour))
+
+    def at(self, index: int) -> Pin | None:
+        """The pin with this number, from 0."""
+        return self._pins[index] if 0 <= index < len(self._pins) else None
+
+    def remove(self, pin: Pin) -> None:
+        """Keep it no longer."""
+        self._pins.remove(pin)
