@@ -40,11 +40,7 @@ class DesignControls:
         """
         self._examples = {design.title: design for design in examples.values()}
         gui = client.gui
-        self._example = gui.add_dropdown(
-            "Example",
-            (_NO_EXAMPLE, *self._examples),
-            hint="The paper's experiments, and some that show what else there is",
-        )
+        self._example = gui.add_dropdown("Example", (_NO_EXAMPLE, *self._examples))
         self._note = gui.add_html("", visible=False)
         self._open = gui.add_upload_button(
             "Open design", mime_type=".json,application/json", hint="A file saved with Save design"

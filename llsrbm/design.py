@@ -1,4 +1,19 @@
-"""Designs as files: a jump, what it changes about the planner, and the world to follow it in."""
+"""Designs as files: a jump, what it changes about the planner, and the world to follow it in.
+
+A file is JSON; angles in rad, lengths in m, limits in their SI units, whatever a page shows:
+
+    {
+      "schema": "llsrbm.design/1",
+      "title": "On ice",
+      "jump": {"robot": "anymal", "model": "llsrbm-plus", "twist": 1.0, "forward": 0.0, ...},
+      "weights": {"time": 10.0},
+      "limits": {"friction": 0.2},
+      "conditions": {"board": 0.025, "seed": 7}
+    }
+
+`schema`, the robot and the model must be there; a key that is left out has its default, a key that
+is not known is refused. The names are those of `Jump`, `Tuning` and `Conditions`.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Files and lost connections in a real Chromium."""
+"""Files, kept designs and lost connections in a real Chromium."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from app.stored_design import recall, remember
 from app.upload import uploaded_design
 from llsrbm.design import LARGEST, dump_design
 from llsrbm.errors import InputError
@@ -42,16 +43,24 @@ def huge(tmp_path_factory):
     path.unlink()
 
 
+FORBIDS_STORAGE = """
+Object.defineProperty(window, "localStorage", {
+  get() { throw new DOMException("denied", "SecurityError"); },
+});
+"""
+
+
 @contextlib.contextmanager
-def opened(browser, server):
+def opened(browser, server, script=""):
     page = browser.new_page(viewport=VIEW)
+    page.add_init_script(script)
     page.goto(f"http://127.0.0.1:{server.port}")
     page.get_by_role("button", name="Save design").wait_for(timeout=20_000)
     yield page
     page.close()
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def page(browser, server):
     with opened(browser, server) as one:
         yield one
@@ -125,6 +134,30 @@ def test_100_mb_that_are_sent_all_the_same_are_dropped(browser, server, huge, mo
         move_slider(page, server, 31)
         assert page.get_by_role("button", name="Open design").is_enabled()
     assert grown[0] < 50e6
+
+
+def test_a_design_survives_a_reload(page, server):
+    for design in (examples()["go2-twist"], examples()["slider-box"]):
+        while not server.tabs.empty():
+            server.tabs.get()
+        page.reload()
+        client, _ = server.tabs.get(timeout=20)
+        kept = recall(client, 10, [])
+        remember(client, design)
+        page.wait_for_timeout(300)
+    assert kept == examples()["go2-twist"]
+
+
+def test_a_browser_that_forbids_storage_works_without(browser, server):
+    while not server.tabs.empty():
+        server.tabs.get()
+    with opened(browser, server, FORBIDS_STORAGE) as page:
+        client, _ = server.tabs.get(timeout=20)
+        remember(client, examples()["go2-twist"])
+        start = time.monotonic()
+        assert recall(client, 10, []) is None
+        assert time.monotonic() - start < 2
+        move_slider(page, server, 34)
 
 
 def test_a_tab_that_lost_its_connection_comes_back_by_itself(page, server):
