@@ -12,11 +12,11 @@ import viser
 from app import markup, summaries
 from app.checked import number, option, put
 from app.compare_controls import CompareControls
-from app.comparison import Column
+from app.curves import Layer
 from app.design_controls import DesignControls
 from app.jump_controls import JumpControls
 from app.player import SPEEDS
-from app.plots import Layer, Plots
+from app.plots import Plots
 from app.replay import Figures
 from app.simulation_controls import SimulationControls
 from app.timeline import Timeline, html

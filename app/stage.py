@@ -11,11 +11,11 @@ from app import colours
 from app.bridge import Bridge, PaceChosen, PageEvent, PageReady, PlayerMoved
 from app.clip import Clip
 from app.comparison import Column
+from app.curves import Layer, shown_layers
 from app.pace import Pace
 from app.panel import Panel
 from app.pins import Pin, Pins
 from app.player import BrowserPlayer, Player, ServerPlayer
-from app.plots import Layer
 from app.replay import Replay, bake, figures
 from app.scene import Ghost, Scene
 from app.simulated_replay import SimulatedReplay, bake_rollout
@@ -188,7 +188,7 @@ class Stage:
         ]
         current = (replay.plan.jump, replay.plan.tuning, _conditions(rollout))
         title, *titles = titles_of([current, *decisions])
-        layers = [Layer(title, colours.PLANNED, replay, rollout, pinned=False)]
+        layers = [*shown_layers(replay, rollout)]
         columns = []
         for pin, name in zip(self._pins, titles, strict=True):
             layers.append(Layer(name, pin.colour, pin.replay, pin.rollout, pinned=True))
