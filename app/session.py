@@ -25,6 +25,7 @@ from app.protocol import (
     Failed,
     FindNearest,
     Found,
+    Nearest,
     PlanJump,
     Planned,
     Prepare,
@@ -44,7 +45,6 @@ from llsrbm.design import Design, dump_design, file_name
 from llsrbm.errors import Error
 from llsrbm.examples import examples
 from llsrbm.jump import Jump
-from llsrbm.planning.nearest import Nearest
 from llsrbm.robots import Robot, load_robot, read_robot_file
 from llsrbm.robots.assets import robot_files
 from llsrbm.trajectory.plan import Plan
@@ -202,7 +202,7 @@ class Session:
             case Action.LAYERS:
                 self._stage.show_layers()
             case Action.PIN:
-                self._stage.pin(self.design)
+                self._stage.pin(self.design.conditions)
             case Action.UNPIN:
                 self._stage.unpin()
             case Action.TAKE_UP:

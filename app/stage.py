@@ -103,6 +103,7 @@ class Stage:
         self._panel.clear_plan()
         self.player.clear()
         self._scene.show_robot(robot)
+        self._target.show_robot(robot)
 
     def show_plan(self, plan: Plan, *, moving: bool = False) -> None:
         """Show a plan of the robot that is shown; a simulation of another plan goes.
@@ -152,10 +153,16 @@ class Stage:
 
     # ---- what is compared
 
-    def pin(self, design: Design) -> None:
-        """Keep the motion that is shown, as what was asked for with `design`."""
+    def pin(self, conditions: Conditions) -> None:
+        """Keep the motion that is shown.
+
+        Args:
+            conditions: in which it would be simulated, if it has not been.
+        """
         if self._robot is None or self._replay is None or self._pins.full:
             return
+        plan = self._replay.plan
+        design = Design(plan.jump, plan.tuning, _conditions(self.rollout) or conditions)
         self._pins.add(design, self._robot, self._replay, self._simulated)
         self._show_pins()
 

@@ -10,9 +10,10 @@ import numpy as np
 import viser
 
 from llsrbm.jump import Jump
+from llsrbm.robots import Robot
 from llsrbm.robots.schema import Task
 
-_SIZE = 0.3  # m
+_REACH = 1.3  # length of the arrows, in the feet's distance from their middle
 _LINE = 3.0  # pixels
 
 
@@ -30,7 +31,6 @@ class TargetHandle:
         self._held = False
         self._handle = client.scene.add_transform_controls(
             "/goal",
-            scale=_SIZE,
             line_width=_LINE,
             active_axes=(True, True, False),
             opacity=0.7,
@@ -71,6 +71,11 @@ class TargetHandle:
         half = jump.twist / 2
         self._handle.position = (jump.forward, jump.lateral, jump.height)
         self._handle.wxyz = (math.cos(half), 0.0, 0.0, math.sin(half))
+
+    def show_robot(self, robot: Robot) -> None:
+        """Reach out from under this robot."""
+        across = robot.feet[:, :2] - robot.feet[:, :2].mean(axis=0)
+        self._handle.scale = float(_REACH * np.linalg.norm(across, axis=1).max())
 
     def set_visible(self, visible: bool) -> None:
         """Show or hide."""

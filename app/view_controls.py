@@ -26,7 +26,7 @@ class ViewControls:
         self._target = gui.add_checkbox(
             "Landing handle", initial_value=True, hint="Drag it in the picture to move the landing"
         )
-        self._dark = gui.add_checkbox("Dark", initial_value=False)
+        self._dark = gui.add_checkbox("Night", initial_value=False, hint="A dark page")
         self._legend = gui.add_html(markup.legend(simulated=False))
 
         @self._dark.on_update
