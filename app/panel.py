@@ -10,9 +10,10 @@ import viser
 
 from app import markup, summaries
 from app.checked import number, option, put
+from app.curves import shown_layers
 from app.jump_controls import JumpControls
 from app.player import SPEEDS
-from app.plots import Plots, curves
+from app.plots import Plots
 from app.replay import Figures, Replay
 from app.simulation_controls import SimulationControls
 from app.timeline import timeline
@@ -80,7 +81,6 @@ class Panel:
             self._speed = gui.add_dropdown("Speed", SPEEDS, initial_value=SPEEDS[-1])
             self._loop = gui.add_checkbox("Loop", initial_value=True)
         with gui.add_folder("Plots"):
-            self._plot_legend = gui.add_html("")
             self._plots = Plots(client)
         with gui.add_folder("Figures"):
             self._rollout_figures = gui.add_html("", visible=False)
@@ -161,7 +161,7 @@ class Panel:
     def clear_plan(self) -> None:
         """No plan's numbers."""
         self._plan = self._rollout = None
-        for html in (self._timeline, self._plan_figures, self._residuals, self._plot_legend):
+        for html in (self._timeline, self._plan_figures, self._residuals):
             html.content = ""
         self._plots.clear()
         self._rollout_figures.visible = False
@@ -194,9 +194,8 @@ class Panel:
         ends = [replay.plan.duration] + ([] if rollout is None else [float(rollout.time[-1])])
         self._end = max(ends)
         self._time.max = round(max(self._end, 0.01), 2)
-        self._plots.draw(curves(replay, rollout), self._end)
+        self._plots.draw(shown_layers(replay, rollout), self._end)
         self._legend.content = markup.legend(simulated=rollout is not None)
-        self._plot_legend.content = markup.plot_legend(simulated=rollout is not None)
 
     def _listen(self) -> None:
         for handle in self.jump.handles:
