@@ -45,6 +45,8 @@ _log = logging.getLogger(__name__)
 
 # A tab may close while a frame is under way; the session ends a moment later.
 warnings.filterwarnings("ignore", message="Queued a .* on a closed connection")
+# What is said of a message's shape repeats all of it, up to a megabyte.
+warnings.filterwarnings("ignore", message=r"\[viser\] .* does not match annotation")
 
 
 class DesignerServer(viser.ViserServer):
