@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import closing
 from typing import Annotated
 
 import typer
@@ -16,6 +17,10 @@ def serve(
     ] = None,
 ) -> None:
     """Serve the designer, a page where jumps are planned and looked at, until Ctrl-C."""
-    from app.server import serve as serve_designer
+    from app.worker_pool import WorkerPool
 
-    serve_designer(host, port, allowed_hosts=allow_host or ())
+    # Its first process imports CasADi and loads a solver while this one imports the page.
+    with closing(WorkerPool()) as pool:
+        from app.server import serve as serve_designer
+
+        serve_designer(host, port, allowed_hosts=allow_host or (), pool=pool)

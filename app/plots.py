@@ -1,15 +1,17 @@
-"""Curves over time, of the plan and of the simulation, with the part that has been played shaded.
+"""Charts of one tab: a chosen group of quantities, planned, simulated and pinned together.
 
-What is shaded is one more curve, high before the instant that is shown and low after it: uPlot's
-lines are all that can be changed without making the chart anew. A change sends the whole chart, so
-there are few points and changes come seldom.
+Only the charts of the chosen group are in the browser, and only their data are sent. A chart is
+changed while its lines stay the same ones, and built anew by the browser when they do not.
+
+The cursor that follows the motion is drawn by the page's script `static/plot_cursor.js`, without a
+word from the server; `Plots.show_time` draws it from here, for pages without that script.
 """
 
 from __future__ import annotations
 
-import time
-from collections.abc import Mapping
-from dataclasses import dataclass
+import threading
+from collections.abc import Iterable, Sequence
+from html import escape
 
 import numpy as np
 import viser
@@ -17,193 +19,242 @@ from numpy.typing import NDArray
 from viser import uplot
 
 from app import colours
-from app.replay import Replay
-from app.simulated_replay import means_from
-from llsrbm.trajectory.rollout import Rollout
-from llsrbm.trajectory.rotation import rotation_matrices, yaw
+from app.checked import option, put
+from app.curves import ALL_JOINTS, GROUPS, TORQUES, Layer, joint_kinds
+from app.figure import Figure, Rows, Stroke, figure
+from app.markup import SMALL
+from app.time_grid import BELOW
+from llsrbm.robots import load_robot
+
+__all__ = ["Layer", "Plots"]
 
 Array = NDArray[np.float64]
 
-NORM = "Average spatial velocity ‖v_G‖"
-YAW = "Base yaw [°]"
-YAW_RATE = "Base yaw rate [rad/s]"
-COM_HEIGHT = "CoM height [m]"
-FORCE = "Vertical force [N]"
-DETECTION = "Detection signal, dashed: threshold"
-TITLES = (NORM, YAW, YAW_RATE, COM_HEIGHT, FORCE, DETECTION)
-
-_POINTS = 240  # of a curve: one a pixel
-_PIXELS = 100  # height of a chart below its title
-_ABOVE, _BELOW = 2.0, -1.0  # of the shading's range 0 to 1: its own line stays out of sight
-_SETTLED = 1.0
-"""s. uPlot forgets its time axis if data come while a new chart is still being measured."""
-
-
-@dataclass(frozen=True, eq=False)
-class Curve:
-    """One quantity at K instants.
-
-    Attributes:
-        time: (K,) s, increasing; values: (K,).
-    """
-
-    time: Array
-    values: Array
-
-
-Pair = tuple[Curve | None, Curve | None]
-"""Of the plan, or a threshold; of the simulation."""
-
-
-def curves(planned: Replay, rollout: Rollout | None) -> dict[str, Pair]:
-    """What there is to plot of a plan and of the rollout that followed it, by title."""
-    plan = _planned(planned)
-    simulated = {} if rollout is None else _simulated(rollout)
-    pairs: dict[str, Pair] = {title: (plan[title], simulated.get(title)) for title in plan}
-    if rollout is not None:
-        pairs[DETECTION] = _detection(rollout)
-    return pairs
+_PIXELS = 90  # height of a chart below its title
+_FONT = "10px sans-serif"
+_DASH = (4.0, 4.0)
+_TICKS = uplot.Axis_Ticks(size=3)
+_NO_POINTS = uplot.Series_Points(show=False)
+_GREY = (128, 128, 128)  # is seen on white and on viser's dark panel
+_SHADE, _CURSOR = colours.css(_GREY, 0.15), colours.css(_GREY, 0.9)
+_BEFORE_THE_LINES = 3  # series: time, flight, cursor
 
 
 class Plots:
-    """The charts of one tab, made once and then changed; for the folder that is open."""
+    """The charts of one tab; for the folder that is open."""
 
     def __init__(self, client: viser.ClientHandle) -> None:
-        """Empty."""
-        self._charts = {title: _Chart(client, title) for title in TITLES}
-        self._charts[DETECTION].show(visible=False)
+        """No charts yet."""
+        self._client = client
+        gui = client.gui
+        self._group = gui.add_dropdown("Quantity", tuple(GROUPS))
+        self._joints = gui.add_dropdown("Joints", (ALL_JOINTS,), visible=False)
+        self._legend = gui.add_html("")
+        self._container = gui.add_folder(None)
+        self._charts: list[_Chart] = []
+        self._layers: tuple[Layer, ...] = ()
+        self._end = 0.0
+        # viser tells of a choice in a thread of its own.
+        self._lock = threading.Lock()
+        for choice in (self._group, self._joints):
+            choice.on_update(self._chosen)
 
-    def draw(self, pairs: Mapping[str, Pair], end: float) -> None:
-        """Draw these from 0 to `end`, s; follow with `show_time`."""
-        for title, chart in self._charts.items():
-            if title in pairs:
-                chart.take(pairs[title], end)
-        self._charts[DETECTION].show(visible=DETECTION in pairs)
+    def draw(self, layers: Sequence[Layer], end: float) -> None:
+        """Draw these, the later over the earlier ones.
 
-    def show_time(self, instant: float) -> None:
-        """Shade what lies before an instant, s."""
-        for chart in self._charts.values():
-            chart.shade(instant)
+        Args:
+            layers: one of them at least is not pinned.
+            end: of the motion that is shown, s.
+        """
+        with self._lock:
+            self._layers, self._end = tuple(layers), end
+            self._redraw()
 
     def clear(self) -> None:
-        """No curves."""
-        self.draw(dict.fromkeys(TITLES[:-1], (None, None)), 1.0)
+        """No charts."""
+        with self._lock:
+            self._layers = ()
+            self._redraw()
+
+    def show_time(self, time: float) -> None:
+        """Draw the cursor at a time, s; costs as much as all data, so not for every frame."""
+        with self._lock, self._client.atomic():
+            for chart in self._charts:
+                chart.show_time(time)
+
+    def _chosen(self, event: viser.GuiEvent[viser.GuiDropdownHandle[str]]) -> None:
+        if event.client_id is not None:
+            with self._lock:
+                self._redraw()
+
+    def _redraw(self) -> None:
+        group = option("Quantity", self._group.value, tuple(GROUPS), next(iter(GROUPS)), [])
+        with self._client.atomic():
+            self._joints.visible = group == TORQUES and bool(self._layers)
+            if not self._layers:
+                self._legend.content = ""
+                self._show(None)
+                return
+            drawn = figure(group, self._layers, self._end, self._choice_of_joints())
+            self._legend.content = _legend(drawn)
+            self._show(drawn)
+
+    def _choice_of_joints(self) -> str:
+        kinds = joint_kinds(load_robot(self._layers[0].replay.plan.jump.robot))
+        chosen = option("Joints", self._joints.value, kinds, ALL_JOINTS, [])
+        if tuple(self._joints.options) != kinds:
+            self._joints.options = kinds
+            put(self._joints, chosen)
+        return chosen
+
+    def _show(self, drawn: Figure | None) -> None:
+        rows = () if drawn is None else drawn.charts
+        with self._container:
+            while len(self._charts) < len(rows):
+                self._charts.append(_Chart(self._client.gui))
+        for index, chart in enumerate(self._charts):
+            if drawn is not None and index < len(rows):
+                chart.draw(drawn, rows[index])
+            else:
+                chart.hide()
 
 
 class _Chart:
-    """One chart: time, shading, two curves, all at the same instants."""
+    """One chart; added to the page when it is first drawn."""
 
-    def __init__(self, client: viser.ClientHandle, title: str) -> None:
-        self._time = np.linspace(0.0, 1.0, _POINTS)
-        blank = np.zeros(_POINTS)
-        self._curves: tuple[Array, ...] = (blank, blank)
-        self._played = -1
-        self._visible = True
-        self._ready_at = 0.0
-        no_points = uplot.Series_Points(show=False)
-        first = uplot.Series(stroke=colours.css(colours.PLANNED), width=1.5, points=no_points)
-        if title == DETECTION:
-            first = uplot.Series(
-                stroke=colours.css(colours.FOOT), width=1, dash=(4.0, 4.0), points=no_points
-            )
-        small = "10px sans-serif"
-        self._handle = client.gui.add_uplot(
-            (self._time, blank, *self._curves),
-            (
-                uplot.Series(label="s"),
-                uplot.Series(
-                    scale="shade",
-                    stroke=colours.css(colours.CURSOR, 0.7),
-                    fill=colours.css(colours.CURSOR, 0.07),
-                    width=1,
-                    points=no_points,
-                ),
-                first,
-                uplot.Series(stroke=colours.css(colours.SIMULATED), width=1.5, points=no_points),
-            ),
+    def __init__(self, gui: viser.GuiApi) -> None:
+        self._gui = gui
+        self._handle: viser.GuiUplotHandle | None = None
+        self._strokes: tuple[tuple[Stroke, ...], tuple[Stroke, ...]] = ((), ())
+        self._scales: dict[str, uplot.Scale] = {}
+        self._data: tuple[Array, ...] = ()
+        self._figure: Figure | None = None
+
+    def draw(self, drawn: Figure, rows: Rows) -> None:
+        """Show these lines, without a cursor."""
+        cursor = np.full(len(drawn.grid.time), BELOW)
+        data = (drawn.grid.time, drawn.flight, cursor, *drawn.marks, *rows.values)
+        strokes = (drawn.mark_strokes, rows.strokes)
+        scales = _scales(drawn.grid.even, rows.least)
+        if self._handle is None:
+            self._handle = self._add(rows.title, _series(*strokes), scales, data)
+        else:
+            # Sent as one, or the browser would see more lines than data.
+            if strokes != self._strokes:
+                self._handle.series = _series(*strokes)
+            if scales != self._scales:
+                self._handle.scales = scales
+            self._handle.title = rows.title
+            self._handle.data = data
+            self._handle.visible = True
+        self._figure, self._data = drawn, data
+        self._strokes, self._scales = strokes, scales
+
+    def hide(self) -> None:
+        """Take it off the page."""
+        self._figure = None
+        if self._handle is not None:
+            self._handle.visible = False
+
+    def show_time(self, time: float) -> None:
+        """The cursor at a time, s."""
+        if self._figure is None or self._handle is None:
+            return
+        cursor = self._figure.grid.step(time)
+        if not np.array_equal(cursor, self._data[_BEFORE_THE_LINES - 1]):
+            first, rest = self._data[: _BEFORE_THE_LINES - 1], self._data[_BEFORE_THE_LINES:]
+            self._data = (*first, cursor, *rest)
+            self._handle.data = self._data
+
+    def _add(
+        self,
+        title: str,
+        series: tuple[uplot.Series, ...],
+        scales: dict[str, uplot.Scale],
+        data: tuple[Array, ...],
+    ) -> viser.GuiUplotHandle:
+        return self._gui.add_uplot(
+            data,
+            series,
             title=title,
             axes=(
-                uplot.Axis(size=22, gap=2, font=small),
-                uplot.Axis(size=38, gap=2, font=small, space=20),
+                uplot.Axis(size=18, gap=1, font=_FONT, ticks=_TICKS),
+                uplot.Axis(size=40, gap=2, font=_FONT, ticks=_TICKS, space=16),
             ),
-            # A range of the shading's own, and no other fixed one, so that new curves never make
-            # the browser build the chart anew.
-            scales={"x": uplot.Scale(time=False), "shade": uplot.Scale(range=(0.0, 1.0))},
+            scales=scales,
             legend=uplot.Legend(show=False),
             cursor=uplot.Cursor(
                 sync=uplot.Cursor_Sync(key="time"), points=uplot.Cursor_Points(show=False)
             ),
             height=_PIXELS,
-            padding=(4, 10, 0, 0),
+            padding=(4, 8, 0, 0),
         )
 
-    def take(self, pair: Pair, end: float) -> None:
-        self._time = np.linspace(0.0, end, _POINTS)
-        self._curves = tuple(self._resampled(curve) for curve in pair)
-        self._played = -1
 
-    def shade(self, instant: float) -> None:
-        if not self._visible or (self._played >= 0 and time.monotonic() < self._ready_at):
-            return
-        played = int(np.searchsorted(self._time, instant, side="right"))
-        if played != self._played:
-            self._played = played
-            shading = np.where(np.arange(_POINTS) < played, _ABOVE, _BELOW)
-            self._handle.data = (self._time, shading, *self._curves)
-
-    def show(self, *, visible: bool) -> None:
-        if visible != self._visible:
-            self._visible = self._handle.visible = visible
-            self._ready_at = time.monotonic() + _SETTLED
-
-    def _resampled(self, curve: Curve | None) -> Array:
-        if curve is None:
-            return np.full(_POINTS, np.nan)
-        # uPlot passes over what is no number, so a curve that has ended draws nothing.
-        values: Array = np.interp(self._time, curve.time, curve.values)
-        values[self._time > curve.time[-1] + self._time[1]] = np.nan
-        return values
-
-
-def _planned(planned: Replay) -> dict[str, Curve]:
-    motion = planned.motion
-    turning = np.linalg.solve(motion.inertia, motion.angular_momentum[..., None])[..., 0]
-    values = {
-        NORM: np.linalg.norm(np.hstack([motion.com_velocity, turning]), axis=1),
-        YAW: np.degrees(yaw(motion.base_quat)),
-        YAW_RATE: motion.angular_velocity[:, 2],
-        COM_HEIGHT: motion.com[:, 2],
-        FORCE: motion.contact_force[..., 2].sum(axis=1),
+def _scales(time: Array, least: float) -> dict[str, uplot.Scale]:
+    # Stated in full: a time axis that is left to viser goes astray when data come together with
+    # other lines, or while the browser still measures the chart.
+    scales = {
+        "x": uplot.Scale(time=False, range=(float(time[0]), float(time[-1]))),
+        "marks": uplot.Scale(range=(0.0, 1.0)),
     }
-    return {title: Curve(motion.time, v) for title, v in values.items()}
+    if least:
+        low, high = ({"pad": 0.1, "soft": soft, "mode": 1} for soft in (-least, least))
+        scales["y"] = uplot.Scale(range={"min": low, "max": high})
+    return scales
 
 
-def _simulated(rollout: Rollout) -> dict[str, Curve]:
-    kept = _stretches(rollout)
-    # qvel's angular velocity is in the base's axes.
-    vertical = rotation_matrices(rollout.base_quat)[:, 2]
-    values = {
-        NORM: rollout.average_spatial_velocity_norm[kept],
-        YAW: np.degrees(yaw(rollout.base_quat))[kept],
-        YAW_RATE: np.sum(vertical * rollout.qvel[:, 3:6], axis=1)[kept],
-        COM_HEIGHT: rollout.com[kept, 2],
-        # An impact is short: its mean is seen, a sample may miss it.
-        FORCE: means_from(rollout.contact_force[..., 2].sum(axis=1), kept),
-    }
-    return {title: Curve(rollout.time[kept], v) for title, v in values.items()}
+def _series(marks: Iterable[Stroke], lines: Iterable[Stroke]) -> tuple[uplot.Series, ...]:
+    flight = uplot.Series(
+        label="flight", scale="marks", stroke=_SHADE, fill=_SHADE, width=1, points=_NO_POINTS
+    )
+    cursor = uplot.Series(label="shown", scale="marks", stroke=_CURSOR, width=1, points=_NO_POINTS)
+    return (
+        uplot.Series(label="s"),
+        flight,
+        cursor,
+        *(_stroked(stroke, "marks", 1.0) for stroke in marks),
+        *(_stroked(stroke, "y", 1.0 if stroke.dashed else 1.5) for stroke in lines),
+    )
 
 
-def _detection(rollout: Rollout) -> Pair:
-    kept = _stretches(rollout)
-    # Two ticks above the threshold are enough for a detection, so no tick may be left out; how far
-    # an impact goes above it does not matter.
-    largest = np.maximum.reduceat(rollout.detection_signal, kept)
-    largest = np.minimum(largest, 3 * abs(rollout.detection_threshold))
-    threshold = np.full(2, rollout.detection_threshold)
-    return Curve(rollout.time[[0, -1]], threshold), Curve(rollout.time[kept], largest)
+def _stroked(stroke: Stroke, scale: str, width: float) -> uplot.Series:
+    series = uplot.Series(
+        label=stroke.title,
+        scale=scale,
+        stroke=colours.css(stroke.colour),
+        width=width,
+        points=_NO_POINTS,
+    )
+    if stroke.dashed:
+        series["dash"] = _DASH
+    return series
 
 
-def _stretches(rollout: Rollout) -> NDArray[np.int64]:
-    """First ticks of stretches as long as a chart resolves."""
-    count = len(rollout.time)
-    return np.arange(0, count, max(1, count // _POINTS))
+def _legend(drawn: Figure) -> str:
+    """What is drawn, each thing once."""
+    lines = dict.fromkeys(stroke for rows in drawn.charts for stroke in rows.strokes)
+    ordered = sorted(lines, key=lambda stroke: stroke.dashed)
+    keys = [
+        *(
+            _key(stroke.title, f"{_line(stroke)};width:1.4em;border-width:2px 0 0")
+            for stroke in ordered
+        ),
+        *(
+            _key(stroke.title, f"{_line(stroke)};height:0.9em;border-width:0 0 0 2px")
+            for stroke in drawn.mark_strokes
+        ),
+        _key("flight as planned", f"width:1.1em;height:0.8em;background:{_SHADE}"),
+    ]
+    return f'<div style="{SMALL};line-height:1.35">{"".join(keys)}</div>'
+
+
+def _line(stroke: Stroke) -> str:
+    return f"border:{'dashed' if stroke.dashed else 'solid'} {colours.css(stroke.colour)}"
+
+
+def _key(title: str, sample: str) -> str:
+    return (
+        '<span style="white-space:nowrap;margin-right:1em"><span style="display:inline-block;'
+        f'vertical-align:middle;margin-right:0.4em;{sample}"></span>{escape(title)}</span> '
+    )

@@ -13,22 +13,20 @@ from types import FrameType
 
 import viser
 
-from app.protocol import Failed, PlanJump, PlannerFactory, Prepare, Progress, Report
+from app.opening import Opening, example
+from app.protocol import Failed, PlanJump, Planned, Prepare, Progress, Report
 from app.session import Session
 from app.viser_private import DesignerServer
-from app.worker import LibraryPlanner
 from app.worker_pool import WorkerPool
 from llsrbm import models
 from llsrbm.errors import InputError
 from llsrbm.jump import Jump
-from llsrbm.robots import read_robot_file
-from llsrbm.robots.assets import robot_files
 
 _LOOPBACK_NAMES = ("localhost",)
 
 
 class Designer:
-    """A running designer: the web server, the computing process and the sessions of all tabs."""
+    """A running designer: the web server, the computing processes and the sessions of all tabs."""
 
     def __init__(
         self,
@@ -36,15 +34,15 @@ class Designer:
         port: int = 8080,
         *,
         allowed_hosts: Collection[str] = (),
-        factory: PlannerFactory = LibraryPlanner,
+        pool: WorkerPool | None = None,
     ) -> None:
-        """Bind, start the computing process and let tabs in.
+        """Bind and let tabs in.
 
         Args:
             host: address or name of this machine to bind to.
             port: 1 to 65535, or 0 for any free one.
             allowed_hosts: further names under which browsers may reach the page.
-            factory: makes the planner in its process.
+            pool: computes, and is closed with the server; None: one that uses the library.
 
         Raises:
             InputError: the address cannot be bound, or the port is in use.
@@ -59,7 +57,8 @@ class Designer:
         self.host = host
         self._sessions: dict[int, Session] = {}
         self._lock = threading.Lock()
-        self.pool = WorkerPool(factory)
+        self.pool = pool or WorkerPool()
+        self.opening = Opening(self.pool.planner)
         _configure(self._server)
         self._server.on_client_connect(self._connected)
         self._server.on_client_disconnect(self._disconnected)
@@ -81,9 +80,10 @@ class Designer:
 
         Tells the terminal what is being done, and when all of it is.
         """
-        example = Jump(robot=robot, **read_robot_file(robot_files()[robot]).example.model_dump())
-        others = [name for name in models.names() if name != example.model]
-        jumps = [example, *(Jump(robot=robot, model=name) for name in others)]
+        first = example(robot)
+        others = [name for name in models.names() if name != first.model]
+        jumps = [first, *(Jump(robot=robot, model=name) for name in others)]
+        self.opening.recall(robot)
 
         def tell(report: Report) -> None:
             match report:
@@ -91,6 +91,8 @@ class Designer:
                     print(f"  {report.text} ...", file=sys.stderr, flush=True)
                 case Failed():
                     print(f"  {report.message}", file=sys.stderr, flush=True)
+                case Planned() if report.plan.jump == first:
+                    self.opening.keep(report.plan)
 
         def done() -> None:
             print("ready", file=sys.stderr, flush=True)
@@ -98,14 +100,14 @@ class Designer:
         self.pool.warm_up([Prepare(robot), *map(PlanJump, jumps)], tell, done)
 
     def close(self) -> None:
-        """End the sessions, the server and the computing process."""
+        """End the sessions, the server and the computing processes."""
         for session in self.sessions:
             session.close()
         self._server.stop()
         self.pool.close()
 
     def _connected(self, client: viser.ClientHandle) -> None:
-        session = Session(client, self.pool)
+        session = Session(client, self.pool, self.opening)
         with self._lock:
             self._sessions[client.client_id] = session
         session.start()
@@ -122,7 +124,7 @@ def serve(
     port: int = 8080,
     *,
     allowed_hosts: Collection[str] = (),
-    factory: PlannerFactory = LibraryPlanner,
+    pool: WorkerPool | None = None,
 ) -> None:
     """Serve the page until SIGINT or SIGTERM; prints one line with its URL.
 
@@ -130,7 +132,7 @@ def serve(
         InputError: the address cannot be bound, or the port is in use.
     """
     with _stop_on_signal() as stop:
-        designer = Designer(host, port, allowed_hosts=allowed_hosts, factory=factory)
+        designer = Designer(host, port, allowed_hosts=allowed_hosts, pool=pool)
         try:
             print(f"llsrbm designer: {designer.url}", flush=True)
             designer.warm_up(Jump().robot)

@@ -16,12 +16,14 @@ import traceback
 import warnings
 from collections.abc import Collection, Iterator
 from http import HTTPStatus
+from pathlib import Path
 from typing import Any
 from urllib.parse import urlsplit
 
 import viser
 import viser._messages as messages
 import websockets.asyncio.server
+from viser.infra import Message, WebsockMessageHandler
 from websockets.asyncio.server import ServerConnection
 from websockets.datastructures import Headers
 from websockets.frames import CloseCode
@@ -40,11 +42,14 @@ _LONGEST_NAME = 255  # characters of an uploaded file's name, or of an identifie
 _SETTLING = 0.3  # s until a page has drawn what an upload's end makes it draw
 
 _PAGE = ("/", "/index.html")
+_VISER = str(Path(viser.__file__).parent)
 
 _log = logging.getLogger(__name__)
 
 # A tab may close while a frame is under way; the session ends a moment later.
-warnings.filterwarnings("ignore", message="Queued a .* on a closed connection", module="viser")
+warnings.filterwarnings("ignore", message="Queued a .* on a closed connection")
+# What is said of a message's shape repeats all of it, up to a megabyte.
+warnings.filterwarnings("ignore", message=r"\[viser\] .* does not match annotation")
 
 
 class DesignerServer(viser.ViserServer):
@@ -61,6 +66,8 @@ class DesignerServer(viser.ViserServer):
         names = frozenset(name.lower() for name in allowed_hosts)
         with _guarded(names), silent():
             super().__init__(host=host, port=port, verbose=False)
+        _tell_nonsense_briefly(self._websock_server)
+        self._websock_server.on_client_connect(_tell_nonsense_briefly)
         for kind in _UPLOADS:  # to controls that all tabs share: there are none
             self._websock_server.unregister_handler(kind)
         self.on_client_connect(_guard_uploads)
@@ -212,6 +219,23 @@ def _is_address(name: str) -> bool:
     except ValueError:
         return False
     return True
+
+
+def _tell_nonsense_briefly(handler: WebsockMessageHandler) -> None:
+    """Log one line where viser fails at a message; asyncio would print all that was sent."""
+    handle = handler._handle_incoming_message
+
+    async def handle_briefly(client_id: Any, message: Message) -> None:
+        try:
+            await handle(client_id, message)
+        except Exception as error:
+            frames = traceback.extract_tb(error.__traceback__)[1:]
+            if not all(frame.filename.startswith(_VISER) for frame in frames):
+                raise  # a defect of this page
+            kinds = type(message).__name__, type(error).__name__
+            _log.warning("a tab sent a %s that makes no sense (%s); ignored", *kinds)
+
+    handler._handle_incoming_message = handle_briefly  # type: ignore[method-assign]
 
 
 def _is_bad_message(error: Exception) -> bool:

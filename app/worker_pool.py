@@ -57,6 +57,9 @@ class WorkerPool:
     """Owns the computing processes and passes them the jobs of all tabs.
 
     A listener hears its job's reports in order, nothing after the outcome; it must return at once.
+
+    Attributes:
+        planner: name of what computes.
     """
 
     def __init__(
@@ -76,6 +79,7 @@ class WorkerPool:
             superseded_grace: how long a patient plan may go on when its tab wants something newer,
                 before it is asked to stop, s.
         """
+        self.planner = f"{factory.__module__}.{factory.__qualname__}"
         self._cancel_grace = cancel_grace
         self._superseded_grace = superseded_grace
         self._numbers = itertools.count(1)

@@ -3,6 +3,7 @@ from __future__ import annotations
 import pytest
 
 from app.server import Designer
+from app.worker_pool import WorkerPool
 from tests.app.planners import SyntheticPlanner
 from tests.app.raw_tab import RawTab
 
@@ -10,7 +11,7 @@ from tests.app.raw_tab import RawTab
 @pytest.fixture(scope="session")
 def designer():
     """A designer whose planner is quick and made up; tabs of it share nothing."""
-    running = Designer(port=0, factory=SyntheticPlanner)
+    running = Designer(port=0, pool=WorkerPool(SyntheticPlanner))
     yield running
     running.close()
 

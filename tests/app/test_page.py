@@ -170,16 +170,7 @@ def test_export_downloads_what_is_shown(page, designer, tmp_path):
     assert llsrbm.load(path).jump == designer.sessions[-1].plan.jump
 
 
-CHARTS = """() => Object.values(window.__viserTestpoints.uplots).map(({chart}) => ({
-  title: chart.root.querySelector('.u-title').innerText,
-  end: chart.scales.x.max,
-  ticks: chart.axes.map(axis => (axis._values || []).length),
-  curves: chart.data.slice(2).filter(values => values.some(v => !Number.isNaN(v))).length,
-}))"""
-
-
 def test_simulate_shows_the_whole_robot_beside_the_plan(page):
-    assert [chart["curves"] for chart in page.evaluate(CHARTS)] == [1] * 5
     page.get_by_role("button", name="Simulate").click()
     assert status(page, "Landed").startswith("Landed yaw -2.9° from the plan at touch-down")
     # In mid-flight the made-up simulation is 9 cm above the plan: the ghost stands out.
@@ -193,12 +184,6 @@ def test_simulate_shows_the_whole_robot_beside_the_plan(page):
     page.wait_for_timeout(PACE)
     page.get_by_label("Ghost").check()
     wait_until(lambda: blue(picture(page)).sum() > 8000, "the ghost again")
-    charts = page.evaluate(CHARTS)
-    assert len(charts) == 6
-    for chart in charts:
-        assert chart["curves"] == 2, chart
-        assert chart["end"] == pytest.approx(2.3), chart
-        assert min(chart["ticks"]) >= 2, chart
 
 
 def test_cancel_ends_a_simulation(page, designer):

@@ -8,21 +8,26 @@ import signal
 import socket
 import subprocess
 import sys
+import threading
 import time
 import urllib.request
+from contextlib import closing
 
 import pytest
 
+from app.opening import example
 from app.server import Designer, check_bindable
+from app.worker_pool import WorkerPool
 from llsrbm.errors import InputError
 from tests.app.planners import SyntheticPlanner
 
 PROGRAM = """
 import sys
 from app.server import serve
+from app.worker_pool import WorkerPool
 from tests.app.planners import SyntheticPlanner
 if __name__ == "__main__":
-    serve("127.0.0.1", int(sys.argv[1]), factory=SyntheticPlanner)
+    serve("127.0.0.1", int(sys.argv[1]), pool=WorkerPool(SyntheticPlanner))
 """
 
 
@@ -49,7 +54,7 @@ def taken():
 
 def test_a_port_in_use_is_refused_not_replaced(taken):
     with pytest.raises(InputError, match=f"--port: {taken} on 127.0.0.1 is in use; choose another"):
-        Designer(port=taken, factory=SyntheticPlanner)
+        Designer(port=taken, pool=WorkerPool(SyntheticPlanner))
 
 
 @pytest.mark.parametrize(
@@ -67,6 +72,24 @@ def test_an_address_that_cannot_be_bound_is_refused(host, port, message):
     with pytest.raises(InputError, match=re.escape(message)) as refused:
         check_bindable(host, port)
     assert "\n" not in str(refused.value)
+
+
+def test_the_plan_that_tabs_begin_with_is_there_at_once_the_second_time(tmp_path, monkeypatch):
+    # Apart from the cache of fits, which takes long to fill.
+    entry = tmp_path / "opening.npz"
+    monkeypatch.setattr("app.opening.cache_path", lambda *_: entry)
+    ready = threading.Event()
+    monkeypatch.setattr("builtins.print", lambda *words, **_: words == ("ready",) and ready.set())
+    with closing(Designer(port=0, pool=WorkerPool(SyntheticPlanner))) as designer:
+        assert designer.opening.plan("anymal") is None
+        designer.warm_up("anymal")
+        assert ready.wait(20)
+        plan = designer.opening.plan("anymal")
+    assert plan.jump == example("anymal")
+    with closing(Designer(port=0, pool=WorkerPool(SyntheticPlanner))) as designer:
+        designer.warm_up("anymal")
+        assert designer.opening.plan("anymal").jump == plan.jump
+        assert designer.opening.plan("go2") is None
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
@@ -104,7 +127,7 @@ def test_it_serves_says_where_and_ends_cleanly(tmp_path, number):
     assert not any(map(alive, processes))
 
 
-def test_the_planning_process_ends_when_the_server_is_killed(tmp_path):
+def test_the_computing_processes_end_when_the_server_is_killed(tmp_path):
     program = tmp_path / "program.py"
     program.write_text(PROGRAM)
     server = subprocess.Popen(

@@ -90,6 +90,7 @@ def test_a_browser_that_does_not_answer_is_not_waited_for(tab, monkeypatch):
     assert time.monotonic() - start < 1
 
 
+@pytest.mark.filterwarnings("ignore:Queued a .* on a closed connection")
 def test_a_tab_that_has_gone_is_not_waited_for(page):
     with RawTab(page.port) as gone:
         client, _ = page.tabs.get(timeout=20)

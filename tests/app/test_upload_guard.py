@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import gc
 import logging
 import random
+import re
 from pathlib import Path
 
 import msgspec
@@ -140,6 +142,46 @@ def test_garbage_closes_its_connection_and_no_other(page, tab, garbage, caplog):
         page.tabs.get(timeout=20)
         fresh.press("Save design")
         assert page.next() == ("save",)
+
+
+@pytest.mark.parametrize(
+    ("label", "updates"),
+    [
+        ("Twist [deg]", {"value": "x" * 1000}),
+        ("Twist [deg]", {"value": float("nan")}),
+        ("Twist [deg]", {"value": None}),
+        ("Twist [deg]", {"nosuch": 1}),
+        ("Open design", {"value": [1]}),
+        ("Example", [1, 2]),
+        ("Save design", None),
+    ],
+)
+def test_a_message_that_makes_no_sense_is_ignored_in_one_line(page, tab, label, updates, caplog):
+    uuid = tab.control(label)["uuid"]
+    with caplog.at_level(logging.WARNING):
+        tab.send({"type": "GuiUpdateMessage", "uuid": uuid, "updates": updates})
+        tab.press("Save design")
+        assert page.next() == ("save",)
+        gc.collect()  # asyncio tells of a failed task when it is forgotten
+    expected = r"a tab sent a GuiUpdateMessage that makes no sense \(\w+Error\); ignored"
+    (record,) = caplog.records
+    assert re.fullmatch(expected, record.getMessage())
+    assert record.exc_info is None
+
+
+def test_a_defect_of_the_page_is_told_in_full(page, tab, caplog):
+    button = tab.client.gui.add_button("Defective")
+
+    @button.on_click
+    async def _(event):
+        tab.client.gui.add_slider("of nothing", min=1, max=0, step=1, initial_value=3)
+
+    with caplog.at_level(logging.WARNING):
+        tab.press("Defective")
+        tab.press("Save design")
+        assert page.next() == ("save",)
+        gc.collect()
+    assert any(record.exc_info for record in caplog.records)
 
 
 def test_the_page_sends_files_in_parts_of_the_size_that_is_let_through():

@@ -1,0 +1,311 @@
+"""What there is to plot of planned and simulated motions, in groups of charts."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from app import colours
+from app.colours import Rgb
+from app.replay import Replay
+from app.tracks import (
+    Track,
+    planned_track,
+    principal_moments,
+    simulated_track,
+    whole_body_inertia,
+)
+from llsrbm.robots import Robot
+from llsrbm.trajectory.rollout import Rollout
+from llsrbm.trajectory.rotation import rotation_matrices, yaw
+
+Array = NDArray[np.float64]
+
+LIMIT: Rgb = colours.FOOT
+
+ALL_JOINTS = "all"
+TORQUES, LANDING = "Joint torques and speeds", "Landing"
+
+_SIGNAL_SHOWN = 3.0  # thresholds; how far an impact goes beyond matters no more
+
+
+@dataclass(frozen=True, eq=False)
+class Layer:
+    """A motion to be plotted: one line in each chart.
+
+    Attributes:
+        title: what it is called in the legend.
+        colour: of its lines.
+        replay: the plan.
+        rollout: what is plotted instead of the plan, if there is one.
+        pinned: whether it is there for comparison: marks and time axis are the others'.
+    """
+
+    title: str
+    colour: Rgb
+    replay: Replay
+    rollout: Rollout | None
+    pinned: bool
+
+
+def shown_layers(replay: Replay, rollout: Rollout | None) -> tuple[Layer, ...]:
+    """The design that is shown: its plan and, if there is one, its simulation."""
+    plan = Layer("plan", colours.PLANNED, replay, None, pinned=False)
+    if rollout is None:
+        return (plan,)
+    return (plan, Layer("simulation", colours.SIMULATED, replay, rollout, pinned=False))
+
+
+@dataclass(frozen=True, eq=False)
+class Line:
+    """One curve of a chart.
+
+    Attributes:
+        title: the layer's, or what is special about it.
+        colour: of the line; dashed: whether it is.
+        time: (K,) s, increasing; values: (K,) in the unit of the chart's title.
+    """
+
+    title: str
+    colour: Rgb
+    dashed: bool
+    time: Array
+    values: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Chart:
+    """One quantity of all layers that have it.
+
+    Attributes:
+        title: quantity and unit.
+        lines: what is drawn, first things first.
+        least: values from -least to least are in view, however small what is drawn: a tenth of a
+            degree shall not look like a fall. 0: nothing but what is drawn.
+    """
+
+    title: str
+    lines: tuple[Line, ...]
+    least: float = 0.0
+
+
+def charts(group: str, layers: Sequence[Layer], joints: str = ALL_JOINTS) -> tuple[Chart, ...]:
+    """The charts of a group, one of `GROUPS`; none of what no layer has.
+
+    Args:
+        group: what of the motions.
+        layers: in the order in which they are drawn.
+        joints: one of `joint_kinds`, for the group `TORQUES`.
+    """
+    tracks = [
+        planned_track(layer.replay) if layer.rollout is None else simulated_track(layer.rollout)
+        for layer in layers
+    ]
+    pairs = list(zip(layers, tracks, strict=True))
+    drawn = GROUPS[group](pairs, joints)
+    return tuple(chart for chart in drawn if chart.lines)
+
+
+def joint_kinds(robot: Robot) -> tuple[str, ...]:
+    """What can be chosen of a robot's joints: all of them, or those at one place of its legs."""
+    kinds = [_kind(leg.name, joint) for leg in robot.legs for joint in leg.joints]
+    return (ALL_JOINTS, *dict.fromkeys(kinds))
+
+
+def _kind(leg: str, joint: str) -> str:
+    return joint.removeprefix(leg).strip("_").removesuffix("_joint")
+
+
+# ---- groups
+
+_Pairs = Sequence[tuple[Layer, Track]]
+_Quantity = Callable[[Track], Array | None]
+_Group = Callable[[_Pairs, str], list[Chart]]
+
+
+def _line(layer: Layer, track: Track, values: Array) -> Line:
+    return Line(layer.title, layer.colour, False, track.time, values)
+
+
+def _chart(title: str, pairs: _Pairs, quantity: _Quantity, least: float = 0.0) -> Chart:
+    known = [(layer, track, quantity(track)) for layer, track in pairs]
+    lines = [_line(layer, track, values) for layer, track, values in known if values is not None]
+    return Chart(title, tuple(lines), least)
+
+
+def _limited(chart: Chart, limit: float, title: str = "limit") -> Chart:
+    """The chart with a dashed line across it."""
+    if not chart.lines:
+        return chart
+    span = np.array([[line.time[0], line.time[-1]] for line in chart.lines])
+    across = np.array([span[:, 0].min(), span[:, 1].max()])
+    level = Line(title, LIMIT, True, across, np.full(2, limit))
+    return replace(chart, lines=(level, *chart.lines))
+
+
+@dataclass(frozen=True)
+class _Plain:
+    """A quantity that every motion of every robot has; `least` as in `Chart`."""
+
+    title: str
+    of: _Quantity
+    least: float = 0.0
+
+
+def _each(*quantities: _Plain) -> _Group:
+    def group(pairs: _Pairs, _joints: str) -> list[Chart]:
+        return [_chart(plain.title, pairs, plain.of, plain.least) for plain in quantities]
+
+    return group
+
+
+def _axes(title: str, attribute: str, least: tuple[float, float, float]) -> _Group:
+    """A group of a vector's components; `{}` in the title is the axis."""
+
+    def component(axis: int) -> _Quantity:
+        return lambda track: np.asarray(getattr(track, attribute)[:, axis], dtype=np.float64)
+
+    return _each(*(_Plain(title.format("xyz"[i]), component(i), least[i]) for i in range(3)))
+
+
+def _yaw(track: Track) -> Array:
+    return np.degrees(yaw(track.base_quat))
+
+
+def _pitch(track: Track) -> Array:
+    return np.degrees(-np.arcsin(np.clip(rotation_matrices(track.base_quat)[:, 2, 0], -1, 1)))
+
+
+def _roll(track: Track) -> Array:
+    R = rotation_matrices(track.base_quat)
+    return np.degrees(np.unwrap(np.arctan2(R[:, 2, 1], R[:, 2, 2])))
+
+
+def _vertical_force(track: Track) -> Array:
+    total: Array = track.foot_force[..., 2].sum(axis=1)
+    return total
+
+
+def _inertias(pairs: _Pairs, _joints: str) -> list[Chart]:
+    """Principal moments; of a plan, the model's and those of the whole body in its postures."""
+    lines: list[list[Line]] = [[], [], []]
+    for layer, track in pairs:
+        moments = principal_moments(track.robot, track.inertia, track.base_quat)
+        for axis, values in zip(lines, moments.T, strict=True):
+            axis.append(_line(layer, track, values))
+        if layer.rollout is None and not layer.pinned:
+            time, inertia, quat = whole_body_inertia(layer.replay)
+            moments = principal_moments(track.robot, inertia, quat)
+            for axis, values in zip(lines, moments.T, strict=True):
+                axis.append(Line("whole body as planned", layer.colour, True, time, values))
+    titles = ("roll", "pitch", "yaw")
+    return [
+        Chart(f"Principal inertia, {title} [kg m²]", tuple(axis))
+        for title, axis in zip(titles, lines, strict=True)
+    ]
+
+
+def _forces(pairs: _Pairs, _joints: str) -> list[Chart]:
+    """Vertical forces: all feet together, and each foot; robots may differ in their legs."""
+    names = dict.fromkeys(leg.name for _, track in pairs for leg in track.robot.legs)
+
+    def of_leg(name: str) -> _Quantity:
+        def force(track: Track) -> Array | None:
+            legs = [leg.name for leg in track.robot.legs]
+            return track.foot_force[:, legs.index(name), 2] if name in legs else None
+
+        return force
+
+    total = _chart("Vertical force, all feet [N]", pairs, _vertical_force)
+    return [total, *(_chart(f"Vertical force, {name} [N]", pairs, of_leg(name)) for name in names)]
+
+
+def _joint_loads(pairs: _Pairs, joints: str) -> list[Chart]:
+    """Largest shares of limits over the chosen joints; torques of simulations only."""
+
+    def chosen(robot: Robot) -> NDArray[np.int64]:
+        columns = [
+            robot.joint_names.index(joint)
+            for leg in robot.legs
+            for joint in leg.joints
+            if joints in (ALL_JOINTS, _kind(leg.name, joint))
+        ]
+        return np.array(columns, dtype=np.int64)
+
+    def largest(values: Array, limit: Array, robot: Robot) -> Array | None:
+        columns = chosen(robot)
+        if not len(columns):
+            return None
+        # What a drive cannot give at its speed, it is not at the limit of.
+        limits = np.broadcast_to(limit, values.shape)[:, columns]
+        shares = np.abs(values[:, columns]) / np.where(limits > 0, limits, np.inf)
+        return np.asarray(shares.max(axis=1), dtype=np.float64)
+
+    def torque(track: Track) -> Array | None:
+        if track.torque is None:
+            return None
+        return largest(track.torque, track.robot.torque_limit, track.robot)
+
+    def saturation(track: Track) -> Array | None:
+        if track.torque is None or track.torque_limit is None:
+            return None
+        return largest(track.torque, track.torque_limit, track.robot)
+
+    def speed(track: Track) -> Array | None:
+        return largest(track.joint_speed, track.robot.speed_limit, track.robot)
+
+    of = f", {joints}" if joints != ALL_JOINTS else ""
+    titles = ("Torque / limit", "Torque / limit at its speed", "Joint speed / limit")
+    return [
+        _limited(_chart(f"{title}{of}", pairs, quantity), 1.0)
+        for title, quantity in zip(titles, (torque, saturation, speed), strict=True)
+    ]
+
+
+def _landing(pairs: _Pairs, _joints: str) -> list[Chart]:
+    """What tells a touchdown, and how far the yaw is off there."""
+    signals, yaws = [], []
+    level = 1.0
+    for layer, track in pairs:
+        rollout = layer.rollout
+        if rollout is None:
+            continue
+        signal = rollout.detection_signal / abs(rollout.detection_threshold)
+        level = float(np.sign(rollout.detection_threshold))
+        signals.append(_line(layer, track, np.clip(signal, -_SIGNAL_SHOWN, _SIGNAL_SHOWN)))
+        plan = planned_track(layer.replay)
+        off = _yaw(track) - np.interp(track.time, plan.time, _yaw(plan))
+        yaws.append(_line(layer, track, off))
+    return [
+        _chart("Average spatial velocity ‖v_G‖", pairs, lambda t: t.average_spatial_velocity_norm),
+        _limited(Chart("Detection signal / |threshold|", tuple(signals)), level, "threshold"),
+        Chart("Yaw − planned yaw [°]", tuple(yaws), least=1.0),
+    ]
+
+
+GROUPS: dict[str, _Group] = {
+    "Overview": _each(
+        _Plain("Base yaw [°]", _yaw, 2.0),
+        _Plain("Base yaw rate [rad/s]", lambda track: track.angular_velocity[:, 2], 0.2),
+        _Plain("CoM height [m]", lambda track: track.com[:, 2]),
+        _Plain("Vertical force, all feet [N]", _vertical_force),
+    ),
+    "Base angles": _each(
+        _Plain("Yaw [°]", _yaw, 2.0),
+        _Plain("Pitch [°]", _pitch, 2.0),
+        _Plain("Roll [°]", _roll, 2.0),
+    ),
+    "Base rates": _axes("Base rate about {} [rad/s]", "angular_velocity", (0.2, 0.2, 0.2)),
+    "CoM position": _axes("CoM {} [m]", "com", (0.02, 0.02, 0.0)),
+    "CoM velocity": _axes("CoM velocity {} [m/s]", "com_velocity", (0.1, 0.1, 0.1)),
+    "Linear momentum": _axes("Linear momentum {} [kg m/s]", "linear_momentum", (2.0, 2.0, 2.0)),
+    "Angular momentum": _axes("Angular momentum {} [kg m²/s]", "angular_momentum", (0.2, 0.2, 0.2)),
+    "Principal inertias": _inertias,
+    "Contact forces": _forces,
+    TORQUES: _joint_loads,
+    LANDING: _landing,
+}
+"""What can be chosen, and how its charts are made of layers with their tracks."""

@@ -1,0 +1,57 @@
+"""The plan that tabs begin with: kept, recalled, and not confused with another planner's."""
+
+from __future__ import annotations
+
+import logging
+
+import numpy as np
+import pytest
+
+from app.opening import Opening, example
+from tests.app.synthetic_plan import synthetic_plan
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    plan = synthetic_plan(example("anymal"))
+    monkeypatch.setenv("LLSRBM_CACHE", str(tmp_path))
+    Opening("planner").keep(plan)
+    return tmp_path
+
+
+def test_what_one_server_kept_the_next_recalls(folder):
+    opening = Opening("planner")
+    assert opening.plan("anymal") is None
+    opening.recall("anymal")
+    plan = opening.plan("anymal")
+    assert plan.jump == example("anymal")
+    assert np.array_equal(plan.com, synthetic_plan(plan.jump).com)
+
+
+def test_the_example_is_the_robot_files():
+    assert (example("anymal").robot, round(example("anymal").twist, 3)) == ("anymal", 1.571)
+
+
+def test_another_planners_plan_or_another_robots_is_not_recalled(folder):
+    for opening, robot in ((Opening("another"), "anymal"), (Opening("planner"), "go2")):
+        opening.recall(robot)
+        assert opening.plan(robot) is None
+
+
+def test_a_damaged_entry_counts_as_none(folder, caplog):
+    (entry,) = (folder / "opening").iterdir()
+    entry.write_bytes(entry.read_bytes()[:-10])
+    opening = Opening("planner")
+    with caplog.at_level(logging.WARNING):
+        opening.recall("anymal")
+    assert opening.plan("anymal") is None
+    assert "damaged" in caplog.text
+
+
+def test_a_newer_plan_takes_the_place_of_the_recalled(folder):
+    opening = Opening("planner")
+    opening.recall("anymal")
+    newer = synthetic_plan(example("anymal"))
+    opening.keep(newer)
+    opening.recall("anymal")
+    assert opening.plan("anymal") is newer
