@@ -117,7 +117,8 @@ class Bridge:
     def _call(self, function: str, *arguments: str) -> None:
         owner = function.split(".")[0]
         run_javascript(
-            self._client, f"window.llsrbm?.{owner} && window.llsrbm.{function}({','.join(arguments)})"
+            self._client,
+            f"window.llsrbm?.{owner} && window.llsrbm.{function}({','.join(arguments)})",
         )
 
 

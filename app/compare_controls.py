@@ -39,7 +39,9 @@ class CompareControls:
         """Figures of the current design and of what is pinned."""
         self.pin.disabled = current is None or full
         there = len(pinned) > 0
-        self._table.content = comparison_table([*([current] if current else []), *pinned]) if there else ""
+        self._table.content = (
+            comparison_table([*([current] if current else []), *pinned]) if there else ""
+        )
         titles = tuple(f"{index}. {column.title}" for index, column in enumerate(pinned, start=1))
         if titles != self._titles:
             self._titles = titles

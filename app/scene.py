@@ -138,9 +138,7 @@ class Scene:
                 self._forces = Forces(self._client, len(self._robot.legs))
                 self._target = Target(self._client, self._robot)
             if simulated is not None and self._shade is None:
-                self._shade = RobotNodes(
-                    self._client, self._robot, "/shade", ghost=colours.PLANNED
-                )
+                self._shade = RobotNodes(self._client, self._robot, "/shade", ghost=colours.PLANNED)
             self._target.draw(planned.plan, blocks if simulated is None else ())
             self._blocks.draw(blocks if simulated is not None else ())
             self._trails.draw(simulated or planned.frames, feasible=planned.plan.solved)
@@ -228,13 +226,12 @@ class Scene:
         ]
 
     def _nodes(self) -> Nodes:
-        parts = [self._model, self._whole, self._rigid, self._blocks, self._forces]
-        parts += [self._solid, self._shade, *(nodes for _, nodes in self._ghosts)]
-        nodes: Nodes = {"/com": self._com, "/blot": self._blot}
-        for part in parts:
-            if part is not None:
-                nodes |= part.nodes
-        return nodes
+        nodes: Nodes = {"/com": self._com, "/blot": self._blot, **self._blocks.nodes}
+        for ellipsoid in (self._model, self._whole, self._rigid):
+            nodes |= ellipsoid.nodes
+        for robot in (self._solid, self._shade, *(nodes for _, nodes in self._ghosts)):
+            nodes |= {} if robot is None else robot.nodes
+        return nodes | ({} if self._forces is None else self._forces.nodes)
 
     def _ghost(self, ghost: Ghost) -> RobotNodes:
         self._ghosts_made += 1

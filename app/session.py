@@ -117,9 +117,7 @@ class Session:
     # ---- the thread
 
     def _run(self) -> None:
-        self._panel = Panel(
-            self._client, self.design, self._file, examples(), self._inbox.put
-        )
+        self._panel = Panel(self._client, self.design, self._file, examples(), self._inbox.put)
         bridge = Bridge(self._client, self._inbox.put)
         try:
             moved = lambda: self._inbox.put(Action.TARGET)  # noqa: E731
@@ -232,6 +230,7 @@ class Session:
             self._request()
             return
         self._live.ask(self.jump, self.design.tuning, None)
+        self._stage.show_target(self.jump)
         self._stage.show_plan(plan)
         self._panel.show_status("Planned", summaries.planned_line(plan))
 

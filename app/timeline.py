@@ -78,7 +78,7 @@ def timeline(plan: Plan, rollout: Rollout | None = None) -> Timeline:
         planned.append(Piece(_STANDING, plan.duration, end, colours.STANDING))
     rows = [Row("plan", tuple(planned))]
     if rollout is not None:
-        rows.append(Row("simulation", _simulated(rollout, plan.duration, end)))
+        rows.append(Row("simulation", _simulated(rollout, plan.duration)))
     told = (
         f"lift-off {starts[1]:.2f} s, touch-down {starts[2]:.2f} s"
         if rollout is None
@@ -109,7 +109,7 @@ def phase_at(events: Timeline, time: float) -> str:
     return next((p.name for p in pieces if p.start <= time < p.end), pieces[-1].name)
 
 
-def _simulated(rollout: Rollout, planned_end: float, end: float) -> tuple[Piece, ...]:
+def _simulated(rollout: Rollout, planned_end: float) -> tuple[Piece, ...]:
     """The controller's phases, and in them where it tracks forces."""
     time, phase = rollout.time, rollout.phase
     changes = (np.flatnonzero(np.diff(phase)) + 1).tolist()

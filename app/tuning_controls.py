@@ -71,12 +71,24 @@ class TuningControls:
         of_robot = default_weights() | dict(robot.file.planning)
         with self._folder:
             self._entries = [
-                self._add(cost.name, "weights", of_robot[cost.name], (0.0, _LARGEST_WEIGHT),
-                          cost.unit, cost.effect)
+                self._add(
+                    cost.name,
+                    "weights",
+                    of_robot[cost.name],
+                    (0.0, _LARGEST_WEIGHT),
+                    cost.unit,
+                    cost.effect,
+                )
                 for cost in COSTS
             ] + [
-                self._add(limit.name, "limits", default, (limit.lowest, limit.highest),
-                          limit.unit, limit.effect)
+                self._add(
+                    limit.name,
+                    "limits",
+                    default,
+                    (limit.lowest, limit.highest),
+                    limit.unit,
+                    limit.effect,
+                )
                 for limit, default in limits_of(robot).values()
             ]
         self._tell()
@@ -86,8 +98,9 @@ class TuningControls:
         complaints: list[str] = []
         changed: dict[str, dict[str, float]] = {"weights": {}, "limits": {}}
         for entry in self._entries:
-            value = number(entry.label(), entry.handle.value, (entry.lowest, entry.highest),
-                           complaints)
+            value = number(
+                entry.label(), entry.handle.value, (entry.lowest, entry.highest), complaints
+            )
             if not math.isclose(value, entry.default, rel_tol=_SAME, abs_tol=_SAME):
                 changed[entry.kind][entry.name] = value
         self._tell()
@@ -102,7 +115,13 @@ class TuningControls:
         self._tell()
 
     def _add(
-        self, name: str, kind: str, default: float, ends: tuple[float, float], unit: str, effect: str
+        self,
+        name: str,
+        kind: str,
+        default: float,
+        ends: tuple[float, float],
+        unit: str,
+        effect: str,
     ) -> _Entry:
         handle = self._gui.add_number(
             f"{name.replace('_', ' ')} [{unit}]",
