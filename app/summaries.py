@@ -7,6 +7,7 @@ import math
 from app.markup import table
 from app.protocol import Progress
 from app.replay import Figures
+from llsrbm.trajectory.diagnosis import fall_in_words
 from llsrbm.trajectory.plan import Plan, Violation
 from llsrbm.trajectory.rollout import Conditions, Disturbance, Outcome, Rollout
 
@@ -40,7 +41,7 @@ def simulated_line(rollout: Rollout) -> tuple[str, str]:
     """The status line's word and what follows it."""
     outcome = rollout.outcome
     if not rollout.landed:
-        return "Fell", f"{outcome.reason}."
+        return "Fell", f"{fall_in_words(rollout)}."
     parts = []
     if outcome.yaw_error_at_touchdown is not None:
         parts.append(f"yaw {_degrees(outcome.yaw_error_at_touchdown)} from the plan at touch-down")

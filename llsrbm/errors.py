@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -27,16 +28,52 @@ class FileFormatError(InputError):
     """A file that is not what its reader expects."""
 
 
+@dataclass(frozen=True)
+class Stop:
+    """What stops a plan: a constraint, and the limit in it that would have to be another.
+
+    Attributes:
+        constraint: its name (`llsrbm.planning.constraints`).
+        phase: "take-off", "flight" or "landing"; time: s; where it is worst.
+        amount: by how much, in `unit`: the limit would have to change, or, where there is no
+            limit, the constraint is violated.
+        limit: its name (`llsrbm.planning.limits`); None: no limit alone would help.
+        title: the limit in words.
+        value: what the limit is, in `unit`; needed: what it would have to be.
+    """
+
+    constraint: str
+    phase: str
+    time: float
+    amount: float
+    unit: str
+    limit: str | None = None
+    title: str = ""
+    value: float = 0.0
+    needed: float = 0.0
+
+    def __str__(self) -> str:
+        where = f"in {self.phase} at {self.time:.2f} s"
+        if self.limit is None:
+            return f"{self.constraint} is violated by {self.amount:.3g} {self.unit} {where}"
+        unit = "" if self.unit == "1" else f" {self.unit}"
+        return (
+            f"{self.title} ({self.limit}) would have to be {self.needed:.3g}{unit} {where}; "
+            f"the limit is {self.value:.3g}{unit}"
+        )
+
+
 class NotConverged(Error):
     """The planner stopped without satisfying every constraint.
 
     Attributes:
         plan: the last iterate, with its violations, to look at.
+        stops: what stops it, the worst first.
     """
 
-    def __init__(self, message: str, plan: Plan) -> None:
+    def __init__(self, message: str, plan: Plan, stops: tuple[Stop, ...] = ()) -> None:
         super().__init__(message)
-        self.plan = plan
+        self.plan, self.stops = plan, stops
 
 
 class Cancelled(Error):

@@ -120,9 +120,9 @@ def _read_plan(file: Path) -> Plan:
 
 
 def _fall(rollout: Rollout) -> str:
-    outcome = rollout.outcome
-    when = "" if outcome.fell_at_s is None else f" at {outcome.fell_at_s:.2f} s"
-    return f"fell{when}: {outcome.reason}"
+    from llsrbm.trajectory.diagnosis import fall_in_words
+
+    return f"fell {fall_in_words(rollout)}"
 
 
 def _description(rollout: Rollout) -> dict[str, str]:

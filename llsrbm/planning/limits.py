@@ -6,8 +6,6 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from llsrbm.errors import InputError
 from llsrbm.planning.constraints import CONSTRAINTS
 from llsrbm.planning.constraints.base import Limit
@@ -38,13 +36,11 @@ def limits_in(task: Task) -> dict[str, tuple[Limit, float]]:
     found = {}
     for limit in (x for c in CONSTRAINTS if c.concerns(task) for x in c.limits):
         value = limit.of(task)
-        ends = np.array([limit.lowest, limit.highest]) * (value if limit.relative else 1.0)
+        scale = value if limit.relative else 1.0
+        ends = [float(f"{end * scale:.3g}") + 0.0 for end in (limit.lowest, limit.highest)]
         # A robot file may say what is out of the usual range; it is accepted then.
         low, high = min(*ends, value), max(*ends, value)
-        found[limit.name] = (
-            replace(limit, lowest=float(low) + 0.0, highest=float(high), relative=False),
-            value,
-        )
+        found[limit.name] = (replace(limit, lowest=low, highest=high, relative=False), value)
     return found
 
 

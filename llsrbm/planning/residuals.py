@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from llsrbm.planning.constraints import CONSTRAINTS
+from llsrbm.errors import Stop
+from llsrbm.planning.constraints import CONSTRAINTS, Constraint
+from llsrbm.planning.constraints.base import Limit
 from llsrbm.planning.knots import Knots
 from llsrbm.trajectory.plan import Phase, Violation
 
@@ -17,6 +21,9 @@ TOLERANCE = 1e-3
 
 # What counts as equally bad in different units, to name the worst violation and the best attempt.
 SCALES = {"m": 0.05, "m/s": 0.5, "rad": 0.1, "rad/s": 3.0, "N": 30.0, "kg m2/s": 0.5, "s": 0.1}
+
+# How far a limit is moved, times its value, to see whether it is the one that is exceeded.
+FAR = 20.0
 
 PHASE_NAMES = {Phase.TAKEOFF: "take-off", Phase.FLIGHT: "flight", Phase.LANDING: "landing"}
 
@@ -42,18 +49,24 @@ def dynamics_defects(knots: Knots) -> dict[str, tuple[str, Array]]:
 def violations(knots: Knots) -> dict[str, Violation]:
     """Constraint name -> its largest violation."""
     amounts = dynamics_defects(knots) | {c.name: (c.unit, c.violation(knots)) for c in CONSTRAINTS}
-    found = {}
-    for name, (unit, amount) in amounts.items():
-        # A solver that diverges leaves NaN: the worst there can be.
-        amount = np.where(np.isfinite(amount), amount, np.inf)
-        worst = int(np.argmax(amount))
-        found[name] = Violation(
-            amount=float(amount[worst]),
-            unit=unit,
-            phase=PHASE_NAMES[Phase(knots.phase[worst])],
-            time=float(knots.time[worst]),
-        )
-    return found
+    return {name: _largest(knots, unit, amount) for name, (unit, amount) in amounts.items()}
+
+
+def violation(knots: Knots, constraint: Constraint) -> Violation:
+    """The largest violation of one constraint."""
+    return _largest(knots, constraint.unit, constraint.violation(knots))
+
+
+def _largest(knots: Knots, unit: str, amount: Array) -> Violation:
+    # A solver that diverges leaves NaN: the worst there can be.
+    amount = np.where(np.isfinite(amount), amount, np.inf)
+    worst = int(np.argmax(amount))
+    return Violation(
+        amount=float(amount[worst]),
+        unit=unit,
+        phase=PHASE_NAMES[Phase(knots.phase[worst])],
+        time=float(knots.time[worst]),
+    )
 
 
 def satisfied(found: dict[str, Violation]) -> bool:
@@ -63,10 +76,11 @@ def satisfied(found: dict[str, Violation]) -> bool:
 
 def excess(found: dict[str, Violation]) -> float:
     """The largest violation in the units of `SCALES`."""
-    return max(_scaled(violation) for violation in found.values())
+    return max(map(severity, found.values()))
 
 
-def _scaled(violation: Violation) -> float:
+def severity(violation: Violation) -> float:
+    """A violation in the units of `SCALES`."""
     # A constraint of several units is named with the first.
     return violation.amount / SCALES[violation.unit.split(",")[0]]
 
@@ -75,11 +89,71 @@ def describe_worst(found: dict[str, Violation]) -> str:
     """The violated constraints in words, the worst first, at most three."""
     broken = sorted(
         ((name, v) for name, v in found.items() if v.amount > TOLERANCE),
-        key=lambda item: -_scaled(item[1]),
+        key=lambda item: -severity(item[1]),
     )
     if not broken:
         return "no constraint is violated, the optimum was not reached"
     return "; ".join(
         f"{name} is violated by {v.amount:.3g} {v.unit} in {v.phase} at {v.time:.2f} s"
         for name, v in broken[:3]
+    )
+
+
+def stops(knots: Knots) -> tuple[Stop, ...]:
+    """What a result violates, the worst first, with the limits that would have to be others.
+
+    Of a solve that failed this is what it could not mend, which need not be what made it fail:
+    `llsrbm.planning.explanation` finds that, with further solves.
+    """
+    found = violations(knots)
+    broken = sorted(
+        (name for name, v in found.items() if v.amount > TOLERANCE),
+        key=lambda name: -severity(found[name]),
+    )
+    constraints = {c.name: c for c in CONSTRAINTS}
+    return tuple(
+        (_exceeded(knots, constraints[name]) if name in constraints else None)
+        or Stop(name, v.phase, v.time, v.amount, v.unit)
+        for name, v in ((name, found[name]) for name in broken)
+    )
+
+
+def _exceeded(knots: Knots, constraint: Constraint) -> Stop | None:
+    """The limit of a violated constraint that would have to be another, if there is one."""
+    for limit in constraint.limits:
+        value = limit.of(knots.task)
+        step = FAR * max(abs(value), TOLERANCE) * (-1 if limit.lower_bound else 1)
+        enough, too_little = value + step, value
+        if violation_with(knots, constraint, limit, enough).amount > TOLERANCE:
+            continue
+        while abs(enough - too_little) > 1e-3 * abs(enough) + TOLERANCE / 10:
+            middle = (enough + too_little) / 2
+            if violation_with(knots, constraint, limit, middle).amount > TOLERANCE:
+                too_little = middle
+            else:
+                enough = middle
+        where = violation(knots, constraint)
+        return stop(constraint, limit, value, enough, where)
+    return None
+
+
+def violation_with(knots: Knots, constraint: Constraint, limit: Limit, value: float) -> Violation:
+    """What the largest violation of a constraint would be, had one of its limits that value."""
+    return violation(replace(knots, task=limit.put(knots.task, value)), constraint)
+
+
+def stop(
+    constraint: Constraint, limit: Limit, value: float, needed: float, where: Violation
+) -> Stop:
+    """A limit that would have to be `needed`, as `where` shows."""
+    return Stop(
+        constraint=constraint.name,
+        phase=where.phase,
+        time=where.time,
+        amount=abs(needed - value),
+        unit=limit.unit,
+        limit=limit.name,
+        title=limit.title,
+        value=value,
+        needed=needed,
     )

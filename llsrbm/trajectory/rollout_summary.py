@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import asdict
 from typing import Any
 
+from llsrbm.trajectory.diagnosis import diagnose
 from llsrbm.trajectory.rollout import Rollout
 from llsrbm.trajectory.summary import json_value
 
@@ -36,6 +37,7 @@ def rollout_summary(rollout: Rollout) -> dict[str, Any]:
         "duration_s": rollout.duration,
         "conditions": asdict(rollout.conditions),
         "disturbance": asdict(rollout.disturbance),
+        "events": [asdict(event) for event in diagnose(rollout)],
     }
     return {key: json_value(value) for key, value in figures.items()}
 

@@ -6,6 +6,7 @@ import pytest
 
 from app.summaries import rollout_figures, simulated_line
 from llsrbm.jump import Jump
+from llsrbm.trajectory.diagnosis import diagnose
 from llsrbm.trajectory.rollout import Conditions
 from tests.app.synthetic_plan import synthetic_plan
 from tests.llsrbm.synthetic_rollout import synthetic_rollout
@@ -38,8 +39,14 @@ def test_landed_badly(rollout):
 
 
 def test_fell_says_when_and_why(plan):
-    word, rest = simulated_line(synthetic_rollout(plan, fell_at=0.95))
-    assert (word, rest) == ("Fell", "the base touched the ground at 0.95 s.")
+    rollout = synthetic_rollout(plan, fell_at=0.95)
+    first = diagnose(rollout)[0]
+    word, rest = simulated_line(rollout)
+    assert word == "Fell"
+    assert rest == (
+        f"at 0.95 s: first {first.words} ({first.time:.2f} s), "
+        "then the base touched the ground at 0.95 s."
+    )
 
 
 @pytest.mark.parametrize(

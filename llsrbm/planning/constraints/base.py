@@ -28,20 +28,29 @@ class Limit:
 
     Attributes:
         name: as in requests and files.
+        title: the same in words.
         unit: SI; angles in rad.
         effect: what raising it does.
         lowest, highest: what is accepted; shares of the robot's own value if `relative`.
         place: where a `Task` has it: names of attributes, the index in a tuple.
         relative: see `lowest`; `llsrbm.planning.limits.limits_of` has them in `unit`.
+        lower_bound: whether raising it forbids more, instead of allowing more.
     """
 
     name: str
+    title: str
     unit: str
     effect: str
     lowest: float
     highest: float
     place: tuple[str | int, ...]
     relative: bool = False
+    lower_bound: bool = False
+
+    @property
+    def loosest(self) -> float:
+        """The end of the range that allows most."""
+        return self.lowest if self.lower_bound else self.highest
 
     def of(self, task: Task) -> float:
         """The value that holds in a task."""

@@ -68,6 +68,7 @@ class FrictionPyramid(Constraint):
     limits = (
         Limit(
             "friction",
+            "coefficient of friction",
             "1",
             "feet may push sideways harder for the load they carry",
             lowest=0.1,
@@ -108,6 +109,7 @@ class ContactForce(Constraint):
     limits = (
         Limit(
             "contact_force",
+            "largest force of a contact",
             "N",
             "contacts may push down harder: shorter, higher and wider jumps; more torque",
             lowest=0.25,

@@ -41,6 +41,7 @@ class KneeSpeed(Constraint):
     limits = (
         Limit(
             "knee_speed",
+            "speed of the knee",
             "rad/s",
             "legs may fold and stretch faster; the default is 3/4 of the drive's limit",
             lowest=0.3,

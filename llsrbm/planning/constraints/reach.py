@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 # The ranges of the box and of the distance stay near the robot file's: the maps of the legs are
 # fitted there, and a leg that is nearly straight has no posture that is fast enough.
 _BOX = (
-    ("x", "behind their hips (mirrored hind legs: ahead)", "ahead of their hips (...: behind)"),
+    ("x", "behind their hips (mirrored hind legs: ahead)", "ahead of their hips (those: behind)"),
     ("y", "inward of their hips", "outward of their hips"),
     ("z", "below their hips", "up towards their hips"),
 )
@@ -39,15 +39,18 @@ class Reach(Constraint):
     limits = (
         Limit(
             "reach_min",
+            "shortest leg, hip to foot",
             "m",
             "legs fold less",
             lowest=0.8,
             highest=1.4,
             place=("reach", "distance", 0),
             relative=True,
+            lower_bound=True,
         ),
         Limit(
             "reach_max",
+            "longest leg, hip to foot",
             "m",
             "legs may stretch further: knees get faster near the straight leg",
             lowest=0.75,
@@ -58,17 +61,19 @@ class Reach(Constraint):
         *(
             Limit(
                 f"reach_{axis}_{end}",
+                f"{extreme} {axis} of a foot from its hip",
                 "m",
                 effect,
                 lowest=0.4,
                 highest=1.25,
                 place=("reach", corner, index),
+                lower_bound=end == "min",
                 relative=True,
             )
             for index, (axis, back, ahead) in enumerate(_BOX)
-            for end, corner, effect in (
-                ("min", "lower", f"feet come less far {back}"),
-                ("max", "upper", f"feet may come further {ahead}"),
+            for end, extreme, corner, effect in (
+                ("min", "lowest", "lower", f"feet come less far {back}"),
+                ("max", "highest", "upper", f"feet may come further {ahead}"),
             )
         ),
     )
@@ -115,11 +120,13 @@ class FeetApart(Constraint):
     limits = (
         Limit(
             "feet_apart",
+            "distance that feet keep",
             "m",
             "feet stay further from each other in flight: less of a twist comes from the inertia",
             lowest=0.0,
             highest=0.5,
             place=("limits", "feet_apart"),
+            lower_bound=True,
         ),
     )
 

@@ -55,11 +55,13 @@ class Clearance(Constraint):
     limits = (
         Limit(
             "clearance",
+            "clearance of the feet",
             "m",
             "feet are lifted higher in mid-flight",
             lowest=0.0,
             highest=0.3,
             place=("limits", "clearance"),
+            lower_bound=True,
         ),
     )
 
@@ -97,6 +99,7 @@ class FootSpeed(Constraint):
     limits = (
         Limit(
             "foot_speed",
+            "foot speed over the ground",
             "m/s",
             "feet may fly faster over the ground",
             lowest=0.2,
@@ -137,6 +140,7 @@ class FootSpeedInBase(Constraint):
     limits = tuple(
         Limit(
             f"foot_speed_in_base_{axis}",
+            f"foot speed along the base's {axis}",
             "m/s",
             f"feet may swing faster along the base's {axis} in flight",
             lowest=0.2,

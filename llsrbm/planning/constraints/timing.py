@@ -24,17 +24,19 @@ class PhaseTimes(Constraint):
     limits = tuple(
         Limit(
             f"{phase}_{end}",
+            f"{extreme} {title}",
             "s",
             f"{title} {effect}",
             lowest=accepted[0],
             highest=accepted[1],
             place=("timing", phase, index),
+            lower_bound=end == "min",
         )
         for phase, title in (("takeoff", "take-off"), ("flight", "flight"), ("landing", "landing"))
-        for index, (end, effect, accepted) in enumerate(
+        for index, (end, extreme, effect, accepted) in enumerate(
             (
-                ("min", "takes at least this long", (0.1, 1.0)),
-                ("max", "may take longer", (0.15, 1.5)),
+                ("min", "shortest", "takes at least this long", (0.1, 1.0)),
+                ("max", "longest", "may take longer", (0.15, 1.5)),
             )
         )
     )

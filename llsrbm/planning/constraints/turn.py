@@ -27,15 +27,18 @@ class FootYaw(Constraint):
     limits = (
         Limit(
             "foot_yaw_min",
+            "furthest turn of a foot inward",
             "rad",
             "feet may turn inward less far",
             lowest=0.0,
             highest=1.25,
             place=("foot", "yaw", 0),
             relative=True,
+            lower_bound=True,
         ),
         Limit(
             "foot_yaw_max",
+            "furthest turn of a foot outward",
             "rad",
             "feet may turn outward further",
             lowest=0.0,
@@ -78,6 +81,7 @@ class FootTurn(Constraint):
     limits = (
         Limit(
             "foot_turn_speed",
+            "turning speed of a foot",
             "rad/s",
             "feet may turn faster in flight",
             lowest=0.2,

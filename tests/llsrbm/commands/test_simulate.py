@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from dataclasses import replace
+from dataclasses import asdict, replace
 
 import numpy as np
 import pytest
@@ -12,6 +12,7 @@ import pytest
 import llsrbm
 from llsrbm import cli
 from llsrbm.errors import NotConverged
+from llsrbm.trajectory.diagnosis import diagnose
 from llsrbm.trajectory.files import load
 from llsrbm.trajectory.rollout import Conditions
 from llsrbm.trajectory.rollout_summary import rollout_summary
@@ -95,7 +96,12 @@ def test_a_fall_is_exit_1_with_when_and_why(simulator, saved, capfd, tmp_path):
     assert json.loads(out)["status"] == "fell"
     assert json.loads(out)["fell_at_s"] == 1.25
     last = err.splitlines()[-1]
-    assert last.startswith("llsrbm: the robot fell at 1.25 s: the base touched the ground")
+    events = diagnose(simulator.answers[0])
+    assert last == (
+        f"llsrbm: the robot fell at 1.25 s: first {events[0].words} ({events[0].time:.2f} s), "
+        "then the base touched the ground at 1.25 s"
+    )
+    assert json.loads(out)["events"] == [asdict(event) for event in events]
     assert not load(out_file).landed
 
 

@@ -1,0 +1,151 @@
+"""Ten tabs on one server, and a hundred after each other: `python -m benchmarks.tabs`.
+
+Five of ten tabs change a slider for ten seconds, each as fast as its plans come; then all five drag
+at once, a value every 50 ms, and every tab's plan is exported and compared with its own last value.
+After that a hundred tabs are opened and closed; memory of the server and its processes is printed
+after every tenth.
+"""
+
+from __future__ import annotations
+
+import io
+import json
+import math
+import re
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+
+import numpy as np
+
+from tests.app.raw_tab import RawTab
+
+PROGRAM = [sys.executable, "-m", "llsrbm.cli", "serve", "--port", "0"]
+TABS, DRAGGING, DRAG_SECONDS = 10, 5, 10.0
+BURST, STEP_SECONDS = 30, 0.05  # values of the drag at the end, and the time between two
+OPENED, REPORT_EVERY = 100, 10
+
+
+class Tab(RawTab):
+    """Keeps its slider's value and the times its plans took."""
+
+    def __init__(self, port, number):
+        super().__init__(port)
+        self.number = number
+        self.twist = None
+        self.latencies = []
+        self.wait_for_status("Planned", timeout=60)
+        self.set("Motion", "Pause")
+
+    def ask(self, twist):
+        self.twist = twist
+        self.set("Twist [deg]", twist)
+
+    def ask_and_wait(self, twist):
+        before, began = self.status(), time.monotonic()
+        self.ask(twist)
+        self.wait(lambda: self.status() != before, "news", timeout=30)
+        self.wait_for_status("Planned", timeout=30)
+        self.latencies.append(time.monotonic() - began)
+
+    def drag(self, until):
+        # Values of its own: the last two digits are the tab's.
+        step = 0
+        while time.monotonic() < until:
+            step += 1
+            self.ask_and_wait(round(100 * math.sin(step / 8)) + self.number)
+
+    def burst(self):
+        for step in range(BURST):
+            self.ask(-step + 10 * self.number)
+            time.sleep(STEP_SECONDS)
+
+    def exported_twist(self):
+        count = len(self.downloads)
+        self.set("Format", "npz")
+        time.sleep(0.1)
+        self.press("Export")
+        self.wait(lambda: len(self.downloads) > count, "a download")
+        plan = np.load(io.BytesIO(self.downloads[-1][1]), allow_pickle=False)
+        return math.degrees(json.loads(str(plan["meta"]))["request"]["twist"])
+
+
+def in_threads(work, tabs):
+    threads = [threading.Thread(target=work, args=(tab,)) for tab in tabs]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+
+
+def share(port):
+    tabs = [Tab(port, number) for number in range(TABS)]
+    default = tabs[-1].exported_twist()
+    dragging, watching = tabs[:DRAGGING], tabs[DRAGGING:]
+    until = time.monotonic() + DRAG_SECONDS
+    in_threads(lambda tab: tab.drag(until), dragging)
+    print(f"{DRAGGING} of {TABS} tabs change a slider for {DRAG_SECONDS:g} s:")
+    for tab in dragging:
+        middle, late = np.percentile(tab.latencies, [50, 95])
+        print(
+            f"  tab {tab.number}: {len(tab.latencies):4d} plans, {1e3 * middle:5.0f} ms median, "
+            f"{1e3 * late:5.0f} ms p95, {1e3 * max(tab.latencies):5.0f} ms worst"
+        )
+    counts = [len(tab.latencies) for tab in dragging]
+    print(f"  fewest / most plans             {min(counts) / max(counts):6.2f}")
+
+    in_threads(Tab.burst, dragging)
+    time.sleep(3.0)
+    wrong = [tab for tab in dragging if abs(tab.exported_twist() - tab.twist) > 1e-6]
+    wrong += [tab for tab in watching if abs(tab.exported_twist() - default) > 1e-6]
+    print(f"tabs without the plan of their own last value: {len(wrong)} of {TABS}")
+    for tab in tabs:
+        tab.close()
+    return not wrong
+
+
+def resident(pid):
+    """Memory of a process, and of its children together, MB."""
+    listed = subprocess.run(
+        ["ps", "-o", "pid=,rss=", "--ppid", str(pid), "-p", str(pid)],
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    sizes = {int(p): int(rss) / 1024 for p, rss in map(str.split, listed.stdout.splitlines())}
+    return sizes.pop(pid), sum(sizes.values())
+
+
+def open_and_close(port, pid):
+    print("tabs opened and closed    server MB    its processes MB    threads")
+    for opened in range(OPENED + 1):
+        if opened % REPORT_EVERY == 0:
+            time.sleep(1.0)
+            server, processes = resident(pid)
+            status = Path(f"/proc/{pid}/status").read_text()
+            threads = re.search(r"Threads:\s+(\d+)", status).group(1)
+            print(f"{opened:8d} {server:27.0f} {processes:16.0f} {threads:>14s}", flush=True)
+        with RawTab(port) as tab:
+            tab.wait_for_status("Planned", timeout=60)
+
+
+def main():
+    server = subprocess.Popen(PROGRAM, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    try:
+        port = int(re.search(r":(\d+)$", server.stdout.readline().strip()).group(1))
+        while server.stderr.readline() != "ready\n":
+            pass
+        drain = threading.Thread(target=server.stderr.read, daemon=True)
+        drain.start()
+        fine = share(port)
+        open_and_close(port, server.pid)
+    finally:
+        server.terminate()
+        server.wait()
+    return 0 if fine else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

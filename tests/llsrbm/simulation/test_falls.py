@@ -1,0 +1,70 @@
+"""Falls whose cause is known, because it was put there: the first event has to name it."""
+
+from __future__ import annotations
+
+import pytest
+
+from llsrbm.robots import load_robot
+from llsrbm.robots.drives import torque_range
+from llsrbm.simulation import drives
+from llsrbm.simulation import simulate as loop
+from llsrbm.trajectory.diagnosis import diagnose, fall_in_words
+from llsrbm.trajectory.rollout import Conditions, Disturbance
+from tests.llsrbm.planning.solved import solved
+
+
+def follow(conditions=None):
+    plan = solved("llsrbm-plus", "forward").plan
+    return loop.simulate(plan, load_robot("anymal"), conditions or Conditions())
+
+
+def ice(monkeypatch):
+    world = Disturbance(friction=0.05)
+    monkeypatch.setattr(loop, "draw_disturbance", lambda conditions: world)
+
+
+def a_load_on_the_trunk(monkeypatch):
+    world = Disturbance(trunk_mass_factor=2.2)
+    monkeypatch.setattr(loop, "draw_disturbance", lambda conditions: world)
+
+
+def weak_drives(monkeypatch):
+    def weaker(robot, speed):
+        low, high = torque_range(robot, speed)
+        return 0.35 * low, 0.35 * high
+
+    monkeypatch.setattr(drives, "torque_range", weaker)
+
+
+def a_deaf_detector(monkeypatch):
+    class Deaf(loop.WholeBodyController):
+        def __init__(self, *arguments):
+            super().__init__(*arguments)
+            self.detector.threshold = 1e9
+
+    monkeypatch.setattr(loop, "WholeBodyController", Deaf)
+
+
+@pytest.mark.parametrize(
+    ("cause", "what"),
+    [
+        (ice, "slip"),
+        (a_load_on_the_trunk, "sink"),
+        (weak_drives, "torque limit"),
+        (a_deaf_detector, "detection"),
+    ],
+)
+def test_the_first_event_is_the_cause(cause, what, monkeypatch):
+    cause(monkeypatch)
+    rollout = follow()
+    assert not rollout.landed, rollout.outcome
+    events = diagnose(rollout)
+    assert events[0].what == what, events
+    assert events[0].words in fall_in_words(rollout)
+
+
+@pytest.mark.parametrize("seed", [3, 5])
+def test_a_landing_with_everything_disturbed_has_none(seed):
+    rollout = follow(Conditions(seed=seed))
+    assert rollout.landed, rollout.outcome
+    assert diagnose(rollout) == ()
