@@ -11,23 +11,21 @@ from app.clip import Track
 from app.colours import Rgb, linear
 from app.frames import Frames
 from llsrbm.robots import Robot
-from llsrbm.robots.visuals import FACES, forward_kinematics, link_visuals
-
-COARSE_FACES = 6000
-"""Of a robot in a browser without a graphics processor: a fourth of the triangles draws in half
-the time, and the page opens sooner. Others get the fine one as soon as they say so."""
+from llsrbm.robots.visuals import LinkVisual, forward_kinematics, link_visuals
 
 _GHOST_OPACITY = 0.25
 
 
 @lru_cache(maxsize=16)
-def _meshes(robot: Robot, faces: int, ghost: Rgb | None) -> tuple[tuple[str, int, bytes], ...]:
+def meshes(
+    robot: Robot, *, fine: bool = False, ghost: Rgb | None = None
+) -> tuple[tuple[str, int, bytes], ...]:
     """(link, body index, glTF) of each body, made once for all tabs; ghosts in one colour."""
     from trimesh import Trimesh
     from trimesh.visual import TextureVisuals
     from trimesh.visual.material import PBRMaterial
 
-    def glb(visual: Any) -> bytes:
+    def glb(visual: LinkVisual) -> bytes:
         if ghost is None:
             solid: bytes = visual.mesh().export(file_type="glb")
             return solid
@@ -46,7 +44,8 @@ def _meshes(robot: Robot, faces: int, ghost: Rgb | None) -> tuple[tuple[str, int
         ).export(file_type="glb")
         return translucent
 
-    return tuple((v.link, v.joint_id - 1, glb(v)) for v in link_visuals(robot, faces))
+    visuals = link_visuals(robot, coarse=not fine)
+    return tuple((visual.link, visual.joint_id - 1, glb(visual)) for visual in visuals)
 
 
 class RobotNodes:
@@ -68,7 +67,8 @@ class RobotNodes:
             robot: what to draw.
             name: of the node above the links.
             ghost: translucent, in this colour.
-            fine: with all triangles; ghosts never need them.
+            fine: with all triangles. A browser without a graphics processor draws the coarse ones
+                in half the time, and every page opens sooner with them; ghosts never need more.
         """
         self._client = client
         self._robot = robot
@@ -77,11 +77,11 @@ class RobotNodes:
         self._frame = client.scene.add_frame(name, show_axes=False, visible=ghost is None)
         self._bodies: dict[str, int] = {}
         self.nodes: dict[str, Any] = {}
-        self._add(FACES if fine else COARSE_FACES)
+        self._add(fine=fine)
 
     def refine(self) -> None:
         """Draw all triangles from now on."""
-        self._add(FACES)
+        self._add(fine=True)
 
     def track(self, frames: Frames) -> list[Track]:
         """Every body's way through a motion of this robot."""
@@ -98,12 +98,12 @@ class RobotNodes:
         """Remove for good."""
         self._frame.remove()
 
-    def _add(self, faces: int) -> None:
+    def _add(self, *, fine: bool) -> None:
         robot = self._robot
         position, wxyz = forward_kinematics(
             robot, robot.base_position[None], [[1.0, 0.0, 0.0, 0.0]], robot.posture[None, 7:]
         )
-        for link, body, glb in _meshes(robot, faces, self._ghost):
+        for link, body, glb in meshes(robot, fine=fine, ghost=self._ghost):
             node = f"{self._name}/{link}"
             before = self.nodes.get(node)
             self._bodies[node] = body

@@ -57,7 +57,7 @@ class LibraryPlanner:
         loaded = load_robot(robot)
         loaded.fit  # noqa: B018  # computed on first use, then kept on disk
         tell(f"simplifying the meshes of {robot}")
-        link_visuals(loaded)
+        link_visuals(loaded, coarse=True)
 
     def plan(self, task: PlanJump, tell: Tell, cancelled: Callable[[], bool]) -> Plan:
         """See `app.protocol.Planner.plan`."""

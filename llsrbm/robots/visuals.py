@@ -13,7 +13,7 @@ import re
 import tempfile
 from collections import defaultdict
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -25,7 +25,7 @@ from llsrbm.cache import cache_path, content_key, read_checked, write_checked
 from llsrbm.errors import RobotFileError
 from llsrbm.robots.collada_repair import readable
 from llsrbm.robots.legs import apply, rotation_matrices
-from llsrbm.robots.mesh_reduction import face_shares, simplified
+from llsrbm.robots.mesh_reduction import coarser, face_shares, simplified
 from llsrbm.robots.robot import Robot
 
 if TYPE_CHECKING:
@@ -35,11 +35,15 @@ Array = NDArray[np.float64]
 
 VISUALS_VERSION = "2"  # part of the cache key: raise it when the meshes change
 FACES = 26_000  # of a whole robot, about; 0.4 MB as viser sends it
+COARSE_FACES = 8_000
+"""Of a whole robot in a browser without a graphics processor, which draws that in half the time."""
 
 
 # Powers of two, so that most bits of the numbers are zero and they compress to half on the wire.
 _VERTEX_STEP = 2.0**-13  # m
 _NORMAL_STEP = 2.0**-6
+
+_SHADES = 16  # colours of a coarse mesh nearer to each other than this, of 256, are one
 
 _log = logging.getLogger(__name__)
 
@@ -78,7 +82,11 @@ class LinkVisual:
 
 
 def link_visuals(
-    robot: Robot, faces: int = FACES, progress: Callable[[float], None] | None = None
+    robot: Robot,
+    faces: int = FACES,
+    progress: Callable[[float], None] | None = None,
+    *,
+    coarse: bool = False,
 ) -> tuple[LinkVisual, ...]:
     """A mesh for each moving body that has one, from the cache if made before.
 
@@ -86,6 +94,7 @@ def link_visuals(
         robot: the robot.
         faces: about how many faces the whole robot shall have.
         progress: called with the fraction done, 0 to 1.
+        coarse: made of these with some `COARSE_FACES`, for browsers without a graphics processor.
 
     Raises:
         RobotFileError: the URDF names a mesh that is missing or cannot be read.
@@ -93,14 +102,18 @@ def link_visuals(
     report = progress or _silent
     report(0.0)
     urdf = robot.urdf_path.read_text()
-    key = content_key("visuals", VISUALS_VERSION, urdf, str(faces), *_mesh_stamps(robot, urdf))
-    path = cache_path("visuals", key, ".npz")
+    kind = "coarse" if coarse else "visuals"
+    key = content_key(kind, VISUALS_VERSION, urdf, str(faces), *_mesh_stamps(robot, urdf))
+    path = cache_path(kind, key, ".npz")
     stored = read_checked(path)
     if stored is not None:
         visuals = _decode(stored)
     else:
         _log.info("preparing the meshes of %s", robot.name)
-        visuals = _prepare(robot, faces, report)
+        if coarse:
+            visuals = _coarser(link_visuals(robot, faces, report), robot)
+        else:
+            visuals = _prepare(robot, faces, report)
         write_checked(path, _encode(visuals))
     report(1.0)
     return visuals
@@ -145,7 +158,7 @@ def _prepare(robot: Robot, faces: int, report: Callable[[float], None]) -> tuple
     parts = _coloured_parts(robot)
     report(0.3)
     shares = face_shares(list(parts.values()), faces)
-    size = float(np.linalg.norm(robot.feet - robot.base_position - robot.hips, axis=1).max())
+    size = _size(robot)
     pieces: dict[int, list[trimesh.Trimesh]] = defaultdict(list)
     for done, ((joint, _), part, share) in enumerate(
         zip(parts, parts.values(), shares, strict=True), start=1
@@ -169,6 +182,44 @@ def _prepare(robot: Robot, faces: int, report: Callable[[float], None]) -> tuple
             )
         )
     return tuple(visuals)
+
+
+def _coarser(visuals: tuple[LinkVisual, ...], robot: Robot) -> tuple[LinkVisual, ...]:
+    """The same bodies with about `COARSE_FACES` faces, if they have more."""
+    if sum(len(visual.faces) for visual in visuals) <= COARSE_FACES:
+        return visuals
+    coarse = []
+    for visual in visuals:
+        shades, part_of = np.unique(visual.rgb // _SHADES, axis=0, return_inverse=True)
+        part_of = part_of.reshape(-1)
+        vertices, normals, faces, rgb = [], [], [], []
+        count = 0
+        for part in range(len(shades)):
+            kept = visual.faces[part_of[visual.faces[:, 0]] == part]
+            mesh = coarser(visual.vertices, kept, _size(robot))
+            if mesh is None:
+                continue
+            vertices.append(np.asarray(mesh.vertices))
+            normals.append(np.asarray(mesh.vertex_normals))
+            faces.append(np.asarray(mesh.faces) + count)
+            mean = visual.rgb[part_of == part].mean(axis=0).astype(np.uint8)
+            rgb.append(np.tile(mean, (len(mesh.vertices), 1)))
+            count += len(mesh.vertices)
+        coarse.append(
+            replace(
+                visual,
+                vertices=_rounded(vertices, _VERTEX_STEP),
+                normals=_rounded(normals, _NORMAL_STEP),
+                faces=np.vstack(faces).astype(np.uint32),
+                rgb=np.vstack(rgb),
+            )
+        )
+    return tuple(coarse)
+
+
+def _size(robot: Robot) -> float:
+    """Length of the longest leg in the default posture, m."""
+    return float(np.linalg.norm(robot.feet - robot.base_position - robot.hips, axis=1).max())
 
 
 def _rounded(arrays: list[Array], step: float) -> NDArray[np.float32]:

@@ -1,0 +1,89 @@
+"""The part of the page's scripts (app/static) in a tab without a browser: hear, decode, answer."""
+
+from __future__ import annotations
+
+import base64
+import itertools
+import json
+import re
+
+import numpy as np
+
+_CALL = re.compile(r"window\.llsrbm\?\.(\w+) && window\.llsrbm\.([\w.]+)\((.*)\)", re.DOTALL)
+
+
+def call(source):
+    """(function, arguments) of a script that the server sent."""
+    owner, function, arguments = _CALL.fullmatch(source).groups()
+    assert function.startswith(f"{owner}.")
+    return function, json.loads(f"[{arguments}]")
+
+
+def decoded(header, blob):
+    """(strands, end) of an encoded clip; a strand is (time, {node: (position, wxyz, scale)})."""
+    numbers = np.frombuffer(base64.b64decode(blob), "<f4")
+    at = 0
+
+    def take(frames, size):
+        nonlocal at
+        at += frames * size
+        return numbers[at - frames * size : at].reshape(frames, size)
+
+    strands = []
+    for strand in header["strands"]:
+        frames = strand["frames"]
+        time, nodes = take(frames, 1)[:, 0], {}
+        for track in strand["tracks"]:
+            position = take(frames, 3)
+            wxyz = take(frames, 4) if track["turns"] else None
+            scale = take(frames, 3) if track["scales"] else None
+            nodes |= dict.fromkeys(track["nodes"], (position, wxyz, scale))
+        strands.append((time, nodes))
+    assert at == len(numbers)
+    return strands, header["end"]
+
+
+class PageScript:
+    """Answers for the scripts of a `RawTab`."""
+
+    def __init__(self, tab):
+        self._tab = tab
+        self._count = itertools.count()
+
+    def calls(self, function):
+        """Arguments of every call of a function so far."""
+        told = [call(source) for source in list(self._tab.scripts)]
+        return [arguments for name, arguments in told if name == function]
+
+    def answer(self, software=True):
+        """Say that the scripts run."""
+        self.say(kind="ready", software=software)
+
+    def say(self, **event):
+        ((field,),) = self.calls("player.connect")
+        value = json.dumps({**event, "count": next(self._count)})
+        self._tab.send({"type": "GuiUpdateMessage", "uuid": field, "updates": {"value": value}})
+
+    @property
+    def end(self):
+        """Of the clip that is loaded, s."""
+        return self._clip()[1]
+
+    @property
+    def events(self):
+        """The timeline that is shown."""
+        return self.calls("transport.show")[-1][0]
+
+    def at(self, node, time):
+        """(position, wxyz, scale) of a node in the clip that is loaded, nearest to a time, s."""
+        ((instants, tracks),) = [(t, nodes) for t, nodes in self._clip()[0] if node in nodes]
+        frame = int(np.abs(instants - time).argmin())
+        return tuple(None if v is None else v[frame] for v in tracks[node])
+
+    def nodes(self):
+        """Names of what moves."""
+        return {name for _, tracks in self._clip()[0] for name in tracks}
+
+    def _clip(self):
+        header, blob = self.calls("player.load")[-1]
+        return decoded(header, blob)
