@@ -166,16 +166,14 @@ class Figure:
 FIGURES = (
     Figure("flight_time_s", "Flight time", "flight", "s", 1, 3),
     Figure("peak_yaw_rate", "Peak yaw rate", "yaw rate", "rad/s", 1, 2),
-    Figure("feet_radius", "Feet drawn in to", "feet", "m", 1, 3),
-    Figure("smallest_Izz", "Smallest Izz in flight", "Izz", "kg m²", 1, 2),
-    Figure("peak_force", "Peak force on a foot", "force", "N", 1, 0, smaller_is_better=True),
-    Figure(
-        "peak_force_in_weights", "In body weights", "force", "weights", 1, 2, smaller_is_better=True
-    ),
+    Figure("feet_radius", "Feet radius", "feet", "m", 1, 3),
+    Figure("smallest_Izz", "Least Izz", "Izz", "kg m²", 1, 2),
+    Figure("peak_force", "Peak force", "force", "N", 1, 0, smaller_is_better=True),
+    Figure("peak_force_in_weights", "Peak force", "force", "weights", 1, 2, smaller_is_better=True),
     Figure("peak_torque_ratio", "Peak torque", "torque", "%", 100, 0, smaller_is_better=True),
     Figure(
         "yaw_error_at_touchdown",
-        "Yaw error at contact",
+        "Yaw at contact",
         "yaw error",
         "°",
         math.degrees(1),

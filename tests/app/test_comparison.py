@@ -39,9 +39,9 @@ def two():
 def test_figures_are_rows_with_units_and_designs_columns(two):
     assert texts(two["Status"]) == ["planned", "landed"]
     assert texts(two["Flight time [s]"]) == ["0.412", "0.382"]
-    assert texts(two["Smallest Izz in flight [kg m²]"]) == ["1.86", "1.86"]
+    assert texts(two["Least Izz [kg m²]"]) == ["1.86", "1.86"]
     assert texts(two["Peak torque [%]"]) == ["–", "97"]
-    assert texts(two["Yaw error at contact [°]"]) == ["–", "-1.3"]
+    assert texts(two["Yaw at contact [°]"]) == ["–", "-1.3"]
     assert texts(two["Solve time [ms]"]) == ["177", "95"]
 
 
