@@ -14,7 +14,7 @@ from app.curves import shown_layers
 from app.jump_controls import JumpControls
 from app.player import SPEEDS
 from app.plots import Plots
-from app.replay import Figures, Replay
+from app.replay import Replay
 from app.simulation_controls import SimulationControls
 from app.timeline import timeline
 from llsrbm.exporters import formats
@@ -142,10 +142,10 @@ class Panel:
         self.jump.show_robot(robot_file)
         self.simulation.show_robot(robot_file)
 
-    def show_plan(self, replay: Replay, values: Figures) -> None:
+    def show_plan(self, replay: Replay) -> None:
         """A plan's numbers, and no simulation's."""
         self._plan, self._rollout = replay.plan, None
-        self._plan_figures.content = summaries.plan_figures(replay.plan, values)
+        self._plan_figures.content = summaries.plan_figures(replay.plan)
         self._residuals.content = summaries.residuals(replay.plan.violations)
         self._export.disabled = False
         self._rollout_figures.visible = False

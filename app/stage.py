@@ -10,7 +10,7 @@ import viser
 from app.pace import Pace
 from app.panel import Panel
 from app.player import Player, ServerPlayer
-from app.replay import Replay, bake, figures
+from app.replay import Replay, bake
 from app.scene import Scene
 from app.simulated_replay import bake_rollout
 from llsrbm.robots import Robot
@@ -82,7 +82,7 @@ class Stage:
         self._replay, self.rollout = replay, None
         with self._client.atomic():
             self._scene.show_motion(replay, blocks=around.blocks)
-            self._panel.show_plan(replay, figures(replay, self._robot))
+            self._panel.show_plan(replay)
             self._load(plan.duration)
             if first:
                 self.player.play()
