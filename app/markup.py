@@ -72,18 +72,19 @@ def plot_legend(*, simulated: bool) -> str:
     if simulated:
         rows.append((colours.SIMULATED, "simulation"))
     body = "".join(
-        f'<span style="margin-right:1.2em;white-space:nowrap">{_key(colour)}{escape(text)}</span>'
+        f'<span style="margin-right:1.2em;white-space:nowrap">{swatch(colour)}{escape(text)}</span>'
         for colour, text in rows
     )
     return f'<div style="{SMALL}">{body}<span style="opacity:0.7">shaded: played</span></div>'
 
 
 def _keys(rows: Iterable[tuple[Rgb, str]]) -> str:
-    body = "".join(f"<div>{_key(colour)}{escape(text)}</div>" for colour, text in rows)
+    body = "".join(f"<div>{swatch(colour)}{escape(text)}</div>" for colour, text in rows)
     return f'<div style="{SMALL}">{body}</div>'
 
 
-def _key(colour: Rgb) -> str:
+def swatch(colour: Rgb) -> str:
+    """A small square of a colour, before what it stands for."""
     return (
         '<span style="display:inline-block;width:0.8em;height:0.8em;border-radius:0.2em;'
         f'background:{colours.css(colour)};margin-right:0.5em"></span>'

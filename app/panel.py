@@ -17,7 +17,6 @@ from app.design_controls import DesignControls
 from app.jump_controls import JumpControls
 from app.player import SPEEDS
 from app.plots import Plots
-from app.replay import Figures
 from app.simulation_controls import SimulationControls
 from app.timeline import Timeline, html
 from app.tuning_controls import TuningControls
@@ -178,11 +177,9 @@ class Panel:
         self.jump.show_robot(robot_file)
         self.simulation.show_robot(robot_file)
 
-    def show_figures(
-        self, plan: Plan, values: Figures, rollout: Rollout | None, layers: Sequence[Layer]
-    ) -> None:
+    def show_figures(self, plan: Plan, rollout: Rollout | None, layers: Sequence[Layer]) -> None:
         """A motion's numbers and curves."""
-        self._plan_figures.content = summaries.plan_figures(plan, values)
+        self._plan_figures.content = summaries.plan_figures(plan)
         self._residuals.content = summaries.residuals(plan.violations)
         self._export.disabled = False
         self._rollout_figures.visible = rollout is not None

@@ -34,28 +34,6 @@ class Replay:
     rigid_wxyz: Array
 
 
-@dataclass(frozen=True)
-class Figures:
-    """What the page tells about a plan.
-
-    Attributes:
-        duration: s.
-        phase_durations: (take-off, flight, landing), s.
-        peak_yaw_rate: largest |rotation rate about the vertical|, rad/s.
-        smallest_Izz: in flight, kg m2.
-        standing_Izz: of the default posture, kg m2.
-        feet_radius: the feet's mean horizontal distance from the CoM where it is smallest in
-            flight, m.
-    """
-
-    duration: float
-    phase_durations: tuple[float, ...]
-    peak_yaw_rate: float
-    smallest_Izz: float
-    standing_Izz: float
-    feet_radius: float
-
-
 def presentable(plan: Plan) -> bool:
     """Whether a plan can be drawn at all; a solver that diverged may leave anything."""
     arrays = (plan.time, plan.com, plan.base_quat, plan.joint_position, plan.inertia)
@@ -99,18 +77,3 @@ def resultants(points: Array, forces: Array, feet: int) -> tuple[Array, Array]:
     pushed = total[..., 2:] > 0
     weighted = (vertical * points).sum(axis=2) / np.where(pushed, total[..., 2:], 1.0)
     return total, np.where(pushed, weighted, points.mean(axis=2))
-
-
-def figures(replay: Replay, robot: Robot) -> Figures:
-    """The numbers under the sliders."""
-    plan, motion = replay.plan, replay.motion
-    flight = motion.phase == Phase.FLIGHT
-    reach = np.linalg.norm((motion.foot_position - motion.com[:, None])[..., :2], axis=-1)
-    return Figures(
-        duration=plan.duration,
-        phase_durations=tuple(np.diff(plan.phase_start).tolist()),
-        peak_yaw_rate=float(np.abs(plan.angular_velocity[:, 2]).max()),
-        smallest_Izz=float(motion.inertia[flight, 2, 2].min()),
-        standing_Izz=float(robot.inertia[2, 2]),
-        feet_radius=float(reach[flight].mean(axis=1).min()),
-    )

@@ -16,7 +16,7 @@ from app.pace import Pace
 from app.panel import Panel
 from app.pins import Pin, Pins
 from app.player import BrowserPlayer, Player, ServerPlayer
-from app.replay import Replay, bake, figures
+from app.replay import Replay, bake
 from app.scene import Ghost, Scene
 from app.simulated_replay import SimulatedReplay, bake_rollout
 from app.target_handle import TargetHandle
@@ -201,7 +201,7 @@ class Stage:
             layers.append(Layer(name, pin.colour, pin.replay, pin.rollout, pinned=True))
             columns.append(Column(name, pin.colour, pin.figures))
         figures_now = figures_of_plan(replay.plan, rollout)
-        self._panel.show_figures(replay.plan, figures(replay, self._robot), rollout, layers)
+        self._panel.show_figures(replay.plan, rollout, layers)
         self._panel.compare.show(
             Column(title, colours.SIMULATED if rollout else colours.PLANNED, figures_now),
             columns,

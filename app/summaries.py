@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from app.markup import table
 from app.protocol import Progress
-from app.replay import Figures
 from llsrbm.trajectory.diagnosis import fall_in_words
+from llsrbm.trajectory.figures import figures_of_plan
 from llsrbm.trajectory.plan import Plan, Violation
 from llsrbm.trajectory.rollout import Conditions, Disturbance, Outcome, Rollout
 
@@ -61,21 +63,26 @@ def worst(violations: dict[str, Violation]) -> str:
     return f"{violation.amount:.1e} {violation.unit} ({name})"
 
 
-def plan_figures(plan: Plan, values: Figures) -> str:
+def plan_figures(plan: Plan) -> str:
     """The plan's numbers."""
-    phases = " + ".join(f"{seconds:.2f}" for seconds in values.phase_durations)
-    report = plan.report
+    report, values = plan.report, figures_of_plan(plan)
+    phases = " + ".join(f"{seconds:.2f}" for seconds in np.diff(plan.phase_start))
+    standing = plan.robot_parameters["inertia"][2][2]
     return table(
         [
             ("Solve time", f"{1e3 * report.solve_time_s:.0f} ms ({report.solver})"),
             ("Iterations", f"{report.iterations}" + _attempts(report.attempts)),
-            ("Duration", f"{values.duration:.2f} s = {phases}"),
+            ("Duration", f"{plan.duration:.2f} s = {phases}"),
             ("Peak yaw rate", f"{values.peak_yaw_rate:.2f} rad/s"),
             (
                 "Smallest Izz in flight",
-                f"{values.smallest_Izz:.2f} kg m² ({values.standing_Izz:.2f} standing)",
+                f"{values.smallest_Izz:.2f} kg m² ({standing:.2f} standing)",
             ),
             ("Feet drawn in to", f"{values.feet_radius:.3f} m from the CoM's axis"),
+            (
+                "Largest force on a foot",
+                f"{values.peak_force:.0f} N, {values.peak_force_in_weights:.2f} of the weight",
+            ),
         ],
         "Plan",
     )

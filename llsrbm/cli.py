@@ -14,6 +14,7 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperGroup
 
+from llsrbm.commands.compare import compare_command
 from llsrbm.commands.console import BAD_INPUT, DONE, FAILED, INTERRUPTED, complain
 from llsrbm.commands.design import designs_command
 from llsrbm.commands.listing import (
@@ -78,6 +79,7 @@ app.command("robots")(robots_command)
 app.command("models")(models_command)
 app.command("formats")(formats_command)
 app.command("designs")(designs_command)
+app.command("compare")(compare_command)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

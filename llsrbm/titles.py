@@ -68,9 +68,9 @@ def _task(jump: Jump) -> str:
         (jump.lateral, "left", "right"),
         (jump.height, "up", "down"),
     )
-    parts = [f"{math.degrees(jump.twist):.4g}°"] if jump.twist else []
+    parts = [f"{round(math.degrees(jump.twist), 1):g}°"] if jump.twist else []
     parts += [
-        f"{100 * abs(length):.4g} cm {onwards if length > 0 else backwards}"
+        f"{round(100 * abs(length), 1):g} cm {onwards if length > 0 else backwards}"
         for length, onwards, backwards in moves
         if length
     ]

@@ -22,6 +22,7 @@ from llsrbm.trajectory.summary import peak_yaw_rate
 Array = NDArray[np.float64]
 
 _GRAVITY = 9.81  # m/s2
+_SAME_INSTANT = 1e-9  # s
 
 
 @dataclass(frozen=True)
@@ -30,7 +31,7 @@ class DesignFigures:
 
     Attributes:
         status: "planned" or "not converged"; with a simulation "landed" or "fell".
-        flight_time: s.
+        flight_time_s: s.
         peak_yaw_rate: largest |angular velocity about z| of the base, rad/s.
         feet_radius: the feet's mean horizontal distance from the CoM, where it is smallest in
             flight, m.
@@ -39,11 +40,11 @@ class DesignFigures:
         peak_force_in_weights: the same in robots' weights.
         peak_torque_ratio: largest share of a torque limit, in the simulation.
         yaw_error_at_touchdown: of the base at its first contact, against the plan at its own, rad.
-        solve_time: wall time inside the solver, s.
+        solve_time_s: wall time inside the solver, s.
     """
 
     status: str
-    flight_time: float | None
+    flight_time_s: float | None
     peak_yaw_rate: float
     feet_radius: float | None
     smallest_Izz: float | None
@@ -51,7 +52,7 @@ class DesignFigures:
     peak_force_in_weights: float | None
     peak_torque_ratio: float | None
     yaw_error_at_touchdown: float | None
-    solve_time: float | None
+    solve_time_s: float | None
 
     @property
     def valid(self) -> bool:
@@ -70,7 +71,7 @@ def figures_of_plan(plan: Plan, rollout: Rollout | None = None) -> DesignFigures
     status = "planned" if plan.solved else "not converged"
     return DesignFigures(
         status=status if outcome is None else outcome.status,
-        flight_time=float(plan.phase_start[2] - plan.phase_start[1]),
+        flight_time_s=float(plan.phase_start[2] - plan.phase_start[1]),
         peak_yaw_rate=peak_yaw_rate(plan),
         feet_radius=_feet_radius(plan.com, plan.foot_position, flight),
         smallest_Izz=_smallest_Izz(plan.inertia, flight),
@@ -78,7 +79,7 @@ def figures_of_plan(plan: Plan, rollout: Rollout | None = None) -> DesignFigures
         peak_force_in_weights=_peak(force) / weight,
         peak_torque_ratio=None if outcome is None else outcome.peak_torque_ratio,
         yaw_error_at_touchdown=None if outcome is None else outcome.yaw_error_at_touchdown,
-        solve_time=plan.report.solve_time_s,
+        solve_time_s=plan.report.solve_time_s,
     )
 
 
@@ -87,14 +88,14 @@ def figures_of_rollout(rollout: Rollout) -> DesignFigures:
     outcome = rollout.outcome
     end = math.inf if outcome.fell_at_s is None else outcome.fell_at_s
     count = max(1, int(np.searchsorted(rollout.time, end, side="right")))
-    flight = _without_contact(rollout)[:count]
-    tick = float(rollout.time[1] - rollout.time[0])
+    flight_time, flight = _flight(rollout)
+    flight = flight[:count]
     turn = rotation_matrices(rollout.base_quat[:count])[:, 2]  # the world's z in the base's axes
     force = _peak(rollout.contact_force[:count])
     mass = rollout.robot_parameters.get("mass")
     return DesignFigures(
         status=outcome.status,
-        flight_time=float(flight.sum() * tick) if outcome.touchdown_true_s is not None else None,
+        flight_time_s=flight_time,
         peak_yaw_rate=float(np.abs((turn * rollout.qvel[:count, 3:6]).sum(axis=1)).max()),
         feet_radius=_feet_radius(rollout.com[:count], rollout.foot_position[:count], flight),
         smallest_Izz=_smallest_Izz(rollout.inertia[:count], flight),
@@ -102,7 +103,7 @@ def figures_of_rollout(rollout: Rollout) -> DesignFigures:
         peak_force_in_weights=force / (mass * _GRAVITY) if isinstance(mass, float | int) else None,
         peak_torque_ratio=outcome.peak_torque_ratio,
         yaw_error_at_touchdown=outcome.yaw_error_at_touchdown,
-        solve_time=None,
+        solve_time_s=None,
     )
 
 
@@ -163,18 +164,16 @@ class Figure:
 
 
 FIGURES = (
-    Figure("flight_time", "Flight time", "flight", "s", 1, 3),
+    Figure("flight_time_s", "Flight time", "flight", "s", 1, 3),
     Figure("peak_yaw_rate", "Peak yaw rate", "yaw rate", "rad/s", 1, 2),
-    Figure("feet_radius", "Feet drawn in to", "feet", "m", 1, 3),
-    Figure("smallest_Izz", "Smallest Izz in flight", "Izz", "kg m²", 1, 2),
-    Figure("peak_force", "Peak force on a foot", "force", "N", 1, 0, smaller_is_better=True),
-    Figure(
-        "peak_force_in_weights", "In body weights", "force", "weights", 1, 2, smaller_is_better=True
-    ),
+    Figure("feet_radius", "Feet radius", "feet", "m", 1, 3),
+    Figure("smallest_Izz", "Least Izz", "Izz", "kg m²", 1, 2),
+    Figure("peak_force", "Peak force", "force", "N", 1, 0, smaller_is_better=True),
+    Figure("peak_force_in_weights", "Peak force", "force", "weights", 1, 2, smaller_is_better=True),
     Figure("peak_torque_ratio", "Peak torque", "torque", "%", 100, 0, smaller_is_better=True),
     Figure(
         "yaw_error_at_touchdown",
-        "Yaw error at contact",
+        "Yaw at contact",
         "yaw error",
         "°",
         math.degrees(1),
@@ -182,21 +181,25 @@ FIGURES = (
         smaller_is_better=True,
         signed=True,
     ),
-    Figure("solve_time", "Solve time", "solve", "ms", 1e3, 0, smaller_is_better=True),
+    Figure("solve_time_s", "Solve time", "solve", "ms", 1e3, 0, smaller_is_better=True),
 )
 """The row, in its order, after the status."""
 
 
-def _without_contact(rollout: Rollout) -> NDArray[np.bool_]:
-    """(T,) from when the last foot has left until the first has come back."""
+def _flight(rollout: Rollout) -> tuple[float | None, NDArray[np.bool_]]:
+    """From when the last foot has left until the first comes back: how long, s, and (T,) when.
+
+    Without a touchdown, which has to be known for the length, it is while the controller flies.
+    """
+    tick, touchdown = 1.0 / rollout.outcome.control_rate_hz, rollout.outcome.touchdown_true_s
     contact = rollout.contact.astype(bool).any(axis=1)
-    touchdown = rollout.outcome.touchdown_true_s
-    before = rollout.phase == Phase.FLIGHT if touchdown is None else rollout.time < touchdown
+    if touchdown is None:
+        return None, (rollout.phase == Phase.FLIGHT) & ~contact
+    # A tick belongs to the time before if it ends before.
+    before = rollout.time + tick <= touchdown + _SAME_INSTANT
     left = np.flatnonzero(contact & before)
-    flight: NDArray[np.bool_] = before & ~contact
-    if len(left):
-        flight[: left[-1]] = False
-    return flight
+    lift_off = float(rollout.time[left[-1]]) + tick if len(left) else float(rollout.time[0])
+    return touchdown - lift_off, before & (rollout.time >= lift_off - _SAME_INSTANT)
 
 
 def _feet_radius(com: Array, feet: Array, flight: NDArray[np.bool_]) -> float | None:

@@ -11,10 +11,10 @@ from hypothesis.extra.numpy import arrays
 from scipy.spatial.transform import Rotation
 
 from app.frames import ellipsoid
-from app.replay import bake, figures, presentable, resultants
+from app.replay import bake, presentable, resultants
 from llsrbm.jump import Jump
 from llsrbm.robots import load_robot
-from tests.app.synthetic_plan import FLY, STAND, synthetic_plan
+from tests.app.synthetic_plan import synthetic_plan
 
 
 @pytest.fixture(scope="module")
@@ -96,16 +96,6 @@ def test_frame_at_is_the_nearest(replay):
     for instant in np.linspace(-0.1, replay.frames.end + 0.1, 200):
         frame = replay.frames.frame_at(instant)
         assert abs(times[frame] - instant) == np.abs(times - instant).min()
-
-
-def test_figures(robot, replay):
-    values = figures(replay, robot)
-    assert values.phase_durations == pytest.approx((STAND, FLY, STAND))
-    assert values.duration == pytest.approx(2 * STAND + FLY)
-    assert values.peak_yaw_rate == pytest.approx(1.5 / FLY)
-    assert values.smallest_Izz == pytest.approx(robot.inertia[2, 2])
-    expected = np.linalg.norm((robot.feet - robot.com)[:, :2], axis=1).mean()
-    assert values.feet_radius == pytest.approx(expected, rel=0.02)
 
 
 @pytest.mark.parametrize("broken", ["com", "base_quat", "inertia", "joint_position"])

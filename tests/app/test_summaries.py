@@ -2,13 +2,15 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
-from app.summaries import rollout_figures, simulated_line
+from app.summaries import plan_figures, rollout_figures, simulated_line
 from llsrbm.jump import Jump
+from llsrbm.robots import load_robot
 from llsrbm.trajectory.diagnosis import diagnose
 from llsrbm.trajectory.rollout import Conditions
-from tests.app.synthetic_plan import synthetic_plan
+from tests.app.synthetic_plan import FLY, GRAVITY, STAND, synthetic_plan
 from tests.llsrbm.synthetic_rollout import synthetic_rollout
 
 
@@ -63,6 +65,20 @@ def test_fell_says_when_and_why(plan):
 )
 def test_figures(rollout, outcome, told):
     assert f">{told}<" in rollout_figures(changed(rollout, **outcome))
+
+
+def test_a_plans_figures(plan):
+    robot = load_robot("anymal")
+    html = plan_figures(plan)
+    assert f">{2 * STAND + FLY:.2f} s = {STAND:.2f} + {FLY:.2f} + {STAND:.2f}<" in html
+    assert f">{1.0 / FLY:.2f} rad/s<" in html
+    Izz = f"{robot.inertia[2, 2]:.2f}"
+    assert f">{Izz} kg m² ({Izz} standing)<" in html
+    radius = np.linalg.norm((robot.feet - robot.com)[:, :2], axis=1).mean()
+    assert float(html.split("Feet drawn in to</td>")[1].split(">")[1].split()[0]) == (
+        pytest.approx(radius, rel=0.02)
+    )
+    assert f">{robot.mass * GRAVITY / 4:.0f} N, 0.25 of the weight<" in html
 
 
 def test_the_world_is_told(rollout):

@@ -1,0 +1,87 @@
+"""`llsrbm compare`: rows and columns, JSON, files that are none."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict, replace
+
+import pytest
+
+from llsrbm import cli
+from llsrbm.trajectory.figures import FIGURES, figures_of_plan, figures_of_rollout
+from tests.llsrbm.synthetic import synthetic_plan
+from tests.llsrbm.synthetic_rollout import synthetic_rollout
+
+SLOW, FAST = synthetic_plan(), synthetic_plan(twist=0.5)
+FAST = replace(FAST, report=replace(FAST.report, solve_time_s=0.04))
+FELL = synthetic_rollout(fell_at=1.25, seed=7)
+
+
+@pytest.fixture(scope="module")
+def files(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("compare")
+    named = {"slow.npz": SLOW, "fast.npz": FAST, "fell.npz": FELL}
+    for name, trajectory in named.items():
+        trajectory.save(folder / name)
+    return {name.removesuffix(".npz"): str(folder / name) for name in named}
+
+
+def compared(capfd, *arguments):
+    assert cli.main(["compare", *arguments]) == 0
+    out, err = capfd.readouterr()
+    assert err == ""
+    return out
+
+
+def test_a_line_a_file_below_a_head_of_names_and_units(files, capfd):
+    lines = compared(capfd, files["slow"], files["fast"]).splitlines()
+    assert len(lines) == 4
+    assert lines[0].split()[:3] == ["file", "design", "flight"]
+    assert lines[1].split() == " ".join(figure.unit for figure in FIGURES).split()
+    assert lines[2].startswith(files["slow"])
+    assert " 90° + 30 cm forward llsrbm-plus " in lines[2]
+    assert lines[3].startswith(files["fast"])
+    assert " planned " in lines[3]
+
+
+def test_every_number_stands_below_its_unit(files, capfd):
+    _, units, *rows = compared(capfd, files["slow"], files["fast"]).splitlines()
+    ends = [
+        i for i in range(1, len(units) + 1) if units[i - 1] != " " and units[i:][:1] in ("", " ")
+    ]
+    ends = [i for i in ends if units[:i].rstrip().split()[-1] != "kg"]  # of "kg m²"
+    assert len(ends) == len(FIGURES)
+    for row, design in zip(rows, (SLOW, FAST)):
+        for end, figure in zip(ends, FIGURES):
+            assert row[:end].endswith(figure.shown(figures_of_plan(design)))
+
+
+def test_the_best_has_an_asterisk(files, capfd):
+    slow, fast = compared(capfd, files["slow"], files["fast"]).splitlines()[2:]
+    assert (slow[-2:], fast[-3:]) == ("80", "40*")
+
+
+def test_plans_and_simulations_are_not_ranked(files, capfd):
+    out = compared(capfd, files["slow"], files["fell"])
+    assert " fell " in out
+    assert "*" not in out
+
+
+def test_json_is_one_object_in_si_units(files, capfd):
+    designs = json.loads(compared(capfd, files["slow"], files["fell"], "--json"))["designs"]
+    assert [design.pop("file") for design in designs] == [files["slow"], files["fell"]]
+    assert [design.pop("title") for design in designs] == [
+        "90° + 30 cm forward llsrbm-plus",
+        "90° + 30 cm forward llsrbm-plus, seed 7",
+    ]
+    assert designs[0].pop("request") == SLOW.jump.as_dict()
+    assert designs[0] == asdict(figures_of_plan(SLOW))
+    assert designs[1] == {"request": FELL.jump.as_dict()} | asdict(figures_of_rollout(FELL))
+
+
+def test_a_file_that_is_none_is_bad_input(files, tmp_path, capfd):
+    assert cli.main(["compare", files["slow"], str(tmp_path / "none.npz")]) == 2
+    out, err = capfd.readouterr()
+    assert (out, err.count("\n")) == ("", 1)
+    assert "none.npz" in err
+    assert cli.main(["compare"]) == 2
