@@ -127,16 +127,16 @@ def read_event(message: object) -> PageEvent | None:
     if not isinstance(message, str) or len(message) > _LONGEST:
         return None
     try:
-        told = json.loads(message)
+        told = json.loads(message, parse_int=float)
     except (ValueError, RecursionError):
         return None
     match told:
         case {"kind": "ready", "software": bool(software)}:
             return PageReady(software)
-        case {"kind": "state", "time": int() | float() as time, "playing": bool(playing)}:
-            return PlayerMoved(float(time), playing) if math.isfinite(time) else None
-        case {"kind": "pace", "speed": int() | float() as speed, "loop": bool(loop)}:
-            return PaceChosen(float(speed), loop) if math.isfinite(speed) else None
+        case {"kind": "state", "time": float(time), "playing": bool(playing)}:
+            return PlayerMoved(time, playing) if math.isfinite(time) else None
+        case {"kind": "pace", "speed": float(speed), "loop": bool(loop)}:
+            return PaceChosen(speed, loop) if math.isfinite(speed) else None
     return None
 
 

@@ -14,13 +14,17 @@ from types import FrameType
 import viser
 
 from app.opening import Opening, example
-from app.protocol import Failed, PlanJump, Planned, Prepare, Progress, Report
+from app.protocol import Failed, PlanJump, Planned, Prepare, Prepared, Progress, Report
+from app.robot_nodes import meshes
 from app.session import Session
+from app.view_controls import configure_theme
+from app.viewpoint import viewpoint
 from app.viser_private import DesignerServer
 from app.worker_pool import WorkerPool
 from llsrbm import models
 from llsrbm.errors import InputError
 from llsrbm.jump import Jump
+from llsrbm.robots import load_robot
 
 _LOOPBACK_NAMES = ("localhost",)
 
@@ -91,6 +95,8 @@ class Designer:
                     print(f"  {report.text} ...", file=sys.stderr, flush=True)
                 case Failed():
                     print(f"  {report.message}", file=sys.stderr, flush=True)
+                case Prepared():
+                    threading.Thread(target=_get_drawn, args=(robot,), daemon=True).start()
                 case Planned() if report.plan.jump == first:
                     self.opening.keep(report.plan)
 
@@ -175,6 +181,13 @@ def check_bindable(host: str, port: int) -> None:
                 ) from error
 
 
+def _get_drawn(robot: str) -> None:
+    """Load what a tab draws of a robot, so that the first one need not wait for it."""
+    loaded = load_robot(robot)
+    meshes(loaded)
+    viewpoint(loaded)
+
+
 def _in_use(host: str, port: int) -> InputError:
     return InputError(
         f"--port: {port} on {host} is in use; choose another with --port, or 0 for any free one"
@@ -183,12 +196,7 @@ def _in_use(host: str, port: int) -> InputError:
 
 def _configure(server: viser.ViserServer) -> None:
     """The look that all tabs share."""
-    server.gui.configure_theme(
-        control_width="medium",
-        show_logo=False,
-        show_share_button=False,
-        brand_color=(38, 92, 150),
-    )
+    configure_theme(server.gui, dark=False)
     # A browser without a graphics processor takes 4 s to start and a quarter of the frame rate
     # with an environment map and shadows; three lamps do.
     server.scene.configure_environment_map(None)

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 from unittest.mock import MagicMock
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from app import bridge
@@ -58,6 +58,7 @@ def test_what_the_page_says_is_read(told, event):
         '{"kind": "ready"}',
         '{"kind": "state", "time": 0.5, "playing": true, "more": "' + "x" * 1000 + '"}',
         "[" * 999,
+        '{"kind": "state", "time": true, "playing": true}',
         '{"kind": "state", "time": 1' + "0" * 400 + ', "playing": true}',
     ],
 )
@@ -65,6 +66,7 @@ def test_what_no_page_says_is_nothing(nonsense):
     assert read_event(nonsense) is None
 
 
+@settings(max_examples=60)
 @given(st.text() | JSON | JSON.map(json.dumps) | LIKELY.map(json.dumps))
 def test_whatever_is_said_nothing_breaks(message):
     event = read_event(message)
