@@ -24,7 +24,7 @@ JSON = st.recursive(
 )
 LIKELY = st.fixed_dictionaries(
     {"kind": st.sampled_from(["ready", "state", "pace"]) | JSON},
-    optional={name: JSON for name in ("software", "time", "playing", "speed", "loop")},
+    optional=dict.fromkeys(("software", "time", "playing", "speed", "loop"), JSON),
 )
 
 

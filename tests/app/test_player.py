@@ -1,18 +1,30 @@
 from __future__ import annotations
 
+from unittest.mock import MagicMock, call
+
 import pytest
 
-from app.player import ServerPlayer
+from app.bridge import PaceChosen, PlayerMoved
+from app.clip import Clip
+from app.player import BrowserPlayer, ServerPlayer
+from app.timeline import Timeline
+
+EVENTS = Timeline((), (), "", 2.0)
+
+
+def lasting(seconds):
+    return Clip((), seconds)
+
+
+class Clock:
+    now = 100.0
+
+    def __call__(self):
+        return self.now
 
 
 @pytest.fixture
 def clock():
-    class Clock:
-        now = 100.0
-
-        def __call__(self):
-            return self.now
-
     return Clock()
 
 
@@ -23,8 +35,8 @@ def shown():
 
 @pytest.fixture
 def player(clock, shown):
-    made = ServerPlayer(shown.append, clock=clock)
-    made.load(2.0)
+    made = ServerPlayer(lambda _, time: shown.append(time), clock=clock)
+    made.load(lasting(2.0), EVENTS)
     shown.clear()
     return made
 
@@ -89,11 +101,16 @@ def test_seeking_keeps_within_the_motion(player, shown):
     assert shown == [2.0, 0.0]
 
 
-def test_a_new_motion_keeps_the_time_as_far_as_it_lasts(player, clock):
+def test_a_new_motion_keeps_the_time_as_far_as_it_lasts_and_is_the_one_shown(clock):
+    clips = []
+    player = ServerPlayer(lambda clip, time: clips.append((clip, time)), clock=clock)
+    player.load(lasting(2.0), EVENTS)
     player.play()
     run(player, clock, 1.5)
-    player.load(1.0)
+    short = lasting(1.0)
+    player.load(short, EVENTS)
     assert (player.playing, player.time) == (True, 1.0)
+    assert clips[-1] == (short, 1.0)
 
 
 def test_a_stalled_server_does_not_catch_up_in_a_burst(player, clock, shown):
@@ -105,7 +122,70 @@ def test_a_stalled_server_does_not_catch_up_in_a_burst(player, clock, shown):
     assert len(shown) <= 8
 
 
-def test_nothing_loaded_nothing_plays(clock, shown):
-    player = ServerPlayer(shown.append, clock=clock)
+@pytest.mark.parametrize("cleared", [False, True])
+def test_nothing_loaded_nothing_plays(player, clock, shown, cleared):
+    if cleared:
+        player.play()
+        player.clear()
+    else:
+        player = ServerPlayer(lambda _, time: shown.append(time), clock=clock)
+    player.play()
+    clock.now += 1
+    player.step()
+    assert (player.playing, player.wait, shown) == (False, None, [])
+
+
+# ---- in the browser
+
+
+@pytest.fixture
+def bridge():
+    return MagicMock(spec_set=("load", "clear", "play", "pause", "seek", "set_speed", "set_loop"))
+
+
+def test_the_page_is_told_what_to_do_and_no_frame(bridge):
+    player, clip = BrowserPlayer(bridge), lasting(2.0)
+    player.load(clip, EVENTS)
+    player.play()
+    player.step()
+    player.pause()
+    player.seek(0.5)
+    player.set_speed(0.25)
+    player.set_loop(False)
+    player.clear()
+    assert player.wait is None
+    assert bridge.mock_calls == [
+        call.load(clip, EVENTS),
+        call.play(),
+        call.pause(),
+        call.seek(0.5),
+        call.set_speed(0.25),
+        call.set_loop(False),
+        call.clear(),
+    ]
+
+
+def test_with_nothing_loaded_the_page_is_not_told_to_play(bridge):
+    player = BrowserPlayer(bridge)
     player.play()
     assert not player.playing
+    assert bridge.mock_calls == []
+
+
+def test_it_believes_the_page(bridge):
+    player = BrowserPlayer(bridge)
+    player.load(lasting(2.0), EVENTS)
+    player.play()
+    assert player.playing
+    player.hear(PlayerMoved(0.75, False))
+    assert (player.time, player.playing) == (0.75, False)
+    player.hear(PaceChosen(0.5, True))
+    assert (player.time, player.playing) == (0.75, False)
+
+
+@pytest.mark.parametrize(("told", "time"), [(9.0, 2.0), (-1.0, 0.0)])
+def test_what_the_page_says_is_kept_within_the_motion(bridge, told, time):
+    player = BrowserPlayer(bridge)
+    player.load(lasting(2.0), EVENTS)
+    player.hear(PlayerMoved(told, True))
+    assert player.time == time

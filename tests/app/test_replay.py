@@ -91,13 +91,6 @@ def test_a_stiff_robot_has_equal_ellipsoids(replay):
     assert same == pytest.approx(1.0)
 
 
-def test_frame_at_is_the_nearest(replay):
-    times = replay.frames.time
-    for instant in np.linspace(-0.1, replay.frames.end + 0.1, 200):
-        frame = replay.frames.frame_at(instant)
-        assert abs(times[frame] - instant) == np.abs(times - instant).min()
-
-
 @pytest.mark.parametrize("broken", ["com", "base_quat", "inertia", "joint_position"])
 def test_a_diverged_plan_is_not_drawn(broken):
     plan = synthetic_plan(Jump())
