@@ -261,10 +261,15 @@ class Stage:
         )
         self._pace = Pace(self._ask_tab, lambda: self.player.playing)
         self._pace.start()
-        self.player = ServerPlayer(self._show_instant, self._pace.rate)
+        before, self.player = self.player, ServerPlayer(self._show_instant, self._pace.rate)
+        speed, loop = self._panel.read_pace()
+        self.player.set_speed(speed)
+        self.player.set_loop(loop)
         if self._events is not None:
             self._load()
-            self.player.play()
+            self.player.seek(before.time)
+            if before.playing:
+                self.player.play()
 
     def _show_instant(self, clip: Clip, instant: float) -> None:
         self._scene.show_instant(clip, instant)
