@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import base64
 import json
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -57,10 +59,12 @@ class Clip:
     Attributes:
         strands: that are shown together.
         end: s, when the last of them ends.
+        request: what the motion was asked for, so that a page can tell which one it draws.
     """
 
     strands: tuple[Strand, ...]
     end: float
+    request: Mapping[str, Any] = field(default_factory=dict)
 
     @cached_property
     def encoded(self) -> tuple[str, str]:
@@ -91,7 +95,8 @@ class Clip:
             strands.append({"frames": len(strand.time), "tracks": tracks})
         numbers = np.concatenate([np.ravel(a) for a in arrays]) if arrays else np.zeros(0)
         blob = base64.b64encode(numbers.astype("<f4").tobytes()).decode("ascii")
-        return json.dumps({"end": self.end, "strands": strands}), blob
+        header = {"end": self.end, "request": dict(self.request), "strands": strands}
+        return json.dumps(header), blob
 
 
 def _continuous(wxyz: Array) -> Array:

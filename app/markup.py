@@ -91,8 +91,45 @@ def swatch(colour: Rgb) -> str:
     )
 
 
-HELP = (
-    f'<div style="{SMALL}">Move a slider: the jump is planned anew and plays. Simulate: the whole '
-    "robot follows the plan. Drag in the picture to turn it, right-drag to shift, scroll to zoom. "
-    "Twist is positive to the left. Everything here is this tab's own.</div>"
-)
+def help_text() -> str:
+    """What the page shows and how it is used."""
+    parts = (
+        (
+            "A jump",
+            "Move a slider, or drag the arrows and the ring where the robot shall land: the jump is "
+            "planned while you move and keeps playing. Simulate lets the whole robot follow the "
+            "plan in MuJoCo, on a board or disturbed if you like; the plan stays as a ghost.",
+        ),
+        (
+            "Ellipsoids",
+            "A uniform solid ellipsoid of the robot's mass that has the same inertia about the "
+            "centre of mass. Blue is the planned model's: it shrinks when the legs are drawn in, "
+            "and the robot turns faster. Orange, of a plan: the constant inertia of SRBM; of a "
+            "simulation: the whole body's.",
+        ),
+        (
+            "Models",
+            "srbm: one rigid body, constant inertia. llsrbm: the paper's, each leg a point mass on "
+            "its way to the foot. llsrbm-plus: where the legs' mass really is, their own inertia, "
+            "and the angular momentum of their swing.",
+        ),
+        (
+            "Marks",
+            "Green discs: where the feet shall land. Pink arrows: contact forces. Under the "
+            "picture: take-off, flight, landing; in a simulation the first contact, its detection "
+            "and, as a low pink stripe, force control.",
+        ),
+        (
+            "Keys",
+            "Space plays and pauses, left and right arrows go by frames (with Shift by six), Home "
+            "and End to the ends. In the picture drag to turn, right-drag to shift, scroll to zoom.",
+        ),
+        (
+            "Compare, keep",
+            "Pin keeps a design as a ghost with its figures and curves. Save design writes all "
+            "that was asked for into a small file; Export the motion. The last design comes back "
+            "when the page is opened again. Everything here is this tab's own.",
+        ),
+    )
+    body = "".join(f"<p><b>{escape(title)}.</b> {escape(text)}</p>" for title, text in parts)
+    return f'<div style="{SMALL}">{body}</div>'

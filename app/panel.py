@@ -139,7 +139,7 @@ class Panel:
             self._speed = gui.add_dropdown("Speed", SPEEDS, initial_value=SPEEDS[-1])
             self._loop = gui.add_checkbox("Loop", initial_value=True)
         with gui.add_folder("Help", expand_by_default=False):
-            gui.add_html(markup.HELP)
+            gui.add_html(markup.help_text())
         self._listen()
 
     # ---- what the user asks for

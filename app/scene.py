@@ -178,7 +178,8 @@ class Scene:
             axes = np.broadcast_to(planned.rigid_axes, frames.com.shape)
             moving.append(self._rigid.track(frames.com, planned.rigid_wxyz, axes))
         strands += [model, Strand(solid.time, tuple(moving))]
-        return Clip(tuple(strands), max(float(strand.time[-1]) for strand in strands))
+        end = max(float(strand.time[-1]) for strand in strands)
+        return Clip(tuple(strands), end, planned.plan.jump.as_dict())
 
     def show_instant(self, clip: Clip, time: float) -> None:
         """Move everything to an instant of a clip, s, from here."""

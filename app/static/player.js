@@ -8,6 +8,7 @@
   const SLOW = 1 / 33, FAST = 1 / 58; // s a frame, beyond which the resolution changes
   const FINEST = 1, COARSEST = 0.5; // pixels a CSS pixel without a graphics processor
   const WINDOW = 12; // frames between decisions about the resolution
+  const HURRY = 700; // ms; clips that come faster are drawn coarsely
 
   const llsrbm = (window.llsrbm ??= { software: false });
   const listeners = new Set();
@@ -15,6 +16,7 @@
   let last = null, settleUntil = 0, requested = false;
   let bridge = null, count = 0, told = -Infinity, tellLater = null;
   let resolution = FINEST, frames = 0, spent = 0, drawn = 0;
+  let loadedAt = -Infinity, applied = null, seen = null;
 
   // ---- clips
 
@@ -101,11 +103,23 @@
       }
       adapt(step);
     }
+    notice(now);
     apply();
     drawn += 1;
     changed();
     if (playing || now < settleUntil) request();
-    else last = null;
+    else {
+      last = null;
+      draw(FINEST);
+    }
+  }
+
+  // Takes down when a clip's first picture has been rendered.
+  function notice(now) {
+    const rendered = window.__viserTestpoints?.rendererInfo.render.frame;
+    if (!clip || rendered === undefined || seen?.clip === clip) return;
+    if (applied?.clip !== clip) applied = { clip, rendered };
+    else if (rendered > applied.rendered) seen = { clip, request: clip.request, at: now };
   }
 
   function request() {
@@ -151,7 +165,6 @@
   function pause() {
     if (!playing) return;
     playing = false;
-    draw(FINEST);
     tell();
     settle();
   }
@@ -200,8 +213,10 @@
     },
     load(header, blob) {
       clip = decode(header, blob);
-      clip.shownAt = null;
       time = Math.min(time, clip.end);
+      const now = performance.now();
+      if (now - loadedAt < HURRY) draw(playing ? resolution : COARSEST);
+      loadedAt = now;
       settle();
     },
     clear() {
@@ -231,5 +246,6 @@
     get loop() { return loop; },
     get frames() { return drawn; },
     get resolution() { return resolution; },
+    get seen() { return seen; },
   };
 })();
