@@ -1,50 +1,67 @@
 """The page's figures in headless Chromium: `python -m benchmarks.page`, from the checkout.
 
-Prints time from start to a page that answers, time to a visible robot, bytes on the wire, time from
-a slider's new value to its plan on the screen, frame rate, and memory of server and process.
+Times are taken inside the page. Chromium draws in software here, on the processor that also plans,
+so nothing else should run beside it. `--drag` and `--play` say for how long, s.
 """
 
 from __future__ import annotations
 
+import argparse
+import os
 import re
-import statistics
 import subprocess
 import sys
 import time
+from pathlib import Path
 
-from tests.app.chromium import VIEW, chromium, dark, fill, number, picture, status
+import numpy as np
+
+from tests.app.chromium import PACE, VIEW, chromium, status
 
 PROGRAM = [sys.executable, "-m", "llsrbm.cli", "serve", "--port", "0"]
-VALUES = (60, -120, 30, 150, -45, 90, -150, 10)
+STEP = 0.1  # s between steps of the dragged slider
+REACH = 60  # pixels that the hand goes to either side
+TAKE_UP = 8_000  # ms for the last plan to settle
 
-# Resolves, in ms since the field's input event, when the status has come back to "Planned" and the
-# browser has drawn a frame.
-WAIT_FOR_PLAN = """() => new Promise(resolve => {
-  let begin = performance.now();
-  const note = () => { begin = performance.now(); };
-  document.addEventListener('input', note, {capture: true, once: true});
-  let left = false;
-  const watch = new MutationObserver(() => {
-    const text = document.querySelector('[role=status]').innerText;
-    if (!text.startsWith('Planned')) left = true;
-    else if (left || text !== window.before) {
-      watch.disconnect();
-      requestAnimationFrame(() => resolve(performance.now() - begin));
+# Notes every change of the twist's number field, and every motion when its first picture has been
+# drawn, with the page's clock.
+RECORD = """() => {
+  const rows = [...document.querySelectorAll('div')].filter(
+    div => div.children.length === 0 && div.innerText === 'Twist [deg]');
+  let row = rows[0] ?? [...document.querySelectorAll('label')].find(
+    label => label.innerText === 'Twist [deg]');
+  while (!row.querySelector('input')) row = row.parentElement;
+  const field = [...row.querySelectorAll('input')].at(-1);
+  const record = window.record = {steps: [], drawn: [], frames: []};
+  const look = () => {
+    const now = performance.now();
+    const value = Number(field.value), last = record.steps.at(-1);
+    if (!last || last[1] !== value) record.steps.push([now, value]);
+    const seen = window.llsrbm.player.seen;
+    if (seen && seen !== record.seen) {
+      record.seen = seen;
+      record.drawn.push([seen.at, Math.round(seen.request.twist * 180 / Math.PI)]);
     }
-  });
-  window.before = document.querySelector('[role=status]').innerText;
-  watch.observe(document.body, {subtree: true, childList: true, characterData: true});
-})"""
-FRAME_RATE = """() => new Promise(resolve => {
-  const begin = performance.now();
-  let frames = 0;
-  const count = now => {
-    frames += 1;
-    if (now - begin > 4000) resolve(1000 * frames / (now - begin));
-    else requestAnimationFrame(count);
   };
-  requestAnimationFrame(count);
+  document.addEventListener('pointermove', () => setTimeout(look), true);
+  const loop = () => { look(); requestAnimationFrame(loop); };
+  requestAnimationFrame(loop);
+}"""
+FIRST_PICTURE = """() => new Promise(resolve => {
+  const look = () => {
+    const player = window.llsrbm?.player;
+    if (player?.playing && player.seen) resolve(player.seen.at / 1000);
+    else requestAnimationFrame(look);
+  };
+  look();
 })"""
+RENDERED = "() => [performance.now(), window.__viserTestpoints.rendererInfo.render.frame]"
+
+
+def processor_time(pid):
+    """Of a process without its children, s."""
+    fields = Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
 
 def resident(pid):
@@ -58,54 +75,116 @@ def resident(pid):
     return sum(int(line) for line in listed.stdout.split()) / 1024
 
 
-def visible_after(page, began):
-    while dark(picture(page)).sum() < 3000:
-        if time.monotonic() - began > 60:
-            return float("nan")
-    return time.monotonic() - began
+def drag(page, seconds):
+    """Draw the twist's slider to and fro; (latencies ms, steps, drawn values, settled)."""
+    status(page, "Planned")
+    page.evaluate(RECORD)
+    thumb = page.get_by_role("slider").first
+    box = thumb.bounding_box()
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    page.mouse.move(x, y)
+    page.mouse.down()
+    began, step = time.monotonic(), 0
+    while time.monotonic() - began < seconds:
+        step += 1
+        page.mouse.move(x + REACH * np.sin(0.11 * step), y)
+        left = began + step * STEP - time.monotonic()
+        if left > 0:
+            page.wait_for_timeout(1000 * left)
+    page.mouse.up()
+    status(page, "Planned")
+    page.wait_for_timeout(TAKE_UP / 4)
+    record = page.evaluate("() => ({steps: window.record.steps, drawn: window.record.drawn})")
+    steps = record["steps"][1:]
+    drawn = [entry for entry in record["drawn"] if entry[0] > steps[0][0]]
+    return steps, drawn
+
+
+def latencies(steps, drawn):
+    """ms from each step to the first picture of it or of a later one; inf for none.
+
+    A picture belongs to the newest step of its value before it.
+    """
+    times = np.array([at for at, _ in steps])
+    values = np.array([value for _, value in steps])
+    shown = []  # (time, index of the step)
+    for at, value in drawn:
+        asked = np.flatnonzero((times <= at) & (values == value))
+        if len(asked):
+            shown.append((at, int(asked[-1])))
+    found = []
+    for index, at in enumerate(times):
+        later = [seen for seen, which in shown if which >= index and seen >= at]
+        found.append(min(later) - at if later else np.inf)
+    order = [which for _, which in shown]
+    return np.array(found), order
 
 
 def main():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--drag", type=float, default=10.0)
+    parser.add_argument("--play", type=float, default=60.0)
+    options = parser.parse_args()
     began = time.monotonic()
     server = subprocess.Popen(PROGRAM, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     try:
         url = re.search(r"http://\S+", server.stdout.readline()).group()
-        print(f"start to a page that answers    {time.monotonic() - began:6.2f} s")
+        print(f"start to a page that answers     {time.monotonic() - began:6.2f} s")
         while server.stderr.readline() != "ready\n":
             pass
-        print(f"start to all solvers ready      {time.monotonic() - began:6.2f} s")
+        print(f"start to everything ready        {time.monotonic() - began:6.2f} s")
         with chromium() as browser:
-            browser.new_page(viewport=VIEW).close()
-            for attempt in ("first", "second"):
+            firsts = []
+            for _ in range(4):
                 context = browser.new_context(viewport=VIEW)
                 page = context.new_page()
-                sizes = []
-                page.on(
-                    "websocket",
-                    lambda socket, sizes=sizes: socket.on(
-                        "framereceived", lambda frame: sizes.append(len(frame))
-                    ),
-                )
-                opened = time.monotonic()
                 page.goto(url)
-                seconds = visible_after(page, opened)
-                print(f"{attempt + ' tab: robot visible after':30s}  {seconds:6.2f} s")
-                status(page, "Planned")
-                if attempt == "first":
-                    print(f"largest message (meshes)        {max(sizes) / 1e6:6.2f} MB")
-                    context.close()
-            page.wait_for_timeout(2000)
-            print(f"playing                         {page.evaluate(FRAME_RATE):6.1f} frames/s")
-            number(page, "Twist [deg]").wait_for()
-            times = []
-            for value in VALUES:
-                page.evaluate(f"window.planned = ({WAIT_FOR_PLAN})(); 0")
-                fill(page, "Twist [deg]", value)
-                times.append(page.evaluate("window.planned"))
-                page.wait_for_timeout(300)
-            print(f"new value to plan on screen     {statistics.median(times):6.0f} ms median")
-            print(f"                                {max(times):6.0f} ms worst of {len(times)}")
-        print(f"memory, server and process      {resident(server.pid):6.0f} MB")
+                firsts.append(page.evaluate(FIRST_PICTURE))
+                page.wait_for_timeout(1000)
+                context.close()
+            told = ", ".join(f"{first:.2f}" for first in firsts)
+            print(f"first picture of a playing robot  {told} s after opening")
+            page = browser.new_context(viewport=VIEW).new_page()
+            page.goto(url)
+            page.evaluate(FIRST_PICTURE)
+            page.wait_for_timeout(3000)
+
+            busy = processor_time(server.pid)
+            start = page.evaluate(RENDERED)
+            page.wait_for_timeout(1000 * options.play)
+            end = page.evaluate(RENDERED)
+            busy = processor_time(server.pid) - busy
+            seconds = (end[0] - start[0]) / 1000
+            print(f"playing {seconds:3.0f} s                    {(end[1] - start[1]) / seconds:6.1f} frames/s")
+            print(f"  at a resolution of             {page.evaluate('llsrbm.player.resolution'):6.2f}")
+            print(f"  server's share of a core       {busy / seconds:6.1%}")
+
+            for mode in ("playing", "paused"):
+                if mode == "paused":
+                    page.get_by_role("button", name="Pause").click()
+                    page.wait_for_timeout(PACE)
+                steps, drawn = drag(page, options.drag)
+                found, order = latencies(steps, drawn)
+                stale = sum(b < a for a, b in zip(order, order[1:], strict=False))
+                last = drawn[-1][1] == steps[-1][1]
+                print(
+                    f"dragging while {mode:7s}           {np.median(found):6.0f} ms median, "
+                    f"{np.percentile(found, 95):.0f} ms p95, {found.max():.0f} ms worst of {len(found)}"
+                )
+                print(
+                    f"  motions drawn {len(drawn)}, older after newer {stale}, "
+                    f"last is the last value: {last}"
+                )
+            page.get_by_role("button", name="Simulate").click()
+            status(page, "Landed", timeout=60_000)
+            page.get_by_role("button", name="Play").click()
+            page.wait_for_timeout(3000)
+            start = page.evaluate(RENDERED)
+            page.wait_for_timeout(8000)
+            end = page.evaluate(RENDERED)
+            rate = 1000 * (end[1] - start[1]) / (end[0] - start[0])
+            print(f"playing with a simulation        {rate:6.1f} frames/s")
+        print(f"memory, server and processes     {resident(server.pid):6.0f} MB")
     finally:
         server.terminate()
         server.communicate()
