@@ -155,8 +155,12 @@ def main():
             end = page.evaluate(RENDERED)
             busy = processor_time(server.pid) - busy
             seconds = (end[0] - start[0]) / 1000
-            print(f"playing {seconds:3.0f} s                    {(end[1] - start[1]) / seconds:6.1f} frames/s")
-            print(f"  at a resolution of             {page.evaluate('llsrbm.player.resolution'):6.2f}")
+            print(
+                f"playing {seconds:3.0f} s                    {(end[1] - start[1]) / seconds:6.1f} frames/s"
+            )
+            print(
+                f"  at a resolution of             {page.evaluate('llsrbm.player.resolution'):6.2f}"
+            )
             print(f"  server's share of a core       {busy / seconds:6.1%}")
 
             for mode in ("playing", "paused"):
