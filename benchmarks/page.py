@@ -173,7 +173,7 @@ def main():
                 last = drawn[-1][1] == steps[-1][1]
                 print(
                     f"dragging while {mode:7s}           {np.median(found):6.0f} ms median, "
-                    f"{np.percentile(found, 95):.0f} ms p95, {found.max():.0f} ms worst of {len(found)}"
+                    f"{np.percentile(found, 95):.0f} ms p95, {found.max():.0f} worst of {len(found)}"
                 )
                 print(
                     f"  motions drawn {len(drawn)}, older after newer {stale}, "

@@ -14,6 +14,7 @@ from llsrbm.exporters import formats
 from llsrbm.jump import Jump
 from llsrbm.robots import load_robot, names
 from tests.app import planners
+from tests.app.page_script import PageScript
 from tests.app.raw_tab import RawTab
 
 
@@ -23,16 +24,39 @@ def session(designer, tab):
     return designer.sessions[-1]
 
 
+@pytest.fixture
+def script(tab, session):
+    """The page's scripts; they answer."""
+    made = PageScript(tab)
+    made.answer()
+    return made
+
+
 def planned(tab, session, condition, what):
     tab.wait(lambda: session.plan is not None and condition(session.plan.jump), what)
     return session.plan
 
 
-def test_the_first_plan_comes_by_itself_and_plays(tab, session):
+def test_the_first_plan_comes_by_itself_and_the_page_plays_it(tab, session, script):
     assert session.plan.jump == Jump(robot="anymal", twist=math.pi / 2)
     assert "12 ms, 7 iterations, largest violation 2.0e-07 N (friction)" in tab.status()
-    before = tab.received["SetPositionMessage"]
-    tab.wait(lambda: tab.received["SetPositionMessage"] > before + 50, "frames")
+    assert script.calls("player.play") == [[]]
+    assert script.end == pytest.approx(session.plan.duration)
+    assert {"/com", "/links/base", "/ellipsoid/srbm/wires", "/arrows/3"} < script.nodes()
+    for time_shown in (0.0, 0.65, 1.3):
+        position, wxyz, _ = script.at("/links/base", time_shown)
+        plan = session.plan
+        expected = [np.interp(time_shown, plan.time, axis) for axis in plan.base_position.T]
+        assert position == pytest.approx(expected, abs=0.02)
+        assert np.linalg.norm(wxyz) == pytest.approx(1, abs=1e-6)
+
+
+def test_nothing_is_sent_while_the_page_plays(tab, script):
+    script.say(kind="state", time=0.1, playing=True)
+    time.sleep(0.5)
+    before = tab.received.total()
+    time.sleep(0.7)
+    assert tab.received.total() == before
 
 
 def test_every_label_of_the_contract_is_there(tab):
@@ -123,24 +147,24 @@ def test_what_is_entered_while_a_robot_is_prepared_counts(tab, session):
     planned(tab, session, lambda jump: jump.robot == "go2" and jump.lateral == 0.2, "that plan")
 
 
-def test_soles_are_marked_and_their_corners_forces_drawn_as_one(tab, session):
+def test_soles_are_marked_and_their_corners_forces_drawn_as_one(tab, session, script):
     choose(tab, session, "slider")
     tab.set("Twist [deg]", 60)
     planned(tab, session, lambda jump: jump.twist == pytest.approx(math.pi / 3), "a twist")
     tab.wait_for_status("Planned")
-    tab.set("Time [s]", 0.0)
-    tab.wait(lambda: "take-off\n 0.00 s" in tab.text(), "the start")
-    tab.wait(lambda: tab.nodes["/arrows"].get("visible"), "forces")
     plan = session.plan
-    arrows = np.reshape(tab.nodes["/arrows"]["points"], (-1, 2, 3))
-    assert arrows[:, 0] == pytest.approx(plan.foot_position[0], abs=1e-6)
-    assert np.ptp(arrows[..., 2], axis=1) == pytest.approx([0.4, 0.4], rel=1e-3)
+    for i in range(2):
+        position, wxyz, scale = script.at(f"/arrows/{i}", 0.0)
+        assert position == pytest.approx(plan.foot_position[0, i], abs=1e-6)
+        assert wxyz == pytest.approx([1, 0, 0, 0])
+        assert scale == pytest.approx([1, 1, 0.4], rel=1e-3)
     for i, (foot, wxyz) in enumerate(zip(plan.foot_position[-1], plan.foot_quat[-1], strict=True)):
         mark = tab.nodes[f"/target/foot{i}"]
         assert mark["dimensions"][:2] == pytest.approx((0.164, 0.098))
         assert mark["position"][:2] == pytest.approx(foot[:2])
         assert mark["wxyz"] == pytest.approx(wxyz)
     assert "/target/foot2" not in tab.nodes
+    assert "/arrows/2" not in script.nodes()
 
 
 def test_the_camera_goes_back_for_a_larger_robot(tab, session):
@@ -217,7 +241,13 @@ def test_no_convergence_shows_where_the_solver_stopped(tab, session):
     assert "reach violated in flight by 0.02 m" in status
     assert "no feasible motion" in status
     assert not session.plan.solved
-    assert tab.nodes["/path/com"]["colors"][:3].tolist() == [220, 40, 40]
+    assert list(tab.nodes["/path/com"]["colors"][:3]) == [220, 40, 40]
+    # What is looked for next is not found.
+    tab.wait(lambda: "nothing can be planned within 10 N" in tab.status(), "the search's end")
+    assert not tab.control("Take the nearest")["props"]["visible"]
+    tab.set("Twist [deg]", 30.0)
+    tab.wait_for_status("Planned")
+    assert list(tab.nodes["/path/com"]["colors"][:3]) == [90, 60, 180]
 
 
 def test_a_refused_request_is_a_sentence(tab):
@@ -225,27 +255,138 @@ def test_a_refused_request_is_a_sentence(tab):
     assert tab.wait_for_status("Failed") == "Failed twist: expected -1 to 1 rad, got more"
 
 
-def test_nothing_is_sent_while_paused(tab):
+def test_the_panels_buttons_are_the_pages_players(tab, script):
     tab.set("Motion", "Pause")
-    time.sleep(0.3)
-    before = tab.received.total()
-    time.sleep(0.5)
-    assert tab.received.total() == before
+    tab.wait(lambda: script.calls("player.pause") == [[]], "a pause")
     tab.set("Motion", "Play")
-    tab.wait(lambda: tab.received.total() > before + 100, "frames")
+    tab.wait(lambda: len(script.calls("player.play")) == 2, "playing again")
+    tab.set("Speed", "0.25×")
+    tab.wait(lambda: script.calls("player.setSpeed")[-1:] == [[0.25]], "slow motion")
+    tab.set("Loop", False)
+    tab.wait(lambda: script.calls("player.setLoop")[-1:] == [[False]], "no loop")
 
 
-def test_scrubbing_pauses_and_shows_that_instant(tab, session):
+def test_scrubbing_pauses_and_goes_to_that_instant(tab, session, script):
     tab.set("Time [s]", 0.65)
-    tab.wait(lambda: "\nflight\n 0.65 s of 1.30 s" in tab.text(), "the timeline at 0.65 s")
-    apex = tab.nodes["/com"]["position"][2]
+    tab.wait(lambda: script.calls("player.seek") == [[0.65]], "that instant")
+    assert script.calls("player.pause") == [[]]
+    apex = script.at("/com", 0.65)[0][2]
     plan = session.plan
     assert apex == pytest.approx(np.interp(0.65, plan.time, plan.com[:, 2]), abs=2e-3)
+    for foot in range(4):
+        assert script.at(f"/arrows/{foot}", 0.65)[2].tolist() == [0, 0, 0]
+        assert script.at(f"/arrows/{foot}", 0.0)[2][2] > 0.1
+
+
+def test_the_panel_follows_what_the_page_tells_unless_it_plays(tab, script):
+    script.say(kind="state", time=0.52, playing=False)
+    tab.wait(lambda: tab.value("Time [s]") == 0.52, "the time it stands at")
+    script.say(kind="state", time=0.9, playing=True)
+    script.say(kind="state", time=77.0, playing=False)
+    tab.wait(lambda: tab.value("Time [s]") == pytest.approx(1.3), "the end")
+
+
+@pytest.mark.parametrize(
+    "nonsense",
+    [
+        {"kind": "state", "time": 10**400, "playing": True},
+        {"kind": "state", "time": "now", "playing": []},
+        {"kind": ["ready"]},
+        {"kind": "pace", "speed": -1e300, "loop": True},
+    ],
+)
+def test_what_no_page_says_changes_nothing(tab, session, script, nonsense):
+    script.say(kind="state", time=0.3, playing=False)
+    tab.wait(lambda: tab.value("Time [s]") == 0.3, "the time before")
+    script.say(**nonsense)
+    tab.set("Forward [m]", 0.15)
+    planned(tab, session, lambda jump: jump.forward == 0.15, "a plan all the same")
+    assert tab.value("Time [s]") == 0.3
+
+
+def test_a_graphics_processor_gets_all_triangles(tab, script):
+    before = tab.received["GlbMessage"]
+    script.answer(software=False)
+    tab.wait(lambda: tab.received["GlbMessage"] == before + 13, "the finer robot")
+
+
+def test_a_new_motion_is_sent_as_one_clip(tab, session, script):
     time.sleep(0.3)
-    assert tab.nodes["/com"]["position"][2] == apex
-    assert not tab.nodes["/arrows"]["visible"]
-    tab.set("Time [s]", 0.0)
-    tab.wait(lambda: tab.nodes["/arrows"]["visible"], "forces in stance")
+    loads, moved = len(script.calls("player.load")), tab.received["SetPositionMessage"]
+    tab.set("Forward [m]", 0.4)
+    planned(tab, session, lambda jump: jump.forward == 0.4, "the new plan")
+    tab.wait_for_status("Planned")
+    # The one that is found quickly, and the one that is planned when the slider rests.
+    assert 1 <= len(script.calls("player.load")) - loads <= 2
+    # Landing marks, handle and ground; not one a frame.
+    assert tab.received["SetPositionMessage"] - moved < 20
+    assert script.at("/com", 1.3)[0][0] == pytest.approx(session.plan.com[-1, 0], abs=1e-5)
+
+
+def test_the_timeline_reaches_the_page(script, session):
+    events = script.events
+    assert [row["name"] for row in events["rows"]] == ["plan"]
+    assert [mark["name"] for mark in events["marks"]] == ["take-off", "apex", "touch-down planned"]
+    assert events["end"] == pytest.approx(session.plan.duration)
+
+
+# ---- a page whose scripts do not answer
+
+
+@pytest.fixture
+def silent(designer, monkeypatch):
+    """A tab for which the server plays."""
+    monkeypatch.setattr("app.stage._PATIENCE", 0.2)
+    with RawTab(designer.port) as opened:
+        opened.wait_for_status("Planned")
+        opened.wait(lambda: opened.notifications, "what is said of it")
+        yield opened
+
+
+def test_the_server_plays_for_a_page_that_does_not_and_says_so(silent):
+    ((title, _),) = silent.notifications
+    assert title == "Played by the server"
+    before = silent.received["SetPositionMessage"]
+    silent.wait(lambda: silent.received["SetPositionMessage"] > before + 50, "frames")
+    shown = {silent.nodes["/com"]["position"]}
+    silent.wait(lambda: shown.add(silent.nodes["/com"]["position"]) or len(shown) > 3, "motion")
+
+
+def test_the_server_sends_nothing_while_paused(silent):
+    silent.set("Motion", "Pause")
+    time.sleep(0.4)
+    before = silent.received.total()
+    time.sleep(0.5)
+    assert silent.received.total() == before
+    silent.set("Motion", "Play")
+    silent.wait(lambda: silent.received.total() > before + 100, "frames")
+
+
+def test_the_server_shows_the_instant_that_is_scrubbed_to(silent, designer):
+    plan = designer.sessions[-1].plan
+    silent.set("Time [s]", 0.65)
+    silent.wait(lambda: "\nflight\n 0.65 s of 1.30 s" in silent.text(), "the timeline at 0.65 s")
+    apex = silent.nodes["/com"]["position"][2]
+    assert apex == pytest.approx(np.interp(0.65, plan.time, plan.com[:, 2]), abs=2e-3)
+    assert max(silent.nodes["/arrows/0"]["scale"]) == 0
+    time.sleep(0.3)
+    assert silent.nodes["/com"]["position"][2] == apex
+    silent.set("Time [s]", 0.0)
+    silent.wait(lambda: max(silent.nodes["/arrows/0"]["scale"]) == 1, "forces in stance")
+
+
+def test_the_server_plays_on_from_where_the_page_was(designer, monkeypatch):
+    monkeypatch.setattr("app.stage._PATIENCE", 3.0)
+    with RawTab(designer.port) as tab:
+        tab.wait_for_status("Planned")
+        tab.set("Time [s]", 0.65)
+        tab.wait(lambda: tab.notifications, "the server's player")
+        tab.wait(lambda: "0.65 s of 1.30 s" in tab.text(), "the same instant")
+        time.sleep(0.5)
+        assert "0.65 s of 1.30 s" in tab.text()
+
+
+# ---- layers and files
 
 
 def test_layers_can_be_hidden(tab):
