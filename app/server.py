@@ -88,16 +88,14 @@ class Designer:
         def tell(report: Report) -> None:
             match report:
                 case Progress():
-                    print(f"  {report.text} ...", file=sys.stderr, flush=True)
+                    _say(f"  {report.text} ...")
                 case Failed():
-                    print(f"  {report.message}", file=sys.stderr, flush=True)
+                    _say(f"  {report.message}")
                 case Planned() if report.plan.jump == first:
                     self.opening.keep(report.plan)
 
-        def done() -> None:
-            print("ready", file=sys.stderr, flush=True)
-
-        self.pool.warm_up([Prepare(robot), *map(PlanJump, jumps)], tell, done)
+        tasks: list[Prepare | PlanJump] = [Prepare(robot), *map(PlanJump, jumps)]
+        self.pool.warm_up(tasks, tell, lambda: _say("ready"))
 
     def close(self) -> None:
         """End the sessions, the server and the computing processes."""
@@ -173,6 +171,12 @@ def check_bindable(host: str, port: int) -> None:
                     f"--host: cannot listen on {host!r} ({error.strerror}); "
                     "expected an address of this machine, for example 127.0.0.1"
                 ) from error
+
+
+def _say(line: str) -> None:
+    """To the terminal, if it still listens: the server outlives `llsrbm serve 2>&1 | head`."""
+    with contextlib.suppress(OSError):
+        print(line, file=sys.stderr, flush=True)
 
 
 def _in_use(host: str, port: int) -> InputError:

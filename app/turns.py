@@ -11,12 +11,15 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable, Hashable, Iterator, Sequence
 from dataclasses import dataclass, field
 from enum import Enum
 from typing import TypeVar
 
 from app.protocol import FindNearest, Job, PlanJump, Prepare, Report, SimulateJump, Task
+
+_log = logging.getLogger(__name__)
 
 Listener = Callable[[Report], None]
 Solver = tuple[str, str]  # robot, model
@@ -57,6 +60,13 @@ class Entry:
     job: Job
     listener: Listener
     tell_at: float
+
+    def tell(self, report: Report) -> None:
+        """Have the listener hear; what goes wrong there must not stop other tabs' jobs."""
+        try:
+            self.listener(report)
+        except Exception:  # noqa: BLE001  # whatever it is
+            _log.exception("the listener of job %d failed", self.job.number)
 
 
 @dataclass(eq=False)
