@@ -163,7 +163,7 @@ class WorkerPool:
 
     def _supersede(self, member: WorkerProcess, tab: Hashable, now: float) -> None:
         entry = member.working_on
-        if entry is None or entry.tab != tab or member.stop_at is not None:
+        if entry is None or entry.tab != tab or member.stop_at is not None or member.stopping:
             return
         task = entry.job.task
         if Kind.of(task).long:

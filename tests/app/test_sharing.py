@@ -132,10 +132,20 @@ def test_a_quick_plan_that_is_superseded_may_finish_and_a_patient_one_is_stopped
         old = tab.plan(planners.SLOW, patient=patient)
         tab.wait_until_running(old)
         new = tab.plan()
-        report = tab.outcome()
-        assert (type(report), report.job) == (outcome, old)
-        report = tab.outcome()
-        assert (type(report), report.job) == (Planned, new)
+        outcomes = {report.job: type(report) for report in (tab.outcome(), tab.outcome())}
+        assert outcomes == {old: outcome, new: Planned}
+
+
+def test_who_changes_his_mind_does_not_wait_for_a_solver_that_is_being_built(own_pool):
+    tab = Tab(own_pool)
+    old = tab.plan(planners.STUBBORN)
+    tab.wait_until_running(old)
+    new = tab.plan(forward=0.1)
+    took, report = seconds(tab.outcome)
+    assert (type(report), report.job) == (Planned, new)
+    assert took < 2.0  # of a minute
+    own_pool.cancel("tab")
+    assert tab.outcome() == Cancelled(old)
 
 
 def test_a_plan_comes_with_its_tuning(pool):
