@@ -203,7 +203,7 @@ def _inertias(pairs: _Pairs, _joints: str) -> list[Chart]:
                 axis.append(Line("whole body as planned", layer.colour, True, time, values))
     titles = ("roll", "pitch", "yaw")
     return [
-        Chart(f"Principal inertia, {title} [kg m²]", tuple(axis))
+        Chart(f"Inertia, {title} [kg m²]", tuple(axis))
         for title, axis in zip(titles, lines, strict=True)
     ]
 
@@ -280,7 +280,7 @@ def _landing(pairs: _Pairs, _joints: str) -> list[Chart]:
         off = _yaw(track) - np.interp(track.time, plan.time, _yaw(plan))
         yaws.append(_line(layer, track, off))
     return [
-        _chart("Average spatial velocity ‖v_G‖", pairs, lambda t: t.average_spatial_velocity_norm),
+        _chart("Spatial velocity ‖v_G‖", pairs, lambda t: t.average_spatial_velocity_norm),
         _limited(Chart("Detection signal / |threshold|", tuple(signals)), level, "threshold"),
         Chart("Yaw − planned yaw [°]", tuple(yaws), least=1.0),
     ]

@@ -5,6 +5,7 @@ It is planned once a server, by the warm-up, and kept in the user's cache for th
 
 from __future__ import annotations
 
+import logging
 import tempfile
 import threading
 from importlib.metadata import version
@@ -12,11 +13,14 @@ from pathlib import Path
 
 import llsrbm
 from llsrbm.cache import cache_path, content_key, read_checked, write_checked
+from llsrbm.errors import Error
 from llsrbm.jump import Jump
 from llsrbm.robots.assets import robot_files
 from llsrbm.robots.schema import read_robot_file
 from llsrbm.trajectory.plan import Plan
 from llsrbm.trajectory.plan_file import load_plan
+
+_log = logging.getLogger(__name__)
 
 # What a plan depends on besides our own sources and the robot file.
 _PACKAGES = ("casadi", "example-robot-data", "numpy", "pin", "scipy")
@@ -56,10 +60,13 @@ class Opening:
         """Begin with that plan from now on; it is of its robot's example."""
         with self._lock:
             self._plans[plan.jump.robot] = plan
-        with tempfile.TemporaryDirectory() as folder:
-            path = Path(folder) / "plan.npz"
-            plan.save(path)
-            write_checked(self._entry(plan.jump.robot), path.read_bytes())
+        try:
+            with tempfile.TemporaryDirectory() as folder:
+                path = Path(folder) / "plan.npz"
+                plan.save(path)
+                write_checked(self._entry(plan.jump.robot), path.read_bytes())
+        except (OSError, Error) as error:
+            _log.warning("the opening plan of %s is not kept (%s)", plan.jump.robot, error)
 
     def _entry(self, robot: str) -> Path:
         sources = sorted(Path(llsrbm.__file__).parent.rglob("*.py"))

@@ -92,18 +92,16 @@ class Designer:
         def tell(report: Report) -> None:
             match report:
                 case Progress():
-                    print(f"  {report.text} ...", file=sys.stderr, flush=True)
+                    _say(f"  {report.text} ...")
                 case Failed():
-                    print(f"  {report.message}", file=sys.stderr, flush=True)
+                    _say(f"  {report.message}")
                 case Prepared():
                     threading.Thread(target=_get_drawn, args=(robot,), daemon=True).start()
                 case Planned() if report.plan.jump == first:
                     self.opening.keep(report.plan)
 
-        def done() -> None:
-            print("ready", file=sys.stderr, flush=True)
-
-        self.pool.warm_up([Prepare(robot), *map(PlanJump, jumps)], tell, done)
+        tasks: list[Prepare | PlanJump] = [Prepare(robot), *map(PlanJump, jumps)]
+        self.pool.warm_up(tasks, tell, lambda: _say("ready"))
 
     def close(self) -> None:
         """End the sessions, the server and the computing processes."""
@@ -186,6 +184,12 @@ def _get_drawn(robot: str) -> None:
     loaded = load_robot(robot)
     meshes(loaded)
     viewpoint(loaded)
+
+
+def _say(line: str) -> None:
+    """To the terminal, if it still listens: the server outlives `llsrbm serve 2>&1 | head`."""
+    with contextlib.suppress(OSError):
+        print(line, file=sys.stderr, flush=True)
 
 
 def _in_use(host: str, port: int) -> InputError:

@@ -2,7 +2,8 @@
 
 1. Tabs take turns in the order in which they asked. A tab has one job waiting; a newer one takes
    its place in the queue, so that a slider dragged in one tab cannot starve another.
-2. Of each kind (planning, searching, simulating) a tab has at most one job running.
+2. Of each kind (planning, searching, simulating) a tab has at most one job running, besides those
+   that were asked to stop.
 3. One process is reserved: it takes nothing that lasts seconds, so that no plan has to wait for
    another tab's simulation.
 4. What no process has done yet (a solver that may have to be built, a robot that may have to be
@@ -11,12 +12,15 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable, Hashable, Iterator, Sequence
 from dataclasses import dataclass, field
 from enum import Enum
 from typing import TypeVar
 
 from app.protocol import FindNearest, Job, PlanJump, Prepare, Report, SimulateJump, Task
+
+_log = logging.getLogger(__name__)
 
 Listener = Callable[[Report], None]
 Solver = tuple[str, str]  # robot, model
@@ -58,6 +62,13 @@ class Entry:
     listener: Listener
     tell_at: float
 
+    def tell(self, report: Report) -> None:
+        """Have the listener hear; what goes wrong there must not stop other tabs' jobs."""
+        try:
+            self.listener(report)
+        except Exception:  # noqa: BLE001  # whatever it is
+            _log.exception("the listener of job %d failed", self.job.number)
+
 
 @dataclass(eq=False)
 class Member:
@@ -68,14 +79,14 @@ class Member:
         loaded: the solvers it has at hand, each with a task that it has solved.
         ready: it has started.
         working_on: the job it has.
-        wanted: whether somebody still waits for that.
+        stopping: that was asked to stop, but may take its time.
     """
 
     reserved: bool
     loaded: dict[Solver, PlanJump] = field(default_factory=dict)
     ready: bool = False
     working_on: Entry | None = None
-    wanted: bool = True
+    stopping: bool = False
 
     @property
     def idle(self) -> bool:
@@ -120,7 +131,9 @@ class Turns:
 
     def next(self, members: Sequence[AnyMember]) -> tuple[Entry, AnyMember] | None:
         """The first waiting job that one of the members can take, and which; leaves the queue."""
-        running = {_claim(m.working_on) for m in members if m.working_on is not None and m.wanted}
+        running = {
+            _claim(m.working_on) for m in members if m.working_on is not None and not m.stopping
+        }
         for entry in self._waiting.values():
             if _claim(entry) in running or not self.may_run(entry.job.task, members):
                 continue

@@ -66,7 +66,9 @@ class LibraryPlanner:
             task.jump,
             weights=task.tuning.weights,
             limits=task.tuning.limits,
-            progress=tell,
+            near=task.near,
+            patient=task.patient,
+            progress=lambda p: tell(p.text, iteration=p.iteration, residual=p.residual),
             cancelled=cancelled,
         )
 

@@ -19,6 +19,7 @@ from multiprocessing.connection import wait
 from typing import Any
 
 from app import worker
+from app.background import Background
 from app.protocol import (
     Cancelled,
     Failed,
@@ -92,7 +93,7 @@ class WorkerPool:
             WorkerProcess(context, factory, i + 1, reserved=0 < i == processes - 1)
             for i in range(processes)
         ]
-        self._warming: tuple[Listener, Callable[[], None]] | None = None
+        self._background = Background(self._workers, self._turns)
         self._closed = False
 
         self._wake_reader, self._wake_writer = context.Pipe(duplex=False)
@@ -128,7 +129,7 @@ class WorkerPool:
         """Give up the tab's jobs, waiting and running; it hears `Cancelled` of each at once."""
         with self._lock:
             for entry in self._give_up(tab, self._cancel_grace):
-                entry.listener(Cancelled(entry.job.number))
+                entry.tell(Cancelled(entry.job.number))
 
     def forget(self, tab: Hashable) -> None:
         """Give up the tab's jobs without telling it: the tab has gone."""
@@ -145,13 +146,7 @@ class WorkerPool:
             done: called when all processes are through.
         """
         with self._lock:
-            self._warming = (listener, done)
-            for member in self._workers:
-                member.todo += [
-                    task
-                    for task in tasks
-                    if member is self._workers[0] or not isinstance(task, Prepare)
-                ]
+            self._background.warm_up(tasks, listener, done)
             self._wake()
 
     def close(self) -> None:
@@ -168,7 +163,7 @@ class WorkerPool:
 
     def _supersede(self, member: WorkerProcess, tab: Hashable, now: float) -> None:
         entry = member.working_on
-        if entry is None or entry.tab != tab or member.stop_at is not None:
+        if entry is None or entry.tab != tab or member.stop_at is not None or member.stopping:
             return
         task = entry.job.task
         if Kind.of(task).long:
@@ -211,53 +206,29 @@ class WorkerPool:
     def _hand_out(self) -> None:
         while True:
             with self._lock:
-                turn = self._turns.next(self._workers) or self._next_in_background()
+                turn = self._next()
                 if turn is None:
                     break
                 entry, member = turn
                 member.begin(entry)
             if not member.send(entry.job):
                 self._died(member)
-        self._look_whether_warm()
+        self._background.look_whether_done()
 
-    def _next_in_background(self) -> tuple[Entry, WorkerProcess] | None:
-        """A solver to load: one process at a time does that, so that the others stay free."""
-        if any(m.working_on is not None and m.working_on.tab is self for m in self._workers):
+    def _next(self) -> tuple[Entry, WorkerProcess] | None:
+        turn = self._turns.next(self._workers)
+        if turn is not None:
+            return turn
+        loading = self._background.next()
+        if loading is None:
             return None
-        able = [
-            m
-            for m in self._workers
-            if m.idle
-            and m.todo
-            and self._turns.may_run(m.todo[0], self._workers)
-            and not (m.reserved and self._turns.is_new(m.todo[0]))
-        ]
-        if not able:
-            return None
-        # The likeliest first, everywhere, then the next.
-        member = max(able, key=lambda m: len(m.todo))
-        listener: Listener = _nobody
-        if self._warming is not None and member is self._workers[0]:
-            listener = self._warming[0]
-        job = Job(next(self._numbers), member.todo.pop(0))
-        return Entry(self, job, listener, time.monotonic()), member
-
-    def _look_whether_warm(self) -> None:
-        if self._warming is not None and not any(
-            m.todo or m.working_on is not None or (m.may_start and not m.ready)
-            for m in self._workers
-        ):
-            done, self._warming = self._warming[1], None
-            done()
+        member, task, listener = loading
+        job = Job(next(self._numbers), task)
+        return Entry(self._background, job, listener, time.monotonic()), member
 
     def _start(self) -> None:
         first = self._workers[0]
-        # On two cores a second process would only delay the first one's first plan.
-        more = (
-            any(m.loaded for m in self._workers)
-            or len(self._turns) > 0
-            or (self._warming is not None and not first.todo)
-        )
+        more = len(self._turns) > 0 or self._background.wants_all_processes()
         for member in self._workers:
             if member.connection is None and member.may_start and (more or member is first):
                 member.start()
@@ -302,7 +273,7 @@ class WorkerPool:
             solver: Solver = (task.jump.robot, task.jump.model)
             member.loaded[solver] = replace(task, near=None)
         if listening is not None:
-            listening.listener(message)
+            listening.tell(message)
 
     def _keep_deadlines(self) -> None:
         now = time.monotonic()
@@ -313,7 +284,7 @@ class WorkerPool:
                     continue
                 if member.news is not None and now >= member.news_at:
                     if member.wanted:
-                        member.working_on.listener(member.news)
+                        member.working_on.tell(member.news)
                     member.news, member.news_at = None, now + NEWS_INTERVAL
                 if member.stop_at is not None and now >= member.stop_at:
                     member.ask_to_stop()
@@ -342,7 +313,7 @@ class WorkerPool:
             # For its tab's own job if there is one, else for the one that takes longest.
             others = [doing for other, doing in busy if other.tab == entry.tab]
             others += [doing for _, doing in busy] or ["the computing process starts"]
-            entry.listener(Progress(entry.job.number, f"waiting: {others[0]}"))
+            entry.tell(Progress(entry.job.number, f"waiting: {others[0]}"))
 
     def _died(self, member: WorkerProcess) -> None:
         """Tell whoever waited for its job; if no process can even start, everybody."""
@@ -356,7 +327,7 @@ class WorkerPool:
         with self._lock:
             entry, victim = member.working_on, member.finish()
             victims = [] if victim is None else [victim]
-            in_background = entry is not None and entry.tab is self
+            in_background = self._background.owns(entry)
             member.plan_to_restore(but=entry.job.task if entry and in_background else None)
             if not started:
                 # Not again before somebody asks, so that a lasting defect does not spin.
@@ -364,11 +335,6 @@ class WorkerPool:
                 member.todo.clear()
                 if not any(m.connection for m in self._workers):
                     victims += self._turns.clear()
-                    if self._warming is not None:
-                        self._warming[0](Failed(0, message))
+                    self._background.fail(message)
             for entry in victims:
-                entry.listener(Failed(entry.job.number, message))
-
-
-def _nobody(_report: Report) -> None:
-    """Hears what nobody asked for."""
+                entry.tell(Failed(entry.job.number, message))

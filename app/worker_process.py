@@ -23,6 +23,7 @@ class WorkerProcess(Member):
         id: of the process; None while there is none.
         connection: to it; None while there is none.
         may_start: False once it could not, until somebody asks for something.
+        wanted: whether somebody still waits for its job.
         todo: what to load when there is nothing else to do.
         stop_at, end_at: when to ask the running job to stop, and to end the process, s.
         doing: what the running job told last.
@@ -50,6 +51,7 @@ class WorkerProcess(Member):
         self.id: int | None = None
         self.connection: Connection | None = None
         self.may_start = True
+        self.wanted = True
         self.todo: list[Task] = []
         self.stop_at: float | None = None
         self.end_at: float | None = None
@@ -86,6 +88,7 @@ class WorkerProcess(Member):
     def ask_to_stop(self) -> None:
         """Its job needs no result any more; from any thread."""
         if self.working_on is not None:
+            self.stopping = True
             self._stop.value = self.working_on.job.number
 
     def end(self, patience: float = 0.0) -> str:
@@ -112,7 +115,7 @@ class WorkerProcess(Member):
 
     def begin(self, entry: Entry) -> None:
         """Have that job now."""
-        self.working_on, self.wanted = entry, True
+        self.working_on, self.wanted, self.stopping = entry, True, False
         self.doing, self.news, self.news_at = "", None, 0.0
         self.stop_at = self.end_at = None
 

@@ -7,6 +7,7 @@ so nothing else should run beside it. `--drag` and `--play` say for how long, s.
 from __future__ import annotations
 
 import argparse
+import itertools
 import os
 import re
 import subprocess
@@ -155,9 +156,8 @@ def main():
             end = page.evaluate(RENDERED)
             busy = processor_time(server.pid) - busy
             seconds = (end[0] - start[0]) / 1000
-            print(
-                f"playing {seconds:3.0f} s                    {(end[1] - start[1]) / seconds:6.1f} frames/s"
-            )
+            rate = (end[1] - start[1]) / seconds
+            print(f"playing {seconds:3.0f} s                    {rate:6.1f} frames/s")
             print(
                 f"  at a resolution of             {page.evaluate('llsrbm.player.resolution'):6.2f}"
             )
@@ -169,7 +169,7 @@ def main():
                     page.wait_for_timeout(PACE)
                 steps, drawn = drag(page, options.drag)
                 found, order = latencies(steps, drawn)
-                stale = sum(b < a for a, b in zip(order, order[1:], strict=False))
+                stale = sum(b < a for a, b in itertools.pairwise(order))
                 last = drawn[-1][1] == steps[-1][1]
                 print(
                     f"dragging while {mode:7s}           {np.median(found):6.0f} ms median, "

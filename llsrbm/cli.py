@@ -22,6 +22,7 @@ from llsrbm.commands.listing import (
     formats_command,
     models_command,
     robots_command,
+    tuning_command,
 )
 from llsrbm.commands.plan import plan_command
 from llsrbm.commands.simulate import simulate_command
@@ -77,6 +78,7 @@ app.command("simulate")(simulate_command)
 app.command("export")(export_command)
 app.command("robots")(robots_command)
 app.command("models")(models_command)
+app.command("tuning")(tuning_command)
 app.command("formats")(formats_command)
 app.command("designs")(designs_command)
 app.command("compare")(compare_command)

@@ -40,6 +40,7 @@ class Stop:
         limit: its name (`llsrbm.planning.limits`); None: no limit alone would help.
         title: the limit in words.
         value: what the limit is, in `unit`; needed: what it would have to be.
+        together: whether the other stops have to be removed as well; else any one does.
     """
 
     constraint: str
@@ -51,6 +52,7 @@ class Stop:
     title: str = ""
     value: float = 0.0
     needed: float = 0.0
+    together: bool = False
 
     def __str__(self) -> str:
         where = f"in {self.phase} at {self.time:.2f} s"

@@ -16,6 +16,7 @@
   let last = null, settleUntil = 0, requested = false;
   let bridge = null, count = 0, told = -Infinity, tellLater = null;
   let resolution = FINEST, frames = 0, spent = 0, drawn = 0;
+  let picking = false;
   let loadedAt = -Infinity, applied = null, seen = null;
 
   // ---- clips
@@ -209,6 +210,13 @@
       time = 0;
       playing = false;
       resolution = FINEST;
+      if (!picking && window.llsrbmPlots) {
+        picking = true;
+        window.llsrbmPlots.onPick((instant) => {
+          pause();
+          seek(instant);
+        });
+      }
       send({ kind: "ready", software: llsrbm.software });
     },
     load(header, blob) {

@@ -7,7 +7,10 @@ import os
 import sys
 from collections.abc import Iterator
 from contextlib import AbstractContextManager
-from typing import TextIO
+from typing import TYPE_CHECKING, TextIO
+
+if TYPE_CHECKING:
+    from llsrbm.planning.progress import PlanningProgress
 
 DONE, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130  # exit statuses
 
@@ -17,10 +20,17 @@ def complain(message: str) -> None:
     print(f"llsrbm: {' '.join(message.split())}", file=sys.stderr)
 
 
-def tell(message: str) -> None:
+def tell(message: str | PlanningProgress) -> None:
     """Tell a waiting person; a script's stderr is for what is wrong."""
-    if sys.stderr.isatty():
+    if not sys.stderr.isatty():
+        return
+    if isinstance(message, str):
         print(message, file=sys.stderr)
+    elif message.iteration is None:
+        print(message.text, file=sys.stderr)
+    else:  # on a line that the next one overwrites
+        row = f"  iteration {message.iteration}, residual {message.residual:.1e} "
+        print(row, end="\r", file=sys.stderr, flush=True)
 
 
 def tell_share(share: float) -> None:

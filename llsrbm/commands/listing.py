@@ -1,13 +1,14 @@
-"""`llsrbm robots | models | formats | export`: what there is, and files in another format."""
+"""`llsrbm robots | models | tuning | formats | export`: what there is, and other formats."""
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from llsrbm.commands import console
+from llsrbm.commands import console, options
 
 
 def export_command(
@@ -38,6 +39,32 @@ def models_command() -> int:
     from llsrbm import models
 
     _print_table(models.describe())
+    return console.DONE
+
+
+def tuning_command(robot: options.Robot = "anymal") -> int:
+    """List the weights and limits that a request may change, with the robot's own values."""
+    from llsrbm.planning.costs import COSTS, default_weights
+    from llsrbm.planning.limits import limits_of
+    from llsrbm.robots import load_robot
+
+    loaded = load_robot(robot)
+    weights = default_weights() | loaded.file.planning
+    rows = [
+        ("weight", cost.name, f"{weights[cost.name]:g}", "", cost.unit, cost.effect)
+        for cost in COSTS
+    ]
+    for limit, value in limits_of(loaded).values():
+        scale, unit = (math.degrees(1), "deg") if limit.unit == "rad" else (1.0, limit.unit)
+        values = (f"{scale * number:.4g}" for number in (limit.lowest, limit.highest))
+        accepted = " to ".join(values)
+        own = f"{scale * value:.4g}"
+        rows.append(("limit", limit.name, own, accepted, unit, limit.effect))
+    heading = ("", "name", "value", "range", "unit", "what raising it does")
+    widths = [max(map(len, column)) for column in zip(heading, *rows, strict=True)]
+    for row in (heading, *rows):
+        cells = (f"{cell:{width}}" for cell, width in zip(row, widths, strict=True))
+        print("  ".join(cells).rstrip())
     return console.DONE
 
 

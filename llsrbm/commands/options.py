@@ -8,7 +8,9 @@ from typing import Annotated
 
 import typer
 
+from llsrbm.errors import InputError
 from llsrbm.jump import Jump
+from llsrbm.tuning import Tuning
 
 Robot = Annotated[str, typer.Option(help="A name (see `llsrbm robots`) or a robot file's path.")]
 Model = Annotated[str, typer.Option(help="See `llsrbm models`.")]
@@ -22,8 +24,20 @@ AsJson = Annotated[
     bool, typer.Option("--json", help="Print one JSON object on stdout, the rest on stderr.")
 ]
 
+Weights = Annotated[
+    list[str] | None,
+    typer.Option("--weight", metavar="NAME=VALUE", help="See `llsrbm tuning`; may be repeated."),
+]
+Limits = Annotated[
+    list[str] | None,
+    typer.Option("--limit", metavar="NAME=VALUE", help="See `llsrbm tuning`; may be repeated."),
+]
+
 # Names of the options that say what to plan, and how.
-PLANNING = ("design", "robot", "model", "twist", "forward", "lateral", "height", "solver")
+PLANNING = (
+    *("design", "robot", "model", "twist", "forward", "lateral", "height", "solver"),
+    *("weight", "limit"),
+)
 
 
 def is_given(context: typer.Context, name: str) -> bool:
@@ -44,6 +58,32 @@ def requested_jump(
         lateral=lateral,
         height=height,
     )
+
+
+def requested_tuning(tuning: Tuning, weight: list[str] | None, limit: list[str] | None) -> Tuning:
+    """A design's weights and limits as the options change them.
+
+    Raises:
+        InputError: not NAME=VALUE. Names and ranges are checked when something is planned.
+    """
+    from llsrbm.planning.limits import limit_unit
+
+    weights = dict(_assignment("--weight", given) for given in weight or [])
+    limits = dict(_assignment("--limit", given) for given in limit or [])
+    for name in limits:
+        if limit_unit(name) == "rad":  # degrees on the command line
+            limits[name] = math.radians(limits[name])
+    return Tuning({**tuning.weights, **weights}, {**tuning.limits, **limits})
+
+
+def _assignment(option: str, given: str) -> tuple[str, float]:
+    name, _, value = given.partition("=")
+    try:
+        return name.strip(), float(value)
+    except ValueError:
+        raise InputError(
+            f"{option} {given}: expected NAME=VALUE with a number; `llsrbm tuning` lists the names"
+        ) from None
 
 
 def described(jump: Jump) -> str:

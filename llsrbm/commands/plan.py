@@ -26,6 +26,8 @@ def plan_command(
     lateral: options.Lateral = 0.0,
     height: options.Height = 0.0,
     solver: options.Planner = "fatrop",
+    weight: options.Weights = None,
+    limit: options.Limits = None,
     out: options.Out = None,
     as_json: options.AsJson = False,
 ) -> int:
@@ -39,13 +41,14 @@ def plan_command(
 
         jump = options.requested_jump(robot, model, twist, forward, lateral, height)
         request = requested_design(context, design, jump)
+        tuning = options.requested_tuning(request.tuning, weight, limit)
         status, failure = console.DONE, None
         try:
             plan = llsrbm.plan(
                 request.jump,
                 solver=solver,
-                weights=request.tuning.weights,
-                limits=request.tuning.limits,
+                weights=tuning.weights,
+                limits=tuning.limits,
                 progress=console.tell,
             )
         except NotConverged as error:

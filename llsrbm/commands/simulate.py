@@ -49,6 +49,8 @@ def simulate_command(
     lateral: options.Lateral = 0.0,
     height: options.Height = 0.0,
     solver: options.Planner = "fatrop",
+    weight: options.Weights = None,
+    limit: options.Limits = None,
     out: options.Out = None,
     as_json: options.AsJson = False,
 ) -> int:
@@ -71,6 +73,7 @@ def simulate_command(
             )
         jump = options.requested_jump(robot, model, twist, forward, lateral, height)
         request = requested_design(context, design, jump)
+        tuning = options.requested_tuning(request.tuning, weight, limit)
         world = requested_world(
             context,
             request,
@@ -93,8 +96,8 @@ def simulate_command(
             plan = llsrbm.plan(
                 request.jump,
                 solver=solver,
-                weights=request.tuning.weights,
-                limits=request.tuning.limits,
+                weights=tuning.weights,
+                limits=tuning.limits,
                 progress=console.tell,
             )
         rollout = llsrbm.simulate(plan, **world, progress=console.tell_share)

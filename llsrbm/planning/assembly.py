@@ -10,7 +10,7 @@ from llsrbm.jump import Jump
 from llsrbm.planning.knots import Knots
 from llsrbm.postures import solve_postures
 from llsrbm.robots.robot import Robot
-from llsrbm.trajectory.plan import Plan, SolveReport, Violation
+from llsrbm.trajectory.plan import Plan, Solution, SolveReport, Violation
 
 
 def assemble_plan(
@@ -19,6 +19,7 @@ def assemble_plan(
     knots: Knots,
     violations: dict[str, Violation],
     report: Callable[[], SolveReport],
+    solution: Solution | None = None,
 ) -> Plan:
     """The plan of a solution; `report` is called last, so that it can count everything."""
     R = knots.R_world_base
@@ -58,6 +59,7 @@ def assemble_plan(
         violations=violations,
         base_mass=knots.model.base_mass,
         joint_names=robot.joint_names,
+        solution=solution,
         report=report(),
         **arrays,
     )

@@ -14,13 +14,18 @@ if TYPE_CHECKING:
     from llsrbm.planning.task import Task
     from llsrbm.robots.robot import Robot
 
-__all__ = ["Limit", "check_limits", "limits_in", "limits_of", "put_limits"]
+__all__ = ["Limit", "check_limits", "limit_unit", "limits_in", "limits_of", "put_limits"]
 
 _LIMITS = {limit.name: limit for constraint in CONSTRAINTS for limit in constraint.limits}
 
 # What the upper of two limits, name_max, stays above the lower, name_min: an interior-point solver
 # needs an interior. In the limits' own unit: 1 mm, 1 ms.
 _ROOM = 1e-3
+
+
+def limit_unit(name: str) -> str | None:
+    """The unit of the limit called `name`; None: there is no such limit."""
+    return _LIMITS[name].unit if name in _LIMITS else None
 
 
 def limits_of(robot: Robot) -> dict[str, tuple[Limit, float]]:
@@ -63,9 +68,10 @@ def check_limits(given: Mapping[str, float], task: Task, robot: str) -> None:
             )
         limit = known[name][0]
         if not limit.lowest <= value <= limit.highest:
+            unit = "" if limit.unit == "1" else f" {limit.unit}"
             raise InputError(
-                f"limit {name}: {value:g} {limit.unit} is out of range; {robot} takes "
-                f"{limit.lowest:.4g} to {limit.highest:.4g} {limit.unit}"
+                f"limit {name}: {value:g}{unit} is out of range; {robot} takes "
+                f"{limit.lowest:.4g} to {limit.highest:.4g}{unit}"
             )
     for name in given:
         stem = name.removesuffix("_min").removesuffix("_max")

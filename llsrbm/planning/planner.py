@@ -7,7 +7,7 @@ import time
 import zlib
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import lru_cache, partial
 from pathlib import Path
 from typing import Any
 
@@ -24,16 +24,17 @@ from llsrbm.planning.assembly import assemble_plan
 from llsrbm.planning.guess import analytic_guess
 from llsrbm.planning.knots import Knots, rolled_out, unpack
 from llsrbm.planning.layout import Intervals, Layout
-from llsrbm.planning.residuals import describe_worst, excess, satisfied, violations
+from llsrbm.planning.progress import IterationTable, PlanningProgress, attended
+from llsrbm.planning.residuals import describe_worst, excess, satisfied, stops, violations
 from llsrbm.planning.solvers import Backend, Iterate
 from llsrbm.planning.task import Task, make_task, place_task
 from llsrbm.planning.transcription import Problem, row_bounds
 from llsrbm.robots import load_robot
 from llsrbm.robots.robot import Robot
-from llsrbm.trajectory.plan import Plan, SolveReport, Violation
+from llsrbm.trajectory.plan import Plan, Solution, SolveReport, Violation
 
 Array = NDArray[np.float64]
-Progress = Callable[[str], None]
+Progress = Callable[[PlanningProgress], None]
 
 _log = logging.getLogger(__name__)
 
@@ -42,8 +43,11 @@ MIN_INTERVALS, MAX_INTERVALS = 9, 300  # 3 a phase; more than 300 take minutes t
 
 # Flight time of the second attempt's guess, s: long flights leave room for what a short one cannot.
 PATIENT_FLIGHT = 0.45
-# Shares of the request that the third attempt solves one after another.
+# Shares of the request that the last attempt solves one after another.
 HOMOTOPY = (0.34, 0.67, 1.0)
+# Solves from the last plan before it is given up: the second one mends what the first let slip, a
+# far bound that was passed or rows that Fatrop saw scaled.
+FOLLOWS = 2
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,7 +63,12 @@ class _Attempt:
 
 
 class Planner:
-    """Plans jumps of one robot with one model; remembers its last solution for warm starts."""
+    """Plans jumps of one robot with one model.
+
+    Attributes:
+        robot, model, layout: what it plans with.
+        last: task and iterate of the last plan, for tests and studies; None when it failed.
+    """
 
     def __init__(
         self,
@@ -96,7 +105,8 @@ class Planner:
         *,
         weights: Mapping[str, float] | None = None,
         limits: Mapping[str, float] | None = None,
-        warm: bool = False,
+        near: Plan | None = None,
+        patient: bool = True,
         cancelled: Callable[[], bool] | None = None,
         progress: Progress | None = None,
     ) -> Plan:
@@ -106,32 +116,24 @@ class Planner:
             jump: the request; robot and model are this planner's.
             weights: cost name -> weight, in place of the defaults.
             limits: limit name -> value, in place of the robot's (`llsrbm.planning.limits`).
-            warm: start from this planner's last solution.
-            cancelled: asked before every solve.
-            progress: told what is being tried.
+            near: a plan to start from, of another request to the same robot and model: a few
+                degrees or centimetres away it takes a fifth of the time.
+            patient: try all there is; otherwise only from `near` and from the analytic guess.
+            cancelled: asked before and during every solve.
+            progress: told what is being tried, and how it goes.
 
         Raises:
-            InputError: the request is out of the robot's range.
+            InputError: the request is out of the robot's range, or `near` is of no use for it.
             NotConverged: no attempt satisfied every constraint; carries the nearest one.
             Cancelled: `cancelled` said so.
         """
         start = time.perf_counter()
         task = make_task(jump, self.robot, weights, limits)
-
-        def check() -> None:
-            if cancelled is not None and cancelled():
-                raise Cancelled("planning was cancelled")
-
-        solve_time = 0.0
+        watch = _Watch(cancelled, progress)
         tried: list[_Attempt] = []
-        for label, solve in self._attempts(task, warm, check):
-            check()
-            if progress is not None:
-                progress(f"attempt {len(tried) + 1}: {label}")
-            iterate = solve()
-            solve_time += iterate.solve_time_s
-            knots = rolled_out(unpack(iterate.w, self.layout, task, self.model))
-            tried.append(_Attempt(label, iterate, knots, violations(knots)))
+        for label, solve in self._attempts(task, near, patient, watch):
+            watch.begin(f"attempt {len(tried) + 1}: {label}")
+            tried.append(self._judged(label, task, solve()))
             if tried[-1].solved:
                 break
             _log.info("attempt %d, %s, failed", len(tried), label)
@@ -144,63 +146,110 @@ class Planner:
                 solver=self._backend.name,
                 iterations=best.iterate.iterations,
                 attempts=len(tried),
-                solve_time_s=solve_time,
+                solve_time_s=sum(attempt.iterate.solve_time_s for attempt in tried),
                 total_time_s=time.perf_counter() - start,
                 build_time_s=0.0,
                 cost=best.iterate.cost,
             )
 
-        plan = assemble_plan(jump, self.robot, best.knots, best.violations, report)
+        solution = best.iterate.solution if best.solved else None
+        plan = assemble_plan(jump, self.robot, best.knots, best.violations, report, solution)
         if not best.solved:
             raise NotConverged(
                 f"no plan found in {len(tried)} attempts ({_describe(jump)}); the nearest, "
                 f"{best.label}: {describe_worst(best.violations)}",
                 plan,
+                stops(best.knots),
             )
         return plan
 
     def _attempts(
-        self, task: Task, warm: bool, check: Callable[[], None]
+        self, task: Task, near: Plan | None, patient: bool, watch: _Watch
     ) -> Iterator[tuple[str, Callable[[], Iterate]]]:
         """What is tried, in order, each only when the one before failed."""
-        if warm and self.last is not None:
-            last = self.last
-            yield "from the last plan", lambda: self._from(*last, task)
-        yield "from the analytic guess", lambda: self._solve(task, self._guess(task))
-        yield (
-            "from a longer flight",
-            lambda: self._solve(task, self._guess(task, PATIENT_FLIGHT)),
-        )
-        yield "by way of easier jumps", lambda: self._by_easier_jumps(task, check)
+        if near is not None:
+            solution = self._solution(near)
+            yield "from the last plan", lambda: self._follow(solution, task, watch)
+        yield "from the analytic guess", lambda: self._solve(task, self._guess(task), watch)
+        if patient:
+            yield (
+                "from a longer flight",
+                lambda: self._solve(task, self._guess(task, PATIENT_FLIGHT), watch),
+            )
+            yield "by way of easier jumps", lambda: self._by_easier_jumps(task, watch)
 
-    def _by_easier_jumps(self, task: Task, check: Callable[[], None]) -> Iterate:
+    def _by_easier_jumps(self, task: Task, watch: _Watch) -> Iterate:
         """Solve a share of the jump first, then larger ones, each from the one before."""
-        easier = place_task(_scaled(task.jump, HOMOTOPY[0]), self.robot, task.tuning)
-        iterate = self._solve(easier, self._guess(easier))
-        solve_time = iterate.solve_time_s
-        for share in HOMOTOPY[1:]:
-            check()
+        iterates: list[Iterate] = []
+        guess = np.zeros(0)
+        for share in HOMOTOPY:
             harder = place_task(_scaled(task.jump, share), self.robot, task.tuning)
-            iterate = self._from(easier, iterate, harder)
-            easier = harder
-            solve_time += iterate.solve_time_s
-        return replace(iterate, solve_time_s=solve_time)
+            easier_guess, guess = guess, self._guess(harder)
+            if not iterates:
+                start = guess
+            else:  # the last solution, moved as the analytic guesses of the two differ
+                start = self._normalised(iterates[-1].w + guess - easier_guess)
+            iterates.append(self._solve(harder, start, watch))
+        return replace(iterates[-1], solve_time_s=sum(i.solve_time_s for i in iterates))
 
-    def _from(self, old: Task, solution: Iterate, task: Task) -> Iterate:
-        """Solve from another task's solution, moved as the analytic guesses of the two differ."""
-        w = solution.w + self._guess(task) - self._guess(old)
+    def _normalised(self, w: Array) -> Array:
         for knot in range(self.layout.knots):
             place = self.layout.variables(knot).get("quat")
             if place is not None:
                 w[place] /= np.linalg.norm(w[place])
-        return self._solve(task, w, warm=True)
+        return w
+
+    def _solution(self, near: Plan) -> Solution:
+        """What a plan holds for the next one.
+
+        Raises:
+            InputError: it is not this planner's.
+        """
+        knots, of = len(near.time), near.jump
+        if (of.model, knots) != (self.model.name, self.layout.knots) or (
+            near.robot_parameters != self.robot.parameters()
+        ):
+            raise InputError(
+                f"near: a plan of {of.robot} with {of.model} and {knots - 1} intervals cannot be "
+                f"started from; expected {self.robot.name} as it is now with {self.model.name} "
+                f"and {self.layout.knots - 1} intervals"
+            )
+        if near.solution is None:
+            raise InputError(
+                "near: a plan that did not converge or was read from a file cannot be started "
+                "from; expected one that was planned in this session"
+            )
+        return near.solution
+
+    def _follow(self, solution: Solution, task: Task, watch: _Watch) -> Iterate:
+        parameters, bounds = self._numbers(task)
+        iterates: list[Iterate] = []
+        for _ in range(FOLLOWS):
+            follow = partial(self._backend.follow, solution, parameters, bounds)
+            iterates.append(watch.over(follow))
+            solution = iterates[-1].solution
+            if not iterates[-1].converged or self._judged("", task, iterates[-1]).solved:
+                break
+        return replace(
+            iterates[-1],
+            iterations=sum(i.iterations for i in iterates),
+            solve_time_s=sum(i.solve_time_s for i in iterates),
+        )
+
+    def _solve(self, task: Task, guess: Array, watch: _Watch) -> Iterate:
+        parameters, bounds = self._numbers(task)
+        return watch.over(lambda: self._backend.solve(guess, parameters, bounds, watch.read))
+
+    def _numbers(self, task: Task) -> tuple[Array, tuple[Array, Array]]:
+        """Parameters of the solver, and bounds of its rows."""
+        return np.concatenate(list(task.parameters().values())), row_bounds(self.layout, task)
+
+    def _judged(self, label: str, task: Task, iterate: Iterate) -> _Attempt:
+        knots = rolled_out(unpack(iterate.w, self.layout, task, self.model))
+        return _Attempt(label, iterate, knots, violations(knots))
 
     def _guess(self, task: Task, flight_time: float | None = None) -> Array:
         return analytic_guess(task, self.layout, self.model, flight_time)
-
-    def _solve(self, task: Task, guess: Array, warm: bool = False) -> Iterate:
-        parameters = np.concatenate(list(task.parameters().values()))
-        return self._backend.solve(guess, parameters, row_bounds(self.layout, task), warm)
 
     def last_knots(self) -> Knots:
         """The last solution in full, for tests and studies."""
@@ -208,6 +257,46 @@ class Planner:
             raise InputError("this planner has no solution yet")
         task, iterate = self.last
         return rolled_out(unpack(iterate.w, self.layout, task, self.model))
+
+
+class _Watch:
+    """Whether to go on, and whom to tell how it goes."""
+
+    def __init__(self, cancelled: Callable[[], bool] | None, progress: Progress | None) -> None:
+        self._cancelled, self._progress = cancelled, progress
+        self._text = ""
+        self._table = IterationTable()
+
+    @property
+    def read(self) -> Callable[[str], None] | None:
+        """Takes what a solver prints; None when nobody wants to know."""
+        return None if self._progress is None else self._table.read
+
+    def begin(self, text: str) -> None:
+        """Tell what comes next.
+
+        Raises:
+            Cancelled: it is not wanted any more.
+        """
+        if self._cancelled is not None and self._cancelled():
+            raise Cancelled("planning was cancelled")
+        self._text = text
+        if self._progress is not None:
+            self._progress(PlanningProgress(text))
+
+    def over(self, solve: Callable[[], Iterate]) -> Iterate:
+        """What `solve` returns, watched over.
+
+        Raises:
+            Cancelled: it is not wanted any more.
+        """
+        self._table = IterationTable()
+        tell = None if self._progress is None else self._tell
+        return attended(solve, lambda: self._table.last, tell, self._cancelled)
+
+    def _tell(self, iteration: int, residual: float) -> None:
+        if self._progress is not None:
+            self._progress(PlanningProgress(self._text, iteration, residual))
 
 
 def _scaled(jump: Jump, share: float) -> Jump:

@@ -67,6 +67,19 @@ class SolveReport:
 
 
 @dataclass(frozen=True, eq=False)
+class Solution:
+    """What the planner's solver found, in its own order and units: where a next solve may start.
+
+    Attributes:
+        variables: (n,).
+        multipliers: (rows,) of its constraints.
+    """
+
+    variables: Array
+    multipliers: Array
+
+
+@dataclass(frozen=True, eq=False)
 class Plan:
     """A planned jump at N + 1 knots: L legs, C contacts, J joints; world frame, SI units.
 
@@ -93,6 +106,8 @@ class Plan:
         foot_in_hip: (N+1, L, d) m, rad: foot in the leg's mirrored hip frame as the model sees it
             (`llsrbm.models.base`), d = 4 with its yaw; linear in time between knots in flight.
         tuning: weights and limits that were asked for in place of the robot's.
+        solution: for plans that start from this one; None of a plan that failed or was read from a
+            file, which does not hold it.
     """
 
     jump: Jump
@@ -120,6 +135,7 @@ class Plan:
     joint_names: tuple[str, ...]
     foot_in_hip: Array
     tuning: Tuning = field(default_factory=Tuning)
+    solution: Solution | None = field(default=None, repr=False)
 
     @property
     def solved(self) -> bool:

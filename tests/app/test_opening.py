@@ -55,3 +55,13 @@ def test_a_newer_plan_takes_the_place_of_the_recalled(folder):
     opening.keep(newer)
     opening.recall("anymal")
     assert opening.plan("anymal") is newer
+
+
+def test_a_cache_that_cannot_be_written_is_only_a_warning(tmp_path, monkeypatch, caplog):
+    (tmp_path / "file").touch()
+    monkeypatch.setenv("LLSRBM_CACHE", str(tmp_path / "file"))
+    opening = Opening("planner")
+    plan = synthetic_plan(example("anymal"))
+    opening.keep(plan)
+    assert opening.plan("anymal") is plan
+    assert "not kept" in caplog.text

@@ -229,7 +229,7 @@ def test_a_simulation_makes_way_at_once(own_pool):
     began = time.monotonic()
     new = tab.plan()
     assert tab.outcome() == Cancelled(old)
-    assert time.monotonic() - began < 0.15
+    assert time.monotonic() - began < 0.5
     assert tab.outcome().job == new
 
 
