@@ -52,7 +52,9 @@ class Live:
         )
         if shown is None or not alike or not shown.solved:
             return PlanJump(jump, tuning)
-        return PlanJump(jump, tuning, near=shown, patient=False)
+        # The plan that a page opens with may come from a file, which does not hold its solution.
+        near = None if shown.solution is None else shown
+        return PlanJump(jump, tuning, near=near, patient=False)
 
     def answered(self, task: PlanJump) -> None:
         """The newest request has its answer; a quick one will be looked at again."""
