@@ -410,6 +410,10 @@ class Session:
 
     def _fail(self, report: Failed, task: Task | None) -> None:
         self._simulate_next = False
+        if isinstance(task, FindNearest):
+            # Why there is no such jump is told beside what stopped the one that was asked for.
+            self._panel.show_status("Failed", f"{self._failure} {report.message}")
+            return
         self._failure = report.message
         match task:
             case PlanJump(patient=False):

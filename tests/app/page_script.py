@@ -13,8 +13,11 @@ _CALL = re.compile(r"window\.llsrbm\?\.(\w+) && window\.llsrbm\.([\w.]+)\((.*)\)
 
 
 def call(source):
-    """(function, arguments) of a script that the server sent."""
-    owner, function, arguments = _CALL.fullmatch(source).groups()
+    """(function, arguments) of a script that the server sent; no function in other scripts."""
+    found = _CALL.fullmatch(source)
+    if found is None:
+        return None, []
+    owner, function, arguments = found.groups()
     assert function.startswith(f"{owner}.")
     return function, json.loads(f"[{arguments}]")
 
