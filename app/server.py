@@ -89,10 +89,14 @@ class Designer:
         jumps = [first, *(Jump(robot=robot, model=name) for name in others)]
         self.opening.recall(robot)
 
+        said = ""
+
         def tell(report: Report) -> None:
+            nonlocal said
             match report:
-                case Progress():
-                    _say(f"  {report.text} ...")
+                case Progress() if report.text != said:
+                    said = report.text
+                    _say(f"  {said} ...")
                 case Failed():
                     _say(f"  {report.message}")
                 case Prepared():
