@@ -117,14 +117,14 @@ class Plots:
 
     def _show(self, drawn: Figure | None) -> None:
         rows = () if drawn is None else drawn.charts
+        while len(self._charts) < len(rows):
+            self._charts.append(_Chart(self._client.gui))
         with self._container:
-            while len(self._charts) < len(rows):
-                self._charts.append(_Chart(self._client.gui))
-        for index, chart in enumerate(self._charts):
-            if drawn is not None and index < len(rows):
-                chart.draw(drawn, rows[index])
-            else:
-                chart.hide()
+            for index, chart in enumerate(self._charts):
+                if drawn is not None and index < len(rows):
+                    chart.draw(drawn, rows[index])
+                else:
+                    chart.hide()
 
 
 class _Chart:

@@ -45,6 +45,15 @@ def test_only_the_chosen_group_is_sent(tab):
         assert {len(row) for row in props["data"]} == {len(props["data"][0])}
 
 
+def test_charts_are_in_the_folder(tab):
+    uuids = {m["props"].get("label"): m["uuid"] for m in tab.controls.values()}
+    containers = {
+        m["container_uuid"] for m in tab.controls.values() if m["type"] == "GuiUplotMessage"
+    }
+    (container,) = containers
+    assert tab.controls[container]["container_uuid"] == uuids["Plots"]
+
+
 def test_a_simulation_joins_the_plan(tab):
     tab.press("Simulate")
     tab.wait_for_status("Landed")
