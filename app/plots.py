@@ -66,14 +66,16 @@ class Plots:
             choice.on_update(self._chosen)
 
     def draw(self, layers: Sequence[Layer], end: float) -> None:
-        """Draw these, the later over the earlier ones.
+        """Draw these, the later over the earlier ones and all over those that are pinned.
 
         Args:
             layers: one of them at least is not pinned.
             end: of the motion that is shown, s.
         """
         with self._lock:
-            self._layers, self._end = tuple(layers), end
+            # Not pinned last; sorting keeps the order of equals.
+            self._layers = tuple(sorted(layers, key=lambda layer: not layer.pinned))
+            self._end = end
             self._redraw()
 
     def clear(self) -> None:
@@ -106,7 +108,7 @@ class Plots:
             self._show(drawn)
 
     def _choice_of_joints(self) -> str:
-        kinds = joint_kinds(load_robot(self._layers[0].replay.plan.jump.robot))
+        kinds = joint_kinds(load_robot(self._layers[-1].replay.plan.jump.robot))
         chosen = option("Joints", self._joints.value, kinds, ALL_JOINTS, [])
         if tuple(self._joints.options) != kinds:
             self._joints.options = kinds
@@ -115,14 +117,14 @@ class Plots:
 
     def _show(self, drawn: Figure | None) -> None:
         rows = () if drawn is None else drawn.charts
+        while len(self._charts) < len(rows):
+            self._charts.append(_Chart(self._client.gui))
         with self._container:
-            while len(self._charts) < len(rows):
-                self._charts.append(_Chart(self._client.gui))
-        for index, chart in enumerate(self._charts):
-            if drawn is not None and index < len(rows):
-                chart.draw(drawn, rows[index])
-            else:
-                chart.hide()
+            for index, chart in enumerate(self._charts):
+                if drawn is not None and index < len(rows):
+                    chart.draw(drawn, rows[index])
+                else:
+                    chart.hide()
 
 
 class _Chart:

@@ -36,7 +36,8 @@ class PlanJump:
     Attributes:
         jump: the request.
         tuning: weights and limits in place of the robot's own.
-        near: where to start from: a plan of the same robot and model.
+        near: a plan to start from, if it is of use for that: one of the same robot and model that
+            was planned by this server, not read from a file.
         patient: try all there is when the quick attempts fail.
     """
 

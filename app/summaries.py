@@ -8,10 +8,12 @@ import numpy as np
 
 from app.markup import table
 from app.protocol import Progress
-from llsrbm.trajectory.diagnosis import fall_in_words
+from llsrbm.trajectory.diagnosis import diagnose, fall_in_words
 from llsrbm.trajectory.figures import figures_of_plan
 from llsrbm.trajectory.plan import Plan, Violation
 from llsrbm.trajectory.rollout import Conditions, Disturbance, Outcome, Rollout
+
+_TOLD_OF_A_FALL = 4  # events; what follows them is the fall itself
 
 
 def planned_line(plan: Plan) -> str:
@@ -112,6 +114,11 @@ def rollout_figures(rollout: Rollout) -> str:
         ),
         ("Real-time factor", f"{outcome.real_time_factor:.1f}"),
     ]
+    if not rollout.landed:
+        rows[:0] = [
+            (f"Wrong from {event.time:.2f} s", event.words)
+            for event in diagnose(rollout)[:_TOLD_OF_A_FALL]
+        ]
     return table(rows, "Simulation")
 
 

@@ -29,6 +29,7 @@ from app.protocol import (
     Tell,
 )
 from llsrbm import errors
+from llsrbm.jump import Jump
 from llsrbm.trajectory.plan import Plan
 from llsrbm.trajectory.rollout import Rollout
 
@@ -62,11 +63,15 @@ class LibraryPlanner:
     def plan(self, task: PlanJump, tell: Tell, cancelled: Callable[[], bool]) -> Plan:
         """See `app.protocol.Planner.plan`."""
         self._announce(task.jump.robot, task.jump.model, tell)
+        # What the page shows may be no plan to start from: of another model, or from a file.
+        near = task.near
+        if near is not None and (near.solution is None or _solver(near.jump) != _solver(task.jump)):
+            near = None
         return llsrbm.plan(
             task.jump,
             weights=task.tuning.weights,
             limits=task.tuning.limits,
-            near=task.near,
+            near=near,
             patient=task.patient,
             progress=lambda p: tell(p.text, iteration=p.iteration, residual=p.residual),
             cancelled=cancelled,
@@ -110,6 +115,10 @@ class LibraryPlanner:
         if (robot, model) not in self._solvers:
             tell(f"building the solver of {model} for {robot}: half a minute, the first time")
         self._solvers.add((robot, model))
+
+
+def _solver(jump: Jump) -> tuple[str, str]:
+    return jump.robot, jump.model
 
 
 def main(connection: Connection, stop: SharedNumber, factory: PlannerFactory) -> None:

@@ -36,11 +36,12 @@ def cold(planner: Planner, jump: llsrbm.Jump, repeats: int) -> list[SolveReport]
 def warm(planner: Planner, model: str, kind: str, repeats: int) -> list[SolveReport]:
     """A slider that moves up and down about the jump."""
     value = TASKS[kind][kind]
-    planner.plan(llsrbm.Jump(model=model, **{kind: value}))
+    plan = planner.plan(llsrbm.Jump(model=model, **{kind: value}))
     reports = []
     for k in range(repeats):
         value += STEP[kind] * (1 if k % 10 < 5 else -1)
-        reports.append(planner.plan(llsrbm.Jump(model=model, **{kind: value}), warm=True).report)
+        plan = planner.plan(llsrbm.Jump(model=model, **{kind: value}), near=plan)
+        reports.append(plan.report)
     return reports
 
 

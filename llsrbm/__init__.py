@@ -20,14 +20,16 @@ from llsrbm.errors import (
     InputError,
     NotConverged,
     RobotFileError,
+    Stop,
 )
 from llsrbm.jump import Jump
 from llsrbm.tuning import Tuning
 
 if TYPE_CHECKING:
-    from llsrbm.api import plan, simulate
+    from llsrbm.api import nearest, plan, simulate
     from llsrbm.design import Design, dump_design, load_design
     from llsrbm.exporters import export
+    from llsrbm.planning.nearest import Nearest
     from llsrbm.trajectory.files import load
     from llsrbm.trajectory.plan import Plan
     from llsrbm.trajectory.rollout import Rollout
@@ -35,12 +37,14 @@ if TYPE_CHECKING:
 # CasADi and Pinocchio take most of a second to import: only when they are used.
 _LATER = {
     "plan": "llsrbm.api",
+    "nearest": "llsrbm.api",
     "simulate": "llsrbm.api",
     "Design": "llsrbm.design",
     "dump_design": "llsrbm.design",
     "load_design": "llsrbm.design",
     "export": "llsrbm.exporters",
     "load": "llsrbm.trajectory.files",
+    "Nearest": "llsrbm.planning.nearest",
     "Plan": "llsrbm.trajectory.plan",
     "Rollout": "llsrbm.trajectory.rollout",
 }
@@ -52,15 +56,18 @@ __all__ = [
     "FileFormatError",
     "InputError",
     "Jump",
+    "Nearest",
     "NotConverged",
     "Plan",
     "RobotFileError",
     "Rollout",
+    "Stop",
     "Tuning",
     "dump_design",
     "export",
     "load",
     "load_design",
+    "nearest",
     "plan",
     "simulate",
 ]

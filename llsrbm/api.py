@@ -6,9 +6,13 @@ import time
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 
+from llsrbm.errors import NotConverged
 from llsrbm.jump import Jump
+from llsrbm.planning.explanation import explained
+from llsrbm.planning.nearest import Nearest, find_nearest
 from llsrbm.planning.planner import INTERVALS, planner_for
 from llsrbm.planning.progress import PlanningProgress
+from llsrbm.planning.scout import Scout
 from llsrbm.planning.solvers import names as solver_names
 from llsrbm.planning.task import make_task
 from llsrbm.robots import load_robot
@@ -46,24 +50,67 @@ def plan(
         InputError: an unknown name, a request or a limit out of the robot's range, or a plan to
             start from that is of another robot or model, failed or was read from a file.
         RobotFileError: the robot file is wrong.
-        NotConverged: no attempt satisfied every constraint; its `plan` is the last iterate.
+        NotConverged: no attempt satisfied every constraint; its `plan` is the last iterate. With
+            patience and the default solver it names the limits that stop the jump, after some more
+            seconds; else what the last iterate violates.
     """
-    make_task(
-        jump, load_robot(jump.robot), weights, limits
-    )  # a request out of range builds no solver
+    # A request out of range builds no solver.
+    task = make_task(jump, load_robot(jump.robot), weights, limits)
     start = time.perf_counter()
     planner = planner_for(jump.robot, jump.model, solver, intervals)
     build_time = time.perf_counter() - start
-    result = planner.plan(
+    try:
+        result = planner.plan(
+            jump,
+            weights=weights,
+            limits=limits,
+            near=near,
+            patient=patient,
+            cancelled=cancelled,
+            progress=progress,
+        )
+    except NotConverged as error:
+        if not patient or solver != solver_names()[0]:
+            raise
+        tell = None if progress is None else lambda text: progress(PlanningProgress(text))
+        raise explained(Scout(planner, tell, cancelled), error, task) from None
+    return replace(result, report=replace(result.report, build_time_s=build_time))
+
+
+def nearest(
+    jump: Jump,
+    *,
+    weights: Mapping[str, float] | None = None,
+    limits: Mapping[str, float] | None = None,
+    cancelled: Callable[[], bool] | None = None,
+    progress: Callable[[str], None] | None = None,
+) -> Nearest:
+    """Find the nearest jump that can be planned: less of one component, or of all alike.
+
+    Takes some seconds. What is reduced comes in whole degrees and centimetres. A component out of
+    the robot's range is taken back to it first.
+
+    Args:
+        jump: a request that cannot be planned.
+        weights, limits: as for `plan`.
+        cancelled: asked before and during every solve; True ends with `Cancelled` within 0.1 s.
+        progress: told in words what is tried.
+
+    Raises:
+        InputError: an unknown name, or a limit out of range.
+        RobotFileError: the robot file is wrong.
+        Error: not even a jump on the spot can be planned; says which limit would have to change.
+    """
+    on_the_spot = Jump(robot=jump.robot, model=jump.model)
+    make_task(on_the_spot, load_robot(jump.robot), weights, limits)  # wrong names build no solver
+    return find_nearest(
+        planner_for(jump.robot, jump.model),
         jump,
         weights=weights,
         limits=limits,
-        near=near,
-        patient=patient,
         cancelled=cancelled,
         progress=progress,
     )
-    return replace(result, report=replace(result.report, build_time_s=build_time))
 
 
 def simulate(

@@ -52,10 +52,10 @@ FOLLOWS = 2
 
 @dataclass(frozen=True, eq=False)
 class _Attempt:
-    label: str
     iterate: Iterate
     knots: Knots
     violations: dict[str, Violation]
+    label: str = ""
 
     @property
     def solved(self) -> bool:
@@ -133,7 +133,7 @@ class Planner:
         tried: list[_Attempt] = []
         for label, solve in self._attempts(task, near, patient, watch):
             watch.begin(f"attempt {len(tried) + 1}: {label}")
-            tried.append(self._judged(label, task, solve()))
+            tried.append(replace(solve(), label=label))
             if tried[-1].solved:
                 break
             _log.info("attempt %d, %s, failed", len(tried), label)
@@ -165,7 +165,7 @@ class Planner:
 
     def _attempts(
         self, task: Task, near: Plan | None, patient: bool, watch: _Watch
-    ) -> Iterator[tuple[str, Callable[[], Iterate]]]:
+    ) -> Iterator[tuple[str, Callable[[], _Attempt]]]:
         """What is tried, in order, each only when the one before failed."""
         if near is not None:
             solution = self._solution(near)
@@ -178,19 +178,19 @@ class Planner:
             )
             yield "by way of easier jumps", lambda: self._by_easier_jumps(task, watch)
 
-    def _by_easier_jumps(self, task: Task, watch: _Watch) -> Iterate:
+    def _by_easier_jumps(self, task: Task, watch: _Watch) -> _Attempt:
         """Solve a share of the jump first, then larger ones, each from the one before."""
-        iterates: list[Iterate] = []
+        attempts: list[_Attempt] = []
         guess = np.zeros(0)
         for share in HOMOTOPY:
             harder = place_task(_scaled(task.jump, share), self.robot, task.tuning)
             easier_guess, guess = guess, self._guess(harder)
-            if not iterates:
+            if not attempts:
                 start = guess
             else:  # the last solution, moved as the analytic guesses of the two differ
-                start = self._normalised(iterates[-1].w + guess - easier_guess)
-            iterates.append(self._solve(harder, start, watch))
-        return replace(iterates[-1], solve_time_s=sum(i.solve_time_s for i in iterates))
+                start = self._normalised(attempts[-1].iterate.w + guess - easier_guess)
+            attempts.append(self._solve(harder, start, watch))
+        return _with_all_time(attempts)
 
     def _normalised(self, w: Array) -> Array:
         for knot in range(self.layout.knots):
@@ -221,32 +221,29 @@ class Planner:
             )
         return near.solution
 
-    def _follow(self, solution: Solution, task: Task, watch: _Watch) -> Iterate:
+    def _follow(self, solution: Solution, task: Task, watch: _Watch) -> _Attempt:
         parameters, bounds = self._numbers(task)
-        iterates: list[Iterate] = []
+        attempts: list[_Attempt] = []
         for _ in range(FOLLOWS):
             follow = partial(self._backend.follow, solution, parameters, bounds)
-            iterates.append(watch.over(follow))
-            solution = iterates[-1].solution
-            if not iterates[-1].converged or self._judged("", task, iterates[-1]).solved:
+            attempts.append(self._judged(task, watch.over(follow)))
+            if attempts[-1].solved or not attempts[-1].iterate.converged:
                 break
-        return replace(
-            iterates[-1],
-            iterations=sum(i.iterations for i in iterates),
-            solve_time_s=sum(i.solve_time_s for i in iterates),
-        )
+            solution = attempts[-1].iterate.solution
+        return _with_all_time(attempts)
 
-    def _solve(self, task: Task, guess: Array, watch: _Watch) -> Iterate:
+    def _solve(self, task: Task, guess: Array, watch: _Watch) -> _Attempt:
         parameters, bounds = self._numbers(task)
-        return watch.over(lambda: self._backend.solve(guess, parameters, bounds, watch.read))
+        solve = partial(self._backend.solve, guess, parameters, bounds, watch.read)
+        return self._judged(task, watch.over(solve))
 
     def _numbers(self, task: Task) -> tuple[Array, tuple[Array, Array]]:
         """Parameters of the solver, and bounds of its rows."""
         return np.concatenate(list(task.parameters().values())), row_bounds(self.layout, task)
 
-    def _judged(self, label: str, task: Task, iterate: Iterate) -> _Attempt:
+    def _judged(self, task: Task, iterate: Iterate) -> _Attempt:
         knots = rolled_out(unpack(iterate.w, self.layout, task, self.model))
-        return _Attempt(label, iterate, knots, violations(knots))
+        return _Attempt(iterate, knots, violations(knots))
 
     def _guess(self, task: Task, flight_time: float | None = None) -> Array:
         return analytic_guess(task, self.layout, self.model, flight_time)
@@ -297,6 +294,12 @@ class _Watch:
     def _tell(self, iteration: int, residual: float) -> None:
         if self._progress is not None:
             self._progress(PlanningProgress(self._text, iteration, residual))
+
+
+def _with_all_time(attempts: list[_Attempt]) -> _Attempt:
+    """The last attempt, with the time that all of them took."""
+    seconds = sum(attempt.iterate.solve_time_s for attempt in attempts)
+    return replace(attempts[-1], iterate=replace(attempts[-1].iterate, solve_time_s=seconds))
 
 
 def _scaled(jump: Jump, share: float) -> Jump:

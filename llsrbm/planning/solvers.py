@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from llsrbm.errors import InputError
-from llsrbm.planning.progress import printed_into
+from llsrbm.planning.progress import IterationTable, printed_into
 from llsrbm.planning.transcription import Problem
 from llsrbm.trajectory.plan import Solution
 
@@ -228,7 +228,7 @@ def _set_print_level(level: int) -> None:
     """Fatrop's print level is one for the whole process, set by whatever solver is new."""
     x = ca.SX.sym("x")
     options = {"print_time": False, "fatrop": {"print_level": level, "max_iter": 0}}
-    with printed_into(lambda text: None):
+    with printed_into(IterationTable().read):
         ca.nlpsol("print_level", "fatrop", {"x": x, "f": x**2}, options)(x0=1.0)
 
 

@@ -56,7 +56,9 @@ class Event:
 
     Attributes:
         time: when it began, s.
-        what: its kind, one of a few words that stay the same: "slip", "lean", "torque limit"...
+        what: its kind: "torque limit" or "speed limit" of joints; "contact lost", "lift-off",
+            "slip", "foothold" of feet; "touchdown", "ground", "detection", "false detection";
+            "lean", "turn" of the base, "shift", "sink", "rise" of the CoM, "spin" of the whole.
         words: what happened, with names and sizes.
     """
 

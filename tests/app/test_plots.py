@@ -5,8 +5,13 @@ from __future__ import annotations
 import numpy as np
 
 from app import colours
-from app.curves import GROUPS, TORQUES
+from app.curves import GROUPS, TORQUES, Layer, shown_layers
+from app.plots import Plots
+from app.replay import bake
 from app.time_grid import ABOVE
+from llsrbm.jump import Jump
+from llsrbm.robots import load_robot
+from tests.app.synthetic_plan import synthetic_plan
 
 
 def charts(tab):
@@ -38,6 +43,15 @@ def test_only_the_chosen_group_is_sent(tab):
         assert lines(props) == ["plan"]
         assert len(props["series"]) == len(props["data"])
         assert {len(row) for row in props["data"]} == {len(props["data"][0])}
+
+
+def test_charts_are_in_the_folder(tab):
+    uuids = {m["props"].get("label"): m["uuid"] for m in tab.controls.values()}
+    containers = {
+        m["container_uuid"] for m in tab.controls.values() if m["type"] == "GuiUplotMessage"
+    }
+    (container,) = containers
+    assert tab.controls[container]["container_uuid"] == uuids["Plots"]
 
 
 def test_a_simulation_joins_the_plan(tab):
@@ -82,6 +96,32 @@ def test_a_scrubbed_motion_has_a_cursor(tab):
         return time[step == ABOVE][0] if (step == ABOVE).any() else np.inf
 
     tab.wait(lambda: abs(cursor() - 0.7) < 0.02, "the cursor")
+
+
+def test_pinned_designs_lie_under_the_one_that_is_shown(tab, designer):
+    client = max(designer._server.get_clients().items())[1]
+    slider, anymal = (
+        bake(synthetic_plan(Jump(robot=name)), load_robot(name)) for name in ("slider", "anymal")
+    )
+    pinned = Layer("pin", colours.PINNED[0], slider, None, pinned=True)
+    plots = Plots(client)
+
+    def labelled(label):
+        return [m for m in tab.controls.values() if m["props"].get("label") == label]
+
+    # Beside those of the session, which stay as they are.
+    tab.wait(lambda: len(labelled("Joints")) == 2, "further plots")
+    choice = {"uuid": labelled("Quantity")[1]["uuid"], "updates": {"value": TORQUES}}
+    tab.send({"type": "GuiUpdateMessage"} | choice)
+    tab.wait(lambda: plots._group.value == TORQUES, "the choice")
+    plots.draw((*shown_layers(anymal, None), pinned), 1.3)
+
+    def joints():
+        return list(labelled("Joints")[1]["props"]["options"])
+
+    # The choice is of the shown robot's joints.
+    tab.wait(lambda: joints() == ["all", "HAA", "HFE", "KFE"], "ANYmal's joints")
+    assert lines(charts(tab)["Joint speed / limit"]) == ["limit", "pin", "plan"]
 
 
 def test_labels_are_none_of_the_contracts():

@@ -67,6 +67,15 @@ def test_figures(rollout, outcome, told):
     assert f">{told}<" in rollout_figures(changed(rollout, **outcome))
 
 
+def test_a_fall_is_told_event_by_event(plan, rollout):
+    fell = synthetic_rollout(plan, fell_at=0.95)
+    html = rollout_figures(fell)
+    places = [html.index(f">{event.words}<") for event in diagnose(fell)[:4]]
+    assert places == sorted(places)
+    assert f">Wrong from {diagnose(fell)[0].time:.2f} s<" in html
+    assert "Wrong" not in rollout_figures(rollout), "of what went well, near misses are not told"
+
+
 def test_a_plans_figures(plan):
     robot = load_robot("anymal")
     html = plan_figures(plan)

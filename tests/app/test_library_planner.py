@@ -1,0 +1,105 @@
+"""The library as a computing process uses it: what reaches it, and what is left out."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+import llsrbm
+from app.protocol import FindNearest, PlanJump, SimulateJump
+from app.worker import LibraryPlanner
+from llsrbm.jump import Jump
+from llsrbm.trajectory.plan import Solution
+from llsrbm.trajectory.rollout import Conditions
+from llsrbm.tuning import Tuning
+from tests.app.synthetic_plan import synthetic_plan
+
+JUMP = Jump(twist=0.5)
+TUNING = Tuning(weights={"force": 2.0}, limits={"friction": 0.4})
+
+
+def silent(text, **news):
+    pass
+
+
+def never():
+    return False
+
+
+@pytest.fixture
+def called(monkeypatch):
+    """What the library's functions were called with."""
+    calls = {}
+
+    def record(name):
+        def function(*arguments, **options):
+            calls[name] = (arguments, options)
+            return synthetic_plan(JUMP)
+
+        return function
+
+    for name in ("plan", "nearest", "simulate"):
+        monkeypatch.setattr(llsrbm, name, record(name))
+    return calls
+
+
+def planned(**changes):
+    solved = replace(synthetic_plan(JUMP), solution=Solution(None, None))
+    return replace(solved, **changes)
+
+
+def test_a_plan_gets_its_tuning_and_the_plan_to_start_from(called):
+    near = planned()
+    LibraryPlanner().plan(PlanJump(JUMP, TUNING, near, patient=False), silent, never)
+    (jump,), options = called["plan"]
+    assert jump == JUMP
+    assert (options["weights"], options["limits"]) == (TUNING.weights, TUNING.limits)
+    assert options["near"] is near
+    assert options["patient"] is False
+    assert options["cancelled"] is never
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"solution": None},
+        {"jump": replace(JUMP, model="srbm")},
+        {"jump": replace(JUMP, robot="go2")},
+    ],
+)
+def test_what_is_of_no_use_to_start_from_is_left_out(called, changes):
+    LibraryPlanner().plan(PlanJump(JUMP, near=planned(**changes)), silent, never)
+    assert called["plan"][1]["near"] is None
+
+
+def test_a_search_gets_its_tuning(called):
+    LibraryPlanner().nearest(FindNearest(JUMP, TUNING), silent, never)
+    (jump,), options = called["nearest"]
+    assert jump == JUMP
+    assert (options["weights"], options["limits"]) == (TUNING.weights, TUNING.limits)
+
+
+def test_a_simulation_gets_its_conditions_and_tells_whole_per_cents(called):
+    told = []
+
+    def tell(text, *, share):
+        told.append((text, share))
+
+    conditions = Conditions(board=0.02, half_board=True, seed=3, noise=0.5)
+    LibraryPlanner().simulate(SimulateJump(planned(), conditions), tell, never)
+    options = called["simulate"][1]
+    for name in ("board", "half_board", "seed", "noise"):
+        assert options[name] == getattr(conditions, name)
+    for k in range(1001):
+        options["progress"](k / 1000)
+    assert len(told) == 101
+    assert told[50] == ("simulating, 50 %", 0.5)
+
+
+def test_the_solver_is_announced_once_a_process(called):
+    told = []
+    planner = LibraryPlanner()
+    for _ in range(2):
+        planner.plan(PlanJump(JUMP), told.append, never)
+    assert told == ["building the solver of llsrbm-plus for anymal: half a minute, the first time"]

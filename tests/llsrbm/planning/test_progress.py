@@ -1,0 +1,122 @@
+import io
+import sys
+import threading
+import time
+from itertools import pairwise
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from llsrbm.errors import Cancelled
+from llsrbm.planning import progress
+from llsrbm.planning.progress import IterationTable, attended, printed_into
+
+FATROP = """
+iter    objective   inf_pr   inf_du lg(mu)    ||d||   lg(rg)   alpha_du   alpha_pr ls
+   0  1.27405799e+01 9.29e-01 7.04e-01   -2.0 0.00e+00      -  0.00e+00   0.00e+00x  1
+   1  1.21490933e+01 5.69e-01 1.52e+00   -2.0 0.00e+00      -  6.15e-01   3.87e-01h  1
+ 117 -1.03713929e+01 4.29e-06 3.64e-08   -5.0 1.20e-01   -3.2  1.00e+00   1.00e+00h  1
+operation                               time (s)   share
+fatrop                                  0.302172   39.6%
+total                                   0.763381
+"""
+ROWS = [(0, 0.929), (1, 0.569), (117, 4.29e-06)]
+
+
+@given(st.lists(st.integers(0, len(FATROP)), max_size=40))
+def test_rows_are_read_wherever_the_pieces_end(cuts):
+    table, seen = IterationTable(), []
+    places = [0, *sorted(cuts), len(FATROP)]
+    for start, end in pairwise(places):
+        table.read(FATROP[start:end])
+        if table.last is not None and table.last not in seen:
+            seen.append(table.last)
+    assert seen == [row for row in ROWS if row in seen]  # pieces may hold several rows
+    assert table.last == ROWS[-1]
+
+
+def test_a_restoration_row_counts_and_nothing_else_does():
+    table = IterationTable()
+    table.read("  12r 1.0e+01 3.00e-02 1.0e+00   -2.0\n")
+    assert table.last == (12, 0.03)
+    table.read("total 3\n  13 unfinished 1.0e+01")
+    table.read("\n")
+    assert table.last == (12, 0.03)
+
+
+def test_only_this_threads_prints_are_taken(capsys):
+    taken = []
+    other = threading.Thread(target=print, args=("of another thread",))
+    with printed_into(taken.append):
+        print("mine")
+        other.start()
+        other.join()
+    print("after")
+    assert "".join(taken) == "mine\n"
+    assert capsys.readouterr().out == "of another thread\nafter\n"
+
+
+def test_output_that_is_redirected_meanwhile_stays_so(monkeypatch):
+    elsewhere = io.StringIO()
+    monkeypatch.setattr(sys, "stdout", sys.stdout)
+    with printed_into([].append):
+        tap = sys.stdout
+        sys.stdout = elsewhere
+    assert sys.stdout is elsewhere
+    print("seen")
+    assert elsewhere.getvalue() == "seen\n"
+    sys.stdout = tap  # put back by whoever redirected: it takes nothing any more
+    sys.stdout.write("")
+
+
+def test_what_a_solve_returns_or_raises_comes_through():
+    for tell, cancelled in ((None, None), (lambda n, r: None, None), (None, lambda: False)):
+        assert attended(lambda: 7, lambda: None, tell, cancelled) == 7
+        with pytest.raises(ZeroDivisionError):
+            attended(lambda: 1 / 0, lambda: None, tell, cancelled)
+
+
+def test_news_come_from_the_callers_thread_and_not_too_often(monkeypatch):
+    monkeypatch.setattr(progress, "LOOK_EVERY", 0.005)
+    count = iter(range(10**6))
+    told = []
+
+    def tell(iteration, residual):
+        told.append((time.monotonic(), threading.get_ident()))
+
+    attended(lambda: time.sleep(0.45), lambda: (next(count), 0.1), tell, None)
+    times = [when for when, _ in told]
+    assert 2 <= len(told) <= 4
+    assert all(b - a > 0.9 * progress.TELL_EVERY for a, b in pairwise(times))
+    assert {who for _, who in told} == {threading.get_ident()}
+
+
+def test_nothing_is_told_twice(monkeypatch):
+    monkeypatch.setattr(progress, "LOOK_EVERY", 0.005)
+    monkeypatch.setattr(progress, "TELL_EVERY", 0.0)
+    told = []
+    attended(lambda: time.sleep(0.1), lambda: (3, 0.1), lambda *news: told.append(news), None)
+    assert told == [(3, 0.1)]
+
+
+def test_who_cancels_does_not_wait_and_the_next_solve_does():
+    at_once = []
+    start = time.monotonic()
+    with pytest.raises(Cancelled):
+        attended(lambda: time.sleep(0.6), lambda: None, None, lambda: True)
+    at_once.append(time.monotonic() - start)
+    assert at_once[0] < 0.3
+    assert attended(lambda: "next", lambda: None, None, None) == "next"
+    assert time.monotonic() - start >= 0.6
+
+
+def test_a_solve_that_waits_can_be_cancelled_too():
+    release = threading.Event()
+    with pytest.raises(Cancelled):
+        attended(release.wait, lambda: None, None, lambda: True)
+    start = time.monotonic()
+    with pytest.raises(Cancelled):
+        attended(lambda: None, lambda: None, None, lambda: True)
+    assert time.monotonic() - start < 0.3
+    release.set()
