@@ -8,9 +8,18 @@ import time
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 import llsrbm
+from app.overlays import ARROW_PER_WEIGHT
 from tests.app import planners
+from tests.app.page_script import PageScript
+
+
+@pytest.fixture(autouse=True)
+def patience(monkeypatch):
+    """A tab is waited for as long as its test takes to answer for its scripts."""
+    monkeypatch.setattr("app.stage._PATIENCE", 60.0)
 
 
 @pytest.fixture
@@ -19,12 +28,25 @@ def session(designer, tab):
     return designer.sessions[-1]
 
 
+@pytest.fixture
+def script(tab, session):
+    """The page's scripts; they answer."""
+    made = PageScript(tab)
+    made.answer()
+    return made
+
+
 def simulate(tab, session, word="Landed", seed=None):
     if seed is not None:
         tab.set("Disturb", True)
         tab.set("Seed", seed)
     tab.press("Simulate")
     return tab.wait_for_status(word)
+
+
+def curves(chart):
+    """Titles of a chart's lines."""
+    return [line["label"] for line in chart["series"] if line.get("scale") == "y"]
 
 
 def visible(tab, node):
@@ -45,40 +67,38 @@ def test_the_controls_are_there(tab):
     assert not tab.value("Disturb")
 
 
-def test_simulate_runs_and_says_how_it_ended(tab, session):
+def test_simulate_runs_and_says_how_it_ended(tab, session, script):
     told = simulate(tab, session)
     assert told.startswith("Landed yaw -2.9° from the plan at touch-down")
     assert session.rollout.jump == session.plan.jump
     assert session.rollout.conditions == llsrbm.trajectory.rollout.Conditions()
     assert "Saturated ticks" in tab.text()
-    assert "detected +5.0 ms" in tab.text()
+    assert "detected +5.0 ms" in script.events["told"]
 
 
-def test_the_plan_becomes_a_ghost_on_the_same_timeline(tab, session):
-    tab.set("Time [s]", 0.6)
+def test_the_plan_becomes_a_ghost_on_the_same_timeline(tab, session, script):
     assert "/shade" not in tab.nodes
     simulate(tab, session)
     rollout = session.rollout
-    tab.set("Time [s]", 0.85)
-    tab.wait(lambda: "0.85 s of 2.30 s" in tab.text(), "the longer timeline")
+    assert script.end == pytest.approx(2.3)
     tick = int(np.argmin(np.abs(rollout.time - 0.85)))
     apart = rollout.base_position[tick] - np.array(
         [np.interp(0.85, session.plan.time, axis) for axis in session.plan.base_position.T]
     )
-    drawn = np.subtract(tab.nodes["/links/base"]["position"], tab.nodes["/shade/base"]["position"])
-    assert drawn == pytest.approx(apart, abs=0.012)
+    solid, shade = (script.at(f"/{name}/base", 0.85)[0] for name in ("links", "shade"))
+    assert solid - shade == pytest.approx(apart, abs=0.012)
     assert np.linalg.norm(apart) > 0.05
     assert not visible(tab, "/ellipsoid/srbm")
     assert visible(tab, "/ellipsoid/whole")
     assert visible(tab, "/shade")
+    assert [row["name"] for row in script.events["rows"]] == ["plan", "simulation"]
+    assert "detected" in [mark["name"] for mark in script.events["marks"]]
 
 
-def test_after_the_plans_end_the_ghost_stands_still(tab, session):
+def test_after_the_plans_end_the_ghost_stands_still(tab, session, script):
     simulate(tab, session)
-    tab.set("Time [s]", 2.2)
-    tab.wait(lambda: "standing\n 2.20 s" in tab.text(), "the end")
     end = session.plan.base_position[-1]
-    assert tab.nodes["/shade/base"]["position"] == pytest.approx(end, abs=1e-6)
+    assert script.at("/shade/base", 2.2)[0] == pytest.approx(end, abs=1e-6)
 
 
 def test_the_ghost_can_be_hidden(tab, session):
@@ -87,49 +107,49 @@ def test_the_ghost_can_be_hidden(tab, session):
     tab.wait(lambda: not visible(tab, "/shade"), "no ghost")
 
 
-def test_forces_are_those_that_were_measured(tab, session):
+def pushed(script, instant):
+    """Sum of the arrows at an instant, m."""
+    total = np.zeros(3)
+    for foot in range(4):
+        _, wxyz, scale = script.at(f"/arrows/{foot}", instant)
+        total += Rotation.from_quat(wxyz, scalar_first=True).apply([0, 0, scale[2]])
+    return total
+
+
+def test_forces_are_those_that_were_measured(tab, session, script):
     simulate(tab, session)
-    tab.set("Time [s]", 0.25)
-    tab.wait(lambda: "0.25 s of" in tab.text(), "the instant")
     rollout, tick = session.rollout, int(np.argmin(np.abs(session.rollout.time - 0.25)))
-    arrows = tab.nodes["/arrows"]["points"].reshape(-1, 2, 3)
-    drawn = (arrows[:, 1] - arrows[:, 0]).sum(axis=0)
-    measured = rollout.contact_force[tick].sum(axis=0)
+    drawn, measured = pushed(script, 0.25), rollout.contact_force[tick].sum(axis=0)
     assert drawn[:2] / drawn[2] == pytest.approx(measured[:2] / measured[2], abs=0.02)
-    ratio = drawn[2] / measured[2]
-    tab.set("Time [s]", 2.0)
-    tab.wait(lambda: "2.00 s of" in tab.text(), "the end")
-    arrows = tab.nodes["/arrows"]["points"].reshape(-1, 2, 3)
-    standing = (arrows[:, 1] - arrows[:, 0]).sum(axis=0)[2]
-    assert standing == pytest.approx(0.8, rel=0.02)
-    assert ratio == pytest.approx(0.8 / rollout.contact_force[-1, :, 2].sum(), rel=0.05)
+    assert pushed(script, 2.0)[2] == pytest.approx(ARROW_PER_WEIGHT, rel=0.02)
+    standing = rollout.contact_force[-1, :, 2].sum()
+    assert drawn[2] / measured[2] == pytest.approx(ARROW_PER_WEIGHT / standing, rel=0.05)
 
 
-def test_a_new_plan_drops_the_simulation(tab, session):
+def test_a_new_plan_drops_the_simulation(tab, session, script):
     simulate(tab, session)
     tab.set("Forward [m]", 0.2)
     tab.wait_for_status("Planned")
-    tab.wait(lambda: session.rollout is None, "no rollout")
+    assert session.rollout is None
     tab.wait(lambda: not visible(tab, "/shade"), "no ghost")
     assert visible(tab, "/ellipsoid/srbm")
+    assert script.end == pytest.approx(1.3)
+    assert "/shade/base" not in script.nodes()
     assert tab.control("Time [s]")["props"]["max"] == pytest.approx(1.3)
-    assert len(charts(tab)) == 5
+    assert {curve for chart in charts(tab).values() for curve in curves(chart)} == {"plan"}
 
 
-def test_a_board_is_drawn_from_mid_flight_on(tab, session):
+def test_a_board_is_drawn_from_mid_flight_on(tab, session, script):
     tab.set("Board [mm]", 25)
     tab.set("Half board", True)
     simulate(tab, session)
     conditions = session.rollout.conditions
     assert (conditions.board, conditions.half_board) == (0.025, True)
-    tab.set("Time [s]", 0.6)
-    tab.wait(lambda: "0.60 s of" in tab.text(), "before mid-flight")
-    assert not visible(tab, "/blocks/0")
-    tab.set("Time [s]", 0.7)
-    tab.wait(lambda: visible(tab, "/blocks/0"), "the board")
-    board = tab.nodes["/blocks/0"]
-    assert board["dimensions"][2] == pytest.approx(0.025)
-    assert board["position"][2] == pytest.approx(0.0125)
+    position, _, before = script.at("/blocks/0", 0.6)
+    assert before.tolist() == [0, 0, 0]
+    assert script.at("/blocks/0", 0.7)[2].tolist() == [1, 1, 1]
+    assert position[2] == pytest.approx(0.0125)
+    assert tab.nodes["/blocks/0"]["dimensions"][2] == pytest.approx(0.025)
 
 
 def test_half_of_no_board_is_no_board(tab, session):
@@ -181,15 +201,15 @@ def test_a_slider_stops_the_simulation_and_plans(tab, session):
 
 
 @pytest.mark.parametrize("seed", [planners.FALLING, planners.TRIPPING])
-def test_a_fall_is_told_and_drawn(tab, session, seed):
+def test_a_fall_is_told_and_drawn(tab, session, script, seed):
     told = simulate(tab, session, "Fell", seed)
     when = session.rollout.outcome.fell_at_s
     assert told.startswith(f"Fell at {when:.2f} s: first ")
     assert told.endswith(f", then the base touched the ground at {when:.2f} s.")
-    tab.set("Time [s]", 1.25)
-    tab.wait(lambda: "1.25 s of 1.30 s" in tab.text(), "the plan's time")
+    assert script.end == pytest.approx(1.3)
     lying = session.rollout.base_position[-1]
-    assert tab.nodes["/links/base"]["position"] == pytest.approx(lying)
+    assert script.at("/links/base", 1.25)[0] == pytest.approx(lying, abs=1e-6)
+    assert "fell" in [mark["name"] for mark in script.events["marks"]]
 
 
 def test_a_refusal_is_a_sentence_and_the_plan_stays(tab, session):
@@ -208,12 +228,25 @@ def test_what_did_not_converge_is_not_simulated(tab, session):
     assert tab.status().startswith("Failed")
 
 
-def test_what_is_not_planned_yet_is_not_simulated(tab, session):
+def test_what_is_not_planned_yet_is_simulated_as_soon_as_it_is(tab, session):
     tab.set("Twist [deg]", math.degrees(planners.SLOW))
     tab.wait_for_status("Planning")
     tab.press("Simulate")
-    tab.wait(lambda: tab.notifications, "a notification")
-    assert "still being planned" in tab.notifications[0][1]
+    tab.wait_for_status("Landed")
+    assert session.rollout.jump.twist == pytest.approx(planners.SLOW)
+
+
+def test_cancelling_the_plan_cancels_what_was_to_follow(tab, session):
+    tab.set("Twist [deg]", math.degrees(planners.SLOW))
+    tab.wait_for_status("Planning")
+    tab.press("Simulate")
+    time.sleep(0.1)
+    tab.press("Cancel")
+    tab.wait_for_status("Cancelled")
+    tab.set("Twist [deg]", 10.0)
+    tab.wait_for_status("Planned")
+    time.sleep(0.3)
+    assert session.rollout is None
 
 
 @pytest.mark.parametrize(
@@ -243,35 +276,26 @@ def test_export_saves_what_is_drawn_solid(tab, session):
     assert stored["qpos"].tolist() == session.rollout.qpos.tolist()
 
 
-def test_plots_follow_the_time_and_gain_a_curve(tab, session):
-    tab.set("Time [s]", 0.5)
-    tab.wait(lambda: "0.50 s of" in tab.text(), "the instant")
-    assert len(charts(tab)) == 5
-    alone = charts(tab)["CoM height [m]"]["data"]
-    assert np.isnan(alone[3]).all()
+def test_plots_gain_a_curve(tab, session):
+    planned = charts(tab)
+    assert all(curves(chart) == ["plan"] for chart in planned.values())
     simulate(tab, session)
-    tab.wait(lambda: len(charts(tab)) == 6, "the detection signal")
-    instant, played, planned, simulated = charts(tab)["CoM height [m]"]["data"]
-    assert instant[-1] == pytest.approx(2.3)
-    # Shaded until the instant that is shown.
-    assert instant[played > 0].max() == pytest.approx(0.5, abs=0.01)
-    rollout = session.rollout
-    assert simulated == pytest.approx(np.interp(instant, rollout.time, rollout.com[:, 2]), abs=5e-3)
-    over = instant > session.plan.duration + 0.02
-    assert np.isnan(planned[over]).all()
-    assert not np.isnan(planned[~over][:-5]).any()
+    tab.wait(lambda: "simulation" in curves(charts(tab)["CoM height [m]"]), "a curve")
+    assert charts(tab).keys() == planned.keys()
 
 
-def test_plots_are_told_the_time_seldom(tab, session):
+def test_plots_are_told_the_time_seldom_by_a_server_that_plays(tab, session, monkeypatch):
     simulate(tab, session)
+    monkeypatch.setattr(session._stage, "_give_up_at", 0.0)
     tab.set("Motion", "Play")
+    tab.wait(lambda: tab.notifications, "the server's player")
 
-    def shaded():
-        return charts(tab)["CoM height [m]"]["data"][1].tobytes()
+    def cursor():
+        return charts(tab)["CoM height [m]"]["data"][2].tobytes()
 
-    changes, last, end = 0, shaded(), time.monotonic() + 1.5
+    changes, last, end = 0, cursor(), time.monotonic() + 1.5
     while time.monotonic() < end:
-        now = shaded()
+        now = cursor()
         changes += now != last
         last = now
         time.sleep(0.005)
