@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Coroutine, Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum, auto
+from pathlib import Path
 from typing import Any
 
 import viser
@@ -26,6 +27,9 @@ from llsrbm.exporters import formats
 from llsrbm.robots import RobotFile
 from llsrbm.trajectory.plan import Plan
 from llsrbm.trajectory.rollout import Rollout
+
+
+_HELP = Path(__file__).parent / "static" / "help.md"
 
 
 class Action(Enum):
@@ -139,7 +143,7 @@ class Panel:
             self._speed = gui.add_dropdown("Speed", SPEEDS, initial_value=SPEEDS[-1])
             self._loop = gui.add_checkbox("Loop", initial_value=True)
         with gui.add_folder("Help", expand_by_default=False):
-            gui.add_html(markup.help_text())
+            gui.add_markdown(_HELP.read_text(encoding="utf-8"))
         self._listen()
 
     # ---- what the user asks for

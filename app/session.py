@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import queue
 import threading
+from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import closing
 from dataclasses import replace
 from enum import Enum
@@ -16,7 +17,7 @@ import viser
 
 from app import summaries
 from app.bridge import Bridge, PageEvent
-from app.download import exported
+from app.files import Files
 from app.live import Live
 from app.opening import Opening
 from app.panel import Action, Chosen, Panel, Uploaded
@@ -39,9 +40,8 @@ from app.protocol import (
 from app.replay import presentable
 from app.stage import Stage
 from app.stored_design import recall, remember
-from app.upload import uploaded_design
 from app.worker_pool import WorkerPool
-from llsrbm.design import Design, dump_design, file_name
+from llsrbm.design import Design
 from llsrbm.errors import Error
 from llsrbm.examples import examples
 from llsrbm.jump import Jump
@@ -88,6 +88,7 @@ class Session:
         self._shown_job = 0
         self._simulate_next = False  # once the plan that is being made is there
         self._nearest: Nearest | None = None  # on offer
+        self._failure = ""  # why the newest request cannot be planned
 
     @property
     def jump(self) -> Jump:
@@ -117,16 +118,27 @@ class Session:
     # ---- the thread
 
     def _run(self) -> None:
-        self._panel = Panel(self._client, self.design, self._file, examples(), self._inbox.put)
-        bridge = Bridge(self._client, self._inbox.put)
-        try:
-            moved = lambda: self._inbox.put(Action.TARGET)  # noqa: E731
-            with closing(Stage(self._client, self._panel, bridge, moved)) as self._stage:
-                self._open()
-                self._loop()
-        except BaseException:
-            self._panel.show_status("Failed", "by a defect of this page; reload it, please.")
-            raise
+        complaints: list[str] = []
+        with ThreadPoolExecutor(1) as beside:
+            # Asked before anything is sent, so that the answer is there when the panel is.
+            kept = beside.submit(recall, self._client, _RECALL, complaints)
+            self._panel = Panel(self._client, self.design, self._file, examples(), self._inbox.put)
+            self._files = Files(self._client, self._panel)
+            bridge = Bridge(self._client, self._inbox.put)
+            try:
+                with closing(
+                    Stage(
+                        self._client,
+                        self._panel,
+                        bridge,
+                        lambda: self._inbox.put(Action.TARGET),
+                    )
+                ) as self._stage:
+                    self._open(kept, complaints)
+                    self._loop()
+            except BaseException:
+                self._panel.show_status("Failed", "by a defect of this page; reload it, please.")
+                raise
 
     def _loop(self) -> None:
         while True:
@@ -140,7 +152,9 @@ class Session:
                     case Chosen(design):
                         self._take_up(design)
                     case Uploaded():
-                        self._open_file(event)
+                        opened = self._files.opened(event)
+                        if opened is not None:
+                            self._take_up(opened)
                     case _Stop():
                         pass
                     case _ if isinstance(event, PageEvent):
@@ -208,22 +222,22 @@ class Session:
                 if pin is not None:
                     self._take_up(pin.design)
             case Action.SAVE:
-                self._save()
+                self._files.save(self.design)
             case Action.EXPORT:
-                self._export()
+                # What is drawn solid.
+                self._files.export(self.rollout or self.plan)
 
     # ---- asking
 
-    def _open(self) -> None:
+    def _open(self, kept: Future[Design | None], complaints: list[str]) -> None:
         """Show a jump at once: the one this browser kept, or the example of the first robot."""
-        complaints: list[str] = []
         if self._opening.plan(self.jump.robot) is not None:
             self._show_robot(self.jump.robot)
-        kept = recall(self._client, _RECALL, complaints)
+        design = kept.result()
         if complaints:
             self._panel.notify("The last design was not opened", "; ".join(complaints))
-        if kept is not None and kept != self.design:
-            self._take_up(kept)
+        if design is not None and design != self.design:
+            self._take_up(design)
             return
         plan = self._opening.plan(self.jump.robot)
         if plan is None:
@@ -448,35 +462,3 @@ class Session:
             self._offer(None)
             self._panel.jump.show(jump)
             self._request()
-
-    # ---- files
-
-    def _open_file(self, file: Uploaded) -> None:
-        try:
-            design = uploaded_design(file.name, file.content)
-        except Error as error:
-            self._panel.notify("Not opened", str(error))
-            return
-        self._take_up(design)
-
-    def _save(self) -> None:
-        conditions, _ = self._panel.simulation.read(self.design.conditions)
-        design = replace(self.design, conditions=conditions)
-        content = dump_design(design).encode()
-        self._client.send_file_download(file_name(design), content, save_immediately=True)
-
-    def _export(self) -> None:
-        # What is drawn solid.
-        shown = self.rollout or self.plan
-        if shown is None:
-            self._panel.notify("Nothing to export", "There is no plan yet.")
-            return
-        name, complaints = self._panel.read_format()
-        if complaints:
-            self._panel.notify("Corrected", "; ".join(complaints))
-        try:
-            file, content = exported(shown, name)
-        except Error as error:
-            self._panel.notify("Not exported", str(error))
-            return
-        self._client.send_file_download(file, content, save_immediately=True)
