@@ -23,7 +23,7 @@ def number(label: str, value: Any, ends: tuple[float, float], complaints: list[s
     if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
         complaints.append(f"{label}: expected a number, got {value!r:.80}")
         return min(max(0.0, lowest), highest)
-    slack = 1e-6 * max(1.0, abs(highest - lowest))
+    slack = 1e-6 * max(1.0, abs(value))  # a browser rounds
     if not lowest - slack <= value <= highest + slack:
         complaints.append(
             f"{label}: expected {lowest:.4g} to {highest:.4g}, got {value:.6g}; "
