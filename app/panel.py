@@ -28,7 +28,6 @@ from llsrbm.robots import RobotFile
 from llsrbm.trajectory.plan import Plan
 from llsrbm.trajectory.rollout import Rollout
 
-
 _HELP = Path(__file__).parent / "static" / "help.md"
 
 

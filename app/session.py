@@ -15,29 +15,12 @@ from enum import Enum
 
 import viser
 
-from app import summaries
 from app.bridge import Bridge, PageEvent
+from app.desk import Desk
 from app.files import Files
-from app.live import Live
 from app.opening import Opening
 from app.panel import Action, Chosen, Panel, Uploaded
-from app.protocol import (
-    Cancelled,
-    Failed,
-    FindNearest,
-    Found,
-    Nearest,
-    PlanJump,
-    Planned,
-    Prepare,
-    Prepared,
-    Progress,
-    Report,
-    Simulated,
-    SimulateJump,
-    Task,
-)
-from app.replay import presentable
+from app.protocol import Report
 from app.stage import Stage
 from app.stored_design import recall, remember
 from app.worker_pool import WorkerPool
@@ -82,13 +65,7 @@ class Session:
         self.design = Design(Jump(robot=file.name, **file.example.model_dump()))
         self._file = file
         self._robot: Robot | None = None
-        self._live = Live()
-        self._awaited: Task | None = None  # the newest job's, until its outcome is there
-        self._job = 0  # the newest job; reports of older ones are news, but not the end
-        self._shown_job = 0
         self._simulate_next = False  # once the plan that is being made is there
-        self._nearest: Nearest | None = None  # on offer
-        self._failure = ""  # why the newest request cannot be planned
 
     @property
     def jump(self) -> Jump:
@@ -134,6 +111,15 @@ class Session:
                         lambda: self._inbox.put(Action.TARGET),
                     )
                 ) as self._stage:
+                    self._desk = Desk(
+                        self._client.client_id,
+                        self._pool,
+                        self._panel,
+                        self._stage,
+                        listener=self._inbox.put,
+                        prepared=self._prepared,
+                        planned=self._planned,
+                    )
                     self._open(kept, complaints)
                     self._loop()
             except BaseException:
@@ -160,15 +146,13 @@ class Session:
                     case _ if isinstance(event, PageEvent):
                         self._stage.hear(event)
                     case _:
-                        self._hear(event)
-            rested = self._live.due()
-            if rested is not None:
-                self._submit(rested)
+                        self._desk.hear(event)
+            self._desk.step()
             self._stage.step()
 
     def _next_events(self) -> list[Event]:
         """What has happened, each kind of action once; waits until something has or is due."""
-        waits = [wait for wait in (self._stage.wait, self._live.wait) if wait is not None]
+        waits = [wait for wait in (self._stage.wait, self._desk.wait) if wait is not None]
         try:
             first = self._inbox.get(timeout=min(waits) if waits else None)
         except queue.Empty:
@@ -196,7 +180,7 @@ class Session:
                 self._simulate()
             case Action.CANCEL:
                 self._simulate_next = False
-                self._pool.cancel(self._client.client_id)
+                self._desk.cancel()
             case Action.NEAREST:
                 self._take_nearest()
             case Action.PLAY:
@@ -243,10 +227,8 @@ class Session:
         if plan is None:
             self._request()
             return
-        self._live.ask(self.jump, self.design.tuning, None)
         self._stage.show_target(self.jump)
-        self._stage.show_plan(plan)
-        self._panel.show_status("Planned", summaries.planned_line(plan))
+        self._desk.show(plan)
 
     def _take_up(self, design: Design) -> None:
         """Put the controls where a design has them, and plan it."""
@@ -285,25 +267,16 @@ class Session:
         if (jump, tuning) != (self.design.jump, self.design.tuning):
             self.design = replace(self.design, jump=jump, tuning=tuning, title="", note="")
             self._panel.designs.show("")
+            self._simulate_next = False
         self._stage.show_target(jump)
         if self._robot is None:
-            self._prepare()
-            return
-        task = self._live.ask(jump, tuning, self.plan)
-        if task is not None:
-            self._offer(None)
-            self._submit(task)
-
-    def _prepare(self) -> None:
-        if isinstance(self._awaited, Prepare) and self._awaited.robot == self.jump.robot:
-            return
-        self._live.forget()
-        self._submit(Prepare(self.jump.robot))
+            self._desk.prepare(jump.robot)
+        else:
+            self._desk.plan(jump, tuning)
 
     def _simulate(self) -> None:
         plan = self.plan
-        planning = isinstance(self._awaited, PlanJump) or not self._live.settled
-        if self._robot is not None and planning:
+        if self._robot is not None and self._desk.planning:
             self._simulate_next = True
             return
         if self._robot is None or plan is None:
@@ -321,74 +294,27 @@ class Session:
             self._panel.simulation.show(conditions)
         self.design = replace(self.design, conditions=conditions)
         remember(self._client, self.design)
-        self._submit(SimulateJump(plan, conditions))
+        self._desk.simulate(plan, conditions)
 
-    def _submit(self, task: Task) -> None:
-        self._awaited = task
-        self._job = self._pool.submit(self._client.client_id, task, self._inbox.put)
-        match task:
-            case SimulateJump():
-                self._panel.show_status("Simulating", "...", busy=True)
-            case FindNearest():
-                pass
-            case Prepare():
-                self._panel.show_status("Planning", "begins when the robot is ready.", busy=True)
-            case PlanJump():
-                self._panel.show_status("Planning", "...", busy=True)
+    def _take_nearest(self) -> None:
+        nearest = self._desk.nearest
+        if nearest is not None:
+            self._desk.withdraw_nearest()
+            self._panel.jump.show(nearest.jump)
+            self._request()
 
-    # ---- hearing
+    # ---- what has come
 
-    def _hear(self, report: Report) -> None:
-        newest = report.job == self._job
-        task = self._awaited
-        if newest and not isinstance(report, Progress):
-            self._awaited = None
-            if isinstance(task, PlanJump):
-                self._live.answered(task)
-        match report:
-            case Progress():
-                if newest:
-                    self._tell_progress(report)
-            case Prepared():
-                if newest:
-                    self._show_robot(report.robot)
-                    self._request()
-            case Planned():
-                self._show_planned(report, newest=newest)
-            case Found():
-                if newest:
-                    self._offer(report.nearest)
-            case Simulated():
-                # An older one is of another plan, or of another world.
-                if newest:
-                    self._stage.show_rollout(report.rollout)
-                    self._panel.show_status(*summaries.simulated_line(report.rollout))
-            case Failed():
-                if newest:
-                    self._fail(report, task)
-            case Cancelled():
-                if newest:
-                    self._tell_cancelled(task)
+    def _prepared(self, robot: str) -> None:
+        self._show_robot(robot)
+        if self._robot is not None:
+            self._request()
 
-    def _tell_progress(self, report: Progress) -> None:
-        match self._awaited:
-            case SimulateJump():
-                told = f"({report.text}) ..." if report.share is None else f"{report.share:.0%}"
-                self._panel.show_status("Simulating", told, busy=True)
-            case FindNearest():
-                self._panel.show_status("Failed", f"{self._failure} ({report.text}) ...", busy=True)
-            case _:
-                self._panel.show_status("Planning", summaries.progress_line(report), busy=True)
-
-    def _tell_cancelled(self, task: Task | None) -> None:
-        match task:
-            case SimulateJump():
-                self._panel.show_status("Cancelled", "The plan is still there.")
-            case FindNearest():
-                self._panel.show_status("Cancelled", "The search for a jump that works.")
-            case _:
-                self._live.forget()
-                self._panel.show_status("Cancelled", "Move a slider to plan again.")
+    def _planned(self) -> None:
+        remember(self._client, self.design)
+        if self._simulate_next:
+            self._simulate_next = False
+            self._simulate()
 
     def _show_robot(self, name: str) -> None:
         try:
@@ -400,65 +326,3 @@ class Session:
         self._stage.show_robot(robot)
         self._panel.tuning.show_robot(robot)
         self._panel.tuning.show(self.design.tuning)
-
-    def _show_planned(self, report: Planned, *, newest: bool) -> None:
-        plan = report.plan
-        # An older one is still worth showing while the slider moves.
-        if self._robot is None or plan.jump.robot != self._robot.name:
-            return
-        if report.job < self._shown_job:
-            return
-        self._shown_job = report.job
-        moving = not newest or not self._live.settled
-        self._stage.show_plan(plan, moving=moving)
-        if not newest:
-            return
-        if moving:
-            self._panel.show_status("Planning", summaries.live_line(plan), busy=True)
-            return
-        self._panel.show_status("Planned", summaries.planned_line(plan))
-        remember(self._client, self.design)
-        if self._simulate_next:
-            self._simulate_next = False
-            self._simulate()
-
-    def _fail(self, report: Failed, task: Task | None) -> None:
-        self._simulate_next = False
-        if isinstance(task, FindNearest):
-            # Why there is no such jump is told beside what stopped the one that was asked for.
-            self._panel.show_status("Failed", f"{self._failure} {report.message}")
-            return
-        self._failure = report.message
-        match task:
-            case PlanJump(patient=False):
-                # It rests before it is looked at with patience; a hand is still moving.
-                self._panel.show_status("Planning", "nothing found quickly ...", busy=True)
-                return
-            case PlanJump(jump, tuning) if report.plan is not None:
-                if presentable(report.plan):
-                    self._stage.show_plan(report.plan)
-                    self._failure += (
-                        " The picture shows where the solver stopped; it is no feasible motion."
-                    )
-                self._submit(FindNearest(jump, tuning))
-                self._panel.show_status(
-                    "Failed", f"{self._failure} Looking for the nearest jump ...", busy=True
-                )
-                return
-            case PlanJump():
-                self._live.forget()
-        self._panel.show_status("Failed", self._failure)
-
-    def _offer(self, nearest: Nearest | None) -> None:
-        """Show a button that takes a jump that works; None: no such offer any more."""
-        self._nearest = nearest
-        self._panel.offer_nearest(None if nearest is None else nearest.changes)
-        if nearest is not None:
-            self._panel.show_status("Failed", f"{self._failure} {nearest.changes} works.")
-
-    def _take_nearest(self) -> None:
-        if self._nearest is not None:
-            jump = self._nearest.jump
-            self._offer(None)
-            self._panel.jump.show(jump)
-            self._request()

@@ -88,6 +88,11 @@ class Stage:
         return None if self._replay is None else self._replay.plan
 
     @property
+    def robot(self) -> str | None:
+        """Name of the robot that is shown."""
+        return None if self._robot is None else self._robot.name
+
+    @property
     def rollout(self) -> Rollout | None:
         """The simulation of it that is shown, or None."""
         return None if self._simulated is None else self._simulated.rollout
