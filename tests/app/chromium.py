@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import io
 import shutil
+import time
 
 import numpy as np
 from PIL import Image
@@ -36,6 +37,44 @@ def chromium():
         )
         yield browser
         browser.close()
+
+
+def opened(browser, url, view=VIEW):
+    """A page of a new visitor, who asks no other host; `faults` are what went wrong in it."""
+    context = browser.new_context(viewport=view, accept_downloads=True)
+    page = context.new_page()
+    page.faults, page.heard = [], []
+    page.on("pageerror", lambda error: page.faults.append(str(error)))
+    page.on(
+        "request",
+        lambda request: (
+            None
+            if request.url.startswith((url, "data:", "blob:"))
+            else page.faults.append(f"request to {request.url}")
+        ),
+    )
+    hear = lambda frame: page.heard.append(len(frame))  # noqa: E731
+    page.on("websocket", lambda socket: socket.on("framereceived", hear))
+    page.goto(url)
+    return page
+
+
+def player(page, what):
+    """Something of the page's own player: `time`, `playing`, `play()` ..."""
+    return page.evaluate(f"window.llsrbm.player.{what}")
+
+
+def paused_at(page, instant):
+    """Stop the motion at a time, s, and wait until it is drawn."""
+    page.evaluate("t => { llsrbm.player.pause(); llsrbm.player.seek(t); }", instant)
+    page.wait_for_timeout(1000)
+
+
+def wait_until(condition, what, timeout=20.0):
+    end = time.monotonic() + timeout
+    while not condition():
+        assert time.monotonic() < end, f"waited in vain for {what}"
+        time.sleep(0.1)
 
 
 def picture(page):

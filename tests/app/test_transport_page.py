@@ -1,0 +1,187 @@
+"""The motion that the page plays by itself, its bar and its keys, in a real browser."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from tests.app.chromium import chromium, number, opened, player, status, wait_until
+
+pytestmark = pytest.mark.browser
+
+NODE = "/links/base"
+FRAME = 1 / 60  # s
+POSE = """name => {
+  const { position, wxyz } = window.__viserMutable.nodePoseData[name];
+  return { time: llsrbm.player.time, position: [...position], wxyz: [...wxyz] };
+}"""
+
+
+@pytest.fixture(scope="module")
+def browser():
+    with chromium() as started:
+        yield started
+
+
+@pytest.fixture(scope="module")
+def shared(browser, designer):
+    """One page for all tests here: none changes the plan."""
+    page = opened(browser, designer.url)
+    status(page, "Planned")
+    page.wait_for_function(f"window.__viserMutable?.nodePoseData?.['{NODE}'] && llsrbm.player.clip")
+    page.session = designer.sessions[-1]
+    yield page
+    page.context.close()
+
+
+@pytest.fixture
+def page(shared):
+    """Paused at 0.5 s, nothing in focus."""
+    shared.evaluate("document.activeElement?.blur()")
+    stopped(shared, 0.5)
+    yield shared
+    assert shared.faults == []
+
+
+def stopped(page, instant):
+    page.evaluate("t => { llsrbm.player.pause(); llsrbm.player.seek(t); }", instant)
+    page.wait_for_timeout(100)
+
+
+def expected(session, node, time):
+    """(position, wxyz) of a node in the clip that was sent, mixed between its instants."""
+    for strand in session._stage._scene.clip().strands:
+        for track in strand.tracks:
+            if node in track.nodes:
+                position, wxyz = (
+                    np.array([np.interp(time, strand.time, axis) for axis in values.T])
+                    for values in (track.position, track.wxyz)
+                )
+                return position, wxyz / np.linalg.norm(wxyz)
+    raise AssertionError(f"{node} does not move")
+
+
+def test_it_plays_in_real_time_and_the_server_says_nothing(page):
+    page.wait_for_timeout(1500)
+    player(page, "play()")
+    page.wait_for_timeout(300)
+    heard = len(page.heard)
+    assert heard > 0
+    poses = []
+    for _ in range(8):
+        poses.append(page.evaluate(POSE, NODE))
+        page.wait_for_timeout(100)
+    assert len(page.heard) == heard
+    assert len({pose["time"] for pose in poses}) >= 4
+    for pose in poses:
+        position, wxyz = expected(page.session, NODE, pose["time"])
+        assert pose["position"] == pytest.approx(position, abs=1e-4)
+        assert abs(np.dot(pose["wxyz"], wxyz)) == pytest.approx(1, abs=1e-4)
+
+
+def test_without_repeating_it_stops_at_the_end_and_says_so(page):
+    page.get_by_role("button", name="Repeat").click()
+    assert player(page, "loop") is False
+    stopped(page, player(page, "clip.end") - 0.1)
+    player(page, "play()")
+    wait_until(lambda: not player(page, "playing"), "the end", 5)
+    wait_until(lambda: not page.session._stage.player.playing, "the server to know", 5)
+    page.get_by_role("button", name="Repeat").click()
+    assert player(page, "loop") is True
+
+
+def test_space_plays_and_pauses(page):
+    page.keyboard.press("Space")
+    assert player(page, "playing")
+    page.keyboard.press("Space")
+    assert not player(page, "playing")
+
+
+@pytest.mark.parametrize(
+    ("key", "frames"),
+    [("ArrowRight", 1), ("ArrowLeft", -1), ("Shift+ArrowRight", 6), ("Shift+ArrowLeft", -6)],
+)
+def test_arrows_step(page, key, frames):
+    player(page, "play()")
+    page.keyboard.press(key)
+    assert not player(page, "playing")
+    stopped(page, 0.5)
+    page.keyboard.press(key)
+    assert player(page, "time") == pytest.approx(0.5 + frames * FRAME, abs=1e-9)
+    # The camera stays where it is.
+    assert page.evaluate("window.scrollX + window.scrollY") == 0
+
+
+def test_home_and_end_go_there(page):
+    page.keyboard.press("End")
+    assert player(page, "time") == player(page, "clip.end")
+    page.keyboard.press("Home")
+    assert player(page, "time") == 0
+
+
+def test_what_is_typed_into_a_field_is_no_command(page):
+    number(page, "Forward [m]").focus()
+    for key in ("Home", "ArrowLeft", "ArrowRight", "End", "Space"):
+        page.keyboard.press(key)
+    assert player(page, "time") == 0.5
+    assert not player(page, "playing")
+
+
+def test_after_a_button_of_the_panel_space_is_for_the_motion(page):
+    """The button that was clicked last is not pressed again."""
+    page.get_by_role("button", name="Pause").click()
+    page.wait_for_timeout(300)
+    page.keyboard.press("Space")
+    page.wait_for_timeout(500)
+    assert player(page, "playing")
+
+
+def test_the_bar_is_scrubbed(page):
+    box = page.get_by_role("group", name="Timeline").bounding_box()
+    end, middle = player(page, "clip.end"), box["y"] + box["height"] / 2
+    page.mouse.move(box["x"] + box["width"] / 4, middle)
+    page.mouse.down()
+    assert player(page, "time") == pytest.approx(end / 4, rel=0.02)
+    page.mouse.move(box["x"] + box["width"] * 0.75, middle)
+    assert player(page, "time") == pytest.approx(0.75 * end, rel=0.02)
+    page.mouse.move(box["x"] + 2 * box["width"], middle)
+    assert player(page, "time") == end
+    page.mouse.up()
+    page.mouse.move(box["x"], middle)
+    assert player(page, "time") == end
+    # The server is told, and the panel with it.
+    wait_until(lambda: page.session._stage.player.time == pytest.approx(end), "the server", 5)
+
+
+def test_phases_and_marks_are_where_they_happen(page):
+    plan = page.session.plan
+    bar = page.locator("#llsrbm-transport")
+    track = page.get_by_role("group", name="Timeline").bounding_box()
+
+    def share(box):
+        return (box["x"] - track["x"]) / track["width"]
+
+    for name, start in zip(("take-off", "flight", "landing"), plan.phase_start, strict=False):
+        piece = bar.locator(f'[title="plan: {name}"]').bounding_box()
+        assert share(piece) == pytest.approx(start / plan.duration, abs=0.01)
+    marks = {"take-off": plan.phase_start[1], "touch-down planned": plan.phase_start[2]}
+    for name, time in marks.items():
+        mark = bar.locator(f'.mark[title="{name}"]').bounding_box()
+        assert share(mark) == pytest.approx(time / plan.duration, abs=0.01)
+    assert bar.locator('.mark[title="apex"]').count() == 1
+    assert "lift-off 0.40 s" in bar.inner_text()
+    for instant, phase in ((0.1, "take-off"), (0.6, "flight"), (1.2, "landing")):
+        stopped(page, instant)
+        assert f"{instant:.2f} / 1.30 s {phase}" in bar.inner_text()
+
+
+def test_the_bar_lies_under_the_picture_and_not_under_the_panel(page):
+    bar = page.locator("#llsrbm-transport").bounding_box()
+    canvas = page.evaluate(
+        "(({left, right, bottom}) => ({left, right, bottom}))"
+        "(window.__viserMutable.canvas.getBoundingClientRect())"
+    )
+    assert bar["x"] == pytest.approx(canvas["left"], abs=2)
+    assert bar["x"] + bar["width"] == pytest.approx(canvas["right"], abs=2)
+    assert bar["y"] + bar["height"] == pytest.approx(canvas["bottom"], abs=2)
+    assert page.get_by_role("button", name="Pause").is_visible()
