@@ -29,6 +29,7 @@ LIMIT: Rgb = colours.FOOT
 ALL_JOINTS = "all"
 TORQUES, LANDING = "Joint torques and speeds", "Landing"
 
+_INERTIAS = 400  # at most, of a motion; they change slowly, and eigenvalues take their time
 _SIGNAL_SHOWN = 3.0  # thresholds; how far an impact goes beyond matters no more
 
 
@@ -193,9 +194,10 @@ def _inertias(pairs: _Pairs, _joints: str) -> list[Chart]:
     """Principal moments; of a plan, the model's and those of the whole body in its postures."""
     lines: list[list[Line]] = [[], [], []]
     for layer, track in pairs:
-        moments = principal_moments(track.robot, track.inertia, track.base_quat)
+        kept = slice(None, None, 1 + len(track.time) // _INERTIAS)
+        moments = principal_moments(track.robot, track.inertia[kept], track.base_quat[kept])
         for axis, values in zip(lines, moments.T, strict=True):
-            axis.append(_line(layer, track, values))
+            axis.append(Line(layer.title, layer.colour, False, track.time[kept], values))
         if layer.rollout is None and not layer.pinned:
             time, inertia, quat = whole_body_inertia(layer.replay)
             moments = principal_moments(track.robot, inertia, quat)

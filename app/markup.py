@@ -66,18 +66,6 @@ def legend(*, simulated: bool) -> str:
     return _keys(rows)
 
 
-def plot_legend(*, simulated: bool) -> str:
-    """What the lines of the plots are."""
-    rows = [(colours.PLANNED, "plan")]
-    if simulated:
-        rows.append((colours.SIMULATED, "simulation"))
-    body = "".join(
-        f'<span style="margin-right:1.2em;white-space:nowrap">{swatch(colour)}{escape(text)}</span>'
-        for colour, text in rows
-    )
-    return f'<div style="{SMALL}">{body}<span style="opacity:0.7">shaded: played</span></div>'
-
-
 def _keys(rows: Iterable[tuple[Rgb, str]]) -> str:
     body = "".join(f"<div>{swatch(colour)}{escape(text)}</div>" for colour, text in rows)
     return f'<div style="{SMALL}">{body}</div>'

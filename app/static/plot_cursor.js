@@ -26,6 +26,7 @@
     .llsrbm-values { position: absolute; right: 0; top: 3px; padding: 0 8px 0 0.3em; font-weight: 400;
       font-variant-numeric: tabular-nums; background: var(--mantine-color-body); }
     .llsrbm-values span:not(:first-child) { margin-left: 0.7em; }
+    .uplot-container:hover .llsrbm-values { right: 30px; } /* viser: a button to expand the chart */
     .llsrbm-cursor { position: absolute; left: 0; top: 0; bottom: 0; width: 0; pointer-events: none;
       border-left: 1.5px solid var(--mantine-color-text); opacity: 0.75; z-index: 90;
       will-change: transform; }`;

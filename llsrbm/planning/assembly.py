@@ -20,8 +20,16 @@ def assemble_plan(
     violations: dict[str, Violation],
     report: Callable[[], SolveReport],
     solution: Solution | None = None,
+    near: Plan | None = None,
 ) -> Plan:
-    """The plan of a solution; `report` is called last, so that it can count everything."""
+    """The plan of a solution.
+
+    Args:
+        jump, robot, knots, violations: what was asked and found.
+        report: called last, so that it can count everything.
+        solution: what a next solve may start from.
+        near: a plan whose postures are close to this one's, so that they are found sooner.
+    """
     R = knots.R_world_base
     _, inertia, leg_com = knots.evaluated
     feet = knots.foot_position
@@ -31,7 +39,8 @@ def assemble_plan(
     foot_quat = np.zeros((*feet.shape[:2], 4))
     foot_quat[..., 0] = np.cos(knots.foot_heading / 2)
     foot_quat[..., 3] = np.sin(knots.foot_heading / 2)
-    postures = solve_postures(robot, knots.position, knots.quat, feet, foot_quat)
+    angles = None if near is None else near.joint_position
+    postures = solve_postures(robot, knots.position, knots.quat, feet, foot_quat, near=angles)
     arrays = {
         "time": knots.time,
         "phase": knots.phase.astype(np.int64),

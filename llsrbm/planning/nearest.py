@@ -44,7 +44,7 @@ class Nearest:
 
 
 @dataclass(frozen=True)
-class _Way:
+class Way:
     """One way to ask for less: some components reduced alike, the others kept.
 
     Attributes:
@@ -114,7 +114,7 @@ def find_nearest(
     components = tuple(name for name in STEPS if getattr(within, name) != 0)
     ways = [(name,) for name in components] if len(components) > 1 else []
     for reduced in [components, *ways] if components else []:
-        search.along(_Way(within, reduced))
+        search.along(Way(within, reduced))
     best = search.best
     return Nearest(best.task.jump, search.scout.plan(best), _changes(jump, best.task.jump))
 
@@ -157,7 +157,7 @@ class _Search:
             self._known.append(found)
         return found
 
-    def along(self, way: _Way) -> None:
+    def along(self, way: Way) -> None:
         """Find the furthest step of a way that works, if it is nearer than what is known."""
         nearest = self._distance(self.best.task.jump)
         nearer = (n for n in range(way.steps + 1) if self._distance(way.at(n)) < nearest)

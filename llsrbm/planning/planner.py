@@ -48,6 +48,7 @@ HOMOTOPY = (0.34, 0.67, 1.0)
 # Solves from the last plan before it is given up: the second one mends what the first let slip, a
 # far bound that was passed or rows that Fatrop saw scaled.
 FOLLOWS = 2
+FOLLOWED = "from the last plan"
 
 
 @dataclass(frozen=True, eq=False)
@@ -153,7 +154,10 @@ class Planner:
             )
 
         solution = best.iterate.solution if best.solved else None
-        plan = assemble_plan(jump, self.robot, best.knots, best.violations, report, solution)
+        followed = near if best.label == FOLLOWED else None
+        plan = assemble_plan(
+            jump, self.robot, best.knots, best.violations, report, solution, followed
+        )
         if not best.solved:
             raise NotConverged(
                 f"no plan found in {len(tried)} attempts ({_describe(jump)}); the nearest, "
@@ -169,7 +173,7 @@ class Planner:
         """What is tried, in order, each only when the one before failed."""
         if near is not None:
             solution = self._solution(near)
-            yield "from the last plan", lambda: self._follow(solution, task, watch)
+            yield FOLLOWED, lambda: self._follow(solution, task, watch)
         yield "from the analytic guess", lambda: self._solve(task, self._guess(task), watch)
         if patient:
             yield (

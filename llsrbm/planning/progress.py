@@ -19,7 +19,7 @@ from typing import TextIO, TypeVar
 
 from llsrbm.errors import Cancelled
 
-LOOK_EVERY = 0.05  # s between questions whether to go on; a quarter of what a person notices
+LOOK_EVERY = 0.02  # s between questions whether to go on: a tenth of what a person notices
 TELL_EVERY = 0.1  # s between news of one solve
 
 # A row of Fatrop's or Ipopt's table: iteration, objective, constraint violation, ...

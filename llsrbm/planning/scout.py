@@ -24,7 +24,6 @@ from llsrbm.planning.knots import Knots, rolled_out, unpack
 from llsrbm.planning.planner import PATIENT_FLIGHT, Planner
 from llsrbm.planning.progress import attended
 from llsrbm.planning.residuals import satisfied, violations
-from llsrbm.planning.solvers import BOUND_PUSH, MAX_ITERATIONS, MU_COLD
 from llsrbm.planning.stage_functions import constraints_of
 from llsrbm.planning.task import Task, place_task
 from llsrbm.planning.transcription import row_bounds
@@ -76,8 +75,11 @@ class Scout:
         self.about = ""
         self.solves, self.seconds = 0, 0.0
         self._progress, self._cancelled = progress, cancelled
-        self._cold = _hurried(planner, MU_COLD, BOUND_PUSH, MAX_ITERATIONS)
-        self._near = _hurried(planner, MU_NEAR, None, PATIENCE)
+        self._cold = planner._backend._cold
+        # Not while a solve that nobody waits for any more still runs: see `attended`.
+        self._near = attended(
+            lambda: _hurried(planner), look=lambda: None, tell=None, cancelled=cancelled
+        )
 
     def solve(self, task: Task, near: Found | None = None) -> Found | None:
         """A task's solution from a neighbour's, or from the planner's guesses; None: not found.
@@ -159,8 +161,8 @@ class Scout:
         return w
 
 
-def _hurried(planner: Planner, mu: float, push: float | None, iterations: int) -> Any:
-    """The planner's problem, which is at hand, in a Fatrop of other options."""
+def _hurried(planner: Planner) -> Any:
+    """The planner's problem, which is at hand, in a Fatrop that gives up early."""
     solver = planner._backend._cold
     functions = {n: solver.get_function(n) for n in solver.get_function() if n.startswith("nlp_")}
     layout = planner.layout
@@ -176,7 +178,6 @@ def _hurried(planner: Planner, mu: float, push: float | None, iterations: int) -
             lower, _ = np.broadcast_arrays(*constraint.bounds(task, layout, knot))
             equality += [constraint.equality] * len(lower)
         rows.append(len(equality) - start)
-    pushed = {} if push is None else {"bound_push": push, "bound_frac": push}
     options = {
         "print_time": False,
         "error_on_fail": False,
@@ -189,10 +190,9 @@ def _hurried(planner: Planner, mu: float, push: float | None, iterations: int) -
         "cache": functions,
         "fatrop": {
             "print_level": 0,
-            "mu_init": mu,
+            "mu_init": MU_NEAR,
             "tolerance": 1e-4,
-            "max_iter": iterations,
-            **pushed,
+            "max_iter": PATIENCE,
         },
     }
     return ca.nlpsol("scout", "fatrop", solver.oracle(), options)

@@ -165,8 +165,12 @@ def test_rates_are_in_the_world(planned, rollout):
 def test_principal_inertias_are_the_eigenvalues(planned, rollout):
     stretch = 1 + 0.3 * np.sin(rollout.time)
     inertia = rollout.inertia * stretch[:, None, None]
-    moments = simulated("Principal inertias", planned, replace(rollout, inertia=inertia))
-    assert np.sort(moments, axis=1) == pytest.approx(np.linalg.eigvalsh(inertia), rel=1e-9)
+    found = drawn("Principal inertias", planned, replace(rollout, inertia=inertia)).values()
+    lines = [chart["simulation"] for chart in found]
+    moments = np.stack([line.values for line in lines], axis=1)
+    kept = np.searchsorted(rollout.time, lines[0].time)
+    assert 200 < len(kept) <= 400
+    assert np.sort(moments, axis=1) == pytest.approx(np.linalg.eigvalsh(inertia[kept]), rel=1e-9)
     # ANYmal is longer than it is wide: rolling is easiest.
     assert (moments[:, 0] < moments[:, 1:].min(axis=1)).all()
 

@@ -47,7 +47,7 @@ def opened(browser, designer):
 
 @pytest.fixture
 def page(opened):
-    """With the overview of a plan, and no cursor yet in the first test."""
+    """With the overview in sight."""
     if opened.get_by_label("Quantity").input_value() != "Overview":
         choose(opened, "Quantity", "Overview")
     opened.mouse.move(10, 10)
@@ -134,6 +134,7 @@ CURSORS = """() => Object.values(window.__viserTestpoints.uplots).map(({chart}) 
   const left = cursors[0].getBoundingClientRect().left - chart.over.getBoundingClientRect().left;
   return chart.posToVal(left, 'x');
 })"""
+SEEK = "time => window.llsrbm.player.seek(time)"
 SHOW = "time => window.llsrbmPlots.show(time)"
 
 
@@ -148,19 +149,20 @@ def wait_for_cursors(page, count, time):
 
 
 def test_the_cursor_is_where_the_motion_is(page):
-    wait_for_cursors(page, 4, None)
-    page.evaluate(SHOW, 0.65)
-    wait_for_cursors(page, 4, 0.65)
     page.evaluate(SHOW, 0.2)
     assert page.evaluate(CURSORS) == [pytest.approx(0.2, abs=0.02)] * 4
     page.evaluate(SHOW, 9.0)  # beyond the axis
     wait_for_cursors(page, 4, None)
-    # It outlives charts that are built anew, unasked.
-    page.evaluate(SHOW, 0.65)
-    choose(page, "Quantity", "CoM position")
+    page.evaluate(SEEK, 0.65)
+    wait_for_cursors(page, 4, 0.65)
+    # It outlives charts that are built anew, and other data.
+    choose(page, "Quantity", "Base angles")
     wait_for_cursors(page, 3, 0.65)
     fill(page, "Twist [deg]", 30)
-    status(page, "Planned")
+    page.wait_for_function(
+        "() => Object.values(window.__viserTestpoints.uplots).some(({chart}) =>"
+        " Math.abs(Math.max(...chart.data[3].filter(Number.isFinite)) - 30) < 1)"
+    )
     wait_for_cursors(page, 3, 0.65)
 
 

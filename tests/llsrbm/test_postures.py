@@ -250,3 +250,16 @@ def test_margins_of_joints_that_slide():
         "right_slide is fastest, 5.4 of 6.0 m/s at 0.20 s; "
         "right_slide comes nearest to a stop, 0.05 m within its limits at 0.20 s."
     )
+
+
+@pytest.mark.parametrize("name", ["anymal", "slider"])
+def test_from_near_postures_the_same_ones_are_found(name):
+    robot = load_robot(name)
+    times = np.linspace(0, 1, 49)
+    before, after = Motion(robot, yaw=1.4, tuck=0.2), Motion(robot)
+    near = solve_postures(robot, *before.sample(times), before.soles(times)).joint_position
+    given_near = solve_postures(robot, *after.sample(times), after.soles(times), near=near)
+    alone = solve_postures(robot, *after.sample(times), after.soles(times))
+    assert np.abs(near - alone.joint_position).max() > 0.05
+    np.testing.assert_allclose(given_near.joint_position, alone.joint_position, atol=1e-5)
+    np.testing.assert_allclose(given_near.base_position, alone.base_position, atol=1e-6)

@@ -1,0 +1,262 @@
+"""Limits: what there is, what is refused, and that a changed one holds in the plan."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from llsrbm.errors import InputError
+from llsrbm.jump import Jump
+from llsrbm.planning.constraints import CONSTRAINTS
+from llsrbm.planning.layout import Intervals, Layout
+from llsrbm.planning.limits import limits_of
+from llsrbm.planning.planner import planner_for
+from llsrbm.planning.residuals import TOLERANCE, violations
+from llsrbm.planning.task import make_task
+from llsrbm.planning.transcription import row_bounds
+from llsrbm.robots import load_robot
+from llsrbm.trajectory.plan import Phase
+from llsrbm.tuning import Tuning
+
+ANYMAL, SLIDER = load_robot("anymal"), load_robot("slider")
+ROBOTS = {"anymal": ANYMAL, "slider": SLIDER, "go2": load_robot("go2")}
+every_robot = pytest.mark.parametrize("name", ROBOTS)
+
+
+# ---- what there is
+
+
+@every_robot
+def test_every_default_is_the_robots_and_in_range(name):
+    file, limits = ROBOTS[name].file, limits_of(ROBOTS[name])
+    for limit, value in limits.values():
+        assert limit.lowest <= value <= limit.highest, limit.name
+        assert limit.lowest < limit.highest, limit.name
+        assert limit.effect
+        assert limit.title
+    assert limits["friction"][1] == file.limits.friction
+    assert limits["reach_max"][1] == file.reach.distance[1]
+    assert limits["flight_min"][1] == file.timing.flight[0]
+    assert limits["foot_speed_in_base_y"][1] == file.limits.foot_speed_in_base[1]
+
+
+def test_a_robot_has_the_limits_of_what_it_has():
+    """Points do not turn, a slide is no knee."""
+    soles = {"foot_yaw_min", "foot_yaw_max", "foot_turn_speed"}
+    assert set(limits_of(SLIDER)) - set(limits_of(ANYMAL)) == soles
+    assert set(limits_of(ANYMAL)) - set(limits_of(SLIDER)) == {"knee_speed"}
+
+
+def test_names_are_unique():
+    names = [limit.name for constraint in CONSTRAINTS for limit in constraint.limits]
+    assert len(names) == len(set(names))
+
+
+@every_robot
+@settings(max_examples=15, deadline=None)
+@given(data=st.data())
+def test_only_the_named_limits_change(name, data):
+    robot = ROBOTS[name]
+    limits = limits_of(robot)
+    # One of a pair alone may cross the other; that is refused, below.
+    names = data.draw(
+        st.sets(st.sampled_from([n for n in limits if n[-4:] not in ("_min", "_max")]))
+    )
+    given_ = {n: data.draw(st.floats(limits[n][0].lowest, limits[n][0].highest)) for n in names}
+    task = make_task(Jump(robot=name), robot, None, given_)
+    assert task.tuning == Tuning(limits=given_)
+    for limit, value in limits.values():
+        assert limit.of(task) == given_.get(limit.name, value)
+
+
+@every_robot
+def test_the_same_bounds_are_infinite_whatever_the_limits(name):
+    """Fatrop looks at that only in its first solve."""
+    robot = ROBOTS[name]
+    layout = Layout(
+        legs=len(robot.legs),
+        contacts=len(robot.legs) * len(robot.corners),
+        intervals=Intervals(4, 4, 4),
+        foot_coordinates=robot.foot_coordinates,
+    )
+    own = row_bounds(layout, make_task(Jump(robot=name, height=0.1), robot))
+    for n, (limit, _) in limits_of(robot).items():
+        for end in (limit.lowest, limit.highest):
+            try:
+                task = make_task(Jump(robot=name, height=0.1), robot, None, {n: end})
+            except InputError:  # it crosses the other of its pair
+                continue
+            for one, other in zip(row_bounds(layout, task), own, strict=True):
+                np.testing.assert_array_equal(np.isfinite(one), np.isfinite(other))
+
+
+# ---- what is refused
+
+
+@pytest.mark.parametrize(
+    ("limits", "parts"),
+    [
+        ({"fricton": 0.4}, ["unknown limit 'fricton'", "of anymal are", *limits_of(ANYMAL)]),
+        ({"foot_yaw_max": 0.4}, ["unknown limit 'foot_yaw_max'"]),
+        ({"friction": 2.0}, ["limit friction: 2 is out of range", "anymal takes 0.1 to 1.5"]),
+        ({"contact_force": 1.0}, ["contact_force: 1 N", "57.5 to 690 N"]),
+        ({"contact_force": np.nan}, ["contact_force: nan N is out of range"]),
+        ({"flight_min": 0.7}, ["flight_min 0.7 s and flight_max 0.6 s leave no room", "0.001 s"]),
+        ({"flight_max": 0.4, "flight_min": 0.4}, ["flight_min 0.4 s and flight_max 0.4 s"]),
+    ],
+)
+def test_limits_that_are_none(limits, parts):
+    with pytest.raises(InputError) as caught:
+        make_task(Jump(), ANYMAL, None, limits)
+    assert "\n" not in str(caught.value)
+    for part in parts:
+        assert part in str(caught.value)
+
+
+# ---- what they do to a plan
+
+
+def peak_force(plan):
+    return plan.contact_force[..., 2].max()
+
+
+def sideways(plan):
+    f = plan.contact_force[plan.contact_force[..., 2] > 1.0]
+    return (np.abs(f[:, :2]).max(axis=1) / f[:, 2]).max()
+
+
+def duration(phase):
+    return lambda plan: np.diff(plan.phase_start)[phase]
+
+
+def longest_leg(plan):
+    return np.linalg.norm(plan.foot_in_hip[1:-1], axis=-1).max()
+
+
+def shortest_leg(plan):
+    return np.linalg.norm(plan.foot_in_hip[1:-1], axis=-1).min()
+
+
+def flying(plan):
+    first = int(np.argmax(plan.phase == Phase.FLIGHT))
+    last = int(np.argmax(plan.phase == Phase.LANDING))
+    return slice(first, last + 1)
+
+
+def box(pick, axis):
+    return lambda plan: pick(plan.foot_in_hip[1:-1, :, axis])
+
+
+def highest_foot(plan):
+    return plan.foot_position[flying(plan)][..., 2].max(axis=0).min()
+
+
+def nearest_feet(plan):
+    feet = plan.foot_in_hip[flying(plan)][1:-1]
+    model = planner_for("anymal", "srbm").model
+    seen = model.hips + model.mirrors * feet
+    apart = [
+        np.linalg.norm((seen[:, i] - seen[:, j])[:, :2], axis=-1)
+        for i in range(4)
+        for j in range(i)
+    ]
+    return np.min(apart)
+
+
+def foot_speed(plan):
+    """In the world along base axes, by differences, at midpoints as the planner has them."""
+    from scipy.spatial.transform import Rotation, Slerp
+
+    at = flying(plan)
+    time, feet = plan.time[at], plan.foot_position[at]
+    middle = Slerp(time, Rotation.from_quat(plan.base_quat[at], scalar_first=True))(
+        (time[1:] + time[:-1]) / 2
+    )
+    speed = np.diff(feet, axis=0) / np.diff(time)[:, None, None]
+    return np.abs(np.einsum("kji,klj->kli", middle.as_matrix(), speed)).max()
+
+
+def speed_in_base(axis):
+    def measure(plan):
+        at = flying(plan)
+        steps = np.diff(plan.foot_in_hip[at], axis=0)[..., axis]
+        return np.abs(steps / np.diff(plan.time[at])[:, None]).max()
+
+    return measure
+
+
+def knee_speed(plan):
+    """From the joints of the postures; ANYmal's knees are every third joint."""
+    rate = np.diff(plan.joint_position, axis=0) / np.diff(plan.time)[:, None]
+    at = flying(plan)
+    return np.abs(rate[at.start : at.stop - 1, 2::3]).max()
+
+
+TWIST, FORWARD = {"twist": 1.6}, {"forward": 0.5}
+FAR = {"twist": 3.1, "height": 0.2}
+HIGH = {"height": 0.25, "forward": 0.2}
+SLOW = {"time": 0.01}  # otherwise phases are as short as they may be, and no longest one binds
+
+# name: jump, weights, a value that binds, what is measured of the plan, by how much that may differ
+# from what the planner bounds (knots against midpoints, the knee against its hip-to-foot distance).
+BINDING = {
+    "friction": (TWIST, {}, 0.2, sideways, 1e-3),
+    "contact_force": (FORWARD, {}, 150.0, peak_force, 0.1),
+    "takeoff_min": (FORWARD, {}, 0.7, duration(0), 1e-3),
+    "takeoff_max": (FORWARD, SLOW, 0.45, duration(0), 1e-3),
+    "flight_min": (FORWARD, {}, 0.45, duration(1), 1e-3),
+    "flight_max": (FAR, {}, 0.34, duration(1), 1e-3),
+    "landing_min": (FORWARD, {}, 0.7, duration(2), 1e-3),
+    "landing_max": (FORWARD, SLOW, 0.55, duration(2), 1e-3),
+    "reach_min": (HIGH, {}, 0.3, shortest_leg, 1e-3),
+    "reach_max": (FORWARD, {}, 0.5, longest_leg, 1e-3),
+    "reach_x_min": (FORWARD, {}, -0.12, box(np.min, 0), 1e-3),
+    "reach_x_max": (FORWARD, {}, 0.12, box(np.max, 0), 1e-3),
+    "reach_y_min": (TWIST, {}, -0.1, box(np.min, 1), 1e-3),
+    "reach_y_max": (TWIST, {}, 0.1, box(np.max, 1), 1e-3),
+    "reach_z_min": (FORWARD, {}, -0.5, box(np.min, 2), 1e-3),
+    "reach_z_max": (HIGH, {}, -0.26, box(np.max, 2), 1e-3),
+    "clearance": (FORWARD, {}, 0.15, highest_foot, 1e-3),
+    "feet_apart": (TWIST, {}, 0.35, nearest_feet, 1e-3),
+    "foot_speed_in_base_x": (FORWARD, {}, 0.8, speed_in_base(0), 2e-3),
+    "foot_speed_in_base_y": (TWIST, {}, 0.8, speed_in_base(1), 2e-3),
+    "foot_speed_in_base_z": (HIGH, {}, 1.2, speed_in_base(2), 2e-3),
+    "knee_speed": (HIGH, {}, 8.0, knee_speed, 0.5),
+}
+
+
+@pytest.mark.parametrize("name", BINDING)
+def test_a_limit_binds_in_the_plan(name):
+    """Measured in the plan's arrays: what was beyond the limit is at it, in the checks as well."""
+    motion, weights, value, measured, tolerance = BINDING[name]
+    planner = planner_for("anymal", "srbm")
+    jump = Jump(model="srbm", **motion)
+    free = planner.plan(jump, weights=weights)
+    bound = planner.plan(jump, weights=weights, limits={name: value})
+    limit = limits_of(ANYMAL)[name][0]
+    side = -1 if limit.lower_bound else 1
+    assert side * (measured(free) - value) > 2 * tolerance
+    assert side * (measured(bound) - value) <= tolerance
+    assert max(v.amount for v in bound.violations.values()) <= TOLERANCE
+    assert bound.tuning == Tuning(weights, {name: value})
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "measured"),
+    [("contact_force", 150.0, peak_force), ("foot_speed", 1.0, foot_speed)],
+)
+def test_the_checks_use_the_changed_limit(name, value, measured):
+    """A plan under the robot's limits, checked against a tighter one."""
+    planner = planner_for("anymal", "srbm")
+    plan = planner.plan(Jump(model="srbm", **FORWARD))
+    knots = planner.last_knots()
+    task = make_task(knots.task.jump, ANYMAL, None, {name: value})
+    # At least that: a foot's speed is bounded more tightly near lift-off and touchdown.
+    assert violations(replace(knots, task=task))[name].amount > 0.97 * (measured(plan) - value)
+    assert violations(knots)[name].amount <= TOLERANCE
+
+
+def test_every_limit_of_a_point_foot_is_measured():
+    assert {*BINDING, "foot_speed"} == set(limits_of(ANYMAL))

@@ -1,0 +1,143 @@
+"""What stops a jump, and the nearest that works, judged by plans of their own."""
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import llsrbm
+from llsrbm.errors import Cancelled, Error, InputError, NotConverged, Stop
+from llsrbm.jump import Jump
+from llsrbm.planning.explanation import explain, in_words
+from llsrbm.planning.nearest import STEPS, Way
+from llsrbm.planning.planner import planner_for
+from llsrbm.planning.residuals import TOLERANCE
+from llsrbm.planning.scout import Scout
+from llsrbm.planning.task import make_task
+from llsrbm.robots import load_robot
+
+ANYMAL = load_robot("anymal")
+
+# ---- ways to ask for less
+
+
+@settings(max_examples=100, deadline=None)
+@given(
+    twist=st.floats(-3.1, 3.1),
+    forward=st.floats(-0.3, 0.6),
+    reduced=st.sampled_from([("twist",), ("forward",), ("twist", "forward")]),
+    share=st.floats(0, 1),
+)
+def test_steps_of_a_way_are_round_and_between_nothing_and_the_request(
+    twist, forward, reduced, share
+):
+    jump = Jump(twist=twist, forward=forward)
+    way = Way(jump, reduced)
+    step = int(share * way.steps)
+    less = way.at(step)
+    for name in STEPS:
+        value, whole = getattr(less, name), getattr(jump, name)
+        if name not in reduced or step == way.steps:
+            assert value == whole
+            continue
+        assert abs(value) <= abs(whole) + 1e-9
+        assert value * whole >= 0
+        assert value / STEPS[name] == pytest.approx(round(value / STEPS[name]), abs=1e-6)
+    assert way.at(0) == replace(jump, **dict.fromkeys(reduced, 0.0)) or way.steps == 0
+
+
+# ---- the nearest
+
+
+LIMITS = {"contact_force": 120.0}
+HIGH = Jump(model="srbm", height=0.3)  # its forces are too small for it
+
+
+@cache
+def found():
+    said = []
+    return llsrbm.nearest(HIGH, limits=LIMITS, progress=said.append), said
+
+
+def test_it_is_a_plan_of_a_round_request():
+    nearest, said = found()
+    plan, height = nearest.plan, nearest.jump.height
+    assert plan.solved
+    assert plan.jump == nearest.jump
+    assert plan.tuning.limits == LIMITS
+    assert max(v.amount for v in plan.violations.values()) <= TOLERANCE
+    assert plan.contact_force[..., 2].max() <= 120.0 + TOLERANCE
+    # Where it ends, from its arrays alone.
+    assert plan.foot_position[-1, :, 2] - plan.foot_position[0, :, 2] == pytest.approx(
+        np.full(4, height), abs=1e-4
+    )
+    assert 0.02 < height < 0.3
+    assert height * 100 == pytest.approx(round(height * 100), abs=1e-9)
+    assert nearest.changes == f"height {height:.3g} m instead of 0.3 m"
+    assert len(said) == plan.report.attempts > 3
+
+
+def test_a_little_more_cannot_be_planned():
+    """By the planner itself, which tries longer and from elsewhere; 6 cm, as it is patient."""
+    nearest, _ = found()
+    more = replace(HIGH, height=nearest.jump.height + 0.06)
+    with pytest.raises(NotConverged):
+        planner_for("anymal", "srbm").plan(more, limits=LIMITS, patient=False)
+
+
+def test_what_can_be_planned_is_the_nearest():
+    nearest = llsrbm.nearest(Jump(model="srbm", twist=0.512))
+    assert (nearest.jump.twist, nearest.changes) == (0.512, "")
+
+
+def test_a_request_out_of_range_is_taken_back_to_it():
+    nearest = llsrbm.nearest(Jump(model="srbm", twist=4.0, forward=9.0))
+    assert nearest.jump == Jump(model="srbm", twist=ANYMAL.file.task.twist[1], forward=0.6)
+    assert nearest.changes == "twist 180 deg instead of 229.2 deg, forward 0.6 m instead of 9 m"
+
+
+def test_cancelled_and_bad_input():
+    with pytest.raises(Cancelled):
+        llsrbm.nearest(HIGH, limits=LIMITS, cancelled=lambda: True)
+    with pytest.raises(InputError, match="unknown limit 'force'"):
+        llsrbm.nearest(HIGH, limits={"force": 1.0})
+
+
+# ---- what stops a jump
+
+
+def test_the_named_limit_is_the_one():
+    """Only that limit changed, as it says, makes the jump plannable; half of that does not."""
+    planner = planner_for("anymal", "srbm")
+    task = make_task(HIGH, ANYMAL, None, LIMITS | {"friction": 0.45})
+    (stop,) = explain(Scout(planner), task)
+    assert (stop.constraint, stop.limit, stop.value) == ("contact_force", "contact_force", 120.0)
+    assert 120.0 < stop.needed < ANYMAL.file.limits.contact_force
+    assert stop.amount == pytest.approx(stop.needed - 120.0)
+    assert stop.phase == "take-off"
+    assert planner.plan(HIGH, limits={"contact_force": stop.needed, "friction": 0.45}).solved
+    half = {"contact_force": 120.0 + 0.5 * stop.amount, "friction": 0.45}
+    with pytest.raises(NotConverged):
+        planner.plan(HIGH, limits=half, patient=False)
+
+
+def test_when_nothing_can_be_planned_the_error_names_the_limit():
+    with pytest.raises(Error, match=r"not even a jump on the spot .* \(reach_max\)") as caught:
+        llsrbm.nearest(Jump(model="srbm", twist=1.0), limits={"reach_max": 0.4})
+    assert "the limit is 0.4 m" in str(caught.value)
+
+
+def test_stops_in_words():
+    stop = Stop("reach", "flight", 0.62, 0.02, "m", "reach_max", "longest leg", 0.52, 0.54)
+    assert str(stop) == (
+        "longest leg (reach_max) would have to be 0.54 m in flight at 0.62 s; the limit is 0.52 m"
+    )
+    assert in_words((stop, stop)) == f"{stop} or {stop}"
+    both = replace(stop, together=True)
+    assert in_words((both, both)) == f"{stop} and {stop}"
+    assert str(Stop("momentum_balance", "flight", 0.5, 3.0, "kg m2/s")) == (
+        "momentum_balance is violated by 3 kg m2/s in flight at 0.50 s"
+    )
