@@ -218,6 +218,10 @@ class Panel:
         self._timeline.visible = True
         self._timeline.content = html(events, time)
 
+    def hide_timeline(self) -> None:
+        """The page draws its own."""
+        self._timeline.visible = False
+
     def show_plots_time(self, time: float) -> None:
         """Where the motion is, s, in the plots, where the page does not do it itself."""
         self._plots.show_time(time)

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 
 from app import colours
 from app.colours import Rgb
-from app.frames import Frames
 from app.replay import Replay
+from app.scene import Ghost
 from app.simulated_replay import SimulatedReplay
 from llsrbm.design import Design
 from llsrbm.robots import Robot
@@ -39,10 +40,11 @@ class Pin:
         """The simulation."""
         return None if self.simulated is None else self.simulated.rollout
 
-    @property
-    def frames(self) -> Frames:
+    @cached_property
+    def ghost(self) -> Ghost:
         """What is drawn of it: the simulated robot if there is one."""
-        return self.replay.frames if self.simulated is None else self.simulated.frames
+        frames = self.replay.frames if self.simulated is None else self.simulated.frames
+        return Ghost(self.robot, frames, self.colour)
 
     @property
     def figures(self) -> DesignFigures:

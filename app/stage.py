@@ -17,7 +17,7 @@ from app.panel import Panel
 from app.pins import Pin, Pins
 from app.player import BrowserPlayer, Player, ServerPlayer
 from app.replay import Replay, bake
-from app.scene import Ghost, Scene
+from app.scene import Scene
 from app.simulated_replay import SimulatedReplay, bake_rollout
 from app.target_handle import TargetHandle
 from app.timeline import Timeline, timeline
@@ -184,7 +184,7 @@ class Stage:
         return self._pins.at(self._panel.compare.chosen)
 
     def _show_pins(self) -> None:
-        self._scene.show_ghosts([Ghost(pin.robot, pin.frames, pin.colour) for pin in self._pins])
+        self._scene.show_ghosts([pin.ghost for pin in self._pins])
         if self._replay is not None:
             self._load()
             self._tell()
@@ -230,6 +230,8 @@ class Stage:
                 self._answered = True
                 if not software:
                     self._scene.refine()
+                if isinstance(self.player, ServerPlayer):
+                    self._play_there()
             case PlayerMoved() | PaceChosen():
                 if isinstance(self.player, BrowserPlayer):
                     self.player.hear(event)
@@ -275,6 +277,17 @@ class Stage:
             self.player.seek(before.time)
             if before.playing:
                 self.player.play()
+
+    def _play_there(self) -> None:
+        """The page answers after all: it was slow to open."""
+        playing = self.player.playing
+        self.close()
+        self.player = BrowserPlayer(self._bridge)
+        self._panel.hide_timeline()
+        if self._events is not None:
+            self._load()
+        if playing:
+            self.player.play()
 
     def _show_instant(self, clip: Clip, instant: float) -> None:
         self._scene.show_instant(clip, instant)
