@@ -59,7 +59,7 @@ def test_a_simulation_is_drawn_in_place_of_its_plan(robot, replay):
     pins.add(Design(JUMP), robot, replay, simulated)
     pins.add(Design(JUMP), robot, replay, None)
     with_it, without = pins
-    assert with_it.frames is simulated.frames
-    assert without.frames is replay.frames
+    assert with_it.ghost.frames is simulated.frames
+    assert without.ghost.frames is replay.frames
     assert (with_it.rollout, without.rollout) == (simulated.rollout, None)
     assert with_it.figures != without.figures
