@@ -124,7 +124,7 @@ class LinearMomentum(Cost):
     name = "linear_momentum"
     weight = 0.05
     unit = "1/(m/s)^2"
-    effect = "the CoM moves more slowly, jumps get lower"
+    effect = "the CoM moves more slowly, pushed by larger forces"
 
     def applies(self, role: Role) -> bool:
         """Wherever the robot moves."""
@@ -224,7 +224,7 @@ class Time(Cost):
     name = "time"
     weight = 20.0
     unit = "1/s^2"
-    effect = "shorter phases and larger forces"
+    effect = "shorter phases, as far as their limits allow, and larger forces"
 
     def applies(self, role: Role) -> bool:
         """Once a phase."""

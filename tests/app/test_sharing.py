@@ -307,13 +307,15 @@ def test_a_closed_tab_frees_its_work(pool):
 
 
 def test_a_tab_that_fails_to_listen_does_not_stop_the_others(pool, caplog):
+    told = threading.Event()
+
     def fail(report):
+        told.set()
         raise ZeroDivisionError("a defect of this tab")
 
     pool.submit("failing", PlanJump(Jump()), fail)
+    assert told.wait(20)
     tab = Tab(pool)
-    tab.plan()
-    assert isinstance(tab.outcome(), Planned)
     tab.plan()
     assert isinstance(tab.outcome(), Planned)
     assert "a defect of this tab" in caplog.text

@@ -8,7 +8,6 @@ import queue
 import signal
 import time
 
-import numpy as np
 import pytest
 
 from app.protocol import (
@@ -137,9 +136,8 @@ def test_iteration_and_residual_are_told_ten_times_a_second(shared_pool):
     while not isinstance(report := tab.reports.get(timeout=20), Planned):
         assert (report.job, report.text) == (job, "solving")
         heard.append((time.monotonic(), report))
-    assert 5 <= len(heard) <= 12
-    times = [when for when, _ in heard]
-    assert min(np.diff(times)) > 0.05
+    lasted = heard[-1][0] - heard[0][0]
+    assert 5 <= len(heard) <= 10 * lasted + 2
     for _, report in heard[1:]:
         assert report.residual == 10.0**-report.iteration
     assert heard[-1][1].iteration > 60

@@ -10,8 +10,11 @@ from llsrbm.planning.residuals import (
     describe_worst,
     dynamics_defects,
     satisfied,
+    stops,
     violations,
 )
+from llsrbm.planning.task import make_task
+from llsrbm.robots import load_robot
 from llsrbm.trajectory.plan import Phase, Violation
 from tests.llsrbm.planning.solved import solved
 
@@ -105,3 +108,33 @@ def test_the_worst_three_in_words():
 def test_nothing_violated_and_yet_no_optimum():
     found = {"a": Violation(0.0, "m", "flight", 0.5)}
     assert describe_worst(found) == "no constraint is violated, the optimum was not reached"
+
+
+@pytest.mark.parametrize(
+    ("limit", "tighter", "measured"),
+    [
+        ("contact_force", 100.0, lambda k: k.force[..., 2].max()),
+        ("reach_max", 0.45, lambda k: np.linalg.norm(k.feet_in_hip[1:-1], axis=-1).max()),
+        ("flight_min", 0.5, lambda k: k.durations[1]),
+        ("friction", 0.1, lambda k: np.nanmax(sideways(k.force))),
+    ],
+)
+def test_stops_name_the_limit_and_what_it_would_have_to_be(knots, limit, tighter, measured):
+    """A plan that kept the robot's limits, looked at under a tighter one."""
+    task = make_task(knots.task.jump, load_robot("anymal"), None, {limit: tighter})
+    (stop,) = stops(replace(knots, task=task))
+    assert (stop.limit, stop.value) == (limit, tighter)
+    assert stop.needed == pytest.approx(measured(knots), rel=0.02)
+
+
+def sideways(force):
+    loaded = np.where(force[..., 2] > 1.0, force[..., 2], np.nan)
+    return np.abs(force[..., :2]).max(axis=-1) / loaded
+
+
+def test_stops_of_what_no_limit_mends(knots):
+    position = knots.position[20] + [0.0, 0.02, 0.0]
+    first = stops(moved(knots, "position", 20, position))[0]
+    assert (first.constraint, first.limit) == ("dynamics_position", None)
+    assert str(first).startswith("dynamics_position is violated by 0.02 m in flight")
+    assert stops(knots) == ()
