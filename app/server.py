@@ -89,10 +89,16 @@ class Designer:
         jumps = [first, *(Jump(robot=robot, model=name) for name in others)]
         self.opening.recall(robot)
 
+        said = ""
+
         def tell(report: Report) -> None:
+            nonlocal said
             match report:
                 case Progress():
-                    _say(f"  {report.text} ...")
+                    # Not again with every iteration.
+                    if report.text != said:
+                        _say(f"  {report.text} ...")
+                    said = report.text
                 case Failed():
                     _say(f"  {report.message}")
                 case Prepared():
