@@ -19,6 +19,8 @@ from app.opening import example
 from app.server import Designer, check_bindable
 from app.worker_pool import WorkerPool
 from llsrbm.errors import InputError
+from llsrbm.jump import Jump
+from tests.app import planners
 from tests.app.planners import SyntheticPlanner
 
 PROGRAM = """
@@ -54,7 +56,7 @@ def taken():
 
 def test_a_port_in_use_is_refused_not_replaced(taken):
     with pytest.raises(InputError, match=f"--port: {taken} on 127.0.0.1 is in use; choose another"):
-        Designer(port=taken, pool=WorkerPool(SyntheticPlanner))
+        Designer(port=taken)
 
 
 @pytest.mark.parametrize(
@@ -90,6 +92,24 @@ def test_the_plan_that_tabs_begin_with_is_there_at_once_the_second_time(tmp_path
         designer.warm_up("anymal")
         assert designer.opening.plan("anymal").jump == plan.jump
         assert designer.opening.plan("go2") is None
+
+
+def test_the_terminal_hears_of_steps_not_of_iterations(monkeypatch):
+    lines, ready = [], threading.Event()
+
+    def take(line, **_):
+        lines.append(line)
+        if line == "ready":
+            ready.set()
+
+    monkeypatch.setattr("builtins.print", take)
+    monkeypatch.setattr("app.opening.Opening.recall", lambda *_: None)
+    monkeypatch.setattr("app.opening.Opening.keep", lambda *_: None)
+    monkeypatch.setattr("app.server.example", lambda robot: Jump(twist=planners.ITERATING))
+    with closing(Designer(port=0, pool=WorkerPool(SyntheticPlanner))) as designer:
+        designer.warm_up("anymal")
+        assert ready.wait(30)
+    assert lines == ["  preparing anymal ...", "  solving ...", "ready"]
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
