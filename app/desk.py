@@ -164,7 +164,9 @@ class Desk:
             case Found(nearest=nearest):
                 self.nearest = nearest
                 self._panel.offer_nearest(nearest.changes)
-                self._panel.show_status("Failed", f"{self._failure} {nearest.changes} works.")
+                self._panel.show_status(
+                    "Failed", f"{self._failure} It works with {nearest.changes}."
+                )
             case Simulated(rollout=rollout):
                 self._stage.show_rollout(rollout)
                 self._panel.show_status(*summaries.simulated_line(rollout))
@@ -220,11 +222,11 @@ class Desk:
                 # It rests before it is looked at with patience; a hand may still be moving.
                 self._panel.show_status("Planning", "nothing found quickly ...", busy=True)
             case PlanJump(jump, tuning) if report.plan is not None:
-                self._failure = report.message
+                self._failure = f"{report.message}."
                 if presentable(report.plan):
                     self._stage.show_plan(report.plan)
                     self._failure += (
-                        " The picture shows where the solver stopped; it is no feasible motion."
+                        " The picture shows where the solver stopped, no feasible motion."
                     )
                 self._submit(FindNearest(jump, tuning))
                 self._panel.show_status(

@@ -7,6 +7,7 @@ what the command line finds for the same request.
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable
 
@@ -18,6 +19,10 @@ from llsrbm.tuning import Tuning
 REST = 0.35
 """s without a change after which a request counts as made; twice what a hand takes between steps of
 a slider."""
+
+
+_NEAR_TWIST = math.radians(30)  # rad; a plan farther away is a worse start than none
+_NEAR_MOVE = 0.15  # m, likewise
 
 
 class Live:
@@ -53,7 +58,7 @@ class Live:
         if shown is None or not alike or not shown.solved:
             return PlanJump(jump, tuning)
         # The plan that a page opens with may come from a file, which does not hold its solution.
-        near = None if shown.solution is None else shown
+        near = shown if shown.solution is not None and _near(shown.jump, jump) else None
         return PlanJump(jump, tuning, near=near, patient=False)
 
     def answered(self, task: PlanJump) -> None:
@@ -76,3 +81,8 @@ class Live:
             return None
         self._rests_at = None
         return PlanJump(*self._asked)
+
+
+def _near(one: Jump, other: Jump) -> bool:
+    moves = (abs(getattr(one, n) - getattr(other, n)) for n in ("forward", "lateral", "height"))
+    return abs(one.twist - other.twist) <= _NEAR_TWIST and max(moves) <= _NEAR_MOVE

@@ -49,10 +49,10 @@ class TargetHandle:
             jump: the request as it is; height, robot and model stay.
             task: the robot's ranges.
         """
-        w, _, _, z = (float(value) for value in np.asarray(self._handle.wxyz, dtype=float))
-        x, y, _ = (float(value) for value in np.asarray(self._handle.position, dtype=float))
-        if not all(map(math.isfinite, (w, z, x, y))):
+        wxyz, position = _numbers(self._handle.wxyz, 4), _numbers(self._handle.position, 3)
+        if wxyz is None or position is None:
             return jump
+        (w, _, _, z), (x, y, _) = wxyz, position
         # The handle turns on beyond half a turn; of the angles that look alike, the nearest one.
         turned = 2 * math.atan2(z, w) - jump.twist
         twist = jump.twist + math.remainder(turned, 2 * math.pi)
@@ -80,6 +80,17 @@ class TargetHandle:
     def set_visible(self, visible: bool) -> None:
         """Show or hide."""
         self._handle.visible = visible
+
+
+def _numbers(values: object, count: int) -> tuple[float, ...] | None:
+    """So many finite numbers, or None: a script may send anything for a pose."""
+    try:
+        array = np.asarray(values, dtype=float)
+    except (TypeError, ValueError):
+        return None
+    if array.shape != (count,) or not np.isfinite(array).all():
+        return None
+    return tuple(float(value) for value in array)
 
 
 def _within(value: float, ends: tuple[float, float]) -> float:

@@ -13,7 +13,7 @@ from llsrbm.robots.visuals import forward_kinematics, link_visuals
 
 Array = NDArray[np.float64]
 
-_FROM = np.array([0.9, -1.39, 0.42])  # in the robot's size: from the right, ahead and above
+_FROM = np.array([0.76, -1.17, 0.36])  # in the robot's size: from the right, ahead and above
 _AT = np.array([0.1, 0.0, 0.04])  # likewise, from its middle: it will jump, mostly forward
 
 

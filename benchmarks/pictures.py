@@ -50,6 +50,8 @@ def take(browser: Browser, address: str, name: str) -> None:
     page.goto(address)
     status(page, "Planned", timeout=PATIENCE)
     close_note(page)
+    # As a browser with a graphics processor has it.
+    page.evaluate("() => llsrbm.player.send({kind: 'ready', software: false})")
     STATES[name](page)
     page.mouse.move(300, 300)
     page.wait_for_timeout(SETTLED)
@@ -117,6 +119,11 @@ def fold(page: Page, *folders: str) -> None:
         page.wait_for_timeout(PACE)
 
 
+def to_the_top(page: Page) -> None:
+    """Scroll the panel to its status line."""
+    page.evaluate("() => document.querySelector('[role=status]').scrollIntoView()")
+
+
 # ---- the states
 
 
@@ -150,7 +157,7 @@ def _night(page: Page) -> None:
     simulate(page)
     page.get_by_label("Night", exact=True).check()
     hold(page, 0.62)
-    page.get_by_role("status").scroll_into_view_if_needed()
+    to_the_top(page)
     fold(page, "Jump", "Design", "Compare")
 
 
@@ -161,9 +168,10 @@ def _tablet(page: Page) -> None:
 
 def _failed(page: Page) -> None:
     fold(page, "Weights and limits")
-    page.get_by_label("contact force", exact=False).last.fill("190")
-    page.get_by_role("status").scroll_into_view_if_needed()
-    fill(page, "Forward [m]", 0.6)
+    page.get_by_label("contact force [N]").fill("160")
+    page.wait_for_timeout(PACE)
+    to_the_top(page)
+    fill(page, "Landing height [m]", 0.3)
     page.get_by_role("button", name="Take ").first.wait_for(timeout=PATIENCE)
     hold(page, 0.55)
 
@@ -182,8 +190,9 @@ def _fell(page: Page) -> None:
 def _weights(page: Page) -> None:
     fold(page, "Jump", "Whole body", "Design", "Compare", "Plots", "Figures", "Show", "File")
     fold(page, "Weights and limits")
-    page.get_by_label("foot movement", exact=False).fill("0.2")
-    page.get_by_label("friction", exact=False).last.fill("0.4")
+    page.get_by_label("foot movement [1/m^2]").fill("0.2")
+    page.wait_for_timeout(PACE)
+    page.get_by_label("friction [1]").fill("0.4")
 
 
 def _help(page: Page) -> None:
