@@ -171,9 +171,10 @@ def main():
                 found, order = latencies(steps, drawn)
                 stale = sum(b < a for a, b in itertools.pairwise(order))
                 last = drawn[-1][1] == steps[-1][1]
+                late = np.percentile(found, 95)
                 print(
                     f"dragging while {mode:7s}           {np.median(found):6.0f} ms median, "
-                    f"{np.percentile(found, 95):.0f} ms p95, {found.max():.0f} worst of {len(found)}"
+                    f"{late:.0f} ms p95, {found.max():.0f} ms worst of {len(found)}"
                 )
                 print(
                     f"  motions drawn {len(drawn)}, older after newer {stale}, "
