@@ -78,10 +78,13 @@ def wait_until(condition, what, timeout=20.0):
 
 
 def picture(page):
-    """(H, W, 3) of the scene, without the panel and viser's note."""
+    """(H, W, 3) of the scene, without the panel, the bar below and viser's note."""
     image = Image.open(io.BytesIO(page.screenshot())).convert("RGB")
     pixels = np.asarray(image).astype(int)[:, :PANEL_LEFT].copy()
     pixels[: NOTE[1], : NOTE[0]] = 255
+    bar = page.locator("#llsrbm-transport").bounding_box()
+    if bar is not None:
+        pixels[int(bar["y"]) :] = 255
     return pixels
 
 

@@ -329,11 +329,98 @@ def test_a_new_motion_is_sent_as_one_clip(tab, session, script):
     assert script.at("/com", 1.3)[0][0] == pytest.approx(session.plan.com[-1, 0], abs=1e-5)
 
 
+def drag(tab, session, wxyz, position):
+    """As viser's page does when the landing handle is dragged and let go."""
+    names = {"name": "/goal", "owner": str(session._client.client_id)}
+    pose = {"wxyz": wxyz, "position": position}
+    tab.send({"type": "TransformControlsDragStartMessage", **names})
+    tab.send({"type": "TransformControlsUpdateMessage", **pose, **names})
+    tab.send({"type": "TransformControlsDragEndMessage", **names})
+
+
+def test_the_landing_handle_moves_the_sliders_and_the_plan(tab, session):
+    yaw = math.radians(30)
+    drag(tab, session, (math.cos(yaw / 2), 0, 0, math.sin(yaw / 2)), (0.352, -0.118, 0.4))
+    jump = planned(tab, session, lambda jump: jump.forward == 0.35, "the plan").jump
+    assert (jump.twist, jump.lateral, jump.height) == pytest.approx((yaw, -0.12, 0))
+    shown = {"Twist [deg]": 30, "Forward [m]": 0.35, "Lateral [m]": -0.12}
+    tab.wait(lambda: {label: tab.value(label) for label in shown} == shown, "the sliders")
+    # Let go, it stands on the sliders' steps.
+    tab.wait(
+        lambda: list(tab.nodes["/goal"]["position"]) == pytest.approx([0.35, -0.12, 0]),
+        "the handle",
+    )
+
+
+def test_a_handle_that_is_nowhere_is_not_followed(tab, session):
+    drag(tab, session, (math.nan,) * 4, (math.inf,) * 3)
+    time.sleep(0.3)
+    tab.set("Forward [m]", 0.15)
+    jump = planned(tab, session, lambda jump: jump.forward == 0.15, "a plan all the same").jump
+    assert (jump.twist, jump.lateral) == (pytest.approx(math.pi / 2), 0)
+
+
 def test_the_timeline_reaches_the_page(script, session):
     events = script.events
     assert [row["name"] for row in events["rows"]] == ["plan"]
     assert [mark["name"] for mark in events["marks"]] == ["take-off", "apex", "touch-down planned"]
     assert events["end"] == pytest.approx(session.plan.duration)
+
+
+# ---- pins
+
+
+def pin_at(tab, session, forward):
+    tab.set("Forward [m]", forward)
+    planned(tab, session, lambda jump: jump.forward == forward, "the plan to pin")
+    tab.wait_for_status("Planned")
+    tab.press("Pin")
+
+
+def pinned(tab):
+    """Names of the ghosts that are drawn."""
+    return {name for name in tab.nodes if name.startswith("/pinned/") and name.count("/") == 2}
+
+
+def test_pinned_designs_stay_until_they_are_let_go(tab, session, script):
+    for number, forward in enumerate((0.1, 0.2, 0.3), start=1):
+        assert not tab.control("Pin")["props"]["disabled"]
+        pin_at(tab, session, forward)
+        tab.wait(lambda n=number: len(pinned(tab)) == n, "a ghost")
+    tab.wait(lambda: tab.control("Pin")["props"]["disabled"], "no colour left")
+    choices = tab.control("Pinned")["props"]["options"]
+    assert len(choices) == len(set(choices)) == 3
+    tab.set("Forward [m]", 0.5)
+    planned(tab, session, lambda jump: jump.forward == 0.5, "the next plan")
+    tab.wait_for_status("Planned")
+    ends = {name: script.at(f"{name}/base", 1.3)[0][0] for name in pinned(tab)}
+    solid = script.at("/links/base", 1.3)[0][0]
+    assert sorted(solid - end for end in ends.values()) == pytest.approx([0.2, 0.3, 0.4], abs=1e-5)
+    tab.set("Pinned", choices[1])
+    tab.press("Unpin")
+    tab.wait(lambda: len(pinned(tab)) == 2, "two ghosts")
+    tab.wait(lambda: not tab.control("Pin")["props"]["disabled"], "a colour again")
+    left = {name for name in pinned(tab) if f"{name}/base" in script.nodes()}
+    assert sorted(solid - ends[name] for name in left) == pytest.approx([0.2, 0.4], abs=1e-5)
+
+
+def test_a_pin_survives_a_change_of_robot_and_is_taken_up_again(tab, session, script):
+    pin_at(tab, session, 0.2)
+    tab.wait(lambda: pinned(tab), "a ghost")
+    choose(tab, session, "slider")
+    tab.wait(lambda: "/pinned/1/base" in script.nodes(), "the ghost's motion")
+    tab.press("Take up")
+    planned(tab, session, lambda jump: jump.robot == "anymal", "the pinned design")
+    assert session.plan.jump.forward == 0.2
+    assert tab.value("Robot") == "anymal"
+
+
+def test_ghosts_can_be_hidden(tab, session):
+    pin_at(tab, session, 0.1)
+    tab.wait(lambda: pinned(tab), "a ghost")
+    tab.wait(lambda: tab.nodes["/pinned/1"]["visible"], "to be seen")
+    tab.set("Ghost", False)
+    tab.wait(lambda: not tab.nodes["/pinned/1"]["visible"], "no ghost")
 
 
 # ---- a page whose scripts do not answer

@@ -76,6 +76,14 @@ def test_what_is_no_place_changes_nothing(broken):
     assert target.handle.read(JUMP, TASK) == JUMP
 
 
+@pytest.mark.parametrize("nonsense", ["here", None, [], [1.0, 0.0], [[0.0] * 4], [None] * 4, {}])
+@pytest.mark.parametrize("field", ["position", "wxyz"])
+def test_what_is_no_pose_changes_nothing(field, nonsense):
+    target = Target()
+    setattr(target.gizmo, field, nonsense)
+    assert target.handle.read(JUMP, TASK) == JUMP
+
+
 def test_it_turns_on_beyond_half_a_turn():
     """The attitude is the same as that of the angle less a whole turn; the nearer one counts."""
     target, wide = Target(), TASK.model_copy(update={"twist": (-7.0, 7.0)})
