@@ -223,7 +223,7 @@ def test_the_nearest_jump_is_offered_and_taken(browser):
         offer.wait_for()
         told = status(page, "Failed")
         assert "reach violated in flight by 0.02 m" in told
-        assert told.endswith("twist 50 deg instead of 55 works.")
+        assert "works with twist 50 deg instead of 55" in told
         offer.click()
         status(page, "Planned")
         session = designer.sessions[-1]
