@@ -114,9 +114,12 @@ def test_everything_is_a_call_of_the_pages_scripts(sent):
 def test_a_timeline_is_sent_with_colours_as_style_sheets_have_them(sent):
     made = Bridge(SimpleNamespace(gui=MagicMock()), lambda _: None)
     row = Row('a "row"', (Piece("flight", 0.4, 0.9, (1, 2, 3), low=True),))
-    made.load(Clip((), 1.0), Timeline((row,), (Mark("apex", 0.6, (4, 5, 6)),), "told", 1.3))
+    made.load(
+        Clip((), 1.0, {"twist": 0.5}),
+        Timeline((row,), (Mark("apex", 0.6, (4, 5, 6)),), "told", 1.3),
+    )
     *_, load, (function, (shown,)) = (call(source) for source in sent)
-    assert load == ("player.load", [{"end": 1.0, "strands": []}, ""])
+    assert load == ("player.load", [{"end": 1.0, "request": {"twist": 0.5}, "strands": []}, ""])
     assert function == "transport.show"
     piece = {"name": "flight", "start": 0.4, "end": 0.9, "colour": "rgba(1,2,3,1)", "low": True}
     assert shown == {

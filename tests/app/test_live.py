@@ -34,7 +34,8 @@ def live(clock):
 
 @pytest.fixture(scope="module")
 def shown():
-    return synthetic_plan(JUMP)
+    """With the solver's solution, of which only its being there matters here."""
+    return replace(synthetic_plan(JUMP), solution=object())
 
 
 def test_the_first_plan_is_sought_patiently(live):
@@ -51,6 +52,19 @@ def test_the_same_request_is_asked_for_once(live, shown):
 def test_a_change_starts_from_what_is_shown(live, shown):
     task = live.ask(NEXT, PLAIN, shown)
     assert (task.jump, task.near, task.patient) == (NEXT, shown, False)
+
+
+@pytest.mark.parametrize(
+    "change", [{"twist": 1.6}, {"twist": 0.4}, {"forward": 0.2}, {"lateral": -0.2}, {"height": 0.2}]
+)
+def test_from_far_away_it_is_quicker_to_start_anew(live, shown, change):
+    task = live.ask(replace(JUMP, **change), PLAIN, shown)
+    assert (task.near, task.patient) == (None, False)
+
+
+def test_a_plan_from_a_file_has_no_solution_to_start_from(live):
+    task = live.ask(NEXT, PLAIN, synthetic_plan(JUMP))
+    assert (task.near, task.patient) == (None, False)
 
 
 @pytest.mark.parametrize("change", [{"robot": "go2"}, {"model": "srbm"}])
