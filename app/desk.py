@@ -132,8 +132,10 @@ class Desk:
             self._submit_plan(rested)
 
     def _submit_plan(self, task: PlanJump) -> None:
+        following = not task.patient and isinstance(self._awaited, PlanJump)
         self._submit(task)
-        self._panel.show_status("Planning", "...", busy=True)
+        if not following:
+            self._panel.show_status("Planning", "...", busy=True)
 
     def _submit(self, task: Task) -> None:
         self._awaited = task

@@ -16,7 +16,7 @@ from llsrbm.jump import Jump
 from llsrbm.trajectory.plan import Plan
 from llsrbm.tuning import Tuning
 
-REST = 0.35
+REST = 0.5
 """s without a change after which a request counts as made; twice what a hand takes between steps of
 a slider."""
 

@@ -123,8 +123,8 @@ class Scene:
 
     def show_motion(
         self, planned: Replay, simulated: Frames | None = None, blocks: Sequence[Block] = ()
-    ) -> Clip:
-        """Draw what of a motion does not move, and say how the rest does.
+    ) -> None:
+        """Draw what of a motion does not move; the `clip` says how the rest does.
 
         Args:
             planned: the plan's.
@@ -145,7 +145,6 @@ class Scene:
             self._ground.position = (0.0, 0.0, min(planned.plan.jump.height, 0.0))
             self._com.visible = self._blot.visible = True
             self._apply_layers()
-        return self.clip()
 
     def show_ghosts(self, ghosts: Sequence[Ghost]) -> None:
         """Draw these pinned motions and no others; follow with the `clip`."""

@@ -121,7 +121,7 @@ class WorkerPool:
             self._turns.put(Entry(tab, Job(number, task), listener, now + WAITING_INTERVAL))
             for member in self._workers:
                 member.may_start = True
-                self._supersede(member, tab, now)
+                self._supersede(member, tab, task, now)
             self._wake()
         return number
 
@@ -161,14 +161,17 @@ class WorkerPool:
         """Of each computing process, None while there is none; the reserved one is the last."""
         return tuple(member.id for member in self._workers)
 
-    def _supersede(self, member: WorkerProcess, tab: Hashable, now: float) -> None:
+    def _supersede(self, member: WorkerProcess, tab: Hashable, newer: Task, now: float) -> None:
         entry = member.working_on
         if entry is None or entry.tab != tab or member.stop_at is not None or member.stopping:
             return
         task = entry.job.task
-        if Kind.of(task).long:
+        patient = isinstance(task, PlanJump) and task.patient
+        hurried = isinstance(newer, PlanJump) and not newer.patient
+        if Kind.of(task).long or (patient and hurried):
+            # The hand that rested has moved on, and what it asks for is not to wait.
             member.stop_at = now
-        elif isinstance(task, PlanJump) and task.patient:
+        elif patient:
             member.stop_at = now + self._superseded_grace
 
     def _give_up(self, tab: Hashable, grace: float) -> list[Entry]:

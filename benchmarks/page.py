@@ -21,31 +21,27 @@ from tests.app.chromium import PACE, VIEW, chromium, status
 
 PROGRAM = [sys.executable, "-m", "llsrbm.cli", "serve", "--port", "0"]
 STEP = 0.1  # s between steps of the dragged slider
-REACH = 60  # pixels that the hand goes to either side
+REACH = 30  # pixels that the hand goes to either side: 90 degrees
+PERIOD = 10.0  # s, there and back
 TAKE_UP = 8_000  # ms for the last plan to settle
 
-# Notes every change of the twist's number field, and every motion when its first picture has been
-# drawn, with the page's clock.
+# Notes every step of the twist's slider, and every motion when its first picture has been drawn,
+# with the page's clock.
 RECORD = """() => {
-  const rows = [...document.querySelectorAll('div')].filter(
-    div => div.children.length === 0 && div.innerText === 'Twist [deg]');
-  let row = rows[0] ?? [...document.querySelectorAll('label')].find(
-    label => label.innerText === 'Twist [deg]');
-  while (!row.querySelector('input')) row = row.parentElement;
-  const field = [...row.querySelectorAll('input')].at(-1);
-  const record = window.record = {steps: [], drawn: [], frames: []};
-  const look = () => {
-    const now = performance.now();
-    const value = Number(field.value), last = record.steps.at(-1);
-    if (!last || last[1] !== value) record.steps.push([now, value]);
-    const seen = window.llsrbm.player.seen;
-    if (seen && seen !== record.seen) {
-      record.seen = seen;
+  const thumb = document.querySelector('[role=slider]');
+  const record = window.record = {steps: [], drawn: []};
+  new MutationObserver(() => {
+    const value = Number(thumb.getAttribute('aria-valuenow')), last = record.steps.at(-1);
+    if (!last || last[1] !== value) record.steps.push([performance.now(), value]);
+  }).observe(thumb, {attributes: true, attributeFilter: ['aria-valuenow']});
+  let seen = window.llsrbm.player.seen;
+  const loop = () => {
+    if (window.llsrbm.player.seen !== seen) {
+      seen = window.llsrbm.player.seen;
       record.drawn.push([seen.at, Math.round(seen.request.twist * 180 / Math.PI)]);
     }
+    requestAnimationFrame(loop);
   };
-  document.addEventListener('pointermove', () => setTimeout(look), true);
-  const loop = () => { look(); requestAnimationFrame(loop); };
   requestAnimationFrame(loop);
 }"""
 FIRST_PICTURE = """() => new Promise(resolve => {
@@ -88,7 +84,7 @@ def drag(page, seconds):
     began, step = time.monotonic(), 0
     while time.monotonic() - began < seconds:
         step += 1
-        page.mouse.move(x + REACH * np.sin(0.11 * step), y)
+        page.mouse.move(x + REACH * np.sin(2 * np.pi * step * STEP / PERIOD), y)
         left = began + step * STEP - time.monotonic()
         if left > 0:
             page.wait_for_timeout(1000 * left)
@@ -96,7 +92,7 @@ def drag(page, seconds):
     status(page, "Planned")
     page.wait_for_timeout(TAKE_UP / 4)
     record = page.evaluate("() => ({steps: window.record.steps, drawn: window.record.drawn})")
-    steps = record["steps"][1:]
+    steps = record["steps"]
     drawn = [entry for entry in record["drawn"] if entry[0] > steps[0][0]]
     return steps, drawn
 

@@ -12,7 +12,21 @@
     return /swiftshader|llvmpipe|software|basic render/i.test(String(name));
   }
 
-  const llsrbm = (window.llsrbm = { software: false });
+  // While a jump is planned on the same processor, a picture that would hardly differ from the one
+  // before is not drawn: the canvas keeps what was drawn last.
+  function makeSkippable(context) {
+    if (context.llsrbmSkips) return;
+    context.llsrbmSkips = true;
+    for (const name of ["clear", "drawElements", "drawArrays", "drawElementsInstanced",
+      "drawArraysInstanced"]) {
+      const draw = context[name];
+      context[name] = function (...parameters) {
+        if (!llsrbm.skips) draw.apply(this, parameters);
+      };
+    }
+  }
+
+  const llsrbm = (window.llsrbm = { software: false, skips: false });
   let probed = false;
   HTMLCanvasElement.prototype.getContext = function (kind, attributes) {
     if (!probed && String(kind).startsWith("webgl")) {
@@ -21,6 +35,8 @@
     }
     if (llsrbm.software && attributes && String(kind).startsWith("webgl"))
       attributes = { ...attributes, antialias: false };
-    return getContext.call(this, kind, attributes);
+    const context = getContext.call(this, kind, attributes);
+    if (llsrbm.software && context && String(kind).startsWith("webgl")) makeSkippable(context);
+    return context;
   };
 })();

@@ -8,7 +8,9 @@
   const SLOW = 1 / 33, FAST = 1 / 58; // s a frame, beyond which the resolution changes
   const FINEST = 1, COARSEST = 0.5; // pixels a CSS pixel without a graphics processor
   const WINDOW = 12; // frames between decisions about the resolution
-  const HURRY = 700; // ms; clips that come faster are drawn coarsely
+  const HURRY = 700; // ms; clips that come faster are drawn coarsely, and without a graphics
+  const SPARING = 250; // ms; processor no oftener than this,
+  const FRESH = 50; // ms; but for a moment after each clip
 
   const llsrbm = (window.llsrbm ??= { software: false });
   const listeners = new Set();
@@ -17,6 +19,7 @@
   let bridge = null, count = 0, told = -Infinity, tellLater = null;
   let resolution = FINEST, frames = 0, spent = 0, drawn = 0;
   let picking = false;
+  let hurry = false, sparedAt = -Infinity;
   let loadedAt = -Infinity, applied = null, seen = null;
 
   // ---- clips
@@ -104,15 +107,26 @@
       }
       adapt(step);
     }
+    spare(now);
     notice(now);
-    apply();
-    drawn += 1;
-    changed();
+    if (!llsrbm.skips) {
+      apply();
+      drawn += 1;
+      changed();
+    }
     if (playing || now < settleUntil) request();
     else {
       last = null;
+      llsrbm.skips = false;
       draw(FINEST);
     }
+  }
+
+  function spare(now) {
+    const hurried = now - loadedAt < HURRY && hurry;
+    llsrbm.skips =
+      llsrbm.software && hurried && now - loadedAt > FRESH && now - sparedAt < SPARING;
+    if (!llsrbm.skips) sparedAt = now;
   }
 
   // Takes down when a clip's first picture has been rendered.
@@ -223,8 +237,13 @@
       clip = decode(header, blob);
       time = Math.min(time, clip.end);
       const now = performance.now();
-      if (now - loadedAt < HURRY) draw(playing ? resolution : COARSEST);
+      hurry = now - loadedAt < HURRY;
+      if (hurry) draw(playing ? resolution : COARSEST);
       loadedAt = now;
+      llsrbm.skips = false;
+      // Loaded within a frame of viser's, before it moves its nodes: they are drawn in this frame.
+      notice(now);
+      apply();
       settle();
     },
     clear() {

@@ -2,13 +2,14 @@
 (() => {
   const { player } = window.llsrbm;
   const SPEEDS = [0.1, 0.25, 0.5, 1];
+  const WRITTEN_EVERY = 100; // ms; numbers that change faster cannot be read
   const FAR = 6; // frames that an arrow key moves with Shift
   const TYPED_INTO = "input, textarea, select, [contenteditable], [role=slider], [role=textbox]";
 
   const STYLE = `
     #llsrbm-transport { position: fixed; z-index: 5; display: none; box-sizing: border-box;
       padding: 6px 10px 8px; font: 12px system-ui, sans-serif; user-select: none;
-      color: var(--mantine-color-text); background: var(--mantine-color-body); opacity: 0.94;
+      color: var(--mantine-color-text); background: var(--mantine-color-body);
       border-top: 1px solid var(--mantine-color-default-border); touch-action: none; }
     #llsrbm-transport .line { display: flex; flex-wrap: wrap; gap: 2px 8px; align-items: center; }
     #llsrbm-transport button, #llsrbm-transport select { font: inherit; color: inherit;
@@ -28,9 +29,10 @@
     #llsrbm-transport .mark span { position: absolute; top: 0; left: 4px; font-size: 10px;
       line-height: 12px; white-space: nowrap; }
     #llsrbm-transport .mark.left span { left: auto; right: 4px; }
-    #llsrbm-transport .cursor { position: absolute; top: 10px; bottom: -3px; width: 3px;
-      margin-left: -1.5px; background: var(--mantine-color-text); border-radius: 2px;
-      pointer-events: none; }`;
+    #llsrbm-transport .cursor { position: absolute; top: 10px; bottom: -3px; left: 0; width: 100%;
+      pointer-events: none; will-change: transform; }
+    #llsrbm-transport .cursor::before { content: ""; position: absolute; left: -1.5px; top: 0;
+      bottom: 0; width: 3px; background: var(--mantine-color-text); border-radius: 2px; }`;
 
   function element(kind, attributes = {}, ...children) {
     const made = document.createElement(kind);
@@ -60,6 +62,7 @@
   const bar = element("div", { id: "llsrbm-transport" },
     element("div", { class: "line" }, back, toggle, forth, clock, pace, repeat, events), track);
 
+  let written = -Infinity;
   let shown = null; // app/timeline.py, `Timeline`
 
   function choose({ loop = player.loop, speed = player.speed }) {
@@ -109,16 +112,25 @@
     }
   }
 
+  // On every frame: only what the browser can move without laying the bar out anew.
   function refresh() {
     if (!shown) return;
-    toggle.textContent = player.playing ? "❚❚" : "▶";
-    repeat.setAttribute("aria-pressed", player.loop);
-    pace.value = String(player.speed);
+    cursor.style.transform =
+      `translateX(${(100 * player.time) / Math.max(shown.end, 1e-6)}%)`;
+    const now = performance.now();
+    if (player.playing && now - written < WRITTEN_EVERY) return;
+    written = now;
+    write(toggle, player.playing ? "❚❚" : "▶");
+    if (repeat.getAttribute("aria-pressed") !== String(player.loop))
+      repeat.setAttribute("aria-pressed", player.loop);
+    if (pace.value !== String(player.speed)) pace.value = String(player.speed);
     const phase = shown.rows.at(-1)?.pieces
       .find(({ start, end, low }) => !low && player.time >= start && player.time < end);
-    clock.textContent =
-      `${player.time.toFixed(2)} / ${shown.end.toFixed(2)} s ${phase ? phase.name : ""}`;
-    cursor.style.left = `${(100 * player.time) / Math.max(shown.end, 1e-6)}%`;
+    write(clock, `${player.time.toFixed(2)} / ${shown.end.toFixed(2)} s ${phase ? phase.name : ""}`);
+  }
+
+  function write(place, text) {
+    if (place.textContent !== text) place.textContent = text;
   }
 
   function scrub(event) {
