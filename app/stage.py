@@ -130,6 +130,8 @@ class Stage:
             if first:
                 self.show_layers()
                 self.player.play()
+        # viser would gather messages for up to a sixtieth of a second.
+        self._client.flush()
 
     def show_rollout(self, rollout: Rollout) -> None:
         """Show a simulation of the plan that is shown, beside it."""

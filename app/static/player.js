@@ -8,6 +8,7 @@
   const SLOW = 1 / 33, FAST = 1 / 58; // s a frame, beyond which the resolution changes
   const FINEST = 1, COARSEST = 0.5; // pixels a CSS pixel without a graphics processor
   const WINDOW = 12; // frames between decisions about the resolution
+  const HURRIED = 0.35; // pixels a CSS pixel while clips come in a hurry
   const HURRY = 700; // ms; clips that come faster are drawn coarsely, and without a graphics
   const SPARING = 250; // ms; processor no oftener than this,
   const FRESH = 50; // ms; but for a moment after each clip
@@ -105,9 +106,13 @@
         playing = false;
         tell();
       }
-      adapt(step);
+      if (!hurry) adapt(step);
     }
     spare(now);
+    if (hurry && now - loadedAt > HURRY) {
+      hurry = false;
+      if (playing) draw(resolution);
+    }
     notice(now);
     if (!llsrbm.skips) {
       apply();
@@ -238,7 +243,7 @@
       time = Math.min(time, clip.end);
       const now = performance.now();
       hurry = now - loadedAt < HURRY;
-      if (hurry) draw(playing ? resolution : COARSEST);
+      if (hurry) draw(HURRIED);
       loadedAt = now;
       llsrbm.skips = false;
       // Loaded within a frame of viser's, before it moves its nodes: they are drawn in this frame.
