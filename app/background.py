@@ -44,17 +44,16 @@ class Background:
         able = [member for member in self._members if member.idle and self._may_take(member)]
         if not able:
             return None
-        # The likeliest everywhere, then the next.
-        member = max(able, key=lambda member: len(member.todo))
+        # The first process is through first: from then on, whatever is likely is at hand.
+        member = able[0]
         heard = self._done is not None and member is self._members[0]
         return member, member.todo.pop(0), self._listener if heard else _nobody
 
     def look_whether_done(self) -> None:
-        """Tell who asked for the warm-up when all processes are through."""
-        if self._done is None or any(
-            member.todo or member.working_on is not None or (member.may_start and not member.ready)
-            for member in self._members
-        ):
+        """Tell who asked for the warm-up when the first process is through; others go on."""
+        first = self._members[0]
+        starting = first.may_start and not first.ready
+        if self._done is None or first.todo or first.working_on is not None or starting:
             return
         done, self._done = self._done, None
         done()

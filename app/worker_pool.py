@@ -143,7 +143,7 @@ class WorkerPool:
         Args:
             tasks: in order; robots are prepared by the first process only, as that is for all.
             listener: hears the reports of the first process.
-            done: called when all processes are through.
+            done: called when the first process is through; the others go on.
         """
         with self._lock:
             self._background.warm_up(tasks, listener, done)
