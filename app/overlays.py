@@ -123,8 +123,22 @@ class Trails:
     def __init__(self, client: viser.ClientHandle) -> None:
         """Hidden."""
         add = client.scene.add_line_segments
-        self._com = add("/path/com", _NOTHING, colours.COM, thickness=0.008, visible=False)
-        self._feet = add("/path/feet", _NOTHING, colours.FOOT, thickness=0.005, visible=False)
+        self._com = add(
+            "/path/com",
+            _NOTHING,
+            colours.COM,
+            thickness=3.0,
+            thickness_units="screen",
+            visible=False,
+        )
+        self._feet = add(
+            "/path/feet",
+            _NOTHING,
+            colours.FOOT,
+            thickness=2.0,
+            thickness_units="screen",
+            visible=False,
+        )
 
     def draw(self, frames: Frames, *, feasible: bool) -> None:
         """Take a motion's paths; one that breaks constraints gets a warning colour."""

@@ -232,6 +232,9 @@ class Stage:
                 self._answered = True
                 if not software:
                     self._scene.refine()
+                    # New nodes stand where the robot stands; the clip moves them on.
+                    if self._events is not None:
+                        self.player.load(self._scene.clip(), self._events)
                 if isinstance(self.player, ServerPlayer):
                     self._play_there()
             case PlayerMoved() | PaceChosen():

@@ -6,7 +6,7 @@
   const SETTLE = 1.5; // s; nodes may come after their clip
   const TELL_EVERY = 100; // ms between messages to the server while scrubbing
   const SLOW = 1 / 33, FAST = 1 / 58; // s a frame, beyond which the resolution changes
-  const FINEST = 1, COARSEST = 0.5; // pixels a CSS pixel without a graphics processor
+  const FINEST = 1, COARSEST = 0.45; // pixels a CSS pixel without a graphics processor
   const WINDOW = 12; // frames between decisions about the resolution
   const HURRIED = 0.35; // pixels a CSS pixel while clips come in a hurry
   const HURRY = 700; // ms; clips that come faster are drawn coarsely, and without a graphics

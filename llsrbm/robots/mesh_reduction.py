@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 if TYPE_CHECKING:
     import trimesh
@@ -13,9 +12,7 @@ if TYPE_CHECKING:
 _SIMPLE = 200  # faces of a part that are kept in any case
 _CREASE = np.radians(40.0)  # edges sharper than this stay sharp under smooth shading
 _COARSE_CREASE = np.radians(60.0)  # the same of a coarse mesh, which has few vertices to split
-_COARSE_CELL = 0.02  # of the legs' length: what is smaller is one point in a coarse mesh
-_COARSE_SHARE = 0.5  # of the triangles that are left then
-_COARSE_SIMPLE = 40  # triangles of one colour that a coarse mesh keeps
+_COARSE_CELL = 0.035  # of the legs' length: what is smaller is one point in a coarse mesh
 
 
 def face_shares(parts: list[trimesh.Trimesh], total: int) -> list[int]:
@@ -71,33 +68,29 @@ def simplified(part: trimesh.Trimesh, faces: int, size: float) -> trimesh.Trimes
     )
 
 
-def coarser(
-    vertices: NDArray[np.float32], faces: NDArray[np.uint32], size: float
-) -> trimesh.Trimesh | None:
-    """The surface with about a fourth of the faces of `simplified`; None if nothing is left.
+def coarser(part: trimesh.Trimesh, size: float) -> trimesh.Trimesh:
+    """The surface with about a third of the faces, coloured as it was nearby.
 
     Args:
-        vertices: (V, 3) m; some may belong to no face.
-        faces: (F, 3).
+        part: mesh with vertex colours, whatever colours lie side by side in it.
         size: m, of the robot.
     """
-    import fast_simplification
     import trimesh
+    from scipy.spatial import cKDTree
 
-    if len(faces) == 0:
-        return None
-    mesh = trimesh.Trimesh(vertices, faces, process=False)
-    mesh.remove_unreferenced_vertices()
-    mesh = _clustered(mesh, _COARSE_CELL * size)
-    if len(mesh.faces) > _COARSE_SIMPLE:
-        fewer = max(_COARSE_SIMPLE, int(_COARSE_SHARE * len(mesh.faces)))
-        points, triangles = fast_simplification.simplify(
-            np.asarray(mesh.vertices), np.asarray(mesh.faces), target_count=fewer
-        )[:2]
-        mesh = trimesh.Trimesh(points, triangles, process=False)
-    if len(mesh.faces) == 0:
-        return None
-    return trimesh.graph.smooth_shade(mesh, angle=_COARSE_CREASE, facet_minarea=None)
+    # Not collapsed edge by edge, which would tear thin tubes of few and long triangles.
+    mesh = _clustered(part, _COARSE_CELL * size)
+    mesh.update_faces(mesh.nondegenerate_faces(height=1e-6 * size))
+    mesh = trimesh.graph.smooth_shade(mesh, angle=_COARSE_CREASE, facet_minarea=None)
+    nearest = cKDTree(np.asarray(part.vertices)).query(np.asarray(mesh.vertices))[1]
+    colours = np.asarray(part.visual.vertex_colors)[nearest]
+    return trimesh.Trimesh(
+        mesh.vertices,
+        mesh.faces,
+        vertex_normals=mesh.vertex_normals,
+        vertex_colors=colours,
+        process=False,
+    )
 
 
 def _clustered(mesh: trimesh.Trimesh, cell: float) -> trimesh.Trimesh:

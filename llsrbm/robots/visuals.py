@@ -33,17 +33,16 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-VISUALS_VERSION = "2"  # part of the cache key: raise it when the meshes change
+VISUALS_VERSION = "5"  # part of the cache key: raise it when the meshes change
 FACES = 26_000  # of a whole robot, about; 0.4 MB as viser sends it
 COARSE_FACES = 8_000
-"""Of a whole robot in a browser without a graphics processor, which draws that in half the time."""
+"""A robot with more of them has coarse meshes as well, with a third of the faces or so, for
+browsers without a graphics processor."""
 
 
 # Powers of two, so that most bits of the numbers are zero and they compress to half on the wire.
 _VERTEX_STEP = 2.0**-13  # m
 _NORMAL_STEP = 2.0**-6
-
-_SHADES = 16  # colours of a coarse mesh nearer to each other than this, of 256, are one
 
 _log = logging.getLogger(__name__)
 
@@ -94,7 +93,7 @@ def link_visuals(
         robot: the robot.
         faces: about how many faces the whole robot shall have.
         progress: called with the fraction done, 0 to 1.
-        coarse: made of these with some `COARSE_FACES`, for browsers without a graphics processor.
+        coarse: made of these with fewer faces, see `COARSE_FACES`.
 
     Raises:
         RobotFileError: the URDF names a mesh that is missing or cannot be read.
@@ -185,33 +184,19 @@ def _prepare(robot: Robot, faces: int, report: Callable[[float], None]) -> tuple
 
 
 def _coarser(visuals: tuple[LinkVisual, ...], robot: Robot) -> tuple[LinkVisual, ...]:
-    """The same bodies with about `COARSE_FACES` faces, if they have more."""
+    """The same bodies with fewer faces, if they have many."""
     if sum(len(visual.faces) for visual in visuals) <= COARSE_FACES:
         return visuals
     coarse = []
     for visual in visuals:
-        shades, part_of = np.unique(visual.rgb // _SHADES, axis=0, return_inverse=True)
-        part_of = part_of.reshape(-1)
-        vertices, normals, faces, rgb = [], [], [], []
-        count = 0
-        for part in range(len(shades)):
-            kept = visual.faces[part_of[visual.faces[:, 0]] == part]
-            mesh = coarser(visual.vertices, kept, _size(robot))
-            if mesh is None:
-                continue
-            vertices.append(np.asarray(mesh.vertices))
-            normals.append(np.asarray(mesh.vertex_normals))
-            faces.append(np.asarray(mesh.faces) + count)
-            mean = visual.rgb[part_of == part].mean(axis=0).astype(np.uint8)
-            rgb.append(np.tile(mean, (len(mesh.vertices), 1)))
-            count += len(mesh.vertices)
+        mesh = coarser(visual.mesh(), _size(robot))
         coarse.append(
             replace(
                 visual,
-                vertices=_rounded(vertices, _VERTEX_STEP),
-                normals=_rounded(normals, _NORMAL_STEP),
-                faces=np.vstack(faces).astype(np.uint32),
-                rgb=np.vstack(rgb),
+                vertices=_rounded([mesh.vertices], _VERTEX_STEP),
+                normals=_rounded([mesh.vertex_normals], _NORMAL_STEP),
+                faces=np.asarray(mesh.faces, dtype=np.uint32),
+                rgb=mesh.visual.vertex_colors[:, :3],
             )
         )
     return tuple(coarse)

@@ -182,3 +182,22 @@ def test_broken_texture_references_are_mended(tmp_path):
     assert sum(len(mesh.faces) for mesh in trimesh.load_scene(mended).geometry.values()) > 1000
     thigh = next(robot.urdf_path.parents[1].glob("meshes/thigh/*.dae"))
     assert readable(thigh, tmp_path) == thigh
+
+
+def test_coarse_meshes_are_the_same_bodies_with_far_fewer_faces(anymal):
+    """Where a robot is seen, it is seen coarsely, too: outlines within 2 cm, and no holes."""
+    coarse = link_visuals(load_robot("anymal"), coarse=True)
+    assert [v.link for v in coarse] == [v.link for v in anymal]
+    assert sum(len(v.faces) for v in coarse) < 0.4 * sum(len(v.faces) for v in anymal)
+    for fine, few in zip(anymal, coarse, strict=True):
+        corners = [(v.vertices.min(axis=0), v.vertices.max(axis=0)) for v in (fine, few)]
+        assert np.abs(np.subtract(*corners)).max() < 0.02, fine.link
+        # A tenth of the surface is in details; what is torn loses far more.
+        assert few.mesh().area > 0.6 * fine.mesh().area, fine.link
+        assert np.linalg.norm(few.normals, axis=1) == pytest.approx(1.0, abs=0.05)
+
+
+def test_a_robot_of_few_faces_has_no_coarser_meshes():
+    slider = load_robot("slider")
+    fine, coarse = link_visuals(slider), link_visuals(slider, coarse=True)
+    assert [len(v.faces) for v in fine] == [len(v.faces) for v in coarse]
