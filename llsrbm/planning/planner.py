@@ -282,6 +282,8 @@ class _Watch:
         if self._cancelled is not None and self._cancelled():
             raise Cancelled("planning was cancelled")
         self._text = text
+        # A new one before anybody takes hold of its `read`.
+        self._table = IterationTable()
         if self._progress is not None:
             self._progress(PlanningProgress(text))
 
@@ -291,7 +293,6 @@ class _Watch:
         Raises:
             Cancelled: it is not wanted any more.
         """
-        self._table = IterationTable()
         tell = None if self._progress is None else self._tell
         return attended(solve, lambda: self._table.last, tell, self._cancelled)
 

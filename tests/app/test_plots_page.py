@@ -217,6 +217,8 @@ def test_a_click_tells_its_time_and_a_drag_does_not(page):
         assert zoomed["start"] == pytest.approx(0.2 * end, abs=0.02 * end)
         assert zoomed["end"] == pytest.approx(0.7 * end, abs=0.02 * end)
     wait_for_cursors(page, 4, 0.5 * end)
+    # viser makes charts anew as it likes, and the script finds new ones every 0.3 s.
+    page.wait_for_timeout(500)
     page.mouse.dblclick(box["x"] + 0.4 * box["width"], middle)
     page.wait_for_function(f"end => ({CHARTS})().every(c => c.end === end)", arg=end)
 
