@@ -4,6 +4,7 @@ import pytest
 
 from app.server import Designer
 from app.worker_pool import WorkerPool
+from tests.app.page_script import PageScript
 from tests.app.planners import SyntheticPlanner
 from tests.app.raw_tab import RawTab
 
@@ -21,3 +22,23 @@ def tab(designer):
     with RawTab(designer.port) as opened:
         opened.wait_for_status("Planned")
         yield opened
+
+
+@pytest.fixture(autouse=True)
+def patience(monkeypatch):
+    """A tab is waited for as long as its test takes to answer for its scripts."""
+    monkeypatch.setattr("app.stage._PATIENCE", 60.0)
+
+
+@pytest.fixture
+def session(designer, tab):
+    """The server's side of `tab`."""
+    return designer.sessions[-1]
+
+
+@pytest.fixture
+def script(tab, session):
+    """The page's scripts; they answer."""
+    made = PageScript(tab)
+    made.answer()
+    return made

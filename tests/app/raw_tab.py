@@ -227,3 +227,16 @@ def _with_arrays(value, buffers):
     if isinstance(value, list):
         return [_with_arrays(item, buffers) for item in value]
     return value
+
+
+def planned(tab, session, condition, what):
+    """The plan that a tab shows, when it is of such a jump."""
+    tab.wait(lambda: session.plan is not None and condition(session.plan.jump), what)
+    return session.plan
+
+
+def choose(tab, session, robot):
+    """Have a tab show another robot, and wait for its plan."""
+    tab.set("Robot", robot)
+    planned(tab, session, lambda jump: jump.robot == robot, f"a plan of {robot}")
+    tab.wait_for_status("Planned")

@@ -14,33 +14,7 @@ from llsrbm.exporters import formats
 from llsrbm.jump import Jump
 from llsrbm.robots import load_robot, names
 from tests.app import planners
-from tests.app.page_script import PageScript
-from tests.app.raw_tab import RawTab
-
-
-@pytest.fixture(autouse=True)
-def patience(monkeypatch):
-    """A tab is waited for as long as its test takes to answer for its scripts."""
-    monkeypatch.setattr("app.stage._PATIENCE", 60.0)
-
-
-@pytest.fixture
-def session(designer, tab):
-    """The server's side of `tab`."""
-    return designer.sessions[-1]
-
-
-@pytest.fixture
-def script(tab, session):
-    """The page's scripts; they answer."""
-    made = PageScript(tab)
-    made.answer()
-    return made
-
-
-def planned(tab, session, condition, what):
-    tab.wait(lambda: session.plan is not None and condition(session.plan.jump), what)
-    return session.plan
+from tests.app.raw_tab import RawTab, choose, planned
 
 
 def test_the_first_plan_comes_by_itself_and_the_page_plays_it(tab, session, script):
@@ -114,12 +88,6 @@ def test_the_last_of_many_slider_values_wins(tab, session):
 def test_the_model_reaches_the_planner(tab, session):
     tab.set("Model", "srbm")
     planned(tab, session, lambda jump: jump.model == "srbm", "a plan with srbm")
-
-
-def choose(tab, session, robot):
-    tab.set("Robot", robot)
-    planned(tab, session, lambda jump: jump.robot == robot, f"a plan of {robot}")
-    tab.wait_for_status("Planned")
 
 
 def test_a_robot_brings_its_ranges_and_its_example(tab, session):
@@ -261,74 +229,6 @@ def test_a_refused_request_is_a_sentence(tab):
     assert tab.wait_for_status("Failed") == "Failed twist: expected -1 to 1 rad, got more"
 
 
-def test_the_panels_buttons_are_the_pages_players(tab, script):
-    tab.set("Motion", "Pause")
-    tab.wait(lambda: script.calls("player.pause") == [[]], "a pause")
-    tab.set("Motion", "Play")
-    tab.wait(lambda: len(script.calls("player.play")) == 2, "playing again")
-    tab.set("Speed", "0.25×")
-    tab.wait(lambda: script.calls("player.setSpeed")[-1:] == [[0.25]], "slow motion")
-    tab.set("Loop", False)
-    tab.wait(lambda: script.calls("player.setLoop")[-1:] == [[False]], "no loop")
-
-
-def test_scrubbing_pauses_and_goes_to_that_instant(tab, session, script):
-    tab.set("Time [s]", 0.65)
-    tab.wait(lambda: script.calls("player.seek") == [[0.65]], "that instant")
-    assert script.calls("player.pause") == [[]]
-    apex = script.at("/com", 0.65)[0][2]
-    plan = session.plan
-    assert apex == pytest.approx(np.interp(0.65, plan.time, plan.com[:, 2]), abs=2e-3)
-    for foot in range(4):
-        assert script.at(f"/arrows/{foot}", 0.65)[2].tolist() == [0, 0, 0]
-        assert script.at(f"/arrows/{foot}", 0.0)[2][2] > 0.1
-
-
-def test_the_panel_follows_what_the_page_tells_unless_it_plays(tab, script):
-    script.say(kind="state", time=0.52, playing=False)
-    tab.wait(lambda: tab.value("Time [s]") == 0.52, "the time it stands at")
-    script.say(kind="state", time=0.9, playing=True)
-    script.say(kind="state", time=77.0, playing=False)
-    tab.wait(lambda: tab.value("Time [s]") == pytest.approx(1.3), "the end")
-
-
-@pytest.mark.parametrize(
-    "nonsense",
-    [
-        {"kind": "state", "time": 10**400, "playing": True},
-        {"kind": "state", "time": "now", "playing": []},
-        {"kind": ["ready"]},
-        {"kind": "pace", "speed": -1e300, "loop": True},
-    ],
-)
-def test_what_no_page_says_changes_nothing(tab, session, script, nonsense):
-    script.say(kind="state", time=0.3, playing=False)
-    tab.wait(lambda: tab.value("Time [s]") == 0.3, "the time before")
-    script.say(**nonsense)
-    tab.set("Forward [m]", 0.15)
-    planned(tab, session, lambda jump: jump.forward == 0.15, "a plan all the same")
-    assert tab.value("Time [s]") == 0.3
-
-
-def test_a_graphics_processor_gets_all_triangles(tab, script):
-    before = tab.received["GlbMessage"]
-    script.answer(software=False)
-    tab.wait(lambda: tab.received["GlbMessage"] == before + 13, "the finer robot")
-
-
-def test_a_new_motion_is_sent_as_one_clip(tab, session, script):
-    time.sleep(0.3)
-    loads, moved = len(script.calls("player.load")), tab.received["SetPositionMessage"]
-    tab.set("Forward [m]", 0.4)
-    planned(tab, session, lambda jump: jump.forward == 0.4, "the new plan")
-    tab.wait_for_status("Planned")
-    # The one that is found quickly, and the one that is planned when the slider rests.
-    assert 1 <= len(script.calls("player.load")) - loads <= 2
-    # Landing marks, handle and ground; not one a frame.
-    assert tab.received["SetPositionMessage"] - moved < 20
-    assert script.at("/com", 1.3)[0][0] == pytest.approx(session.plan.com[-1, 0], abs=1e-5)
-
-
 def drag(tab, session, wxyz, position):
     """As viser's page does when the landing handle is dragged and let go."""
     names = {"name": "/goal", "owner": str(session._client.client_id)}
@@ -358,128 +258,6 @@ def test_a_handle_that_is_nowhere_is_not_followed(tab, session):
     tab.set("Forward [m]", 0.15)
     jump = planned(tab, session, lambda jump: jump.forward == 0.15, "a plan all the same").jump
     assert (jump.twist, jump.lateral) == (pytest.approx(math.pi / 2), 0)
-
-
-def test_the_timeline_reaches_the_page(script, session):
-    events = script.events
-    assert [row["name"] for row in events["rows"]] == ["plan"]
-    assert [mark["name"] for mark in events["marks"]] == ["take-off", "apex", "touch-down planned"]
-    assert events["end"] == pytest.approx(session.plan.duration)
-
-
-# ---- pins
-
-
-def pin_at(tab, session, forward):
-    tab.set("Forward [m]", forward)
-    planned(tab, session, lambda jump: jump.forward == forward, "the plan to pin")
-    tab.wait_for_status("Planned")
-    tab.press("Pin")
-
-
-def pinned(tab):
-    """Names of the ghosts that are drawn."""
-    return {name for name in tab.nodes if name.startswith("/pinned/") and name.count("/") == 2}
-
-
-def test_pinned_designs_stay_until_they_are_let_go(tab, session, script):
-    for number, forward in enumerate((0.1, 0.2, 0.3), start=1):
-        assert not tab.control("Pin")["props"]["disabled"]
-        pin_at(tab, session, forward)
-        tab.wait(lambda n=number: len(pinned(tab)) == n, "a ghost")
-    tab.wait(lambda: tab.control("Pin")["props"]["disabled"], "no colour left")
-    choices = tab.control("Pinned")["props"]["options"]
-    assert len(choices) == len(set(choices)) == 3
-    tab.set("Forward [m]", 0.5)
-    planned(tab, session, lambda jump: jump.forward == 0.5, "the next plan")
-    tab.wait_for_status("Planned")
-    ends = {name: script.at(f"{name}/base", 1.3)[0][0] for name in pinned(tab)}
-    solid = script.at("/links/base", 1.3)[0][0]
-    assert sorted(solid - end for end in ends.values()) == pytest.approx([0.2, 0.3, 0.4], abs=1e-5)
-    tab.set("Pinned", choices[1])
-    tab.press("Unpin")
-    tab.wait(lambda: len(pinned(tab)) == 2, "two ghosts")
-    tab.wait(lambda: not tab.control("Pin")["props"]["disabled"], "a colour again")
-    left = {name for name in pinned(tab) if f"{name}/base" in script.nodes()}
-    assert sorted(solid - ends[name] for name in left) == pytest.approx([0.2, 0.4], abs=1e-5)
-
-
-def test_a_pin_survives_a_change_of_robot_and_is_taken_up_again(tab, session, script):
-    pin_at(tab, session, 0.2)
-    tab.wait(lambda: pinned(tab), "a ghost")
-    choose(tab, session, "slider")
-    tab.wait(lambda: "/pinned/1/base" in script.nodes(), "the ghost's motion")
-    tab.press("Take up")
-    planned(tab, session, lambda jump: jump.robot == "anymal", "the pinned design")
-    assert session.plan.jump.forward == 0.2
-    assert tab.value("Robot") == "anymal"
-
-
-def test_ghosts_can_be_hidden(tab, session):
-    pin_at(tab, session, 0.1)
-    tab.wait(lambda: pinned(tab), "a ghost")
-    tab.wait(lambda: tab.nodes["/pinned/1"]["visible"], "to be seen")
-    tab.set("Ghost", False)
-    tab.wait(lambda: not tab.nodes["/pinned/1"]["visible"], "no ghost")
-
-
-# ---- a page whose scripts do not answer
-
-
-@pytest.fixture
-def silent(designer, monkeypatch):
-    """A tab for which the server plays."""
-    monkeypatch.setattr("app.stage._PATIENCE", 0.2)
-    with RawTab(designer.port) as opened:
-        opened.wait_for_status("Planned")
-        opened.wait(lambda: opened.notifications, "what is said of it")
-        yield opened
-
-
-def test_the_server_plays_for_a_page_that_does_not_and_says_so(silent):
-    ((title, _),) = silent.notifications
-    assert title == "Played by the server"
-    before = silent.received["SetPositionMessage"]
-    silent.wait(lambda: silent.received["SetPositionMessage"] > before + 50, "frames")
-    first = list(silent.nodes["/com"]["position"])
-    silent.wait(lambda: list(silent.nodes["/com"]["position"]) != first, "motion")
-
-
-def test_the_server_sends_nothing_while_paused(silent):
-    silent.set("Motion", "Pause")
-    time.sleep(0.4)
-    before = silent.received.total()
-    time.sleep(0.5)
-    assert silent.received.total() == before
-    silent.set("Motion", "Play")
-    silent.wait(lambda: silent.received.total() > before + 100, "frames")
-
-
-def test_the_server_shows_the_instant_that_is_scrubbed_to(silent, designer):
-    plan = designer.sessions[-1].plan
-    silent.set("Time [s]", 0.65)
-    silent.wait(lambda: "\nflight\n 0.65 s of 1.30 s" in silent.text(), "the timeline at 0.65 s")
-    apex = silent.nodes["/com"]["position"][2]
-    assert apex == pytest.approx(np.interp(0.65, plan.time, plan.com[:, 2]), abs=2e-3)
-    assert max(silent.nodes["/arrows/0"]["scale"]) == 0
-    time.sleep(0.3)
-    assert silent.nodes["/com"]["position"][2] == apex
-    silent.set("Time [s]", 0.0)
-    silent.wait(lambda: max(silent.nodes["/arrows/0"]["scale"]) == 1, "forces in stance")
-
-
-def test_the_server_plays_on_from_where_the_page_was(designer, monkeypatch):
-    monkeypatch.setattr("app.stage._PATIENCE", 3.0)
-    with RawTab(designer.port) as tab:
-        tab.wait_for_status("Planned")
-        tab.set("Time [s]", 0.65)
-        tab.wait(lambda: tab.notifications, "the server's player")
-        tab.wait(lambda: "0.65 s of 1.30 s" in tab.text(), "the same instant")
-        time.sleep(0.5)
-        assert "0.65 s of 1.30 s" in tab.text()
-
-
-# ---- layers and files
 
 
 def test_layers_can_be_hidden(tab):

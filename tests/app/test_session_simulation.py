@@ -13,27 +13,6 @@ from scipy.spatial.transform import Rotation
 import llsrbm
 from app.overlays import ARROW_PER_WEIGHT
 from tests.app import planners
-from tests.app.page_script import PageScript
-
-
-@pytest.fixture(autouse=True)
-def patience(monkeypatch):
-    """A tab is waited for as long as its test takes to answer for its scripts."""
-    monkeypatch.setattr("app.stage._PATIENCE", 60.0)
-
-
-@pytest.fixture
-def session(designer, tab):
-    """The server's side of `tab`."""
-    return designer.sessions[-1]
-
-
-@pytest.fixture
-def script(tab, session):
-    """The page's scripts; they answer."""
-    made = PageScript(tab)
-    made.answer()
-    return made
 
 
 def simulate(tab, session, word="Landed", seed=None):
