@@ -156,6 +156,13 @@ class Panel:
         speed = option("Speed", self._speed.value, SPEEDS, SPEEDS[-1], [])
         return float(speed.removesuffix("×")), bool(self._loop.value)
 
+    def show_pace(self, speed: float, loop: bool) -> None:
+        """What was chosen in the page's own bar."""
+        name = f"{speed:g}×"
+        if name in SPEEDS:
+            put(self._speed, name)
+        put(self._loop, loop)
+
     def read_format(self) -> tuple[str, list[str]]:
         """The file format to export, and what had to be corrected."""
         complaints: list[str] = []

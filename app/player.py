@@ -6,7 +6,7 @@ import time
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 
-from app.bridge import Bridge, PaceChosen, PlayerMoved
+from app.bridge import Bridge, PlayerMoved
 from app.clip import Clip
 from app.timeline import Timeline
 
@@ -79,10 +79,9 @@ class BrowserPlayer(Player):
         self._playing = False
         self._time = 0.0
 
-    def hear(self, event: PlayerMoved | PaceChosen) -> None:
+    def hear(self, event: PlayerMoved) -> None:
         """What the page told."""
-        if isinstance(event, PlayerMoved):
-            self._time, self._playing = event.time, event.playing
+        self._time, self._playing = event.time, event.playing
 
     def load(self, clip: Clip, events: Timeline) -> None:
         """See `Player.load`."""

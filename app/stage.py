@@ -237,10 +237,12 @@ class Stage:
                         self.player.load(self._scene.clip(), self._events)
                 if isinstance(self.player, ServerPlayer):
                     self._play_there()
-            case PlayerMoved() | PaceChosen():
+            case PlayerMoved():
                 if isinstance(self.player, BrowserPlayer):
                     self.player.hear(event)
                     self.show_time()
+            case PaceChosen(speed, loop):
+                self._panel.show_pace(speed, loop)
 
     def step(self) -> None:
         """Do what is due; called when `wait` has passed."""

@@ -4,7 +4,7 @@ from unittest.mock import MagicMock, call
 
 import pytest
 
-from app.bridge import PaceChosen, PlayerMoved
+from app.bridge import PlayerMoved
 from app.clip import Clip
 from app.player import BrowserPlayer, ServerPlayer
 from app.timeline import Timeline
@@ -178,8 +178,6 @@ def test_it_believes_the_page(bridge):
     player.play()
     assert player.playing
     player.hear(PlayerMoved(0.75, False))
-    assert (player.time, player.playing) == (0.75, False)
-    player.hear(PaceChosen(0.5, True))
     assert (player.time, player.playing) == (0.75, False)
 
 

@@ -21,6 +21,14 @@ def test_the_panels_buttons_are_the_pages_players(tab, script):
     tab.wait(lambda: script.calls("player.setLoop")[-1:] == [[False]], "no loop")
 
 
+def test_the_panel_follows_the_pace_chosen_in_the_page(tab, script):
+    script.say(kind="pace", speed=0.25, loop=False)
+    tab.wait(lambda: (tab.value("Speed"), tab.value("Loop")) == ("0.25×", False), "that pace")
+    script.say(kind="pace", speed=77.0, loop=True)
+    tab.wait(lambda: tab.value("Loop") is True, "repeating")
+    assert tab.value("Speed") == "0.25×"
+
+
 def test_scrubbing_pauses_and_goes_to_that_instant(tab, session, script):
     tab.set("Time [s]", 0.65)
     tab.wait(lambda: script.calls("player.seek") == [[0.65]], "that instant")
