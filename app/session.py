@@ -12,6 +12,7 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import closing
 from dataclasses import replace
 from enum import Enum
+from functools import partial
 
 import viser
 
@@ -96,35 +97,30 @@ class Session:
 
     def _run(self) -> None:
         complaints: list[str] = []
-        with ThreadPoolExecutor(1) as beside:
-            # Asked before anything is sent, so that the answer is there when the panel is.
-            kept = beside.submit(recall, self._client, _RECALL, complaints)
-            self._panel = Panel(self._client, self.design, self._file, examples(), self._inbox.put)
-            self._files = Files(self._client, self._panel)
-            bridge = Bridge(self._client, self._inbox.put)
-            try:
-                with closing(
-                    Stage(
-                        self._client,
-                        self._panel,
-                        bridge,
-                        lambda: self._inbox.put(Action.TARGET),
-                    )
-                ) as self._stage:
-                    self._desk = Desk(
-                        self._client.client_id,
-                        self._pool,
-                        self._panel,
-                        self._stage,
-                        listener=self._inbox.put,
-                        prepared=self._prepared,
-                        planned=self._planned,
-                    )
-                    self._open(kept, complaints)
-                    self._loop()
-            except BaseException:
-                self._panel.show_status("Failed", "by a defect of this page; reload it, please.")
-                raise
+        # Asked before anything is sent, so that the answer is there when the panel is.
+        beside = ThreadPoolExecutor(1)
+        kept = beside.submit(recall, self._client, _RECALL, complaints)
+        beside.shutdown(wait=False)
+        self._panel = Panel(self._client, self.design, self._file, examples(), self._inbox.put)
+        self._files = Files(self._client, self._panel)
+        bridge = Bridge(self._client, self._inbox.put)
+        moved = partial(self._inbox.put, Action.TARGET)
+        try:
+            with closing(Stage(self._client, self._panel, bridge, moved)) as self._stage:
+                self._desk = Desk(
+                    self._client.client_id,
+                    self._pool,
+                    self._panel,
+                    self._stage,
+                    listener=self._inbox.put,
+                    prepared=self._prepared,
+                    planned=self._planned,
+                )
+                self._open(kept, complaints)
+                self._loop()
+        except BaseException:
+            self._panel.show_status("Failed", "by a defect of this page; reload it, please.")
+            raise
 
     def _loop(self) -> None:
         while True:
