@@ -10,14 +10,14 @@ from numpy.typing import NDArray
 
 from app import colours
 from app.colours import Rgb
-from app.replay import Replay
-from app.tracks import (
-    Track,
-    planned_track,
+from app.courses import (
+    Course,
+    planned_course,
     principal_moments,
-    simulated_track,
+    simulated_course,
     whole_body_inertia,
 )
+from app.replay import Replay
 from llsrbm.robots import Robot
 from llsrbm.trajectory.rollout import Rollout
 from llsrbm.trajectory.rotation import rotation_matrices, yaw
@@ -101,11 +101,11 @@ def charts(group: str, layers: Sequence[Layer], joints: str = ALL_JOINTS) -> tup
         layers: in the order in which they are drawn.
         joints: one of `joint_kinds`, for the group `TORQUES`.
     """
-    tracks = [
-        planned_track(layer.replay) if layer.rollout is None else simulated_track(layer.rollout)
+    courses = [
+        planned_course(layer.replay) if layer.rollout is None else simulated_course(layer.rollout)
         for layer in layers
     ]
-    pairs = list(zip(layers, tracks, strict=True))
+    pairs = list(zip(layers, courses, strict=True))
     drawn = GROUPS[group](pairs, joints)
     return tuple(chart for chart in drawn if chart.lines)
 
@@ -122,18 +122,18 @@ def _kind(leg: str, joint: str) -> str:
 
 # ---- groups
 
-_Pairs = Sequence[tuple[Layer, Track]]
-_Quantity = Callable[[Track], Array | None]
+_Pairs = Sequence[tuple[Layer, Course]]
+_Quantity = Callable[[Course], Array | None]
 _Group = Callable[[_Pairs, str], list[Chart]]
 
 
-def _line(layer: Layer, track: Track, values: Array) -> Line:
-    return Line(layer.title, layer.colour, False, track.time, values)
+def _line(layer: Layer, course: Course, values: Array) -> Line:
+    return Line(layer.title, layer.colour, False, course.time, values)
 
 
 def _chart(title: str, pairs: _Pairs, quantity: _Quantity, least: float = 0.0) -> Chart:
-    known = [(layer, track, quantity(track)) for layer, track in pairs]
-    lines = [_line(layer, track, values) for layer, track, values in known if values is not None]
+    known = [(layer, course, quantity(course)) for layer, course in pairs]
+    lines = [_line(layer, course, values) for layer, course, values in known if values is not None]
     return Chart(title, tuple(lines), least)
 
 
@@ -167,40 +167,40 @@ def _axes(title: str, attribute: str, least: tuple[float, float, float]) -> _Gro
     """A group of a vector's components; `{}` in the title is the axis."""
 
     def component(axis: int) -> _Quantity:
-        return lambda track: np.asarray(getattr(track, attribute)[:, axis], dtype=np.float64)
+        return lambda course: np.asarray(getattr(course, attribute)[:, axis], dtype=np.float64)
 
     return _each(*(_Plain(title.format("xyz"[i]), component(i), least[i]) for i in range(3)))
 
 
-def _yaw(track: Track) -> Array:
-    return np.degrees(yaw(track.base_quat))
+def _yaw(course: Course) -> Array:
+    return np.degrees(yaw(course.base_quat))
 
 
-def _pitch(track: Track) -> Array:
-    return np.degrees(-np.arcsin(np.clip(rotation_matrices(track.base_quat)[:, 2, 0], -1, 1)))
+def _pitch(course: Course) -> Array:
+    return np.degrees(-np.arcsin(np.clip(rotation_matrices(course.base_quat)[:, 2, 0], -1, 1)))
 
 
-def _roll(track: Track) -> Array:
-    R = rotation_matrices(track.base_quat)
+def _roll(course: Course) -> Array:
+    R = rotation_matrices(course.base_quat)
     return np.degrees(np.unwrap(np.arctan2(R[:, 2, 1], R[:, 2, 2])))
 
 
-def _vertical_force(track: Track) -> Array:
-    total: Array = track.foot_force[..., 2].sum(axis=1)
+def _vertical_force(course: Course) -> Array:
+    total: Array = course.foot_force[..., 2].sum(axis=1)
     return total
 
 
 def _inertias(pairs: _Pairs, _joints: str) -> list[Chart]:
     """Principal moments; of a plan, the model's and those of the whole body in its postures."""
     lines: list[list[Line]] = [[], [], []]
-    for layer, track in pairs:
-        kept = slice(None, None, 1 + len(track.time) // _INERTIAS)
-        moments = principal_moments(track.robot, track.inertia[kept], track.base_quat[kept])
+    for layer, course in pairs:
+        kept = slice(None, None, 1 + len(course.time) // _INERTIAS)
+        moments = principal_moments(course.robot, course.inertia[kept], course.base_quat[kept])
         for axis, values in zip(lines, moments.T, strict=True):
-            axis.append(Line(layer.title, layer.colour, False, track.time[kept], values))
+            axis.append(Line(layer.title, layer.colour, False, course.time[kept], values))
         if layer.rollout is None and not layer.pinned:
             time, inertia, quat = whole_body_inertia(layer.replay)
-            moments = principal_moments(track.robot, inertia, quat)
+            moments = principal_moments(course.robot, inertia, quat)
             for axis, values in zip(lines, moments.T, strict=True):
                 axis.append(Line("whole body as planned", layer.colour, True, time, values))
     titles = ("roll", "pitch", "yaw")
@@ -212,12 +212,12 @@ def _inertias(pairs: _Pairs, _joints: str) -> list[Chart]:
 
 def _forces(pairs: _Pairs, _joints: str) -> list[Chart]:
     """Vertical forces: all feet together, and each foot; robots may differ in their legs."""
-    names = dict.fromkeys(leg.name for _, track in pairs for leg in track.robot.legs)
+    names = dict.fromkeys(leg.name for _, course in pairs for leg in course.robot.legs)
 
     def of_leg(name: str) -> _Quantity:
-        def force(track: Track) -> Array | None:
-            legs = [leg.name for leg in track.robot.legs]
-            return track.foot_force[:, legs.index(name), 2] if name in legs else None
+        def force(course: Course) -> Array | None:
+            legs = [leg.name for leg in course.robot.legs]
+            return course.foot_force[:, legs.index(name), 2] if name in legs else None
 
         return force
 
@@ -246,18 +246,18 @@ def _joint_loads(pairs: _Pairs, joints: str) -> list[Chart]:
         shares = np.abs(values[:, columns]) / np.where(limits > 0, limits, np.inf)
         return np.asarray(shares.max(axis=1), dtype=np.float64)
 
-    def torque(track: Track) -> Array | None:
-        if track.torque is None:
+    def torque(course: Course) -> Array | None:
+        if course.torque is None:
             return None
-        return largest(track.torque, track.robot.torque_limit, track.robot)
+        return largest(course.torque, course.robot.torque_limit, course.robot)
 
-    def saturation(track: Track) -> Array | None:
-        if track.torque is None or track.torque_limit is None:
+    def saturation(course: Course) -> Array | None:
+        if course.torque is None or course.torque_limit is None:
             return None
-        return largest(track.torque, track.torque_limit, track.robot)
+        return largest(course.torque, course.torque_limit, course.robot)
 
-    def speed(track: Track) -> Array | None:
-        return largest(track.joint_speed, track.robot.speed_limit, track.robot)
+    def speed(course: Course) -> Array | None:
+        return largest(course.joint_speed, course.robot.speed_limit, course.robot)
 
     of = f", {joints}" if joints != ALL_JOINTS else ""
     titles = ("Torque / limit", "Torque / limit at its speed", "Joint speed / limit")
@@ -271,16 +271,16 @@ def _landing(pairs: _Pairs, _joints: str) -> list[Chart]:
     """What tells a touchdown, and how far the yaw is off there."""
     signals, yaws = [], []
     level = 1.0
-    for layer, track in pairs:
+    for layer, course in pairs:
         rollout = layer.rollout
         if rollout is None:
             continue
         signal = rollout.detection_signal / abs(rollout.detection_threshold)
         level = float(np.sign(rollout.detection_threshold))
-        signals.append(_line(layer, track, np.clip(signal, -_SIGNAL_SHOWN, _SIGNAL_SHOWN)))
-        plan = planned_track(layer.replay)
-        off = _yaw(track) - np.interp(track.time, plan.time, _yaw(plan))
-        yaws.append(_line(layer, track, off))
+        signals.append(_line(layer, course, np.clip(signal, -_SIGNAL_SHOWN, _SIGNAL_SHOWN)))
+        plan = planned_course(layer.replay)
+        off = _yaw(course) - np.interp(course.time, plan.time, _yaw(plan))
+        yaws.append(_line(layer, course, off))
     return [
         _chart("Spatial velocity ‖v_G‖", pairs, lambda t: t.average_spatial_velocity_norm),
         _limited(Chart("Detection signal / |threshold|", tuple(signals)), level, "threshold"),
@@ -291,8 +291,8 @@ def _landing(pairs: _Pairs, _joints: str) -> list[Chart]:
 GROUPS: dict[str, _Group] = {
     "Overview": _each(
         _Plain("Base yaw [°]", _yaw, 2.0),
-        _Plain("Base yaw rate [rad/s]", lambda track: track.angular_velocity[:, 2], 0.2),
-        _Plain("CoM height [m]", lambda track: track.com[:, 2]),
+        _Plain("Base yaw rate [rad/s]", lambda course: course.angular_velocity[:, 2], 0.2),
+        _Plain("CoM height [m]", lambda course: course.com[:, 2]),
         _Plain("Vertical force, all feet [N]", _vertical_force),
     ),
     "Base angles": _each(
@@ -310,4 +310,4 @@ GROUPS: dict[str, _Group] = {
     TORQUES: _joint_loads,
     LANDING: _landing,
 }
-"""What can be chosen, and how its charts are made of layers with their tracks."""
+"""What can be chosen, and how its charts are made of layers with their courses."""

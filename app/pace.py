@@ -11,7 +11,6 @@ import time
 from collections.abc import Callable
 
 FASTEST, SLOWEST, FIRST = 60.0, 12.0, 30.0
-WHILE_PLANNING = 1.0
 """Frames/s."""
 
 _INTERVAL = 0.25  # s between questions
@@ -54,14 +53,6 @@ class Pace:
     def rate(self) -> float:
         """Frames/s to send at present."""
         return self._rate
-
-    def rate_while_planning(self) -> float:
-        """Frames/s while the tab waits for a plan.
-
-        A browser that cannot draw at full rate has no graphics processor to draw with; on the same
-        machine it would take the solver's time.
-        """
-        return self._rate if self._rate == FASTEST else WHILE_PLANNING
 
     def learn(self, delay: float) -> None:
         """Take note of how long an answer took, s: late ones tell at once, quick ones slowly."""

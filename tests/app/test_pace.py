@@ -5,7 +5,7 @@ import time
 
 import pytest
 
-from app.pace import FASTEST, FIRST, SLOWEST, WHILE_PLANNING, Pace
+from app.pace import FASTEST, FIRST, SLOWEST, Pace
 
 
 @pytest.fixture
@@ -16,11 +16,7 @@ def pace():
 def test_a_quick_browser_gets_all_frames(pace):
     for _ in range(20):
         pace.learn(0.03)
-    assert pace.rate() == pace.rate_while_planning() == FASTEST
-
-
-def test_a_slow_one_leaves_the_processor_to_the_solver(pace):
-    assert pace.rate_while_planning() == WHILE_PLANNING
+    assert pace.rate() == FASTEST
 
 
 def test_a_browser_that_falls_behind_gets_fewer_within_seconds(pace):

@@ -20,7 +20,7 @@ _WHOLE_BODY_EVERY = 3  # frames; an inertia changes slowly, and each costs some 
 
 
 @dataclass(frozen=True, eq=False)
-class Track:
+class Course:
     """A motion at K instants: L legs, J joints in the robot's order; world frame, SI units.
 
     Attributes:
@@ -53,13 +53,13 @@ class Track:
     torque_limit: Array | None
 
 
-def planned_track(replay: Replay) -> Track:
+def planned_course(replay: Replay) -> Course:
     """What was planned, at the instants of the replay's frames."""
     motion = replay.motion
     # At its last instant a plan has no force any more: no interval starts there.
     foot_force = np.concatenate([replay.frames.foot_force[:-1], replay.frames.foot_force[-2:-1]])
     turning = np.linalg.solve(motion.inertia, motion.angular_momentum[..., None])[..., 0]
-    return Track(
+    return Course(
         robot=load_robot(replay.plan.jump.robot),
         time=motion.time,
         com=motion.com,
@@ -79,7 +79,7 @@ def planned_track(replay: Replay) -> Track:
     )
 
 
-def simulated_track(rollout: Rollout) -> Track:
+def simulated_course(rollout: Rollout) -> Course:
     """What the whole robot did, at every control tick."""
     robot = load_robot(rollout.jump.robot)
     names = list(rollout.joint_names)
@@ -89,7 +89,7 @@ def simulated_track(rollout: Rollout) -> Track:
     mass = robot.mass + (rollout.disturbance.trunk_mass_factor - 1) * trunk
     # qvel's angular velocity is in the base's axes.
     R = rotation_matrices(rollout.base_quat)
-    return Track(
+    return Course(
         robot=robot,
         time=rollout.time,
         com=rollout.com,
