@@ -1,0 +1,212 @@
+"""What of a robot's whole range does the whole robot do? Random requests, judged strictly.
+
+    python -m benchmarks.range --robots anymal,slider,go2 --requests 120 --seed 500
+
+Half of the requests ask for one component alone, half for all four at once, uniform over the robot
+file's [task]. Each is planned as the page plans it and simulated once with everything disturbed that
+`llsrbm.simulation.disturbance` disturbs; strict success is defined in `llsrbm.simulation.verdict`.
+Requests and disturbances follow from the seed alone. Controller and planner were tuned on seeds
+below 500.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Iterator
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import asdict
+from multiprocessing import get_context
+from pathlib import Path
+from typing import Annotated, Any
+
+import numpy as np
+import typer
+
+import llsrbm
+from llsrbm.robots import load_robot
+from llsrbm.trajectory.plan import Phase
+
+COMPONENTS = ("twist", "forward", "lateral", "height")
+KINDS = ("one component", "combined")
+SIMULATION_SEEDS = 10_000  # requests of different seeds get different disturbances
+
+
+def requests(robot: str, count: int, seed: int) -> list[dict[str, Any]]:
+    """Random requests of a robot, the same for the same seed."""
+    task = load_robot(robot).file.task
+    rng = np.random.default_rng(seed)
+    made = []
+    for index in range(count):
+        kind = KINDS[index % 2]
+        values = {name: float(rng.uniform(*getattr(task, name))) for name in COMPONENTS}
+        alone = COMPONENTS[rng.integers(len(COMPONENTS))]
+        motion = values if kind == "combined" else {alone: values[alone]}
+        made.append(
+            {"robot": robot, "kind": kind, "seed": seed * SIMULATION_SEEDS + index, **motion}
+        )
+    return made
+
+
+def one(request: dict[str, Any], model: str, options: dict[str, Any]) -> dict[str, Any]:
+    """Plan and simulate one request."""
+    motion = {name: request[name] for name in COMPONENTS if name in request}
+    jump = llsrbm.Jump(robot=request["robot"], model=model, **motion)
+    try:
+        plan = llsrbm.plan(jump, **options)
+    except llsrbm.NotConverged as error:
+        return {**request, "planned": False, "why": str(error)}
+    rollout = llsrbm.simulate(plan, seed=request["seed"])
+    return {
+        **request,
+        "planned": True,
+        "iterations": plan.report.iterations,
+        "attempts": plan.report.attempts,
+        "solve_time_s": plan.report.solve_time_s,
+        "durations": np.diff(plan.phase_start).tolist(),
+        **asdict(rollout.outcome),
+        **tracking(plan, rollout),
+    }
+
+
+def tracking(plan: Any, rollout: Any) -> dict[str, Any]:
+    """Momenta at lift-off and the base's attitude at touchdown, planned and simulated."""
+    lift, touch = plan.phase_start[1:3]
+    knots = np.searchsorted(plan.time, [lift - 1e-9, touch - 1e-9])
+    end = rollout.outcome.touchdown_true_s
+    at = np.searchsorted(rollout.time, [lift, touch if end is None else end])
+    at = np.minimum(at, len(rollout.time) - 1)
+    figures = {
+        "lift_off_momentum_planned": plan.angular_momentum[knots[0]].tolist(),
+        "lift_off_momentum": rollout.angular_momentum[at[0]].tolist(),
+        "lift_off_velocity_planned": plan.com_velocity[knots[0]].tolist(),
+        "lift_off_velocity": (
+            rollout.linear_momentum[at[0]] * rollout_mass_share(plan, rollout)
+        ).tolist(),
+        "tilt_at_touchdown_planned_deg": tilt_deg(plan.base_quat[knots[1]]),
+        "tilt_at_touchdown_deg": tilt_deg(rollout.base_quat[at[1]]),
+    }
+    if hasattr(plan, "joint_torque"):
+        figures["torque_rms"] = torque_rms(plan, rollout)
+    share = np.abs(rollout.torque) / np.maximum(rollout.torque_limit, 1e-9) >= 0.99
+    for phase in Phase:
+        ticks = rollout.phase == phase
+        busy = share[ticks].mean(axis=0) if ticks.any() else np.zeros(share.shape[1])
+        worst = int(busy.argmax())
+        figures[f"saturated_{phase.name.lower()}"] = [rollout.joint_names[worst], busy[worst]]
+    return figures
+
+
+def rollout_mass_share(plan: Any, rollout: Any) -> float:
+    """1 over the simulated mass, 1/kg."""
+    trunk = plan.base_mass * (rollout.disturbance.trunk_mass_factor - 1)
+    return 1.0 / float(plan.base_mass + plan.leg_mass.sum() + trunk)
+
+
+def torque_rms(plan: Any, rollout: Any) -> float:
+    """RMS of simulated minus planned joint torque over the take-off, share of the limit."""
+    limit = load_robot(plan.jump.robot).torque_limit
+    order = [plan.joint_names.index(name) for name in rollout.joint_names]
+    ticks = rollout.time < plan.phase_start[1]
+    knot = np.searchsorted(plan.time, rollout.time[ticks], side="right") - 1
+    error = (rollout.torque[ticks] - plan.joint_torque[knot][:, order]) / limit[order]
+    return float(np.sqrt(np.mean(error**2)))
+
+
+def tilt_deg(quat: np.ndarray) -> float:
+    """Angle between the base's z and the world's."""
+    _, x, y, _ = quat
+    return math.degrees(math.acos(np.clip(1 - 2 * (x * x + y * y), -1, 1)))
+
+
+def table(results: list[dict[str, Any]]) -> Iterator[str]:
+    """One row a robot and kind."""
+    yield (
+        f"{'robot':8} {'kind':14} {'requests':>8} {'offered':>8} {'stand':>6} {'strict':>6} "
+        f"{'of offered':>10} {'of all':>7} {'yaw med':>8} {'worst':>6} {'<5deg':>6} "
+        f"{'sat med':>8} {'worst':>6} {'torque':>7} {'unsolved':>8}"
+    )
+    for robot in dict.fromkeys(r["robot"] for r in results):
+        for kind in (*KINDS, "all"):
+            rows = [r for r in results if r["robot"] == robot and kind in (r["kind"], "all")]
+            offered = [r for r in rows if r["planned"]]
+            if not offered:
+                yield f"{robot:8} {kind:14} {len(rows):8} {0:8}"
+                continue
+            yaw = np.degrees(
+                [abs(180.0 if (e := r["yaw_error_at_touchdown"]) is None else e) for r in offered]
+            )
+            saturated = 100 * np.array([r["saturated_fraction"] for r in offered])
+            strict = sum(r["strict"] for r in offered)
+            stand = sum(r["status"] == "landed" for r in offered)
+            torque = [r["torque_rms"] for r in offered if "torque_rms" in r]
+            shown = f"{100 * np.median(torque):6.1f}%" if torque else f"{'-':>7}"
+            yield (
+                f"{robot:8} {kind:14} {len(rows):8} {len(offered):8} {stand:6} {strict:6} "
+                f"{100 * strict / len(offered):9.1f}% {100 * strict / len(rows):6.1f}% "
+                f"{np.median(yaw):8.1f} {yaw.max():6.1f} {100 * np.mean(yaw <= 5):5.0f}% "
+                f"{np.median(saturated):7.1f}% {saturated.max():5.1f}% {shown} "
+                f"{sum(r['unsolved_ticks'] > 0 for r in offered):8}"
+            )
+
+
+def describe(result: dict[str, Any]) -> str:
+    """One line a request."""
+    motion = " ".join(
+        f"{name} {math.degrees(result[name]):.0f} deg"
+        if name == "twist"
+        else f"{name} {result[name]:+.2f}"
+        for name in COMPONENTS
+        if name in result
+    )
+    head = f"{result['robot']:7} {result['seed']:8} {motion:60}"
+    if not result["planned"]:
+        return f"{head} refused: {result['why'][:150]}"
+    worst = max(
+        (result[f"saturated_{phase.name.lower()}"] for phase in Phase), key=lambda item: item[1]
+    )
+    yaw = result["yaw_error_at_touchdown"]
+    return (
+        f"{head} {'strict' if result['strict'] else result['status']:6} "
+        f"yaw {math.degrees(yaw) if yaw is not None else math.nan:6.1f} "
+        f"tilt at touchdown {result['tilt_at_touchdown_deg']:4.1f} of "
+        f"{result['tilt_at_touchdown_planned_deg']:4.1f}, most {math.degrees(result['peak_tilt']):4.1f} "
+        f"foot {1e3 * result['foot_error']:4.0f} mm air {1e3 * result['second_flight_s']:3.0f} ms "
+        f"saturated {100 * result['saturated_fraction']:4.1f} % ({worst[0]} {100 * worst[1]:.0f} %) "
+        f"{result['iterations']} it "
+        f"{result['reason']}"
+    )
+
+
+def _work(item: tuple[dict[str, Any], str, dict[str, Any]]) -> dict[str, Any]:
+    return one(*item)
+
+
+def main(
+    robots: str = "anymal,slider,go2",
+    count: Annotated[int, typer.Option("--requests", help="A robot.")] = 120,
+    seed: Annotated[int, typer.Option(help="Draws requests and disturbances.")] = 500,
+    model: str = "llsrbm-plus",
+    jobs: int = 2,
+    failures: Annotated[bool, typer.Option(help="Only lines of failures.")] = False,
+    out: Annotated[Path | None, typer.Option(help="All results, JSON lines.")] = None,
+) -> None:
+    """Print a line a request, then the table."""
+    work = [
+        (request, model, {})
+        for robot in robots.split(",")
+        for request in requests(robot, count, seed)
+    ]
+    results = []
+    with ProcessPoolExecutor(jobs, mp_context=get_context("spawn")) as pool:
+        for result in pool.map(_work, work, chunksize=4):
+            results.append(result)
+            if not (failures and result["planned"] and result["strict"]):
+                print(describe(result), flush=True)
+    print("\n".join(table(results)))
+    if out is not None:
+        out.write_text("".join(json.dumps(result) + "\n" for result in results))
+
+
+if __name__ == "__main__":
+    typer.run(main)
