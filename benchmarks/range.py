@@ -22,6 +22,7 @@ from typing import Annotated, Any
 
 import numpy as np
 import typer
+from scipy.spatial.transform import Rotation
 
 import llsrbm
 from llsrbm.robots import load_robot
@@ -83,6 +84,8 @@ def tracking(plan: Any, rollout: Any) -> dict[str, Any]:
         "lift_off_velocity": (
             rollout.linear_momentum[at[0]] * rollout_mass_share(plan, rollout)
         ).tolist(),
+        "turn_error_at_lift_off_deg": turn_deg(plan.base_quat[knots[0]], rollout.base_quat[at[0]]),
+        "turn_error_at_touchdown_deg": turn_deg(plan.base_quat[knots[1]], rollout.base_quat[at[1]]),
         "tilt_at_touchdown_planned_deg": tilt_deg(plan.base_quat[knots[1]]),
         "tilt_at_touchdown_deg": tilt_deg(rollout.base_quat[at[1]]),
     }
@@ -111,6 +114,14 @@ def torque_rms(plan: Any, rollout: Any) -> float:
     knot = np.searchsorted(plan.time, rollout.time[ticks], side="right") - 1
     error = (rollout.torque[ticks] - plan.joint_torque[knot][:, order]) / limit[order]
     return float(np.sqrt(np.mean(error**2)))
+
+
+def turn_deg(planned: np.ndarray, simulated: np.ndarray) -> list[float]:
+    """Rotation vector from a planned to a simulated attitude, world axes."""
+    turn = Rotation.from_quat(simulated, scalar_first=True) * Rotation.from_quat(
+        planned, scalar_first=True
+    ).inv()
+    return np.degrees(turn.as_rotvec()).tolist()
 
 
 def tilt_deg(quat: np.ndarray) -> float:

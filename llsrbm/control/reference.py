@@ -140,19 +140,29 @@ def _without_steps(plan: Plan, times: Array, values: Array) -> Array:
 def _angular_velocity(plan: Plan, times: Array) -> tuple[Array, Array]:
     """The base's angular velocity and acceleration, (K, 3), from the turns between knots.
 
-    Straight between the middles of intervals, because the knots' own values differ on both sides of
-    lift-off and touch-down, where the plan's legs begin and end to carry momentum.
+    Straight between the middles of intervals of one phase, held from the last middle to the phase's
+    edge: a line across lift-off would ask ground forces for the flight's rotation before the feet
+    have left, at the price of angular momentum.
     """
     attitude = Rotation.from_quat(plan.base_quat, scalar_first=True)
     dt = np.diff(plan.time)
-    turn = (attitude[1:] * attitude[:-1].inv()).as_rotvec()
+    turn = (attitude[1:] * attitude[:-1].inv()).as_rotvec() / dt[:, None]
     middle = (plan.time[1:] + plan.time[:-1]) / 2
-    at = np.concatenate([plan.time[:1], middle, plan.time[-1:]])
-    omega = np.concatenate([np.zeros((1, 3)), turn / dt[:, None], np.zeros((1, 3))])
-    piece = np.clip(np.searchsorted(at, times, side="right") - 1, 0, len(at) - 2)
-    share = np.clip((times - at[piece]) / np.diff(at)[piece], 0.0, 1.0)[:, None]
-    rate = np.diff(omega, axis=0) / np.diff(at)[:, None]
-    return (1 - share) * omega[piece] + share * omega[piece + 1], rate[piece]
+    omega, rate = np.zeros((2, len(times), 3))
+    for phase in Phase:
+        inside = plan.phase[:-1] == phase
+        at, value = middle[inside], turn[inside]
+        if phase == Phase.TAKEOFF:
+            at, value = np.append(plan.time[0], at), np.vstack([np.zeros(3), value])
+        if phase == Phase.LANDING:
+            at, value = np.append(at, plan.time[-1]), np.vstack([value, np.zeros(3)])
+        now = (times >= plan.phase_start[phase]) & (times < plan.phase_start[phase + 1])
+        piece = np.clip(np.searchsorted(at, times[now], side="right") - 1, 0, len(at) - 2)
+        share = np.clip((times[now] - at[piece]) / np.diff(at)[piece], 0.0, 1.0)[:, None]
+        slope = np.diff(value, axis=0) / np.diff(at)[:, None]
+        omega[now] = (1 - share) * value[piece] + share * value[piece + 1]
+        rate[now] = slope[piece] * ((times[now] >= at[0]) & (times[now] <= at[-1]))[:, None]
+    return omega, rate
 
 
 def _swing(plan: Plan, times: Array) -> tuple[tuple[Array, Array, Array], Array]:

@@ -21,7 +21,7 @@ class Gains(Table):
     orientation: tuple[Length, Length] = (150.0, 20.0)
     swing: tuple[Length, Length] = (500.0, 40.0)
     posture: tuple[Length, Length] = (100.0, 20.0)
-    angular_momentum: Length = 5.0
+    angular_momentum: Length = 40.0
     standing: Length = 20.0
 
 
@@ -42,10 +42,10 @@ class Weights(Table):
 
     com: Length = 10.0
     orientation: Length = 10.0
-    orientation_in_takeoff: Length = 10.0
-    orientation_in_flight: Length = 0.1
+    orientation_in_takeoff: Length = 0.1
+    orientation_in_flight: Length = 10.0
     angular_momentum: Length = 1.0
-    angular_momentum_in_takeoff: Length = 1.0
+    angular_momentum_in_takeoff: Length = 300.0
     swing: Length = 100.0
     swing_orientation: Length = 10.0
     contact: Length = 1e4

@@ -12,9 +12,11 @@ _NONE = np.zeros(3)
 
 
 class AngularMomentum(Task):
-    """Angular momentum about the CoM, kg m2/s, a coordinate of first order.
+    """Average angular velocity I^-1 L, rad/s, a coordinate of first order; I is the whole body's.
 
-    The reference is the plan's own, which on jumps is far from zero.
+    The reference is the plan's own angular momentum, which on jumps is far from zero. Divided by the
+    inertia, the same weight means the same for a robot of 15 kg and one of 30, and the same about
+    all axes as that of the base's attitude.
     """
 
     rows = 3
@@ -25,10 +27,11 @@ class AngularMomentum(Task):
 
     def motion(self, body: WholeBody, target: Target) -> Motion:
         """See `Task.motion`."""
+        per_inertia = np.linalg.inv(body.inertia)
         return Motion(
-            body.momentum_matrix[3:],
-            body.momentum_bias[3:],
+            per_inertia @ body.momentum_matrix[3:],
+            per_inertia @ body.momentum_bias[3:],
             _NONE,
-            target.angular_momentum - body.angular_momentum,
-            target.angular_momentum_rate,
+            per_inertia @ (target.angular_momentum - body.angular_momentum),
+            per_inertia @ target.angular_momentum_rate,
         )
