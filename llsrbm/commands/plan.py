@@ -66,7 +66,7 @@ def plan_command(
 
 def _description(plan: Plan) -> dict[str, str]:
     """A plan in a few lines for a person: degrees, milliseconds."""
-    from llsrbm.joint_margins import joint_margins
+    from llsrbm.analysis.joint_margins import joint_margins
     from llsrbm.robots import load_robot
     from llsrbm.trajectory.rotation import yaw
     from llsrbm.trajectory.summary import peak_yaw_rate, worst_violation
