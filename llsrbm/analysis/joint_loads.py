@@ -24,13 +24,14 @@ follow:
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import NamedTuple
+from typing import Any
 
 import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from llsrbm.analysis.peak_loads import PeakLoad, peak_load, torque_share
 from llsrbm.postures import Postures, joint_speeds, solve_postures
 from llsrbm.robots.drives import torque_in_direction
 from llsrbm.robots.legs import apply, cross, rotation_matrices, skew
@@ -80,32 +81,12 @@ class KnotMotion:
         )
 
 
-class WorstLoad(NamedTuple):
-    """The joint, and the interval, with the largest share of the torque that is available there.
-
-    Attributes:
-        joint: its name; phase: of the interval; time: s, its middle.
-        torque: Nm or N, with its sign; available: what the drive can give in that direction.
-    """
-
-    joint: str
-    phase: Phase
-    time: float
-    torque: float
-    available: float
-
-    @property
-    def ratio(self) -> float:
-        """Share of what is available; infinite where nothing is."""
-        return float(_share(np.array(self.torque), np.array(self.available)))
-
-
 @dataclass(frozen=True, eq=False)
 class JointLoads:
     """Joint motion and torques in the middle of N intervals, J joints; SI units.
 
     Attributes:
-        time: (N,) s; phase: (N,) `Phase`.
+        time: (N,) s; phase: (N,) `Phase`; knot_time: (N+1,) s, where the intervals end.
         joint_names: (J,).
         joint_position, joint_velocity, joint_acceleration: (N, J) rad or m, and per s, per s2.
         joint_torque: (N, J) Nm or N.
@@ -116,10 +97,11 @@ class JointLoads:
         foot_residual: (N,) m: what inverse kinematics could not reach.
         knot_position, knot_velocity: (N+1, J) at the knots.
         standing_torque: (J,) Nm or N: at rest in the last knot's posture, with the smallest contact
-            forces that carry the robot.
+            forces that carry the robot; standing_limit: (J,) what the drives give at rest.
     """
 
     time: Array
+    knot_time: Array
     phase: NDArray[np.int64]
     joint_names: tuple[str, ...]
     joint_position: Array
@@ -132,11 +114,12 @@ class JointLoads:
     knot_position: Array
     knot_velocity: Array
     standing_torque: Array
+    standing_limit: Array
 
     @property
     def torque_ratio(self) -> Array:
         """(N, J) |torque| as a share of what is available; infinite where nothing is, 0 of 0."""
-        return _share(self.joint_torque, self.torque_available)
+        return torque_share(self.joint_torque, self.torque_available)
 
     @property
     def power(self) -> Array:
@@ -150,15 +133,23 @@ class JointLoads:
         force, moment = np.sqrt(np.mean(square, axis=0))
         return float(force), float(moment)
 
-    def worst(self) -> WorstLoad:
+    def at_knots(self) -> dict[str, Any]:
+        """What a plan stores of it at its N + 1 knots; empty where numbers are not finite.
+
+        Of torques and their limits, knot k has those of the interval that starts there, and the
+        last knot those of standing.
+        """
+        arrays = {
+            "joint_velocity": self.knot_velocity,
+            "joint_torque": np.vstack([self.joint_torque, self.standing_torque]),
+            "joint_torque_limit": np.vstack([self.torque_available, self.standing_limit]),
+        }
+        return arrays if all(np.isfinite(a).all() for a in arrays.values()) else {}
+
+    def worst(self) -> PeakLoad:
         """The largest share of the available torque."""
-        k, j = np.unravel_index(np.argmax(self.torque_ratio), self.joint_torque.shape)
-        return WorstLoad(
-            joint=self.joint_names[j],
-            phase=Phase(self.phase[k]),
-            time=float(self.time[k]),
-            torque=float(self.joint_torque[k, j]),
-            available=float(self.torque_available[k, j]),
+        return peak_load(
+            self.joint_names, self.knot_time, self.phase, self.joint_torque, self.torque_available
         )
 
 
@@ -203,6 +194,7 @@ def _joint_loads(robot: Robot, motion: KnotMotion) -> JointLoads:
     torque = effort[:, _BASE:]
     return JointLoads(
         time=(motion.time[1:] + motion.time[:-1]) / 2,
+        knot_time=motion.time,
         phase=motion.phase[:-1],
         joint_names=robot.joint_names,
         joint_position=position,
@@ -215,13 +207,8 @@ def _joint_loads(robot: Robot, motion: KnotMotion) -> JointLoads:
         knot_position=angles,
         knot_velocity=knot_velocity,
         standing_torque=_standing_torque(robot, motion, angles[-1]),
+        standing_limit=robot.torque_limit,
     )
-
-
-def _share(torque: Array, available: Array) -> Array:
-    size = np.abs(torque)
-    some = available > 0
-    return np.where(some, size / np.where(some, available, 1.0), np.where(size > 0, np.inf, 0.0))
 
 
 # ---- motion of the CoM, the base and the feet

@@ -205,6 +205,16 @@ def test_speeds_at_the_knots_are_those_of_the_postures(planned):
     assert (np.abs(loads.joint_velocity - speed) / robot.speed_limit).max() < 0.06
 
 
+def test_a_plan_holds_its_loads(planned):
+    """Torques and limits over the interval that begins at the knot; the last stands."""
+    plan, robot, loads = planned
+    np.testing.assert_allclose(plan.joint_torque[:-1], loads.joint_torque, atol=1e-9)
+    np.testing.assert_allclose(plan.joint_torque_limit[:-1], loads.torque_available, atol=1e-9)
+    np.testing.assert_allclose(plan.joint_velocity, loads.knot_velocity, atol=1e-9)
+    np.testing.assert_array_equal(plan.joint_torque[-1], loads.standing_torque)
+    np.testing.assert_array_equal(plan.joint_torque_limit[-1], robot.torque_limit)
+
+
 def test_without_postures_they_are_solved(planned):
     plan, robot, loads = planned
     again = joint_loads(robot, replace(KnotMotion.of_plan(plan), joint_position=None))
@@ -226,7 +236,8 @@ def _loads(torque, available):
     still = np.zeros_like(torque)
     count, joints = torque.shape
     return JointLoads(
-        time=0.1 * np.arange(count),
+        time=0.1 * np.arange(count) + 0.05,
+        knot_time=0.1 * np.arange(count + 1),
         phase=np.array([Phase.TAKEOFF, Phase.FLIGHT, Phase.LANDING])[:count],
         joint_names=("hip", "knee")[:joints],
         joint_position=still,
@@ -238,7 +249,8 @@ def _loads(torque, available):
         foot_residual=np.zeros(count),
         knot_position=np.zeros((count + 1, joints)),
         knot_velocity=np.zeros((count + 1, joints)),
-        standing_torque=np.zeros(joints),
+        standing_torque=np.full(joints, 3.0),
+        standing_limit=np.full(joints, 40.0),
     )
 
 
@@ -246,7 +258,7 @@ def test_shares_of_what_is_available():
     loads = _loads([[10.0, -30.0], [5.0, 0.0]], [[40.0, 40.0], [40.0, 0.0]])
     np.testing.assert_allclose(loads.torque_ratio, [[0.25, 0.75], [0.125, 0.0]])
     worst = loads.worst()
-    assert (worst.joint, worst.phase, worst.time) == ("knee", Phase.TAKEOFF, 0.0)
+    assert (worst.joint, worst.phase, worst.time) == ("knee", Phase.TAKEOFF, 0.05)
     assert (worst.torque, worst.available, worst.ratio) == (-30.0, 40.0, 0.75)
     np.testing.assert_allclose(loads.power, [[20.0, -60.0], [10.0, 0.0]])
     assert loads.residual_rms == pytest.approx((5.0, 2.0))
