@@ -1,1 +1,1 @@
-"""What plans ask of the whole robot, computed with Pinocchio: nothing here knows the planner."""
+"""Plans judged by the whole robot: loads and margins of the joints, realised momenta."""
