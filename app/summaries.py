@@ -89,7 +89,11 @@ def plan_figures(plan: Plan) -> str:
                 "Largest force on a foot",
                 f"{values.peak_force:.0f} N, {values.peak_force_in_weights:.2f} of the weight",
             ),
-            *([] if load is None else [("Most loaded joint", load.in_words(sliding))]),
+            *(
+                []
+                if load is None
+                else [("Most loaded joint", f"{load.joint} {load.in_words(sliding)}")]
+            ),
         ],
         "Plan",
     )

@@ -42,14 +42,14 @@ class PeakLoad(NamedTuple):
         return float(torque_share(np.array(self.torque), np.array(self.available)))
 
     def in_words(self, sliding_joints: frozenset[str] = frozenset()) -> str:
-        """For instance "LF_KFE 34 of 40 Nm at lift-off (85 %)".
+        """Without the joint's name, for instance "34 of 40 Nm at lift-off (85 %)".
 
         Args:
             sliding_joints: names of those whose torque is a force (`Robot.sliding_joints`).
         """
         unit = "N" if self.joint in sliding_joints else "Nm"
         when = f"at {self.event}" if self.event else f"in {self.phase.label} at {self.time:.2f} s"
-        load = f"{self.joint} {abs(self.torque):.0f} of {self.available:.0f} {unit} {when}"
+        load = f"{abs(self.torque):.0f} of {self.available:.0f} {unit} {when}"
         if not np.isfinite(self.ratio):
             return f"{load} (too fast for any torque)"
         return f"{load} ({100 * self.ratio:.0f} %)"

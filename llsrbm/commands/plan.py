@@ -94,5 +94,7 @@ def _joints(plan: Plan) -> str:
 
     robot = load_robot(plan.jump.robot)
     load = planned_peak_load(plan)
-    loaded = "" if load is None else f"most loaded: {load.in_words(robot.sliding_joints)}; "
-    return loaded + joint_margins(plan, robot).worst()
+    margins = joint_margins(plan, robot).worst()
+    if load is None:
+        return margins
+    return f"{load.joint} is most loaded, {load.in_words(robot.sliding_joints)}; {margins}"

@@ -12,9 +12,11 @@ from scipy.spatial.transform import Rotation
 
 import llsrbm
 from llsrbm.analysis.joint_loads import JointLoads, KnotMotion, joint_loads
+from llsrbm.planning.assembly import knot_motion
 from llsrbm.postures import solve_postures
 from llsrbm.robots import load_robot
 from llsrbm.trajectory.plan import Phase
+from tests.llsrbm.planning.solved import solved
 
 ROBOTS = ("anymal", "go2", "slider")
 WEIGHT = np.array([0.0, 0.0, 9.81])
@@ -213,6 +215,14 @@ def test_a_plan_holds_its_loads(planned):
     np.testing.assert_allclose(plan.joint_velocity, loads.knot_velocity, atol=1e-9)
     np.testing.assert_array_equal(plan.joint_torque[-1], loads.standing_torque)
     np.testing.assert_array_equal(plan.joint_torque_limit[-1], robot.torque_limit)
+
+
+@pytest.mark.parametrize(("name", "request_"), [("anymal", "all"), ("slider", "box")])
+def test_a_planners_solution_has_the_loads_of_its_plan(name, request_):
+    found = solved("llsrbm-plus", request_, name)
+    loads = joint_loads(load_robot(name), knot_motion(found.knots))
+    np.testing.assert_allclose(found.plan.joint_torque[:-1], loads.joint_torque, atol=0.05)
+    np.testing.assert_allclose(found.plan.joint_velocity, loads.knot_velocity, atol=1e-3)
 
 
 def test_without_postures_they_are_solved(planned):

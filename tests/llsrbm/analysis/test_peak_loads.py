@@ -43,7 +43,7 @@ def test_the_most_loaded_joint(plan, knot, phase, words):
     peak = planned_peak_load(loaded(plan, knot, 2, -34.0))
     assert (peak.joint, peak.phase, peak.torque, peak.available) == ("LF_C", phase, -34.0, 40.0)
     assert peak.time == pytest.approx(0.1 * knot + 0.05)
-    assert peak.in_words() == f"LF_C 34 of 40 Nm {words} (85 %)"
+    assert peak.in_words() == f"34 of 40 Nm {words} (85 %)"
 
 
 def test_standing_after_the_jump_does_not_count(plan):
@@ -54,7 +54,7 @@ def test_a_joint_that_is_too_fast_for_any_torque(plan):
     peak = planned_peak_load(loaded(plan, 7, 3, 0.5, limit=0.0))
     assert peak.ratio == np.inf
     assert peak.in_words(frozenset({"RF_A"})) == (
-        "RF_A 0 of 0 N in flight at 0.75 s (too fast for any torque)"
+        "0 of 0 N in flight at 0.75 s (too fast for any torque)"
     )
 
 

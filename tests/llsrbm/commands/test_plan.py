@@ -114,7 +114,7 @@ def test_summary_for_a_person(planner, capsys):
     out = capsys.readouterr().out
     assert "twist 90 deg" in out
     assert "14 iterations" in out
-    assert "most loaded: " in out
+    assert "is most loaded, " in out
     assert " of 40 Nm in " in out
     assert "fastest" in out
     assert "2.0e-05 N (friction, landing, 1.10 s)" in out
