@@ -34,7 +34,8 @@ class Course:
         foot_force: (K, L, 3) N, sum a foot.
         average_spatial_velocity_norm: (K,) of m/s and rad/s together.
         joint_speed: (K, J) rad/s or m/s.
-        torque, torque_limit: (K, J) Nm or N, as in `Rollout`; None of a plan, which has none.
+        torque, torque_limit: (K, J) Nm or N, as in `Plan` and `Rollout`; None of a plan whose
+            torques are not known.
     """
 
     robot: Robot
@@ -74,8 +75,8 @@ def planned_course(replay: Replay) -> Course:
             np.hstack([motion.com_velocity, turning]), axis=1
         ),
         joint_speed=motion.joint_velocity,
-        torque=None,
-        torque_limit=None,
+        torque=motion.joint_torque,
+        torque_limit=motion.joint_torque_limit,
     )
 
 

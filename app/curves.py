@@ -18,6 +18,7 @@ from app.courses import (
     whole_body_inertia,
 )
 from app.replay import Replay
+from llsrbm.analysis.peak_loads import torque_share
 from llsrbm.robots import Robot
 from llsrbm.trajectory.rollout import Rollout
 from llsrbm.trajectory.rotation import rotation_matrices, yaw
@@ -30,6 +31,7 @@ ALL_JOINTS = "all"
 TORQUES, LANDING = "Joint torques and speeds", "Landing"
 
 _INERTIAS = 400  # at most, of a motion; they change slowly, and eigenvalues take their time
+_SHARE_SHOWN = 2.0  # of a limit
 _SIGNAL_SHOWN = 3.0  # thresholds; how far an impact goes beyond matters no more
 
 
@@ -226,7 +228,7 @@ def _forces(pairs: _Pairs, _joints: str) -> list[Chart]:
 
 
 def _joint_loads(pairs: _Pairs, joints: str) -> list[Chart]:
-    """Largest shares of limits over the chosen joints; torques of simulations only."""
+    """Largest shares of limits over the chosen joints, and their power together."""
 
     def chosen(robot: Robot) -> NDArray[np.int64]:
         columns = [
@@ -241,10 +243,9 @@ def _joint_loads(pairs: _Pairs, joints: str) -> list[Chart]:
         columns = chosen(robot)
         if not len(columns):
             return None
-        # What a drive cannot give at its speed, it is not at the limit of.
         limits = np.broadcast_to(limit, values.shape)[:, columns]
-        shares = np.abs(values[:, columns]) / np.where(limits > 0, limits, np.inf)
-        return np.asarray(shares.max(axis=1), dtype=np.float64)
+        # A plan that failed may ask for torque where there is none.
+        return np.minimum(torque_share(values[:, columns], limits).max(axis=1), _SHARE_SHOWN)
 
     def torque(course: Course) -> Array | None:
         if course.torque is None:
@@ -259,12 +260,20 @@ def _joint_loads(pairs: _Pairs, joints: str) -> list[Chart]:
     def speed(course: Course) -> Array | None:
         return largest(course.joint_speed, course.robot.speed_limit, course.robot)
 
+    def power(course: Course) -> Array | None:
+        columns = chosen(course.robot)
+        if course.torque is None or not len(columns):
+            return None
+        total: Array = (course.torque * course.joint_speed)[:, columns].sum(axis=1)
+        return total
+
     of = f", {joints}" if joints != ALL_JOINTS else ""
     titles = ("Torque / limit", "Torque / limit at its speed", "Joint speed / limit")
-    return [
+    shares = [
         _limited(_chart(f"{title}{of}", pairs, quantity), 1.0)
         for title, quantity in zip(titles, (torque, saturation, speed), strict=True)
     ]
+    return [*shares, _chart(f"Power of the drives{of} [W]", pairs, power)]
 
 
 def _landing(pairs: _Pairs, _joints: str) -> list[Chart]:

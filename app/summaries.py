@@ -8,6 +8,8 @@ import numpy as np
 
 from app.markup import table
 from app.protocol import Progress
+from llsrbm.analysis.peak_loads import planned_peak_load
+from llsrbm.robots import load_robot
 from llsrbm.trajectory.diagnosis import diagnose, fall_in_words
 from llsrbm.trajectory.figures import figures_of_plan
 from llsrbm.trajectory.plan import Plan, Violation
@@ -69,6 +71,8 @@ def plan_figures(plan: Plan) -> str:
     """The plan's numbers."""
     report, values = plan.report, figures_of_plan(plan)
     phases = " + ".join(f"{seconds:.2f}" for seconds in np.diff(plan.phase_start))
+    load = planned_peak_load(plan)
+    sliding = load_robot(plan.jump.robot).sliding_joints
     standing = plan.robot_parameters["inertia"][2][2]
     return table(
         [
@@ -84,6 +88,11 @@ def plan_figures(plan: Plan) -> str:
             (
                 "Largest force on a foot",
                 f"{values.peak_force:.0f} N, {values.peak_force_in_weights:.2f} of the weight",
+            ),
+            *(
+                []
+                if load is None
+                else [("Most loaded joint", f"{load.joint} {load.in_words(sliding)}")]
             ),
         ],
         "Plan",

@@ -12,8 +12,8 @@ import numpy as np
 
 import llsrbm
 from llsrbm import models
+from llsrbm.analysis.realised import realise
 from llsrbm.planning.planner import planner_for
-from llsrbm.realised import realise
 from llsrbm.robots import load_robot
 
 

@@ -233,15 +233,13 @@ def margins(
     room = np.minimum(
         q - robot.model.lowerPositionLimit[7:], robot.model.upperPositionLimit[7:] - q
     )
-    sliding = np.empty(len(robot.joint_names), dtype=bool)
-    sliding[robot.leg_joint_index] = robot.chains.prismatic
     found = []
     for j, name in enumerate(robot.joint_names):
         tightest, fastest = int(np.argmin(room[:, j])), int(np.argmax(speed[:, j]))
         found.append(
             JointMargin(
                 joint=name,
-                unit="m" if sliding[j] else "rad",
+                unit="m" if name in robot.sliding_joints else "rad",
                 position_margin=float(room[tightest, j]),
                 position_time=float(t[tightest]),
                 peak_speed=float(speed[fastest, j]),

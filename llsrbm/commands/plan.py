@@ -66,14 +66,10 @@ def plan_command(
 
 def _description(plan: Plan) -> dict[str, str]:
     """A plan in a few lines for a person: degrees, milliseconds."""
-    from llsrbm.joint_margins import joint_margins
-    from llsrbm.robots import load_robot
     from llsrbm.trajectory.rotation import yaw
     from llsrbm.trajectory.summary import peak_yaw_rate, worst_violation
 
     report = plan.report
-    # The instants of one that failed may run backwards.
-    joints = joint_margins(plan, load_robot(plan.jump.robot)).worst() if plan.solved else "-"
     takeoff, flight, landing = plan.phase_start[1:] - plan.phase_start[:-1]
     return {
         "request": options.described(plan.jump),
@@ -84,6 +80,21 @@ def _description(plan: Plan) -> dict[str, str]:
         f"landing {landing:.2f} s",
         "turn": f"{math.degrees(yaw(plan.base_quat)[-1]):.1f} deg, "
         f"peak yaw rate {peak_yaw_rate(plan):.2f} rad/s",
-        "joints": joints,
+        # The instants of one that failed may run backwards.
+        "joints": _joints(plan) if plan.solved else "-",
         "violation": worst_violation(plan),
     }
+
+
+def _joints(plan: Plan) -> str:
+    """The joint that is loaded most, the fastest, and the one that comes nearest to a stop."""
+    from llsrbm.analysis.joint_margins import joint_margins
+    from llsrbm.analysis.peak_loads import planned_peak_load
+    from llsrbm.robots import load_robot
+
+    robot = load_robot(plan.jump.robot)
+    load = planned_peak_load(plan)
+    margins = joint_margins(plan, robot).worst()
+    if load is None:
+        return margins
+    return f"{load.joint} is most loaded, {load.in_words(robot.sliding_joints)}; {margins}"

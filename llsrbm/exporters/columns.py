@@ -7,12 +7,11 @@ PlotJuggler.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from llsrbm.trajectory.plan import Plan
+from llsrbm.trajectory.plan import Plan, leg_names
 from llsrbm.trajectory.resample import resample, uniform_times
 from llsrbm.trajectory.rollout import Rollout
 from llsrbm.trajectory.rollout_resample import resample_rollout, rollout_times
@@ -30,7 +29,7 @@ _PHASE = "phase [0 take-off, 1 flight, 2 landing]"
 def plan_columns(plan: Plan, fps: float) -> Iterator[Column]:
     """Rows 1/fps apart, and one exactly at each lift-off and touch-down."""
     motion = resample(plan, uniform_times(plan, fps, phase_edges=True))
-    legs = _leg_names(plan.robot_parameters, len(plan.leg_mass))
+    legs, joints = plan.leg_names, motion.joint_names
     yield "time [s]", motion.time
     yield _PHASE, motion.phase.astype(np.float64)
     yield from _split("base_position", "m", motion.base_position)
@@ -44,8 +43,11 @@ def plan_columns(plan: Plan, fps: float) -> Iterator[Column]:
     yield from _points("foot_position", "m", legs, motion.foot_position)
     contacts = _contact_names(legs, motion.contact_force.shape[1])
     yield from _points("contact_force", "N", contacts, motion.contact_force)
-    yield from _named("joint_position", "rad or m", motion.joint_names, motion.joint_position)
-    yield from _named("joint_velocity", "rad/s or m/s", motion.joint_names, motion.joint_velocity)
+    yield from _named("joint_position", "rad or m", joints, motion.joint_position)
+    yield from _named("joint_velocity", "rad/s or m/s", joints, motion.joint_velocity)
+    if motion.joint_torque is not None and motion.joint_torque_limit is not None:
+        yield from _named("joint_torque", "Nm or N", joints, motion.joint_torque)
+        yield from _named("joint_torque_limit", "Nm or N", joints, motion.joint_torque_limit)
 
 
 def rollout_columns(rollout: Rollout, fps: float) -> Iterator[Column]:
@@ -55,7 +57,7 @@ def rollout_columns(rollout: Rollout, fps: float) -> Iterator[Column]:
     """
     motion = resample_rollout(rollout, rollout_times(rollout, fps))
     joints = motion.joint_names
-    legs = _leg_names(rollout.robot_parameters, motion.foot_position.shape[1])
+    legs = leg_names(rollout.robot_parameters, motion.foot_position.shape[1])
     R_world_base = rotation_matrices(motion.base_quat)
     yield "time [s]", motion.time
     yield _PHASE, motion.phase.astype(np.float64)
@@ -106,12 +108,6 @@ def _named(name: str, unit: str, which: Sequence[str], values: Array) -> Iterato
 def _tensor(name: str, unit: str, values: Array) -> Iterator[Column]:
     for entry, (row, column) in _TENSOR.items():
         yield f"{name}/{entry} [{unit}]", values[:, row, column]
-
-
-def _leg_names(robot_parameters: dict[str, Any], count: int) -> list[str]:
-    """As in the robot file, when the file says what robot it was made with."""
-    legs = list(robot_parameters.get("legs", ()))
-    return legs if len(legs) == count else [f"leg{i}" for i in range(count)]
 
 
 def _contact_names(legs: Sequence[str], count: int) -> list[str]:

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
+from llsrbm.analysis.joint_loads import KnotMotion, joint_loads
 from llsrbm.jump import Jump
 from llsrbm.planning.knots import Knots
 from llsrbm.postures import solve_postures
@@ -31,16 +33,16 @@ def assemble_plan(
         near: a plan whose postures are close to this one's, so that they are found sooner.
     """
     R = knots.R_world_base
+    motion = knot_motion(knots)
     _, inertia, leg_com = knots.evaluated
-    feet = knots.foot_position
     # Knot values of the interval rates: at rest at both ends, the mean in between.
     rate = np.zeros_like(knots.position)
     rate[1:-1] = (knots.rotation_rate[:-1] + knots.rotation_rate[1:]) / 2
-    foot_quat = np.zeros((*feet.shape[:2], 4))
-    foot_quat[..., 0] = np.cos(knots.foot_heading / 2)
-    foot_quat[..., 3] = np.sin(knots.foot_heading / 2)
     angles = None if near is None else near.joint_position
-    postures = solve_postures(robot, knots.position, knots.quat, feet, foot_quat, near=angles)
+    postures = solve_postures(
+        robot, motion.com, motion.base_quat, motion.foot_position, motion.foot_quat, near=angles
+    )
+    loads = joint_loads(robot, replace(motion, joint_position=postures.joint_position))
     arrays = {
         "time": knots.time,
         "phase": knots.phase.astype(np.int64),
@@ -52,14 +54,15 @@ def assemble_plan(
         "linear_momentum": knots.velocity * knots.task.mass,
         "angular_momentum": knots.momentum,
         "inertia": R @ inertia @ R.transpose(0, 2, 1),
-        "foot_position": feet,
-        "foot_quat": foot_quat,
+        "foot_position": motion.foot_position,
+        "foot_quat": motion.foot_quat,
         "contact_point": knots.contact_point,
         "contact_force": knots.force,
         "leg_mass": knots.model.leg_mass,
         "leg_com": knots.position[:, None] + np.einsum("kij,klj->kli", R, leg_com),
         "joint_position": postures.joint_position,
         "foot_in_hip": knots.feet_in_hip,
+        **loads.at_knots(),
     }
     return Plan(
         jump=jump,
@@ -71,4 +74,21 @@ def assemble_plan(
         solution=solution,
         report=report(),
         **arrays,
+    )
+
+
+def knot_motion(knots: Knots) -> KnotMotion:
+    """What `llsrbm.analysis.joint_loads` needs of a solution, without its postures."""
+    half = knots.foot_heading / 2
+    zero = np.zeros_like(half)
+    return KnotMotion(
+        time=knots.time,
+        phase=knots.phase.astype(np.int64),
+        com=knots.position,
+        com_velocity=knots.velocity,
+        base_quat=knots.quat,
+        foot_position=knots.foot_position,
+        foot_quat=np.stack([np.cos(half), zero, zero, np.sin(half)], axis=-1),
+        contact_point=knots.contact_point,
+        contact_force=knots.force,
     )

@@ -122,6 +122,12 @@ class Robot:
         """(J,) rad/s or m/s, in the order of `joint_names`."""
         return self._of_joints(self.file.limits.joint_speed)
 
+    @cached_property
+    def sliding_joints(self) -> frozenset[str]:
+        """Names of the joints that slide; the others turn."""
+        sliding = self.leg_joint_index[:, self.chains.prismatic]
+        return frozenset(self.joint_names[joint] for joint in sliding.ravel())
+
     def _of_joints(self, limit: float | tuple[float, ...]) -> Array:
         joints = np.empty(len(self.joint_names))
         joints[self.leg_joint_index] = limit

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from llsrbm.analysis.peak_loads import planned_peak_load
 from llsrbm.trajectory.plan import Phase, Plan
 from llsrbm.trajectory.rollout import Rollout
 from llsrbm.trajectory.rotation import rotation_matrices
@@ -38,6 +39,7 @@ class DesignFigures:
         smallest_Izz: of the centroidal inertia about the vertical, in flight, kg m2.
         peak_force: largest contact force on one foot, N.
         peak_force_in_weights: the same in robots' weights.
+        planned_torque_ratio: largest share of the torque available at a joint's speed, in the plan.
         peak_torque_ratio: largest share of a torque limit, in the simulation.
         yaw_error_at_touchdown: of the base at its first contact, against the plan at its own, rad.
         solve_time_s: wall time inside the solver, s.
@@ -50,6 +52,7 @@ class DesignFigures:
     smallest_Izz: float | None
     peak_force: float
     peak_force_in_weights: float | None
+    planned_torque_ratio: float | None
     peak_torque_ratio: float | None
     yaw_error_at_touchdown: float | None
     solve_time_s: float | None
@@ -68,6 +71,7 @@ def figures_of_plan(plan: Plan, rollout: Rollout | None = None) -> DesignFigures
     force = plan.contact_force.reshape(len(plan.time), feet, -1, 3).sum(axis=2)
     weight = (plan.base_mass + float(plan.leg_mass.sum())) * _GRAVITY
     outcome = None if rollout is None else rollout.outcome
+    load = planned_peak_load(plan)
     status = "planned" if plan.solved else "not converged"
     return DesignFigures(
         status=status if outcome is None else outcome.status,
@@ -77,6 +81,7 @@ def figures_of_plan(plan: Plan, rollout: Rollout | None = None) -> DesignFigures
         smallest_Izz=_smallest_Izz(plan.inertia, flight),
         peak_force=_peak(force),
         peak_force_in_weights=_peak(force) / weight,
+        planned_torque_ratio=None if load is None else load.ratio,
         peak_torque_ratio=None if outcome is None else outcome.peak_torque_ratio,
         yaw_error_at_touchdown=None if outcome is None else outcome.yaw_error_at_touchdown,
         solve_time_s=plan.report.solve_time_s,
@@ -101,6 +106,7 @@ def figures_of_rollout(rollout: Rollout) -> DesignFigures:
         smallest_Izz=_smallest_Izz(rollout.inertia[:count], flight),
         peak_force=force,
         peak_force_in_weights=force / (mass * _GRAVITY) if isinstance(mass, float | int) else None,
+        planned_torque_ratio=None,
         peak_torque_ratio=outcome.peak_torque_ratio,
         yaw_error_at_touchdown=outcome.yaw_error_at_touchdown,
         solve_time_s=None,
@@ -170,6 +176,15 @@ FIGURES = (
     Figure("smallest_Izz", "Least Izz", "Izz", "kg m²", 1, 2),
     Figure("peak_force", "Peak force", "force", "N", 1, 0, smaller_is_better=True),
     Figure("peak_force_in_weights", "Peak force", "force", "weights", 1, 2, smaller_is_better=True),
+    Figure(
+        "planned_torque_ratio",
+        "Planned torque",
+        "planned",
+        "%",
+        100,
+        0,
+        smaller_is_better=True,
+    ),
     Figure("peak_torque_ratio", "Peak torque", "torque", "%", 100, 0, smaller_is_better=True),
     Figure(
         "yaw_error_at_touchdown",

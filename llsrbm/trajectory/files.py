@@ -15,6 +15,7 @@ Trajectory = Plan | Rollout
 
 _READERS: dict[str, Callable[[Arrays, str | Path], Trajectory]] = {
     plan_file.SCHEMA: plan_file.plan_from_arrays,
+    plan_file.FIRST_SCHEMA: plan_file.plan_from_arrays,
     rollout_file.SCHEMA: rollout_file.rollout_from_arrays,
 }
 

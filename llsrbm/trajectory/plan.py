@@ -23,6 +23,11 @@ class Phase(IntEnum):
     FLIGHT = 1
     LANDING = 2
 
+    @property
+    def label(self) -> str:
+        """As it is called in messages and files: "take-off", "flight", "landing"."""
+        return {Phase.TAKEOFF: "take-off"}.get(self, self.name.lower())
+
 
 @dataclass(frozen=True)
 class Violation:
@@ -105,6 +110,14 @@ class Plan:
         joint_position: (N+1, J) rad or m; joint_names: their names.
         foot_in_hip: (N+1, L, d) m, rad: foot in the leg's mirrored hip frame as the model sees it
             (`llsrbm.models.base`), d = 4 with its yaw; linear in time between knots in flight.
+        joint_velocity: (N+1, J) rad/s or m/s, zero at both ends.
+        joint_torque: (N+1, J) Nm or N, by inverse dynamics of the whole body in the middle of the
+            interval that starts at the knot (`llsrbm.analysis.joint_loads`); the last knot's are
+            those of standing.
+        joint_torque_limit: (N+1, J) Nm or N: the largest that the drives can give there, at that
+            speed in the direction of the torque. These three are None where they are not known: in
+            a plan of an old file whose robot is not there any more, and in one that failed so badly
+            that its motion has no torques.
         tuning: weights and limits that were asked for in place of the robot's.
         solution: for plans that start from this one; None of a plan that failed or was read from a
             file, which does not hold it.
@@ -134,6 +147,9 @@ class Plan:
     joint_position: Array
     joint_names: tuple[str, ...]
     foot_in_hip: Array
+    joint_velocity: Array | None = None
+    joint_torque: Array | None = None
+    joint_torque_limit: Array | None = None
     tuning: Tuning = field(default_factory=Tuning)
     solution: Solution | None = field(default=None, repr=False)
 
@@ -148,13 +164,24 @@ class Plan:
         return float(self.time[-1])
 
     @property
+    def leg_names(self) -> tuple[str, ...]:
+        """As in the robot file, when the plan says which robot it is of."""
+        return leg_names(self.robot_parameters, len(self.leg_mass))
+
+    @property
     def phase_start(self) -> Array:
         """(4,) s: start of take-off, flight, landing, and the end."""
         first = [int(np.argmax(self.phase == p)) for p in Phase]
         return np.append(self.time[first], self.time[-1])
 
     def save(self, path: str | Path) -> None:
-        """Write the native npz file (schema llsrbm.plan/1); see `llsrbm.load`."""
+        """Write the native npz file (schema llsrbm.plan/2); see `llsrbm.load`."""
         from llsrbm.trajectory.plan_file import save_plan
 
         save_plan(self, path)
+
+
+def leg_names(robot_parameters: dict[str, Any], count: int) -> tuple[str, ...]:
+    """As in the robot file, where a trajectory's numbers of the robot hold them."""
+    legs = tuple(robot_parameters.get("legs", ()))
+    return legs if len(legs) == count else tuple(f"leg{i}" for i in range(count))

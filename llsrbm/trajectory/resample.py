@@ -48,6 +48,8 @@ class Motion:
         contact_point: (K, C, 3) m; contact_force: (K, C, 3) N, zero in flight.
         leg_com: (K, L, 3) m: where the model puts each leg's mass.
         joint_position, joint_velocity: (K, J) rad or m, and per second.
+        joint_torque, joint_torque_limit: (K, J) Nm or N, constant over the plan's intervals; None
+            where the plan has none.
         joint_names: (J,).
     """
 
@@ -68,6 +70,8 @@ class Motion:
     leg_com: Array
     joint_position: Array
     joint_velocity: Array
+    joint_torque: Array | None
+    joint_torque_limit: Array | None
     joint_names: tuple[str, ...]
 
 
@@ -161,6 +165,10 @@ def resample(plan: Plan, times: Array) -> Motion:
         leg_com=from_com(plan.leg_com),
         joint_position=joints(inside),
         joint_velocity=joints(inside, nu=1),
+        joint_torque=None if plan.joint_torque is None else plan.joint_torque[knot],
+        joint_torque_limit=(
+            None if plan.joint_torque_limit is None else plan.joint_torque_limit[knot]
+        ),
         joint_names=plan.joint_names,
     )
     _restore_knots(motion, plan, knot, inside)

@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from llsrbm.trajectory.plan import Plan
+from llsrbm.analysis.peak_loads import planned_torque_shares
+from llsrbm.trajectory.plan import Phase, Plan
 from llsrbm.trajectory.rotation import yaw
 
 
@@ -44,8 +45,27 @@ def plan_summary(plan: Plan) -> dict[str, Any]:
         "peak_yaw_rate": peak_yaw_rate(plan),
         "final_yaw": float(yaw(plan.base_quat)[-1]),
         "violations": {name: v.amount for name, v in plan.violations.items()},
+        "joint_torque_ratio": planned_torque_shares(plan),
+        "phases": phases(plan),
     }
     return {key: json_value(value) for key, value in figures.items()}
+
+
+def phases(plan: Plan) -> list[dict[str, Any]]:
+    """In order: `name`, `feet` (names of the legs that carry load in it), `duration_s`."""
+    load = np.abs(plan.contact_force).reshape(len(plan.time), len(plan.leg_mass), -1).max(axis=2)
+    return [
+        {
+            "name": phase.label,
+            "feet": [
+                name
+                for name, carried in zip(plan.leg_names, load[plan.phase == phase].T, strict=True)
+                if carried.any()
+            ],
+            "duration_s": float(plan.phase_start[phase + 1] - plan.phase_start[phase]),
+        }
+        for phase in Phase
+    ]
 
 
 def json_value(value: Any) -> Any:

@@ -13,6 +13,7 @@ from llsrbm.trajectory.plan import Plan, SolveReport, Violation
 GRAVITY = 9.81
 STAND, FLY = 0.4, 0.5
 KNOTS = 16
+TORQUE_SHARE = -0.5
 
 
 def _com_in_base(robot):
@@ -56,6 +57,7 @@ def synthetic_plan(jump: Jump, status: str = "solved") -> Plan:
     force[phase != 1, :, 2] = robot.mass * GRAVITY / contact_point.shape[1]
     quaternion = turn.as_quat(scalar_first=True)
     quaternion[quaternion[:, 0] < 0] *= -1
+    torque = np.where(phase[:, None] != 1, TORQUE_SHARE, 0.0) * robot.torque_limit
     return Plan(
         jump=jump,
         robot_parameters=robot.parameters(),
@@ -83,6 +85,9 @@ def synthetic_plan(jump: Jump, status: str = "solved") -> Plan:
         leg_com=foot_position * 0.5 + com[:, None] * 0.5,
         joint_position=np.tile(robot.posture[7:], (n, 1)),
         joint_names=robot.joint_names,
+        joint_velocity=np.zeros((n, len(robot.joint_names))),
+        joint_torque=torque,
+        joint_torque_limit=np.tile(robot.torque_limit, (n, 1)),
         foot_in_hip=np.tile(
             robot.mirrors * (robot.feet - robot.base_position - robot.hips), (n, 1, 1)
         ),

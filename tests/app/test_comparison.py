@@ -10,7 +10,7 @@ from app.comparison import Column, comparison_table
 from llsrbm.trajectory.figures import DesignFigures
 
 BLUE, GREEN = (44, 123, 229), (10, 160, 90)
-PLANNED = DesignFigures("planned", 0.412, 1.88, 0.242, 1.86, 177.0, 0.592, None, None, 0.1771)
+PLANNED = DesignFigures("planned", 0.412, 1.88, 0.242, 1.86, 177.0, 0.592, 0.71, None, None, 0.1771)
 LANDED = replace(
     PLANNED,
     status="landed",
@@ -40,6 +40,7 @@ def test_figures_are_rows_with_units_and_designs_columns(two):
     assert texts(two["Status"]) == ["planned", "landed"]
     assert texts(two["Flight time [s]"]) == ["0.412", "0.382"]
     assert texts(two["Least Izz [kg m²]"]) == ["1.86", "1.86"]
+    assert texts(two["Planned torque [%]"]) == ["71", "71"]
     assert texts(two["Peak torque [%]"]) == ["–", "97"]
     assert texts(two["Yaw at contact [°]"]) == ["–", "-1.3"]
     assert texts(two["Solve time [ms]"]) == ["177", "95"]

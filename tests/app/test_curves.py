@@ -13,7 +13,7 @@ from app.replay import bake
 from llsrbm.jump import Jump
 from llsrbm.robots import load_robot
 from llsrbm.trajectory.rollout import Disturbance
-from tests.app.synthetic_plan import FLY, GRAVITY, STAND, synthetic_plan
+from tests.app.synthetic_plan import FLY, GRAVITY, STAND, TORQUE_SHARE, synthetic_plan
 from tests.llsrbm.synthetic_rollout import THRESHOLD, YAW_SHORTFALL, synthetic_rollout
 
 TWIST = 2.5
@@ -89,10 +89,32 @@ def test_inertias_of_stiff_legs_are_those_of_the_standing_robot(planned, robot):
     assert sorted(highest) == pytest.approx(moments, rel=1e-3)
 
 
-def test_only_simulations_have_torques(planned, rollout):
-    assert list(drawn(TORQUES, planned)) == ["Joint speed / limit"]
-    assert len(drawn(TORQUES, planned, rollout)) == 3
+def test_planned_torques_lie_under_the_simulated_ones(planned, rollout):
+    alone, both = drawn(TORQUES, planned), drawn(TORQUES, planned, rollout)
+    shares = ["Torque / limit", "Torque / limit at its speed", "Joint speed / limit"]
+    assert list(alone) == list(both) == [*shares, "Power of the drives [W]"]
+    for title in shares:
+        assert list(alone[title]) == ["limit", "plan"]
+        assert list(both[title]) == ["limit", "plan", "simulation"]
+    for title in shares[:2]:
+        assert at(alone[title]["plan"], STAND / 2) == pytest.approx(abs(TORQUE_SHARE))
+        assert at(alone[title]["plan"], MIDDLE) == 0
+    # Stiff legs do no work.
+    assert np.abs(alone["Power of the drives [W]"]["plan"].values).max() < 1e-9
     assert list(drawn(LANDING, planned)) == ["Spatial velocity ‖v_G‖"]
+
+
+def test_a_plan_whose_torques_are_not_known(planned, rollout, robot):
+    unknown = replace(planned.plan, joint_velocity=None, joint_torque=None, joint_torque_limit=None)
+    replay = bake(unknown, robot)
+    assert list(drawn(TORQUES, replay)) == ["Joint speed / limit"]
+    assert list(drawn(TORQUES, replay, rollout)["Torque / limit"]) == ["limit", "simulation"]
+
+
+def test_power_is_torque_times_speed(planned, rollout):
+    power = drawn(TORQUES, planned, rollout)["Power of the drives [W]"]["simulation"].values
+    expected = np.einsum("tj,tj->t", rollout.torque, rollout.qvel[:, 6:])
+    assert power == pytest.approx(expected)
 
 
 # ---- the simulation, against the recorded arrays
@@ -188,6 +210,7 @@ def test_torques_are_shares_of_the_robots_limits(planned, rollout, robot):
         "Torque / limit, KFE",
         "Torque / limit at its speed, KFE",
         "Joint speed / limit, KFE",
+        "Power of the drives, KFE [W]",
     ]
     knees = [k for k, name in enumerate(rollout.joint_names) if name.endswith("KFE")]
     assert len(knees) == 4
@@ -195,7 +218,7 @@ def test_torques_are_shares_of_the_robots_limits(planned, rollout, robot):
     torque = np.abs(rollout.torque[:, knees])
     speed = np.abs(rollout.qvel[:, 6:][:, knees])
     for title, expected in zip(
-        found,
+        list(found)[:3],
         (
             torque / limits.torque,
             torque / rollout.torque_limit[:, knees],
@@ -209,10 +232,17 @@ def test_torques_are_shares_of_the_robots_limits(planned, rollout, robot):
     assert of_all.max() == pytest.approx(np.abs(rollout.torque).max() / limits.torque)
 
 
-def test_a_drive_that_can_give_nothing_is_at_no_limit(planned, rollout):
-    spent = replace(rollout, torque_limit=np.zeros_like(rollout.torque_limit))
-    shares = drawn(TORQUES, planned, spent)["Torque / limit at its speed"]["simulation"].values
-    assert (shares == 0).all()
+def test_a_drive_that_can_give_nothing(planned, rollout):
+    """Is at no limit if it gives nothing, and beyond all of them where a plan asks for torque."""
+    title = "Torque / limit at its speed"
+    spent = replace(
+        rollout, torque=np.zeros_like(rollout.torque), torque_limit=0 * rollout.torque_limit
+    )
+    assert (drawn(TORQUES, planned, spent)[title]["simulation"].values == 0).all()
+    motion = replace(planned.motion, joint_torque_limit=0 * planned.motion.joint_torque_limit)
+    shares = drawn(TORQUES, replace(planned, motion=motion))[title]["plan"]
+    assert at(shares, STAND / 2) == 2.0
+    assert at(shares, MIDDLE) == 0
 
 
 @pytest.mark.parametrize(
@@ -277,4 +307,4 @@ def test_pinned_designs_may_be_of_another_robot(planned, rollout):
     for group in GROUPS:
         assert charts(group, layers)
     lines = charts(TORQUES, layers, "KFE")[0].lines
-    assert [line.title for line in lines] == ["limit", "simulation"]
+    assert [line.title for line in lines] == ["limit", "plan", "simulation"]

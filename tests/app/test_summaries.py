@@ -28,6 +28,16 @@ def changed(rollout, **outcome):
     return replace(rollout, outcome=replace(rollout.outcome, **outcome))
 
 
+def test_the_most_loaded_joint_of_a_plan(plan):
+    torque = plan.joint_torque.copy()
+    torque[3, plan.joint_names.index("RH_KFE")] = 34.0
+    shown = plan_figures(replace(plan, joint_torque=torque))
+    assert "Most loaded joint" in shown
+    assert "RH_KFE 34 of 40 Nm in take-off at 0.09 s (85 %)" in shown
+    unknown = replace(plan, joint_torque=None, joint_torque_limit=None)
+    assert "Most loaded joint" not in plan_figures(unknown)
+
+
 def test_landed(rollout):
     assert simulated_line(rollout) == (
         "Landed",

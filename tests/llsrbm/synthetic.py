@@ -123,6 +123,9 @@ def synthetic_plan(
         base_mass=mass - leg_mass.sum(),
         leg_com=com[:, None] + np.einsum("kij,klj->kli", R, leg_com_in_base),
         joint_position=joints,
+        joint_velocity=1.2 * np.cos(time[:, None] * 3 + np.arange(len(JOINT_NAMES))),
+        joint_torque=30.0 * np.sin(time[:, None] * 5 + np.arange(len(JOINT_NAMES))),
+        joint_torque_limit=np.full((knots, len(JOINT_NAMES)), 40.0),
         joint_names=JOINT_NAMES,
         foot_in_hip=in_base - HALF_STANCE,
     )

@@ -21,6 +21,7 @@ from tests.llsrbm.synthetic import synthetic_plan
 PLAN_KEYS = [
     "status", "solver", "iterations", "solve_time_s", "total_time_s", "build_time_s", "cost",
     "duration_s", "phase_durations_s", "peak_yaw_rate", "final_yaw", "violations",
+    "joint_torque_ratio", "phases",
 ]  # fmt: skip
 
 
@@ -46,6 +47,18 @@ def test_json_is_one_object_with_the_contracts_keys(planner, capfd):
     assert result["final_yaw"] == pytest.approx(-math.pi)
     assert result["peak_yaw_rate"] == pytest.approx(1.5 * math.pi / 1.5, rel=1e-2)
     assert result["violations"] == {"friction": 2e-5, "reach": 0.0}
+    shares = np.abs(plan.joint_torque) / plan.joint_torque_limit
+    assert result["joint_torque_ratio"] == pytest.approx(
+        dict(zip(plan.joint_names, shares.max(axis=0)))
+    )
+    legs = ["LF", "RF", "LH", "RH"]
+    assert [(phase["name"], phase["feet"]) for phase in result["phases"]] == [
+        ("take-off", legs),
+        ("flight", []),
+        ("landing", legs),
+    ]
+    durations = [phase["duration_s"] for phase in result["phases"]]
+    assert durations == result["phase_durations_s"]
     assert "a banner of a solver" in err
 
 
@@ -101,6 +114,8 @@ def test_summary_for_a_person(planner, capsys):
     out = capsys.readouterr().out
     assert "twist 90 deg" in out
     assert "14 iterations" in out
+    assert "is most loaded, " in out
+    assert " of 40 Nm in " in out
     assert "fastest" in out
     assert "2.0e-05 N (friction, landing, 1.10 s)" in out
 
@@ -126,6 +141,7 @@ def test_for_real(tmp_path):
     assert result["status"] == "solved"
     assert result["final_yaw"] == pytest.approx(math.radians(30), abs=1e-3)
     assert max(result["violations"].values()) < 1e-3
+    assert all(0.1 < share < 2.0 for share in result["joint_torque_ratio"].values())
     plan = load(tmp_path / "plan.npz")
     assert plan.jump.twist == pytest.approx(math.radians(30))
     process = run(

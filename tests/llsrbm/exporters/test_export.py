@@ -63,7 +63,7 @@ def test_the_package_can_be_called(plan, tmp_path):
 def test_npz_is_the_native_file(plan, tmp_path):
     export(plan, tmp_path / "x.npz")
     with np.load(tmp_path / "x.npz", allow_pickle=False) as archive:
-        assert archive["schema"] == "llsrbm.plan/1"
+        assert archive["schema"] == "llsrbm.plan/2"
         np.testing.assert_array_equal(archive["com"], plan.com)
 
 
@@ -112,6 +112,9 @@ def test_values_at_the_ends(plan, table):
         for i, joint in enumerate(JOINT_NAMES):
             got = table[f"joint_position/{joint} [rad or m]"][row]
             assert got == pytest.approx(plan.joint_position[knot, i], abs=1e-9)
+            for name in ("joint_torque", "joint_torque_limit"):
+                got = table[f"{name}/{joint} [Nm or N]"][row]
+                assert got == pytest.approx(getattr(plan, name)[knot, i], abs=1e-9)
         assert table["inertia/xy [kg m2]"][row] == pytest.approx(plan.inertia[knot, 0, 1])
 
 
@@ -121,6 +124,21 @@ def test_com_velocity_is_the_slope_of_the_com(table):
     velocity = columns(table, "com_velocity")
     middle = (velocity[1:] + velocity[:-1]) / 2
     assert np.abs(slope - middle).max() < 0.05
+
+
+def test_torques_hold_over_an_interval(plan, table):
+    """As the contact forces do."""
+    time = table["time [s]"]
+    between = np.abs(time[:, None] - plan.time).min(axis=1) > 1e-6
+    at = np.searchsorted(plan.time, time[between], side="right") - 1
+    got = table[f"joint_torque/{JOINT_NAMES[5]} [Nm or N]"][between]
+    np.testing.assert_allclose(got, plan.joint_torque[at, 5], rtol=1e-9, atol=1e-9)
+
+
+def test_a_plan_whose_torques_are_not_known(plan, tmp_path):
+    unknown = replace(plan, joint_velocity=None, joint_torque=None, joint_torque_limit=None)
+    export(unknown, tmp_path / "x.csv", format="csv")
+    assert "joint_torque" not in (tmp_path / "x.csv").read_text().splitlines()[0]
 
 
 def test_frame_rate(plan, tmp_path):

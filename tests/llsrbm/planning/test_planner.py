@@ -7,8 +7,8 @@ import pytest
 
 import llsrbm
 from llsrbm import models
+from llsrbm.analysis.joint_margins import joint_margins
 from llsrbm.errors import Cancelled, InputError, NotConverged
-from llsrbm.joint_margins import joint_margins
 from llsrbm.jump import Jump
 from llsrbm.planning import progress, solvers
 from llsrbm.planning.planner import INTERVALS, PATIENT_FLIGHT, Planner, planner_for

@@ -17,7 +17,7 @@ from tests.llsrbm.synthetic import GRAVITY, synthetic_plan
 from tests.llsrbm.synthetic_rollout import EARLY_TICKS, RATE, YAW_SHORTFALL, synthetic_rollout
 
 FIGURE = {figure.name: figure for figure in FIGURES}
-ROW = DesignFigures("planned", 0.4, 1.9, 0.24, 1.2, 230.0, 0.7, None, None, 0.12)
+ROW = DesignFigures("planned", 0.4, 1.9, 0.24, 1.2, 230.0, 0.7, None, None, None, 0.12)
 
 
 @pytest.fixture(scope="module")
@@ -51,6 +51,8 @@ def test_a_plans_figures(plan):
     assert figures.smallest_Izz == pytest.approx(2.2 + min(lever))
     assert figures.peak_force == max(math.hypot(*f) for f in plan.contact_force.reshape(-1, 3))
     assert figures.peak_force_in_weights == pytest.approx(figures.peak_force / 30 / 9.81)
+    shares = np.abs(plan.joint_torque[:-1]) / plan.joint_torque_limit[:-1]
+    assert figures.planned_torque_ratio == shares.max() < 0.75
     assert figures.solve_time_s == 0.08
     assert figures.peak_torque_ratio is figures.yaw_error_at_touchdown is None
 
@@ -86,6 +88,7 @@ def test_a_simulation_adds_how_it_went(plan, rollout):
 def test_a_rollouts_own_figures(plan, rollout):
     figures = figures_of_rollout(rollout)
     assert (figures.status, figures.solve_time_s) == ("landed", None)
+    assert figures.planned_torque_ratio is None
     assert figures.flight_time_s == pytest.approx(0.4 - EARLY_TICKS / RATE)
     heading = 2 * np.arctan2(rollout.base_quat[:, 3], rollout.base_quat[:, 0])
     rate = np.gradient(np.unwrap(heading), rollout.time)
@@ -168,6 +171,7 @@ def test_every_figure_is_shown_once():
         ("flight_time_s", 0.41234, "0.412"),
         ("peak_torque_ratio", 0.984, "98"),
         ("peak_torque_ratio", None, "–"),
+        ("planned_torque_ratio", 0.851, "85"),
         ("solve_time_s", 0.0876, "88"),
         ("yaw_error_at_touchdown", math.radians(2.04), "+2.0"),
         ("yaw_error_at_touchdown", math.radians(-0.01), "+0.0"),

@@ -14,6 +14,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+import llsrbm
 from llsrbm.errors import Error, FileFormatError, InputError
 from llsrbm.trajectory.files import load
 from llsrbm.trajectory.plan import Plan
@@ -93,10 +94,11 @@ def test_layout_is_the_contracts(plan, saved):
         "inertia": (N, 3, 3), "foot_position": (N, L, 3), "foot_quat": (N, L, 4),
         "contact_point": (N, C, 3), "contact_force": (N, C, 3), "leg_mass": (L,), "base_mass": (),
         "leg_com": (N, L, 3), "joint_position": (N, J), "joint_names": (J,),
+        "joint_velocity": (N, J), "joint_torque": (N, J), "joint_torque_limit": (N, J),
     }  # fmt: skip
     with np.load(saved, allow_pickle=False) as archive:
         assert {key: archive[key].shape for key in expected} == expected
-        assert archive["schema"] == "llsrbm.plan/1"
+        assert archive["schema"] == "llsrbm.plan/2"
         meta = json.loads(str(archive["meta"]), parse_constant=pytest.fail)
     assert meta["request"]["twist"] == plan.jump.twist
     assert meta["model"] == "llsrbm-plus"
@@ -132,6 +134,61 @@ def test_a_plan_that_is_not_finite_is_not_written(plan, tmp_path):
     assert not list(tmp_path.iterdir())
 
 
+@pytest.fixture(scope="module")
+def real():
+    return llsrbm.plan(llsrbm.Jump(robot="go2", forward=0.2))
+
+
+def first_version(plan, path, **changes):
+    """The file that version 1 would have written."""
+    plan.save(path)
+    none = dict.fromkeys(("joint_velocity", "joint_torque", "joint_torque_limit"))
+    return rewritten(path, path, schema=np.array("llsrbm.plan/1"), **none, **changes)
+
+
+def test_loads_of_a_first_versions_file_are_computed(real, tmp_path):
+    back = load(first_version(real, tmp_path / "old.npz"))
+    same(replace(real, solution=None), back)
+    same(back, load_plan(tmp_path / "old.npz"))
+
+
+@pytest.mark.parametrize(
+    ("request_", "parameters"),
+    [
+        ({"robot": "/nowhere/else.toml"}, {}),
+        ({"robot": "a robot that there was"}, {}),
+        ({}, {"mass": 17.0}),
+        ({}, {"limits": {"torque": 30.0}}),
+        ({}, {"joint_names": ["one"]}),
+    ],
+)
+def test_they_are_not_known_without_the_robot(real, tmp_path, request_, parameters):
+    """Not there, or another than the plan's."""
+    path = first_version(real, tmp_path / "old.npz")
+    with np.load(path) as archive:
+        meta = json.loads(str(archive["meta"]))
+    meta["request"] |= request_
+    meta["robot_parameters"] |= parameters
+    plan = load(rewritten(path, path, meta=np.array(json.dumps(meta))))
+    assert plan.joint_velocity is plan.joint_torque is plan.joint_torque_limit is None
+    np.testing.assert_array_equal(plan.joint_position, real.joint_position)
+    # It stays the file that it was.
+    plan.save(tmp_path / "again.npz")
+    with np.load(tmp_path / "again.npz") as archive:
+        assert archive["schema"] == "llsrbm.plan/1"
+        assert "joint_torque" not in archive
+    same(plan, load(tmp_path / "again.npz"))
+
+
+def test_a_first_versions_file_of_another_body(real, tmp_path):
+    """Numbers of the robot that do not go with the arrays."""
+    changes = {"foot_quat": real.foot_quat[:, :2], "foot_position": real.foot_position[:, :2]}
+    changes |= {"leg_mass": real.leg_mass[:2], "leg_com": real.leg_com[:, :2]}
+    changes["foot_in_hip"] = real.foot_in_hip[:, :2]
+    path = first_version(real, tmp_path / "old.npz", **changes)
+    assert load(path).joint_torque is None
+
+
 class TestReading:
     def test_no_such_file(self, tmp_path):
         assert "No such file" in message(tmp_path / "none.npz")
@@ -165,9 +222,9 @@ class TestReading:
         assert not (tmp_path / "exploded").exists()
 
     def test_wrong_schema(self, saved, tmp_path):
-        path = rewritten(saved, tmp_path / "x.npz", schema=np.array("llsrbm.plan/2"))
-        assert 'schema "llsrbm.plan/2"; known are llsrbm.plan/1' in message(path)
-        with pytest.raises(FileFormatError, match=r'expected "llsrbm\.plan/1"'):
+        path = rewritten(saved, tmp_path / "x.npz", schema=np.array("llsrbm.plan/3"))
+        assert 'schema "llsrbm.plan/3"; known are llsrbm.plan/2, llsrbm.plan/1' in message(path)
+        with pytest.raises(FileFormatError, match=r'expected "llsrbm\.plan/2"'):
             load_plan(path)
 
     def test_schema_that_is_no_text(self, saved, tmp_path):

@@ -39,7 +39,8 @@ def scipy_rotation(quat):
 
 def test_knots_are_reproduced_exactly(plan):
     motion = resample(plan, plan.time)
-    for name in (*CONTINUOUS, "phase", "contact_force"):
+    held = ("phase", "contact_force", "joint_torque", "joint_torque_limit")
+    for name in (*CONTINUOUS, *held):
         if name == "joint_velocity":
             continue
         got, expected = getattr(motion, name), getattr(plan, name)
@@ -126,6 +127,9 @@ def test_forces_are_held_and_zero_in_flight(plan):
         k = max(i for i in range(len(plan.time)) if plan.time[i] <= t)
         np.testing.assert_array_equal(force, plan.contact_force[k])
         assert phase == plan.phase[k]
+    knots = np.searchsorted(plan.time, times, side="right") - 1
+    np.testing.assert_array_equal(motion.joint_torque, plan.joint_torque[knots])
+    np.testing.assert_array_equal(motion.joint_torque_limit, plan.joint_torque_limit[knots])
     assert (motion.contact_force[motion.phase == Phase.FLIGHT] == 0).all()
 
 

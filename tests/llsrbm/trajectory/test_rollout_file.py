@@ -146,9 +146,9 @@ def test_a_rollout_that_is_not_finite_is_not_written(rollout, tmp_path):
 class TestReading:
     def test_plans_and_rollouts_are_told_apart(self, rollout, saved, tmp_path):
         synthetic_plan().save(tmp_path / "plan.npz")
-        with pytest.raises(FileFormatError, match=r'"llsrbm.plan/1"; expected "llsrbm.rollout/1"'):
+        with pytest.raises(FileFormatError, match=r'"llsrbm.plan/2"; expected "llsrbm.rollout/1"'):
             load_rollout(tmp_path / "plan.npz")
-        with pytest.raises(FileFormatError, match=r'"llsrbm.rollout/1"; expected "llsrbm.plan/1"'):
+        with pytest.raises(FileFormatError, match=r'"llsrbm.rollout/1"; expected "llsrbm.plan/2"'):
             load_plan(saved)
 
     def test_a_plan_that_calls_itself_a_rollout(self, tmp_path):

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from llsrbm import models
+from llsrbm.analysis.realised import realise
 from llsrbm.jump import Jump
 from llsrbm.planning.planner import planner_for
-from llsrbm.realised import realise
 from llsrbm.robots import load_robot
 from tests.llsrbm.planning.solved import REQUESTS, solved
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import llsrbm
-from llsrbm.joint_margins import joint_margins
+from llsrbm.analysis.joint_margins import joint_margins
 from llsrbm.postures import solve_postures
 from llsrbm.robots import load_robot
 from llsrbm.trajectory.resample import resample, uniform_times

@@ -1,0 +1,1 @@
+"""Plans judged by the whole robot: loads and margins of the joints, realised momenta."""

@@ -1,0 +1,108 @@
+"""The largest loads of the joints: of arrays that a plan, or an analysis of one, holds."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from llsrbm.trajectory.plan import Phase, Plan
+
+Array = NDArray[np.float64]
+
+
+def torque_share(torque: Array, available: Array) -> Array:
+    """|torque| as a share of what is available, (...); infinite where nothing is, 0 of 0."""
+    size = np.abs(torque)
+    some = available > 0
+    return np.where(some, size / np.where(some, available, 1.0), np.where(size > 0, np.inf, 0.0))
+
+
+class PeakLoad(NamedTuple):
+    """The joint, and the interval, with the largest share of the torque that is available there.
+
+    Attributes:
+        joint: its name.
+        phase: of the interval; time: s, its middle; event: "lift-off" or "touchdown" where it
+            begins or ends with it, else "".
+        torque: Nm or N, with its sign; available: what the drive can give in that direction.
+    """
+
+    joint: str
+    phase: Phase
+    time: float
+    event: str
+    torque: float
+    available: float
+
+    @property
+    def ratio(self) -> float:
+        """Share of what is available; infinite where nothing is."""
+        return float(torque_share(np.array(self.torque), np.array(self.available)))
+
+    def in_words(self, sliding_joints: frozenset[str] = frozenset()) -> str:
+        """Without the joint's name, for instance "34 of 40 Nm at lift-off (85 %)".
+
+        Args:
+            sliding_joints: names of those whose torque is a force (`Robot.sliding_joints`).
+        """
+        unit = "N" if self.joint in sliding_joints else "Nm"
+        when = f"at {self.event}" if self.event else f"in {self.phase.label} at {self.time:.2f} s"
+        load = f"{abs(self.torque):.0f} of {self.available:.0f} {unit} {when}"
+        if not np.isfinite(self.ratio):
+            return f"{load} (too fast for any torque)"
+        return f"{load} ({100 * self.ratio:.0f} %)"
+
+
+def peak_load(
+    names: tuple[str, ...],
+    time: Array,
+    phase: NDArray[np.int64],
+    torque: Array,
+    available: Array,
+) -> PeakLoad:
+    """The largest load over N intervals of J joints.
+
+    Args:
+        names: (J,).
+        time: (N+1,) s, their ends; phase: (N,) `Phase`.
+        torque, available: (N, J) Nm or N.
+    """
+    k, j = np.unravel_index(np.argmax(torque_share(torque, available)), torque.shape)
+    around = [int(p) for p in phase[max(0, k - 1) : k + 2]]
+    event = ""
+    if Phase.FLIGHT in around and Phase.TAKEOFF in around:
+        event = "lift-off"
+    elif Phase.FLIGHT in around and Phase.LANDING in around:
+        event = "touchdown"
+    return PeakLoad(
+        joint=names[j],
+        phase=Phase(phase[k]),
+        time=float(time[k] + time[k + 1]) / 2,
+        event=event,
+        torque=float(torque[k, j]),
+        available=float(available[k, j]),
+    )
+
+
+def planned_peak_load(plan: Plan) -> PeakLoad | None:
+    """The most loaded joint of a plan; None if its torques are not known."""
+    if plan.joint_torque is None or plan.joint_torque_limit is None:
+        return None
+    intervals = slice(0, -1)  # the last knot's are those of standing
+    return peak_load(
+        plan.joint_names,
+        plan.time,
+        plan.phase[intervals],
+        plan.joint_torque[intervals],
+        plan.joint_torque_limit[intervals],
+    )
+
+
+def planned_torque_shares(plan: Plan) -> dict[str, float]:
+    """Joint -> largest share of the torque available at its speed; empty if that is not known."""
+    if plan.joint_torque is None or plan.joint_torque_limit is None:
+        return {}
+    largest = torque_share(plan.joint_torque, plan.joint_torque_limit).max(axis=0)
+    return dict(zip(plan.joint_names, largest.tolist(), strict=True))

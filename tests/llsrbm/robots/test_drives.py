@@ -1,0 +1,33 @@
+"""Torques that drives give at a speed, many instants at once."""
+
+import numpy as np
+import pytest
+
+from llsrbm.robots import load_robot
+from llsrbm.robots.drives import torque_in_direction, torque_range
+
+ROBOT = load_robot("slider")
+LIMIT, SPEED = ROBOT.torque_limit, ROBOT.speed_limit
+
+
+@pytest.mark.parametrize(
+    ("share", "driving"), [(0.0, 1.0), (0.7, 1.0), (0.85, 0.5), (1.0, 0.0), (1.2, 0.0)]
+)
+def test_driving_torque_falls_and_braking_torque_does_not(share, driving):
+    speed = np.array([share * SPEED, -share * SPEED])
+    torque = np.array([LIMIT, LIMIT])
+    np.testing.assert_allclose(
+        torque_in_direction(ROBOT, speed, torque), [driving * LIMIT, LIMIT], atol=1e-9
+    )
+    np.testing.assert_allclose(
+        torque_in_direction(ROBOT, speed, -torque), [LIMIT, driving * LIMIT], atol=1e-9
+    )
+
+
+def test_many_instants_are_the_same_as_one_at_a_time():
+    rng = np.random.default_rng(5)
+    speed = rng.uniform(-1.5, 1.5, size=(4, 3, len(LIMIT))) * SPEED
+    lowest, highest = torque_range(ROBOT, speed)
+    for index in np.ndindex(4, 3):
+        one = torque_range(ROBOT, speed[index])
+        np.testing.assert_array_equal((lowest[index], highest[index]), one)
