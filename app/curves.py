@@ -31,6 +31,7 @@ ALL_JOINTS = "all"
 TORQUES, LANDING = "Joint torques and speeds", "Landing"
 
 _INERTIAS = 400  # at most, of a motion; they change slowly, and eigenvalues take their time
+_POWER = 10.0  # W, in view at least
 _SHARE_SHOWN = 2.0  # of a limit
 _SIGNAL_SHOWN = 3.0  # thresholds; how far an impact goes beyond matters no more
 
@@ -273,7 +274,7 @@ def _joint_loads(pairs: _Pairs, joints: str) -> list[Chart]:
         _limited(_chart(f"{title}{of}", pairs, quantity), 1.0)
         for title, quantity in zip(titles, (torque, saturation, speed), strict=True)
     ]
-    return [*shares, _chart(f"Power of the drives{of} [W]", pairs, power)]
+    return [*shares, _chart(f"Power of the drives{of} [W]", pairs, power, _POWER)]
 
 
 def _landing(pairs: _Pairs, _joints: str) -> list[Chart]:
