@@ -28,6 +28,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from llsrbm.models.leg_drives import Drives
 from llsrbm.robots.robot import Robot
 
 Array = NDArray[np.float64]
@@ -61,6 +62,7 @@ class CentroidalModel(ABC):
         hips: (L, 3) m, base frame; mirrors: (L, 3) of +-1.
         coordinates: d, of a foot: 3, or 4 with its yaw.
         turn_mirrors: (L,) of +-1, what mirroring does to a yaw.
+        drives: what the legs' joints must do, the same in all models.
     """
 
     name: ClassVar[str]
@@ -91,6 +93,7 @@ class CentroidalModel(ABC):
         self.leg_mass = np.full(self.legs, leg_mass)
         self.base_mass = self.mass - self.legs * leg_mass
         self._leg_com_affine = leg_com_affine
+        self.drives = Drives.of(robot)
         self._functions: dict[tuple[str, int], ca.Function] = {}
         W, W_turn = leg_com_affine[1:4].T, leg_com_affine[4:].T
         per_leg = [np.diag(M) @ W @ np.diag(M) for M in self.mirrors]
@@ -116,7 +119,9 @@ class CentroidalModel(ABC):
 
     def numbers(self) -> dict[str, Any]:
         """Everything the model computed from the robot, for keys of caches."""
-        return {k: np.asarray(v).tolist() for k, v in vars(self).items() if k != "_functions"}
+        plain = {k: v for k, v in vars(self).items() if k not in ("_functions", "drives")}
+        numbers = {k: np.asarray(v).tolist() for k, v in plain.items()}
+        return numbers | {"drives": self.drives.numbers()}
 
     # ---- where the base is
 

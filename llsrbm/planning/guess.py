@@ -17,6 +17,7 @@ Array = NDArray[np.float64]
 
 STANCE_TIME = 0.48  # s, of take-off and landing
 LIFT_OFF_RISE = 0.03  # m above standing height at lift-off and touchdown
+LOADS = (0.1, 2.5)  # least and largest load, times the robot's weight
 STANCE_SHARE = 0.3  # share of the stance phases in the travel at flight speed
 
 
@@ -72,7 +73,6 @@ def analytic_guess(
     yaw_lift = turn_rate * T[0] * STANCE_SHARE
     rest = np.zeros(3)
     force_unit = GRAVITY / layout.contacts
-    force_top = task.limits.contact_force / task.mass / force_unit
 
     def body(phase: Phase, s: float) -> tuple[Array, Array, Array, float, float]:
         t = s * T[phase]
@@ -109,12 +109,14 @@ def analytic_guess(
 
     steps = layout.intervals.flight
     feet = np.array([in_hips(k / steps) for k in range(steps + 1)])
+    feet_velocity = np.gradient(feet, T[1] / steps, axis=0)
+    feet_step = np.diff(feet_velocity, axis=0)
     inertia_zz = model.evaluate(feet[:1])[1][0, 2, 2]
     w = np.zeros(layout.size_total)
     for k, role in enumerate(layout.roles):
         s = layout.progress[k]
         position, velocity, acceleration, yaw, yaw_rate = body(role.phase, s)
-        load = np.clip(acceleration[2] / GRAVITY + 1, 0.1, 0.9 * force_top)
+        load = np.clip(acceleration[2] / GRAVITY + 1, *LOADS)
         flight_knot = k - layout.intervals.takeoff
         in_flight = role.phase == Phase.FLIGHT
         values = {
@@ -129,13 +131,13 @@ def analytic_guess(
             "force_step": np.zeros(3 * layout.contacts),
             "next_force": np.tile([0, 0, 1.5], layout.contacts),
             "next_feet": feet[0].ravel(),
+            "next_feet_velocity": feet_velocity[0].ravel(),
+            "feet_velocity": feet_velocity[-1].ravel(),
             "feet": feet[flight_knot if in_flight else -1].ravel(),
         }
         if in_flight:
-            rate = (feet[flight_knot + 1] - feet[flight_knot]) * steps / T[1]
-            top = np.array([*task.limits.foot_speed_in_base, task.foot.turn_speed])
-            top = top[: layout.foot_coordinates]
-            values["feet_rate"] = np.clip(rate, -top, top).ravel()
+            values["feet_velocity"] = feet_velocity[flight_knot].ravel()
+            values["feet_step"] = feet_step[flight_knot].ravel()
         for name, place in layout.variables(k).items():
             w[place] = values[name]
     return w

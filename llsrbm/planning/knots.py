@@ -9,11 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from llsrbm.analysis.joint_loads import JointLoads, KnotMotion, joint_loads
 from llsrbm.models.base import CentroidalModel
 from llsrbm.planning.headings import headings, relative_yaw_rates, relative_yaws
 from llsrbm.planning.layout import Layout
 from llsrbm.planning.stage import GRAVITY
 from llsrbm.planning.task import Task, contact_points
+from llsrbm.postures import Postures, solve_postures
 from llsrbm.trajectory.plan import Phase
 
 Array = NDArray[np.float64]
@@ -35,7 +37,9 @@ class Knots:
         force: (N+1, C, 3) N.
         rotation_rate: (N, 3) rad/s, base axes.
         flight_feet: (F+1, L, d) m, rad: x at the knots from lift-off to touchdown.
-        flight_feet_rate: (F, L, d) m/s, rad/s.
+        flight_feet_velocity: (F+1, L, d) m/s, rad/s: xdot there; its steps from knot to knot are
+            what constant accelerations add.
+        near_angles: (N+1, J) joint angles close to the postures, where they are known.
     """
 
     task: Task
@@ -50,7 +54,8 @@ class Knots:
     force: Array
     rotation_rate: Array
     flight_feet: Array
-    flight_feet_rate: Array
+    flight_feet_velocity: Array
+    near_angles: Array | None = None
 
     @cached_property
     def R_world_base(self) -> Array:
@@ -157,9 +162,41 @@ class Knots:
             beta_rate = np.concatenate([beta_rate, turn[..., None]], axis=-1)
         xdot = self.model.stance_rate(beta_rate)
         flight = slice(self.flight.start, self.flight.stop - 1)
+        step = np.diff(self.flight_feet_velocity, axis=0)
         x[flight] = (self.flight_feet[:-1] + self.flight_feet[1:]) / 2
+        x[flight] -= step * self.dt[flight, None, None] / 8
         xdot[flight] = self.flight_feet_rate
         return x, xdot
+
+    @property
+    def flight_feet_rate(self) -> Array:
+        """(F, L, d) m/s, rad/s: xdot in the middle of the flight's intervals."""
+        return (self.flight_feet_velocity[1:] + self.flight_feet_velocity[:-1]) / 2
+
+    @cached_property
+    def foot_velocity_at_rest(self) -> Array:
+        """(2, L, d) m/s, rad/s at lift-off and touchdown, base axes: zero, and so are turns."""
+        ends = [self.flight.start, self.flight.stop - 1]
+        R, v, omega = self.R_world_base[ends], self.velocity[ends], self.rotation_rate[ends]
+        x, xdot = self.flight_feet[[0, -1]], self.flight_feet_velocity[[0, -1]]
+        velocity = self._foot_velocity(R, v, omega, x, xdot)
+        if self.model.coordinates == 3:
+            return velocity
+        side = self.model.turn_mirrors
+        turn = heading_rates(R, side * x[..., 3], side * xdot[..., 3], omega)
+        return np.concatenate([velocity, turn[..., None]], axis=-1)
+
+    def _foot_velocity(self, R: Array, v: Array, omega: Array, x: Array, xdot: Array) -> Array:
+        """(K, L, 3) m/s in the world, base axes, of R (K, 3, 3), v, omega (K, 3), x, xdot."""
+        offset, offset_rate = self.model.offsets(x, xdot)
+        mirrors = self.model.mirrors
+        beta = offset[:, None] + self.model.hips + mirrors * x[..., :3]
+        return (
+            np.einsum("kji,kj->ki", R, v)[:, None]
+            + np.cross(omega[:, None], beta)
+            + offset_rate[:, None]
+            + mirrors * xdot[..., :3]
+        )
 
     @cached_property
     def evaluated(self) -> tuple[Array, Array, Array]:
@@ -210,15 +247,45 @@ class Knots:
         R, _, v = self.mid
         x, xdot = self.feet_mid
         flight = slice(self.flight.start, self.flight.stop - 1)
-        offset, offset_rate = self.model.offsets(x[flight], xdot[flight])
-        mirrors = self.model.mirrors
-        beta = offset[:, None] + self.model.hips + mirrors * x[flight, :, :3]
-        return (
-            np.einsum("kji,kj->ki", R[flight], v[flight])[:, None]
-            + np.cross(self.rotation_rate[flight][:, None], beta)
-            + offset_rate[:, None]
-            + mirrors * xdot[flight, :, :3]
+        return self._foot_velocity(
+            R[flight], v[flight], self.rotation_rate[flight], x[flight], xdot[flight]
         )
+
+    @cached_property
+    def foot_quat(self) -> Array:
+        """(N+1, L, 4) w, x, y, z: of level feet with their headings."""
+        half = self.foot_heading / 2
+        zero = np.zeros_like(half)
+        return np.stack([np.cos(half), zero, zero, np.sin(half)], axis=-1)
+
+    @cached_property
+    def postures(self) -> Postures:
+        """The whole body's, that realise the plan at the knots."""
+        return solve_postures(
+            self.task.robot,
+            self.position,
+            self.quat,
+            self.foot_position,
+            self.foot_quat,
+            near=self.near_angles,
+        )
+
+    @cached_property
+    def loads(self) -> JointLoads:
+        """What the joints have to do in these postures, by Pinocchio."""
+        motion = KnotMotion(
+            time=self.time,
+            phase=self.phase.astype(np.int64),
+            com=self.position,
+            com_velocity=self.velocity,
+            base_quat=self.quat,
+            foot_position=self.foot_position,
+            foot_quat=self.foot_quat,
+            contact_point=self.contact_point,
+            contact_force=self.force,
+            joint_position=self.postures.joint_position,
+        )
+        return joint_loads(self.task.robot, motion)
 
 
 def rolled_out(knots: Knots) -> Knots:
@@ -254,7 +321,7 @@ def unpack(w: Array, layout: Layout, task: Task, model: CentroidalModel) -> Knot
     quat, momentum = np.tile([1.0, 0, 0, 0], (count, 1)), np.zeros((count, 3))
     force = np.zeros((count, layout.contacts, 3))
     rate = np.zeros((count - 1, 3))
-    feet, feet_rate = [], []
+    feet, feet_velocity = [], []
     durations = np.zeros(3)
     for k, role in enumerate(layout.roles):
         value = {name: w[place] for name, place in layout.variables(k).items()}
@@ -268,8 +335,7 @@ def unpack(w: Array, layout: Layout, task: Task, model: CentroidalModel) -> Knot
             rate[k] = value["rotation_rate"]
         if "feet" in value:
             feet.append(value["feet"].reshape(layout.legs, -1))
-        if "feet_rate" in value:
-            feet_rate.append(value["feet_rate"].reshape(layout.legs, -1))
+            feet_velocity.append(value["feet_velocity"].reshape(layout.legs, -1))
         if role.first:
             durations[role.phase] = value["duration"][0]
     phase = np.array([role.phase for role in layout.roles])
@@ -287,5 +353,5 @@ def unpack(w: Array, layout: Layout, task: Task, model: CentroidalModel) -> Knot
         force=force,
         rotation_rate=rate,
         flight_feet=np.array(feet),
-        flight_feet_rate=np.array(feet_rate),
+        flight_feet_velocity=np.array(feet_velocity),
     )

@@ -3,7 +3,7 @@
 The horizon has three phases of n intervals each. Only what a phase needs is a variable: no foot
 positions in contact, no forces in flight; the start is fixed. A phase's duration T is a state with
 zero dynamics, chosen as a control when the phase begins, and so are the first forces of the landing
-and the feet's first position in flight.
+and the feet's first position and velocity in flight.
 """
 
 from __future__ import annotations
@@ -71,8 +71,9 @@ class Layout:
 
     In scaled units: position m; quat w, x, y, z; velocity m/s; momentum (angular, about the CoM)
     L / m in m2/s; force in m g / contacts; duration s; feet x_i, (d L), m in the hip frames, with
-    d = 4 their yaw, rad; rotation_rate: the base's angular velocity over the interval, base axes,
-    rad/s.
+    d = 4 their yaw, rad; feet_velocity m/s, rad/s; feet_step, what is added to it over an interval
+    at a constant acceleration, m/s, rad/s; rotation_rate: the base's angular velocity over the
+    interval, base axes, rad/s.
 
     Attributes:
         legs: L; contacts: C, L times the corners of a foot.
@@ -84,6 +85,11 @@ class Layout:
     contacts: int
     intervals: Intervals
     foot_coordinates: int = 3
+
+    @property
+    def corners(self) -> int:
+        """Contact points of a foot."""
+        return self.contacts // self.legs
 
     @property
     def knots(self) -> int:
@@ -131,11 +137,11 @@ class Layout:
         if role.terminal:
             return BODY
         if role.phase == Phase.FLIGHT:
-            return (*BODY, "feet", "duration")
+            return (*BODY, "feet", "feet_velocity", "duration")
         if role.phase == Phase.TAKEOFF and role.first:
             return ("force", "duration")
         if role.phase == Phase.LANDING and role.first:
-            return (*BODY, "feet", "force", "duration")
+            return (*BODY, "feet", "feet_velocity", "force", "duration")
         return (*BODY, "force", "duration")
 
     def controls(self, role: Role) -> tuple[str, ...]:
@@ -145,9 +151,9 @@ class Layout:
         rate = ("rotation_rate",)
         if role.phase == Phase.FLIGHT:
             start = ("next_force", "next_duration") if role.last else ()
-            return ("feet_rate", *start, *rate)
+            return ("feet_step", *start, *rate)
         if role.phase == Phase.TAKEOFF and role.last:
-            return ("next_feet", "next_duration", *rate)
+            return ("next_feet", "next_feet_velocity", "next_duration", *rate)
         return rate if role.last else ("force_step", *rate)
 
     def state_size(self, role: Role) -> int:

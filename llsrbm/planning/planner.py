@@ -154,9 +154,8 @@ class Planner:
             )
 
         solution = best.iterate.solution if best.solved else None
-        followed = near if best.label == FOLLOWED else None
         plan = assemble_plan(
-            jump, self.robot, best.knots, best.violations, report, solution, followed
+            jump, self.robot, best.knots, best.violations, report, solution
         )
         if not best.solved:
             raise NotConverged(

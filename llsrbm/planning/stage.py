@@ -96,6 +96,15 @@ class Stage:
         """o at the knot of a stage whose feet are variables, (3, 1) m."""
         return self.lift(self.model.base_offset(self.feet_in_hip))
 
+    @property
+    def feet_velocity(self) -> Any:
+        """xdot at the knot of a stage whose feet are variables, (d, L)."""
+        return ca.reshape(self.symbols["feet_velocity"], self.layout.foot_coordinates, -1)
+
+    @property
+    def _feet_step(self) -> Any:
+        return ca.reshape(self.symbols["feet_step"], self.layout.foot_coordinates, -1)
+
     def foot_from_com(self, leg: int) -> Any:
         """beta_i at the knot of a stage whose feet are variables, (3, 1) m, base axes."""
         return self.model.foot_from_com(leg, self.feet_in_hip[:, leg], self.offset)
@@ -210,8 +219,9 @@ class Stage:
     def feet_mid(self) -> tuple[Any, Any, Any, Any]:
         """x (d, L), xdot (d, L), o (3, 1) and odot (3, 1) at the midpoint."""
         if self.role.phase == Phase.FLIGHT:
-            xdot = ca.reshape(self.symbols["feet_rate"], self.layout.foot_coordinates, -1)
-            x = self.lift(self.feet_in_hip + xdot * self.dt / 2)
+            velocity, step = self.feet_velocity, self._feet_step
+            x = self.lift(self.feet_in_hip + (velocity / 2 + step / 8) * self.dt)
+            xdot = self.lift(velocity + step / 2)
             o_rate = self.lift(self.model.base_offset_rate(xdot))
             return x, xdot, self.lift(self.model.base_offset(x)), o_rate
         position = self.lift(
@@ -271,6 +281,99 @@ class Stage:
         ]
         return ca.vertcat(*rates)
 
+    @cached_property
+    def foot_velocity_at_knot(self) -> Any:
+        """The feet's velocity in the world as the interval begins, base axes, (3, L) m/s."""
+        velocity = self.lift(ca.mtimes(self.R_world_base.T, self.velocity))
+        xdot = self.feet_velocity
+        o_rate = self.model.base_offset_rate(xdot)
+        return ca.horzcat(
+            *(
+                velocity
+                + ca.cross(self.rotation_rate, self.foot_from_com(i))
+                + o_rate
+                + ca.DM(self.model.mirrors[i]) * xdot[:3, i]
+                for i in range(self.layout.legs)
+            )
+        )
+
+    @cached_property
+    def foot_turn_at_knot(self) -> Any:
+        """How fast the feet turn in the world as the interval begins, (L, 1) rad/s; no points."""
+        if self.layout.foot_coordinates == 3:
+            return ca.SX(0, 1)
+        up, x, xdot = self.R_world_base[2, :].T, self.feet_in_hip, self.feet_velocity
+        return ca.vertcat(
+            *(
+                heading_rate(up, side * x[3, i], side * xdot[3, i], self.rotation_rate)
+                for i, side in enumerate(self.model.turn_mirrors)
+            )
+        )
+
+    # ---- drives
+
+    @cached_property
+    def joint_rates(self) -> Any:
+        """q' in the middle of the interval, (n, L) rad/s or m/s, legs from the base outwards."""
+        x, xdot, _, _ = self.feet_mid
+        legs = self.model.drives.legs
+        return ca.horzcat(
+            *(self.lift(leg.rates(x[:, i], xdot[:, i])) for i, leg in enumerate(legs))
+        )
+
+    @cached_property
+    def joint_torques(self) -> Any:
+        """In the middle of the interval, (n, L), shares of what the drives give at rest.
+
+        What holds the contact forces and the leg's own weight, and what swings it.
+        """
+        drives = self.model.drives
+        x, xdot, _, _ = self.feet_mid
+        columns = []
+        for i, leg in enumerate(drives.legs):
+            if self.role.phase == Phase.FLIGHT:
+                acceleration = self.lift(self._feet_step[:, i] / self.dt)
+                torque = ca.mtimes(
+                    ca.DM(drives.mass_matrix[i]),
+                    leg.accelerations(x[:, i], xdot[:, i], acceleration),
+                )
+            else:
+                force, moment = self._load_on_foot(i)
+                torque = leg.holding_torque(x[:, i], force, moment)
+                carried = ca.DM(self.model.mirrors[i]) * self._acceleration_base
+                still = ca.SX.zeros(self.layout.foot_coordinates - 3)
+                swing = leg.rates(x[:, i], ca.vertcat(-carried, still))
+                torque = torque + ca.mtimes(ca.DM(drives.mass_matrix[i]), swing)
+            columns.append(self.lift(torque / ca.DM(drives.torque_limit[i])))
+        return ca.horzcat(*columns)
+
+    @cached_property
+    def _acceleration_base(self) -> Any:
+        return self.lift(ca.mtimes(self.R_world_base_mid.T, self.acceleration))
+
+    def _load_on_foot(self, leg: int) -> tuple[Any, Any]:
+        """Force (3, 1) N on a standing foot less what carries the leg's weight, moment (3, 1) Nm.
+
+        In base axes, the moment about the foot's middle; none of points.
+        """
+        drives, R, corners = self.model.drives, self.R_world_base_mid, self.layout.corners
+        unit = self.model.mass * GRAVITY / self.layout.contacts
+        mine = range(leg * corners, (leg + 1) * corners)
+        total = sum(self.force[:, j] for j in mine)
+        weight = ca.mtimes(ca.DM(drives.carried[leg]), self._specific_force_base)
+        force = self.lift(ca.mtimes(R.T, total) * unit - weight)
+        if corners == 1:
+            return force, None
+        moments = (
+            ca.cross(self.standing_contacts[:, j] - self.standing_feet[:, leg], self.force[:, j])
+            for j in mine
+        )
+        return force, self.lift(ca.mtimes(R.T, sum(moments)) * unit)
+
+    @cached_property
+    def _specific_force_base(self) -> Any:
+        return self.lift(ca.mtimes(self.R_world_base_mid.T, self._specific_force))
+
     # ---- dynamics
 
     def next_state(self, names: tuple[str, ...]) -> Any:
@@ -288,7 +391,14 @@ class Stage:
                 else s["force"] + s.get("force_step", ca.SX.zeros(s["force"].shape))
             ),
             "feet": lambda: (
-                s["feet"] + s["feet_rate"] * dt if role.phase == Phase.FLIGHT else s["next_feet"]
+                s["feet"] + (s["feet_velocity"] + s["feet_step"] / 2) * dt
+                if role.phase == Phase.FLIGHT
+                else s["next_feet"]
+            ),
+            "feet_velocity": lambda: (
+                s["feet_velocity"] + s["feet_step"]
+                if role.phase == Phase.FLIGHT
+                else s["next_feet_velocity"]
             ),
         }
         return ca.vertcat(*(step[name]() for name in names))

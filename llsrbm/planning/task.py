@@ -12,11 +12,9 @@ from numpy.typing import NDArray
 
 from llsrbm.errors import InputError
 from llsrbm.jump import Jump
-from llsrbm.planning.constraints.knee import KNEE_SHARE
 from llsrbm.planning.costs import COSTS, default_weights, weight_parameter
 from llsrbm.planning.layout import STANDING, Layout
 from llsrbm.planning.limits import check_limits, put_limits
-from llsrbm.robots.knee import knee_links
 from llsrbm.robots.robot import Robot
 from llsrbm.robots.schema import Foot, Limits, Reach, Timing
 from llsrbm.tuning import Tuning
@@ -38,8 +36,7 @@ class Task:
         start_contacts, goal_contacts: (C, 3) m, legs x corners.
         corners: (c, 3) m, contact points of a foot in its frame.
         limits, reach, timing, foot: of the robot file, with what the request changes.
-        knee: thigh and shank, m, of legs that fold at a knee.
-        knee_speed: what a plan may use of the speed of the joint after the hip, rad/s or m/s.
+        robot: whose drives and whole body a plan is checked with.
         weights: cost name -> weight, of every cost.
         tuning: what of weights and limits the request changes.
     """
@@ -58,8 +55,7 @@ class Task:
     reach: Reach
     timing: Timing
     foot: Foot
-    knee: tuple[float, float] | None
-    knee_speed: float
+    robot: Robot
     weights: dict[str, float]
     tuning: Tuning
 
@@ -72,6 +68,11 @@ class Task:
     def goal_contacts(self) -> Array:
         """(C, 3) m."""
         return contact_points(self.goal_feet, self.goal_yaw, self.corners)
+
+    @property
+    def joints(self) -> int:
+        """J."""
+        return len(self.robot.joint_names)
 
     @cached_property
     def towards(self) -> Array:
@@ -89,7 +90,6 @@ class Task:
 
     def parameters(self) -> dict[str, Array]:
         """Name -> value of the solver's parameters (names and sizes: `parameter_sizes`)."""
-        thigh, shank = self.knee or (1.0, 1.0)
         values = {
             "start_position": self.start_position,
             "goal_position": self.goal_position,
@@ -98,9 +98,7 @@ class Task:
             "corners": self.corners[:, :2],
             "towards": self.towards,
             "friction": np.array([self.limits.friction]),
-            "knee_speed": np.array([self.knee_speed]),
-            "thigh": np.array([thigh]),
-            "shank": np.array([shank]),
+            "torque_share": np.array([self.limits.torque_share]),
         }
         weights = {
             weight_parameter(cost): np.array([cost.share(self.jump) * self.weights[cost.name]])
@@ -140,9 +138,7 @@ def parameter_sizes(layout: Layout) -> dict[str, int]:
         "corners": 2 * contacts // legs,
         "towards": 2 * legs,
         "friction": 1,
-        "knee_speed": 1,
-        "thigh": 1,
-        "shank": 1,
+        "torque_share": 1,
     }
     return sizes | {weight_parameter(cost): 1 for cost in COSTS}
 
@@ -200,18 +196,11 @@ def place_task(jump: Jump, robot: Robot, tuning: Tuning | None = None) -> Task:
         reach=robot.file.reach,
         timing=robot.file.timing,
         foot=robot.file.foot,
-        knee=knee_links(robot),
-        knee_speed=KNEE_SHARE * _knee_speed(robot),
+        robot=robot,
         weights=default_weights() | robot.file.planning | dict(tuning.weights),
         tuning=tuning,
     )
     return put_limits(task, tuning.limits)
-
-
-def _knee_speed(robot: Robot) -> float:
-    leg, frames = robot.legs[0], next(iter(robot.file.legs.values()))
-    after_hip = min(leg.joints.index(frames.hip) + 1, len(leg.joints) - 1)
-    return float(robot.speed_limit[robot.leg_joint_index[0, after_hip]])
 
 
 def _headings(robot: Robot) -> Array:

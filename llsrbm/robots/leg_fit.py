@@ -200,28 +200,12 @@ def load_or_fit(robot: Robot, progress: Callable[[float], None] | None = None) -
 
 def _sample(robot: Robot, samples: int, seed: int) -> tuple[Array, Array, Array, Array, Array]:
     """Foot places x (S, d), c (S, 3), dc/dx (S, 3, d), I_c (S, 3, 3), S (S, 3, d), all mirrored."""
-    reach, mirrors, hips = robot.file.reach, robot.mirrors, robot.hips
-    lower, upper = list(reach.lower), list(reach.upper)
-    standing = (mirrors * (robot.feet - robot.base_position - hips)).mean(axis=0)
+    chains, mirrors, hips = robot.chains, robot.mirrors, robot.hips
     turned = robot.foot_coordinates == 4
-    if turned:
-        lower.append(robot.file.foot.yaw[0])
-        upper.append(robot.file.foot.yaw[1])
-        standing = np.append(standing, (mirrors.prod(axis=1) * robot.foot_yaw).mean())
-    rng = np.random.default_rng(seed)
-    drawn = rng.uniform(lower, upper, size=(40 * samples, len(lower)))
-    near = rng.random(len(drawn)) < _NEAR_SHARE
-    drawn[near] = standing + _NEAR_SCALE * (drawn[near] - standing)
-    distance = np.linalg.norm(drawn[:, :3], axis=1)
-    drawn = drawn[(distance >= reach.distance[0]) & (distance <= reach.distance[1])]
-    per_leg = min(len(drawn), samples) // len(robot.legs)
-    drawn = drawn[: per_leg * len(robot.legs)].reshape(per_leg, len(robot.legs), -1)
-
-    chains, det = robot.chains, mirrors.prod(axis=1)
-    angles = np.array([robot.file.posture[leg.name] for leg in robot.legs])
-    place = hips + mirrors * drawn[..., :3]
-    rotation = turns_about_z(det * drawn[..., 3]) if turned else None
-    q, error = solve_legs(chains, place, angles, rotation)
+    drawn = _drawn(robot, samples, seed)
+    det = mirrors.prod(axis=1)
+    place, rotation = _places(robot, drawn)
+    q, error = solve_legs(chains, place, _standing_angles(robot), rotation)
     motion = chains.motion(q)
     inertia, spin = chains.inertia_and_spin(motion)
     _, jacobian = foot_task(chains, motion, place, rotation)
@@ -246,6 +230,55 @@ def _sample(robot: Robot, samples: int, seed: int) -> tuple[Array, Array, Array,
         (flip * inertia * mirrors[:, None, :])[good],
         (det * flip * (spin @ rates))[good],
     )
+
+
+def sampled_legs(robot: Robot, samples: int, seed: int) -> tuple[Array, Array]:
+    """Foot places x (S, L, d) m, rad drawn from the reach, and the joint angles there (S, L, n).
+
+    Only places that all legs reach.
+    """
+    drawn = _drawn(robot, samples * len(robot.legs), seed)
+    q, error = solve_legs(robot.chains, *_arguments(robot, drawn))
+    good = (error < 1e-7).all(axis=1)
+    return drawn[good], q[good]
+
+
+def _arguments(robot: Robot, drawn: Array) -> tuple[Array, Array, Array | None]:
+    place, rotation = _places(robot, drawn)
+    return place, _standing_angles(robot), rotation
+
+
+def _standing_angles(robot: Robot) -> Array:
+    return np.array([robot.file.posture[leg.name] for leg in robot.legs])
+
+
+def _places(robot: Robot, drawn: Array) -> tuple[Array, Array | None]:
+    """Places (S, L, 3) m and attitudes (S, L, 3, 3) of soles, base frame, of x (S, L, d)."""
+    mirrors = robot.mirrors
+    place = robot.hips + mirrors * drawn[..., :3]
+    if robot.foot_coordinates == 3:
+        return place, None
+    return place, turns_about_z(mirrors.prod(axis=1) * drawn[..., 3])
+
+
+def _drawn(robot: Robot, samples: int, seed: int) -> Array:
+    """Random x (S, L, d) m, rad within the reach, denser about the standing feet."""
+    reach, mirrors, hips = robot.file.reach, robot.mirrors, robot.hips
+    lower, upper = list(reach.lower), list(reach.upper)
+    standing = (mirrors * (robot.feet - robot.base_position - hips)).mean(axis=0)
+    if robot.foot_coordinates == 4:
+        lower.append(robot.file.foot.yaw[0])
+        upper.append(robot.file.foot.yaw[1])
+        standing = np.append(standing, (mirrors.prod(axis=1) * robot.foot_yaw).mean())
+    rng = np.random.default_rng(seed)
+    drawn = rng.uniform(lower, upper, size=(40 * samples, len(lower)))
+    near = rng.random(len(drawn)) < _NEAR_SHARE
+    drawn[near] = standing + _NEAR_SCALE * (drawn[near] - standing)
+    distance = np.linalg.norm(drawn[:, :3], axis=1)
+    drawn = drawn[(distance >= reach.distance[0]) & (distance <= reach.distance[1])]
+    per_leg = min(len(drawn), samples) // len(robot.legs)
+    drawn = drawn[: per_leg * len(robot.legs)].reshape(per_leg, len(robot.legs), -1)
+    return np.asarray(drawn, dtype=np.float64)
 
 
 def _fit_with_slopes(features: Array, slopes: Array, value: Array, derivative: Array) -> Array:

@@ -114,13 +114,13 @@ class Robot:
 
     @cached_property
     def torque_limit(self) -> Array:
-        """(J,) Nm or N, in the order of `joint_names`."""
-        return self._of_joints(self.file.limits.torque)
+        """(J,) Nm or N, in the order of `joint_names`; the URDF's where the file has none."""
+        return self._of_joints(self.file.limits.torque, self.model.effortLimit)
 
     @cached_property
     def speed_limit(self) -> Array:
-        """(J,) rad/s or m/s, in the order of `joint_names`."""
-        return self._of_joints(self.file.limits.joint_speed)
+        """(J,) rad/s or m/s, in the order of `joint_names`; the URDF's where the file has none."""
+        return self._of_joints(self.file.limits.joint_speed, self.model.velocityLimit)
 
     @cached_property
     def sliding_joints(self) -> frozenset[str]:
@@ -128,7 +128,9 @@ class Robot:
         sliding = self.leg_joint_index[:, self.chains.prismatic]
         return frozenset(self.joint_names[joint] for joint in sliding.ravel())
 
-    def _of_joints(self, limit: float | tuple[float, ...]) -> Array:
+    def _of_joints(self, limit: float | tuple[float, ...] | None, urdf: Array) -> Array:
+        if limit is None:
+            return np.array(urdf[6:])
         joints = np.empty(len(self.joint_names))
         joints[self.leg_joint_index] = limit
         return joints

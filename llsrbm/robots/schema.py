@@ -109,23 +109,22 @@ class Limits(Table):
     """What a plan keeps to.
 
     Attributes:
-        contact_force: largest vertical force at a contact, N.
         torque: largest joint torque, Nm, or force of a sliding joint, N: one number for all joints,
-            or one for each joint of a leg, from the base outwards.
+            or one for each joint of a leg, from the base outwards; the URDF's if left out.
         joint_speed: largest joint speed, rad/s or m/s, in the same way.
+        torque_share, speed_share: shares of them that a plan may use; the rest is kept for feedback.
         friction: coefficient of friction.
         foot_speed: largest foot speed in the world along each axis, m/s.
-        foot_speed_in_base: largest foot speed relative to the base along its x, y, z, m/s.
         clearance: height of the feet above the ground line in mid-flight, m.
         feet_apart: shortest distance between two feet seen from above, m.
     """
 
-    contact_force: Positive
-    torque: Positive | Annotated[tuple[Positive, ...], Field(min_length=1)]
-    joint_speed: Positive | Annotated[tuple[Positive, ...], Field(min_length=1)]
+    torque: Positive | Annotated[tuple[Positive, ...], Field(min_length=1)] | None = None
+    joint_speed: Positive | Annotated[tuple[Positive, ...], Field(min_length=1)] | None = None
+    torque_share: Positive = 0.85
+    speed_share: Positive = 0.9
     friction: Positive
     foot_speed: Positive
-    foot_speed_in_base: tuple[Positive, Positive, Positive]
     clearance: Length
     feet_apart: Length
 

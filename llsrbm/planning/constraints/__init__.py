@@ -8,12 +8,12 @@ the rows. Adding a constraint is one class and its place in `CONSTRAINTS`.
 from __future__ import annotations
 
 from llsrbm.planning.constraints.base import Constraint
-from llsrbm.planning.constraints.contacts import ContactForce, FrictionPyramid, GivenContacts
+from llsrbm.planning.constraints.contacts import FeetAtRest, FrictionCone, GivenContacts
+from llsrbm.planning.constraints.drives import JointSpeed, JointTorque, TorqueAtSpeed
 from llsrbm.planning.constraints.edge import Edge
-from llsrbm.planning.constraints.knee import KneeSpeed
 from llsrbm.planning.constraints.motion import FinalState, MomentumBalance
 from llsrbm.planning.constraints.reach import FeetApart, Reach
-from llsrbm.planning.constraints.swing import Clearance, FootSpeed, FootSpeedInBase
+from llsrbm.planning.constraints.swing import Clearance, FootSpeed
 from llsrbm.planning.constraints.timing import PhaseTimes
 from llsrbm.planning.constraints.turn import FootTurn, FootYaw
 
@@ -22,17 +22,18 @@ __all__ = ["CONSTRAINTS", "Constraint"]
 CONSTRAINTS: tuple[Constraint, ...] = (
     MomentumBalance(),
     GivenContacts(),
-    FrictionPyramid(),
-    ContactForce(),
+    FeetAtRest(),
+    FrictionCone(),
     PhaseTimes(),
     Reach(),
     Clearance(),
     Edge(),
     FeetApart(),
     FootSpeed(),
-    FootSpeedInBase(),
     FootYaw(),
     FootTurn(),
-    KneeSpeed(),
+    JointTorque(),
+    TorqueAtSpeed(),
+    JointSpeed(),
     FinalState(),
 )

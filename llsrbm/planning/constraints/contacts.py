@@ -10,12 +10,17 @@ import numpy as np
 from llsrbm.planning.constraints.base import Array, Bounds, Constraint, Limit, everywhere, spread
 from llsrbm.planning.headings import across
 from llsrbm.planning.layout import Layout, Role
-from llsrbm.planning.stage import GRAVITY, Stage
+from llsrbm.planning.stage import Stage
 from llsrbm.trajectory.plan import Phase
 
 if TYPE_CHECKING:
     from llsrbm.planning.knots import Knots
     from llsrbm.planning.task import Task
+
+
+# Rounds the tip of the friction cone, where a force would have no slope, m g / contacts. A contact
+# that pushes not at all is off by that over mu, a newton or two.
+TIP = 0.01
 
 
 class GivenContacts(Constraint):
@@ -60,10 +65,36 @@ class GivenContacts(Constraint):
         return out
 
 
-class FrictionPyramid(Constraint):
-    """|f_x| <= mu f_z, |f_y| <= mu f_z (section IV-D)."""
+class FeetAtRest(Constraint):
+    """The feet leave the ground and meet it at rest, also in how soles turn."""
 
-    name = "friction_pyramid"
+    name = "feet_at_rest"
+    unit = "m/s, rad/s"
+    equality = True
+
+    def applies(self, role: Role) -> bool:
+        """At the first knots of flight and landing."""
+        return role.first and role.phase != Phase.TAKEOFF
+
+    def rows(self, stage: Stage) -> Any:
+        """(d L, 1) velocities in base axes, then turning rates."""
+        return ca.vertcat(ca.vec(stage.foot_velocity_at_knot), stage.foot_turn_at_knot)
+
+    def bounds(self, task: Task, layout: Layout, knot: int) -> Bounds:
+        """Zero."""
+        return (np.zeros(layout.foot_coordinates * layout.legs),) * 2
+
+    def violation(self, knots: Knots) -> Array:
+        """The largest speed along an axis, at the two knots."""
+        out = np.zeros(len(knots.time))
+        out[knots.flight][[0, -1]] = np.abs(knots.foot_velocity_at_rest).max(axis=(1, 2))
+        return out
+
+
+class FrictionCone(Constraint):
+    """|(f_x, f_y)| <= mu f_z; the paper's pyramid (section IV-D) reaches out of it at its edges."""
+
+    name = "friction_cone"
     unit = "N"
     limits = (
         Limit(
@@ -82,59 +113,22 @@ class FrictionPyramid(Constraint):
         return role.in_contact
 
     def rows(self, stage: Stage) -> Any:
-        """(4 C, 1), at most 0."""
+        """(C, 1) in m g / C, at most 0; the root rounded at the cone's tip."""
         mu = stage.parameters["friction"]
-        columns = []
-        for fx, fy, fz in (ca.vertsplit(c) for c in ca.horzsplit(stage.force)):
-            columns += [fx - mu * fz, -fx - mu * fz, fy - mu * fz, -fy - mu * fz]
-        return ca.vertcat(*columns)
+        f = stage.force
+        return ca.vertcat(
+            *(
+                ca.sqrt(f[0, j] ** 2 + f[1, j] ** 2 + TIP**2) - mu * f[2, j]
+                for j in range(stage.layout.contacts)
+            )
+        )
 
     def bounds(self, task: Task, layout: Layout, knot: int) -> Bounds:
         """At most zero."""
-        return np.full(4 * layout.contacts, -np.inf), np.zeros(4 * layout.contacts)
+        return np.full(layout.contacts, -np.inf), np.zeros(layout.contacts)
 
     def violation(self, knots: Knots) -> Array:
         """Tangential force beyond mu times the normal one."""
         f = knots.force
-        mu = knots.task.limits.friction
-        excess = np.abs(f[..., :2]) - mu * f[..., 2:]
-        return spread(knots, everywhere(knots), excess)
-
-
-class ContactForce(Constraint):
-    """0 <= f_z <= f_max (section IV-D)."""
-
-    name = "contact_force"
-    unit = "N"
-    limits = (
-        Limit(
-            "contact_force",
-            "largest force of a contact",
-            "N",
-            "contacts may push down harder: shorter, higher and wider jumps; more torque",
-            lowest=0.25,
-            highest=3.0,
-            place=("limits", "contact_force"),
-            relative=True,
-        ),
-    )
-
-    def applies(self, role: Role) -> bool:
-        """In contact."""
-        return role.in_contact
-
-    def rows(self, stage: Stage) -> Any:
-        """(C, 1) in m g / C."""
-        return stage.force[2, :].T
-
-    def bounds(self, task: Task, layout: Layout, knot: int) -> Bounds:
-        """0 and f_max."""
-        unit = task.mass * GRAVITY / layout.contacts
-        top = task.limits.contact_force / unit
-        return np.zeros(layout.contacts), np.full(layout.contacts, top)
-
-    def violation(self, knots: Knots) -> Array:
-        """Pull on the ground, or force beyond f_max."""
-        fz = knots.force[..., 2]
-        excess = np.maximum(-fz, fz - knots.task.limits.contact_force)
+        excess = np.linalg.norm(f[..., :2], axis=-1) - knots.task.limits.friction * f[..., 2]
         return spread(knots, everywhere(knots), excess)

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 # The ranges of the box and of the distance stay near the robot file's: the maps of the legs are
-# fitted there, and a leg that is nearly straight has no posture that is fast enough.
+# fitted there, and the closed forms of the legs' drives hold there.
 _BOX = (
     ("x", "behind their hips (mirrored hind legs: ahead)", "ahead of their hips (those: behind)"),
     ("y", "inward of their hips", "outward of their hips"),

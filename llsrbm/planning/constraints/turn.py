@@ -8,7 +8,6 @@ import casadi as ca
 import numpy as np
 
 from llsrbm.planning.constraints.base import Array, Bounds, Constraint, Limit, spread
-from llsrbm.planning.constraints.swing import speed_ramp
 from llsrbm.planning.headings import heading_rates
 from llsrbm.planning.layout import Layout, Role
 from llsrbm.planning.stage import Stage
@@ -74,7 +73,7 @@ class FootYaw(Constraint):
 
 
 class FootTurn(Constraint):
-    """How fast feet turn in flight: against the base, and in the world, from rest to rest."""
+    """How fast feet turn in flight: against the base, and in the world."""
 
     name = "foot_turn"
     unit = "rad/s"
@@ -104,10 +103,8 @@ class FootTurn(Constraint):
         return ca.vertcat(ca.vec(stage.feet_mid[1][3:, :]), stage.foot_turn)
 
     def bounds(self, task: Task, layout: Layout, knot: int) -> Bounds:
-        """Plus and minus the limit; in the world the ramped one at the interval's midpoint."""
-        rows, top = _turning(layout), task.foot.turn_speed
-        ramp = speed_ramp(layout.progress[knot] + 0.5 / layout.intervals.flight)
-        limit = top * np.concatenate([np.ones(rows), np.full(rows, ramp)])
+        """Plus and minus the limit."""
+        limit = np.full(2 * _turning(layout), task.foot.turn_speed)
         return -limit, limit
 
     def violation(self, knots: Knots) -> Array:
@@ -117,7 +114,6 @@ class FootTurn(Constraint):
         rate = np.abs(knots.flight_feet_rate[..., 3:]) - top
         if not rate.size:
             return np.zeros(len(knots.time))
-        ramp = speed_ramp((np.arange(len(rate)) + 0.5) / len(rate))
         R, _, _ = knots.mid
         x, xdot = knots.feet_mid
         side = knots.model.turn_mirrors
@@ -127,7 +123,7 @@ class FootTurn(Constraint):
             side * xdot[flight, :, 3],
             knots.rotation_rate[flight],
         )
-        turning = np.abs(turn) - top * ramp[:, None]
+        turning = np.abs(turn) - top
         return spread(knots, flight, np.maximum(rate[..., 0], turning))
 
 

@@ -1,0 +1,330 @@
+"""What the joints of a leg must do, as functions of where its foot is and what pushes at it.
+
+The planner knows feet, not joints. For its limits on drives it needs, of each leg,
+
+    q'   = r(x, x')                     joint rates, rad/s or m/s
+    tau  = -J^T (f, m)                  joint torques that hold a force and a moment at the foot
+    q''  = d/dt r(x, x')                joint accelerations, for what swinging the leg takes
+
+as expressions in x, the foot in its mirrored hip frame (`llsrbm.models.base`). Two kinds of legs:
+
+- `KneeLeg`: an abduction joint and two parallel ones, hip and knee, with a point foot, which most
+  quadrupeds have. Closed forms, exact.
+- `FittedLeg`: any other leg. Joint angles and the columns of J as quadratic polynomials of x,
+  fitted over the robot file's reach by inverse kinematics, soles level.
+
+The matrices may be CasADi SX or DM.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from typing import Any
+
+import casadi as ca
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from llsrbm.robots.leg_fit import quadratic_features, sampled_legs
+from llsrbm.robots.robot import Robot
+
+Array = NDArray[np.float64]
+Matrix = Any  # casadi.SX or casadi.DM
+
+# Axes closer than this to parallel, or to square, make a planar leg; rad.
+_ALIGNED = 0.02
+# Shares of a leg's length below which the closed forms are bent away from their singularities, the
+# straight leg and the foot at the abduction axis; both are out of any sensible reach.
+_NEARLY_STRAIGHT = 0.02
+_AT_THE_AXIS = 0.05
+_SAMPLES, _SEED = 800, 0
+
+
+class LegDrives(ABC):
+    """Joint rates and torques of one leg of n joints, from the base outwards.
+
+    Attributes:
+        joints: n.
+        exact: whether the expressions are closed forms, not fits.
+    """
+
+    joints: int
+    exact: bool
+
+    @abstractmethod
+    def rates(self, x: Matrix, x_rate: Matrix) -> Matrix:
+        """q' (n, 1), linear in `x_rate`.
+
+        Args:
+            x: (d, 1) m, rad: the foot in its mirrored hip frame.
+            x_rate: (d, 1) m/s, rad/s.
+        """
+
+    @abstractmethod
+    def holding_torque(self, x: Matrix, force: Matrix, moment: Matrix | None) -> Matrix:
+        """-J^T (f, m), (n, 1) Nm or N, linear in force and moment.
+
+        Args:
+            x: (d, 1) m, rad.
+            force: (3, 1) on the foot, base axes, any unit of force.
+            moment: (3, 1) on the foot about its frame's origin, base axes; None of points.
+        """
+
+    @abstractmethod
+    def numbers(self) -> dict[str, Any]:
+        """What was computed from the robot, for keys of caches."""
+
+    def accelerations(self, x: Matrix, x_rate: Matrix, x_acceleration: Matrix) -> Matrix:
+        """q'' (n, 1) rad/s2 or m/s2."""
+        return self.rates(x, x_acceleration) + ca.jtimes(self.rates(x, x_rate), x, x_rate)
+
+
+def leg_drives(robot: Robot) -> list[LegDrives]:
+    """The drives of each leg, in the robot's order."""
+    legs = [KneeLeg.of(robot, index) for index in range(len(robot.legs))]
+    if all(leg is not None for leg in legs):
+        return [leg for leg in legs if leg is not None]
+    return FittedLeg.of(robot)
+
+
+class KneeLeg(LegDrives):
+    """Abduction about an axis a that is fixed in the base, then hip and knee about n, square to a.
+
+    The foot is w from a point of the abduction axis; seen along a it is d beside the axis (always)
+    and h = sqrt(|w - (a.w) a|^2 - d^2) away from it in the leg's plane. There, with (a.w, h) as
+    coordinates, the leg is u long from the hip joint, its thigh and shank close a triangle, and the
+    shank is A u + B (u turned by 90 deg), with A and B functions of |u|^2 alone.
+    """
+
+    joints = 3
+    exact = True
+
+    def __init__(self, **constants: Any) -> None:
+        """See `of`."""
+        self._c = constants
+
+    @staticmethod
+    def of(robot: Robot, index: int) -> KneeLeg | None:
+        """Leg number `index` of a robot; None if it is not of this kind."""
+        leg, chains = robot.legs[index], robot.chains
+        if robot.foot_coordinates != 3 or len(leg.joints) != 3 or chains.prismatic.any():
+            return None
+        zero = chains.motion(np.zeros_like(robot.posture[7:][robot.leg_joint_index]))
+        standing = chains.motion(robot.posture[7:][robot.leg_joint_index])
+        axes = (zero.rotation @ chains.axis[..., None])[index, :, :, 0]
+        a, n = axes[0], axes[1]
+        sigma = float(np.sign(axes[2] @ n))
+        if np.linalg.norm(np.cross(n, axes[2])) > _ALIGNED or abs(a @ n) > _ALIGNED:
+            return None
+        if leg.joints.index(robot.file.legs[leg.name].hip) != 1:
+            return None
+        o1, o2, o3 = zero.origin[index]
+        foot = standing.foot[index]
+        across = float(n @ (zero.foot[index] - o1))
+        # Which way of the two the leg's plane reaches down from the axis, when it stands.
+        turned = standing.rotation[index, 0] @ chains.axis[index, 0]
+        n_standing = (standing.rotation[index, 1] @ chains.axis[index, 1][:, None])[:, 0]
+        side = float(np.sign(np.cross(turned, n_standing) @ (foot - o1)))
+        e = side * np.cross(a, n)
+        knee = standing.origin[index, 2]
+        e_standing = side * np.cross(turned, n_standing)
+        plane = np.array([turned, e_standing])
+        u = plane @ (foot - standing.origin[index, 1])
+        shank = plane @ (foot - knee)
+        bend = float(np.sign(u[0] * shank[1] - u[1] * shank[0]))
+        in_plane = np.array([a, e])
+        return KneeLeg(
+            mirror=robot.mirrors[index],
+            hip=robot.hips[index] - o1,
+            axis=a,
+            side=side,
+            across=across,
+            hip_in_plane=in_plane @ (o2 - o1),
+            thigh=float(np.linalg.norm(in_plane @ (o3 - o2))),
+            shank=float(np.linalg.norm(in_plane @ (zero.foot[index] - o3))),
+            bend=bend,
+            knee_sign=sigma,
+        )
+
+    def numbers(self) -> dict[str, Any]:
+        """See `LegDrives.numbers`."""
+        return {name: np.asarray(value).tolist() for name, value in self._c.items()}
+
+    def _plane(self, x: Matrix) -> tuple[Matrix, ...]:
+        """w square to the axis (3), h, u (2), A, B and the squares rho^2, |u|^2."""
+        c, a = self._c, ca.DM(self._c["axis"])
+        w = ca.DM(c["hip"]) + ca.DM(c["mirror"]) * x[:3]
+        along = ca.dot(a, w)
+        square = w - along * a
+        rho2 = ca.sumsqr(square)
+        length = c["thigh"] + c["shank"]
+        h = ca.sqrt(_at_least(rho2 - c["across"] ** 2, (_AT_THE_AXIS * length) ** 2))
+        u = ca.vertcat(along - c["hip_in_plane"][0], h - c["hip_in_plane"][1])
+        u2 = ca.sumsqr(u)
+        a2, b2 = c["thigh"] ** 2, c["shank"] ** 2
+        area2 = _at_least(
+            a2 * b2 - ((a2 + b2 - u2) / 2) ** 2, a2 * b2 * _NEARLY_STRAIGHT**2
+        )
+        A = (u2 + b2 - a2) / (2 * u2)
+        B = c["bend"] * ca.sqrt(area2) / u2
+        return square, h, u, A, B, rho2, u2
+
+    def rates(self, x: Matrix, x_rate: Matrix) -> Matrix:
+        """See `LegDrives.rates`."""
+        c, a = self._c, ca.DM(self._c["axis"])
+        square, h, u, A, B, rho2, u2 = self._plane(x)
+        v = ca.DM(c["mirror"]) * x_rate[:3]
+        round_axis = ca.cross(a, square)
+        n_v = (c["across"] * ca.dot(square, v) - c["side"] * h * ca.dot(round_axis, v)) / rho2
+        u_rate = ca.vertcat(ca.dot(a, v), ca.dot(square, v) / h)
+        radial = ca.dot(u, u_rate)
+        turning = u[0] * u_rate[1] - u[1] * u_rate[0]
+        abduction = -c["side"] * n_v / h
+        knee = c["side"] * c["knee_sign"] * radial / (B * u2)
+        hip = -c["side"] * turning / u2 - c["knee_sign"] * A * knee
+        return ca.vertcat(abduction, hip, knee)
+
+    def holding_torque(self, x: Matrix, force: Matrix, moment: Matrix | None) -> Matrix:
+        """See `LegDrives.holding_torque`."""
+        c, a = self._c, ca.DM(self._c["axis"])
+        square, h, u, A, B, rho2, _ = self._plane(x)
+        round_axis = ca.cross(a, square)
+        along = ca.dot(a, force)
+        away = (h * ca.dot(square, force) + c["side"] * c["across"] * ca.dot(round_axis, force)) / (
+            rho2
+        )
+        about_hip = u[0] * away - u[1] * along
+        radial = u[0] * along + u[1] * away
+        return ca.vertcat(
+            -ca.dot(round_axis, force),
+            c["side"] * about_hip,
+            c["side"] * c["knee_sign"] * (A * about_hip - B * radial),
+        )
+
+
+def _at_least(value: Matrix, floor: float) -> Matrix:
+    """`value`, bent smoothly towards zero from below some `floor`, always positive."""
+    return (value + ca.sqrt(value**2 + floor**2)) / 2
+
+
+class FittedLeg(LegDrives):
+    """Quadratic polynomials of x for the joint angles and for the columns of J.
+
+    Attributes:
+        residuals: RMS errors over the samples: "angle" rad or m; "torque" share of the mean column.
+    """
+
+    exact = False
+
+    def __init__(self, angles: Array, jacobian: Array, residuals: dict[str, float]) -> None:
+        """Maps: features -> q (f, n), and features -> J, row by row (f, 6 n): linear, angular."""
+        self.joints = angles.shape[1]
+        self.residuals = residuals
+        self._angles = ca.sparsify(ca.DM(angles.T), 1e-9)
+        self._jacobian = ca.sparsify(ca.DM(jacobian.T), 1e-9)
+
+    @staticmethod
+    def of(robot: Robot) -> list[LegDrives]:
+        """Fit every leg of a robot."""
+        x, q = sampled_legs(robot, _SAMPLES, _SEED)
+        motion = robot.chains.motion(q)
+        _, turning = robot.chains.foot_turning(motion)
+        fitted: list[LegDrives] = []
+        for leg in range(len(robot.legs)):
+            features = quadratic_features(x[:, leg])
+            J = np.concatenate([motion.foot_jacobian[:, leg], turning[:, leg]], axis=1)
+            flat = J.transpose(0, 2, 1).reshape(len(J), -1)
+            angles, columns = (np.linalg.lstsq(features, y)[0] for y in (q[:, leg], flat))
+            residuals = {
+                "angle": float(np.sqrt(np.mean((features @ angles - q[:, leg]) ** 2))),
+                "torque": float(
+                    np.sqrt(np.mean((features @ columns - flat) ** 2)) / np.abs(flat).mean()
+                ),
+            }
+            fitted.append(FittedLeg(angles, columns, residuals))
+        return fitted
+
+    def numbers(self) -> dict[str, Any]:
+        """See `LegDrives.numbers`."""
+        return {"angles": str(self._angles), "jacobian": str(self._jacobian)}
+
+    def rates(self, x: Matrix, x_rate: Matrix) -> Matrix:
+        """See `LegDrives.rates`."""
+        return ca.mtimes(self._angles, _feature_rates(x, x_rate))
+
+    def holding_torque(self, x: Matrix, force: Matrix, moment: Matrix | None) -> Matrix:
+        """See `LegDrives.holding_torque`."""
+        J = ca.reshape(ca.mtimes(self._jacobian, _features(x)), 6, self.joints)
+        torque = ca.mtimes(J[:3, :].T, force)
+        if moment is not None:
+            torque = torque + ca.mtimes(J[3:, :].T, moment)
+        return -torque
+
+
+def _features(x: Matrix) -> Matrix:
+    """As `robots.leg_fit.quadratic_features`."""
+    each = ca.vertsplit(x)
+    pairs = [(i, j) for i in range(len(each)) for j in range(i + 1, len(each))]
+    return ca.vertcat(1, *each, *(a * a for a in each), *(each[i] * each[j] for i, j in pairs))
+
+
+def _feature_rates(x: Matrix, x_rate: Matrix) -> Matrix:
+    """Their time derivative."""
+    a, v = ca.vertsplit(x), ca.vertsplit(x_rate)
+    pairs = [(i, j) for i in range(len(a)) for j in range(i + 1, len(a))]
+    return ca.vertcat(
+        0,
+        *v,
+        *(2 * b * u for b, u in zip(a, v, strict=True)),
+        *(a[i] * v[j] + v[i] * a[j] for i, j in pairs),
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class Drives:
+    """The legs' drives and what they move: L legs of n joints.
+
+    Attributes:
+        legs: (L) joint rates and torques.
+        torque_limit, speed_limit: (L, n) Nm or N, rad/s or m/s.
+        mass_matrix: (L, n, n) joint-space inertia of each leg in the default posture. What swinging
+            a leg takes is this times its joints' acceleration, within 6 % of the hip's torque limit
+            on ANYmal's jumps and 10 % of the abduction's: the legs' inertia changes with posture,
+            and the base gives way.
+        carried: (L, 3, 3) kg: times gravity and acceleration, base axes, the force at a foot that
+            carries the leg as its drives do.
+    """
+
+    legs: list[LegDrives]
+    torque_limit: Array
+    speed_limit: Array
+    mass_matrix: Array
+    carried: Array
+
+    @staticmethod
+    def of(robot: Robot) -> Drives:
+        """The drives of a robot."""
+        data = robot.model.createData()
+        M = pin.crba(robot.model, data, robot.posture)
+        joints = (np.triu(M) + np.triu(M, 1).T)[6:, 6:]
+        index = robot.leg_joint_index
+        # c' = W x' in mirrored axes, so a force g on the leg's CoM is W^T g at the foot.
+        slope = robot.fit.com_affine[1:4]
+        return Drives(
+            legs=leg_drives(robot),
+            torque_limit=robot.torque_limit[index],
+            speed_limit=robot.speed_limit[index],
+            mass_matrix=np.array([joints[np.ix_(rows, rows)] for rows in index]),
+            carried=np.array(
+                [mass * np.diag(M) @ slope @ np.diag(M) for mass, M in zip(
+                    robot.chains.mass, robot.mirrors, strict=True
+                )]
+            ),
+        )
+
+    def numbers(self) -> dict[str, Any]:
+        """Everything that was computed from the robot, for keys of caches."""
+        plain = {k: np.asarray(v).tolist() for k, v in vars(self).items() if k != "legs"}
+        return plain | {"legs": [leg.numbers() for leg in self.legs]}

@@ -1,0 +1,173 @@
+"""What the joints' drives can do: torque, speed, and the torque that is left at a speed.
+
+A drive gives its whole torque up to 70 % of its speed limit, from there less, none at the limit;
+braking takes nothing away (`llsrbm.robots.drives`). With t and w torque and speed as shares of their
+limits this is a polygon,
+
+    |t| <= 1,   |t + w / 0.3| <= 1 / 0.3,   |w| <= 1,
+
+of which a plan may use the robot file's shares; the rest is for feedback. The rows take torques and
+speeds from closed forms or fits (`llsrbm.models.leg_drives`) in the middle of each interval. The
+check recomputes them with Pinocchio: inverse dynamics of the whole body in the postures that realise
+the plan (`llsrbm.analysis.joint_loads`).
+"""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from typing import TYPE_CHECKING, Any
+
+import casadi as ca
+import numpy as np
+
+from llsrbm.planning.constraints.base import Array, Bounds, Constraint, Limit, spread
+from llsrbm.planning.layout import Layout, Role
+from llsrbm.planning.stage import Stage
+from llsrbm.robots.drives import FULL_UP_TO
+from llsrbm.trajectory.plan import Phase
+
+if TYPE_CHECKING:
+    from llsrbm.planning.knots import Knots
+    from llsrbm.planning.task import Task
+
+FALL = 1.0 - FULL_UP_TO
+# What the check allows beyond the plan's share, of the limit at rest: the rows leave out how a leg's
+# inertia changes with its posture and how the base gives way.
+TORQUE_ALLOWANCE = 0.10
+# Likewise of the speed limit: the rows are met in the middle of intervals by the model's legs.
+SPEED_ALLOWANCE = 0.03
+
+
+class _DriveConstraint(Constraint):
+    """Rows of all joints, symmetric bounds."""
+
+    def rows(self, stage: Stage) -> Any:
+        """(n L, 1)."""
+        return ca.vec(self.shares(stage))
+
+    @abstractmethod
+    def shares(self, stage: Stage) -> Any:
+        """(n, L) what is bounded."""
+
+    @abstractmethod
+    def top(self, task: Task) -> float:
+        """The bound of all rows."""
+
+    def bounds(self, task: Task, layout: Layout, knot: int) -> Bounds:
+        """Plus and minus the share."""
+        top = np.full(task.joints, self.top(task))
+        return -top, top
+
+    def violation(self, knots: Knots) -> Array:
+        """By Pinocchio, over each interval."""
+        return spread(knots, slice(0, len(knots.time) - 1), self.excess(knots))
+
+    @abstractmethod
+    def excess(self, knots: Knots) -> Array:
+        """(N, J) in the constraint's unit; below zero where there is room."""
+
+
+class JointTorque(_DriveConstraint):
+    """|tau| <= share tau_max: contact forces and the leg's weight, and what swinging it takes."""
+
+    name = "joint_torque"
+    unit = "Nm"
+    limits = (
+        Limit(
+            "torque_share",
+            "share of the drives' torque",
+            "1",
+            "plans may use more of the drives' torque; less of it is left for feedback",
+            lowest=0.2,
+            highest=3.0,
+            place=("limits", "torque_share"),
+        ),
+    )
+
+    def applies(self, role: Role) -> bool:
+        """Over every interval but the first, where the robot stands."""
+        return not role.terminal and not (role.phase == Phase.TAKEOFF and role.first)
+
+    def shares(self, stage: Stage) -> Any:
+        """Torques as shares of their limits."""
+        return stage.joint_torques
+
+    def top(self, task: Task) -> float:
+        """The robot file's share."""
+        return task.limits.torque_share
+
+    def excess(self, knots: Knots) -> Array:
+        """Nm, of sliding joints N, beyond the share of the limit at rest."""
+        limit = knots.task.robot.torque_limit
+        share = knots.task.limits.torque_share + TORQUE_ALLOWANCE
+        excess: Array = np.abs(knots.loads.joint_torque) - share * limit
+        return excess
+
+
+class TorqueAtSpeed(_DriveConstraint):
+    """|tau / (share tau_max) + q' / (0.3 q'_max)| <= 1 / 0.3: less torque is left at speed."""
+
+    name = "torque_at_speed"
+    unit = "Nm"
+
+    def applies(self, role: Role) -> bool:
+        """Over every interval but the first, where the robot stands."""
+        return not role.terminal and not (role.phase == Phase.TAKEOFF and role.first)
+
+    def shares(self, stage: Stage) -> Any:
+        """The sum above, times 0.3."""
+        speeds = stage.joint_rates / ca.DM(stage.model.drives.speed_limit.T)
+        return FALL * stage.joint_torques / stage.parameters["torque_share"] + speeds
+
+    def top(self, task: Task) -> float:
+        """1."""
+        return 1.0
+
+    def excess(self, knots: Knots) -> Array:
+        """Nm, of sliding joints N, beyond the share of what is available at that speed."""
+        loads, limits = knots.loads, knots.task.limits
+        allowed = TORQUE_ALLOWANCE * knots.task.robot.torque_limit
+        excess: Array = (
+            np.abs(loads.joint_torque) - limits.torque_share * loads.torque_available - allowed
+        )
+        return excess
+
+
+class JointSpeed(_DriveConstraint):
+    """|q'| <= share q'_max, where joints are fast: in flight and right beside it."""
+
+    name = "joint_speed"
+    unit = "rad/s"
+    limits = (
+        Limit(
+            "speed_share",
+            "share of the drives' speed",
+            "1",
+            "joints may turn faster; less is left for feedback",
+            lowest=0.2,
+            highest=3.0,
+            place=("limits", "speed_share"),
+        ),
+    )
+
+    def applies(self, role: Role) -> bool:
+        """In flight, in the interval before it and in the one after it."""
+        if role.phase == Phase.TAKEOFF:
+            return role.last
+        return role.phase == Phase.FLIGHT or role.first
+
+    def shares(self, stage: Stage) -> Any:
+        """Speeds as shares of their limits."""
+        return stage.joint_rates / ca.DM(stage.model.drives.speed_limit.T)
+
+    def top(self, task: Task) -> float:
+        """The robot file's share."""
+        return task.limits.speed_share
+
+    def excess(self, knots: Knots) -> Array:
+        """rad/s, of sliding joints m/s, beyond the share."""
+        share = knots.task.limits.speed_share + SPEED_ALLOWANCE
+        excess: Array = (
+            np.abs(knots.loads.joint_velocity) - share * knots.task.robot.speed_limit
+        )
+        return excess
