@@ -2,7 +2,7 @@
 
 min 1/2 |A a + dA v - B|^2_W1 + 1/2 |f - f_wanted|^2_W2    over a (n,), f (3 C,)
 s.t. M_f a + h_f = J_f^T f                     floating base
-     |f_x|, |f_y| <= mu f_z                    friction pyramid
+     |f_x|, |f_y| <= mu / sqrt(2) f_z          friction pyramid, inside the cone of mu
      tau = M_a a + h_a - J_a^T f within the drives' limits
 """
 
@@ -18,6 +18,7 @@ from llsrbm.control.reference import Target
 from llsrbm.control.solvers import Qp, make_solver
 from llsrbm.control.tasks import Task
 from llsrbm.control.whole_body import WholeBody
+from llsrbm.robots.friction import INSCRIBED
 
 Array = NDArray[np.float64]
 
@@ -45,7 +46,7 @@ class InverseDynamics:
 
         Args:
             body: the robot; its state is read at each `solve`.
-            friction: coefficient of the pyramid.
+            friction: coefficient of the cone around the pyramid.
             solver: name of the QP solver.
 
         Raises:
@@ -57,9 +58,8 @@ class InverseDynamics:
         self._n = n
         variables, pyramid = n + forces, 4 * contacts
         self._solver = make_solver(solver, variables, _BASE, pyramid + joints)
-        faces = np.array(
-            [[1, 0, -friction], [-1, 0, -friction], [0, 1, -friction], [0, -1, -friction]]
-        )
+        mu = INSCRIBED * friction
+        faces = np.array([[1, 0, -mu], [-1, 0, -mu], [0, 1, -mu], [0, -1, -mu]])
         self._pyramid = pyramid
         self._qp = Qp.zeros(variables, _BASE, pyramid + joints)
         self._qp.C[:pyramid, n:] = np.kron(np.eye(contacts), faces)

@@ -8,7 +8,7 @@ the rows. Adding a constraint is one class and its place in `CONSTRAINTS`.
 from __future__ import annotations
 
 from llsrbm.planning.constraints.base import Constraint
-from llsrbm.planning.constraints.contacts import FeetAtRest, FrictionCone, GivenContacts
+from llsrbm.planning.constraints.contacts import FeetAtRest, FrictionPyramid, GivenContacts
 from llsrbm.planning.constraints.drives import JointSpeed, JointTorque, TorqueAtSpeed
 from llsrbm.planning.constraints.edge import Edge
 from llsrbm.planning.constraints.motion import FinalState, MomentumBalance
@@ -23,7 +23,7 @@ CONSTRAINTS: tuple[Constraint, ...] = (
     MomentumBalance(),
     GivenContacts(),
     FeetAtRest(),
-    FrictionCone(),
+    FrictionPyramid(),
     PhaseTimes(),
     Reach(),
     Clearance(),
