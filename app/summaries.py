@@ -140,7 +140,8 @@ def _conditions(conditions: Conditions, disturbance: Disturbance) -> str:
         kind = "half board" if conditions.half_board else "board"
         parts.append(f"{kind} of {1e3 * conditions.board:.0f} mm")
     if conditions.seed is None:
-        parts.append("undisturbed")
+        trunk = conditions.trunk_mass
+        parts.append(f"trunk {trunk:+.1%}" if trunk else "undisturbed")
     else:
         parts.append(
             f"seed {conditions.seed}: trunk {disturbance.trunk_mass_factor - 1:+.1%}, "

@@ -123,6 +123,7 @@ def simulate(
     detector: str = "residual",
     landing: str = "scaled",
     solver: str = "quadprog",
+    trunk_mass: float | None = None,
     cancelled: Callable[[], bool] | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> Rollout:
@@ -141,6 +142,8 @@ def simulate(
         detector: name of the contact detector (`llsrbm.control.detection`).
         landing: name of the landing strategy (`llsrbm.control.landing`).
         solver: name of the controller's QP solver (`llsrbm.control.solvers`).
+        trunk_mass: error of the trunk's mass, -0.5 to 0.5 of it, in place of the drawn one: the
+            simulated trunk weighs 1 + this of what the controller believes; None: as drawn.
         cancelled: asked now and then; True ends with `Cancelled`.
         progress: told the share that is done, 0 to 1.
 
@@ -163,6 +166,7 @@ def simulate(
         detector=detector,
         landing_strategy=landing,
         solver=solver,
+        trunk_mass=trunk_mass,
     )
     robot = load_robot(plan.jump.robot)
     request.check_robot(plan, robot)

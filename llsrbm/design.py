@@ -148,6 +148,7 @@ class _ConditionsTable(Table):
     detector: _Name = Conditions.detector
     landing: _Name = Conditions.landing
     solver: _Name = Conditions.solver
+    trunk_mass: Annotated[float, Field(ge=-0.5, le=0.5)] | None = None
 
     @model_validator(mode="after")
     def _half_of_something(self) -> Self:

@@ -38,6 +38,13 @@ def simulate_command(
     noise: Annotated[
         float | None, typer.Option(metavar="S", help="Scale of the disturbance, 0 to 3.")
     ] = None,
+    trunk_mass: Annotated[
+        float | None,
+        typer.Option(
+            metavar="SHARE",
+            help="Error of the trunk's mass, such as 0.12, in place of the drawn one.",
+        ),
+    ] = None,
     detector: Annotated[str, typer.Option(help="residual or norm.")] = "residual",
     landing: Annotated[str, typer.Option(help="scaled, planned or tracking.")] = "scaled",
     qp_solver: Annotated[str, typer.Option(help="quadprog or proxqp.")] = "quadprog",
@@ -85,6 +92,7 @@ def simulate_command(
                 "detector": detector,
                 "landing": landing,
                 "solver": qp_solver,
+                "trunk_mass": trunk_mass,
             },
         )
         # What is wrong here shall not come out after seconds of planning.
@@ -139,7 +147,10 @@ def _description(rollout: Rollout) -> dict[str, str]:
     noise = "undisturbed"
     if conditions.seed is not None:
         noise = f"disturbed by seed {conditions.seed}, noise {conditions.noise:g}"
-    lines["world"] = f"{board}{noise}"
+    trunk = ""
+    if conditions.trunk_mass is not None:
+        trunk = f", trunk {100 * conditions.trunk_mass:+g} % against its believed mass"
+    lines["world"] = f"{board}{noise}{trunk}"
     lines["outcome"] = (
         f"landed, by the strict measure {'too' if outcome.strict else 'not'}"
         if rollout.landed

@@ -10,7 +10,7 @@ from llsrbm.control import detection, landing, solvers
 from llsrbm.errors import InputError
 from llsrbm.planning.residuals import describe_worst
 from llsrbm.robots import Robot
-from llsrbm.simulation.disturbance import MOST_NOISE
+from llsrbm.simulation.disturbance import MOST_NOISE, check_trunk_mass
 from llsrbm.trajectory.plan import Plan
 from llsrbm.trajectory.rollout import Conditions
 
@@ -26,6 +26,7 @@ def make_conditions(
     detector: str = "residual",
     landing_strategy: str = "scaled",
     solver: str = "quadprog",
+    trunk_mass: float | None = None,
 ) -> Conditions:
     """Conditions from what a user gave.
 
@@ -35,6 +36,7 @@ def make_conditions(
         seed: None: nothing is disturbed, unless `noise` is given.
         noise: None: 1; given without a seed, the seed is 0.
         detector, landing_strategy, solver: names.
+        trunk_mass: error of the trunk's mass, a share of it; None: as drawn.
 
     Raises:
         InputError: a name that is unknown, a number that makes no sense.
@@ -52,6 +54,9 @@ def make_conditions(
         if not 0 <= noise <= MOST_NOISE:
             raise InputError(f"noise: expected 0 to {MOST_NOISE:g}, got {noise:g}")
         seed = 0 if seed is None else seed
+    if trunk_mass is not None:
+        trunk_mass = _number("trunk mass", trunk_mass)
+        check_trunk_mass(trunk_mass)
     return Conditions(
         board=board,
         half_board=bool(half_board),
@@ -60,6 +65,7 @@ def make_conditions(
         detector=detector,
         landing=landing_strategy,
         solver=solver,
+        trunk_mass=trunk_mass,
     )
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from enum import IntEnum
 from pathlib import Path
 from typing import Any
@@ -34,6 +34,9 @@ class Conditions:
         detector: name of the contact detector (`llsrbm.control.detection`).
         landing: name of the landing strategy (`llsrbm.control.landing`).
         solver: name of the QP solver (`llsrbm.control.solvers`).
+        trunk_mass: error of the trunk's mass that the controller believes in, as a share of it:
+            the simulated trunk weighs 1 + this. In place of the drawn one, whatever the noise;
+            None: as drawn.
     """
 
     board: float = 0.0
@@ -43,6 +46,12 @@ class Conditions:
     detector: str = "residual"
     landing: str = "scaled"
     solver: str = "quadprog"
+    trunk_mass: float | None = None
+
+    def as_arguments(self) -> dict[str, Any]:
+        """The arguments of `llsrbm.simulate` that ask for these conditions."""
+        # Noise without a seed would ask for seed 0.
+        return asdict(self) | ({"noise": None} if self.seed is None else {})
 
 
 @dataclass(frozen=True)

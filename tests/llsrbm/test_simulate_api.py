@@ -67,9 +67,9 @@ def test_everything_reaches_the_simulator(plan, calls):
 
     llsrbm.simulate(
         plan, board=0.025, half_board=True, seed=np.int64(1004), noise=0.5, detector="norm",
-        landing="planned", solver="quadprog", cancelled=cancelled, progress=print,
+        landing="planned", solver="quadprog", trunk_mass=-0.12, cancelled=cancelled, progress=print,
     )  # fmt: skip
-    conditions = Conditions(0.025, True, 1004, 0.5, "norm", "planned", "quadprog")
+    conditions = Conditions(0.025, True, 1004, 0.5, "norm", "planned", "quadprog", -0.12)
     assert calls[0].conditions == conditions
     assert type(calls[0].conditions.seed) is int
     assert calls[0].cancelled is cancelled
@@ -104,6 +104,8 @@ def test_seed_and_noise_imply_each_other(plan, calls, given, seed, noise):
         ({"noise": -0.1}, "noise: expected 0 to 3, got -0.1"),
         ({"noise": 3.1}, "noise: expected 0 to 3, got 3.1"),
         ({"noise": math.inf}, "noise: expected a finite number"),
+        ({"trunk_mass": 0.6}, "trunk mass: expected -0.5 to 0.5 of it, got 0.6"),
+        ({"trunk_mass": math.nan}, "trunk mass: expected a finite number"),
         ({"detector": "nosuch"}, "residual, norm"),
         ({"landing": "nosuch"}, "scaled, planned, tracking"),
         ({"solver": "nosuch"}, "quadprog, proxqp"),

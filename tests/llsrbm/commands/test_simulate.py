@@ -24,6 +24,7 @@ from tests.llsrbm.synthetic_rollout import synthetic_rollout
 def test_a_file_is_simulated_as_it_is(simulator, saved, capsys, tmp_path):
     simulator.answers.append(synthetic_rollout())
     words = "--board 0.025 --half-board --seed 7 --noise 0.5 --detector norm --landing planned"
+    words += " --trunk-mass -0.12"
     out = tmp_path / "r.npz"
     command = ["simulate", str(saved), *words.split(), "--qp-solver", "quadprog"]
     assert cli.main([*command, "--out", str(out)]) == 0
@@ -31,7 +32,7 @@ def test_a_file_is_simulated_as_it_is(simulator, saved, capsys, tmp_path):
     np.testing.assert_array_equal(plan.com, synthetic_plan().com)
     assert options == {
         "board": 0.025, "half_board": True, "seed": 7, "noise": 0.5, "detector": "norm",
-        "landing": "planned", "solver": "quadprog",
+        "landing": "planned", "solver": "quadprog", "trunk_mass": -0.12,
     }  # fmt: skip
     np.testing.assert_array_equal(load(out).qpos, simulator.answers[0].qpos)
 
@@ -116,12 +117,12 @@ def test_no_plan_is_exit_1_and_nothing_is_simulated(planner, simulator, capfd):
 
 
 def test_summary_for_a_person(simulator, saved, capsys):
-    conditions = Conditions(board=0.025, half_board=True, seed=7)
+    conditions = Conditions(board=0.025, half_board=True, seed=7, trunk_mass=0.12)
     simulator.answers.append(replace(synthetic_rollout(), conditions=conditions))
     assert cli.main(["simulate", str(saved)]) == 0
     out, err = capsys.readouterr()
     assert err == ""
-    assert "half board 25 mm, disturbed by seed 7, noise 1" in out
+    assert "half board 25 mm, disturbed by seed 7, noise 1, trunk +12 % against" in out
     assert "planned 0.900 s, true 0.890 s, detected 0.895 s, 0 false" in out
     assert "-2.9 deg at touchdown, +0.1 deg at the end" in out
     assert "4.2 x real time" in out
