@@ -172,6 +172,11 @@ def _description(rollout: Rollout) -> dict[str, str]:
         f"{100 * outcome.peak_speed_ratio:.0f} %, saturated in "
         f"{100 * outcome.saturated_fraction:.1f} % of the ticks"
     )
+    lines["controller"] = (
+        f"the QP was unsolved in {outcome.unsolved_ticks} of {len(rollout.time)} ticks"
+        if outcome.unsolved_ticks
+        else "the QP was solved in every tick"
+    )
     lines["speed"] = (
         f"{outcome.real_time_factor:.1f} x real time, a tick {1e3 * outcome.tick_median_s:.2f} ms "
         f"(p99 {1e3 * outcome.tick_p99_s:.2f} ms) at {outcome.control_rate_hz:.0f} Hz"

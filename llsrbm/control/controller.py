@@ -75,7 +75,7 @@ class WholeBodyController:
         self._robot = robot
         self._landing = landing_strategy(conditions.landing)
         self._body = body = WholeBody(robot)
-        self._dynamics = InverseDynamics(body, settings.friction, conditions.solver)
+        self._dynamics = InverseDynamics(body, settings.friction, conditions.solver, self._tick)
         self._reference = Reference(plan, robot.mass * _GRAVITY)
         self.detector = make_detector(conditions.detector, self._tick)
         self._foot_forces = FootForces(body, robot.leg_joint_index, self._tick)

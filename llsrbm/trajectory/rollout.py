@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from enum import IntEnum
 from pathlib import Path
 from typing import Any
@@ -88,7 +88,7 @@ class Outcome:
         strict: whether it landed by the strict measure: see `llsrbm.simulation.verdict`.
         final_yaw_error, final_position_error, final_tilt: at the end, against the plan's last knot:
             rad, m (CoM, horizontal), rad.
-        final_speed: largest joint or base speed in the last 0.2 s, rad/s or m/s.
+        final_speed: largest speed of the CoM in the last 0.2 s, m/s.
         touchdown_planned_s: the plan's.
         touchdown_true_s: the simulator's first contact; None if there was none.
         touchdown_detected_s: None if it was never detected.
@@ -99,12 +99,13 @@ class Outcome:
             where the plan lands it, m.
         foot_error: largest horizontal distance of a foot from the plan's at the end, m.
         peak_tilt: largest after touchdown.
-        second_flight_s: time without any contact after all feet had landed or 0.1 s had passed.
+        second_flight_s: time without any foot in contact, from the true touchdown on.
         trunk_touched: whether anything but the feet touched the ground.
         peak_torque_ratio, peak_speed_ratio: largest share of the robot file's limits.
         takeoff_joint_speed: largest until lift-off, rad/s or m/s.
         saturated_fraction: share of ticks with a torque at its limit.
-        unsolved_ticks: whose QP was not solved and whose torques were those of the tick before.
+        unsolved_ticks: ticks whose QP was not solved; their torques were held for 10 ms, then
+            damped the joints (`llsrbm.control.inverse_dynamics`). No strict success with any.
         tick_median_s, tick_p99_s: wall time of a controller tick.
         real_time_factor: simulated time / wall time, controller included.
         control_rate_hz: ticks a simulated second.
@@ -149,7 +150,7 @@ class Rollout:
 
     Attributes:
         jump: the plan's request.
-        robot_parameters: the numbers of the robot that were used, as plain data.
+        robot_parameters: the numbers of the robot that was simulated, as plain data.
         conditions, disturbance: what was asked, and what was drawn for it.
         outcome: how it ended.
         time: (T,) s, evenly spaced.
@@ -172,6 +173,9 @@ class Rollout:
         phase: (T,) `llsrbm.trajectory.plan.Phase` as the controller believes.
         reference_com, reference_base_quat, reference_foot_position, reference_angular_momentum:
             (T, 3), (T, 4), (T, L, 3), (T, 3): what was tracked.
+        control_parameters: the controller's numbers that ran, as plain data: the robot file's
+            [control] and [uncertainty] with their defaults; empty in files that were written
+            before rollouts had it.
     """
 
     jump: Jump
@@ -203,6 +207,7 @@ class Rollout:
     reference_base_quat: Array
     reference_foot_position: Array
     reference_angular_momentum: Array
+    control_parameters: dict[str, Any] = field(default_factory=dict)
 
     @property
     def duration(self) -> float:

@@ -63,7 +63,7 @@ def test_options_override_a_designs_conditions(planner, simulator, file, capsys)
     assert cli.main(["simulate", *words.split(), "--design", file]) == 0
     assert simulator.requests[0][1] == {
         "board": 0, "half_board": False, "seed": 7, "noise": 2, "detector": "residual",
-        "landing": "scaled", "solver": "proxqp",
+        "landing": "scaled", "solver": "proxqp", "trunk_mass": None,
     }  # fmt: skip
 
 
