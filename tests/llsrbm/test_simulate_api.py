@@ -168,6 +168,14 @@ class TestAnotherRobot:
         assert "of another robot" in refused(replace(plan, joint_names=names))
         assert "it has 2 feet" in refused(replace(plan, foot_position=plan.foot_position[:, :2]))
 
+    def test_that_has_other_gains_only_is_the_same(self, plan, calls, tmp_path):
+        path = tmp_path / "mine.toml"
+        for rate in (400.0, 500.0):  # edited between two simulations of one plan
+            text = load_robot("anymal").path.read_text()
+            path.write_text(f"{text}\n[control]\nrate = {rate}\n")
+            llsrbm.simulate(replace(plan, jump=llsrbm.Jump(robot=str(path))))
+            assert calls[-1].robot.file.control.rate == rate
+
     def test_that_is_not_here(self, plan, calls):
         assert 'no robot "nosuch"' in refused(replace(plan, jump=llsrbm.Jump(robot="nosuch")))
 
