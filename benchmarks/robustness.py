@@ -202,7 +202,7 @@ def main(
     jobs: int = 2,
     noise: float = 1.0,
     detector: str = "residual",
-    landing: str = "scaled",
+    landing: str = "auto",
     solver: str = "quadprog",
     trunk_mass: Annotated[
         float | None,

@@ -8,11 +8,10 @@ from itertools import chain
 import numpy as np
 from numpy.typing import NDArray
 
-from llsrbm.control import tasks
+from llsrbm.control import landing, tasks
 from llsrbm.control.detection import CentroidalState, make_detector
 from llsrbm.control.foot_force import FootForces
 from llsrbm.control.inverse_dynamics import Command, InverseDynamics
-from llsrbm.control.landing import landing_strategy
 from llsrbm.control.reference import Reference, Target
 from llsrbm.control.whole_body import WholeBody
 from llsrbm.robots import Robot
@@ -56,6 +55,7 @@ class WholeBodyController:
     Attributes:
         detected_at: when touchdown was detected, s; None before.
         detector: the contact detector.
+        landing: name of the landing strategy.
     """
 
     def __init__(self, robot: Robot, plan: Plan, conditions: Conditions) -> None:
@@ -67,13 +67,14 @@ class WholeBodyController:
             conditions: names of detector, landing strategy and QP solver.
 
         Raises:
-            InputError: one of those names is unknown.
+            InputError: one of those names is unknown, or the strategy not for this robot.
         """
         settings = robot.file.control
         self._settings = settings
         self._tick = 1.0 / settings.rate
         self._robot = robot
-        self._landing = landing_strategy(conditions.landing)
+        self.landing = landing.resolved(conditions.landing, settings.force_phase)
+        self._landing = landing.landing_strategy(self.landing)
         self._body = body = WholeBody(robot)
         self._dynamics = InverseDynamics(body, settings.friction, conditions.solver, self._tick)
         self._reference = Reference(plan, robot.mass * _GRAVITY)

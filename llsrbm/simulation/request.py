@@ -24,7 +24,7 @@ def make_conditions(
     seed: int | None = None,
     noise: float | None = None,
     detector: str = "residual",
-    landing_strategy: str = "scaled",
+    landing_strategy: str = "auto",
     solver: str = "quadprog",
     trunk_mass: float | None = None,
 ) -> Conditions:
@@ -42,7 +42,7 @@ def make_conditions(
         InputError: a name that is unknown, a number that makes no sense.
     """
     detection.check_name(detector)
-    landing.landing_strategy(landing_strategy)
+    landing.check_name(landing_strategy)
     solvers.check_name(solver)
     board = _number("board", board)
     if board < 0:
@@ -98,6 +98,11 @@ def check_robot(plan: Plan, robot: Robot) -> None:
             f"{_short(list(plan.joint_names))}, {robot.path} has {len(robot.legs)} and "
             f"{_short(list(robot.joint_names))}; plan the jump again"
         )
+
+
+def check_landing(conditions: Conditions, robot: Robot) -> None:
+    """Raise `InputError` for a landing strategy that is not for this robot."""
+    landing.resolved(conditions.landing, robot.file.control.force_phase)
 
 
 def _number(name: str, value: Any) -> float:

@@ -128,6 +128,7 @@ def judge(
         tick_p99_s=float(np.percentile(recorder.tick_times, 99)),
         real_time_factor=len(recorder) * tick / wall_time,
         control_rate_hz=1.0 / tick,
+        landing_strategy=controller.landing,
     )
 
 

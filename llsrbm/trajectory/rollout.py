@@ -32,7 +32,8 @@ class Conditions:
         seed: draws the disturbance; None: nothing is disturbed.
         noise: scale of the disturbance, 1 as in the robustness benchmark.
         detector: name of the contact detector (`llsrbm.control.detection`).
-        landing: name of the landing strategy (`llsrbm.control.landing`).
+        landing: name of the landing strategy (`llsrbm.control.landing`), or "auto": as the robot
+            file has it.
         solver: name of the QP solver (`llsrbm.control.solvers`).
         trunk_mass: error of the trunk's mass that the controller believes in, as a share of it:
             the simulated trunk weighs 1 + this. In place of the drawn one, whatever the noise;
@@ -44,7 +45,7 @@ class Conditions:
     seed: int | None = None
     noise: float = 1.0
     detector: str = "residual"
-    landing: str = "scaled"
+    landing: str = "auto"
     solver: str = "quadprog"
     trunk_mass: float | None = None
 
@@ -109,6 +110,7 @@ class Outcome:
         tick_median_s, tick_p99_s: wall time of a controller tick.
         real_time_factor: simulated time / wall time, controller included.
         control_rate_hz: ticks a simulated second.
+        landing_strategy: the one that ran; "" in files that were written before outcomes had it.
     """
 
     status: str
@@ -139,6 +141,7 @@ class Outcome:
     tick_p99_s: float
     real_time_factor: float
     control_rate_hz: float
+    landing_strategy: str = ""
 
 
 @dataclass(frozen=True, eq=False)

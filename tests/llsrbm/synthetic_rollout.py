@@ -204,4 +204,5 @@ def _outcome(plan, legs, touchdown, detected, fell_at):
         tick_p99_s=4.8e-4,
         real_time_factor=4.2,
         control_rate_hz=RATE,
+        landing_strategy="scaled",
     )

@@ -107,7 +107,7 @@ def test_seed_and_noise_imply_each_other(plan, calls, given, seed, noise):
         ({"trunk_mass": 0.6}, "trunk mass: expected -0.5 to 0.5 of it, got 0.6"),
         ({"trunk_mass": math.nan}, "trunk mass: expected a finite number"),
         ({"detector": "nosuch"}, "residual, norm"),
-        ({"landing": "nosuch"}, "scaled, planned, tracking"),
+        ({"landing": "nosuch"}, "auto, scaled, planned, tracking"),
         ({"solver": "nosuch"}, "quadprog, proxqp"),
     ],
 )
@@ -175,6 +175,19 @@ class TestAnotherRobot:
             path.write_text(f"{text}\n[control]\nrate = {rate}\n")
             llsrbm.simulate(replace(plan, jump=llsrbm.Jump(robot=str(path))))
             assert calls[-1].robot.file.control.rate == rate
+
+    def test_without_a_force_phase_follows_no_forces(self, plan, calls, tmp_path):
+        path = tmp_path / "mine.toml"
+        text = load_robot("anymal").path.read_text()
+        path.write_text(f"{text}\n[control]\nforce_phase = 0.0\n")
+        plan = replace(plan, jump=llsrbm.Jump(robot=str(path)))
+        for strategy in ("scaled", "planned"):
+            said = refused(plan, landing=strategy)
+            assert f'"{strategy}" follows forces' in said
+        assert not calls
+        llsrbm.simulate(plan)
+        llsrbm.simulate(plan, landing="tracking")
+        assert [call.conditions.landing for call in calls] == ["auto", "tracking"]
 
     def test_that_is_not_here(self, plan, calls):
         assert 'no robot "nosuch"' in refused(replace(plan, jump=llsrbm.Jump(robot="nosuch")))

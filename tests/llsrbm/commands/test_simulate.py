@@ -150,6 +150,28 @@ def test_a_waiting_person_sees_how_far_it_is(simulator, saved, capsys, monkeypat
     assert "simulating  50 %" in capsys.readouterr().err
 
 
+def test_which_landing_strategy_ran(simulator, saved, capsys):
+    rollout = synthetic_rollout()
+    simulator.answers.append(rollout)
+    assert cli.main(["simulate", str(saved)]) == 0
+    assert "landing strategy scaled, the QP was solved in every tick" in capsys.readouterr().out
+    outcome = replace(rollout.outcome, landing_strategy="tracking", unsolved_ticks=3)
+    simulator.answers[0] = replace(rollout, outcome=outcome)
+    assert cli.main(["simulate", str(saved)]) == 0
+    assert (
+        "landing strategy tracking (the robot file has no force phase), "
+        "the QP was unsolved in 3 of 1001 ticks"
+    ) in capsys.readouterr().out
+
+
+def test_a_strategy_that_is_not_for_the_robot_is_refused_before_planning(planner, capfd):
+    assert cli.main(["simulate", "--robot", "slider", "--landing", "planned"]) == 2
+    out, err = capfd.readouterr()
+    assert (out, err.count("\n")) == ("", 1)
+    assert 'landing: "planned" follows forces' in err
+    assert not planner.requests
+
+
 def test_for_real(tmp_path):
     out = tmp_path / "rollout.npz"
     process = run("simulate", "--twist", 30, "--seed", 3, "--json", "--out", out)
