@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from llsrbm.control import landing, tasks
-from llsrbm.control.detection import CentroidalState, make_detector
+from llsrbm.control.detection import CentroidalState, make_detector, model_uncertainty
 from llsrbm.control.foot_force import FootForces
 from llsrbm.control.inverse_dynamics import Command, InverseDynamics
 from llsrbm.control.reference import Reference, Target
@@ -78,7 +78,9 @@ class WholeBodyController:
         self._body = body = WholeBody(robot)
         self._dynamics = InverseDynamics(body, settings.friction, conditions.solver, self._tick)
         self._reference = Reference(plan, robot.mass * _GRAVITY)
-        self.detector = make_detector(conditions.detector, self._tick)
+        self.detector = make_detector(
+            conditions.detector, self._tick, model_uncertainty(robot.file)
+        )
         self._foot_forces = FootForces(body, robot.leg_joint_index, self._tick)
         gains, legs = settings.gains, range(body.legs)
         self._com = tasks.CentreOfMass(gains.com)
@@ -114,7 +116,7 @@ class WholeBodyController:
             body.com_velocity,
             body.angular_momentum,
             body.inertia,
-            body.R_world_base @ v[:3] - body.com_velocity,
+            body.trunk_momentum,
         )
         # Half a tick, so that rounding of times cannot shift a phase by a whole one.
         flying = self.detected_at is None and time >= self._reference.takeoff - self._tick / 2
