@@ -51,6 +51,8 @@ def simulated_line(rollout: Rollout) -> tuple[str, str]:
         parts.append(f"yaw {_degrees(outcome.yaw_error_at_touchdown)} from the plan at touch-down")
     parts.append(f"{_degrees(outcome.final_yaw_error)} at the end")
     parts.append(f"{outcome.real_time_factor:.1f}× real time")
+    if outcome.unsolved_ticks:
+        parts.append(f"the controller's QP was unsolved in {outcome.unsolved_ticks} ticks")
     loosely = "" if outcome.strict else "but not by the strict measure: "
     return "Landed", loosely + ", ".join(parts)
 

@@ -59,6 +59,8 @@ class Detector(ABC):
         threshold: what `signal` is compared with; constant.
         signal: its last value, for plots: a contact is reported when it is above the threshold,
             0 while the detector does not listen.
+        tick: s between updates.
+        uncertainty: of the model behind the states; a detector may make nothing of it.
     """
 
     name: ClassVar[str]
