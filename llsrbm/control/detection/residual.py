@@ -36,7 +36,7 @@ from llsrbm.control.detection.base import GRAVITY, Array, CentroidalState, Detec
 from llsrbm.control.detection.uncertainty import ModelUncertainty
 
 # Standard deviations. Six components of white noise exceed 8 in 1 of 1e11 tests; the worst of 450
-# simulated flights with noise and a trunk mass wrong by 8 to 15 % came to 6.0.
+# simulated flights with noise and a trunk mass wrong by 8 to 15 %, 10 % being stated, came to 6.0.
 THRESHOLD = 8.0
 LONGEST_WINDOW = 0.020  # s; contacts so soft that they need more reach the threshold soon after
 BASELINE = 0.040  # s: twice that, so that its own noise matters little
