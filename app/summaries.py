@@ -53,6 +53,8 @@ def simulated_line(rollout: Rollout) -> tuple[str, str]:
         parts.append(f"yaw {_degrees(outcome.yaw_error_at_touchdown)} from the plan at touch-down")
     parts.append(f"{_degrees(outcome.final_yaw_error)} at the end")
     parts.append(f"{outcome.real_time_factor:.1f}× real time")
+    if outcome.unsolved_ticks:
+        parts.append(f"the controller's QP was unsolved in {outcome.unsolved_ticks} ticks")
     loosely = "" if outcome.strict else "but not by the strict measure: "
     return "Landed", loosely + ", ".join(parts)
 
@@ -149,7 +151,8 @@ def _conditions(conditions: Conditions, disturbance: Disturbance) -> str:
         kind = "half board" if conditions.half_board else "board"
         parts.append(f"{kind} of {1e3 * conditions.board:.0f} mm")
     if conditions.seed is None:
-        parts.append("undisturbed")
+        trunk = conditions.trunk_mass
+        parts.append(f"trunk {trunk:+.1%}" if trunk else "undisturbed")
     else:
         parts.append(
             f"seed {conditions.seed}: trunk {disturbance.trunk_mass_factor - 1:+.1%}, "

@@ -100,13 +100,9 @@ class LibraryPlanner:
                 told = int(100 * share)
                 tell(f"simulating, {told} %", share=share)
 
-        conditions = task.conditions
         return llsrbm.simulate(
             task.plan,
-            board=conditions.board,
-            half_board=conditions.half_board,
-            seed=conditions.seed,
-            noise=None if conditions.seed is None else conditions.noise,
+            **task.conditions.as_arguments(),
             progress=percent,
             cancelled=cancelled,
         )

@@ -25,16 +25,7 @@ def row(name: str, design: Design) -> str:
         plan = llsrbm.plan(design.jump, weights=tuning.weights, limits=tuning.limits)
     except llsrbm.NotConverged as error:
         return f"| {name} | failed: {error} |"
-    rollout = llsrbm.simulate(
-        plan,
-        board=conditions.board,
-        half_board=conditions.half_board,
-        seed=conditions.seed,
-        noise=None if conditions.seed is None else conditions.noise,
-        detector=conditions.detector,
-        landing=conditions.landing,
-        solver=conditions.solver,
-    )
+    rollout = llsrbm.simulate(plan, **conditions.as_arguments())
     report, outcome = plan.report, rollout.outcome
     cells = (
         name,

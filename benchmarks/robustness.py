@@ -1,6 +1,7 @@
 """Does the whole robot follow its plans? Many seeds a jump, judged strictly.
 
     python -m benchmarks.robustness --seeds 1000:1020 --models llsrbm-plus,llsrbm,srbm
+    python -m benchmarks.robustness --robot slider --seeds 1000:1010 --trunk-mass 0.15
 
 Each cell is one plan, simulated once a seed with everything disturbed that
 `llsrbm.simulation.disturbance` disturbs. Strict success is defined in `llsrbm.simulation.verdict`.
@@ -75,13 +76,20 @@ _plans: dict[tuple[str, str, Cell], Any] = {}
 
 
 def one(work: tuple[Cell, str, str, int, dict[str, Any]]) -> dict[str, Any]:
-    cell, robot, model, seed, options = work
+    cell, robot, model, seed, given = work
+    options = dict(given)
     key = (robot, model, cell)
     if key not in _plans:
         _plans[key] = llsrbm.plan(cell.jump(robot, model))
     plan = _plans[key]
+    bound = options.pop("trunk_mass")
     rollout = llsrbm.simulate(
-        plan, board=cell.board, half_board=cell.half_board, seed=seed, **options
+        plan,
+        board=cell.board,
+        half_board=cell.half_board,
+        seed=seed,
+        trunk_mass=None if bound is None else bound * (-1) ** seed,
+        **options,
     )
     rates = yaw_rates(plan, rollout)
     return {"cell": cell.name, "model": model, "seed": seed, **asdict(rollout.outcome), **rates}
@@ -194,12 +202,24 @@ def main(
     jobs: int = 2,
     noise: float = 1.0,
     detector: str = "residual",
-    landing: str = "scaled",
+    landing: str = "auto",
     solver: str = "quadprog",
+    trunk_mass: Annotated[
+        float | None,
+        typer.Option(
+            help="Error of the trunk's mass in place of the drawn one: + for even seeds, - for odd."
+        ),
+    ] = None,
     out: Annotated[Path | None, typer.Option(help="All outcomes, JSON lines.")] = None,
 ) -> None:
     first, last = (int(part) for part in seeds.split(":"))
-    options = {"noise": noise, "detector": detector, "landing": landing, "solver": solver}
+    options = {
+        "noise": noise,
+        "detector": detector,
+        "landing": landing,
+        "solver": solver,
+        "trunk_mass": trunk_mass,
+    }
     work = [
         (cell, robot, model, seed, options)
         for model in models.split(",")

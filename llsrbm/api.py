@@ -121,8 +121,9 @@ def simulate(
     seed: int | None = None,
     noise: float | None = None,
     detector: str = "residual",
-    landing: str = "scaled",
+    landing: str = "auto",
     solver: str = "quadprog",
+    trunk_mass: float | None = None,
     cancelled: Callable[[], bool] | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> Rollout:
@@ -139,14 +140,18 @@ def simulate(
             measured velocities; None: nothing is disturbed.
         noise: scale of the disturbance, 0 to 3; None: 1. Without a seed, the seed is 0.
         detector: name of the contact detector (`llsrbm.control.detection`).
-        landing: name of the landing strategy (`llsrbm.control.landing`).
+        landing: name of the landing strategy (`llsrbm.control.landing`); "auto": scaled forces
+            where the robot file has a force phase, tracking where it has none.
         solver: name of the controller's QP solver (`llsrbm.control.solvers`).
+        trunk_mass: error of the trunk's mass, -0.5 to 0.5 of it, in place of the drawn one: the
+            simulated trunk weighs 1 + this of what the controller believes; None: as drawn.
         cancelled: asked now and then; True ends with `Cancelled`.
         progress: told the share that is done, 0 to 1.
 
     Raises:
         InputError: no plan, one that did not converge or is of another robot; an unknown name; a
-            number out of range, a board that does not fit under the robot among them.
+            landing strategy that follows forces on a robot without a force phase; a number out of
+            range, a board that does not fit under the robot among them.
         RobotFileError: the robot file is wrong.
         Cancelled: on request.
     """
@@ -163,7 +168,9 @@ def simulate(
         detector=detector,
         landing_strategy=landing,
         solver=solver,
+        trunk_mass=trunk_mass,
     )
     robot = load_robot(plan.jump.robot)
     request.check_robot(plan, robot)
+    request.check_landing(conditions, robot)
     return run(plan, robot, conditions, cancelled=cancelled, progress=progress)

@@ -31,6 +31,7 @@ from llsrbm.errors import FileFormatError, InputError
 from llsrbm.jump import Jump
 from llsrbm.robots.schema import choices
 from llsrbm.robots.tables import Table
+from llsrbm.simulation.disturbance import LARGEST_TRUNK_MASS
 from llsrbm.trajectory.rollout import Conditions
 from llsrbm.tuning import Tuning
 
@@ -148,6 +149,7 @@ class _ConditionsTable(Table):
     detector: _Name = Conditions.detector
     landing: _Name = Conditions.landing
     solver: _Name = Conditions.solver
+    trunk_mass: Annotated[float, Field(ge=-LARGEST_TRUNK_MASS, le=LARGEST_TRUNK_MASS)] | None = None
 
     @model_validator(mode="after")
     def _half_of_something(self) -> Self:

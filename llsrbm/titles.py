@@ -53,8 +53,10 @@ def _parts(jump: Jump, tuning: Tuning, conditions: Conditions | None) -> dict[st
         return parts
     standard = asdict(Conditions())
     for name, value in asdict(conditions).items():
-        if value != standard[name] and name not in ("board", "half_board"):
+        if value != standard[name] and name not in ("board", "half_board", "trunk_mass"):
             parts[name] = f"{name} {value:g}" if isinstance(value, float | int) else str(value)
+    if conditions.trunk_mass is not None:
+        parts["trunk_mass"] = f"trunk {100 * conditions.trunk_mass:+g} %"
     if conditions.board:
         kind = "half board" if conditions.half_board else "board"
         parts["board"] = f"{kind} {1e3 * conditions.board:g} mm"

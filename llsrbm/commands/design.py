@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -64,12 +64,9 @@ def requested_world(
         design: whose conditions count where nothing is given.
         world: name of an argument -> what the options say, defaults included.
     """
-    conditions = asdict(design.conditions)
-    if conditions["seed"] is None:
-        conditions["noise"] = None  # of a disturbance that is not asked for
     given = {
         name: value
         for name, value in world.items()
         if options.is_given(context, {"solver": "qp_solver"}.get(name, name))
     }
-    return conditions | given
+    return design.conditions.as_arguments() | given

@@ -38,8 +38,15 @@ def simulate_command(
     noise: Annotated[
         float | None, typer.Option(metavar="S", help="Scale of the disturbance, 0 to 3.")
     ] = None,
+    trunk_mass: Annotated[
+        float | None,
+        typer.Option(
+            metavar="SHARE",
+            help="Error of the trunk's mass, such as 0.12, in place of the drawn one.",
+        ),
+    ] = None,
     detector: Annotated[str, typer.Option(help="residual or norm.")] = "residual",
-    landing: Annotated[str, typer.Option(help="scaled, planned or tracking.")] = "scaled",
+    landing: Annotated[str, typer.Option(help="auto, scaled, planned or tracking.")] = "auto",
     qp_solver: Annotated[str, typer.Option(help="quadprog or proxqp.")] = "quadprog",
     design: DesignOption = None,
     robot: options.Robot = "anymal",
@@ -62,7 +69,8 @@ def simulate_command(
     """
     with console.result_stream(as_json=as_json) as stdout:
         import llsrbm
-        from llsrbm.simulation.request import make_conditions
+        from llsrbm.robots import load_robot
+        from llsrbm.simulation.request import check_landing, make_conditions
         from llsrbm.trajectory.rollout_summary import rollout_summary
 
         given = [name for name in options.PLANNING if options.is_given(context, name)]
@@ -85,11 +93,16 @@ def simulate_command(
                 "detector": detector,
                 "landing": landing,
                 "solver": qp_solver,
+                "trunk_mass": trunk_mass,
             },
         )
         # What is wrong here shall not come out after seconds of planning.
         strategy = {"landing_strategy": world["landing"]}
-        make_conditions(**strategy, **{k: v for k, v in world.items() if k != "landing"})
+        conditions = make_conditions(
+            **strategy, **{k: v for k, v in world.items() if k != "landing"}
+        )
+        if file is None:
+            check_landing(conditions, load_robot(request.jump.robot))
         if file is not None:
             plan = _read_plan(file)
         else:
@@ -139,7 +152,10 @@ def _description(rollout: Rollout) -> dict[str, str]:
     noise = "undisturbed"
     if conditions.seed is not None:
         noise = f"disturbed by seed {conditions.seed}, noise {conditions.noise:g}"
-    lines["world"] = f"{board}{noise}"
+    trunk = ""
+    if conditions.trunk_mass is not None:
+        trunk = f", trunk {100 * conditions.trunk_mass:+g} % against its believed mass"
+    lines["world"] = f"{board}{noise}{trunk}"
     lines["outcome"] = (
         f"landed, by the strict measure {'too' if outcome.strict else 'not'}"
         if rollout.landed
@@ -160,6 +176,14 @@ def _description(rollout: Rollout) -> dict[str, str]:
         f"torque at most {100 * outcome.peak_torque_ratio:.0f} % of the limit, speed "
         f"{100 * outcome.peak_speed_ratio:.0f} %, saturated in "
         f"{100 * outcome.saturated_fraction:.1f} % of the ticks"
+    )
+    lines["controller"] = f"landing strategy {outcome.landing_strategy or conditions.landing}"
+    if conditions.landing == "auto" and outcome.landing_strategy == "tracking":
+        lines["controller"] += " (the robot file has no force phase)"
+    lines["controller"] += (
+        f", the QP was unsolved in {outcome.unsolved_ticks} of {len(rollout.time)} ticks"
+        if outcome.unsolved_ticks
+        else ", the QP was solved in every tick"
     )
     lines["speed"] = (
         f"{outcome.real_time_factor:.1f} x real time, a tick {1e3 * outcome.tick_median_s:.2f} ms "

@@ -8,11 +8,10 @@ from itertools import chain
 import numpy as np
 from numpy.typing import NDArray
 
-from llsrbm.control import tasks
-from llsrbm.control.detection import CentroidalState, make_detector
+from llsrbm.control import landing, tasks
+from llsrbm.control.detection import CentroidalState, make_detector, model_uncertainty
 from llsrbm.control.foot_force import FootForces
 from llsrbm.control.inverse_dynamics import Command, InverseDynamics
-from llsrbm.control.landing import landing_strategy
 from llsrbm.control.reference import Reference, Target
 from llsrbm.control.whole_body import WholeBody
 from llsrbm.robots import Robot
@@ -56,6 +55,7 @@ class WholeBodyController:
     Attributes:
         detected_at: when touchdown was detected, s; None before.
         detector: the contact detector.
+        landing: name of the landing strategy.
     """
 
     def __init__(self, robot: Robot, plan: Plan, conditions: Conditions) -> None:
@@ -67,17 +67,20 @@ class WholeBodyController:
             conditions: names of detector, landing strategy and QP solver.
 
         Raises:
-            InputError: one of those names is unknown.
+            InputError: one of those names is unknown, or the strategy not for this robot.
         """
         settings = robot.file.control
         self._settings = settings
         self._tick = 1.0 / settings.rate
         self._robot = robot
-        self._landing = landing_strategy(conditions.landing)
+        self.landing = landing.resolved(conditions.landing, settings.force_phase)
+        self._landing = landing.landing_strategy(self.landing)
         self._body = body = WholeBody(robot)
-        self._dynamics = InverseDynamics(body, settings.friction, conditions.solver)
+        self._dynamics = InverseDynamics(body, settings.friction, conditions.solver, self._tick)
         self._reference = Reference(plan, robot.mass * _GRAVITY)
-        self.detector = make_detector(conditions.detector, self._tick)
+        self.detector = make_detector(
+            conditions.detector, self._tick, model_uncertainty(robot.file)
+        )
         self._foot_forces = FootForces(body, robot.leg_joint_index, self._tick)
         gains, legs = settings.gains, range(body.legs)
         self._com = tasks.CentreOfMass(gains.com)
@@ -113,7 +116,7 @@ class WholeBodyController:
             body.com_velocity,
             body.angular_momentum,
             body.inertia,
-            body.R_world_base @ v[:3] - body.com_velocity,
+            body.trunk_momentum,
         )
         # Half a tick, so that rounding of times cannot shift a phase by a whole one.
         flying = self.detected_at is None and time >= self._reference.takeoff - self._tick / 2

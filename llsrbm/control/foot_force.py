@@ -12,7 +12,8 @@ Array = NDArray[np.float64]
 _BASE = 6
 _REGULARISATION = 1e-6 * np.eye(3)  # m2, for legs that are stretched out
 _SMOOTHING = 0.5  # share of the newest tick; one tick's difference of noisy velocities is 10 N off
-_TOUCHING = 0.06  # of the robot's weight, N: twice what noise and a wrong trunk mass make of a leg
+# Of the robot's weight: twice what noise makes of a leg; the trunk's mass is not in its equations.
+_TOUCHING = 0.06
 _SURE = 2  # ticks in a row
 
 

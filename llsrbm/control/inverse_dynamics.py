@@ -4,6 +4,16 @@ min 1/2 |A a + dA v - B|^2_W1 + 1/2 |f - f_wanted|^2_W2    over a (n,), f (3 C,)
 s.t. M_f a + h_f = J_f^T f                     floating base
      |f_x|, |f_y| <= mu / sqrt(2) f_z          friction pyramid, inside the cone of mu
      tau = M_a a + h_a - J_a^T f within the drives' limits
+
+A tick whose program is not solved gets torques that need no solution. For a moment those of the
+last tick that was solved, cut to what the drives can give: they change little within some ticks,
+and what kept a program from being solved is often over in the next. After that they would drive
+joints that have gone elsewhere, and joints are damped until a program is solved again,
+
+    tau = -diag(M_a) v / T   within the drives' limits,
+
+which takes energy out whatever the robot's state: legs fold slowly under its weight. That is no
+landing but a stop that harms least, and `solved` says so of every such tick.
 """
 
 from __future__ import annotations
@@ -24,12 +34,15 @@ Array = NDArray[np.float64]
 
 _BASE = 6  # unactuated velocities
 _REGULARISATION = 1e-6  # (m/s2)^-2; accelerations that no task sees, e.g. the base's in flight
+HOLD = 0.010  # s for which torques outlast their program: four ticks at 400 Hz
+DAMPING = 0.05  # s in which a joint that is damped, the others held, loses two thirds of its speed
 
 
 class Command(NamedTuple):
     """What a tick decides: `torque` (J,), `acceleration` (n,), `force` (C, 3) N.
 
-    `solved` is False when the program was not; the numbers are then those of the tick before.
+    `solved` is False when the program was not; torques are then held or damp the joints, as above.
+    Accelerations and forces are held with them, and zero where joints are damped.
     """
 
     torque: Array
@@ -41,13 +54,14 @@ class Command(NamedTuple):
 class InverseDynamics:
     """Builds and solves the program of one robot, tick after tick."""
 
-    def __init__(self, body: WholeBody, friction: float, solver: str) -> None:
+    def __init__(self, body: WholeBody, friction: float, solver: str, tick: float) -> None:
         """Set up the program's size.
 
         Args:
             body: the robot; its state is read at each `solve`.
             friction: coefficient of the cone around the pyramid.
             solver: name of the QP solver.
+            tick: s between solves.
 
         Raises:
             InputError: no such solver.
@@ -65,7 +79,10 @@ class InverseDynamics:
         self._qp.C[:pyramid, n:] = np.kron(np.eye(contacts), faces)
         self._qp.upper[:pyramid] = 0.0
         self._diagonal = np.arange(variables)
-        self._last = Command(np.zeros(joints), np.zeros(n), np.zeros((contacts, 3)), solved=False)
+        self._zero = Command(np.zeros(joints), np.zeros(n), np.zeros((contacts, 3)), solved=False)
+        self._last = self._zero
+        self._hold = round(HOLD / tick)  # ticks
+        self._unsolved = self._hold  # in a row; before the first solution there is nothing to hold
 
     def solve(
         self,
@@ -100,11 +117,26 @@ class InverseDynamics:
         qp.x_upper[n:] = np.where(pushing, np.inf, 0.0)
         solution = self._solver.solve(qp)
         if not solution.solved:
-            return self._last._replace(solved=False)
+            return self._unsolved_command(torque_limits)
         a, f = solution.x[:n], solution.x[n:]
         torque = body.M[_BASE:] @ a + body.h[_BASE:] - J[:, _BASE:].T @ f
         self._last = Command(torque, a, f.reshape(-1, 3), solved=True)
+        self._unsolved = 0
         return self._last
+
+    def _unsolved_command(self, torque_limits: tuple[Array, Array]) -> Command:
+        """The last solved torques for `HOLD` s, then damped joints."""
+        self._unsolved += 1
+        held = self._unsolved <= self._hold
+        command = self._last if held else self._zero
+        torque = command.torque if held else self._damping()
+        return command._replace(torque=np.clip(torque, *torque_limits), solved=False)
+
+    def _damping(self) -> Array:
+        """(J,) Nm or N that slow every joint down."""
+        body = self._body
+        torque: Array = -np.diag(body.M)[_BASE:] * body.v[_BASE:] / DAMPING
+        return torque
 
     def _set_costs(
         self,

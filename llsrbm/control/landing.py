@@ -39,6 +39,8 @@ def _scaled(planned: Array, standing: Array, share: float) -> Array:
     return standing + float(np.clip(share, *_SCALES)) * (planned - standing)
 
 
+AUTO = "auto"
+_AUTO = "scaled where the robot file has a force phase, tracking where it has none (the default)"
 _STRATEGIES = {
     "scaled": LandingStrategy(
         "force phase with the plan's forces, scaled about the weight to the momentum met",
@@ -57,16 +59,38 @@ _STRATEGIES = {
 
 
 def names() -> dict[str, str]:
-    """Strategy -> one line."""
-    return {name: strategy.description for name, strategy in _STRATEGIES.items()}
+    """What may be asked for -> one line, the default first."""
+    return {AUTO: _AUTO} | {name: one.description for name, one in _STRATEGIES.items()}
+
+
+def check_name(name: str) -> None:
+    """Raise `InputError`, naming the valid ones, for a name that is no strategy's."""
+    if name not in names():
+        raise InputError(f'landing: no strategy "{name}"; valid: {", ".join(names())}')
+
+
+def resolved(name: str, force_phase: float) -> str:
+    """The strategy that runs where `name` is asked for.
+
+    Args:
+        name: of a strategy, or "auto".
+        force_phase: how long the robot file has forces followed after touchdown, s.
+
+    Raises:
+        InputError: no such strategy, or one that follows forces on a robot that never does.
+    """
+    check_name(name)
+    if name == AUTO:
+        return "scaled" if force_phase > 0 else "tracking"
+    if _STRATEGIES[name].follows_forces and force_phase == 0:
+        raise InputError(
+            f'landing: "{name}" follows forces after touchdown, and the robot file has no force '
+            f'phase (control.force_phase = 0); expected "{AUTO}" or "tracking", or a force phase '
+            "in the file"
+        )
+    return name
 
 
 def landing_strategy(name: str) -> LandingStrategy:
-    """The strategy of that name.
-
-    Raises:
-        InputError: no such strategy.
-    """
-    if name not in _STRATEGIES:
-        raise InputError(f'landing: no strategy "{name}"; valid: {", ".join(_STRATEGIES)}')
+    """The strategy of a name that is `resolved`."""
     return _STRATEGIES[name]

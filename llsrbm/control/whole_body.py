@@ -107,6 +107,20 @@ class WholeBody:
         self.angular_velocity = self.R_world_base @ v[3:6]
         self._update_feet()
 
+    @property
+    def trunk_momentum(self) -> Array:
+        """(6,) kg m/s, kg m2/s: linear and angular, about the CoM, of the trunk alone.
+
+        Of its motion relative to the CoM: momenta that a heavier trunk has more of, without what
+        the whole robot's flight adds to them.
+        """
+        trunk, R = self._model.inertias[1], self.R_world_base
+        omega = self.v[3:6]
+        velocity = R @ (self.v[:3] + np.cross(omega, trunk.lever))
+        linear = trunk.mass * (velocity - self.com_velocity)
+        arm = self._data.oMi[1].translation + R @ trunk.lever - self.com
+        return np.concatenate([linear, R @ (trunk.inertia @ omega) + np.cross(arm, linear)])
+
     def _update_feet(self) -> None:
         model, data = self._model, self._data
         axes = pin.LOCAL_WORLD_ALIGNED

@@ -109,7 +109,8 @@ def analytic_guess(
 
     steps = layout.intervals.flight
     feet = np.array([in_hips(k / steps) for k in range(steps + 1)])
-    feet_velocity = np.gradient(feet, T[1] / steps, axis=0)
+    rates = np.diff(feet, axis=0) * steps / T[1]
+    feet_velocity = np.concatenate([rates[:1], rates])
     feet_step = np.diff(feet_velocity, axis=0)
     inertia_zz = model.evaluate(feet[:1])[1][0, 2, 2]
     w = np.zeros(layout.size_total)

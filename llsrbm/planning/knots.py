@@ -37,8 +37,8 @@ class Knots:
         force: (N+1, C, 3) N.
         rotation_rate: (N, 3) rad/s, base axes.
         flight_feet: (F+1, L, d) m, rad: x at the knots from lift-off to touchdown.
-        flight_feet_velocity: (F+1, L, d) m/s, rad/s: xdot there; its steps from knot to knot are
-            what constant accelerations add.
+        flight_feet_velocity: (F+1, L, d) m/s, rad/s: xdot over the interval before each of them;
+            before the first, at rest on the ground.
         near_angles: (N+1, J) joint angles close to the postures, where they are known.
     """
 
@@ -162,16 +162,14 @@ class Knots:
             beta_rate = np.concatenate([beta_rate, turn[..., None]], axis=-1)
         xdot = self.model.stance_rate(beta_rate)
         flight = slice(self.flight.start, self.flight.stop - 1)
-        step = np.diff(self.flight_feet_velocity, axis=0)
         x[flight] = (self.flight_feet[:-1] + self.flight_feet[1:]) / 2
-        x[flight] -= step * self.dt[flight, None, None] / 8
         xdot[flight] = self.flight_feet_rate
         return x, xdot
 
     @property
     def flight_feet_rate(self) -> Array:
-        """(F, L, d) m/s, rad/s: xdot in the middle of the flight's intervals."""
-        return (self.flight_feet_velocity[1:] + self.flight_feet_velocity[:-1]) / 2
+        """(F, L, d) m/s, rad/s: xdot over the flight's intervals."""
+        return self.flight_feet_velocity[1:]
 
     @cached_property
     def foot_velocity_at_rest(self) -> Array:

@@ -71,8 +71,8 @@ class Layout:
 
     In scaled units: position m; quat w, x, y, z; velocity m/s; momentum (angular, about the CoM)
     L / m in m2/s; force in m g / contacts; duration s; feet x_i, (d L), m in the hip frames, with
-    d = 4 their yaw, rad; feet_velocity m/s, rad/s; feet_step, what is added to it over an interval
-    at a constant acceleration, m/s, rad/s; rotation_rate: the base's angular velocity over the
+    d = 4 their yaw, rad; feet_velocity, that of the interval before, m/s, rad/s; feet_step, what is
+    added to it as an interval begins, m/s, rad/s; rotation_rate: the base's angular velocity over the
     interval, base axes, rad/s.
 
     Attributes:

@@ -344,11 +344,14 @@ def _cached_backend(kind: type[Backend], model: Any, layout: Layout, robot: Robo
 def planner_for(
     robot: str, model: str, solver: str = solvers.names()[0], intervals: int = INTERVALS
 ) -> Planner:
-    """The planner of a robot's name or file and a model's name, built once a process."""
-    return _kept(robot, model, solver, intervals)
+    """The planner of a robot's name or file and a model's name, built once a process.
+
+    It is built again when the robot's file has changed.
+    """
+    return _kept(load_robot(robot), model, solver, intervals)
 
 
 # Apart from `planner_for`: the cache tells a default that is given from one that is left out.
 @lru_cache(maxsize=12)
-def _kept(robot: str, model: str, solver: str, intervals: int) -> Planner:
-    return Planner(load_robot(robot), model, solver, intervals)
+def _kept(robot: Robot, model: str, solver: str, intervals: int) -> Planner:
+    return Planner(robot, model, solver, intervals)

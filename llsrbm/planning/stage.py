@@ -98,7 +98,7 @@ class Stage:
 
     @property
     def feet_velocity(self) -> Any:
-        """xdot at the knot of a stage whose feet are variables, (d, L)."""
+        """xdot just before the knot of a stage whose feet are variables, (d, L)."""
         return ca.reshape(self.symbols["feet_velocity"], self.layout.foot_coordinates, -1)
 
     @property
@@ -219,9 +219,8 @@ class Stage:
     def feet_mid(self) -> tuple[Any, Any, Any, Any]:
         """x (d, L), xdot (d, L), o (3, 1) and odot (3, 1) at the midpoint."""
         if self.role.phase == Phase.FLIGHT:
-            velocity, step = self.feet_velocity, self._feet_step
-            x = self.lift(self.feet_in_hip + (velocity / 2 + step / 8) * self.dt)
-            xdot = self.lift(velocity + step / 2)
+            xdot = self.lift(self.feet_velocity + self._feet_step)
+            x = self.lift(self.feet_in_hip + xdot * self.dt / 2)
             o_rate = self.lift(self.model.base_offset_rate(xdot))
             return x, xdot, self.lift(self.model.base_offset(x)), o_rate
         position = self.lift(
@@ -332,7 +331,9 @@ class Stage:
         columns = []
         for i, leg in enumerate(drives.legs):
             if self.role.phase == Phase.FLIGHT:
-                acceleration = self.lift(self._feet_step[:, i] / self.dt)
+                # From rest to the first interval's middle it is half an interval.
+                span = self.dt / 2 if self.role.first else self.dt
+                acceleration = self.lift(self._feet_step[:, i] / span)
                 torque = ca.mtimes(
                     ca.DM(drives.mass_matrix[i]),
                     leg.accelerations(x[:, i], xdot[:, i], acceleration),
@@ -391,7 +392,7 @@ class Stage:
                 else s["force"] + s.get("force_step", ca.SX.zeros(s["force"].shape))
             ),
             "feet": lambda: (
-                s["feet"] + (s["feet_velocity"] + s["feet_step"] / 2) * dt
+                s["feet"] + (s["feet_velocity"] + s["feet_step"]) * dt
                 if role.phase == Phase.FLIGHT
                 else s["next_feet"]
             ),

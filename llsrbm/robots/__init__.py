@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from functools import lru_cache
+from pathlib import Path
 
 from llsrbm.errors import InputError
 from llsrbm.robots.assets import robot_files
@@ -12,28 +12,61 @@ from llsrbm.robots.schema import RobotFile, choices, read_robot_file
 
 __all__ = ["Leg", "Robot", "RobotFile", "load_robot", "names", "read_robot_file"]
 
+_KEPT = 16  # robots at most; those that were built first are forgotten first
+_Stamp = tuple[tuple[int, int, int], ...]
+_kept: dict[str, tuple[_Stamp, Robot]] = {}
+
 
 def names() -> tuple[str, ...]:
     """Names of the robots that come with the project."""
     return tuple(robot_files())
 
 
-@lru_cache(maxsize=16)
 def load_robot(name_or_path: str) -> Robot:
-    """The robot of that name, or of the robot file at that path; loaded once a process.
+    """The robot of that name, or of the robot file at that path.
 
-    What ends in ".toml" or contains a path separator is a path.
+    What ends in ".toml" or contains a path separator is a path. The same object every time, until
+    its robot file or its URDF changes on disk: then both are read again.
 
     Raises:
         InputError: no such name.
         RobotFileError: the file is wrong.
     """
+    path = _path(name_or_path)
+    key = str(path.absolute())
+    kept = _kept.get(key)
+    if kept is not None and _stamp(path, kept[1].urdf_path) == kept[0]:
+        return kept[1]
+    # Taken before the file is read: a change meanwhile is then noticed the next time.
+    stamp = _stamp(path)
+    robot = build_robot(path)
+    _kept.pop(key, None)
+    _kept[key] = (stamp + _stamp(robot.urdf_path), robot)
+    for oldest in list(_kept)[:-_KEPT]:
+        _kept.pop(oldest, None)
+    return robot
+
+
+def _path(name_or_path: str) -> Path:
     if name_or_path.endswith(".toml") or os.sep in name_or_path:
-        return build_robot(name_or_path)
+        return Path(name_or_path)
     files = robot_files()
     if name_or_path not in files:
         raise InputError(
             f'no robot "{name_or_path}"; {choices(name_or_path, files)}, '
             "or the path of a robot file (.toml)"
         )
-    return build_robot(files[name_or_path])
+    return Path(files[name_or_path])
+
+
+def _stamp(*paths: Path) -> _Stamp:
+    """What changes with a file: time of change, size and inode of each; zeros for none."""
+    return tuple(_state(path) for path in paths)
+
+
+def _state(path: Path) -> tuple[int, int, int]:
+    try:
+        status = path.stat()
+    except OSError:
+        return 0, 0, 0
+    return status.st_mtime_ns, status.st_size, status.st_ino

@@ -162,7 +162,7 @@ class Robot:
     def parameters(self) -> dict[str, Any]:
         """The numbers that a plan depends on, as plain data for its file."""
         return {
-            **self.file.model_dump(mode="json", exclude={"control", "example"}),
+            **self.file.model_dump(mode="json", exclude={"control", "uncertainty", "example"}),
             "mass": self.mass,
             "com": self.com.tolist(),
             "inertia": self.inertia.tolist(),
@@ -172,6 +172,10 @@ class Robot:
             "mirrors": self.mirrors.tolist(),
             "joint_names": list(self.joint_names),
         }
+
+    def control_parameters(self) -> dict[str, Any]:
+        """What the controller takes from the robot file, defaults included, as plain data."""
+        return self.file.model_dump(mode="json", include={"control", "uncertainty"})
 
 
 def build_robot(path: str | Path) -> Robot:

@@ -166,6 +166,17 @@ class Example(Table):
     height: float = 0.0
 
 
+class Uncertainty(Table):
+    """By how much the robot may differ from its URDF without surprising its user.
+
+    Attributes:
+        trunk_mass: share of the trunk's mass, either way: payload, cables, a battery. The contact
+            detector takes it for two standard deviations (`llsrbm.control.detection`).
+    """
+
+    trunk_mass: Annotated[float, Field(ge=0, lt=1)] = 0.10
+
+
 class RobotFile(Table):
     """A robot file's content.
 
@@ -175,7 +186,7 @@ class RobotFile(Table):
         urdf: where its URDF is.
         legs: leg name -> frames, in the order used everywhere.
         posture: leg name -> joint angles of the default posture, rad, from the base outwards.
-        foot, reach, limits, timing, task, example, control: see there.
+        foot, reach, limits, timing, task, example, control, uncertainty: see there.
         planning: cost name -> weight, where this robot wants another one than
             `llsrbm.planning.costs` has.
     """
@@ -192,6 +203,7 @@ class RobotFile(Table):
     task: Task
     example: Example = Example()
     control: Control = Control()
+    uncertainty: Uncertainty = Uncertainty()
     planning: dict[str, Length] = Field(default_factory=dict)
 
     @model_validator(mode="after")

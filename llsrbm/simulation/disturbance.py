@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
 from llsrbm.errors import InputError
 from llsrbm.trajectory.rollout import Conditions, Disturbance
 
-# Spread of the robustness benchmark, at noise 1.
+# Spread of the robustness benchmark, at noise 1. What the controller believes about its own errors
+# is stated elsewhere, in the robot file's [uncertainty]: the two are independent.
 TRUNK_MASS = 0.08  # of the trunk's mass, either way: a payload, cables, a wrong URDF
 FRICTION = (0.5, 1.0)  # wet linoleum to rubber mat
 CONTACT_TIME = (0.003, 0.020)  # s, hard floor to soft mat
@@ -21,6 +23,7 @@ JOINT_VELOCITY_NOISE = 0.02  # rad/s or m/s
 LEAST_FRICTION = 0.2
 LEAST_CONTACT_TIME = 0.002  # s, four steps of the simulator
 MOST_NOISE = 3.0  # beyond it no floor is that slippery
+LARGEST_TRUNK_MASS = 0.5  # share of the trunk's mass, either way, that may be asked for
 
 
 def draw_disturbance(conditions: Conditions) -> Disturbance:
@@ -28,11 +31,27 @@ def draw_disturbance(conditions: Conditions) -> Disturbance:
 
     Args:
         conditions: `seed` None disturbs nothing; `noise` scales the distance from the nominal
-            world, and the chance of a delay.
+            world, and the chance of a delay; `trunk_mass` counts as it is, with and without seed.
 
     Raises:
-        InputError: the seed is negative, or the noise out of range.
+        InputError: the seed is negative, or the noise or the trunk's mass out of range.
     """
+    drawn = _drawn(conditions)
+    share = conditions.trunk_mass
+    if share is None:
+        return drawn
+    check_trunk_mass(share)
+    return replace(drawn, trunk_mass_factor=1 + share)
+
+
+def check_trunk_mass(share: float) -> None:
+    """Raise `InputError` for an error of the trunk's mass that is out of range."""
+    most = LARGEST_TRUNK_MASS
+    if not (math.isfinite(share) and -most <= share <= most):
+        raise InputError(f"trunk mass: expected {-most:g} to {most:g} of it, got {share:g}")
+
+
+def _drawn(conditions: Conditions) -> Disturbance:
     seed, noise = conditions.seed, conditions.noise
     if not (math.isfinite(noise) and 0 <= noise <= MOST_NOISE):
         raise InputError(f"noise: expected 0 to {MOST_NOISE:g}, got {noise:g}")

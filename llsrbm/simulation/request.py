@@ -10,7 +10,7 @@ from llsrbm.control import detection, landing, solvers
 from llsrbm.errors import InputError
 from llsrbm.planning.residuals import describe_worst
 from llsrbm.robots import Robot
-from llsrbm.simulation.disturbance import MOST_NOISE
+from llsrbm.simulation.disturbance import MOST_NOISE, check_trunk_mass
 from llsrbm.trajectory.plan import Plan
 from llsrbm.trajectory.rollout import Conditions
 
@@ -24,8 +24,9 @@ def make_conditions(
     seed: int | None = None,
     noise: float | None = None,
     detector: str = "residual",
-    landing_strategy: str = "scaled",
+    landing_strategy: str = "auto",
     solver: str = "quadprog",
+    trunk_mass: float | None = None,
 ) -> Conditions:
     """Conditions from what a user gave.
 
@@ -35,12 +36,13 @@ def make_conditions(
         seed: None: nothing is disturbed, unless `noise` is given.
         noise: None: 1; given without a seed, the seed is 0.
         detector, landing_strategy, solver: names.
+        trunk_mass: error of the trunk's mass, a share of it; None: as drawn.
 
     Raises:
         InputError: a name that is unknown, a number that makes no sense.
     """
     detection.check_name(detector)
-    landing.landing_strategy(landing_strategy)
+    landing.check_name(landing_strategy)
     solvers.check_name(solver)
     board = _number("board", board)
     if board < 0:
@@ -52,6 +54,9 @@ def make_conditions(
         if not 0 <= noise <= MOST_NOISE:
             raise InputError(f"noise: expected 0 to {MOST_NOISE:g}, got {noise:g}")
         seed = 0 if seed is None else seed
+    if trunk_mass is not None:
+        trunk_mass = _number("trunk mass", trunk_mass)
+        check_trunk_mass(trunk_mass)
     return Conditions(
         board=board,
         half_board=bool(half_board),
@@ -60,6 +65,7 @@ def make_conditions(
         detector=detector,
         landing=landing_strategy,
         solver=solver,
+        trunk_mass=trunk_mass,
     )
 
 
@@ -92,6 +98,11 @@ def check_robot(plan: Plan, robot: Robot) -> None:
             f"{_short(list(plan.joint_names))}, {robot.path} has {len(robot.legs)} and "
             f"{_short(list(robot.joint_names))}; plan the jump again"
         )
+
+
+def check_landing(conditions: Conditions, robot: Robot) -> None:
+    """Raise `InputError` for a landing strategy that is not for this robot."""
+    landing.resolved(conditions.landing, robot.file.control.force_phase)
 
 
 def _number(name: str, value: Any) -> float:

@@ -15,13 +15,14 @@ from llsrbm.simulation.disturbance import draw_disturbance
 from llsrbm.simulation.recorder import Recorder
 from llsrbm.simulation.start import standing_state
 from llsrbm.simulation.verdict import TOPPLED, Fall, judge
-from llsrbm.simulation.world import Diverged, World
+from llsrbm.simulation.world import Diverged, TickResult, World
 from llsrbm.trajectory.plan import Plan
 from llsrbm.trajectory.rollout import Conditions, Disturbance, Rollout
 
 Array = NDArray[np.float64]
 
 STANDING = 1.0  # s after the plan's end in which the robot has to stand
+LEAST_TICKS = 2  # of a rollout: where it diverges before, its last known state is repeated
 _AFTER_FALL = 0.3  # s that are still shown of a robot that has fallen
 _ASKED_EVERY = 20  # ticks between looking whether to stop and telling how far it is
 
@@ -76,6 +77,9 @@ def simulate(
             result = world.advance(decision.command.torque)
         except Diverged as error:
             fall = fall or Fall(k * tick, str(error))
+            result = TickResult.unknown(len(robot.legs), len(robot.joint_names))
+            while len(recorder) < LEAST_TICKS:
+                recorder.add(state, mujoco_state, decision, tick_time, result)
             break
         torque = result.torque
         recorder.add(state, mujoco_state, decision, tick_time, result)
@@ -92,7 +96,8 @@ def simulate(
         progress(1.0)
     return Rollout(
         jump=plan.jump,
-        robot_parameters=plan.robot_parameters,
+        robot_parameters=robot.parameters(),
+        control_parameters=robot.control_parameters(),
         conditions=conditions,
         disturbance=disturbance,
         outcome=outcome,

@@ -1,8 +1,8 @@
 """How a simulation ended: landed or fell, and by how much everything missed.
 
 Strict success: it stands, nothing but feet touched, every foot is within 50 mm of the plan, tilt
-ends below 2 deg and stayed below 15 deg after touchdown, and it was not thrown up again for more
-than 30 ms; judged a second after the plan's end.
+ends below 2 deg and stayed below 15 deg after touchdown, it was not thrown up again for more than
+30 ms, and the controller's program was solved in every tick; judged a second after the plan's end.
 """
 
 from __future__ import annotations
@@ -56,7 +56,7 @@ def judge(
 
     Args:
         robot, plan, recorder, controller: what took part.
-        columns: the recorder's, with `time`.
+        columns: the recorder's, with `time`, two ticks or more.
         fall: what the loop has seen, if it ended early.
         wall_time: of the whole loop, s.
     """
@@ -89,6 +89,7 @@ def judge(
     second_flight = float((after & ~contact.any(axis=1)).sum() * tick)
     trunk_touched = any(result.trunk_contact for result in recorder.results)
     foot_error = float(feet_off[-1].max())
+    unsolved = sum(not entry.command.solved for entry in recorder.ticks)
     strict = (
         fall is None
         and not trunk_touched
@@ -96,6 +97,7 @@ def judge(
         and tilts[-1] < FINAL_TILT
         and peak_tilt < PEAK_TILT
         and second_flight < SECOND_FLIGHT
+        and unsolved == 0
     )
     return Outcome(
         status="landed" if fall is None else "fell",
@@ -121,11 +123,12 @@ def judge(
         peak_speed_ratio=float((speed / robot.speed_limit).max()),
         takeoff_joint_speed=float(speed[takeoff].max(initial=0.0)),
         saturated_fraction=float((torque_share >= _SATURATED).any(axis=1).mean()),
-        unsolved_ticks=sum(not entry.command.solved for entry in recorder.ticks),
+        unsolved_ticks=unsolved,
         tick_median_s=float(np.median(recorder.tick_times)),
         tick_p99_s=float(np.percentile(recorder.tick_times, 99)),
         real_time_factor=len(recorder) * tick / wall_time,
         control_rate_hz=1.0 / tick,
+        landing_strategy=controller.landing,
     )
 
 

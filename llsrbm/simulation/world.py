@@ -51,6 +51,18 @@ class TickResult:
     torque_limit: Array
     trunk_contact: bool
 
+    @classmethod
+    def unknown(cls, legs: int, joints: int) -> TickResult:
+        """Of a tick in which the simulation diverged: no contact, no torque."""
+        return cls(
+            contact_force=np.zeros((legs, 3)),
+            contact=np.zeros(legs, dtype=bool),
+            first_contact=np.full(legs, np.nan),
+            torque=np.zeros(joints),
+            torque_limit=np.zeros(joints),
+            trunk_contact=False,
+        )
+
 
 class World:
     """The robot and its surroundings, at rest in its default posture until `reset`.

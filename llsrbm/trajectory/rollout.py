@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass, field
 from enum import IntEnum
 from pathlib import Path
 from typing import Any
@@ -32,8 +32,12 @@ class Conditions:
         seed: draws the disturbance; None: nothing is disturbed.
         noise: scale of the disturbance, 1 as in the robustness benchmark.
         detector: name of the contact detector (`llsrbm.control.detection`).
-        landing: name of the landing strategy (`llsrbm.control.landing`).
+        landing: name of the landing strategy (`llsrbm.control.landing`), or "auto": as the robot
+            file has it.
         solver: name of the QP solver (`llsrbm.control.solvers`).
+        trunk_mass: error of the trunk's mass that the controller believes in, as a share of it:
+            the simulated trunk weighs 1 + this. In place of the drawn one, whatever the noise;
+            None: as drawn.
     """
 
     board: float = 0.0
@@ -41,8 +45,14 @@ class Conditions:
     seed: int | None = None
     noise: float = 1.0
     detector: str = "residual"
-    landing: str = "scaled"
+    landing: str = "auto"
     solver: str = "quadprog"
+    trunk_mass: float | None = None
+
+    def as_arguments(self) -> dict[str, Any]:
+        """The arguments of `llsrbm.simulate` that ask for these conditions."""
+        # Noise without a seed would ask for seed 0.
+        return asdict(self) | ({"noise": None} if self.seed is None else {})
 
 
 @dataclass(frozen=True)
@@ -79,7 +89,7 @@ class Outcome:
         strict: whether it landed by the strict measure: see `llsrbm.simulation.verdict`.
         final_yaw_error, final_position_error, final_tilt: at the end, against the plan's last knot:
             rad, m (CoM, horizontal), rad.
-        final_speed: largest joint or base speed in the last 0.2 s, rad/s or m/s.
+        final_speed: largest speed of the CoM in the last 0.2 s, m/s.
         touchdown_planned_s: the plan's.
         touchdown_true_s: the simulator's first contact; None if there was none.
         touchdown_detected_s: None if it was never detected.
@@ -90,15 +100,17 @@ class Outcome:
             where the plan lands it, m.
         foot_error: largest horizontal distance of a foot from the plan's at the end, m.
         peak_tilt: largest after touchdown.
-        second_flight_s: time without any contact after all feet had landed or 0.1 s had passed.
+        second_flight_s: time without any foot in contact, from the true touchdown on.
         trunk_touched: whether anything but the feet touched the ground.
         peak_torque_ratio, peak_speed_ratio: largest share of the robot file's limits.
         takeoff_joint_speed: largest until lift-off, rad/s or m/s.
         saturated_fraction: share of ticks with a torque at its limit.
-        unsolved_ticks: whose QP was not solved and whose torques were those of the tick before.
+        unsolved_ticks: ticks whose QP was not solved; their torques were held for 10 ms, then
+            damped the joints (`llsrbm.control.inverse_dynamics`). No strict success with any.
         tick_median_s, tick_p99_s: wall time of a controller tick.
         real_time_factor: simulated time / wall time, controller included.
         control_rate_hz: ticks a simulated second.
+        landing_strategy: the one that ran; "" in files that were written before outcomes had it.
     """
 
     status: str
@@ -129,6 +141,7 @@ class Outcome:
     tick_p99_s: float
     real_time_factor: float
     control_rate_hz: float
+    landing_strategy: str = ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -140,7 +153,7 @@ class Rollout:
 
     Attributes:
         jump: the plan's request.
-        robot_parameters: the numbers of the robot that were used, as plain data.
+        robot_parameters: the numbers of the robot that was simulated, as plain data.
         conditions, disturbance: what was asked, and what was drawn for it.
         outcome: how it ended.
         time: (T,) s, evenly spaced.
@@ -163,6 +176,9 @@ class Rollout:
         phase: (T,) `llsrbm.trajectory.plan.Phase` as the controller believes.
         reference_com, reference_base_quat, reference_foot_position, reference_angular_momentum:
             (T, 3), (T, 4), (T, L, 3), (T, 3): what was tracked.
+        control_parameters: the controller's numbers that ran, as plain data: the robot file's
+            [control] and [uncertainty] with their defaults; empty in files that were written
+            before rollouts had it.
     """
 
     jump: Jump
@@ -194,6 +210,7 @@ class Rollout:
     reference_base_quat: Array
     reference_foot_position: Array
     reference_angular_momentum: Array
+    control_parameters: dict[str, Any] = field(default_factory=dict)
 
     @property
     def duration(self) -> float:

@@ -5,6 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+from pydantic import Field
+
 from llsrbm.errors import FileFormatError
 from llsrbm.trajectory.archive import Arrays, Entry, checked, read_archive, text
 from llsrbm.trajectory.native_file import (
@@ -60,6 +62,7 @@ class _Meta(Meta):
     conditions: Conditions
     disturbance: Disturbance
     outcome: Outcome
+    control_parameters: dict[str, Any] = Field(default_factory=dict)
 
 
 def save_rollout(rollout: Rollout, path: str | Path) -> None:
@@ -73,6 +76,7 @@ def save_rollout(rollout: Rollout, path: str | Path) -> None:
         request=rollout.jump,
         model=rollout.jump.model,
         robot_parameters=rollout.robot_parameters,
+        control_parameters=rollout.control_parameters,
         conditions=rollout.conditions,
         disturbance=rollout.disturbance,
         outcome=rollout.outcome,
@@ -108,6 +112,7 @@ def rollout_from_arrays(arrays: Arrays, path: str | Path) -> Rollout:
     return Rollout(
         jump=meta.request,
         robot_parameters=meta.robot_parameters,
+        control_parameters=meta.control_parameters,
         conditions=meta.conditions,
         disturbance=meta.disturbance,
         outcome=meta.outcome,

@@ -25,6 +25,8 @@ PROMISED = (
     "tick_p99_s",
     "real_time_factor",
     "control_rate_hz",
+    "strict",
+    "unsolved_ticks",
 )
 
 

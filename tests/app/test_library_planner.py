@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import asdict, replace
 
 import pytest
 
@@ -86,11 +86,11 @@ def test_a_simulation_gets_its_conditions_and_tells_whole_per_cents(called):
     def tell(text, *, share):
         told.append((text, share))
 
-    conditions = Conditions(board=0.02, half_board=True, seed=3, noise=0.5)
+    conditions = Conditions(0.02, True, 3, 0.5, "norm", "planned", "proxqp", 0.12)
     LibraryPlanner().simulate(SimulateJump(planned(), conditions), tell, never)
     options = called["simulate"][1]
-    for name in ("board", "half_board", "seed", "noise"):
-        assert options[name] == getattr(conditions, name)
+    for name, value in asdict(conditions).items():
+        assert options[name] == value
     for k in range(1001):
         options["progress"](k / 1000)
     assert len(told) == 101

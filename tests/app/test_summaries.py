@@ -50,6 +50,11 @@ def test_landed_badly(rollout):
     assert rest.startswith("but not by the strict measure: yaw")
 
 
+def test_unsolved_ticks_are_told(rollout):
+    _, rest = simulated_line(changed(rollout, strict=False, unsolved_ticks=3))
+    assert rest.endswith("the controller's QP was unsolved in 3 ticks")
+
+
 def test_fell_says_when_and_why(plan):
     rollout = synthetic_rollout(plan, fell_at=0.95)
     first = diagnose(rollout)[0]
@@ -106,3 +111,5 @@ def test_the_world_is_told(rollout):
     )
     assert "half board of 25 mm, seed 4: trunk +5.0%, friction 0.70" in world
     assert "undisturbed" in rollout_figures(replace(rollout, conditions=Conditions()))
+    heavier = replace(rollout, conditions=Conditions(trunk_mass=0.12))
+    assert ">trunk +12.0%<" in rollout_figures(heavier)

@@ -108,6 +108,10 @@ def synthetic_rollout(
         outcome=_outcome(plan, len(legs), touchdown * dt, detected * dt, fell_at),
         joint_names=tuple(plan.joint_names[j] for j in order),
         detection_threshold=THRESHOLD,
+        control_parameters={
+            "control": {"rate": RATE, "force_phase": FORCE_PHASE},
+            "uncertainty": {"trunk_mass": 0.1},
+        },
         **arrays,
     )
 
@@ -200,4 +204,5 @@ def _outcome(plan, legs, touchdown, detected, fell_at):
         tick_p99_s=4.8e-4,
         real_time_factor=4.2,
         control_rate_hz=RATE,
+        landing_strategy="scaled",
     )

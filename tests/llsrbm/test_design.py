@@ -32,6 +32,7 @@ conditions = st.builds(
     detector=names,
     landing=names,
     solver=names,
+    trunk_mass=st.none() | st.floats(-0.5, 0.5),
 )
 designs = st.builds(
     Design,

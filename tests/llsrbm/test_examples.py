@@ -55,6 +55,7 @@ def test_an_example_is_within_what_may_be_asked(name):
         detector=conditions.detector,
         landing_strategy=conditions.landing,
         solver=conditions.solver,
+        trunk_mass=conditions.trunk_mass,
     )
     assert made == conditions
     assert conditions.board <= robot.file.limits.clearance

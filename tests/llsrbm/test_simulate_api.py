@@ -67,9 +67,9 @@ def test_everything_reaches_the_simulator(plan, calls):
 
     llsrbm.simulate(
         plan, board=0.025, half_board=True, seed=np.int64(1004), noise=0.5, detector="norm",
-        landing="planned", solver="quadprog", cancelled=cancelled, progress=print,
+        landing="planned", solver="quadprog", trunk_mass=-0.12, cancelled=cancelled, progress=print,
     )  # fmt: skip
-    conditions = Conditions(0.025, True, 1004, 0.5, "norm", "planned", "quadprog")
+    conditions = Conditions(0.025, True, 1004, 0.5, "norm", "planned", "quadprog", -0.12)
     assert calls[0].conditions == conditions
     assert type(calls[0].conditions.seed) is int
     assert calls[0].cancelled is cancelled
@@ -104,8 +104,10 @@ def test_seed_and_noise_imply_each_other(plan, calls, given, seed, noise):
         ({"noise": -0.1}, "noise: expected 0 to 3, got -0.1"),
         ({"noise": 3.1}, "noise: expected 0 to 3, got 3.1"),
         ({"noise": math.inf}, "noise: expected a finite number"),
+        ({"trunk_mass": 0.6}, "trunk mass: expected -0.5 to 0.5 of it, got 0.6"),
+        ({"trunk_mass": math.nan}, "trunk mass: expected a finite number"),
         ({"detector": "nosuch"}, "residual, norm"),
-        ({"landing": "nosuch"}, "scaled, planned, tracking"),
+        ({"landing": "nosuch"}, "auto, scaled, planned, tracking"),
         ({"solver": "nosuch"}, "quadprog, proxqp"),
     ],
 )
@@ -165,6 +167,27 @@ class TestAnotherRobot:
         names = tuple(f"joint{i}" for i in range(12))
         assert "of another robot" in refused(replace(plan, joint_names=names))
         assert "it has 2 feet" in refused(replace(plan, foot_position=plan.foot_position[:, :2]))
+
+    def test_that_has_other_gains_only_is_the_same(self, plan, calls, tmp_path):
+        path = tmp_path / "mine.toml"
+        for rate in (400.0, 500.0):  # edited between two simulations of one plan
+            text = load_robot("anymal").path.read_text()
+            path.write_text(f"{text}\n[control]\nrate = {rate}\n")
+            llsrbm.simulate(replace(plan, jump=llsrbm.Jump(robot=str(path))))
+            assert calls[-1].robot.file.control.rate == rate
+
+    def test_without_a_force_phase_follows_no_forces(self, plan, calls, tmp_path):
+        path = tmp_path / "mine.toml"
+        text = load_robot("anymal").path.read_text()
+        path.write_text(f"{text}\n[control]\nforce_phase = 0.0\n")
+        plan = replace(plan, jump=llsrbm.Jump(robot=str(path)))
+        for strategy in ("scaled", "planned"):
+            said = refused(plan, landing=strategy)
+            assert f'"{strategy}" follows forces' in said
+        assert not calls
+        llsrbm.simulate(plan)
+        llsrbm.simulate(plan, landing="tracking")
+        assert [call.conditions.landing for call in calls] == ["auto", "tracking"]
 
     def test_that_is_not_here(self, plan, calls):
         assert 'no robot "nosuch"' in refused(replace(plan, jump=llsrbm.Jump(robot="nosuch")))

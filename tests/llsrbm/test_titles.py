@@ -33,8 +33,8 @@ TWIST = Jump(twist=math.pi / 2)
         ),
         ("90° llsrbm-plus", (TWIST, Tuning(), Conditions())),
         (
-            "90° llsrbm-plus, noise 2, norm",
-            (TWIST, Tuning(), Conditions(noise=2.0, detector="norm")),
+            "90° llsrbm-plus, noise 2, norm, trunk +12 %",
+            (TWIST, Tuning(), Conditions(noise=2.0, detector="norm", trunk_mass=0.12)),
         ),
     ],
 )

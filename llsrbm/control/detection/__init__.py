@@ -5,9 +5,19 @@ from __future__ import annotations
 from llsrbm.control.detection.base import CentroidalState, Detector
 from llsrbm.control.detection.norm import NormDetector
 from llsrbm.control.detection.residual import ResidualDetector
+from llsrbm.control.detection.uncertainty import ModelUncertainty, model_uncertainty
 from llsrbm.errors import InputError
 
-__all__ = ["CentroidalState", "Detector", "check_name", "describe", "make_detector", "names"]
+__all__ = [
+    "CentroidalState",
+    "Detector",
+    "ModelUncertainty",
+    "check_name",
+    "describe",
+    "make_detector",
+    "model_uncertainty",
+    "names",
+]
 
 _DETECTORS: dict[str, type[Detector]] = {
     detector.name: detector for detector in (ResidualDetector, NormDetector)
@@ -30,11 +40,15 @@ def check_name(name: str) -> None:
         raise InputError(f"unknown detector {name!r}; the detectors are {', '.join(_DETECTORS)}")
 
 
-def make_detector(name: str, tick: float) -> Detector:
-    """The detector called `name`, for a control tick in s.
+def make_detector(name: str, tick: float, uncertainty: ModelUncertainty) -> Detector:
+    """The detector called `name`.
+
+    Args:
+        tick: s between its updates.
+        uncertainty: of the model that the centroidal states are computed with.
 
     Raises:
         InputError: no detector has that name.
     """
     check_name(name)
-    return _DETECTORS[name](tick)
+    return _DETECTORS[name](tick, uncertainty)

@@ -10,6 +10,8 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from llsrbm.control.detection.uncertainty import ModelUncertainty
+
 Array = NDArray[np.float64]
 
 GRAVITY = 9.81  # m/s2, downwards
@@ -27,15 +29,16 @@ class CentroidalState:
         com_velocity: (3,) m/s.
         angular_momentum: (3,) kg m2/s about the CoM.
         inertia: (3, 3) kg m2 of the whole robot about its CoM.
-        trunk_from_com_velocity: (3,) m/s, of the trunk minus the CoM's: how fast the legs move
-            against it.
+        trunk_momentum: (6,) kg m/s, kg m2/s: linear and angular, about the CoM, of the trunk in
+            its motion relative to the CoM. A trunk heavier by a share e than believed has e times
+            this more of both (`WholeBody.trunk_momentum`).
     """
 
     mass: float
     com_velocity: Array
     angular_momentum: Array
     inertia: Array
-    trunk_from_com_velocity: Array = field(default_factory=lambda: np.zeros(3))
+    trunk_momentum: Array = field(default_factory=lambda: np.zeros(6))
 
     @cached_property
     def average_angular_velocity(self) -> Array:
@@ -56,6 +59,8 @@ class Detector(ABC):
         threshold: what `signal` is compared with; constant.
         signal: its last value, for plots: a contact is reported when it is above the threshold,
             0 while the detector does not listen.
+        tick: s between updates.
+        uncertainty: of the model behind the states; a detector may make nothing of it.
     """
 
     name: ClassVar[str]
@@ -63,9 +68,15 @@ class Detector(ABC):
     threshold: float
     signal: float
 
-    def __init__(self, tick: float) -> None:
-        """Begin with `reset`; `tick` is the time between updates, s."""
+    def __init__(self, tick: float, uncertainty: ModelUncertainty) -> None:
+        """Begin with `reset`.
+
+        Args:
+            tick: s between updates.
+            uncertainty: of the model behind the states.
+        """
         self.tick = tick
+        self.uncertainty = uncertainty
         self.reset()
 
     def reset(self) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from llsrbm.control.detection.base import CentroidalState, Detector
+from llsrbm.control.detection.uncertainty import ModelUncertainty
 
 # m/s2 and rad/s2 in one norm. Free fall raises ‖v_G‖ by 9.81 at most and lowers it on the way up;
 # measured with noise of 0.01 it falls by up to 7 in each of two ticks without contact.
@@ -22,10 +23,10 @@ class NormDetector(Detector):
     name = "norm"
     summary = "the paper's: ‖v_G‖ falls fast in every tick of a window"
 
-    def __init__(self, tick: float) -> None:
+    def __init__(self, tick: float, uncertainty: ModelUncertainty) -> None:
         self.threshold = -THRESHOLD
         self._window = max(1, round(WINDOW / tick))
-        super().__init__(tick)
+        super().__init__(tick, uncertainty)
 
     def reset(self) -> None:
         """See `Detector.reset`."""

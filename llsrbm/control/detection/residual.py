@@ -12,9 +12,20 @@ expected without contact,
 
     max_k |[dv_k / s_v; dw_k / s_w]|,    s^2 = noise^2 (1/k + 1/baseline) + model^2,
 
-with the noise of this flight, measured on the way up, and an allowance for a wrong model: with a
-wrong trunk mass the legs' swing moves the CoM that the controller believes in, the more the faster
-they go, so that `model` grows with the change of the trunk's velocity against the CoM.
+with the noise of this flight, measured on the way up, and an allowance for a wrong model. What is
+conserved in the air belongs to the true masses. Where the trunk is heavier than believed by a share
+e of its mass, the believed v_com and L lack e times the trunk's own momenta about the CoM, h and l:
+to first order in e,
+
+    v_com + e h / m  and  L + e l   are conserved,
+
+so the legs' swing makes dv = -e dh / m and dw = -e I^-1 dl without any contact, the more the faster
+the trunk is moved against the CoM. With e known to a standard deviation only,
+
+    model_v^2 = MODEL_ERROR^2 + std(e)^2 |dh / m|^2,
+    model_w^2 = MODEL_ERROR^2 + std(e)^2 |I^-1 dl|^2
+
+in every direction alike, since a payload may sit anywhere on the trunk.
 """
 
 from __future__ import annotations
@@ -22,18 +33,16 @@ from __future__ import annotations
 import numpy as np
 
 from llsrbm.control.detection.base import GRAVITY, Array, CentroidalState, Detector
+from llsrbm.control.detection.uncertainty import ModelUncertainty
 
-# Standard deviations. Six components of white noise exceed 8 in 1 of 1e11 tests; the worst of 300
-# simulated flights with noise and a wrong trunk mass came to 5.4.
+# Standard deviations. Six components of white noise exceed 8 in 1 of 1e11 tests; the worst of 450
+# simulated flights with noise and a trunk mass wrong by 8 to 15 %, 10 % being stated, came to 6.0.
 THRESHOLD = 8.0
 LONGEST_WINDOW = 0.020  # s; contacts so soft that they need more reach the threshold soon after
 BASELINE = 0.040  # s: twice that, so that its own noise matters little
-# m/s and rad/s by which the model may be wrong. A trunk 8 % lighter than believed shifts the means
-# by up to 0.012 where the legs swing fast, without contact: 3 standard deviations.
-MODEL_ERROR = 0.004
-# Share of the robot's mass by which the trunk's may be wrong: 8 % at most of a trunk that is 40 to
-# 55 % of the robot are 2 % in standard deviation.
-TRUNK_MASS_ERROR = 0.02
+# m/s and rad/s by which the means may be wrong with the right masses: what the time steps of the
+# controller and of the world make of a smooth motion.
+MODEL_ERROR = 0.002
 # A squared second difference in 3 dimensions is 6 noise^2 times chi-squared with 3 degrees of
 # freedom, whose median is 2.366.
 _MEDIAN = 6 * 2.366
@@ -48,19 +57,19 @@ class ResidualDetector(Detector):
     name = "residual"
     summary = "change of linear and angular velocity that gravity does not explain (the default)"
 
-    def __init__(self, tick: float) -> None:
+    def __init__(self, tick: float, uncertainty: ModelUncertainty) -> None:
         self.threshold = THRESHOLD
         self._window = np.arange(1, max(1, round(LONGEST_WINDOW / tick)) + 1)
         self._baseline = max(2, round(BASELINE / tick))
         self._variance = (1 / self._window + 1 / self._baseline)[:, None]
-        super().__init__(tick)
+        super().__init__(tick, uncertainty)
 
     def reset(self) -> None:
         """See `Detector.reset`."""
         super().reset()
         self._ticks = 0
-        # v + g t, L, trunk's velocity from the CoM; oldest first.
-        self._recent = np.zeros((len(self._window) + self._baseline, 9))
+        # v + g t, L, trunk's h / m and l; oldest first.
+        self._recent = np.zeros((len(self._window) + self._baseline, 12))
         self._second_differences: list[tuple[float, float]] = []
         self._noise = np.zeros(2)
 
@@ -71,7 +80,8 @@ class ResidualDetector(Detector):
         recent[-1, :3] = state.com_velocity
         recent[-1, 2] += GRAVITY * self.tick * self._ticks
         recent[-1, 3:6] = state.angular_momentum
-        recent[-1, 6:] = state.trunk_from_com_velocity
+        recent[-1, 6:9] = state.trunk_momentum[:3] / state.mass
+        recent[-1, 9:] = state.trunk_momentum[3:]
         self._ticks += 1
         inverse: Array = np.asarray(np.linalg.inv(state.inertia), dtype=np.float64)
         listening = self._falling(state) and self._ticks >= len(recent)
@@ -102,15 +112,16 @@ class ResidualDetector(Detector):
 
     def _largest_difference(self, inverse: Array) -> float:
         k, before = self._window, self._baseline
-        total = np.zeros((len(self._recent) + 1, 9))
+        total = np.zeros((len(self._recent) + 1, 12))
         np.cumsum(self._recent, axis=0, out=total[1:])
         start = len(self._recent) - k
         late = (total[-1] - total[start]) / k[:, None]
         early = (total[start] - total[start - before]) / before
         difference = late - early
-        linear, angular = difference[:, :3], difference[:, 3:6] @ inverse
-        swing = difference[:, 6:]
-        variance = self._noise**2 * self._variance + MODEL_ERROR**2  # (windows, 2)
-        variance[:, 0] += TRUNK_MASS_ERROR**2 * (swing * swing).sum(axis=1)
-        squares = np.stack((linear * linear, angular * angular), axis=1).sum(axis=2)
-        return float(np.sqrt((squares / variance).sum(axis=1).max()))
+        # (windows, 4, 3) m/s, rad/s: dv, dw, and what a trunk of twice the mass adds to each.
+        difference = difference.reshape(-1, 4, 3)
+        difference[:, 1::2] = difference[:, 1::2] @ inverse
+        squares = (difference * difference).sum(axis=2)
+        model = MODEL_ERROR**2 + self.uncertainty.trunk_mass**2 * squares[:, 2:]
+        variance = self._noise**2 * self._variance + model  # (windows, 2)
+        return float(np.sqrt((squares[:, :2] / variance).sum(axis=1).max()))

@@ -52,7 +52,7 @@ def test_a_design_is_simulated_under_its_conditions(planner, simulator, file, ca
     assert planner.requests[0][1]["limits"] == {"friction": 0.4}
     assert simulator.requests[0][1] == {
         "board": 0.02, "half_board": True, "seed": 7, "noise": 0.5, "detector": "norm",
-        "landing": "scaled", "solver": "quadprog",
+        "landing": "auto", "solver": "quadprog", "trunk_mass": None,
     }  # fmt: skip
 
 
@@ -63,7 +63,7 @@ def test_options_override_a_designs_conditions(planner, simulator, file, capsys)
     assert cli.main(["simulate", *words.split(), "--design", file]) == 0
     assert simulator.requests[0][1] == {
         "board": 0, "half_board": False, "seed": 7, "noise": 2, "detector": "residual",
-        "landing": "scaled", "solver": "proxqp",
+        "landing": "auto", "solver": "proxqp", "trunk_mass": None,
     }  # fmt: skip
 
 

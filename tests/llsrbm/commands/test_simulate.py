@@ -24,6 +24,7 @@ from tests.llsrbm.synthetic_rollout import synthetic_rollout
 def test_a_file_is_simulated_as_it_is(simulator, saved, capsys, tmp_path):
     simulator.answers.append(synthetic_rollout())
     words = "--board 0.025 --half-board --seed 7 --noise 0.5 --detector norm --landing planned"
+    words += " --trunk-mass -0.12"
     out = tmp_path / "r.npz"
     command = ["simulate", str(saved), *words.split(), "--qp-solver", "quadprog"]
     assert cli.main([*command, "--out", str(out)]) == 0
@@ -31,7 +32,7 @@ def test_a_file_is_simulated_as_it_is(simulator, saved, capsys, tmp_path):
     np.testing.assert_array_equal(plan.com, synthetic_plan().com)
     assert options == {
         "board": 0.025, "half_board": True, "seed": 7, "noise": 0.5, "detector": "norm",
-        "landing": "planned", "solver": "quadprog",
+        "landing": "planned", "solver": "quadprog", "trunk_mass": -0.12,
     }  # fmt: skip
     np.testing.assert_array_equal(load(out).qpos, simulator.answers[0].qpos)
 
@@ -116,12 +117,12 @@ def test_no_plan_is_exit_1_and_nothing_is_simulated(planner, simulator, capfd):
 
 
 def test_summary_for_a_person(simulator, saved, capsys):
-    conditions = Conditions(board=0.025, half_board=True, seed=7)
+    conditions = Conditions(board=0.025, half_board=True, seed=7, trunk_mass=0.12)
     simulator.answers.append(replace(synthetic_rollout(), conditions=conditions))
     assert cli.main(["simulate", str(saved)]) == 0
     out, err = capsys.readouterr()
     assert err == ""
-    assert "half board 25 mm, disturbed by seed 7, noise 1" in out
+    assert "half board 25 mm, disturbed by seed 7, noise 1, trunk +12 % against" in out
     assert "planned 0.900 s, true 0.890 s, detected 0.895 s, 0 false" in out
     assert "-2.9 deg at touchdown, +0.1 deg at the end" in out
     assert "4.2 x real time" in out
@@ -147,6 +148,28 @@ def test_a_waiting_person_sees_how_far_it_is(simulator, saved, capsys, monkeypat
     simulator.answers.append(synthetic_rollout())
     assert cli.main(["simulate", str(saved)]) == 0
     assert "simulating  50 %" in capsys.readouterr().err
+
+
+def test_which_landing_strategy_ran(simulator, saved, capsys):
+    rollout = synthetic_rollout()
+    simulator.answers.append(rollout)
+    assert cli.main(["simulate", str(saved)]) == 0
+    assert "landing strategy scaled, the QP was solved in every tick" in capsys.readouterr().out
+    outcome = replace(rollout.outcome, landing_strategy="tracking", unsolved_ticks=3)
+    simulator.answers[0] = replace(rollout, outcome=outcome)
+    assert cli.main(["simulate", str(saved)]) == 0
+    assert (
+        "landing strategy tracking (the robot file has no force phase), "
+        "the QP was unsolved in 3 of 1001 ticks"
+    ) in capsys.readouterr().out
+
+
+def test_a_strategy_that_is_not_for_the_robot_is_refused_before_planning(planner, capfd):
+    assert cli.main(["simulate", "--robot", "slider", "--landing", "planned"]) == 2
+    out, err = capfd.readouterr()
+    assert (out, err.count("\n")) == ("", 1)
+    assert 'landing: "planned" follows forces' in err
+    assert not planner.requests
 
 
 def test_for_real(tmp_path):

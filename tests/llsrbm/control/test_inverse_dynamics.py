@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -9,7 +11,7 @@ from llsrbm.control.whole_body import WholeBody
 from llsrbm.robots import load_robot
 from tests.llsrbm.control.bodies import resting_target
 
-FRICTION, WEIGHT = 0.6, 30.475 * 9.81
+FRICTION, WEIGHT, TICK = 0.6, 30.475 * 9.81, 0.0025
 STANDING = np.ones(4, dtype=bool)
 WIDE = (np.full(12, -200.0), np.full(12, 200.0))
 
@@ -26,7 +28,7 @@ def feet():
 
 
 def solve(body, wishes, contact=STANDING, force=None, force_weight=1e-4, limits=WIDE, target=None):
-    dynamics = InverseDynamics(body, FRICTION, "quadprog")
+    dynamics = InverseDynamics(body, FRICTION, "quadprog", TICK)
     command = dynamics.solve(
         wishes,
         target or resting_target(),
@@ -116,15 +118,81 @@ def test_heavier_weight_wins():
     assert heavy.force[:, 2].sum() == pytest.approx(WEIGHT, rel=0.05)
 
 
-def test_an_unsolvable_program_keeps_the_last_torques():
-    body = standing()
-    dynamics = InverseDynamics(body, FRICTION, "quadprog")
-    wishes, target = still(body)
+class Failing:
+    """`dynamics.solve` of a standing robot, unsolvable on request."""
 
-    def once(limits):
-        return dynamics.solve([*wishes, *feet()], target, STANDING, np.zeros((4, 3)), 1e-4, limits)
+    def __init__(self, tick: float = TICK) -> None:
+        self.body = standing()
+        self.dynamics = InverseDynamics(self.body, FRICTION, "quadprog", tick)
+        self.solver = self.dynamics._solver.solve
 
-    good = once(WIDE)
-    nonsense = once((np.full(12, 1.0), np.full(12, -1.0)))
+    def __call__(self, *, fails: bool, limits=WIDE):
+        def solve(problem):
+            solution = self.solver(problem)
+            return replace(solution, solved=False) if fails else solution
+
+        self.dynamics._solver.solve = solve
+        wishes, target = still(self.body)
+        carried = np.zeros((4, 3))
+        return self.dynamics.solve([*wishes, *feet()], target, STANDING, carried, 1e-4, limits)
+
+    def move(self, speed):
+        """Let all joints move, rad/s."""
+        self.body.update(self.body.q, np.concatenate([np.zeros(6), np.full(12, speed)]))
+
+
+@pytest.mark.parametrize("tick", [0.0025, 0.001])
+def test_torques_are_held_for_ten_milliseconds(tick):
+    solve = Failing(tick)
+    good = solve(fails=False)
+    for _ in range(round(0.010 / tick)):
+        command = solve(fails=True)
+        assert not command.solved
+        np.testing.assert_array_equal(command.torque, good.torque)
+    assert not np.array_equal(solve(fails=True).torque, good.torque)
+
+
+def test_held_torques_stay_within_the_drives():
+    solve = Failing()
+    solve(fails=False)
+    low, high = np.full(12, -3.0), np.full(12, 2.0)
+    torque = solve(fails=True, limits=(low, high)).torque
+    assert (torque.min(), torque.max()) == (-3.0, 2.0)
+
+
+def test_then_joints_are_damped():
+    solve = Failing()
+    solve(fails=False)
+    solve.move(2.0)
+    for _ in range(5):
+        command = solve(fails=True)
+    assert (command.torque < 0).all()
+    assert not command.force.any()
+    # Joint by joint, the others held: speed is lost within 50 ms.
+    inertia = np.diag(solve.body.M)[6:]
+    np.testing.assert_allclose(command.torque / inertia, -2.0 / 0.05)
+    low, high = np.full(12, -0.1), np.full(12, 0.1)
+    np.testing.assert_array_equal(solve(fails=True, limits=(low, high)).torque, low)
+
+
+def test_without_any_solution_joints_are_damped_at_once():
+    solve = Failing()
+    solve.move(-1.0)
+    assert (solve(fails=True).torque > 0).all()
+
+
+def test_a_solution_ends_the_damping():
+    solve = Failing()
+    good = solve(fails=False)
+    for _ in range(9):
+        solve(fails=True)
+    np.testing.assert_allclose(solve(fails=False).torque, good.torque)
+    np.testing.assert_allclose(solve(fails=True).torque, good.torque)  # and is held again
+
+
+def test_an_infeasible_program_is_not_solved():
+    solve = Failing()
+    good = solve(fails=False)
+    nonsense = solve(fails=False, limits=(np.full(12, 1.0), np.full(12, -1.0)))
     assert not nonsense.solved
-    np.testing.assert_array_equal(nonsense.torque, good.torque)
+    assert good.solved

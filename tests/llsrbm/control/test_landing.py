@@ -3,7 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from llsrbm.control.landing import landing_strategy, names
+from llsrbm.control.landing import check_name, landing_strategy, names, resolved
 from llsrbm.errors import InputError
 
 PLANNED = np.array([[10.0, -5.0, 160.0], [0.0, 0.0, 90.0]])
@@ -11,7 +11,7 @@ STANDING = np.array([0.0, 0.0, 75.0])
 
 
 def test_names_are_described():
-    assert list(names()) == ["scaled", "planned", "tracking"]
+    assert list(names()) == ["auto", "scaled", "planned", "tracking"]
     assert all(names().values())
 
 
@@ -38,6 +38,27 @@ def test_tracking_has_no_force_phase():
     assert not landing_strategy("tracking").follows_forces
 
 
-def test_unknown_names_are_refused():
-    with pytest.raises(InputError, match=r'no strategy "softly"; valid: scaled, planned, tracking'):
-        landing_strategy("softly")
+def test_auto_is_what_the_robot_file_says():
+    assert resolved("auto", 0.2) == "scaled"
+    assert resolved("auto", 0.0) == "tracking"
+
+
+@pytest.mark.parametrize("name", ["scaled", "planned", "tracking"])
+def test_a_strategy_that_is_named_is_that_one(name):
+    assert resolved(name, 0.2) == name
+
+
+@pytest.mark.parametrize("name", ["scaled", "planned"])
+def test_without_a_force_phase_forces_are_not_followed(name):
+    with pytest.raises(InputError) as caught:
+        resolved(name, 0.0)
+    for word in (name, "control.force_phase = 0", '"auto" or "tracking"'):
+        assert word in str(caught.value)
+    assert resolved("tracking", 0.0) == "tracking"
+
+
+@pytest.mark.parametrize("check", [check_name, lambda name: resolved(name, 0.2)])
+def test_unknown_names_are_refused(check):
+    valid = "auto, scaled, planned, tracking"
+    with pytest.raises(InputError, match=f'no strategy "softly"; valid: {valid}'):
+        check("softly")

@@ -90,3 +90,23 @@ def test_numbers_of_a_tick_survive_the_next():
 def test_believes_in_the_robots_own_mass():
     robot = load_robot("anymal")
     assert WholeBody(robot).mass == pytest.approx(robot.mass)
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_a_heavier_trunk_has_more_of_the_trunks_momentum(name):
+    """By finite differences of the trunk's mass, about the CoM as it then is."""
+    robot, share = load_robot(name), 1e-6
+    q, v = state(5, name)
+    body = moved(5, STILL, 0.0, name)
+
+    def momenta(factor):
+        model = robot.model.copy()
+        trunk = model.inertias[1]
+        model.inertias[1] = pin.Inertia(trunk.mass * factor, trunk.lever, trunk.inertia * factor)
+        data = model.createData()
+        pin.ccrba(model, data, q, v)
+        pin.centerOfMass(model, data, q, v)
+        return np.concatenate([robot.mass * data.vcom[0], data.hg.angular])
+
+    change = (momenta(1 + share) - momenta(1 - share)) / (2 * share)
+    np.testing.assert_allclose(body.trunk_momentum, change, rtol=1e-5, atol=1e-5)

@@ -422,6 +422,16 @@ def test_from_the_outside():
     assert planner_for("anymal", "srbm") is planner_for("anymal", "srbm", "fatrop", INTERVALS)
 
 
+def test_a_changed_robot_file_gets_another_planner(tmp_path):
+    path = tmp_path / "mine.toml"
+    text = ROBOT.path.read_text()
+    path.write_text(text)
+    first = planner_for(str(path), "srbm")
+    assert planner_for(str(path), "srbm") is first
+    path.write_text(text + "\n[control]\nfriction = 0.45\n")
+    assert planner_for(str(path), "srbm").robot.file.control.friction == 0.45
+
+
 @pytest.mark.parametrize(
     ("request_", "options", "message"),
     [

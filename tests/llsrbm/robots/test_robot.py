@@ -36,6 +36,45 @@ def test_a_robot_is_loaded_once():
     assert load_robot("anymal") is load_robot("anymal")
 
 
+def test_a_changed_file_is_read_again(tmp_path):
+    path = tmp_path / "mine.toml"
+    path.write_text(ANYMAL)
+    first = load_robot(str(path))
+    assert load_robot(str(path)) is first
+    path.write_text(ANYMAL + "\n[control]\nrate = 500.0\n")
+    changed = load_robot(str(path))
+    assert changed.file.control.rate == 500.0
+    assert load_robot(str(path)) is changed
+    assert first.file.control.rate == 400.0  # whoever holds it keeps what it was
+    path.write_text("nonsense")
+    with pytest.raises(RobotFileError, match=r"mine\.toml"):
+        load_robot(str(path))
+    path.unlink()
+    with pytest.raises(RobotFileError, match="cannot be read"):
+        load_robot(str(path))
+
+
+def test_a_changed_urdf_is_read_again(tmp_path):
+    slider = robot_files()["slider"]
+    description = slider.parent / "../slider/slider.urdf"
+    (tmp_path / "robot.urdf").write_text(description.read_text())
+    path = tmp_path / "mine.toml"
+    path.write_text(slider.read_text().replace("../slider/slider.urdf", "robot.urdf"))
+    first = load_robot(str(path))
+    heavier = description.read_text().replace('<mass value="', '<mass value="1', 1)
+    (tmp_path / "robot.urdf").write_text(heavier)
+    assert load_robot(str(path)).mass > first.mass + 1
+
+
+def test_robots_are_forgotten_beyond_a_few(tmp_path):
+    paths = [str(tmp_path / f"{index}.toml") for index in range(18)]
+    for path in paths:
+        Path(path).write_text(ANYMAL)
+    loaded = [load_robot(path) for path in paths]
+    assert load_robot(paths[-1]) is loaded[-1]
+    assert load_robot(paths[0]) is not loaded[0]
+
+
 def test_the_default_posture_stands_on_the_ground_below_its_com(robot):
     data = robot.model.createData()
     com = pin.centerOfMass(robot.model, data, robot.posture)

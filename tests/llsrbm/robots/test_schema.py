@@ -57,6 +57,16 @@ MISTAKES = {
     ),
     "word for a number": ("torque = 40.0", 'torque = "40"', ["limits.torque", "number", "'40'"]),
     "negative limit": ("torque = 40.0", "torque = -40.0", ["limits.torque", "greater than 0"]),
+    "uncertain by all of it": (
+        "[example] ",
+        "[uncertainty]\ntrunk_mass = 1.0\n[example] ",
+        ["uncertainty.trunk_mass", "less than 1", "1.0"],
+    ),
+    "misspelt uncertainty": (
+        "[example] ",
+        "[uncertainty]\ntrunk = 0.1\n[example] ",
+        ['unknown key "uncertainty.trunk"', 'did you mean "trunk_mass"?'],
+    ),
     "not a number": ("torque = 40.0", "torque = nan", ["limits.torque", "finite"]),
     "misspelt frame key": (
         'LF = { foot = "LF_FOOT", hip',

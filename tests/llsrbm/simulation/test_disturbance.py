@@ -1,6 +1,6 @@
 """Draws: repeatable, within what is promised, and scaled about the nominal world."""
 
-from dataclasses import asdict
+from dataclasses import asdict, replace
 
 import pytest
 from hypothesis import given
@@ -63,6 +63,19 @@ def test_however_large_the_noise_it_stays_physical(seed, noise):
     assert drawn.trunk_mass_factor > 0
     assert drawn.friction >= 0.2
     assert drawn.contact_time >= 0.002
+
+
+@given(SEEDS | st.none(), st.floats(-0.5, 0.5), st.floats(0, MOST_NOISE))
+def test_a_stated_trunk_mass_replaces_the_drawn_one_alone(seed, share, noise):
+    drawn = draw_disturbance(Conditions(seed=seed, noise=noise))
+    stated = draw_disturbance(Conditions(seed=seed, noise=noise, trunk_mass=share))
+    assert stated == replace(drawn, trunk_mass_factor=1 + share)
+
+
+@pytest.mark.parametrize("share", [-0.51, 0.6, float("nan"), float("inf")])
+def test_a_trunk_mass_out_of_range_is_refused(share):
+    with pytest.raises(InputError, match=r"trunk mass: expected -0\.5 to 0.5 of it, got"):
+        draw_disturbance(Conditions(trunk_mass=share))
 
 
 @pytest.mark.parametrize("noise", [-0.1, float("nan"), float("inf"), 11.0])

@@ -3,15 +3,22 @@
 from __future__ import annotations
 
 from dataclasses import fields, replace
+from typing import ClassVar
 
 import numpy as np
 import pytest
 
+from llsrbm.control import solvers
+from llsrbm.control.solvers import QpSolver
+from llsrbm.control.solvers.quadprog import Quadprog
 from llsrbm.errors import Cancelled, InputError
 from llsrbm.robots import load_robot
 from llsrbm.simulation.simulate import STANDING, simulate
+from llsrbm.simulation.world import Diverged, World
+from llsrbm.trajectory.diagnosis import fall_in_words
 from llsrbm.trajectory.plan import Phase
 from llsrbm.trajectory.rollout import Conditions, Mode, Rollout
+from llsrbm.trajectory.rollout_file import load_rollout
 from tests.llsrbm.planning.solved import solved
 
 GRAVITY = np.array([0.0, 0.0, -9.81])
@@ -174,6 +181,79 @@ def test_a_robot_that_slips_falls_and_says_why(monkeypatch):
     assert not outcome.strict
     assert outcome.reason
     assert outcome.fell_at_s > 0.2
+
+
+@pytest.mark.parametrize("at", [0, 1, 2, 5])
+def test_a_simulation_that_diverges_early_is_a_fall_that_can_be_saved(at, monkeypatch, tmp_path):
+    advance = World.advance
+
+    def diverging(world, torque):
+        if round(world.time / world.tick) == at:
+            raise Diverged("MuJoCo: nonsense")
+        return advance(world, torque)
+
+    monkeypatch.setattr(World, "advance", diverging)
+    rollout = run()
+    outcome = rollout.outcome
+    assert (outcome.status, outcome.reason) == ("fell", "MuJoCo: nonsense")
+    assert outcome.fell_at_s == pytest.approx(at * 0.0025)
+    assert not outcome.strict
+    assert len(rollout.time) == max(at, 2)
+    assert outcome.control_rate_hz == pytest.approx(400)
+    assert "nonsense" in fall_in_words(rollout)
+    rollout.save(tmp_path / "diverged.npz")
+    assert load_rollout(tmp_path / "diverged.npz").outcome == outcome
+
+
+class Failing(QpSolver):
+    """quadprog, but for some calls that it does not solve."""
+
+    name, summary = "failing", "fails on purpose"
+    fails: ClassVar[set[int]] = set()
+
+    def __init__(self, *sizes):
+        super().__init__(*sizes)
+        self.solver, self.calls = Quadprog(*sizes), 0
+
+    def solve(self, problem):
+        solution = self.solver.solve(problem)
+        self.calls += 1
+        return replace(solution, solved=solution.solved and self.calls not in self.fails)
+
+    def _solve(self, p):
+        raise NotImplementedError
+
+
+@pytest.mark.parametrize(
+    ("fails", "landed"),
+    [({100, 101, 300}, True), (set(range(100, 5000)), False)],
+    ids=["now and then", "for good"],
+)
+def test_unsolved_ticks_are_counted_and_fail_the_strict_measure(fails, landed, monkeypatch):
+    monkeypatch.setattr(Failing, "fails", fails)
+    monkeypatch.setitem(solvers._SOLVERS, "failing", Failing)
+    rollout = run(conditions=Conditions(solver="failing"))
+    outcome = rollout.outcome
+    assert rollout.landed == landed, outcome
+    assert not outcome.strict
+    assert outcome.unsolved_ticks == len(fails & set(range(1, len(rollout.time) + 1)))
+
+
+def test_a_rollout_has_the_numbers_that_ran(tmp_path):
+    """Not those that the plan was made with, and the controller's too."""
+    robot = load_robot("anymal")
+    gains = robot.file.control.gains.model_copy(update={"com": (70.0, 13.0)})
+    control = robot.file.control.model_copy(update={"gains": gains})
+    limits = robot.file.limits.model_copy(update={"friction": 0.4})
+    file = robot.file.model_copy(update={"control": control, "limits": limits})
+    plan = solved("llsrbm-plus", "twist").plan
+    rollout = simulate(plan, replace(robot, file=file), Conditions())
+    rollout.save(tmp_path / "rollout.npz")
+    for one in (rollout, load_rollout(tmp_path / "rollout.npz")):
+        assert one.robot_parameters["limits"]["friction"] == 0.4
+        assert one.control_parameters["control"]["gains"]["com"] == [70.0, 13.0]
+        assert one.control_parameters["control"]["rate"] == 400.0
+        assert one.control_parameters["uncertainty"] == {"trunk_mass": 0.1}
 
 
 def test_a_board_that_does_not_fit_is_refused():

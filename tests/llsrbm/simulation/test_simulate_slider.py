@@ -35,6 +35,7 @@ def test_the_papers_jumps_land_strictly(jump):
     assert outcome.strict, outcome
     assert abs(np.degrees(outcome.yaw_error_at_touchdown)) < 5
     assert outcome.false_touchdowns == 0
+    assert outcome.landing_strategy == "tracking"  # its file has no force phase
     assert outcome.control_rate_hz == pytest.approx(1000)
     height = JUMPS[jump].get("height", 0.0)
     np.testing.assert_allclose(rollout.foot_position[-1, :, 2], height, atol=5e-3)

@@ -205,3 +205,14 @@ class TestReading:
         meta[path[0]][path[1]] = value
         text = message(rewritten(saved, tmp_path / "x.npz", meta=np.array(json.dumps(meta))))
         assert f'key "meta": {said}' in text
+
+
+def test_files_without_what_came_later_open(rollout, saved, tmp_path):
+    with np.load(saved) as archive:
+        meta = json.loads(str(archive["meta"]))
+    del meta["control_parameters"], meta["conditions"]["trunk_mass"]
+    del meta["outcome"]["landing_strategy"]
+    older = load(rewritten(saved, tmp_path / "older.npz", meta=np.array(json.dumps(meta))))
+    assert older.control_parameters == {}
+    outcome = replace(rollout.outcome, landing_strategy="")
+    same(replace(rollout, control_parameters={}, outcome=outcome), older)

@@ -93,6 +93,15 @@ def first(detector, states):
     return next((k for k, state in enumerate(states) if detector.update(state)), None)
 
 
+def trunk_momentum(model, data, q, v):
+    """(6,) of the trunk relative to the CoM: by how much a kilogram more would change all."""
+    base = pin.SE3(pin.Quaternion(*q[[6, 3, 4, 5]]).matrix(), q[:3])
+    relative = v[:6].copy()
+    relative[:3] -= base.rotation.T @ data.hg.linear / data.Ig.mass
+    about_com = pin.SE3(np.eye(3), data.com[0]).actInv(base)
+    return about_com.act(model.inertias[1] * pin.Motion(relative)).vector
+
+
 def misjudged_flight(trunk_factor, tick=0.0025, duration=0.3, swing_speed=15.0):
     """A flight of ANYmal without contact, seen by a controller that is wrong about the trunk.
 
@@ -130,6 +139,7 @@ def misjudged_flight(trunk_factor, tick=0.0025, duration=0.3, swing_speed=15.0):
                 believed.hg.linear / robot.mass,
                 believed.hg.angular.copy(),
                 believed.Ig.inertia.copy(),
+                trunk_momentum(robot.model, believed, q, v),
             )
         )
         q = pin.integrate(true, q, tick * v)

@@ -4,7 +4,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from llsrbm.control import detection
-from llsrbm.control.detection import CentroidalState, make_detector
+from llsrbm.control.detection import CentroidalState, ModelUncertainty, make_detector
 from llsrbm.control.detection.base import ARMED_BELOW
 from llsrbm.errors import InputError
 from tests.llsrbm.control.detection.flights import (
@@ -19,6 +19,7 @@ from tests.llsrbm.control.detection.flights import (
 )
 
 EVERY = pytest.mark.parametrize("name", detection.names())
+UNCERTAIN = ModelUncertainty(trunk_mass=0.05)  # as from a robot file that states 10 %
 TICKS = pytest.mark.parametrize("tick", [0.0025, 0.001])
 # Touchdown 0.27 s after lift-off at 1.5 m/s; four feet, a foot, and a foot behind the CoM.
 BEGIN = 0.2701
@@ -43,13 +44,13 @@ def test_free_fall_is_no_contact(name, tick, velocity, momentum, stretch):
     # Unfolding legs slow a rotation down, which is all that the norm sees: not for it.
     stretch = stretch if name == "residual" else 0.0
     states = flight(tick, velocity=velocity, momentum=momentum, stretch=stretch)
-    assert first(make_detector(name, tick), states) is None
+    assert first(make_detector(name, tick, UNCERTAIN), states) is None
 
 
 @TICKS
 @pytest.mark.parametrize("noise", [0.01, 0.05])
 def test_noise_alone_never_triggers(tick, noise):
-    detector = make_detector("residual", tick)
+    detector = make_detector("residual", tick, UNCERTAIN)
     largest = 0.0
     for seed in range(100):
         assert first(detector, flight(tick, noise=noise, seed=seed, stretch=-0.3)) is None
@@ -57,11 +58,11 @@ def test_noise_alone_never_triggers(tick, noise):
     assert largest > 2  # the noise is what the signal measures
 
 
-@pytest.mark.parametrize("trunk_factor", [0.92, 1.08])
+@pytest.mark.parametrize("trunk_factor", [0.85, 0.92, 1.08, 1.15])
 @TICKS
 def test_a_wrong_trunk_never_triggers(trunk_factor, tick):
     states = misjudged_flight(trunk_factor, tick)
-    assert first(make_detector("residual", tick), states) is None
+    assert first(make_detector("residual", tick, UNCERTAIN), states) is None
     # The CoM that the controller believes in leaves its parabola: it is seen, and is no contact.
     drift = np.array(
         [s.com_velocity - 9.81 * k * tick * np.array([0, 0, -1]) for k, s in enumerate(states)]
@@ -69,12 +70,33 @@ def test_a_wrong_trunk_never_triggers(trunk_factor, tick):
     assert np.ptp(drift, axis=0).max() > 0.02  # m/s
 
 
+def test_a_trunk_known_too_well_triggers():
+    """The allowance is what keeps the flight above from being a contact."""
+    states = misjudged_flight(1.15)
+    detector = make_detector("residual", 0.0025, ModelUncertainty(trunk_mass=0.0))
+    assert first(detector, states) is not None
+
+
+def test_the_signal_is_the_trunks_error_in_standard_deviations():
+    """Without noise, and where the swing is fast enough for nothing else to matter."""
+    largest = []
+    for factor in (1.05, 1.10):
+        detector = make_detector("residual", 0.0025, UNCERTAIN)
+        signals = []
+        for state in misjudged_flight(factor, swing_speed=30.0):
+            detector.update(state)
+            signals.append(detector.signal)
+        largest.append(max(signals))
+    assert largest[0] == pytest.approx(1.0 * np.sqrt(2), rel=0.15)  # linear and angular, 1 each
+    assert largest[1] == pytest.approx(2.0 * np.sqrt(2), rel=0.15)
+
+
 @TICKS
 @settings(max_examples=40, deadline=None)
 @given(seed=st.integers(0, 2**32 - 1))
 def test_a_kick_in_any_direction_triggers_at_once(tick, seed):
     states = landing(0.25, tick, kick=0.06 * unit(seed))
-    assert first(make_detector("residual", tick), states) == round(0.25 / tick)
+    assert first(make_detector("residual", tick, UNCERTAIN), states) == round(0.25 / tick)
 
 
 @settings(max_examples=40, deadline=None)
@@ -85,7 +107,7 @@ def test_a_blow_that_only_turns_it_triggers_at_once(seed):
         s = states[k]
         turned = s.angular_momentum + INERTIA @ (0.06 * unit(seed))
         states[k] = CentroidalState(MASS, s.com_velocity, turned, INERTIA)
-    assert first(make_detector("residual", 0.0025), states) == 100
+    assert first(make_detector("residual", 0.0025, UNCERTAIN), states) == 100
 
 
 @pytest.mark.parametrize(
@@ -99,7 +121,7 @@ def test_a_blow_that_only_turns_it_triggers_at_once(seed):
 )
 def test_latency_under_noise(force, point, rise, median, p90):
     tick, latencies = 0.0025, []
-    detector = make_detector("residual", tick)
+    detector = make_detector("residual", tick, UNCERTAIN)
     for seed in range(40):
         begin = BEGIN + tick * (seed % 10) / 10
         contact = Contact(begin, np.array([0.0, 0.0, force]), point, rise)
@@ -117,21 +139,21 @@ def test_where_the_norm_rises_the_papers_detector_is_blind():
     norms = np.array([state.average_spatial_velocity_norm for state in states])
     after = np.arange(len(states)) * 0.0025 > BEGIN
     assert np.diff(norms[after])[1:].min() > 0
-    assert first(make_detector("norm", 0.0025), states) is None
-    found = first(make_detector("residual", 0.0025), states)
+    assert first(make_detector("norm", 0.0025, UNCERTAIN), states) is None
+    found = first(make_detector("residual", 0.0025, UNCERTAIN), states)
     assert 0 < found * 0.0025 - BEGIN <= 0.005
 
 
 def test_the_papers_detector_sees_a_fall_that_is_stopped():
     contact = Contact(BEGIN, np.array([0.0, 0.0, 1500.0]), BELOW, 0.002)
-    k = first(make_detector("norm", 0.0025), flight(contact=contact))
+    k = first(make_detector("norm", 0.0025, UNCERTAIN), flight(contact=contact))
     assert 0 < k * 0.0025 - BEGIN <= 0.0075
 
 
 def test_the_papers_signal_is_the_least_fall_of_the_norm_in_its_window():
     contact = Contact(BEGIN, np.array([0.0, 0.0, 1500.0]), BELOW, 0.002)
     states = flight(contact=contact)[:111]
-    detector = make_detector("norm", 0.0025)
+    detector = make_detector("norm", 0.0025, UNCERTAIN)
     for state in states:
         detector.update(state)
     norms = [
@@ -149,7 +171,7 @@ def test_the_heading_of_the_world_does_not_matter(name, angle, seed):
     states = flight(contact=contact, noise=0.01, seed=seed, duration=0.28)
     signals = []
     for turn in (0.0, angle):
-        detector = make_detector(name, 0.0025)
+        detector = make_detector(name, 0.0025, UNCERTAIN)
         reports = [(detector.update(rotated(s, turn)), detector.signal) for s in states]
         signals.append(np.array(reports))
     np.testing.assert_allclose(signals[1], signals[0], rtol=1e-7, atol=1e-9)
@@ -161,7 +183,7 @@ def test_deaf_until_it_falls(name):
     contact = Contact(0.02, np.array([100.0, 0.0, 200.0]), ONE_FOOT, 0.002)
     states = flight(contact=contact)
     rising = [s for s in states if s.com_velocity[2] > 0.9 * ARMED_BELOW]
-    detector = make_detector(name, 0.0025)
+    detector = make_detector(name, 0.0025, UNCERTAIN)
     assert first(detector, rising) is None
     assert detector.signal == 0
 
@@ -169,14 +191,14 @@ def test_deaf_until_it_falls(name):
 def test_a_contact_that_slows_the_fall_below_the_limit_is_still_heard():
     contact = Contact(0.1801, np.array([0.0, 0.0, 600.0]), BELOW, 0.001)
     states = flight(velocity=(0, 0, 1.43), contact=contact)
-    k = first(make_detector("residual", 0.0025), states)
+    k = first(make_detector("residual", 0.0025, UNCERTAIN), states)
     assert 0.18 < k * 0.0025 <= 0.19
 
 
 @EVERY
 def test_above_the_threshold_is_contact(name):
     contact = Contact(BEGIN, np.array([0.0, 0.0, 1500.0]), BELOW, 0.002)
-    detector = make_detector(name, 0.0025)
+    detector = make_detector(name, 0.0025, UNCERTAIN)
     for state in flight(contact=contact):
         assert detector.update(state) == (detector.signal > detector.threshold)
 
@@ -185,7 +207,7 @@ def test_above_the_threshold_is_contact(name):
 def test_reset_forgets(name):
     contact = Contact(BEGIN, np.array([0.0, 0.0, 1500.0]), BELOW, 0.002)
     states = flight(contact=contact, noise=0.01)
-    used, new = make_detector(name, 0.0025), make_detector(name, 0.0025)
+    used, new = make_detector(name, 0.0025, UNCERTAIN), make_detector(name, 0.0025, UNCERTAIN)
     assert first(used, states) is not None
     assert first(used, flight(noise=0.05, seed=1)[:60]) is None
     used.reset()
@@ -199,8 +221,8 @@ def test_arrays_may_be_overwritten_after_the_update(name):
     """As Pinocchio does."""
     contact = Contact(BEGIN, np.array([0.0, 0.0, 1500.0]), BELOW, 0.002)
     states = flight(contact=contact, noise=0.01)
-    expected = first(make_detector(name, 0.0025), states)
-    detector = make_detector(name, 0.0025)
+    expected = first(make_detector(name, 0.0025, UNCERTAIN), states)
+    detector = make_detector(name, 0.0025, UNCERTAIN)
     v, L, inertia = np.zeros(3), np.zeros(3), np.eye(3)
     reports = []
     for s in states[: expected + 1]:
@@ -219,10 +241,10 @@ def test_names_and_descriptions():
     assert detection.names() == ("residual", "norm")
     assert tuple(detection.describe()) == detection.names()
     for name in detection.names():
-        assert make_detector(name, 0.0025).name == name
+        assert make_detector(name, 0.0025, UNCERTAIN).name == name
 
 
 def test_an_unknown_name_lists_the_known_ones():
     with pytest.raises(InputError) as caught:
-        make_detector("force", 0.0025)
+        make_detector("force", 0.0025, UNCERTAIN)
     assert str(caught.value) == "unknown detector 'force'; the detectors are residual, norm"
