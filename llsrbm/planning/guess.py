@@ -93,7 +93,7 @@ def analytic_guess(
     def flying_feet(s: float) -> Array:
         carried = task.start_feet @ _about_vertical(twist * s).T
         carried[:, :2] += s * shift[:2]
-        arch = 4 * s * (1 - s) * task.limits.clearance * 1.3
+        arch = (4 * s * (1 - s)) ** 2 * task.limits.clearance * 1.3
         carried[:, 2] = ground_line(task, np.array([s]))[0] + arch
         return carried
 
@@ -139,6 +139,7 @@ def analytic_guess(
         if in_flight:
             values["feet_velocity"] = feet_velocity[flight_knot].ravel()
             values["feet_step"] = feet_step[flight_knot].ravel()
+            values["feet_stop"] = np.zeros(feet[0].size)
         for name, place in layout.variables(k).items():
             w[place] = values[name]
     return w

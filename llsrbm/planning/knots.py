@@ -37,8 +37,8 @@ class Knots:
         force: (N+1, C, 3) N.
         rotation_rate: (N, 3) rad/s, base axes.
         flight_feet: (F+1, L, d) m, rad: x at the knots from lift-off to touchdown.
-        flight_feet_velocity: (F+1, L, d) m/s, rad/s: xdot over the interval before each of them;
-            before the first, at rest on the ground.
+        flight_feet_velocity: (F+2, L, d) m/s, rad/s: xdot at lift-off, at rest on the ground, over
+            each interval, and at touchdown, at rest again.
         near_angles: (N+1, J) joint angles close to the postures, where they are known.
     """
 
@@ -169,7 +169,7 @@ class Knots:
     @property
     def flight_feet_rate(self) -> Array:
         """(F, L, d) m/s, rad/s: xdot over the flight's intervals."""
-        return self.flight_feet_velocity[1:]
+        return self.flight_feet_velocity[1:-1]
 
     @cached_property
     def foot_velocity_at_rest(self) -> Array:
@@ -333,7 +333,11 @@ def unpack(w: Array, layout: Layout, task: Task, model: CentroidalModel) -> Knot
             rate[k] = value["rotation_rate"]
         if "feet" in value:
             feet.append(value["feet"].reshape(layout.legs, -1))
-            feet_velocity.append(value["feet_velocity"].reshape(layout.legs, -1))
+            # The first landing knot's, after the last of the flight.
+            if role.first:
+                feet_velocity.append(value["feet_velocity"])
+            if "feet_step" in value:
+                feet_velocity.append(value["feet_velocity"] + value["feet_step"])
         if role.first:
             durations[role.phase] = value["duration"][0]
     phase = np.array([role.phase for role in layout.roles])
@@ -351,5 +355,5 @@ def unpack(w: Array, layout: Layout, task: Task, model: CentroidalModel) -> Knot
         force=force,
         rotation_rate=rate,
         flight_feet=np.array(feet),
-        flight_feet_velocity=np.array(feet_velocity),
+        flight_feet_velocity=np.array(feet_velocity).reshape(len(feet_velocity), layout.legs, -1),
     )

@@ -72,7 +72,8 @@ class Layout:
     In scaled units: position m; quat w, x, y, z; velocity m/s; momentum (angular, about the CoM)
     L / m in m2/s; force in m g / contacts; duration s; feet x_i, (d L), m in the hip frames, with
     d = 4 their yaw, rad; feet_velocity, that of the interval before, m/s, rad/s; feet_step, what is
-    added to it as an interval begins, m/s, rad/s; rotation_rate: the base's angular velocity over the
+    added to it as an interval begins, m/s, rad/s; feet_stop, what is added at touchdown;
+    rotation_rate: the base's angular velocity over the
     interval, base axes, rad/s.
 
     Attributes:
@@ -150,8 +151,9 @@ class Layout:
             return ()
         rate = ("rotation_rate",)
         if role.phase == Phase.FLIGHT:
+            stop = ("feet_stop",) if role.last else ()
             start = ("next_force", "next_duration") if role.last else ()
-            return ("feet_step", *start, *rate)
+            return ("feet_step", *stop, *start, *rate)
         if role.phase == Phase.TAKEOFF and role.last:
             return ("next_feet", "next_feet_velocity", "next_duration", *rate)
         return rate if role.last else ("force_step", *rate)

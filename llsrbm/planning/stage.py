@@ -102,8 +102,19 @@ class Stage:
         return ca.reshape(self.symbols["feet_velocity"], self.layout.foot_coordinates, -1)
 
     @property
-    def _feet_step(self) -> Any:
-        return ca.reshape(self.symbols["feet_step"], self.layout.foot_coordinates, -1)
+    def _feet_steps(self) -> list[tuple[Any, Any]]:
+        """(d, L) changes of xdot in m/s, rad/s, and the times that they take, s.
+
+        From interval to interval it is one of them; from rest at lift-off to the first interval's
+        middle, and from the last one's to rest at touchdown, half of one.
+        """
+        shape = (self.layout.foot_coordinates, self.layout.legs)
+        steps = [(ca.reshape(self.symbols["feet_step"], *shape), self.dt)]
+        if self.role.first:
+            steps = [(steps[0][0], self.dt / 2)]
+        if self.role.last:
+            steps.append((ca.reshape(self.symbols["feet_stop"], *shape), self.dt / 2))
+        return steps
 
     def foot_from_com(self, leg: int) -> Any:
         """beta_i at the knot of a stage whose feet are variables, (3, 1) m, base axes."""
@@ -219,7 +230,7 @@ class Stage:
     def feet_mid(self) -> tuple[Any, Any, Any, Any]:
         """x (d, L), xdot (d, L), o (3, 1) and odot (3, 1) at the midpoint."""
         if self.role.phase == Phase.FLIGHT:
-            xdot = self.lift(self.feet_velocity + self._feet_step)
+            xdot = self.lift(self.feet_velocity + self._feet_steps[0][0])
             x = self.lift(self.feet_in_hip + xdot * self.dt / 2)
             o_rate = self.lift(self.model.base_offset_rate(xdot))
             return x, xdot, self.lift(self.model.base_offset(x)), o_rate
@@ -322,31 +333,37 @@ class Stage:
 
     @cached_property
     def joint_torques(self) -> Any:
-        """In the middle of the interval, (n, L), shares of what the drives give at rest.
+        """(n, L) shares of what the drives give at rest, in stance in the middle of the interval.
 
-        What holds the contact forces and the leg's own weight, and what swings it.
+        What holds the contact forces and the leg's own weight, and what moves the leg. In flight
+        what swings the legs as the interval begins; of the last one also as it ends, (n, 2 L).
         """
-        drives = self.model.drives
+        legs = range(self.layout.legs)
+        if self.role.phase == Phase.FLIGHT:
+            steps = self._feet_steps
+            torques = [self._swing_torque(i, step[:, i] / t) for step, t in steps for i in legs]
+        else:
+            torques = [self._stance_torque(i) for i in legs]
+        return ca.horzcat(*torques)
+
+    def _swing_torque(self, leg: int, acceleration: Any) -> Any:
         x, xdot, _, _ = self.feet_mid
-        columns = []
-        for i, leg in enumerate(drives.legs):
-            if self.role.phase == Phase.FLIGHT:
-                # From rest to the first interval's middle it is half an interval.
-                span = self.dt / 2 if self.role.first else self.dt
-                acceleration = self.lift(self._feet_step[:, i] / span)
-                torque = ca.mtimes(
-                    ca.DM(drives.mass_matrix[i]),
-                    leg.accelerations(x[:, i], xdot[:, i], acceleration),
-                )
-            else:
-                force, moment = self._load_on_foot(i)
-                torque = leg.holding_torque(x[:, i], force, moment)
-                carried = ca.DM(self.model.mirrors[i]) * self._acceleration_base
-                still = ca.SX.zeros(self.layout.foot_coordinates - 3)
-                swing = leg.rates(x[:, i], ca.vertcat(-carried, still))
-                torque = torque + ca.mtimes(ca.DM(drives.mass_matrix[i]), swing)
-            columns.append(self.lift(torque / ca.DM(drives.torque_limit[i])))
-        return ca.horzcat(*columns)
+        drives = self.model.drives
+        joints = drives.legs[leg].accelerations(x[:, leg], xdot[:, leg], self.lift(acceleration))
+        return self._share(leg, ca.mtimes(ca.DM(drives.mass_matrix[leg]), joints))
+
+    def _stance_torque(self, leg: int) -> Any:
+        x, drives = self.feet_mid[0], self.model.drives
+        force, moment = self._load_on_foot(leg)
+        torque = drives.legs[leg].holding_torque(x[:, leg], force, moment)
+        # The foot stands, so seen from the hip it accelerates as the body does, the other way.
+        carried = -ca.DM(self.model.mirrors[leg]) * self._acceleration_base
+        still = ca.SX.zeros(self.layout.foot_coordinates - 3)
+        joints = drives.legs[leg].rates(x[:, leg], ca.vertcat(carried, still))
+        return self._share(leg, torque + ca.mtimes(ca.DM(drives.mass_matrix[leg]), joints))
+
+    def _share(self, leg: int, torque: Any) -> Any:
+        return self.lift(torque / ca.DM(self.model.drives.torque_limit[leg]))
 
     @cached_property
     def _acceleration_base(self) -> Any:
@@ -397,7 +414,7 @@ class Stage:
                 else s["next_feet"]
             ),
             "feet_velocity": lambda: (
-                s["feet_velocity"] + s["feet_step"]
+                s["feet_velocity"] + s["feet_step"] + s.get("feet_stop", 0)
                 if role.phase == Phase.FLIGHT
                 else s["next_feet_velocity"]
             ),

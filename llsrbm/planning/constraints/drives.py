@@ -15,7 +15,7 @@ the plan (`llsrbm.analysis.joint_loads`).
 from __future__ import annotations
 
 from abc import abstractmethod
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import casadi as ca
 import numpy as np
@@ -39,7 +39,13 @@ SPEED_ALLOWANCE = 0.03
 
 
 class _DriveConstraint(Constraint):
-    """Rows of all joints, symmetric bounds."""
+    """Rows of all joints, symmetric bounds.
+
+    Attributes:
+        of_both_ends: whether the last interval of the flight has rows for its end too.
+    """
+
+    of_both_ends: ClassVar[bool] = True
 
     def rows(self, stage: Stage) -> Any:
         """(n L, 1)."""
@@ -55,7 +61,9 @@ class _DriveConstraint(Constraint):
 
     def bounds(self, task: Task, layout: Layout, knot: int) -> Bounds:
         """Plus and minus the share."""
-        top = np.full(task.joints, self.top(task))
+        role = layout.roles[knot]
+        ends = 2 if self.of_both_ends and role.phase == Phase.FLIGHT and role.last else 1
+        top = np.full(ends * task.joints, self.top(task))
         return -top, top
 
     def violation(self, knots: Knots) -> Array:
@@ -117,7 +125,8 @@ class TorqueAtSpeed(_DriveConstraint):
     def shares(self, stage: Stage) -> Any:
         """The sum above, times 0.3."""
         speeds = stage.joint_rates / ca.DM(stage.model.drives.speed_limit.T)
-        return FALL * stage.joint_torques / stage.parameters["torque_share"] + speeds
+        torques = FALL * stage.joint_torques / stage.parameters["torque_share"]
+        return torques + ca.repmat(speeds, 1, torques.shape[1] // speeds.shape[1])
 
     def top(self, task: Task) -> float:
         """1."""
@@ -138,6 +147,7 @@ class JointSpeed(_DriveConstraint):
 
     name = "joint_speed"
     unit = "rad/s"
+    of_both_ends = False
     limits = (
         Limit(
             "speed_share",

@@ -31,13 +31,16 @@ def ground_line(task: Task, progress: Array) -> Array:
 
 
 def clearance_line(task: Task, progress: Array) -> Array:
-    """(K, L) m: the ground line and an arch of the robot file's clearance above it."""
-    arch = 4 * progress * (1 - progress) * task.limits.clearance
+    """(K, L) m: the ground line and an arch of the robot file's clearance above it.
+
+    The arch begins and ends level, because feet leave the ground and meet it at rest.
+    """
+    arch = (4 * progress * (1 - progress)) ** 2 * task.limits.clearance
     return ground_line(task, progress) + arch[:, None]
 
 
 class Clearance(Constraint):
-    """p_z,i >= ground line + 4 s (1 - s) clearance over the flight."""
+    """p_z,i >= ground line + (4 s (1 - s))^2 clearance over the flight."""
 
     name = "clearance"
     unit = "m"
