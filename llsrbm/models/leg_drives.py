@@ -20,7 +20,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import casadi as ca
 import numpy as np
@@ -94,8 +94,8 @@ class KneeLeg(LegDrives):
 
     The foot is w from a point of the abduction axis; seen along a it is d beside the axis (always)
     and h = sqrt(|w - (a.w) a|^2 - d^2) away from it in the leg's plane. There, with (a.w, h) as
-    coordinates, the leg is u long from the hip joint, its thigh and shank close a triangle, and the
-    shank is A u + B (u turned by 90 deg), with A and B functions of |u|^2 alone.
+    coordinates, the foot is u from the hip joint, thigh and shank close a triangle over u, and the
+    shank is A u + B (u turned by 90 deg), A and B functions of |u|^2.
     """
 
     joints = 3
@@ -152,8 +152,7 @@ class KneeLeg(LegDrives):
         """See `LegDrives.numbers`."""
         return {name: np.asarray(value).tolist() for name, value in self._c.items()}
 
-    def _plane(self, x: Matrix) -> tuple[Matrix, ...]:
-        """w square to the axis (3), h, u (2), A, B and the squares rho^2, |u|^2."""
+    def _plane(self, x: Matrix) -> _Plane:
         c, a = self._c, ca.DM(self._c["axis"])
         w = ca.DM(c["hip"]) + ca.DM(c["mirror"]) * x[:3]
         along = ca.dot(a, w)
@@ -164,44 +163,87 @@ class KneeLeg(LegDrives):
         u = ca.vertcat(along - c["hip_in_plane"][0], h - c["hip_in_plane"][1])
         u2 = ca.sumsqr(u)
         a2, b2 = c["thigh"] ** 2, c["shank"] ** 2
-        area2 = _at_least(
-            a2 * b2 - ((a2 + b2 - u2) / 2) ** 2, a2 * b2 * _NEARLY_STRAIGHT**2
-        )
-        A = (u2 + b2 - a2) / (2 * u2)
-        B = c["bend"] * ca.sqrt(area2) / u2
-        return square, h, u, A, B, rho2, u2
+        cosine = (a2 + b2 - u2) / 2
+        area = ca.sqrt(_at_least(a2 * b2 - cosine**2, a2 * b2 * _NEARLY_STRAIGHT**2))
+        return _Plane(square, rho2, h, u, u2, (u2 + b2 - a2) / (2 * u2), area, cosine)
 
     def rates(self, x: Matrix, x_rate: Matrix) -> Matrix:
         """See `LegDrives.rates`."""
+        return self._motion(self._plane(x), x_rate, None)[0]
+
+    def accelerations(self, x: Matrix, x_rate: Matrix, x_acceleration: Matrix) -> Matrix:
+        """See `LegDrives.accelerations`."""
+        return self._motion(self._plane(x), x_rate, x_acceleration)[1]
+
+    def _motion(self, p: _Plane, x_rate: Matrix, x_acceleration: Matrix | None) -> tuple[Any, Any]:
+        """q' and, if x'' is given, q''."""
         c, a = self._c, ca.DM(self._c["axis"])
-        square, h, u, A, B, rho2, u2 = self._plane(x)
+        side, sign, bend = c["side"], c["knee_sign"], c["bend"]
+        n_of = (c["across"] * p.square - side * p.h * ca.cross(a, p.square)) / p.rho2
         v = ca.DM(c["mirror"]) * x_rate[:3]
-        round_axis = ca.cross(a, square)
-        n_v = (c["across"] * ca.dot(square, v) - c["side"] * h * ca.dot(round_axis, v)) / rho2
-        u_rate = ca.vertcat(ca.dot(a, v), ca.dot(square, v) / h)
-        radial = ca.dot(u, u_rate)
-        turning = u[0] * u_rate[1] - u[1] * u_rate[0]
-        abduction = -c["side"] * n_v / h
-        knee = c["side"] * c["knee_sign"] * radial / (B * u2)
-        hip = -c["side"] * turning / u2 - c["knee_sign"] * A * knee
-        return ca.vertcat(abduction, hip, knee)
+        along_rate = ca.dot(a, v)
+        h_rate = ca.dot(p.square, v) / p.h
+        u_rate = ca.vertcat(along_rate, h_rate)
+        radial = ca.dot(p.u, u_rate)
+        turning = p.u[0] * u_rate[1] - p.u[1] * u_rate[0]
+        abduction = -side * ca.dot(n_of, v) / p.h
+        knee = side * sign * bend * radial / p.area
+        hip = -side * turning / p.u2 - sign * p.A * knee
+        rates = ca.vertcat(abduction, hip, knee)
+        if x_acceleration is None:
+            return rates, None
+        w = ca.DM(c["mirror"]) * x_acceleration[:3]
+        h_acceleration = (
+            ca.dot(p.square, w) + ca.sumsqr(v) - along_rate**2 - h_rate**2
+        ) / p.h
+        u_acceleration = ca.vertcat(ca.dot(a, w), h_acceleration)
+        radial_rate = ca.sumsqr(u_rate) + ca.dot(p.u, u_acceleration)
+        turning_rate = p.u[0] * u_acceleration[1] - p.u[1] * u_acceleration[0]
+        coriolis = 2 * side * h_rate * abduction + c["across"] * abduction**2
+        abduction_2 = -side * (ca.dot(n_of, w) + coriolis) / p.h
+        knee_2 = side * sign * bend * (radial_rate - p.cosine * radial**2 / p.area**2) / p.area
+        A_rate = -(c["shank"] ** 2 - c["thigh"] ** 2) * radial / p.u2**2
+        hip_2 = -side * (turning_rate / p.u2 - 2 * turning * radial / p.u2**2) - sign * (
+            A_rate * knee + p.A * knee_2
+        )
+        return rates, ca.vertcat(abduction_2, hip_2, knee_2)
 
     def holding_torque(self, x: Matrix, force: Matrix, moment: Matrix | None) -> Matrix:
         """See `LegDrives.holding_torque`."""
         c, a = self._c, ca.DM(self._c["axis"])
-        square, h, u, A, B, rho2, _ = self._plane(x)
-        round_axis = ca.cross(a, square)
+        p = self._plane(x)
+        round_axis = ca.cross(a, p.square)
         along = ca.dot(a, force)
-        away = (h * ca.dot(square, force) + c["side"] * c["across"] * ca.dot(round_axis, force)) / (
-            rho2
-        )
-        about_hip = u[0] * away - u[1] * along
-        radial = u[0] * along + u[1] * away
+        away = p.h * ca.dot(p.square, force) + c["side"] * c["across"] * ca.dot(round_axis, force)
+        away = away / p.rho2
+        about_hip = p.u[0] * away - p.u[1] * along
+        radial = p.u[0] * along + p.u[1] * away
+        about_knee = p.A * about_hip - c["bend"] * p.area / p.u2 * radial
         return ca.vertcat(
             -ca.dot(round_axis, force),
             c["side"] * about_hip,
-            c["side"] * c["knee_sign"] * (A * about_hip - B * radial),
+            c["side"] * c["knee_sign"] * about_knee,
         )
+
+
+class _Plane(NamedTuple):
+    """A leg in its plane.
+
+    Attributes:
+        square: (3, 1) m, w square to the axis; rho2: its square, m2; h: m.
+        u: (2, 1) m; u2: its square, m2.
+        A: share of u in the shank; area, cosine: thigh times shank times the sine and the cosine of
+            the angle between them, m2.
+    """
+
+    square: Matrix
+    rho2: Matrix
+    h: Matrix
+    u: Matrix
+    u2: Matrix
+    A: Matrix
+    area: Matrix
+    cosine: Matrix
 
 
 def _at_least(value: Matrix, floor: float) -> Matrix:
@@ -293,15 +335,15 @@ class Drives:
             a leg takes is this times its joints' acceleration, within 6 % of the hip's torque limit
             on ANYmal's jumps and 10 % of the abduction's: the legs' inertia changes with posture,
             and the base gives way.
-        carried: (L, 3, 3) kg: times gravity and acceleration, base axes, the force at a foot that
-            carries the leg as its drives do.
+        weight: (L, n, 3) kg m, kg: times what the base feels of gravity and acceleration, base axes,
+            the torques that carry the leg, in the default posture.
     """
 
     legs: list[LegDrives]
     torque_limit: Array
     speed_limit: Array
     mass_matrix: Array
-    carried: Array
+    weight: Array
 
     @staticmethod
     def of(robot: Robot) -> Drives:
@@ -310,18 +352,13 @@ class Drives:
         M = pin.crba(robot.model, data, robot.posture)
         joints = (np.triu(M) + np.triu(M, 1).T)[6:, 6:]
         index = robot.leg_joint_index
-        # c' = W x' in mirrored axes, so a force g on the leg's CoM is W^T g at the foot.
-        slope = robot.fit.com_affine[1:4]
+        motion = robot.chains.motion(robot.posture[7:][index])
         return Drives(
             legs=leg_drives(robot),
             torque_limit=robot.torque_limit[index],
             speed_limit=robot.speed_limit[index],
             mass_matrix=np.array([joints[np.ix_(rows, rows)] for rows in index]),
-            carried=np.array(
-                [mass * np.diag(M) @ slope @ np.diag(M) for mass, M in zip(
-                    robot.chains.mass, robot.mirrors, strict=True
-                )]
-            ),
+            weight=robot.chains.mass[:, None, None] * motion.com_jacobian.transpose(0, 2, 1),
         )
 
     def numbers(self) -> dict[str, Any]:

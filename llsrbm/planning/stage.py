@@ -353,13 +353,17 @@ class Stage:
         return self._share(leg, ca.mtimes(ca.DM(drives.mass_matrix[leg]), joints))
 
     def _stance_torque(self, leg: int) -> Any:
-        x, drives = self.feet_mid[0], self.model.drives
+        x, xdot, _, _ = self.feet_mid
+        drives = self.model.drives
         force, moment = self._load_on_foot(leg)
         torque = drives.legs[leg].holding_torque(x[:, leg], force, moment)
+        torque = torque + ca.mtimes(ca.DM(drives.weight[leg]), self._specific_force_base)
         # The foot stands, so seen from the hip it accelerates as the body does, the other way.
         carried = -ca.DM(self.model.mirrors[leg]) * self._acceleration_base
         still = ca.SX.zeros(self.layout.foot_coordinates - 3)
-        joints = drives.legs[leg].rates(x[:, leg], ca.vertcat(carried, still))
+        joints = drives.legs[leg].accelerations(
+            x[:, leg], xdot[:, leg], ca.vertcat(carried, still)
+        )
         return self._share(leg, torque + ca.mtimes(ca.DM(drives.mass_matrix[leg]), joints))
 
     def _share(self, leg: int, torque: Any) -> Any:
@@ -370,16 +374,15 @@ class Stage:
         return self.lift(ca.mtimes(self.R_world_base_mid.T, self.acceleration))
 
     def _load_on_foot(self, leg: int) -> tuple[Any, Any]:
-        """Force (3, 1) N on a standing foot less what carries the leg's weight, moment (3, 1) Nm.
+        """Force (3, 1) N on a standing foot and its moment (3, 1) Nm.
 
         In base axes, the moment about the foot's middle; none of points.
         """
-        drives, R, corners = self.model.drives, self.R_world_base_mid, self.layout.corners
+        R, corners = self.R_world_base_mid, self.layout.corners
         unit = self.model.mass * GRAVITY / self.layout.contacts
         mine = range(leg * corners, (leg + 1) * corners)
         total = sum(self.force[:, j] for j in mine)
-        weight = ca.mtimes(ca.DM(drives.carried[leg]), self._specific_force_base)
-        force = self.lift(ca.mtimes(R.T, total) * unit - weight)
+        force = self.lift(ca.mtimes(R.T, total) * unit)
         if corners == 1:
             return force, None
         moments = (
