@@ -156,7 +156,7 @@ class Tilt(Cost):
     """Roll and pitch of the base: a light base rests upright between heavy legs."""
 
     name = "tilt"
-    weight = 0.0
+    weight = 50.0
     unit = "1"
     effect = "the base stays upright; legs swing less"
 
@@ -173,7 +173,7 @@ class TiltRate(Cost):
     """The base's angular velocity about its own x and y."""
 
     name = "tilt_rate"
-    weight = 0.0
+    weight = 1.0
     unit = "1/(rad/s)^2"
     effect = "the base rolls and pitches more slowly"
 

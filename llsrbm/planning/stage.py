@@ -340,16 +340,22 @@ class Stage:
         """
         legs = range(self.layout.legs)
         if self.role.phase == Phase.FLIGHT:
-            steps = self._feet_steps
-            torques = [self._swing_torque(i, step[:, i] / t) for step, t in steps for i in legs]
+            start = self.feet_in_hip, self.feet_velocity
+            end = self.feet_in_hip + self.feet_mid[1] * self.dt, self.feet_mid[1]
+            steps = zip((start, end), self._feet_steps, strict=False)
+            torques = [
+                self._swing_torque(i, x[:, i], before[:, i] + step[:, i] / 2, step[:, i] / span)
+                for (x, before), (step, span) in steps
+                for i in legs
+            ]
         else:
             torques = [self._stance_torque(i) for i in legs]
         return ca.horzcat(*torques)
 
-    def _swing_torque(self, leg: int, acceleration: Any) -> Any:
-        x, xdot, _, _ = self.feet_mid
+    def _swing_torque(self, leg: int, x: Any, x_rate: Any, x_acceleration: Any) -> Any:
         drives = self.model.drives
-        joints = drives.legs[leg].accelerations(x[:, leg], xdot[:, leg], self.lift(acceleration))
+        x, x_rate, x_acceleration = map(self.lift, (x, x_rate, x_acceleration))
+        joints = drives.legs[leg].accelerations(x, x_rate, x_acceleration)
         return self._share(leg, ca.mtimes(ca.DM(drives.mass_matrix[leg]), joints))
 
     def _stance_torque(self, leg: int) -> Any:
