@@ -24,6 +24,7 @@ from llsrbm.planning.knots import Knots, rolled_out, unpack
 from llsrbm.planning.planner import PATIENT_FLIGHT, Planner
 from llsrbm.planning.progress import attended
 from llsrbm.planning.residuals import satisfied, violations
+from llsrbm.planning.solvers import Fatrop
 from llsrbm.planning.stage_functions import constraints_of
 from llsrbm.planning.task import Task, place_task
 from llsrbm.planning.transcription import row_bounds
@@ -113,7 +114,7 @@ class Scout:
         self.seconds += time.perf_counter() - start
         stats = solver.stats()
         w = np.array(result["x"]).ravel()
-        if not stats["success"]:
+        if not Fatrop.converged(stats):
             return None
         knots = rolled_out(unpack(w, self.planner.layout, task, self.planner.model))
         broken = violations(knots)

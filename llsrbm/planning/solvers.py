@@ -27,6 +27,11 @@ MU_COLD = 1e-2
 # jumps and three models than with the solver's default of 0.01.
 BOUND_PUSH = 0.05
 
+# Where the cost is flat Fatrop creeps: the constraints are met, the cost changes in the fourth digit,
+# the gradient stays at some 1e-3. That is as good as solved when it has lasted for so many iterations.
+ACCEPTABLE = 5e-3
+ACCEPTABLE_ITERATIONS = 4
+
 # A solve near a known solution stops at this tolerance: the cost is 0.02 % from that of a cold one.
 NEAR_TOLERANCE = 3e-4
 # The complementarity at which Fatrop ends for that tolerance; near a solution it begins there.
@@ -39,6 +44,7 @@ NEARER = 0.05
 # Scales of rows are the bounds' multipliers, not smaller than this: Fatrop sees scaled violations.
 LEAST_SCALE = 1e-7
 
+_STOPPED_ACCEPTABLE = 2  # Fatrop's return flag
 _SILENT, _TABLE = 0, 5  # Fatrop's print levels
 
 
@@ -79,6 +85,11 @@ class Backend(ABC):
     @abstractmethod
     def build(cls, problem: Problem) -> Backend:
         """Build the solvers of a problem."""
+
+    @staticmethod
+    def converged(stats: dict[str, Any]) -> bool:
+        """From nlpsol's statistics."""
+        return bool(stats["success"])
 
     @abstractmethod
     def _iterations(self, stats: dict[str, Any]) -> int:
@@ -126,7 +137,7 @@ class Backend(ABC):
         return Iterate(
             w=np.array(result["x"]).ravel(),
             multipliers=np.array(result["lam_g"]).ravel(),
-            converged=bool(stats["success"]),
+            converged=self.converged(stats),
             iterations=self._iterations(stats),
             cost=float(result["f"]),
             solve_time_s=elapsed,
@@ -168,6 +179,8 @@ class Fatrop(Backend):
             "max_iter": MAX_ITERATIONS,
             "bound_push": BOUND_PUSH,
             "bound_frac": BOUND_PUSH,
+            "tol_acceptable": ACCEPTABLE,
+            "acceptable_iter": ACCEPTABLE_ITERATIONS,
         }
         near = {
             "mu_init": NEAR_MU,
@@ -219,6 +232,11 @@ class Fatrop(Backend):
             },
         )
         return replace(iterate, multipliers=scale * iterate.multipliers)
+
+    @staticmethod
+    def converged(stats: dict[str, Any]) -> bool:
+        """Within the tolerance, or `ACCEPTABLE` for long enough, which nlpsol does not count."""
+        return bool(stats["success"]) or stats["fatrop"]["return_flag"] == _STOPPED_ACCEPTABLE
 
     def _iterations(self, stats: dict[str, Any]) -> int:
         return int(stats["fatrop"]["iterations_count"])

@@ -102,7 +102,7 @@ class Stage:
         return ca.reshape(self.symbols["feet_velocity"], self.layout.foot_coordinates, -1)
 
     @property
-    def _feet_steps(self) -> list[tuple[Any, Any]]:
+    def feet_steps(self) -> list[tuple[Any, Any]]:
         """(d, L) changes of xdot in m/s, rad/s, and the times that they take, s.
 
         From interval to interval it is one of them; from rest at lift-off to the first interval's
@@ -230,7 +230,7 @@ class Stage:
     def feet_mid(self) -> tuple[Any, Any, Any, Any]:
         """x (d, L), xdot (d, L), o (3, 1) and odot (3, 1) at the midpoint."""
         if self.role.phase == Phase.FLIGHT:
-            xdot = self.lift(self.feet_velocity + self._feet_steps[0][0])
+            xdot = self.lift(self.feet_velocity + self.feet_steps[0][0])
             x = self.lift(self.feet_in_hip + xdot * self.dt / 2)
             o_rate = self.lift(self.model.base_offset_rate(xdot))
             return x, xdot, self.lift(self.model.base_offset(x)), o_rate
@@ -342,7 +342,7 @@ class Stage:
         if self.role.phase == Phase.FLIGHT:
             start = self.feet_in_hip, self.feet_velocity
             end = self.feet_in_hip + self.feet_mid[1] * self.dt, self.feet_mid[1]
-            steps = zip((start, end), self._feet_steps, strict=False)
+            steps = zip((start, end), self.feet_steps, strict=False)
             torques = [
                 self._swing_torque(i, x[:, i], before[:, i] + step[:, i] / 2, step[:, i] / span)
                 for (x, before), (step, span) in steps
