@@ -25,6 +25,11 @@ _GRAVITY = 9.81
 _JUST_AFTER = (
     1e-3  # s after touchdown, where the nearest sample of a plan surely is one on the ground
 )
+# A foot that seeks the ground from rest sinks at 0.2 m/s after this time, s; one that then is slower
+# than this, m/s, for so many ticks has met it.
+_SEEKING_TIME = 0.015
+_STOPPED_BELOW = 0.05
+_STILL_TICKS = 3
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,6 +100,7 @@ class WholeBodyController:
         self._points = points
 
         self._touching = np.ones(body.legs, dtype=bool)
+        self._still = np.zeros(body.legs, dtype=np.int64)
         self._landing_foot = plan.foot_position[-1]
         self._takeoff_foot = plan.foot_position[0]
         self._ground_shift = 0.0
@@ -130,7 +136,7 @@ class WholeBodyController:
                 self._touch_down(time, loaded)
                 flying = False
         elif self.detected_at is not None:
-            self._touching |= self._foot_forces.update(torque)
+            self._touching |= self._foot_forces.update(torque) | self._stopped(time)
             self._ground_shift = self._height_of_ground()
         target = self._target(time, flying=flying)
         mode = self._mode(time)
@@ -162,9 +168,21 @@ class WholeBodyController:
         planned = self._reference.late.com_velocity[2]
         self._momentum_share = float(self._body.com_velocity[2] / min(planned, -0.1))
         # Something has been hit; where no leg is sure yet, it is the one that feels most.
+        self._still = np.zeros(self._body.legs, dtype=np.int64)
         self._touching = loaded.copy()
         self._touching[int(np.argmax(self._foot_forces.vertical))] = True
         self._ground_shift = self._height_of_ground()
+
+    def _stopped(self, time: float) -> NDArray[np.bool_]:
+        """(L,) feet that should sink and do not: they stand, however little they carry.
+
+        A foot that is put down gently shows no force that can be told from noise.
+        """
+        sinking = self._body.foot_velocity[:, 2] < -_STOPPED_BELOW
+        self._still = np.where(sinking, 0, self._still + 1)
+        since = time - (self.detected_at or 0.0)
+        stopped: NDArray[np.bool_] = (self._still >= _STILL_TICKS) & (since > _SEEKING_TIME)
+        return stopped
 
     def _height_of_ground(self) -> float:
         """Of the ground under the feet that stand, above the plan's, m."""

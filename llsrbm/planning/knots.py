@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from llsrbm.analysis.joint_loads import JointLoads, KnotMotion, joint_loads
 from llsrbm.models.base import CentroidalModel
-from llsrbm.planning.headings import headings, relative_yaw_rates, relative_yaws
+from llsrbm.planning.headings import heading_rates, headings, relative_yaw_rates, relative_yaws
 from llsrbm.planning.layout import Layout
 from llsrbm.planning.stage import GRAVITY
 from llsrbm.planning.task import Task, contact_points

@@ -66,6 +66,6 @@ class Control(Table):
 
     rate: Positive = 400.0
     friction: Positive = 0.5
-    force_phase: Length = 0.2
+    force_phase: Length = 0.1
     gains: Gains = Gains()
     weights: Weights = Weights()

@@ -19,15 +19,14 @@ if TYPE_CHECKING:
 def ground_line(task: Task, progress: Array) -> Array:
     """(K, L) m: height that feet must clear at `progress` (K,) of the flight.
 
-    From the start to the target; a landing surface above the start is cleared as high as it is
-    from half way on, so that no foot meets the edge of the box.
+    A landing surface above the start is cleared as high as it is from half way on, one below it is
+    not sunk to before, so that no foot meets the edge of what it lands on or leaves.
     """
     s = np.asarray(progress)[:, None]
     start, goal = task.start_feet[:, 2], task.goal_feet[:, 2]
-    straight = start * (1 - s) + goal * s
-    u = np.minimum(1.0, 2 * s)
-    early = start + (goal - start) * u**2 * (3 - 2 * u)
-    return np.where(goal > start, early, straight)
+    u = np.minimum(1.0, np.where(goal > start, 2 * s, 2 * (1 - s)))
+    low, high = np.minimum(start, goal), np.maximum(start, goal)
+    return low + (high - low) * u**2 * (3 - 2 * u)
 
 
 def clearance_line(task: Task, progress: Array) -> Array:
