@@ -74,6 +74,13 @@ class Task:
         """J."""
         return len(self.robot.joint_names)
 
+    @property
+    def lowest_hips(self) -> float:
+        """How high the hips stay above standing feet, m."""
+        robot = self.robot
+        stands = float((robot.base_position + robot.hips - robot.feet)[:, 2].mean())
+        return self.reach.standing * stands
+
     @cached_property
     def towards(self) -> Array:
         """(L, 2) horizontal directions in which all of the target lies ahead of a foot; or zeros.

@@ -87,11 +87,14 @@ class Reach(Table):
     Attributes:
         distance: shortest and longest distance from hip to foot.
         lower, upper: corners of the box.
+        standing: lowest height of the hips above standing feet, a share of that in the default
+            posture: the trunk must clear the ground also when a landing goes deeper than planned.
     """
 
     distance: PositiveInterval
     lower: Vector
     upper: Vector
+    standing: Annotated[float, Field(gt=0, lt=1)] = 0.6
 
     @model_validator(mode="after")
     def _box_ordered(self) -> Self:

@@ -17,6 +17,7 @@ from llsrbm.trajectory.rollout import Conditions
 
 Array = NDArray[np.float64]
 
+ROOM = 0.04  # m between an edge and feet that stand beside it: they rise before they move
 MARGIN = 0.25  # m of landing box or start block around the feet: a robot may miss by that much
 BOARD = 2.0  # m, length and width of a board on the ground: wherever the robot lands, it lies there
 TO_SPARE = 0.01  # m between the planned feet and a board that slides in under them
@@ -53,8 +54,8 @@ def surroundings(robot: Robot, plan: Plan, conditions: Conditions) -> Surroundin
     """What stands where while a plan is followed.
 
     A landing surface above the ground is a box, one below it is the ground, and the robot starts
-    on a block. Where start and landing overlap, the box is slid in in mid-flight, or the block is
-    drawn away when the feet are highest. The board is slid onto the landing surface in mid-flight.
+    on a block. Where the robot, feet and what is between them, would stand on both, the box is slid
+    in in mid-flight, or the block is drawn away when the feet are highest. The board is slid onto the landing surface in mid-flight.
 
     Raises:
         InputError: the board is too thick, see `check_board`.
@@ -142,22 +143,34 @@ def _around(points: Array, margin: float) -> _Rectangle:
 def _avoiding(points: Array, others: Array, radius: float) -> _Rectangle | None:
     """A rectangle around `points` (C, 2), as wide as `MARGIN`, where no foot of `others` stands.
 
-    None if even the feet on `points` themselves, of that radius, leave no room for the others.
+    None if even the feet on `points` themselves, of that radius, leave no room for the robot that
+    stands on the others.
     """
     low, high = points.min(axis=0) - radius, points.max(axis=0) + radius
-    if _inside(others, low, high, radius).any():
+    apart = radius + ROOM
+    if _inside(_between(others), low, high, apart).any():
         return None
     wide = _around(points, MARGIN)
     for axis, across in ((0, 1), (1, 0)):
-        beside = (others[:, across] > low[across] - radius) & (
-            others[:, across] < high[across] + radius
+        beside = (others[:, across] > low[across] - apart) & (
+            others[:, across] < high[across] + apart
         )
         where = others[beside, axis]
         before, after = where[where < low[axis]], where[where > high[axis]]
         # An edge between start and landing is in the middle: feet rise and land beside it.
         low[axis] = max(wide.low[axis], (before.max(initial=-np.inf) + radius + low[axis]) / 2)
         high[axis] = min(wide.high[axis], (after.min(initial=np.inf) - radius + high[axis]) / 2)
+    # An edge that grew towards the margin may have come under the robot at a corner.
+    if _inside(_between(others), low, high, apart).any():
+        return None
     return _Rectangle(low, high)
+
+
+def _between(points: Array) -> Array:
+    """Points (C, 2) and more on the lines between any two of them: what a robot stands over."""
+    share = np.linspace(0.0, 1.0, 9)[:, None, None, None]
+    lines: Array = points[:, None] * (1 - share) + points[None] * share
+    return lines.reshape(-1, 2)
 
 
 def _inside(points: Array, low: Array, high: Array, radius: float) -> NDArray[np.bool_]:

@@ -58,6 +58,16 @@ class Reach(Constraint):
             place=("reach", "distance", 1),
             relative=True,
         ),
+        Limit(
+            "reach_standing",
+            "lowest hips above standing feet",
+            "1",
+            "robots crouch less before they jump and when they land; a share of standing upright",
+            lowest=0.3,
+            highest=0.95,
+            place=("reach", "standing"),
+            lower_bound=True,
+        ),
         *(
             Limit(
                 f"reach_{axis}_{end}",
@@ -90,22 +100,28 @@ class Reach(Constraint):
         return ca.vertcat(*columns)
 
     def bounds(self, task: Task, layout: Layout, knot: int) -> Bounds:
-        """The robot file's [reach]."""
+        """The robot file's [reach]; of standing feet, hips no lower than its share."""
         reach = task.reach
         lower = [reach.distance[0] ** 2, *reach.lower]
         upper = [reach.distance[1] ** 2, *reach.upper]
+        if layout.roles[knot].in_contact:
+            upper[3] = min(upper[3], -task.lowest_hips)
         return np.tile(lower, layout.legs), np.tile(upper, layout.legs)
 
     def violation(self, knots: Knots) -> Array:
         """Metres beyond the distance or the box."""
-        reach, x = knots.task.reach, knots.feet_in_hip[1:-1, :, :3]
+        task = knots.task
+        reach, x = task.reach, knots.feet_in_hip[1:-1, :, :3]
+        standing = np.append(knots.in_contact, True)[1:-1]
+        upper = np.tile(np.array(reach.upper), (len(x), 1, 1))
+        upper[standing, :, 2] = np.minimum(upper[standing, :, 2], -task.lowest_hips)
         distance = np.linalg.norm(x, axis=-1, keepdims=True)
         beyond = np.concatenate(
             [
                 reach.distance[0] - distance,
                 distance - reach.distance[1],
                 np.array(reach.lower) - x,
-                x - np.array(reach.upper),
+                x - upper,
             ],
             axis=-1,
         )
