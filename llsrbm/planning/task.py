@@ -81,19 +81,39 @@ class Task:
         stands = float((robot.base_position + robot.hips - robot.feet)[:, 2].mean())
         return self.reach.standing * stands
 
-    @cached_property
+    @property
     def towards(self) -> Array:
-        """(L, 2) horizontal directions in which all of the target lies ahead of a foot; or zeros.
+        """(L, 2) horizontal directions across the edge between start and target; or zeros.
 
-        Of the landing heading's axes the one that leaves the widest gap between the contact points
-        of the foot at the start and those of all feet at the target; zeros where there is none.
+        See `gap`, which is there where these are.
         """
+        return self._edge[0]
+
+    @property
+    def gap(self) -> Array:
+        """(L,) m: how far it is from start to target along `towards`.
+
+        Onto a higher surface from a foot's own start to all of the target, to a lower one from all
+        of the start to the foot's own target. Of the landing heading's axes the one that leaves the
+        widest gap counts.
+        """
+        return self._edge[1]
+
+    @cached_property
+    def _edge(self) -> tuple[Array, Array]:
         c, s = np.cos(self.jump.twist), np.sin(self.jump.twist)
         axes = np.array([(c, s), (-c, -s), (-s, c), (s, -c)])
-        start = self.start_contacts[:, :2].reshape(len(self.start_feet), -1, 2) @ axes.T
-        goal = self.goal_contacts[:, :2] @ axes.T
-        gaps = goal.min(axis=0) - start.max(axis=1)
-        return axes[gaps.argmax(axis=1)] * (gaps.max(axis=1, keepdims=True) > 0)
+        legs = len(self.start_feet)
+        start, goal = (
+            points[:, :2].reshape(legs, -1, 2) @ axes.T
+            for points in (self.start_contacts, self.goal_contacts)
+        )
+        if self.jump.height < 0:
+            gaps = goal.min(axis=1) - start.max(axis=(0, 1))
+        else:
+            gaps = goal.min(axis=(0, 1)) - start.max(axis=1)
+        widest = gaps.max(axis=1)
+        return axes[gaps.argmax(axis=1)] * (widest[:, None] > 0), np.maximum(widest, 0.0)
 
     def parameters(self) -> dict[str, Array]:
         """Name -> value of the solver's parameters (names and sizes: `parameter_sizes`)."""

@@ -17,7 +17,7 @@ class Gains(Table):
         standing: damping of feet on the ground, 1/s: brings feet back that bounce.
     """
 
-    com: tuple[Length, Length] = (60.0, 12.0)
+    com: tuple[Length, Length] = (300.0, 35.0)
     orientation: tuple[Length, Length] = (150.0, 20.0)
     swing: tuple[Length, Length] = (500.0, 40.0)
     posture: tuple[Length, Length] = (100.0, 20.0)
@@ -40,7 +40,7 @@ class Weights(Table):
         force_in_landing: in the force phase, where CoM and angular momentum cost nothing.
     """
 
-    com: Length = 10.0
+    com: Length = 100.0
     orientation: Length = 10.0
     orientation_in_takeoff: Length = 0.1
     orientation_in_flight: Length = 10.0

@@ -15,6 +15,7 @@ from llsrbm.planning.constraints.motion import FinalState, MomentumBalance
 from llsrbm.planning.constraints.reach import FeetApart, Reach
 from llsrbm.planning.constraints.swing import Clearance, FootSpeed
 from llsrbm.planning.constraints.timing import PhaseTimes
+from llsrbm.planning.constraints.truth import TrueTurn
 from llsrbm.planning.constraints.turn import FootTurn, FootYaw
 
 __all__ = ["CONSTRAINTS", "Constraint"]
@@ -36,4 +37,5 @@ CONSTRAINTS: tuple[Constraint, ...] = (
     TorqueAtSpeed(),
     JointSpeed(),
     FinalState(),
+    TrueTurn(),
 )

@@ -18,22 +18,26 @@ if TYPE_CHECKING:
     from llsrbm.planning.knots import Knots
     from llsrbm.planning.task import Task
 
-# How far feet below the landing surface may come nearer to it than they stood at the start, m: its
-# edge may be anywhere in between, but they are there at lift-off, and a solver needs some room.
+# How far corners of soles below the landing surface may come nearer to it than they stood at the
+# start, m: its edge may be anywhere in between, but they are there at lift-off.
 ROOM = 0.005
+# Points have more room: the edge is in the middle between start and target, and they keep so far
+# from there, m: a foot's radius and as much again.
+APART = 0.035
 FAR = 10.0  # m, no bound; finite, see `Constraint.bounds`
-# How far feet are above the surface before they come nearer, m.
+# How far feet are above the upper surface before they may be over the edge, m.
 ABOVE = 0.02
 
 
 class Edge(Constraint):
-    """Corners of soles stay behind the edge of a higher landing surface until they are above it.
+    """Feet cross the edge between start and target above the higher of the two.
 
     Soles are long: of a jump 0.2 m forward only centimetres lie between where the toes start and
-    where the heels land. Seen along `Task.towards`, in which the target lies ahead of a foot, none
-    of its corners comes nearer than the foremost one stands, up to the knot where `Clearance` has
-    lifted the feet above the surface. A foot whose place the target overlaps has no edge before it.
-    Points are left to `Clearance` alone.
+    where the heels land. Seen along `Task.towards`, across the edge, no corner of a foot that jumps
+    up comes nearer than the foremost one stands, of points half of the gap, up to the knot where
+    `Clearance` has lifted the feet above the surface; and none that jumps down lags behind by more,
+    from the knot on where it may sink below the start. A foot whose place the other surface
+    overlaps has no edge before it.
     """
 
     name = "edge"
@@ -46,11 +50,15 @@ class Edge(Constraint):
     def rows(self, stage: Stage) -> Any:
         """(C, 1) m: how far each corner is along `towards`."""
         layout = stage.layout
-        if layout.foot_coordinates == 3:
-            return ca.SX(0, 1)
-        corners = ca.reshape(stage.parameters["corners"], 2, -1)
         directions = ca.reshape(stage.parameters["towards"], 2, -1)
         R = stage.R_world_base
+        if layout.foot_coordinates == 3:
+            feet = (
+                stage.position[:2] + ca.mtimes(R[:2, :], stage.foot_from_com(i))
+                for i in range(layout.legs)
+            )
+            return ca.vertcat(*(ca.dot(directions[:, i], foot) for i, foot in enumerate(feet)))
+        corners = ca.reshape(stage.parameters["corners"], 2, -1)
         columns = []
         for i in range(layout.legs):
             ahead, towards = stage.lift(direction(R, stage.relative_yaw(i))), directions[:, i]
@@ -63,32 +71,39 @@ class Edge(Constraint):
         return ca.vertcat(*columns)
 
     def bounds(self, task: Task, layout: Layout, knot: int) -> Bounds:
-        """At most where the foremost corner stands, while the feet are low."""
-        if layout.foot_coordinates == 3:
-            return np.zeros(0), np.zeros(0)
+        """Behind the edge while the feet are low on the way up, beyond it on the way down."""
         step = 1 / layout.intervals.flight
-        top = self._top(task, layout.progress[knot : knot + 1], step)[0]
-        corners = layout.contacts // layout.legs
-        return np.full(layout.contacts, -np.inf), np.repeat(top, corners)
+        low, high = self._range(task, layout.progress[knot : knot + 1], step)
+        return np.repeat(low[0], layout.corners), np.repeat(high[0], layout.corners)
 
     def violation(self, knots: Knots) -> Array:
         """Metres too near."""
         inner = slice(knots.flight.start + 1, knots.flight.stop - 1)
-        if knots.model.coordinates == 3:
-            return np.zeros(len(knots.time))
         span = knots.flight.stop - knots.flight.start - 1
-        top = self._top(knots.task, np.arange(1, span) / span, 1 / span)
+        low, high = self._range(knots.task, np.arange(1, span) / span, 1 / span)
         legs = knots.model.legs
         corners = knots.contact_point[inner, :, :2].reshape(span - 1, legs, -1, 2)
         along = np.einsum("klcj,lj->klc", corners, knots.task.towards)
-        return spread(knots, inner, along - top[..., None])
+        return spread(
+            knots, inner, np.maximum(low[..., None] - along, along - high[..., None])
+        )
 
     @staticmethod
-    def _top(task: Task, s: Array, step: float) -> Array:
-        """(K, L) m: bounds at progress s (K,); none from where the knot before is high enough."""
-        surface, ground = task.goal_feet[:, 2].max(), task.start_feet[:, 2]
-        low = (clearance_line(task, s - step) < surface + ABOVE) & (s[:, None] < 0.5 + step)
-        edge = (surface > ground) & task.towards.any(axis=1)
-        corners = task.start_contacts[:, :2].reshape(len(ground), -1, 2)
-        foremost = np.einsum("lcj,lj->lc", corners, task.towards).max(axis=1)
-        return np.where(low & edge, foremost + ROOM, FAR)
+    def _range(task: Task, s: Array, step: float) -> tuple[Array, Array]:
+        """(K, L) m each: bounds at progress s (K,); far where there is no edge to mind."""
+        legs = len(task.start_feet)
+        start, goal = (
+            np.einsum("lcj,lj->lc", points[:, :2].reshape(legs, -1, 2), task.towards)
+            for points in (task.start_contacts, task.goal_contacts)
+        )
+        room = np.maximum(ROOM, task.gap / 2 - APART) if task.foot.is_point else np.full(legs, ROOM)
+        surface = max(task.start_feet[:, 2].max(), task.goal_feet[:, 2].max()) + ABOVE
+        edge = task.towards.any(axis=1) & (task.jump.height != 0)
+        up = edge & (task.jump.height > 0)
+        rising = (clearance_line(task, s - step) < surface) & (s[:, None] < 0.5 + step) & up
+        sinking = clearance_line(task, s + step) < surface
+        sinking = sinking & (s[:, None] > 0.5 - step) & (edge & ~up)
+        return (
+            np.where(sinking, goal.min(axis=1) - room, -FAR),
+            np.where(rising, start.max(axis=1) + room, FAR),
+        )
