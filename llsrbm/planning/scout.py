@@ -7,6 +7,7 @@ success, at the price of a few tasks at the very edge that patience would have s
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -56,6 +57,10 @@ class Found:
     cost: float
 
 
+class OutOfTime(Exception):
+    """The scout's budget is spent."""
+
+
 class Scout:
     """Solves tasks of one planner's robot and model; counts what it does.
 
@@ -63,6 +68,7 @@ class Scout:
         planner: whose problem it solves.
         about: what is looked for, for whoever is told of the progress.
         solves, seconds: how often, and in how much wall time, so far.
+        budget_s: after so much time a solve ends with `OutOfTime`.
     """
 
     def __init__(
@@ -75,6 +81,7 @@ class Scout:
         self.planner = planner
         self.about = ""
         self.solves, self.seconds = 0, 0.0
+        self.budget_s = math.inf
         self._progress, self._cancelled = progress, cancelled
         self._cold = planner._backend._cold
         # Not while a solve that nobody waits for any more still runs: see `attended`.
@@ -87,6 +94,7 @@ class Scout:
 
         Raises:
             Cancelled: it is not wanted any more.
+            OutOfTime: the budget is spent.
         """
         if near is not None:
             return self._run(self._near, task, self._moved(near, task))
@@ -97,6 +105,8 @@ class Scout:
         return None
 
     def _run(self, solver: Any, task: Task, guess: Array) -> Found | None:
+        if self.seconds > self.budget_s:
+            raise OutOfTime
         self.solves += 1
         if self._cancelled is not None and self._cancelled():
             raise Cancelled("planning was cancelled")
