@@ -99,7 +99,7 @@ def describe_worst(found: dict[str, Violation], knots: Knots | None = None) -> s
 
     Args:
         found: constraint name -> its largest violation.
-        knots: of which they are; with them, limits of the drives are told with the joint.
+        knots: of which they are; with them, limits of the drives are described by the joint.
     """
     broken = sorted(
         ((name, v) for name, v in found.items() if v.amount > TOLERANCE),
@@ -115,7 +115,7 @@ def describe_worst(found: dict[str, Violation], knots: Knots | None = None) -> s
         where = f"in {v.phase} at {v.time:.2f} s"
         plain = f"{name} is violated by {v.amount:.3g} {v.unit} {where}"
         words.append(plain if demand is None else demand.words)
-    # Torque at rest and torque at speed may be broken by the same joint.
+    # Torque at rest and torque at speed may be exceeded by the same joint.
     return "; ".join(list(dict.fromkeys(words))[:3])
 
 

@@ -61,7 +61,7 @@ class Scout:
 
     Attributes:
         planner: whose problem it solves.
-        about: what is looked for, for whoever is told of the progress.
+        about: what is looked for, for progress messages.
         solves, seconds: how often, and in how much wall time, so far.
     """
 
@@ -71,7 +71,7 @@ class Scout:
         progress: Callable[[str], None] | None = None,
         cancelled: Callable[[], bool] | None = None,
     ) -> None:
-        """`progress` is told of each solve, `cancelled` is asked before and during each."""
+        """`progress` gets a text before each solve; `cancelled` is polled before and during it."""
         self.planner = planner
         self.about = ""
         self.solves, self.seconds = 0, 0.0
