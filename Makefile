@@ -1,7 +1,8 @@
 # Two commands do everything on a fresh machine with Python >= 3.11:
 #   make app     sets up .venv and serves the designer at http://127.0.0.1:8080
 #   make test    sets up .venv and a browser, then runs every test
-# Others: make check (style and types), make bench, make lock (renew the pins), make clean.
+# Others: make check (style and types), make bench (solve times), make range (random requests over
+# all that may be asked, planned and simulated), make lock (renew the pins), make clean.
 
 # The first that is new enough, and python3 to complain about if none is.
 PYTHON ?= $(or $(shell for python in python3 python3.11 python3.12 python3.13; do \
@@ -18,7 +19,7 @@ PIP    := $(BIN)/python -m pip install --disable-pip-version-check --quiet
 APP_STAMP := $(VENV)/.llsrbm-app
 DEV_STAMP := $(VENV)/.llsrbm-dev
 
-.PHONY: app test check format bench lock clean setup
+.PHONY: app test check format bench range lock clean setup
 .DEFAULT_GOAL := app
 
 app: $(APP_STAMP)
@@ -39,6 +40,9 @@ format: $(DEV_STAMP)
 
 bench: $(APP_STAMP)
 	$(BIN)/python benchmarks/solve_times.py
+
+range: $(APP_STAMP)
+	$(BIN)/python -m benchmarks.range
 
 setup: $(DEV_STAMP)
 

@@ -22,6 +22,7 @@ from llsrbm.planning.task import Task
 
 GRAVITY = 9.81
 LEG_LENGTH = (0.25, 0.75)  # m, CoM to foot
+LARGEST_FORCE = 230.0  # N a contact, vertical: the paper knows no drives
 
 
 @dataclass(frozen=True)
@@ -84,9 +85,9 @@ def solve_baseline(
             if phase == 1:
                 opti.subject_to(force == 0)
             else:
-                mu, top = task.limits.friction, task.limits.contact_force
+                mu = task.limits.friction
                 fx, fy, fz = ca.vertsplit(f[3 * i : 3 * i + 3, k])
-                opti.subject_to(opti.bounded(0, fz, top / unit))
+                opti.subject_to(opti.bounded(0, fz, LARGEST_FORCE / unit))
                 for tangential in (fx, fy):
                     opti.subject_to(tangential - mu * fz <= 0)
                     opti.subject_to(tangential + mu * fz >= 0)

@@ -41,6 +41,7 @@ class Stop:
         title: the limit in words.
         value: what the limit is, in `unit`; needed: what it would have to be.
         together: whether the other stops have to be removed as well; else any one does.
+        detail: the joint, where, and how much, of a limit of the drives; "" of all others.
     """
 
     constraint: str
@@ -53,8 +54,11 @@ class Stop:
     value: float = 0.0
     needed: float = 0.0
     together: bool = False
+    detail: str = ""
 
     def __str__(self) -> str:
+        if self.detail:
+            return self.detail
         where = f"in {self.phase} at {self.time:.2f} s"
         if self.limit is None:
             return f"{self.constraint} is violated by {self.amount:.3g} {self.unit} {where}"

@@ -48,11 +48,26 @@ class PeakLoad(NamedTuple):
             sliding_joints: names of those whose torque is a force (`Robot.sliding_joints`).
         """
         unit = "N" if self.joint in sliding_joints else "Nm"
-        when = f"at {self.event}" if self.event else f"in {self.phase.label} at {self.time:.2f} s"
+        when = when_in_words(self.phase, self.time, self.event)
         load = f"{abs(self.torque):.0f} of {self.available:.0f} {unit} {when}"
         if not np.isfinite(self.ratio):
             return f"{load} (too fast for any torque)"
         return f"{load} ({100 * self.ratio:.0f} %)"
+
+
+def event_beside(phase: NDArray[np.int64], interval: int) -> str:
+    """Either "lift-off" or "touchdown" where an interval of (N,) begins or ends with it, or ""."""
+    around = [int(p) for p in phase[max(0, interval - 1) : interval + 2]]
+    if Phase.FLIGHT in around and Phase.TAKEOFF in around:
+        return "lift-off"
+    if Phase.FLIGHT in around and Phase.LANDING in around:
+        return "touchdown"
+    return ""
+
+
+def when_in_words(phase: Phase, time: float, event: str) -> str:
+    """For instance "at lift-off" or "in flight at 0.52 s"."""
+    return f"at {event}" if event else f"in {phase.label} at {time:.2f} s"
 
 
 def peak_load(
@@ -70,17 +85,11 @@ def peak_load(
         torque, available: (N, J) Nm or N.
     """
     k, j = np.unravel_index(np.argmax(torque_share(torque, available)), torque.shape)
-    around = [int(p) for p in phase[max(0, k - 1) : k + 2]]
-    event = ""
-    if Phase.FLIGHT in around and Phase.TAKEOFF in around:
-        event = "lift-off"
-    elif Phase.FLIGHT in around and Phase.LANDING in around:
-        event = "touchdown"
     return PeakLoad(
         joint=names[j],
         phase=Phase(phase[k]),
         time=float(time[k] + time[k + 1]) / 2,
-        event=event,
+        event=event_beside(phase, int(k)),
         torque=float(torque[k, j]),
         available=float(available[k, j]),
     )

@@ -13,14 +13,17 @@ from dataclasses import dataclass, replace
 from llsrbm.errors import NotConverged, Stop
 from llsrbm.planning.constraints import CONSTRAINTS, Constraint
 from llsrbm.planning.limits import Limit, limits_in, put_limits
-from llsrbm.planning.residuals import TOLERANCE, severity, stop, violation_with
+from llsrbm.planning.residuals import TOLERANCE, severity, stop, violation_with, with_demand
 from llsrbm.planning.scout import Found, Scout
 from llsrbm.planning.task import Task, place_task
+from llsrbm.trajectory.plan import Violation
 
 # A limit that would have to change is found to this share of the change that is known to do.
 RESOLUTION = 1 / 16
 # Limits tried one at a time when none was changed by the request: those exceeded most.
 TRIED = 5
+# Tried before the others: a jump that stronger drives would do is beyond the robot's drives.
+DRIVE_LIMITS = ("torque_share", "speed_share")
 
 
 @dataclass(frozen=True)
@@ -41,24 +44,26 @@ def explain(scout: Scout, task: Task) -> tuple[Stop, ...]:
     """The limits each of which alone, changed as said, makes a jump plannable; easiest first.
 
     Limits that the request tightens are relaxed to the robot's own; if that does not do, or there
-    are none, every limit to the end of its range. Where no limit alone does, those that have to be
-    changed together are named. Empty: even all of them do not do.
+    are none, those of the drives to the end of their range; then every limit. Where no limit alone
+    does, those that have to be changed together are named. Empty: even all of them do not do.
     """
     own = place_task(task.jump, scout.planner.robot)
     tightened = [s for s in _suspects(task, own) if s.limit.name in task.tuning.limits]
-    for suspects in (tightened, _suspects(task, None)):
+    every = _suspects(task, None)
+    drives = [s for s in every if s.limit.name in DRIVE_LIMITS]
+    for suspects in (tightened, drives, every):
         if not suspects:
             continue
         free = scout.solve(_with(task, suspects, 1.0))
         if free is None:
             continue
-        if len(suspects) > 1 and suspects is not tightened:
+        if len(suspects) > 1 and suspects is every:
             suspects, free = _exceeded(scout, task, suspects, free)
         alone = [(s, f) for s in suspects if (f := scout.solve(_with(task, [s], 1.0), free))]
         if not alone and len(suspects) > 1:
             share, free = _march(scout, task, suspects, free)
-            stops = (_stop(s, share, free) for s in suspects)
-            return _by_ease(replace(stop, together=True) for stop in stops)
+            stops = _by_ease(replace(_stop(s, share, free), together=True) for s in suspects)
+            return tuple(sorted(stops, key=lambda s: not s.detail))  # the drives' first
         return _by_ease(_tightened(scout, task, s, f) for s, f in alone)
     return ()
 
@@ -96,9 +101,7 @@ def _exceeded(
 ) -> tuple[list[_Suspect], Found]:
     """Those that a plan still needs when all are relaxed as little as can be, the most first."""
     _, free = _march(scout, task, suspects, free)
-    sizes = {
-        s: severity(violation_with(free.knots, s.constraint, s.limit, s.value)) for s in suspects
-    }
+    sizes = {s: severity(_worst(s, free)) for s in suspects}
     needed = [s for s, size in sizes.items() if size > TOLERANCE]
     return sorted(needed, key=lambda s: -sizes[s])[:TRIED], free
 
@@ -125,8 +128,17 @@ def _tightened(scout: Scout, task: Task, suspect: _Suspect, free: Found) -> Stop
 def _stop(suspect: _Suspect, share: float, free: Found) -> Stop:
     """What a plan under the looser limit does that the limit forbids."""
     constraint, limit, value = suspect.constraint, suspect.limit, suspect.value
-    where = violation_with(free.knots, constraint, limit, value)
-    return stop(constraint, limit, value, suspect.at(share), where)
+    found = stop(constraint, limit, value, suspect.at(share), _worst(suspect, free))
+    knots = free.knots.under(limit.put(free.task, value))
+    return with_demand(found, constraint.demand(knots), knots)
+
+
+def _worst(suspect: _Suspect, free: Found) -> Violation:
+    """The worst violation by a plan, were the limit as it is, of all constraints it is in."""
+    limit = suspect.limit
+    concerned = [suspect.constraint, *(c for c in CONSTRAINTS if limit.name in c.limited_by)]
+    found = [violation_with(free.knots, c, limit, suspect.value) for c in concerned]
+    return max(found, key=severity)
 
 
 def _by_ease(stops: Iterable[Stop]) -> tuple[Stop, ...]:

@@ -285,6 +285,14 @@ class Knots:
         )
         return joint_loads(self.task.robot, motion)
 
+    def under(self, task: Task) -> Knots:
+        """The same motion under other limits; postures and loads are not computed again."""
+        other = replace(self, task=task)
+        for name in ("postures", "loads"):
+            if name in vars(self):
+                vars(other)[name] = vars(self)[name]
+        return other
+
 
 def rolled_out(knots: Knots) -> Knots:
     """The same forces and rates, with r, H and L integrated from the start, exactly.

@@ -154,13 +154,11 @@ class Planner:
             )
 
         solution = best.iterate.solution if best.solved else None
-        plan = assemble_plan(
-            jump, self.robot, best.knots, best.violations, report, solution
-        )
+        plan = assemble_plan(jump, self.robot, best.knots, best.violations, report, solution)
         if not best.solved:
             raise NotConverged(
                 f"no plan found in {len(tried)} attempts ({_describe(jump)}); the nearest, "
-                f"{best.label}: {describe_worst(best.violations)}",
+                f"{best.label}: {describe_worst(best.violations, best.knots)}",
                 plan,
                 stops(best.knots),
             )
@@ -186,7 +184,7 @@ class Planner:
         attempts: list[_Attempt] = []
         guess = np.zeros(0)
         for share in HOMOTOPY:
-            harder = place_task(_scaled(task.jump, share), self.robot, task.tuning)
+            harder = place_task(scaled(task.jump, share), self.robot, task.tuning)
             easier_guess, guess = guess, self._guess(harder)
             if not attempts:
                 start = guess
@@ -306,7 +304,8 @@ def _with_all_time(attempts: list[_Attempt]) -> _Attempt:
     return replace(attempts[-1], iterate=replace(attempts[-1].iterate, solve_time_s=seconds))
 
 
-def _scaled(jump: Jump, share: float) -> Jump:
+def scaled(jump: Jump, share: float) -> Jump:
+    """A share of what is asked."""
     motion = {k: share * getattr(jump, k) for k in ("twist", "forward", "lateral", "height")}
     return Jump(robot=jump.robot, model=jump.model, **motion)
 

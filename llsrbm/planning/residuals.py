@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from llsrbm.errors import Stop
 from llsrbm.planning.constraints import CONSTRAINTS, Constraint
-from llsrbm.planning.constraints.base import Limit
+from llsrbm.planning.constraints.base import Demand, Limit
 from llsrbm.planning.knots import Knots
 from llsrbm.trajectory.plan import Phase, Violation
 
@@ -20,7 +20,16 @@ Array = NDArray[np.float64]
 TOLERANCE = 1e-3
 
 # What counts as equally bad in different units, to name the worst violation and the best attempt.
-SCALES = {"m": 0.05, "m/s": 0.5, "rad": 0.1, "rad/s": 3.0, "N": 30.0, "Nm": 10.0, "kg m2/s": 0.5, "s": 0.1}
+SCALES = {
+    "m": 0.05,
+    "m/s": 0.5,
+    "rad": 0.1,
+    "rad/s": 3.0,
+    "N": 30.0,
+    "Nm": 10.0,
+    "kg m2/s": 0.5,
+    "s": 0.1,
+}
 
 # How far a limit is moved, times its value, to see whether it is the one that is exceeded.
 FAR = 20.0
@@ -85,18 +94,29 @@ def severity(violation: Violation) -> float:
     return violation.amount / SCALES[violation.unit.split(",")[0]]
 
 
-def describe_worst(found: dict[str, Violation]) -> str:
-    """The violated constraints in words, the worst first, at most three."""
+def describe_worst(found: dict[str, Violation], knots: Knots | None = None) -> str:
+    """The violated constraints in words, the worst first, at most three.
+
+    Args:
+        found: constraint name -> its largest violation.
+        knots: of which they are; with them, limits of the drives are described by the joint.
+    """
     broken = sorted(
         ((name, v) for name, v in found.items() if v.amount > TOLERANCE),
         key=lambda item: -severity(item[1]),
     )
     if not broken:
         return "no constraint is violated, the optimum was not reached"
-    return "; ".join(
-        f"{name} is violated by {v.amount:.3g} {v.unit} in {v.phase} at {v.time:.2f} s"
-        for name, v in broken[:3]
-    )
+    constraints = {c.name: c for c in CONSTRAINTS}
+    words = []
+    for name, v in broken:
+        constraint = constraints.get(name)
+        demand = constraint.demand(knots) if constraint and knots else None
+        where = f"in {v.phase} at {v.time:.2f} s"
+        plain = f"{name} is violated by {v.amount:.3g} {v.unit} {where}"
+        words.append(plain if demand is None else demand.words)
+    # Torque at rest and torque at speed may be exceeded by the same joint.
+    return "; ".join(list(dict.fromkeys(words))[:3])
 
 
 def stops(knots: Knots) -> tuple[Stop, ...]:
@@ -112,10 +132,22 @@ def stops(knots: Knots) -> tuple[Stop, ...]:
     )
     constraints = {c.name: c for c in CONSTRAINTS}
     return tuple(
-        (_exceeded(knots, constraints[name]) if name in constraints else None)
-        or Stop(name, v.phase, v.time, v.amount, v.unit)
-        for name, v in ((name, found[name]) for name in broken)
+        _stop_of(knots, constraints[name], found[name])
+        if name in constraints
+        else _plain_stop(name, found[name])
+        for name in broken
     )
+
+
+def _plain_stop(name: str, v: Violation) -> Stop:
+    return Stop(name, v.phase, v.time, v.amount, v.unit)
+
+
+def _stop_of(knots: Knots, constraint: Constraint, v: Violation) -> Stop:
+    exceeded = _exceeded(knots, constraint)
+    if exceeded is not None:
+        return exceeded
+    return with_demand(_plain_stop(constraint.name, v), constraint.demand(knots), knots)
 
 
 def _exceeded(knots: Knots, constraint: Constraint) -> Stop | None:
@@ -133,13 +165,14 @@ def _exceeded(knots: Knots, constraint: Constraint) -> Stop | None:
             else:
                 enough = middle
         where = violation(knots, constraint)
-        return stop(constraint, limit, value, enough, where)
+        found = stop(constraint, limit, value, enough, where)
+        return with_demand(found, constraint.demand(knots), knots)
     return None
 
 
 def violation_with(knots: Knots, constraint: Constraint, limit: Limit, value: float) -> Violation:
     """What the largest violation of a constraint would be, had one of its limits that value."""
-    return violation(replace(knots, task=limit.put(knots.task, value)), constraint)
+    return violation(knots.under(limit.put(knots.task, value)), constraint)
 
 
 def stop(
@@ -156,4 +189,16 @@ def stop(
         title=limit.title,
         value=value,
         needed=needed,
+    )
+
+
+def with_demand(stop: Stop, demand: Demand | None, knots: Knots) -> Stop:
+    """A stop with the joint, the amount and the place of a demand, if there is one."""
+    if demand is None:
+        return stop
+    return replace(
+        stop,
+        phase=PHASE_NAMES[Phase(knots.phase[demand.interval])],
+        time=float(knots.time[demand.interval]),
+        detail=demand.words,
     )

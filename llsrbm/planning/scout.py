@@ -1,4 +1,4 @@
-"""Whether a task can be planned, asked in a hurry and many times over, each from a neighbour.
+"""Fast feasibility check of many tasks, each solved from a neighbour's solution.
 
 A solve that succeeds from a near solution takes some tens of iterations; one that fails would go
 on to the planner's limit. The scout's solver gives up early, which makes a failure as cheap as a
@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import casadi as ca
@@ -22,7 +22,7 @@ from llsrbm.jump import Jump
 from llsrbm.planning.assembly import assemble_plan
 from llsrbm.planning.guess import analytic_guess
 from llsrbm.planning.knots import Knots, rolled_out, unpack
-from llsrbm.planning.planner import PATIENT_FLIGHT, Planner
+from llsrbm.planning.planner import HOMOTOPY, PATIENT_FLIGHT, Planner, scaled
 from llsrbm.planning.progress import attended
 from llsrbm.planning.residuals import satisfied, violations
 from llsrbm.planning.solvers import Fatrop
@@ -66,7 +66,7 @@ class Scout:
 
     Attributes:
         planner: whose problem it solves.
-        about: what is looked for, for whoever is told of the progress.
+        about: what is looked for, for progress messages.
         solves, seconds: how often, and in how much wall time, so far.
         budget_s: after so much time a solve ends with `OutOfTime`.
     """
@@ -77,7 +77,7 @@ class Scout:
         progress: Callable[[str], None] | None = None,
         cancelled: Callable[[], bool] | None = None,
     ) -> None:
-        """`progress` is told of each solve, `cancelled` is asked before and during each."""
+        """`progress` gets a text before each solve; `cancelled` is polled before and during it."""
         self.planner = planner
         self.about = ""
         self.solves, self.seconds = 0, 0.0
@@ -102,7 +102,26 @@ class Scout:
             found = self._run(self._cold, task, self._guess(task, flight_time))
             if found is not None:
                 return found
-        return None
+        return self._by_easier_jumps(task)
+
+    def _by_easier_jumps(self, task: Task) -> Found | None:
+        """Shares of the jump, each from the one before, under the task's limits."""
+        robot, found = self.planner.robot, None
+        for share in HOMOTOPY:
+            easier = replace(
+                place_task(scaled(task.jump, share), robot, task.tuning),
+                limits=task.limits,
+                reach=task.reach,
+                timing=task.timing,
+                foot=task.foot,
+            )
+            if found is None:
+                found = self._run(self._cold, easier, self._guess(easier))
+            else:
+                found = self._run(self._near, easier, self._moved(found, easier))
+            if found is None:
+                return None
+        return found
 
     def _run(self, solver: Any, task: Task, guess: Array) -> Found | None:
         if self.seconds > self.budget_s:

@@ -18,6 +18,18 @@ from llsrbm.errors import RobotFileError
 from llsrbm.robots.control_table import Control
 from llsrbm.robots.tables import Interval, Length, Positive, PositiveInterval, Table, Vector
 
+# Keys of older robot files -> what does their work now.
+REPLACED = {
+    "limits.contact_force": (
+        "plans keep to the drives' torque instead, limits.torque (the URDF's if left out) and "
+        "limits.torque_share"
+    ),
+    "limits.foot_speed_in_base": (
+        "plans keep to the drives' torque and speed instead, limits.torque and "
+        "limits.joint_speed (the URDF's if left out)"
+    ),
+}
+
 
 class UrdfSource(Table):
     """Where the URDF is: in an installed package's data, or beside the robot file.
@@ -115,8 +127,9 @@ class Limits(Table):
         torque: largest joint torque, Nm, or force of a sliding joint, N: one number for all joints,
             or one for each joint of a leg, from the base outwards; the URDF's if left out.
         joint_speed: largest joint speed, rad/s or m/s, in the same way.
-        torque_share, speed_share: shares of them that a plan may use; the rest is kept for feedback.
-        friction: coefficient of friction.
+        torque_share, speed_share: shares of them that a plan may use; the rest is for feedback.
+        friction: coefficient of friction; plans and the controller stay within the pyramid that is
+            inscribed in its cone.
         foot_speed: largest foot speed in the world along each axis, m/s.
         clearance: height of the feet above the ground line in mid-flight, m.
         feet_apart: shortest distance between two feet seen from above, m.
@@ -305,6 +318,8 @@ def _sentence(detail: ErrorDetails) -> str:
     given = detail["input"]
     given_text = str(list(given)) if isinstance(given, tuple) else repr(given)
     match detail["type"]:
+        case "extra_forbidden" if key in REPLACED:
+            return f'"{key}" is no key any more; remove it: {REPLACED[key]}'
         case "extra_forbidden":
             return f'unknown key "{key}"; {choices(str(location[-1]), _keys_beside(location))}'
         case "missing" if isinstance(location[-1], str):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -77,6 +77,18 @@ def _put(whole: Any, place: tuple[str | int, ...], value: float) -> Any:
     return replace(whole, **{key: part})
 
 
+class Demand(NamedTuple):
+    """The largest demand on a joint that a plan may not make.
+
+    Attributes:
+        words: joint, amount, where, and what the drive has, in one line.
+        interval: in which it is made.
+    """
+
+    words: str
+    interval: int
+
+
 class Constraint(ABC):
     """Rows lower <= rows(stage) <= upper at every stage whose role applies.
 
@@ -85,12 +97,14 @@ class Constraint(ABC):
         unit: of `violation`.
         equality: whether lower equals upper.
         limits: the numbers in its bounds that a request may change.
+        limited_by: names of limits of other constraints that are in its rows, too.
     """
 
     name: ClassVar[str]
     unit: ClassVar[str]
     equality: ClassVar[bool] = False
     limits: ClassVar[tuple[Limit, ...]] = ()
+    limited_by: ClassVar[tuple[str, ...]] = ()
 
     def concerns(self, task: Task) -> bool:
         """Whether the robot has what is limited."""
@@ -115,6 +129,10 @@ class Constraint(ABC):
     @abstractmethod
     def violation(self, knots: Knots) -> Array:
         """(N+1,) amount of the violation at or after each knot, in `unit`; 0 when satisfied."""
+
+    def demand(self, knots: Knots) -> Demand | None:
+        """What a motion asks of a joint beyond the limits; None if it does not, or of no joint."""
+        return None
 
 
 def spread(knots: Knots, where: slice, amounts: Array) -> Array:

@@ -1,15 +1,15 @@
 """What the joints' drives can do: torque, speed, and the torque that is left at a speed.
 
 A drive gives its whole torque up to 70 % of its speed limit, from there less, none at the limit;
-braking takes nothing away (`llsrbm.robots.drives`). With t and w torque and speed as shares of their
-limits this is a polygon,
+braking takes nothing away (`llsrbm.robots.drives`). With t and w torque and speed as shares of
+their limits this is a polygon,
 
     |t| <= 1,   |t + w / 0.3| <= 1 / 0.3,   |w| <= 1,
 
-of which a plan may use the robot file's shares; the rest is for feedback. The rows take torques and
-speeds from closed forms or fits (`llsrbm.models.leg_drives`) in the middle of each interval. The
-check recomputes them with Pinocchio: inverse dynamics of the whole body in the postures that realise
-the plan (`llsrbm.analysis.joint_loads`).
+of which a plan may use the robot file's shares; the rest is for feedback. The rows take torques
+and speeds from closed forms or fits (`llsrbm.models.leg_drives`) in the middle of each interval.
+The check recomputes them with Pinocchio: inverse dynamics of the whole body in the postures that
+realise the plan (`llsrbm.analysis.joint_loads`).
 """
 
 from __future__ import annotations
@@ -20,22 +20,26 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import casadi as ca
 import numpy as np
 
-from llsrbm.planning.constraints.base import Array, Bounds, Constraint, Limit, spread
+from llsrbm.analysis.peak_loads import event_beside, when_in_words
+from llsrbm.planning.constraints.base import Array, Bounds, Constraint, Demand, Limit, spread
 from llsrbm.planning.layout import Layout, Role
 from llsrbm.planning.stage import Stage
 from llsrbm.robots.drives import FULL_UP_TO
 from llsrbm.trajectory.plan import Phase
 
 if TYPE_CHECKING:
+    from llsrbm.analysis.joint_loads import JointLoads
     from llsrbm.planning.knots import Knots
     from llsrbm.planning.task import Task
 
 FALL = 1.0 - FULL_UP_TO
-# What the check allows beyond the plan's share, of the limit at rest: the rows leave out how a leg's
-# inertia changes with its posture and how the base gives way.
+# What the check allows beyond the plan's share, of the limit at rest: the rows leave out how a
+# leg's inertia changes with its posture and how the base gives way.
 TORQUE_ALLOWANCE = 0.10
 # Likewise of the speed limit: the rows are met in the middle of intervals by the model's legs.
 SPEED_ALLOWANCE = 0.03
+# A drive that has more than this of its torque is not said to have lost any.
+WHOLE = 0.99
 
 
 class _DriveConstraint(Constraint):
@@ -111,12 +115,17 @@ class JointTorque(_DriveConstraint):
         excess: Array = np.abs(knots.loads.joint_torque) - share * limit
         return excess
 
+    def demand(self, knots: Knots) -> Demand | None:
+        """The torque that exceeds its share most, at rest or at speed."""
+        return torque_demand(knots)
+
 
 class TorqueAtSpeed(_DriveConstraint):
     """|tau / (share tau_max) + q' / (0.3 q'_max)| <= 1 / 0.3: less torque is left at speed."""
 
     name = "torque_at_speed"
     unit = "Nm"
+    limited_by = ("torque_share",)
 
     def applies(self, role: Role) -> bool:
         """Over every interval but the first, where the robot stands."""
@@ -140,6 +149,10 @@ class TorqueAtSpeed(_DriveConstraint):
             np.abs(loads.joint_torque) - limits.torque_share * loads.torque_available - allowed
         )
         return excess
+
+    def demand(self, knots: Knots) -> Demand | None:
+        """As of `JointTorque`."""
+        return torque_demand(knots)
 
 
 class JointSpeed(_DriveConstraint):
@@ -177,7 +190,65 @@ class JointSpeed(_DriveConstraint):
     def excess(self, knots: Knots) -> Array:
         """rad/s, of sliding joints m/s, beyond the share."""
         share = knots.task.limits.speed_share + SPEED_ALLOWANCE
-        excess: Array = (
-            np.abs(knots.loads.joint_velocity) - share * knots.task.robot.speed_limit
-        )
+        excess: Array = np.abs(knots.loads.joint_velocity) - share * knots.task.robot.speed_limit
         return excess
+
+    def demand(self, knots: Knots) -> Demand | None:
+        """The speed that exceeds its share most."""
+        loads, robot = knots.loads, knots.task.robot
+        share, speed = knots.task.limits.speed_share, np.abs(loads.joint_velocity)
+        place = _largest(speed / robot.speed_limit - share)
+        if place is None:
+            return None
+        joint, limit = loads.joint_names[place[1]], robot.speed_limit[place[1]]
+        sliding = joint in robot.sliding_joints
+        verb, unit = ("slide", "m/s") if sliding else ("turn", "rad/s")
+        return Demand(
+            f"{joint} would have to {verb} at {_number(speed[place])} {unit} "
+            f"{_when(loads, place[0])}, {100 * speed[place] / limit:.0f} % of its drive's "
+            f"{_number(limit)} {unit}; plans may use {100 * share:.0f} % (speed_share)",
+            place[0],
+        )
+
+
+def torque_demand(knots: Knots) -> Demand | None:
+    """The torque that exceeds the plans' share of what is available most, of the limit at rest."""
+    loads, robot = knots.loads, knots.task.robot
+    share, torque = knots.task.limits.torque_share, np.abs(loads.joint_torque)
+    place = _largest((torque - share * loads.torque_available) / robot.torque_limit)
+    if place is None:
+        return None
+    joint, limit = loads.joint_names[place[1]], robot.torque_limit[place[1]]
+    sliding = joint in robot.sliding_joints
+    unit, speed_unit = ("N", "m/s") if sliding else ("Nm", "rad/s")
+    need = f"{joint} would need {_number(torque[place])} {unit} {_when(loads, place[0])}"
+    share_text = f"plans may use {100 * share:.0f} %"
+    available = loads.torque_available[place]
+    if available > WHOLE * limit:
+        percent = 100 * torque[place] / limit
+        has = f"{percent:.0f} % of its drive's {_number(limit)} {unit}; {share_text}"
+    else:
+        speed = _number(abs(loads.joint_velocity[place]))
+        has = (
+            f"its drive has {_number(available)} {unit} left at {speed} {speed_unit}; "
+            f"{share_text} of that"
+        )
+    return Demand(f"{need}, {has} (torque_share)", place[0])
+
+
+def _largest(excess: Array) -> tuple[int, int] | None:
+    """Interval and joint of the largest of (N, J); None if nothing is exceeded, or by no number."""
+    if not np.isfinite(excess).all() or excess.max() <= 0:
+        return None
+    k, j = np.unravel_index(np.argmax(excess), excess.shape)
+    return int(k), int(j)
+
+
+def _when(loads: JointLoads, interval: int) -> str:
+    phase = Phase(loads.phase[interval])
+    return when_in_words(phase, loads.time[interval], event_beside(loads.phase, interval))
+
+
+def _number(value: float) -> str:
+    """Two digits, and all before the point."""
+    return f"{value:.0f}" if value >= 10 else f"{value:.2g}"
