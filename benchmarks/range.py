@@ -121,9 +121,10 @@ def torque_rms(plan: Any, rollout: Any) -> float:
 
 def turn_deg(planned: np.ndarray, simulated: np.ndarray) -> list[float]:
     """Rotation vector from a planned to a simulated attitude, world axes."""
-    turn = Rotation.from_quat(simulated, scalar_first=True) * Rotation.from_quat(
-        planned, scalar_first=True
-    ).inv()
+    turn = (
+        Rotation.from_quat(simulated, scalar_first=True)
+        * Rotation.from_quat(planned, scalar_first=True).inv()
+    )
     return np.degrees(turn.as_rotvec()).tolist()
 
 
@@ -209,9 +210,7 @@ def main(
 ) -> None:
     """Print a line a request, then the table."""
     work = [
-        (request, model)
-        for robot in robots.split(",")
-        for request in requests(robot, count, seed)
+        (request, model) for robot in robots.split(",") for request in requests(robot, count, seed)
     ]
     results = []
     with ProcessPoolExecutor(jobs, mp_context=get_context("spawn")) as pool:

@@ -7,6 +7,7 @@ tightened again towards their value as far as that goes.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
@@ -14,12 +15,14 @@ from llsrbm.errors import NotConverged, Stop
 from llsrbm.planning.constraints import CONSTRAINTS, Constraint
 from llsrbm.planning.limits import Limit, limits_in, put_limits
 from llsrbm.planning.residuals import TOLERANCE, severity, stop, violation_with, with_demand
-from llsrbm.planning.scout import Found, Scout
+from llsrbm.planning.scout import Found, OutOfTime, Scout
 from llsrbm.planning.task import Task, place_task
 from llsrbm.trajectory.plan import Violation
 
 # A limit that would have to change is found to this share of the change that is known to do.
 RESOLUTION = 1 / 16
+# s; a person waits for the answer, and what the last iterate violates is one too.
+EXPLANATION_TIME = 20.0
 # Limits tried one at a time when none was changed by the request: those exceeded most.
 TRIED = 5
 # Tried before the others: a jump that stronger drives would do is beyond the robot's drives.
@@ -71,7 +74,12 @@ def explain(scout: Scout, task: Task) -> tuple[Stop, ...]:
 def explained(scout: Scout, error: NotConverged, task: Task) -> NotConverged:
     """The planner's failure with what really stops it, where that is found."""
     scout.about = "looking for the limit that stops it"
-    stops = explain(scout, task)
+    scout.budget_s = scout.seconds + EXPLANATION_TIME
+    try:
+        stops = explain(scout, task)
+    except OutOfTime:
+        stops = ()
+    scout.budget_s = math.inf
     if not stops:
         return error
     attempts = error.plan.report.attempts

@@ -14,8 +14,8 @@ _NONE = np.zeros(3)
 class AngularMomentum(Task):
     """Average angular velocity I^-1 L, rad/s, a coordinate of first order; I is the whole body's.
 
-    The reference is the plan's own angular momentum, which on jumps is far from zero. Divided by the
-    inertia, the same weight means the same for a robot of 15 kg and one of 30, and the same about
+    The reference is the plan's own angular momentum, which on jumps is far from zero. Divided by
+    the inertia, the same weight means the same for a robot of 15 kg and one of 30, and the same about
     all axes as that of the base's attitude.
     """
 
@@ -27,7 +27,7 @@ class AngularMomentum(Task):
 
     def motion(self, body: WholeBody, target: Target) -> Motion:
         """See `Task.motion`."""
-        per_inertia = np.linalg.inv(body.inertia)
+        per_inertia = np.asarray(np.linalg.inv(body.inertia), dtype=np.float64)
         return Motion(
             per_inertia @ body.momentum_matrix[3:],
             per_inertia @ body.momentum_bias[3:],

@@ -84,9 +84,7 @@ class Edge(Constraint):
         legs = knots.model.legs
         corners = knots.contact_point[inner, :, :2].reshape(span - 1, legs, -1, 2)
         along = np.einsum("klcj,lj->klc", corners, knots.task.towards)
-        return spread(
-            knots, inner, np.maximum(low[..., None] - along, along - high[..., None])
-        )
+        return spread(knots, inner, np.maximum(low[..., None] - along, along - high[..., None]))
 
     @staticmethod
     def _range(task: Task, s: Array, step: float) -> tuple[Array, Array]:
