@@ -15,8 +15,8 @@ class AngularMomentum(Task):
     """Average angular velocity I^-1 L, rad/s, a coordinate of first order; I is the whole body's.
 
     The reference is the plan's own angular momentum, which on jumps is far from zero. Divided by
-    the inertia, the same weight means the same for a robot of 15 kg and one of 30, and the same about
-    all axes as that of the base's attitude.
+    the inertia, the same weight means the same for a robot of 15 kg and one of 30, and about all
+    axes.
     """
 
     rows = 3
