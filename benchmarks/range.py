@@ -3,10 +3,10 @@
     python -m benchmarks.range --robots anymal,slider,go2 --requests 120 --seed 500
 
 Half of the requests ask for one component alone, half for all four at once, uniform over the robot
-file's [task]. Each is planned as the page plans it and simulated once with everything disturbed that
-`llsrbm.simulation.disturbance` disturbs; strict success is defined in `llsrbm.simulation.verdict`.
-Requests and disturbances follow from the seed alone. Controller and planner were tuned on seeds
-below 500.
+file's [task]. Each is planned as the page plans it and simulated once with everything disturbed
+that `llsrbm.simulation.disturbance` disturbs; strict success is defined in
+`llsrbm.simulation.verdict`. Requests and disturbances follow from the seed alone. Controller and
+planner were tuned on seeds below 500.
 """
 
 from __future__ import annotations
@@ -118,9 +118,10 @@ def torque_rms(plan: Any, rollout: Any) -> float:
 
 def turn_deg(planned: np.ndarray, simulated: np.ndarray) -> list[float]:
     """Rotation vector from a planned to a simulated attitude, world axes."""
-    turn = Rotation.from_quat(simulated, scalar_first=True) * Rotation.from_quat(
-        planned, scalar_first=True
-    ).inv()
+    turn = (
+        Rotation.from_quat(simulated, scalar_first=True)
+        * Rotation.from_quat(planned, scalar_first=True).inv()
+    )
     return np.degrees(turn.as_rotvec()).tolist()
 
 
@@ -181,9 +182,11 @@ def describe(result: dict[str, Any]) -> str:
         f"{head} {'strict' if result['strict'] else result['status']:6} "
         f"yaw {math.degrees(yaw) if yaw is not None else math.nan:6.1f} "
         f"tilt at touchdown {result['tilt_at_touchdown_deg']:4.1f} of "
-        f"{result['tilt_at_touchdown_planned_deg']:4.1f}, most {math.degrees(result['peak_tilt']):4.1f} "
+        f"{result['tilt_at_touchdown_planned_deg']:4.1f}, "
+        f"most {math.degrees(result['peak_tilt']):4.1f} "
         f"foot {1e3 * result['foot_error']:4.0f} mm air {1e3 * result['second_flight_s']:3.0f} ms "
-        f"saturated {100 * result['saturated_fraction']:4.1f} % ({worst[0]} {100 * worst[1]:.0f} %) "
+        f"saturated {100 * result['saturated_fraction']:4.1f} % "
+        f"({worst[0]} {100 * worst[1]:.0f} %) "
         f"{result['iterations']} it "
         f"{result['reason']}"
     )

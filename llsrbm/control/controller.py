@@ -25,8 +25,8 @@ _GRAVITY = 9.81
 _JUST_AFTER = (
     1e-3  # s after touchdown, where the nearest sample of a plan surely is one on the ground
 )
-# A foot that seeks the ground from rest sinks at 0.2 m/s after this time, s; one that then is slower
-# than this, m/s, for so many ticks has met it.
+# A foot that seeks the ground from rest sinks at 0.2 m/s after this time, s; one that then is
+# slower than this, m/s, for so many ticks has met it.
 _SEEKING_TIME = 0.015
 _STOPPED_BELOW = 0.05
 _STILL_TICKS = 3

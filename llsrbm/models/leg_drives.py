@@ -193,9 +193,7 @@ class KneeLeg(LegDrives):
         if x_acceleration is None:
             return rates, None
         w = ca.DM(c["mirror"]) * x_acceleration[:3]
-        h_acceleration = (
-            ca.dot(p.square, w) + ca.sumsqr(v) - along_rate**2 - h_rate**2
-        ) / p.h
+        h_acceleration = (ca.dot(p.square, w) + ca.sumsqr(v) - along_rate**2 - h_rate**2) / p.h
         u_acceleration = ca.vertcat(ca.dot(a, w), h_acceleration)
         radial_rate = ca.sumsqr(u_rate) + ca.dot(p.u, u_acceleration)
         turning_rate = p.u[0] * u_acceleration[1] - p.u[1] * u_acceleration[0]
@@ -335,8 +333,8 @@ class Drives:
             a leg takes is this times its joints' acceleration, within 6 % of the hip's torque limit
             on ANYmal's jumps and 10 % of the abduction's: the legs' inertia changes with posture,
             and the base gives way.
-        weight: (L, n, 3) kg m, kg: times what the base feels of gravity and acceleration, base axes,
-            the torques that carry the leg, in the default posture.
+        weight: (L, n, 3) kg m, kg: times what the base feels of gravity and acceleration, base
+            axes, the torques that carry the leg, in the default posture.
     """
 
     legs: list[LegDrives]

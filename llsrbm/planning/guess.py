@@ -72,7 +72,6 @@ def analytic_guess(
     r_land = r_lift + v_lift * T[1] - [0.0, 0.0, 0.5 * GRAVITY * T[1] ** 2]
     yaw_lift = turn_rate * T[0] * STANCE_SHARE
     rest = np.zeros(3)
-    force_unit = GRAVITY / layout.contacts
 
     def body(phase: Phase, s: float) -> tuple[Array, Array, Array, float, float]:
         t = s * T[phase]

@@ -154,9 +154,7 @@ class Planner:
             )
 
         solution = best.iterate.solution if best.solved else None
-        plan = assemble_plan(
-            jump, self.robot, best.knots, best.violations, report, solution
-        )
+        plan = assemble_plan(jump, self.robot, best.knots, best.violations, report, solution)
         if not best.solved:
             raise NotConverged(
                 f"no plan found in {len(tried)} attempts ({_describe(jump)}); the nearest, "

@@ -20,7 +20,16 @@ Array = NDArray[np.float64]
 TOLERANCE = 1e-3
 
 # What counts as equally bad in different units, to name the worst violation and the best attempt.
-SCALES = {"m": 0.05, "m/s": 0.5, "rad": 0.1, "rad/s": 3.0, "N": 30.0, "Nm": 10.0, "kg m2/s": 0.5, "s": 0.1}
+SCALES = {
+    "m": 0.05,
+    "m/s": 0.5,
+    "rad": 0.1,
+    "rad/s": 3.0,
+    "N": 30.0,
+    "Nm": 10.0,
+    "kg m2/s": 0.5,
+    "s": 0.1,
+}
 
 # How far a limit is moved, times its value, to see whether it is the one that is exceeded.
 FAR = 20.0

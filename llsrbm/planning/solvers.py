@@ -27,8 +27,9 @@ MU_COLD = 1e-2
 # jumps and three models than with the solver's default of 0.01.
 BOUND_PUSH = 0.05
 
-# Where the cost is flat Fatrop creeps: the constraints are met, the cost changes in the fourth digit,
-# the gradient stays at some 1e-3. That is as good as solved when it has lasted for so many iterations.
+# Where the cost is flat Fatrop creeps: the constraints are met, the cost changes in the fourth
+# digit, the gradient stays at some 1e-3. That is as good as solved when it has lasted for so many
+# iterations.
 ACCEPTABLE = 5e-3
 ACCEPTABLE_ITERATIONS = 4
 

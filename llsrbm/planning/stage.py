@@ -367,9 +367,7 @@ class Stage:
         # The foot stands, so seen from the hip it accelerates as the body does, the other way.
         carried = -ca.DM(self.model.mirrors[leg]) * self._acceleration_base
         still = ca.SX.zeros(self.layout.foot_coordinates - 3)
-        joints = drives.legs[leg].accelerations(
-            x[:, leg], xdot[:, leg], ca.vertcat(carried, still)
-        )
+        joints = drives.legs[leg].accelerations(x[:, leg], xdot[:, leg], ca.vertcat(carried, still))
         return self._share(leg, torque + ca.mtimes(ca.DM(drives.mass_matrix[leg]), joints))
 
     def _share(self, leg: int, torque: Any) -> Any:

@@ -115,7 +115,7 @@ class Limits(Table):
         torque: largest joint torque, Nm, or force of a sliding joint, N: one number for all joints,
             or one for each joint of a leg, from the base outwards; the URDF's if left out.
         joint_speed: largest joint speed, rad/s or m/s, in the same way.
-        torque_share, speed_share: shares of them that a plan may use; the rest is kept for feedback.
+        torque_share, speed_share: shares of them that a plan may use; the rest is for feedback.
         friction: coefficient of friction.
         foot_speed: largest foot speed in the world along each axis, m/s.
         clearance: height of the feet above the ground line in mid-flight, m.

@@ -55,7 +55,8 @@ def surroundings(robot: Robot, plan: Plan, conditions: Conditions) -> Surroundin
 
     A landing surface above the ground is a box, one below it is the ground, and the robot starts
     on a block. Where the robot, feet and what is between them, would stand on both, the box is slid
-    in in mid-flight, or the block is drawn away when the feet are highest. The board is slid onto the landing surface in mid-flight.
+    in in mid-flight, or the block is drawn away when the feet are highest. The board is slid onto
+    the landing surface in mid-flight.
 
     Raises:
         InputError: the board is too thick, see `check_board`.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from llsrbm.control.reference import Target
 from llsrbm.control.tasks.base import Motion, Task
@@ -14,9 +15,9 @@ _NONE = np.zeros(3)
 class AngularMomentum(Task):
     """Average angular velocity I^-1 L, rad/s, a coordinate of first order; I is the whole body's.
 
-    The reference is the plan's own angular momentum, which on jumps is far from zero. Divided by the
-    inertia, the same weight means the same for a robot of 15 kg and one of 30, and the same about
-    all axes as that of the base's attitude.
+    The reference is the plan's own angular momentum, which on jumps is far from zero. Divided by
+    the inertia, the same weight means the same for a robot of 15 kg and one of 30, and the same
+    about all axes as that of the base's attitude.
     """
 
     rows = 3
@@ -27,7 +28,7 @@ class AngularMomentum(Task):
 
     def motion(self, body: WholeBody, target: Target) -> Motion:
         """See `Task.motion`."""
-        per_inertia = np.linalg.inv(body.inertia)
+        per_inertia: NDArray[np.float64] = np.linalg.inv(body.inertia)
         return Motion(
             per_inertia @ body.momentum_matrix[3:],
             per_inertia @ body.momentum_bias[3:],

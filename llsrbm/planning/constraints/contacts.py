@@ -126,7 +126,7 @@ class FrictionPyramid(Constraint):
         return np.full(4 * layout.contacts, -np.inf), np.zeros(4 * layout.contacts)
 
     def violation(self, knots: Knots) -> Array:
-        """Tangential force, along its larger component, beyond the pyramid's share of the normal."""
+        """Tangential force, its larger component, beyond the pyramid's share of the normal."""
         f = knots.force
         excess = np.abs(f[..., :2]) - INSCRIBED * knots.task.limits.friction * f[..., 2:]
         return spread(knots, everywhere(knots), excess)

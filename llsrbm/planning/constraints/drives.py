@@ -1,15 +1,15 @@
 """What the joints' drives can do: torque, speed, and the torque that is left at a speed.
 
 A drive gives its whole torque up to 70 % of its speed limit, from there less, none at the limit;
-braking takes nothing away (`llsrbm.robots.drives`). With t and w torque and speed as shares of their
-limits this is a polygon,
+braking takes nothing away (`llsrbm.robots.drives`). With t and w torque and speed as shares of
+their limits this is a polygon,
 
     |t| <= 1,   |t + w / 0.3| <= 1 / 0.3,   |w| <= 1,
 
 of which a plan may use the robot file's shares; the rest is for feedback. The rows take torques and
 speeds from closed forms or fits (`llsrbm.models.leg_drives`) in the middle of each interval. The
-check recomputes them with Pinocchio: inverse dynamics of the whole body in the postures that realise
-the plan (`llsrbm.analysis.joint_loads`).
+check recomputes them with Pinocchio: inverse dynamics of the whole body in the postures that
+realise the plan (`llsrbm.analysis.joint_loads`).
 """
 
 from __future__ import annotations
@@ -31,8 +31,8 @@ if TYPE_CHECKING:
     from llsrbm.planning.task import Task
 
 FALL = 1.0 - FULL_UP_TO
-# What the check allows beyond the plan's share, of the limit at rest: the rows leave out how a leg's
-# inertia changes with its posture and how the base gives way.
+# What the check allows beyond the plan's share, of the limit at rest: the rows leave out how a
+# leg's inertia changes with its posture and how the base gives way.
 TORQUE_ALLOWANCE = 0.10
 # Likewise of the speed limit: the rows are met in the middle of intervals by the model's legs.
 SPEED_ALLOWANCE = 0.03
@@ -177,7 +177,5 @@ class JointSpeed(_DriveConstraint):
     def excess(self, knots: Knots) -> Array:
         """rad/s, of sliding joints m/s, beyond the share."""
         share = knots.task.limits.speed_share + SPEED_ALLOWANCE
-        excess: Array = (
-            np.abs(knots.loads.joint_velocity) - share * knots.task.robot.speed_limit
-        )
+        excess: Array = np.abs(knots.loads.joint_velocity) - share * knots.task.robot.speed_limit
         return excess

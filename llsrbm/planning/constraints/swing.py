@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from llsrbm.planning.knots import Knots
     from llsrbm.planning.task import Task
 
+
 def ground_line(task: Task, progress: Array) -> Array:
     """(K, L) m: height that feet must clear at `progress` (K,) of the flight.
 
