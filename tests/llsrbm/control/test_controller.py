@@ -76,7 +76,7 @@ def test_feet_put_down_gently_stand_within_40_ms(controller):
     assert found[first].sum() == 1  # something was touched, nobody knows by whom
     assert not any(feet[2:].any() for feet in found.values())
     settled = min(time for time, feet in found.items() if feet[:2].all())
-    assert 0.015 < settled <= 0.040
+    assert 0.010 < settled <= 0.040
 
 
 def test_a_foot_that_comes_later_stands_when_it_stops(controller):

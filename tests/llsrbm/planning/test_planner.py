@@ -284,7 +284,7 @@ def test_further_attempts_when_one_fails(planner, failures, attempts, solves):
 
 def test_what_cannot_be_says_what_is_violated(planner):
     """Legs that can barely carry the robot."""
-    limits = ROBOT.file.limits.model_copy(update={"torque": 12.0})
+    limits = ROBOT.file.limits.model_copy(update={"torque_share": 0.25})
     planner.robot = replace(ROBOT, file=ROBOT.file.model_copy(update={"limits": limits}))
     with pytest.raises(NotConverged) as caught:
         planner.plan(Jump(model="srbm", forward=0.5))

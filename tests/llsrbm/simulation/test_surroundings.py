@@ -93,7 +93,7 @@ def test_the_block_goes_before_the_feet_pass_through_it():
 
 
 @pytest.mark.parametrize("height", [0.2, -0.15])
-@pytest.mark.parametrize("forward", [0.85, 0.95, 2.0])
+@pytest.mark.parametrize("forward", [0.9, 0.95, 2.0])
 def test_start_and_landing_apart_stand_all_the_time(height, forward):
     plan, world = around(height=height, forward=forward)
     (block,) = world.blocks
