@@ -19,9 +19,11 @@ def test_the_table_has_every_weight_and_limit_of_the_robot(capsys):
     slider = load_robot("slider")
     limits = limits_of(slider)
     assert [name for _, name in values] == [*(c.name for c in COSTS), *limits]
-    assert values["weight", "tilt"] == slider.file.planning["tilt"]
+    assert values["weight", "symmetry"] == slider.file.planning["symmetry"]
+    assert values["weight", "tilt"] == 50.0  # of all robots
     assert values["limit", "foot_yaw_max"] == pytest.approx(63.03, abs=0.01)
-    assert values["limit", "contact_force"] == slider.file.limits.contact_force
+    assert values["limit", "foot_speed"] == slider.file.limits.foot_speed
+    assert values["limit", "torque_share"] == 0.85
 
 
 def test_options_override_a_design():

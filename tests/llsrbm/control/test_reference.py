@@ -1,10 +1,12 @@
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from llsrbm.control.reference import Reference
-from tests.llsrbm.synthetic import synthetic_plan
+from tests.llsrbm.synthetic import quat_about_z, synthetic_plan
 
 WEIGHT = 30.0 * 9.81
 
@@ -56,6 +58,31 @@ def test_attitude_turns_at_the_angular_velocity(reference):
             for R in (targets[0].R_world_base, reference.at(t + dt).R_world_base)
         ]
         assert turned == pytest.approx(heading[1] - heading[0], abs=2e-3)
+
+
+def test_rotation_steps_at_lift_off_and_touchdown(plan):
+    """A base that turns at 1 rad/s on the ground, at 3 in the air, at 0.5 when it has landed."""
+    takeoff, touchdown = plan.phase_start[1:3]
+    yaw = np.interp(
+        plan.time,
+        [0.0, takeoff, touchdown, plan.time[-1]],
+        np.cumsum([0.0, takeoff, 3 * (touchdown - takeoff), 0.5 * (plan.time[-1] - touchdown)]),
+    )
+    reference = Reference(replace(plan, base_quat=quat_about_z(yaw)), WEIGHT)
+    tick = 2.5e-3
+    for time, rate in (
+        (takeoff - tick, 1.0),
+        (takeoff + tick, 3.0),
+        (touchdown - tick, 3.0),
+        (touchdown + tick, 0.5),
+    ):
+        target = reference.at(time)
+        np.testing.assert_allclose(target.angular_velocity, [0, 0, rate], atol=1e-6)
+        np.testing.assert_allclose(target.angular_acceleration, 0.0, atol=1e-6)
+    # It starts and ends at rest.
+    np.testing.assert_allclose(reference.at(0.0).angular_velocity, 0.0, atol=1e-6)
+    assert reference.at(0.005).angular_acceleration[2] > 10.0
+    assert reference.at(plan.time[-1] - 0.005).angular_acceleration[2] < -10.0
 
 
 def test_feet_leave_and_meet_the_ground_at_rest(plan, reference):

@@ -12,6 +12,7 @@ from llsrbm.jump import Jump
 from llsrbm.planning.knots import Knots
 from llsrbm.planning.planner import Planner, planner_for
 from llsrbm.planning.task import Task
+from llsrbm.planning.transcription import constraints_of
 from llsrbm.trajectory.plan import Plan
 
 REQUESTS: dict[str, dict[str, float]] = {
@@ -49,3 +50,19 @@ def function(planner: Planner, name: str) -> Any:
 
 def parameters(task: Task) -> np.ndarray:
     return np.concatenate(list(task.parameters().values()))
+
+
+def rows_by_constraint(s: Solved, g: np.ndarray) -> list[dict[str, np.ndarray]]:
+    """Of each knot: constraint name -> its rows in g, the solver's values."""
+    layout, row, found = s.planner.layout, 0, []
+    for k, role in enumerate(layout.roles):
+        if not role.terminal:
+            row += layout.state_size(layout.roles[k + 1])
+        here = {}
+        for constraint in constraints_of(role):
+            count = len(constraint.bounds(s.task, layout, k)[0])
+            here[constraint.name] = g[row : row + count]
+            row += count
+        found.append(here)
+    assert row == len(g)
+    return found

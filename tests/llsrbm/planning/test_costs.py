@@ -1,5 +1,6 @@
 """The objective recomputed in NumPy, and what each weight does."""
 
+import numpy as np
 import pytest
 
 from llsrbm import models
@@ -26,6 +27,10 @@ def terms(knots) -> dict[str, float]:
                 )
         out["linear_momentum"] += (knots.velocity[k] ** 2).sum() / n[phase]
         out["angular_momentum"] += ((knots.momentum[k] / mass) ** 2).sum() / n[phase]
+        out["tilt"] += (knots.quat[k, 1:3] ** 2).sum() / n[phase]
+        out["tilt_rate"] += (knots.rotation_rate[k, :2] ** 2).sum() / n[phase]
+    swing = np.diff(knots.flight_feet_velocity, axis=0)
+    out["swing_effort"] = n[Phase.FLIGHT] * (swing**2).sum()
     steps = knots.foot_velocity_base * knots.dt[knots.phase[:-1] == Phase.FLIGHT][:, None, None]
     out["foot_movement"] = n[Phase.FLIGHT] * (steps**2).sum()
     out["time"] = (knots.durations**2).sum()
@@ -46,6 +51,9 @@ FACTORS = {
     "force_smoothness": 10.0,
     "force_magnitude": 1000.0,
     "foot_movement": 50.0,
+    "swing_effort": 20.0,
+    "tilt": 20.0,
+    "tilt_rate": 20.0,
     "linear_momentum": 20.0,
     "angular_momentum": 10.0,
     "time": 0.02,
@@ -54,10 +62,10 @@ FACTORS = {
 
 @pytest.mark.parametrize("name", FACTORS)
 def test_a_larger_weight_makes_its_term_smaller(name):
-    before = terms(solved("srbm", "all").knots)[name]
-    planner = planner_for("anymal", "srbm")
+    before = terms(solved("llsrbm-plus", "all").knots)[name]
+    planner = planner_for("anymal", "llsrbm-plus")
     planner.plan(
-        Jump(model="srbm", **REQUESTS["all"]),
+        Jump(model="llsrbm-plus", **REQUESTS["all"]),
         weights={name: FACTORS[name] * default_weights()[name]},
     )
     after = terms(planner.last_knots())[name]

@@ -34,7 +34,8 @@ def test_only_what_a_phase_needs_is_a_variable():
     for role in LAYOUT.roles:
         names = (*LAYOUT.states(role), *LAYOUT.controls(role))
         assert ("force" in names) == role.in_contact
-        assert ("feet_rate" in names) == (role.phase == Phase.FLIGHT)
+        assert ("feet_step" in names) == (role.phase == Phase.FLIGHT)
+        assert ("feet_stop" in names) == (role.phase == Phase.FLIGHT and role.last)
         assert ("rotation_rate" in names) != role.terminal
     assert "position" not in LAYOUT.variables(0)
     assert LAYOUT.states(LAYOUT.roles[-1]) == ("position", "quat", "velocity", "momentum")

@@ -52,8 +52,8 @@ def test_steps_of_a_way_are_round_and_between_nothing_and_the_request(
 # ---- the nearest
 
 
-LIMITS = {"contact_force": 120.0}
-HIGH = Jump(model="srbm", height=0.3)  # its forces are too small for it
+LIMITS = {"torque_share": 0.4}
+HIGH = Jump(height=0.3)  # its torques are too small for it
 
 
 @cache
@@ -69,7 +69,7 @@ def test_it_is_a_plan_of_a_round_request():
     assert plan.jump == nearest.jump
     assert plan.tuning.limits == LIMITS
     assert max(v.amount for v in plan.violations.values()) <= TOLERANCE
-    assert plan.contact_force[..., 2].max() <= 120.0 + TOLERANCE
+    assert np.abs(plan.joint_torque[:-1]).max() <= (0.4 + 0.1) * 40.0 + TOLERANCE
     # Where it ends, from its arrays alone.
     assert plan.foot_position[-1, :, 2] - plan.foot_position[0, :, 2] == pytest.approx(
         np.full(4, height), abs=1e-4
@@ -85,7 +85,7 @@ def test_a_little_more_cannot_be_planned():
     nearest, _ = found()
     more = replace(HIGH, height=nearest.jump.height + 0.06)
     with pytest.raises(NotConverged):
-        planner_for("anymal", "srbm").plan(more, limits=LIMITS, patient=False)
+        planner_for("anymal", HIGH.model).plan(more, limits=LIMITS, patient=False)
 
 
 def test_what_can_be_planned_is_the_nearest():
@@ -93,10 +93,24 @@ def test_what_can_be_planned_is_the_nearest():
     assert (nearest.jump.twist, nearest.changes) == (0.512, "")
 
 
-def test_a_request_out_of_range_is_taken_back_to_it():
-    nearest = llsrbm.nearest(Jump(model="srbm", twist=4.0, forward=9.0))
-    assert nearest.jump == Jump(model="srbm", twist=ANYMAL.file.task.twist[1], forward=0.6)
-    assert nearest.changes == "twist 180 deg instead of 229.2 deg, forward 0.6 m instead of 9 m"
+@pytest.mark.parametrize(
+    ("asked", "given", "changes"),
+    [
+        (
+            Jump(twist=-4.0),
+            Jump(twist=ANYMAL.file.task.twist[0]),
+            "twist -180 deg instead of -229.2 deg",
+        ),
+        (
+            Jump(twist=0.5, forward=9.0),
+            Jump(twist=0.5, forward=0.6),
+            "forward 0.6 m instead of 9 m",
+        ),
+    ],
+)
+def test_a_request_out_of_range_is_taken_back_to_it(asked, given, changes):
+    nearest = llsrbm.nearest(asked)
+    assert (nearest.jump, nearest.changes) == (given, changes)
 
 
 def test_cancelled_and_bad_input():
@@ -111,15 +125,15 @@ def test_cancelled_and_bad_input():
 
 def test_the_named_limit_is_the_one():
     """Only that limit changed, as it says, makes the jump plannable; half of that does not."""
-    planner = planner_for("anymal", "srbm")
-    task = make_task(HIGH, ANYMAL, None, LIMITS | {"friction": 0.45})
+    planner = planner_for("anymal", HIGH.model)
+    task = make_task(HIGH, ANYMAL, None, {"torque_share": 0.44, "friction": 0.45})
     (stop,) = explain(Scout(planner), task)
-    assert (stop.constraint, stop.limit, stop.value) == ("contact_force", "contact_force", 120.0)
-    assert 120.0 < stop.needed < ANYMAL.file.limits.contact_force
-    assert stop.amount == pytest.approx(stop.needed - 120.0)
+    assert (stop.constraint, stop.limit, stop.value) == ("joint_torque", "torque_share", 0.44)
+    assert 0.44 < stop.needed < ANYMAL.file.limits.torque_share
+    assert stop.amount == pytest.approx(stop.needed - 0.44)
     assert stop.phase == "take-off"
-    assert planner.plan(HIGH, limits={"contact_force": stop.needed, "friction": 0.45}).solved
-    half = {"contact_force": 120.0 + 0.5 * stop.amount, "friction": 0.45}
+    assert planner.plan(HIGH, limits={"torque_share": stop.needed, "friction": 0.45}).solved
+    half = {"torque_share": 0.44 + 0.5 * stop.amount, "friction": 0.45}
     with pytest.raises(NotConverged):
         planner.plan(HIGH, limits=half, patient=False)
 

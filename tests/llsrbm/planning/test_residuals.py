@@ -113,18 +113,23 @@ def test_nothing_violated_and_yet_no_optimum():
 @pytest.mark.parametrize(
     ("limit", "tighter", "measured"),
     [
-        ("contact_force", 100.0, lambda k: k.force[..., 2].max()),
         ("reach_max", 0.45, lambda k: np.linalg.norm(k.feet_in_hip[1:-1], axis=-1).max()),
         ("flight_min", 0.5, lambda k: k.durations[1]),
-        ("friction", 0.1, lambda k: np.nanmax(sideways(k.force))),
+        ("friction", 0.1, lambda k: np.nanmax(sideways(k.force)) * np.sqrt(2)),
+        # Of the check, 10 and 3 % beyond the share are allowed.
+        ("torque_share", 0.4, lambda k: np.abs(k.loads.joint_torque / 40.0).max() - 0.10),
+        ("speed_share", 0.3, lambda k: np.abs(k.loads.joint_velocity / 15.0).max() - 0.03),
     ],
 )
 def test_stops_name_the_limit_and_what_it_would_have_to_be(knots, limit, tighter, measured):
     """A plan that kept the robot's limits, looked at under a tighter one."""
     task = make_task(knots.task.jump, load_robot("anymal"), None, {limit: tighter})
-    (stop,) = stops(replace(knots, task=task))
+    stop, *others = stops(replace(knots, task=task))
     assert (stop.limit, stop.value) == (limit, tighter)
     assert stop.needed == pytest.approx(measured(knots), rel=0.02)
+    # A share of the torque also counts at speed, which has no limit of its own.
+    expected = ["torque_at_speed"] if limit == "torque_share" else []
+    assert [other.constraint for other in others] == expected
 
 
 def sideways(force):

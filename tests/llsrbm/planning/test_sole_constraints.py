@@ -65,10 +65,9 @@ def test_foot_yaw(twist):
 
 
 def test_foot_turn(twist):
-    present = twist.knots.flight_feet_rate[MIDDLE, LEG, 3]
-    broken = moved(
-        twist.knots, "flight_feet_rate", (MIDDLE, LEG, 3), FOOT.turn_speed + 2.0 - present
-    )
+    index = (MIDDLE + 1, LEG, 3)
+    present = twist.knots.flight_feet_velocity[index]
+    broken = moved(twist.knots, "flight_feet_velocity", index, FOOT.turn_speed + 2.0 - present)
     assert violations(broken)["foot_turn"].amount >= 2.0
 
 
@@ -148,8 +147,7 @@ def test_corners_push_within_their_pyramids(twist, box):
     for solution in (twist, box):
         force = solution.plan.contact_force
         assert force[..., 2].min() > -1e-3
-        assert force[..., 2].max() < LIMITS.contact_force + 1e-3
-        sideways = np.abs(force[..., :2]) - LIMITS.friction * force[..., 2:]
+        sideways = np.abs(force[..., :2]) - LIMITS.friction / np.sqrt(2) * force[..., 2:]
         assert sideways.max() < 1e-3
 
 

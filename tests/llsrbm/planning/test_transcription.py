@@ -8,6 +8,7 @@ import pytest
 
 from llsrbm import models
 from llsrbm.planning.constraints import CONSTRAINTS
+from llsrbm.planning.guess import analytic_guess
 from llsrbm.planning.layout import Intervals, Layout
 from llsrbm.planning.transcription import Problem, constraints_of, row_bounds
 from llsrbm.robots import load_robot
@@ -146,8 +147,8 @@ def test_jacobian_has_fatrops_structure(problem):
 def test_fewer_intervals_share_the_same_derivatives(problem):
     s = solved("srbm", "all")
     rng = np.random.default_rng(2)
-    w = rng.normal(scale=0.3, size=problem.layout.size_total)
-    w += np.array([0.5])
+    w = analytic_guess(s.task, problem.layout, problem.model)
+    w += rng.normal(scale=0.02, size=w.size)
     v, p, step = rng.normal(size=w.size), parameters(s.task), 1e-6
     lam = rng.normal(size=len(problem.equality))
     slopes = [

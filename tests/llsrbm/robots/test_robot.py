@@ -235,3 +235,28 @@ def test_a_urdf_that_is_missing(tmp_path):
     (tmp_path / "robot.urdf").unlink()
     with pytest.raises(RobotFileError, match=r"urdf\.file: no such file: .*robot\.urdf"):
         load_robot(str(path))
+
+
+def test_limits_that_the_file_leaves_out_are_the_urdfs(tmp_path):
+    """The second leg's knee has others than the rest."""
+    urdf = load_robot("anymal").urdf_path.read_text()
+    before, after = urdf.split('<joint name="RF_KFE"')
+    after = after.replace('effort="80"', 'effort="66"', 1).replace('"15.0"', '"11.0"', 1)
+    path = beside(tmp_path, f'{before}<joint name="RF_KFE"{after}')
+    lines = path.read_text().splitlines()
+    kept = [line for line in lines if not line.startswith(("torque = ", "joint_speed = "))]
+    assert len(kept) == len(lines) - 2
+    path.write_text("\n".join(kept))
+    robot = load_robot(str(path))
+    torque, speed = np.full(12, 80.0), np.full(12, 15.0)
+    knee = robot.joint_names.index("RF_KFE")
+    torque[knee], speed[knee] = 66.0, 11.0
+    np.testing.assert_array_equal(robot.torque_limit, torque)
+    np.testing.assert_array_equal(robot.speed_limit, speed)
+    assert load_robot("anymal").torque_limit.tolist() == [40.0] * 12  # the file's, not the URDF's
+
+
+def test_plans_keep_a_share_of_the_drives_for_feedback(robot):
+    limits = robot.file.limits
+    assert (limits.torque_share, limits.speed_share) == (0.85, 0.9)
+    assert robot.file.reach.standing == 0.6

@@ -21,9 +21,19 @@ MISTAKES = {
     "missing key": (
         "friction = 0.5\n",
         "",
-        ['missing key "limits.friction"', "expected: contact_force"],
+        ['missing key "limits.friction"', "expected: torque, joint_speed, torque_share"],
     ),
     "missing table": ("[timing] ", "[task.timing] ", ["timing"]),
+    "a limit that is gone": (
+        "friction = 0.5",
+        "friction = 0.5\ncontact_force = 230.0",
+        ['unknown key "limits.contact_force"', "torque_share"],
+    ),
+    "all of the height": (
+        "distance = [0.26, 0.52]",
+        "distance = [0.26, 0.52]\nstanding = 1.0",
+        ["reach.standing", "less than 1", "1.0"],
+    ),
     "misspelt table": ("[posture]", "[postures]", ['"postures"', 'did you mean "posture"?']),
     "interval turned round": (
         "distance = [0.26, 0.52]",
@@ -151,7 +161,9 @@ def test_any_value_is_accepted_or_refused_by_name(value):
     table = read_robot_file(robot_files()["anymal"]).model_dump()
     table["limits"]["torque"] = value
     number = isinstance(value, int | float) and not isinstance(value, bool)
-    if number and 0 < value < float("inf"):
+    if value is None:  # left out: the URDF's
+        assert RobotFile.model_validate(table).limits.torque is None
+    elif number and 0 < value < float("inf"):
         assert RobotFile.model_validate(table).limits.torque == pytest.approx(value)
     else:
         with pytest.raises(ValueError, match="torque"):

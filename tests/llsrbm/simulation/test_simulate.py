@@ -103,7 +103,7 @@ def test_phases_and_modes_follow_each_other(twist):
     outcome = twist.outcome
     force = twist.time[twist.mode == Mode.FORCE]
     assert force[0] == pytest.approx(outcome.touchdown_detected_s)
-    assert force[-1] - force[0] == pytest.approx(0.2, abs=2 * twist.time[1])
+    assert force[-1] - force[0] == pytest.approx(0.1, abs=2 * twist.time[1])
     assert outcome.false_touchdowns == 0
     assert 0 <= outcome.touchdown_detected_s - outcome.touchdown_true_s < 0.015
 

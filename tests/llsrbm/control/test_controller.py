@@ -1,0 +1,88 @@
+"""Feet that find the ground without a sound."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from llsrbm.control.controller import WholeBodyController
+from llsrbm.control.whole_body import WholeBody
+from llsrbm.robots import load_robot
+from llsrbm.trajectory.plan import Phase
+from llsrbm.trajectory.rollout import Conditions
+from tests.llsrbm.planning.solved import solved
+
+ROBOT = load_robot("anymal")
+SINKING = 0.2  # m/s
+
+
+class TouchdownAt:
+    """A detector that knows."""
+
+    signal = 0.0
+
+    def __init__(self, ticks):
+        self.left = ticks
+
+    def reset(self):
+        pass
+
+    def update(self, _):
+        self.left -= 1
+        return self.left < 0
+
+
+@pytest.fixture
+def controller():
+    """In flight for three ticks, then told that something was touched."""
+    plan = solved("llsrbm-plus", "forward").plan
+    controller = WholeBodyController(ROBOT, plan, Conditions())
+    controller.detector = TouchdownAt(3)
+    return controller, plan.phase_start[1]
+
+
+def sinking(feet):
+    """A standing robot's state, some of whose feet sink, and torques that leave no foot force."""
+    body, v = WholeBody(ROBOT), np.zeros(18)
+    body.update(ROBOT.posture, v)
+    for leg, sinks in enumerate(feet):
+        if sinks:
+            rows = 6 + ROBOT.leg_joint_index[leg]
+            v[rows] = np.linalg.solve(body.foot_jacobian[leg][:, rows], [0, 0, -SINKING])
+    body.update(ROBOT.posture, v)
+    return ROBOT.posture, v, body.h[6:]
+
+
+def standing_over_time(controller, start, phases):
+    """{s since detection: (L,) feet that stand}; phases: (s until which, feet that sink)."""
+    tick, found = 1 / ROBOT.file.control.rate, {}
+    for k in range(100):
+        since = k * tick - 3 * tick
+        feet = next((feet for until, feet in phases if since < until - 1e-9), None)
+        if feet is None:
+            break
+        done = controller.tick(start + k * tick, *sinking(feet))
+        if controller.detected_at is not None:
+            assert done.phase == Phase.LANDING
+            found[round(start + k * tick - controller.detected_at, 6)] = controller._touching.copy()
+    return found
+
+
+def test_feet_put_down_gently_stand_within_40_ms(controller):
+    """No force shows at any foot; those that do not sink though they should are on the ground."""
+    found = standing_over_time(*controller, [(0.06, (False, False, True, True))])
+    first = min(found)
+    assert first == 0.0
+    assert found[first].sum() == 1  # something was touched, nobody knows by whom
+    assert not any(feet[2:].any() for feet in found.values())
+    settled = min(time for time, feet in found.items() if feet[:2].all())
+    assert 0.010 < settled <= 0.040
+
+
+def test_a_foot_that_comes_later_stands_when_it_stops(controller):
+    late = (False, False, False, True)
+    found = standing_over_time(*controller, [(0.10, late), (0.15, (False,) * 4)])
+    stood = [time for time, feet in found.items() if feet.all()]
+    assert 0.10 < min(stood) <= 0.11
+    # What stands stays.
+    assert all(feet.all() for time, feet in found.items() if time >= min(stood))
