@@ -57,6 +57,8 @@ class CentroidalModel(ABC):
     Attributes:
         name: as in `llsrbm.models.names()`.
         summary: one line for lists.
+        is_true: whether plans are held to what the whole body makes of them; else the model is
+            there for comparison.
         mass: kg, the whole robot.
         leg_mass: (L,) kg; base_mass: kg.
         hips: (L, 3) m, base frame; mirrors: (L, 3) of +-1.
@@ -67,6 +69,7 @@ class CentroidalModel(ABC):
 
     name: ClassVar[str]
     summary: ClassVar[str]
+    is_true: ClassVar[bool] = False
 
     def __init__(
         self,

@@ -39,6 +39,7 @@ _ALIGNED = 0.02
 # straight leg and the foot at the abduction axis; both are out of any sensible reach.
 _NEARLY_STRAIGHT = 0.02
 _AT_THE_AXIS = 0.05
+_REST = 0.01  # share of a floor that is always there
 _SAMPLES, _SEED = 800, 0
 
 
@@ -246,7 +247,9 @@ class _Plane(NamedTuple):
 
 def _at_least(value: Matrix, floor: float) -> Matrix:
     """`value`, bent smoothly towards zero from below some `floor`, always positive."""
-    return (value + ca.sqrt(value**2 + floor**2)) / 2
+    # The last term outlives the cancellation of the others far below the floor: a division by zero
+    # would keep Fatrop busy for ever.
+    return (value + ca.sqrt(value**2 + floor**2)) / 2 + _REST * floor
 
 
 class FittedLeg(LegDrives):

@@ -47,6 +47,7 @@ class LLSRBMPlus(CentroidalModel):
     """
 
     name = "llsrbm-plus"
+    is_true = True
     summary = "quadratic leg CoM, changing leg inertia and the legs' own momentum, from the URDF"
 
     def __init__(self, robot: Robot) -> None:

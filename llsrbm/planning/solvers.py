@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator
@@ -38,6 +39,9 @@ NEAR_TOLERANCE = 3e-4
 NEAR_MU = NEAR_TOLERANCE / 11
 # Whoever is near is there in 2 to 10 iterations; a cold start is quicker than waiting for more.
 NEAR_ITERATIONS = 15
+# A solution that violates the rows of its neighbour by more, in their units of about 1, is none:
+# Fatrop may not come back from there. A slider that moves by 30 deg makes 0.3.
+TOO_FAR = 1.0
 # Of a row with two bounds only the one that is nearer by this ratio counts near a solution. Of 0.02
 # to 1 this one loses the fewest solves, and moves the CoM of a solution by less than 0.4 mm.
 NEARER = 0.05
@@ -217,6 +221,8 @@ class Fatrop(Backend):
         inequality = lower < upper
         rows = self._cold.get_function("nlp_g")
         g = np.array(rows(start.variables, parameters)).ravel()
+        if np.maximum(lower - g, g - upper).max() > TOO_FAR:
+            return Iterate(start.variables, start.multipliers, False, 0, math.inf, 0.0, "too far")
         below, above = np.maximum(g - lower, 0.0), np.maximum(upper - g, 0.0)
         # A second bound far away would start at the multiplier 1 as well, far too much for it.
         lower = np.where(inequality & (above < NEARER * below), -np.inf, lower)

@@ -48,7 +48,7 @@ class TrueTurn(Constraint):
     def violation(self, knots: Knots) -> Array:
         """Beyond what is bearable, at touchdown."""
         out = np.zeros(len(knots.time))
-        if knots.model.name == "llsrbm-plus":
+        if knots.model.is_true:
             turn = float(np.linalg.norm(turn_error(knots)))
             out[knots.flight.stop - 1] = max(turn - BEARABLE, 0.0)
         return out

@@ -189,7 +189,6 @@ def test_from_itself_a_plan_stays_what_it_is(model):
     np.testing.assert_allclose(again.base_quat, near.base_quat, atol=6e-3)
 
 
-@pytest.mark.xfail(run=False, reason="Fatrop does not return from its first iteration")
 def test_a_plan_that_is_too_far_is_started_from_all_the_same(planner):
     near = planner.plan(Jump(model="srbm", twist=-2.0))
     jump = Jump(model="srbm", twist=2.0, forward=0.3)
