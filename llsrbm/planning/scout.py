@@ -25,7 +25,7 @@ from llsrbm.planning.knots import Knots, rolled_out, unpack
 from llsrbm.planning.planner import HOMOTOPY, PATIENT_FLIGHT, Planner, scaled
 from llsrbm.planning.progress import attended
 from llsrbm.planning.residuals import satisfied, violations
-from llsrbm.planning.solvers import Fatrop
+from llsrbm.planning.solvers import HOPELESS, Fatrop
 from llsrbm.planning.stage_functions import constraints_of
 from llsrbm.planning.task import Task, place_task
 from llsrbm.planning.transcription import row_bounds
@@ -133,6 +133,8 @@ class Scout:
             self._progress(f"{self.about}, try {self.solves}")
         lower, upper = row_bounds(self.planner.layout, task)
         parameters = np.concatenate(list(task.parameters().values()))
+        if self.planner._backend.miss(guess, parameters, (lower, upper)) > HOPELESS:
+            return None
         start = time.perf_counter()
         result = attended(
             lambda: solver(x0=guess, p=parameters, lbg=lower, ubg=upper),

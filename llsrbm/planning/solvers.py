@@ -42,6 +42,8 @@ NEAR_ITERATIONS = 15
 # A solution that violates the rows of its neighbour by more, in their units of about 1, is none:
 # Fatrop may not come back from there. A slider that moves by 30 deg makes 0.3.
 TOO_FAR = 1.0
+# Likewise of a guess: analytic ones violate rows by some 3.
+HOPELESS = 100.0
 # Of a row with two bounds only the one that is nearer by this ratio counts near a solution. Of 0.02
 # to 1 this one loses the fewest solves, and moves the CoM of a solution by less than 0.4 mm.
 NEARER = 0.05
@@ -119,9 +121,23 @@ class Backend(ABC):
         read: Callable[[str], None] | None = None,
     ) -> Iterate:
         """Solve from a guess; `read` takes the table of iterations, of solvers that print one."""
+        if self.miss(guess, parameters, bounds) > HOPELESS:
+            return self._given_up(Solution(guess, np.zeros_like(bounds[0])), parameters)
         arguments = {"x0": guess, "p": parameters, "lbg": bounds[0], "ubg": bounds[1]}
         with nullcontext() if read is None else self._printing(read):
             return self._run(self._cold, arguments)
+
+    def miss(self, variables: Array, parameters: Array, bounds: tuple[Array, Array]) -> float:
+        """The largest violation of a row; infinite where a row is not finite."""
+        g = np.array(self._cold.get_function("nlp_g")(variables, parameters)).ravel()
+        largest = np.maximum(bounds[0] - g, g - bounds[1]).max()
+        return float(largest) if np.isfinite(largest) else math.inf
+
+    def _given_up(self, start: Solution, parameters: Array) -> Iterate:
+        """A solve that was not begun."""
+        cost = float(self._cold.get_function("nlp_f")(start.variables, parameters))
+        message = "too far from a solution to begin"
+        return Iterate(start.variables, start.multipliers, False, 0, cost, 0.0, message)
 
     def _printing(self, read: Callable[[str], None]) -> AbstractContextManager[None]:
         """Meanwhile the solver prints its table into `read`; here it prints none."""
@@ -221,8 +237,8 @@ class Fatrop(Backend):
         inequality = lower < upper
         rows = self._cold.get_function("nlp_g")
         g = np.array(rows(start.variables, parameters)).ravel()
-        if np.maximum(lower - g, g - upper).max() > TOO_FAR:
-            return Iterate(start.variables, start.multipliers, False, 0, math.inf, 0.0, "too far")
+        if self.miss(start.variables, parameters, bounds) > TOO_FAR:
+            return self._given_up(start, parameters)
         below, above = np.maximum(g - lower, 0.0), np.maximum(upper - g, 0.0)
         # A second bound far away would start at the multiplier 1 as well, far too much for it.
         lower = np.where(inequality & (above < NEARER * below), -np.inf, lower)
