@@ -9,6 +9,10 @@ from scipy.spatial.transform import Rotation
 
 from llsrbm import models
 from llsrbm.planning.constraints import CONSTRAINTS
+from llsrbm.planning.constraints.drives import (
+    COMPARED_SPEED_ALLOWANCE,
+    COMPARED_TORQUE_ALLOWANCE,
+)
 from llsrbm.planning.knots import feet_in_stance
 from llsrbm.planning.layout import Intervals
 from llsrbm.planning.residuals import PHASE_NAMES, violations
@@ -124,7 +128,7 @@ def joint_torque():
     frame, axes = ROBOT.legs[LEG].foot_frame_id, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
     J = pin.computeFrameJacobian(ROBOT.model, data, q, frame, axes)[:3, 6:]
     torque = base().loads.joint_torque[k] - J.T @ base().mid[0][k].T @ more
-    beyond = np.abs(torque).max() - (0.85 + 0.10) * 40.0
+    beyond = np.abs(torque).max() - (0.85 + COMPARED_TORQUE_ALLOWANCE) * 40.0
     assert beyond > 10.0
     return knots, beyond, "landing", {base().time[k]}
 
@@ -134,7 +138,7 @@ def torque_at_speed():
     k, joint = FIRST - 1, 4
     loads = base().loads
     speed, torque = loads.joint_velocity.copy(), loads.joint_torque.copy()
-    speed[k, joint], torque[k, joint] = -0.85 * 15.0, -30.0
+    speed[k, joint], torque[k, joint] = -0.85 * 15.0, -39.0
     knots = replace(base())
     vars(knots)["loads"] = replace(
         loads,
@@ -142,13 +146,18 @@ def torque_at_speed():
         joint_torque=torque,
         torque_available=torque_in_direction(ROBOT, speed, torque),
     )
-    return knots, 30.0 - 0.85 * 20.0 - 0.10 * 40.0, "take-off", {base().time[k]}
+    return (
+        knots,
+        39.0 - 0.85 * 20.0 - COMPARED_TORQUE_ALLOWANCE * 40.0,
+        "take-off",
+        {base().time[k]},
+    )
 
 
 def joint_speed():
     """The same motion in less time: all joints are faster by that factor."""
     fastest = np.abs(base().loads.joint_velocity).max(axis=1)
-    factor = (0.93 * 15.0 + 1.5) / fastest.max()
+    factor = ((0.9 + COMPARED_SPEED_ALLOWANCE) * 15.0 + 1.5) / fastest.max()
     assert factor > 1
     knots = replace(
         base(),
@@ -187,8 +196,9 @@ BROKEN = [
 
 
 def test_every_constraint_has_its_example():
-    """What concerns soles is broken in test_sole_constraints."""
-    assert {make.__name__ for make in BROKEN} | {"edge", "foot_yaw", "foot_turn"} == set(NAMED)
+    """What concerns soles is broken in test_sole_constraints, the model's truth in test_truth."""
+    elsewhere = {"edge", "foot_yaw", "foot_turn", "true_turn"}
+    assert {make.__name__ for make in BROKEN} | elsewhere == set(NAMED)
 
 
 @pytest.mark.parametrize("make", BROKEN, ids=lambda make: make.__name__)

@@ -28,7 +28,7 @@ ANYMAL = load_robot("anymal")
 HOP = Jump(model="srbm", height=0.1)
 LITTLE_TORQUE = {"torque_share": 0.25}
 # Larger than ANYmal's drives allow in any of its components together.
-BEYOND = Jump(twist=math.radians(-176), forward=0.44, lateral=-0.23, height=-0.17)
+BEYOND = Jump(twist=math.radians(162), forward=-0.12, lateral=0.27, height=-0.1)
 
 TORQUE = re.compile(r"(\w\w_\w+) would need (\d+) Nm (at|in) .*, (\d+) % of its drive's 40 Nm")
 

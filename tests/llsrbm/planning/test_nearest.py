@@ -97,9 +97,9 @@ def test_what_can_be_planned_is_the_nearest():
     ("asked", "given", "changes"),
     [
         (
-            Jump(twist=-4.0),
-            Jump(twist=ANYMAL.file.task.twist[0]),
-            "twist -180 deg instead of -229.2 deg",
+            Jump(twist=0.3, lateral=-0.7),
+            Jump(twist=0.3, lateral=-0.3),
+            "lateral -0.3 m instead of -0.7 m",
         ),
         (
             Jump(twist=0.5, forward=9.0),

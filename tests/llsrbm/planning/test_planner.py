@@ -293,11 +293,10 @@ def test_what_cannot_be_says_what_is_violated(planner):
     assert message.startswith(
         "no plan found in 3 attempts (twist 0 deg, forward 0.5 m, lateral 0 m, height 0 m, srbm); "
     )
-    name, v = max(plan.violations.items(), key=lambda item: excess(dict([item])))
+    _, v = max(plan.violations.items(), key=lambda item: excess(dict([item])))
     assert v.amount > TOLERANCE
-    assert (
-        f"{name} is violated by {v.amount:.3g} {v.unit} in {v.phase} at {v.time:.2f} s" in message
-    )
+    # Drives are named by their joint and what it would have to give.
+    assert any(f"{joint} would need" in message for joint in ROBOT.joint_names)
     assert not plan.solved
     assert plan.report.status == "not-converged"
     assert plan.report.attempts == 3
