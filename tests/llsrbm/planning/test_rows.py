@@ -75,7 +75,9 @@ def test_the_solvers_dynamics_are_those_of_numpy(model, seed):
 @every_model
 @pytest.mark.parametrize("seed", [0, 1])
 @pytest.mark.parametrize(
-    "constraint", [c for c in CONSTRAINTS if c.name not in DRIVES], ids=lambda c: c.name
+    "constraint",
+    [c for c in CONSTRAINTS if c.name not in {*DRIVES, "true_turn"}],
+    ids=lambda c: c.name,
 )
 def test_rows_and_check_agree(model, seed, constraint):
     s, knots, excess = motion(model, seed)

@@ -27,7 +27,7 @@ MISTAKES = {
     "a limit that is gone": (
         "friction = 0.5",
         "friction = 0.5\ncontact_force = 230.0",
-        ['unknown key "limits.contact_force"', "torque_share"],
+        ['"limits.contact_force" is no key any more; remove it', "torque_share"],
     ),
     "all of the height": (
         "distance = [0.26, 0.52]",
