@@ -145,7 +145,7 @@ def test_what_a_motion_violates_is_told_with_the_joint():
     broken = violations(knots)
     words = describe_worst(broken, knots)
     demand = JointTorque().demand(knots)
-    # Torque at rest and torque at speed are broken by the same joint, which is told once.
+    # The same joint breaks torque at rest and torque at speed: the message names it once.
     assert words == demand.words
     assert describe_worst(broken).startswith(("joint_torque is", "torque_at_speed is"))
     found = stops(knots)

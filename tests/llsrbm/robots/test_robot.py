@@ -45,7 +45,7 @@ def test_a_changed_file_is_read_again(tmp_path):
     changed = load_robot(str(path))
     assert changed.file.control.rate == 500.0
     assert load_robot(str(path)) is changed
-    assert first.file.control.rate == 400.0  # whoever holds it keeps what it was
+    assert first.file.control.rate == 400.0  # a robot loaded earlier does not change
     path.write_text("nonsense")
     with pytest.raises(RobotFileError, match=r"mine\.toml"):
         load_robot(str(path))
