@@ -8,7 +8,7 @@ from html import escape
 
 from app.colours import Rgb
 from app.markup import SMALL, swatch
-from llsrbm.trajectory.figures import FIGURES, DesignFigures, Figure
+from llsrbm.analysis.figures import FIGURES, DesignFigures, Figure
 
 _CELL = "padding:0.1em 0 0.1em 0.6em;text-align:right;vertical-align:bottom"
 

@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from app.frames import ellipsoid
 from app.replay import Replay
+from llsrbm.motion.rollout import Rollout
+from llsrbm.motion.rotation import rotation_matrices
 from llsrbm.robots import Robot, load_robot
-from llsrbm.trajectory.rollout import Rollout
-from llsrbm.trajectory.rotation import rotation_matrices
 
 Array = NDArray[np.float64]
 

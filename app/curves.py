@@ -19,9 +19,9 @@ from app.courses import (
 )
 from app.replay import Replay
 from llsrbm.analysis.peak_loads import torque_share
+from llsrbm.motion.rollout import Rollout
+from llsrbm.motion.rotation import rotation_matrices, yaw
 from llsrbm.robots import Robot
-from llsrbm.trajectory.rollout import Rollout
-from llsrbm.trajectory.rotation import rotation_matrices, yaw
 
 Array = NDArray[np.float64]
 

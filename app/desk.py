@@ -31,8 +31,8 @@ from app.replay import presentable
 from app.stage import Stage
 from app.worker_pool import WorkerPool
 from llsrbm.jump import Jump
-from llsrbm.trajectory.plan import Plan
-from llsrbm.trajectory.rollout import Conditions
+from llsrbm.motion.plan import Plan
+from llsrbm.motion.rollout import Conditions
 from llsrbm.tuning import Tuning
 
 

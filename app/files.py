@@ -12,9 +12,9 @@ from app.panel import Panel, Uploaded
 from app.upload import uploaded_design
 from llsrbm.design import Design, dump_design, file_name
 from llsrbm.errors import Error
-from llsrbm.exporters import export, suffix
-from llsrbm.trajectory.plan import Plan
-from llsrbm.trajectory.rollout import Rollout
+from llsrbm.formats import export, suffix
+from llsrbm.motion.plan import Plan
+from llsrbm.motion.rollout import Rollout
 
 
 class Files:

@@ -13,7 +13,7 @@ from collections.abc import Callable
 
 from app.protocol import PlanJump
 from llsrbm.jump import Jump
-from llsrbm.trajectory.plan import Plan
+from llsrbm.motion.plan import Plan
 from llsrbm.tuning import Tuning
 
 REST = 0.5

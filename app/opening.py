@@ -15,10 +15,10 @@ import llsrbm
 from llsrbm.cache import cache_path, content_key, read_checked, write_checked
 from llsrbm.errors import Error
 from llsrbm.jump import Jump
+from llsrbm.motion.plan import Plan
+from llsrbm.motion.plan_file import load_plan
 from llsrbm.robots.assets import robot_files
 from llsrbm.robots.schema import read_robot_file
-from llsrbm.trajectory.plan import Plan
-from llsrbm.trajectory.plan_file import load_plan
 
 _log = logging.getLogger(__name__)
 

@@ -19,9 +19,9 @@ from app import colours
 from app.clip import Track
 from app.colours import Rgb, linear
 from app.frames import Frames
+from llsrbm.motion.plan import Plan
 from llsrbm.robots import Robot
 from llsrbm.simulation.surroundings import Block
-from llsrbm.trajectory.plan import Plan
 
 Array = NDArray[np.float64]
 Nodes = dict[str, Any]

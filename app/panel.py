@@ -23,10 +23,10 @@ from app.timeline import Timeline, html
 from app.tuning_controls import TuningControls
 from app.view_controls import ViewControls
 from llsrbm.design import Design
-from llsrbm.exporters import formats
+from llsrbm.formats import formats
+from llsrbm.motion.plan import Plan
+from llsrbm.motion.rollout import Rollout
 from llsrbm.robots import RobotFile
-from llsrbm.trajectory.plan import Plan
-from llsrbm.trajectory.rollout import Rollout
 
 _HELP = Path(__file__).parent / "static" / "help.md"
 

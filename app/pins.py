@@ -11,10 +11,10 @@ from app.colours import Rgb
 from app.replay import Replay
 from app.scene import Ghost
 from app.simulated_replay import SimulatedReplay
+from llsrbm.analysis.figures import DesignFigures, figures_of_plan
 from llsrbm.design import Design
+from llsrbm.motion.rollout import Rollout
 from llsrbm.robots import Robot
-from llsrbm.trajectory.figures import DesignFigures, figures_of_plan
-from llsrbm.trajectory.rollout import Rollout
 
 
 @dataclass(frozen=True, eq=False)

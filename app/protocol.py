@@ -11,8 +11,8 @@ from dataclasses import dataclass, field
 from typing import Protocol
 
 from llsrbm.jump import Jump
-from llsrbm.trajectory.plan import Plan
-from llsrbm.trajectory.rollout import Conditions, Rollout
+from llsrbm.motion.plan import Plan
+from llsrbm.motion.rollout import Conditions, Rollout
 from llsrbm.tuning import Tuning
 
 # ---- tasks, server to process

@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from app.frames import FRAME_RATE, Frames, ellipsoid, make_frames
+from llsrbm.motion.plan import Phase, Plan
+from llsrbm.motion.resample import Motion, resample, uniform_times
 from llsrbm.robots import Robot
-from llsrbm.trajectory.plan import Phase, Plan
-from llsrbm.trajectory.resample import Motion, resample, uniform_times
 
 Array = NDArray[np.float64]
 

@@ -29,10 +29,10 @@ from llsrbm.design import Design
 from llsrbm.errors import Error
 from llsrbm.examples import examples
 from llsrbm.jump import Jump
+from llsrbm.motion.plan import Plan
+from llsrbm.motion.rollout import Rollout
 from llsrbm.robots import Robot, load_robot, read_robot_file
 from llsrbm.robots.assets import robot_files
-from llsrbm.trajectory.plan import Plan
-from llsrbm.trajectory.rollout import Rollout
 
 _RECALL = 1.5  # s to wait for what the browser kept; it answers as soon as it shows the panel
 

@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.frames import FRAME_RATE, Frames, make_frames
+from llsrbm.motion.plan import Phase
+from llsrbm.motion.rollout import Mode, Rollout
 from llsrbm.robots import Robot
-from llsrbm.trajectory.plan import Phase
-from llsrbm.trajectory.rollout import Mode, Rollout
 
 Array = NDArray[np.float64]
 

@@ -7,9 +7,9 @@ from dataclasses import replace
 import viser
 
 from app.checked import number, put
+from llsrbm.motion.rollout import Conditions
 from llsrbm.robots import RobotFile
 from llsrbm.simulation.surroundings import TO_SPARE
-from llsrbm.trajectory.rollout import Conditions
 
 _STEP = 5  # mm
 _LARGEST_SEED = 9999

@@ -21,15 +21,15 @@ from app.scene import Scene
 from app.simulated_replay import SimulatedReplay, bake_rollout
 from app.target_handle import TargetHandle
 from app.timeline import Timeline, timeline
+from llsrbm.analysis.figures import figures_of_plan
 from llsrbm.design import Design
 from llsrbm.jump import Jump
+from llsrbm.motion.plan import Plan
+from llsrbm.motion.rollout import Conditions, Rollout
 from llsrbm.robots import Robot
 from llsrbm.robots.schema import Task
 from llsrbm.simulation.surroundings import surroundings
 from llsrbm.titles import titles_of
-from llsrbm.trajectory.figures import figures_of_plan
-from llsrbm.trajectory.plan import Plan
-from llsrbm.trajectory.rollout import Conditions, Rollout
 
 _PATIENCE = 8.0  # s for the page to say that its scripts run; a slow one takes 3 s to open
 _TIME_SHOWN_EVERY = 0.1  # s; the timeline follows the picture more slowly, to spare the line

@@ -8,12 +8,12 @@ import numpy as np
 
 from app.markup import table
 from app.protocol import Progress
+from llsrbm.analysis.diagnosis import diagnose, fall_in_words
+from llsrbm.analysis.figures import figures_of_plan
 from llsrbm.analysis.peak_loads import planned_peak_load
+from llsrbm.motion.plan import Plan, Violation
+from llsrbm.motion.rollout import Conditions, Disturbance, Outcome, Rollout
 from llsrbm.robots import load_robot
-from llsrbm.trajectory.diagnosis import diagnose, fall_in_words
-from llsrbm.trajectory.figures import figures_of_plan
-from llsrbm.trajectory.plan import Plan, Violation
-from llsrbm.trajectory.rollout import Conditions, Disturbance, Outcome, Rollout
 
 _TOLD_OF_A_FALL = 4  # events; what follows them is the fall itself
 

@@ -11,8 +11,8 @@ from app import colours
 from app.colours import Rgb
 from app.markup import SMALL
 from app.simulated_replay import force_phases
-from llsrbm.trajectory.plan import Phase, Plan
-from llsrbm.trajectory.rollout import Rollout
+from llsrbm.motion.plan import Phase, Plan
+from llsrbm.motion.rollout import Rollout
 
 PHASES = ("take-off", "flight", "landing")
 _STANDING = "standing"

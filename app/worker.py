@@ -30,8 +30,8 @@ from app.protocol import (
 )
 from llsrbm import errors
 from llsrbm.jump import Jump
-from llsrbm.trajectory.plan import Plan
-from llsrbm.trajectory.rollout import Rollout
+from llsrbm.motion.plan import Plan
+from llsrbm.motion.rollout import Rollout
 
 
 class SharedNumber(Protocol):

@@ -9,9 +9,9 @@ import math
 import sys
 
 import llsrbm
+from llsrbm.analysis.summary import worst_violation
 from llsrbm.design import Design
 from llsrbm.examples import examples
-from llsrbm.trajectory.summary import worst_violation
 
 COLUMNS = (
     "| example | plan | iterations | solve | duration | simulated | strict | yaw at touchdown "

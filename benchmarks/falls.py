@@ -22,12 +22,12 @@ import numpy as np
 import typer
 
 import llsrbm
+from llsrbm.analysis.diagnosis import diagnose
 from llsrbm.robots import load_robot
 from llsrbm.robots.drives import torque_range
 from llsrbm.simulation import simulate as loop
 from llsrbm.simulation import world as surrounding
 from llsrbm.simulation.surroundings import Block, surroundings
-from llsrbm.trajectory.diagnosis import diagnose
 
 JUMPS = {
     "90 deg": llsrbm.Jump(twist=math.pi / 2),

@@ -26,9 +26,9 @@ import typer
 from scipy.spatial.transform import Rotation
 
 import llsrbm
+from llsrbm.motion.plan import Phase
 from llsrbm.planning.planner import planner_for
 from llsrbm.robots import load_robot
-from llsrbm.trajectory.plan import Phase
 
 COMPONENTS = ("twist", "forward", "lateral", "height")
 KINDS = ("one component", "combined")

@@ -19,9 +19,9 @@ import numpy as np
 from opti_baseline import solve_baseline
 
 import llsrbm
+from llsrbm.motion.plan import SolveReport
 from llsrbm.planning.planner import Planner, planner_for
 from llsrbm.planning.task import make_task
-from llsrbm.trajectory.plan import SolveReport
 
 INTERVALS = 48
 TASKS = {"twist": {"twist": math.radians(90.0)}, "forward": {"forward": 0.3}}

@@ -28,11 +28,11 @@ from llsrbm.tuning import Tuning
 if TYPE_CHECKING:
     from llsrbm.api import nearest, plan, simulate
     from llsrbm.design import Design, dump_design, load_design
-    from llsrbm.exporters import export
+    from llsrbm.formats import export
+    from llsrbm.motion.files import load
+    from llsrbm.motion.plan import Plan
+    from llsrbm.motion.rollout import Rollout
     from llsrbm.planning.nearest import Nearest
-    from llsrbm.trajectory.files import load
-    from llsrbm.trajectory.plan import Plan
-    from llsrbm.trajectory.rollout import Rollout
 
 # CasADi and Pinocchio take most of a second to import: only when they are used.
 _LATER = {
@@ -42,11 +42,11 @@ _LATER = {
     "Design": "llsrbm.design",
     "dump_design": "llsrbm.design",
     "load_design": "llsrbm.design",
-    "export": "llsrbm.exporters",
-    "load": "llsrbm.trajectory.files",
+    "export": "llsrbm.formats",
+    "load": "llsrbm.motion.files",
     "Nearest": "llsrbm.planning.nearest",
-    "Plan": "llsrbm.trajectory.plan",
-    "Rollout": "llsrbm.trajectory.rollout",
+    "Plan": "llsrbm.motion.plan",
+    "Rollout": "llsrbm.motion.rollout",
 }
 
 __all__ = [

@@ -8,6 +8,8 @@ from dataclasses import replace
 
 from llsrbm.errors import NotConverged
 from llsrbm.jump import Jump
+from llsrbm.motion.plan import Plan
+from llsrbm.motion.rollout import Rollout
 from llsrbm.planning.explanation import explained
 from llsrbm.planning.nearest import Nearest, find_nearest
 from llsrbm.planning.planner import INTERVALS, planner_for
@@ -16,8 +18,6 @@ from llsrbm.planning.scout import Scout
 from llsrbm.planning.solvers import names as solver_names
 from llsrbm.planning.task import make_task
 from llsrbm.robots import load_robot
-from llsrbm.trajectory.plan import Plan
-from llsrbm.trajectory.rollout import Rollout
 
 
 def plan(

@@ -29,10 +29,10 @@ from pydantic_core import ErrorDetails, PydanticCustomError
 
 from llsrbm.errors import FileFormatError, InputError
 from llsrbm.jump import Jump
+from llsrbm.motion.rollout import Conditions
 from llsrbm.robots.schema import choices
 from llsrbm.robots.tables import Table
 from llsrbm.simulation.disturbance import LARGEST_TRUNK_MASS
-from llsrbm.trajectory.rollout import Conditions
 from llsrbm.tuning import Tuning
 
 SCHEMA = "llsrbm.design/1"

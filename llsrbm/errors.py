@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from llsrbm.trajectory.plan import Plan
+    from llsrbm.motion.plan import Plan
 
 
 class Error(Exception):

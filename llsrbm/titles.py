@@ -9,7 +9,7 @@ from dataclasses import asdict
 from pathlib import Path
 
 from llsrbm.jump import Jump
-from llsrbm.trajectory.rollout import Conditions
+from llsrbm.motion.rollout import Conditions
 from llsrbm.tuning import Tuning
 
 Decisions = tuple[Jump, Tuning, Conditions | None]

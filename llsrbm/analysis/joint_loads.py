@@ -32,12 +32,12 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from llsrbm.analysis.peak_loads import PeakLoad, peak_load, torque_share
+from llsrbm.motion.plan import Phase, Plan
+from llsrbm.motion.rotation import slerp
 from llsrbm.postures import Postures, joint_speeds, solve_postures
 from llsrbm.robots.drives import torque_in_direction
 from llsrbm.robots.legs import apply, cross, rotation_matrices, skew
 from llsrbm.robots.robot import Robot
-from llsrbm.trajectory.plan import Phase, Plan
-from llsrbm.trajectory.rotation import slerp
 
 Array = NDArray[np.float64]
 
@@ -47,7 +47,7 @@ _UPWARD_GRAVITY = np.array([0.0, 0.0, 9.81])  # m/s2: what a body at rest feels
 
 @dataclass(frozen=True, eq=False)
 class KnotMotion:
-    """What a plan says at N + 1 knots; arrays as in `llsrbm.trajectory.plan.Plan`.
+    """What a plan says at N + 1 knots; arrays as in `llsrbm.motion.plan.Plan`.
 
     Attributes:
         joint_position: (N+1, J) postures at the knots; None to have them solved.

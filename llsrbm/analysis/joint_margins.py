@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from llsrbm.motion.plan import Plan
+from llsrbm.motion.resample import resample
 from llsrbm.postures import JointMargins, joint_speeds, margins
 from llsrbm.robots import Robot
-from llsrbm.trajectory.plan import Plan
-from llsrbm.trajectory.resample import resample
 
 # Both ends and the middle of each interval: feet may change their speed at a knot.
 _SHARES = np.array([0.01, 0.5, 0.99])

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from llsrbm.trajectory.plan import Phase, Plan
+from llsrbm.motion.plan import Phase, Plan
 
 Array = NDArray[np.float64]
 

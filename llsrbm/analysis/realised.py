@@ -9,11 +9,11 @@ import pinocchio as pin
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from llsrbm.motion.plan import Phase
 from llsrbm.planning.headings import heading_rates, headings
 from llsrbm.planning.knots import Knots
 from llsrbm.postures import joint_speeds, solve_postures
 from llsrbm.robots.robot import Robot
-from llsrbm.trajectory.plan import Phase
 
 Array = NDArray[np.float64]
 

@@ -14,7 +14,7 @@ from llsrbm.commands import console, options
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from llsrbm.trajectory.figures import DesignFigures
+    from llsrbm.analysis.figures import DesignFigures
 
 
 def compare_command(
@@ -27,11 +27,11 @@ def compare_command(
     one kind, the best of a column has an asterisk; what fell or did not converge has none.
     """
     with console.result_stream(as_json=as_json) as stdout:
+        from llsrbm.analysis.figures import figures_of_plan, figures_of_rollout
+        from llsrbm.analysis.summary import json_value
+        from llsrbm.motion.files import load
+        from llsrbm.motion.plan import Plan
         from llsrbm.titles import titles_of
-        from llsrbm.trajectory.figures import figures_of_plan, figures_of_rollout
-        from llsrbm.trajectory.files import load
-        from llsrbm.trajectory.plan import Plan
-        from llsrbm.trajectory.summary import json_value
         from llsrbm.tuning import Tuning
 
         trajectories = [load(file) for file in files]
@@ -64,7 +64,7 @@ def _table(
     files: Sequence[str], titles: Sequence[str], rows: Sequence[DesignFigures], *, mark: bool
 ) -> list[str]:
     """Head of two lines, names and units, and a line a design; figures to the right."""
-    from llsrbm.trajectory.figures import FIGURES
+    from llsrbm.analysis.figures import FIGURES
 
     columns = [["file", "", *files], ["design", "", *titles], ["", "", *(r.status for r in rows)]]
     lines = [[f"{cell:<{max(map(len, column))}}" for cell in column] for column in columns]

@@ -18,8 +18,8 @@ def export_command(
     fps: Annotated[float, typer.Option(help="Frames per second, for formats with a rate.")] = 60.0,
 ) -> int:
     """Write a native file, a plan's or a rollout's, in another format."""
-    from llsrbm.exporters import export
-    from llsrbm.trajectory.files import load
+    from llsrbm.formats import export
+    from llsrbm.motion.files import load
 
     export(load(file), out, format=format_, fps=fps)
     return console.DONE
@@ -70,7 +70,7 @@ def tuning_command(robot: options.Robot = "anymal") -> int:
 
 def formats_command() -> int:
     """List the formats that `llsrbm export` writes."""
-    from llsrbm.exporters import formats
+    from llsrbm.formats import formats
 
     _print_table(formats())
     return console.DONE

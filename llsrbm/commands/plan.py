@@ -13,7 +13,7 @@ from llsrbm.commands.design import DesignOption, requested_design
 from llsrbm.errors import NotConverged
 
 if TYPE_CHECKING:
-    from llsrbm.trajectory.plan import Plan
+    from llsrbm.motion.plan import Plan
 
 
 def plan_command(
@@ -37,7 +37,7 @@ def plan_command(
     """
     with console.result_stream(as_json=as_json) as stdout:
         import llsrbm
-        from llsrbm.trajectory.summary import plan_summary
+        from llsrbm.analysis.summary import plan_summary
 
         jump = options.requested_jump(robot, model, twist, forward, lateral, height)
         request = requested_design(context, design, jump)
@@ -66,8 +66,8 @@ def plan_command(
 
 def _description(plan: Plan) -> dict[str, str]:
     """A plan in a few lines for a person: degrees, milliseconds."""
-    from llsrbm.trajectory.rotation import yaw
-    from llsrbm.trajectory.summary import peak_yaw_rate, worst_violation
+    from llsrbm.analysis.summary import peak_yaw_rate, worst_violation
+    from llsrbm.motion.rotation import yaw
 
     report = plan.report
     takeoff, flight, landing = plan.phase_start[1:] - plan.phase_start[:-1]

@@ -14,8 +14,8 @@ from llsrbm.commands.design import DesignOption, requested_design, requested_wor
 from llsrbm.errors import InputError
 
 if TYPE_CHECKING:
-    from llsrbm.trajectory.plan import Plan
-    from llsrbm.trajectory.rollout import Rollout
+    from llsrbm.motion.plan import Plan
+    from llsrbm.motion.rollout import Rollout
 
 
 def simulate_command(
@@ -69,9 +69,9 @@ def simulate_command(
     """
     with console.result_stream(as_json=as_json) as stdout:
         import llsrbm
+        from llsrbm.analysis.rollout_summary import rollout_summary
         from llsrbm.robots import load_robot
         from llsrbm.simulation.request import check_landing, make_conditions
-        from llsrbm.trajectory.rollout_summary import rollout_summary
 
         given = [name for name in options.PLANNING if options.is_given(context, name)]
         if file is not None and given:
@@ -136,7 +136,7 @@ def _read_plan(file: Path) -> Plan:
 
 
 def _fall(rollout: Rollout) -> str:
-    from llsrbm.trajectory.diagnosis import fall_in_words
+    from llsrbm.analysis.diagnosis import fall_in_words
 
     return f"fell {fall_in_words(rollout)}"
 

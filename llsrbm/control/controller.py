@@ -14,10 +14,10 @@ from llsrbm.control.foot_force import FootForces
 from llsrbm.control.inverse_dynamics import Command, InverseDynamics
 from llsrbm.control.reference import Reference, Target
 from llsrbm.control.whole_body import WholeBody
+from llsrbm.motion.plan import Phase, Plan
+from llsrbm.motion.rollout import Conditions, Mode
 from llsrbm.robots import Robot
 from llsrbm.robots.drives import torque_range
-from llsrbm.trajectory.plan import Phase, Plan
-from llsrbm.trajectory.rollout import Conditions, Mode
 
 Array = NDArray[np.float64]
 

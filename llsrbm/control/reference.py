@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline, make_interp_spline
 from scipy.spatial.transform import Rotation
 
-from llsrbm.trajectory.plan import Phase, Plan
-from llsrbm.trajectory.resample import resample
-from llsrbm.trajectory.rotation import yaw
+from llsrbm.motion.plan import Phase, Plan
+from llsrbm.motion.resample import resample
+from llsrbm.motion.rotation import yaw
 
 Array = NDArray[np.float64]
 

@@ -7,9 +7,9 @@ from collections.abc import Callable
 import numpy as np
 
 from llsrbm.jump import Jump
+from llsrbm.motion.plan import Plan, Solution, SolveReport, Violation
 from llsrbm.planning.knots import Knots
 from llsrbm.robots.robot import Robot
-from llsrbm.trajectory.plan import Plan, Solution, SolveReport, Violation
 
 
 def assemble_plan(

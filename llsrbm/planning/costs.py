@@ -14,9 +14,9 @@ import casadi as ca
 import numpy as np
 
 from llsrbm.jump import Jump
+from llsrbm.motion.plan import Phase
 from llsrbm.planning.layout import Role
 from llsrbm.planning.stage import Stage
-from llsrbm.trajectory.plan import Phase
 
 FREE_TWIST = 0.2  # rad at which `Symmetry` counts half
 

@@ -12,12 +12,12 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 from llsrbm.errors import NotConverged, Stop
+from llsrbm.motion.plan import Violation
 from llsrbm.planning.constraints import CONSTRAINTS, Constraint
 from llsrbm.planning.limits import Limit, limits_in, put_limits
 from llsrbm.planning.residuals import TOLERANCE, severity, stop, violation_with, with_demand
 from llsrbm.planning.scout import Found, OutOfTime, Scout
 from llsrbm.planning.task import Task, place_task
-from llsrbm.trajectory.plan import Violation
 
 # A limit that would have to change is found to this share of the change that is known to do.
 RESOLUTION = 1 / 16

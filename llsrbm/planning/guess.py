@@ -6,12 +6,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from llsrbm.models.base import CentroidalModel
+from llsrbm.motion.plan import Phase
 from llsrbm.planning.constraints.swing import ground_line
 from llsrbm.planning.knots import feet_in_stance
 from llsrbm.planning.layout import Layout
 from llsrbm.planning.stage import GRAVITY
 from llsrbm.planning.task import Task
-from llsrbm.trajectory.plan import Phase
 
 Array = NDArray[np.float64]
 

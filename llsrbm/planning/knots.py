@@ -11,12 +11,12 @@ from scipy.spatial.transform import Rotation
 
 from llsrbm.analysis.joint_loads import JointLoads, KnotMotion, joint_loads
 from llsrbm.models.base import CentroidalModel
+from llsrbm.motion.plan import Phase
 from llsrbm.planning.headings import heading_rates, headings, relative_yaw_rates, relative_yaws
 from llsrbm.planning.layout import Layout
 from llsrbm.planning.stage import GRAVITY
 from llsrbm.planning.task import Task, contact_points
 from llsrbm.postures import Postures, solve_postures
-from llsrbm.trajectory.plan import Phase
 
 Array = NDArray[np.float64]
 

@@ -15,7 +15,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from llsrbm.trajectory.plan import Phase
+from llsrbm.motion.plan import Phase
 
 Array = NDArray[np.float64]
 

@@ -9,12 +9,12 @@ from typing import Any
 
 from llsrbm.errors import Error
 from llsrbm.jump import Jump
+from llsrbm.motion.plan import Plan
 from llsrbm.planning.explanation import explain, in_words
 from llsrbm.planning.planner import Planner
 from llsrbm.planning.scout import Found, Scout
 from llsrbm.planning.task import make_task
 from llsrbm.robots.schema import Task as Ranges
-from llsrbm.trajectory.plan import Plan
 
 # The steps in which people ask, rad and m: what is found is whole steps of what was reduced.
 STEPS = {

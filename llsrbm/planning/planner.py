@@ -19,6 +19,7 @@ from llsrbm.cache import cached_bytes, content_key
 from llsrbm.errors import Cancelled, InputError, NotConverged
 from llsrbm.jump import Jump
 from llsrbm.models import check_name, make_model
+from llsrbm.motion.plan import Plan, Solution, SolveReport, Violation
 from llsrbm.planning import solvers
 from llsrbm.planning.assembly import assemble_plan
 from llsrbm.planning.guess import analytic_guess
@@ -31,7 +32,6 @@ from llsrbm.planning.task import Task, make_task, place_task
 from llsrbm.planning.transcription import Problem, row_bounds
 from llsrbm.robots import load_robot
 from llsrbm.robots.robot import Robot
-from llsrbm.trajectory.plan import Plan, Solution, SolveReport, Violation
 
 Array = NDArray[np.float64]
 Progress = Callable[[PlanningProgress], None]

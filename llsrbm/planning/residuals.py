@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from llsrbm.errors import Stop
+from llsrbm.motion.plan import Phase, Violation
 from llsrbm.planning.constraints import CONSTRAINTS, Constraint
 from llsrbm.planning.constraints.base import Demand, Limit
 from llsrbm.planning.knots import Knots
-from llsrbm.trajectory.plan import Phase, Violation
 
 Array = NDArray[np.float64]
 

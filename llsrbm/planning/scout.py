@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from llsrbm.errors import Cancelled
 from llsrbm.jump import Jump
+from llsrbm.motion.plan import Plan, Solution, SolveReport, Violation
 from llsrbm.planning.assembly import assemble_plan
 from llsrbm.planning.guess import analytic_guess
 from llsrbm.planning.knots import Knots, rolled_out, unpack
@@ -29,7 +30,6 @@ from llsrbm.planning.solvers import HOPELESS, Fatrop
 from llsrbm.planning.stage_functions import constraints_of
 from llsrbm.planning.task import Task, place_task
 from llsrbm.planning.transcription import row_bounds
-from llsrbm.trajectory.plan import Plan, Solution, SolveReport, Violation
 
 Array = NDArray[np.float64]
 

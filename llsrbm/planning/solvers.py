@@ -15,9 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from llsrbm.errors import InputError
+from llsrbm.motion.plan import Solution
 from llsrbm.planning.progress import IterationTable, printed_into
 from llsrbm.planning.transcription import Problem
-from llsrbm.trajectory.plan import Solution
 
 Array = NDArray[np.float64]
 

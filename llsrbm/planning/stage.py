@@ -8,11 +8,11 @@ from typing import Any
 import casadi as ca
 
 from llsrbm.models.base import CentroidalModel
+from llsrbm.motion.plan import Phase
 from llsrbm.planning.headings import across, heading_rate, relative_yaw, relative_yaw_rate
 from llsrbm.planning.layout import STANDING, Layout, Role
 from llsrbm.planning.lifting import Lifting
 from llsrbm.planning.rotations import quat_exp, quat_product, rotation_matrix
-from llsrbm.trajectory.plan import Phase
 
 GRAVITY = 9.81  # m/s2
 BALANCE_SCALE = 10.0  # the momentum balance in 0.1 m2/s, about as large as the other rows

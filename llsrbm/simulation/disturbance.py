@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from llsrbm.errors import InputError
-from llsrbm.trajectory.rollout import Conditions, Disturbance
+from llsrbm.motion.rollout import Conditions, Disturbance
 
 # Spread of the robustness benchmark, at noise 1. What the controller believes about its own errors
 # is stated elsewhere, in the robot file's [uncertainty]: the two are independent.

@@ -8,11 +8,11 @@ from typing import Any
 
 from llsrbm.control import detection, landing, solvers
 from llsrbm.errors import InputError
+from llsrbm.motion.plan import Plan
+from llsrbm.motion.rollout import Conditions
 from llsrbm.planning.residuals import describe_worst
 from llsrbm.robots import Robot
 from llsrbm.simulation.disturbance import MOST_NOISE, check_trunk_mass
-from llsrbm.trajectory.plan import Plan
-from llsrbm.trajectory.rollout import Conditions
 
 _SAME_MASS = 1e-6  # relative; what arithmetic of another machine may make of the same URDF
 

@@ -10,14 +10,14 @@ from numpy.typing import NDArray
 
 from llsrbm.control.controller import WholeBodyController
 from llsrbm.errors import Cancelled
+from llsrbm.motion.plan import Plan
+from llsrbm.motion.rollout import Conditions, Disturbance, Rollout
 from llsrbm.robots import Robot
 from llsrbm.simulation.disturbance import draw_disturbance
 from llsrbm.simulation.recorder import Recorder
 from llsrbm.simulation.start import standing_state
 from llsrbm.simulation.verdict import TOPPLED, Fall, judge
 from llsrbm.simulation.world import Diverged, TickResult, World
-from llsrbm.trajectory.plan import Plan
-from llsrbm.trajectory.rollout import Conditions, Disturbance, Rollout
 
 Array = NDArray[np.float64]
 

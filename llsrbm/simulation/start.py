@@ -7,10 +7,10 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from llsrbm.errors import InputError
+from llsrbm.motion.plan import Plan
 from llsrbm.robots.foot_contact import foot_contacts
 from llsrbm.robots.legs import rotation_matrices
 from llsrbm.robots.robot import Robot
-from llsrbm.trajectory.plan import Plan
 
 Array = NDArray[np.float64]
 

@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from llsrbm.errors import InputError
+from llsrbm.motion.plan import Phase, Plan
+from llsrbm.motion.resample import resample
+from llsrbm.motion.rollout import Conditions
 from llsrbm.robots.foot_contact import foot_contacts
 from llsrbm.robots.robot import Robot
-from llsrbm.trajectory.plan import Phase, Plan
-from llsrbm.trajectory.resample import resample
-from llsrbm.trajectory.rollout import Conditions
 
 Array = NDArray[np.float64]
 

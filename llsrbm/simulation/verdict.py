@@ -14,11 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from llsrbm.control.controller import WholeBodyController
+from llsrbm.motion.plan import Phase, Plan
+from llsrbm.motion.rollout import Outcome
+from llsrbm.motion.rotation import tilt, yaw
 from llsrbm.robots import Robot
 from llsrbm.simulation.recorder import Recorder
-from llsrbm.trajectory.plan import Phase, Plan
-from llsrbm.trajectory.rollout import Outcome
-from llsrbm.trajectory.rotation import tilt, yaw
 
 Array = NDArray[np.float64]
 

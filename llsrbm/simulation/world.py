@@ -9,13 +9,13 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from llsrbm.motion.plan import Plan
+from llsrbm.motion.rollout import Conditions, Disturbance
 from llsrbm.robots.robot import Robot
 from llsrbm.simulation.contacts import ContactReader
 from llsrbm.simulation.drives import Drives
 from llsrbm.simulation.scene import build_scene
 from llsrbm.simulation.surroundings import surroundings
-from llsrbm.trajectory.plan import Plan
-from llsrbm.trajectory.rollout import Conditions, Disturbance
 
 Array = NDArray[np.float64]
 

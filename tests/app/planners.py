@@ -11,7 +11,7 @@ from pathlib import Path
 from llsrbm import errors
 from llsrbm.errors import InputError
 from llsrbm.jump import Jump
-from llsrbm.trajectory.plan import Plan
+from llsrbm.motion.plan import Plan
 from tests.app.synthetic_plan import synthetic_plan
 from tests.llsrbm.synthetic_rollout import synthetic_rollout
 

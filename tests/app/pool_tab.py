@@ -6,7 +6,7 @@ import queue
 
 from app.protocol import PlanJump, Progress, SimulateJump
 from llsrbm.jump import Jump
-from llsrbm.trajectory.rollout import Conditions
+from llsrbm.motion.rollout import Conditions
 from tests.app.synthetic_plan import synthetic_plan
 
 

@@ -7,8 +7,8 @@ import pinocchio as pin
 from scipy.spatial.transform import Rotation
 
 from llsrbm.jump import Jump
+from llsrbm.motion.plan import Plan, SolveReport, Violation
 from llsrbm.robots import load_robot
-from llsrbm.trajectory.plan import Plan, SolveReport, Violation
 
 GRAVITY = 9.81
 STAND, FLY = 0.4, 0.5

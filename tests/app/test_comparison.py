@@ -7,7 +7,7 @@ from xml.etree import ElementTree as ET
 import pytest
 
 from app.comparison import Column, comparison_table
-from llsrbm.trajectory.figures import DesignFigures
+from llsrbm.analysis.figures import DesignFigures
 
 BLUE, GREEN = (44, 123, 229), (10, 160, 90)
 PLANNED = DesignFigures("planned", 0.412, 1.88, 0.242, 1.86, 177.0, 0.592, 0.71, None, None, 0.1771)

@@ -11,8 +11,8 @@ from app import colours
 from app.curves import GROUPS, LANDING, TORQUES, Layer, charts, joint_kinds, shown_layers
 from app.replay import bake
 from llsrbm.jump import Jump
+from llsrbm.motion.rollout import Disturbance
 from llsrbm.robots import load_robot
-from llsrbm.trajectory.rollout import Disturbance
 from tests.app.synthetic_plan import FLY, GRAVITY, STAND, TORQUE_SHARE, synthetic_plan
 from tests.llsrbm.synthetic_rollout import THRESHOLD, YAW_SHORTFALL, synthetic_rollout
 

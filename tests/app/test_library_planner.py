@@ -10,8 +10,8 @@ import llsrbm
 from app.protocol import FindNearest, PlanJump, SimulateJump
 from app.worker import LibraryPlanner
 from llsrbm.jump import Jump
-from llsrbm.trajectory.plan import Solution
-from llsrbm.trajectory.rollout import Conditions
+from llsrbm.motion.plan import Solution
+from llsrbm.motion.rollout import Conditions
 from llsrbm.tuning import Tuning
 from tests.app.synthetic_plan import synthetic_plan
 

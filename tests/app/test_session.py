@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from llsrbm import models
-from llsrbm.exporters import formats
+from llsrbm.formats import formats
 from llsrbm.jump import Jump
 from llsrbm.robots import load_robot, names
 from tests.app import planners

@@ -50,7 +50,7 @@ def test_simulate_runs_and_says_how_it_ended(tab, session, script):
     told = simulate(tab, session)
     assert told.startswith("Landed yaw -2.9° from the plan at touch-down")
     assert session.rollout.jump == session.plan.jump
-    assert session.rollout.conditions == llsrbm.trajectory.rollout.Conditions()
+    assert session.rollout.conditions == llsrbm.motion.rollout.Conditions()
     assert "Saturated ticks" in tab.text()
     assert "detected +5.0 ms" in script.events["told"]
 

@@ -13,8 +13,8 @@ from app.clip import Strand
 from app.frames import FRAME_RATE
 from app.simulated_replay import bake_rollout, force_phases, means_from
 from llsrbm.jump import Jump
+from llsrbm.motion.rollout import Mode
 from llsrbm.robots import load_robot
-from llsrbm.trajectory.rollout import Mode
 from tests.app.synthetic_plan import synthetic_plan
 from tests.llsrbm.synthetic_rollout import synthetic_rollout
 

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from app.summaries import plan_figures, rollout_figures, simulated_line
+from llsrbm.analysis.diagnosis import diagnose
 from llsrbm.jump import Jump
+from llsrbm.motion.rollout import Conditions
 from llsrbm.robots import load_robot
-from llsrbm.trajectory.diagnosis import diagnose
-from llsrbm.trajectory.rollout import Conditions
 from tests.app.synthetic_plan import FLY, GRAVITY, STAND, synthetic_plan
 from tests.llsrbm.synthetic_rollout import synthetic_rollout
 

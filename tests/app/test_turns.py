@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from app.protocol import FindNearest, Job, PlanJump, Prepare, SimulateJump
 from app.turns import Entry, Kind, Member, Turns
 from llsrbm.jump import Jump
-from llsrbm.trajectory.rollout import Conditions
+from llsrbm.motion.rollout import Conditions
 
 PLAN = PlanJump(Jump())
 OTHER = PlanJump(Jump(model="srbm"))

@@ -22,7 +22,7 @@ from app.protocol import (
 )
 from app.worker_pool import WorkerPool
 from llsrbm.jump import Jump
-from llsrbm.trajectory.rollout import Conditions
+from llsrbm.motion.rollout import Conditions
 from tests.app import planners
 from tests.app.planners import SyntheticPlanner, broken_factory
 from tests.app.pool_tab import Tab

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from llsrbm.jump import Jump
-from llsrbm.trajectory.plan import Phase, Plan, SolveReport, Violation
+from llsrbm.motion.plan import Phase, Plan, SolveReport, Violation
 
 GRAVITY = np.array([0.0, 0.0, -9.81])
 JOINT_NAMES = tuple(f"{leg}_{part}" for leg in ("LF", "RF", "LH", "RH") for part in "ABC")

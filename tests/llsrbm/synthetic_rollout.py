@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from scipy.interpolate import BPoly
 
-from llsrbm.trajectory.plan import Phase, Plan
-from llsrbm.trajectory.resample import resample
-from llsrbm.trajectory.rollout import Conditions, Disturbance, Mode, Outcome, Rollout
+from llsrbm.motion.plan import Phase, Plan
+from llsrbm.motion.resample import resample
+from llsrbm.motion.rollout import Conditions, Disturbance, Mode, Outcome, Rollout
 from tests.llsrbm.synthetic import GRAVITY, quat_about_z, rotation_about_z, synthetic_plan
 
 RATE = 400.0  # Hz

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from llsrbm.design import LARGEST, Design, dump_design, file_name, load_design
 from llsrbm.errors import FileFormatError, InputError
 from llsrbm.jump import Jump
-from llsrbm.trajectory.rollout import Conditions
+from llsrbm.motion.rollout import Conditions
 from llsrbm.tuning import Tuning
 
 TWIST = Jump(twist=math.pi / 2)

@@ -11,10 +11,10 @@ import pytest
 
 import llsrbm
 from llsrbm.errors import InputError
+from llsrbm.motion.plan import Violation
+from llsrbm.motion.rollout import Conditions
 from llsrbm.robots import load_robot
 from llsrbm.simulation import simulate as simulator
-from llsrbm.trajectory.plan import Violation
-from llsrbm.trajectory.rollout import Conditions
 from tests.llsrbm.synthetic import synthetic_plan
 from tests.llsrbm.synthetic_rollout import synthetic_rollout
 

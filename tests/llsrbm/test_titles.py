@@ -5,8 +5,8 @@ import math
 import pytest
 
 from llsrbm.jump import Jump
+from llsrbm.motion.rollout import Conditions
 from llsrbm.titles import title_of, titles_of
-from llsrbm.trajectory.rollout import Conditions
 from llsrbm.tuning import Tuning
 
 TWIST = Jump(twist=math.pi / 2)

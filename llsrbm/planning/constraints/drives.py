@@ -21,11 +21,11 @@ import casadi as ca
 import numpy as np
 
 from llsrbm.analysis.peak_loads import event_beside, when_in_words
+from llsrbm.motion.plan import Phase
 from llsrbm.planning.constraints.base import Array, Bounds, Constraint, Demand, Limit, spread
 from llsrbm.planning.layout import Layout, Role
 from llsrbm.planning.stage import Stage
 from llsrbm.robots.drives import FULL_UP_TO
-from llsrbm.trajectory.plan import Phase
 
 if TYPE_CHECKING:
     from llsrbm.analysis.joint_loads import JointLoads

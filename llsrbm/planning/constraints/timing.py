@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from llsrbm.motion.plan import Phase
 from llsrbm.planning.constraints.base import Array, Bounds, Constraint, Limit
 from llsrbm.planning.layout import Layout, Role
 from llsrbm.planning.stage import Stage
-from llsrbm.trajectory.plan import Phase
 
 if TYPE_CHECKING:
     from llsrbm.planning.knots import Knots

@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING, Any
 import casadi as ca
 import numpy as np
 
+from llsrbm.motion.plan import Phase
 from llsrbm.planning.constraints.base import Array, Bounds, Constraint, Limit, spread
 from llsrbm.planning.headings import heading_rates
 from llsrbm.planning.layout import Layout, Role
 from llsrbm.planning.stage import Stage
-from llsrbm.trajectory.plan import Phase
 
 if TYPE_CHECKING:
     from llsrbm.planning.knots import Knots

@@ -12,9 +12,9 @@ from scipy.spatial.transform import Rotation
 
 import llsrbm
 from llsrbm.analysis.joint_loads import JointLoads, KnotMotion, joint_loads
+from llsrbm.motion.plan import Phase
 from llsrbm.postures import solve_postures
 from llsrbm.robots import load_robot
-from llsrbm.trajectory.plan import Phase
 from tests.llsrbm.planning.solved import solved
 
 ROBOTS = ("anymal", "go2", "slider")

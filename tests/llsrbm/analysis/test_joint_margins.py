@@ -7,9 +7,9 @@ import pytest
 
 import llsrbm
 from llsrbm.analysis.joint_margins import joint_margins
+from llsrbm.motion.resample import resample, uniform_times
 from llsrbm.postures import solve_postures
 from llsrbm.robots import load_robot
-from llsrbm.trajectory.resample import resample, uniform_times
 from tests.llsrbm.kinematics import foot_positions
 
 

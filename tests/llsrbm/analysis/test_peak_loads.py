@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from llsrbm.analysis.peak_loads import planned_peak_load, planned_torque_shares, torque_share
-from llsrbm.trajectory.plan import Phase
+from llsrbm.motion.plan import Phase
 from tests.llsrbm.synthetic import JOINT_NAMES, synthetic_plan
 
 

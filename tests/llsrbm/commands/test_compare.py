@@ -8,7 +8,7 @@ from dataclasses import asdict, replace
 import pytest
 
 from llsrbm import cli
-from llsrbm.trajectory.figures import FIGURES, figures_of_plan, figures_of_rollout
+from llsrbm.analysis.figures import FIGURES, figures_of_plan, figures_of_rollout
 from tests.llsrbm.synthetic import synthetic_plan
 from tests.llsrbm.synthetic_rollout import synthetic_rollout
 

@@ -10,7 +10,7 @@ from llsrbm import cli
 from llsrbm.design import Design, dump_design
 from llsrbm.examples import examples
 from llsrbm.jump import Jump
-from llsrbm.trajectory.rollout import Conditions
+from llsrbm.motion.rollout import Conditions
 from llsrbm.tuning import Tuning
 from tests.llsrbm.synthetic import synthetic_plan
 from tests.llsrbm.synthetic_rollout import synthetic_rollout

@@ -11,11 +11,11 @@ import pytest
 
 import llsrbm
 from llsrbm import cli
+from llsrbm.analysis.diagnosis import diagnose
+from llsrbm.analysis.rollout_summary import rollout_summary
 from llsrbm.errors import NotConverged
-from llsrbm.trajectory.diagnosis import diagnose
-from llsrbm.trajectory.files import load
-from llsrbm.trajectory.rollout import Conditions
-from llsrbm.trajectory.rollout_summary import rollout_summary
+from llsrbm.motion.files import load
+from llsrbm.motion.rollout import Conditions
 from tests.llsrbm.commands.process import run
 from tests.llsrbm.synthetic import synthetic_plan
 from tests.llsrbm.synthetic_rollout import synthetic_rollout

@@ -7,9 +7,9 @@ import pytest
 
 from llsrbm.control.controller import WholeBodyController
 from llsrbm.control.whole_body import WholeBody
+from llsrbm.motion.plan import Phase
+from llsrbm.motion.rollout import Conditions
 from llsrbm.robots import load_robot
-from llsrbm.trajectory.plan import Phase
-from llsrbm.trajectory.rollout import Conditions
 from tests.llsrbm.planning.solved import solved
 
 ROBOT = load_robot("anymal")

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from llsrbm.trajectory.plan import Phase
+from llsrbm.motion.plan import Phase
 
 GRAVITY = np.array([0.0, 0.0, -9.81])
 PROBES = np.vstack([np.zeros(3), np.eye(3)])

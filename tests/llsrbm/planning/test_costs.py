@@ -5,10 +5,10 @@ import pytest
 
 from llsrbm import models
 from llsrbm.jump import Jump
+from llsrbm.motion.plan import Phase
 from llsrbm.planning.costs import COSTS, default_weights
 from llsrbm.planning.planner import planner_for
 from llsrbm.planning.stage import GRAVITY
-from llsrbm.trajectory.plan import Phase
 from tests.llsrbm.planning.solved import REQUESTS, solved
 
 

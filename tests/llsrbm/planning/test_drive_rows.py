@@ -5,7 +5,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from llsrbm.trajectory.plan import Phase
+from llsrbm.motion.plan import Phase
 from tests.llsrbm.planning.solved import (
     REQUESTS,
     function,

@@ -3,13 +3,13 @@ import pytest
 
 from llsrbm import models
 from llsrbm.jump import Jump
+from llsrbm.motion.plan import Phase
 from llsrbm.planning.guess import analytic_guess
 from llsrbm.planning.knots import unpack
 from llsrbm.planning.layout import Intervals, Layout
 from llsrbm.planning.residuals import violations
 from llsrbm.planning.task import make_task
 from llsrbm.robots import load_robot
-from llsrbm.trajectory.plan import Phase
 
 ROBOT = load_robot("anymal")
 LAYOUT = Layout(4, 4, Intervals(16, 16, 16))

@@ -3,8 +3,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from llsrbm.motion.plan import Phase
 from llsrbm.planning.layout import Intervals, Layout, Role
-from llsrbm.trajectory.plan import Phase
 
 LAYOUT = Layout(legs=4, contacts=4, intervals=Intervals(3, 4, 5))
 

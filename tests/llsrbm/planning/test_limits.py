@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from llsrbm.errors import InputError
 from llsrbm.jump import Jump
+from llsrbm.motion.plan import Phase
 from llsrbm.planning.constraints import CONSTRAINTS
 from llsrbm.planning.layout import Intervals, Layout
 from llsrbm.planning.limits import limits_of
@@ -17,7 +18,6 @@ from llsrbm.planning.residuals import TOLERANCE, violations
 from llsrbm.planning.task import make_task
 from llsrbm.planning.transcription import row_bounds
 from llsrbm.robots import load_robot
-from llsrbm.trajectory.plan import Phase
 from llsrbm.tuning import Tuning
 
 ANYMAL, SLIDER = load_robot("anymal"), load_robot("slider")

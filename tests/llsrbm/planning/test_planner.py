@@ -10,12 +10,12 @@ from llsrbm import models
 from llsrbm.analysis.joint_margins import joint_margins
 from llsrbm.errors import Cancelled, InputError, NotConverged
 from llsrbm.jump import Jump
+from llsrbm.motion.plan import Phase
 from llsrbm.planning import progress, solvers
 from llsrbm.planning.planner import INTERVALS, PATIENT_FLIGHT, Planner, planner_for
 from llsrbm.planning.progress import PlanningProgress
 from llsrbm.planning.residuals import TOLERANCE, excess
 from llsrbm.robots import load_robot
-from llsrbm.trajectory.plan import Phase
 from tests.llsrbm.kinematics import foot_positions
 from tests.llsrbm.planning.solved import REQUESTS, solved
 

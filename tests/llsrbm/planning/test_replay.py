@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from llsrbm import models
-from llsrbm.trajectory.plan import Phase
+from llsrbm.motion.plan import Phase
 from tests.llsrbm.planning.replay import angle_between, replay
 from tests.llsrbm.planning.solved import REQUESTS, solved
 

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from llsrbm.motion.plan import Phase, Violation
 from llsrbm.planning.constraints import CONSTRAINTS
 from llsrbm.planning.residuals import (
     TOLERANCE,
@@ -15,7 +16,6 @@ from llsrbm.planning.residuals import (
 )
 from llsrbm.planning.task import make_task
 from llsrbm.robots import load_robot
-from llsrbm.trajectory.plan import Phase, Violation
 from tests.llsrbm.planning.solved import solved
 
 

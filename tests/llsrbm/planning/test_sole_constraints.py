@@ -10,6 +10,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from llsrbm.jump import Jump
+from llsrbm.motion.plan import Phase
+from llsrbm.motion.rotation import yaw
 from llsrbm.planning.costs import Symmetry
 from llsrbm.planning.headings import (
     across,
@@ -24,8 +26,6 @@ from llsrbm.planning.headings import (
 from llsrbm.planning.residuals import violations
 from llsrbm.planning.task import place_task
 from llsrbm.robots import load_robot
-from llsrbm.trajectory.plan import Phase
-from llsrbm.trajectory.rotation import yaw
 from tests.llsrbm.planning.solved import solved
 
 ROBOT = load_robot("slider")

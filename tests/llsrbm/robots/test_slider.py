@@ -9,12 +9,12 @@ import pinocchio as pin
 import pytest
 
 from llsrbm.cache import ENVIRONMENT_VARIABLE
+from llsrbm.motion.rollout import Disturbance
 from llsrbm.robots import load_robot
 from llsrbm.robots.foot_contact import foot_contacts
 from llsrbm.robots.visuals import forward_kinematics, link_visuals
 from llsrbm.simulation.scene import build_scene
 from llsrbm.simulation.surroundings import Surroundings
-from llsrbm.trajectory.rollout import Disturbance
 
 ROLL_AXIS = (-0.065, 0.100)  # x, y from the pelvis' origin
 LEG_OUT_OF_ROLL = 0.115  # along y

@@ -7,8 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from llsrbm.errors import InputError
+from llsrbm.motion.rollout import Conditions, Disturbance
 from llsrbm.simulation.disturbance import MOST_NOISE, draw_disturbance
-from llsrbm.trajectory.rollout import Conditions, Disturbance
 
 SEEDS = st.integers(0, 2**32)
 

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import pytest
 
+from llsrbm.analysis.diagnosis import diagnose, fall_in_words
+from llsrbm.motion.rollout import Conditions, Disturbance
 from llsrbm.robots import load_robot
 from llsrbm.robots.drives import torque_range
 from llsrbm.simulation import drives
 from llsrbm.simulation import simulate as loop
-from llsrbm.trajectory.diagnosis import diagnose, fall_in_words
-from llsrbm.trajectory.rollout import Conditions, Disturbance
 from tests.llsrbm.planning.solved import solved
 
 

@@ -10,11 +10,11 @@ import pytest
 import trimesh
 
 from llsrbm.errors import RobotFileError
+from llsrbm.motion.rollout import Disturbance
 from llsrbm.robots import load_robot
 from llsrbm.robots.assets import robot_files
 from llsrbm.simulation.scene import build_scene
 from llsrbm.simulation.surroundings import Block, Surroundings
-from llsrbm.trajectory.rollout import Disturbance
 from tests.llsrbm.simulation.sliding_biped import URDF, sliding_biped
 
 OTHERS = Path(__file__).parents[3] / "benchmarks" / "robots"

@@ -8,17 +8,17 @@ from typing import ClassVar
 import numpy as np
 import pytest
 
+from llsrbm.analysis.diagnosis import fall_in_words
 from llsrbm.control import solvers
 from llsrbm.control.solvers import QpSolver
 from llsrbm.control.solvers.quadprog import Quadprog
 from llsrbm.errors import Cancelled, InputError
+from llsrbm.motion.plan import Phase
+from llsrbm.motion.rollout import Conditions, Mode, Rollout
+from llsrbm.motion.rollout_file import load_rollout
 from llsrbm.robots import load_robot
 from llsrbm.simulation.simulate import STANDING, simulate
 from llsrbm.simulation.world import Diverged, World
-from llsrbm.trajectory.diagnosis import fall_in_words
-from llsrbm.trajectory.plan import Phase
-from llsrbm.trajectory.rollout import Conditions, Mode, Rollout
-from llsrbm.trajectory.rollout_file import load_rollout
 from tests.llsrbm.planning.solved import solved
 
 GRAVITY = np.array([0.0, 0.0, -9.81])
@@ -172,8 +172,8 @@ def test_tells_how_far_it_is():
 
 def test_a_robot_that_slips_falls_and_says_why(monkeypatch):
     """On ice no controller lands a 30 cm jump."""
+    from llsrbm.motion.rollout import Disturbance
     from llsrbm.simulation import simulate as module
-    from llsrbm.trajectory.rollout import Disturbance
 
     monkeypatch.setattr(module, "draw_disturbance", lambda _: Disturbance(friction=0.02))
     outcome = run("forward").outcome

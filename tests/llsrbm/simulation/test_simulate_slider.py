@@ -10,11 +10,11 @@ import pinocchio as pin
 import pytest
 
 import llsrbm
+from llsrbm.motion.plan import Plan
+from llsrbm.motion.rollout import Conditions
+from llsrbm.motion.rotation import yaw
 from llsrbm.robots import load_robot
 from llsrbm.simulation.simulate import simulate
-from llsrbm.trajectory.plan import Plan
-from llsrbm.trajectory.rollout import Conditions
-from llsrbm.trajectory.rotation import yaw
 
 JUMPS = {
     "twist": {"twist": math.pi / 2},

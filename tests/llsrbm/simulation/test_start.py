@@ -9,12 +9,12 @@ import pytest
 
 from llsrbm.errors import InputError
 from llsrbm.jump import Jump
+from llsrbm.motion.rollout import Disturbance
 from llsrbm.robots import load_robot
 from llsrbm.robots.foot_contact import foot_contacts
 from llsrbm.simulation.scene import build_scene
 from llsrbm.simulation.start import standing_state
 from llsrbm.simulation.surroundings import Surroundings
-from llsrbm.trajectory.rollout import Disturbance
 from tests.app.synthetic_plan import synthetic_plan
 from tests.llsrbm.simulation.sliding_biped import sliding_biped
 

@@ -9,9 +9,9 @@ from hypothesis import strategies as st
 
 from llsrbm.errors import InputError
 from llsrbm.jump import Jump
+from llsrbm.motion.rollout import Conditions
 from llsrbm.robots import load_robot
 from llsrbm.simulation.surroundings import check_board, surroundings
-from llsrbm.trajectory.rollout import Conditions
 from tests.app.synthetic_plan import FLY, STAND, synthetic_plan
 
 ANYMAL = load_robot("anymal")

@@ -9,11 +9,11 @@ from hypothesis.extra.numpy import arrays
 
 from llsrbm.errors import InputError
 from llsrbm.jump import Jump
+from llsrbm.motion.rollout import Conditions, Disturbance
 from llsrbm.robots import load_robot
 from llsrbm.robots.foot_contact import foot_contacts
 from llsrbm.simulation.start import standing_state
 from llsrbm.simulation.world import Diverged, World
-from llsrbm.trajectory.rollout import Conditions, Disturbance
 from tests.app.synthetic_plan import FLY, STAND, synthetic_plan
 from tests.llsrbm.simulation.sliding_biped import sliding_biped
 

@@ -1,0 +1,232 @@
+"""A design in one row of figures, to be compared with others.
+
+A plan tells what was planned; with the rollout that followed it, also how that went. A rollout
+alone tells the same figures as the simulated whole body made them: its flight is that without any
+contact, its forces hold impacts, and the time to solve it is not known.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from llsrbm.analysis.peak_loads import planned_peak_load
+from llsrbm.analysis.summary import peak_yaw_rate
+from llsrbm.motion.plan import Phase, Plan
+from llsrbm.motion.rollout import Rollout
+from llsrbm.motion.rotation import rotation_matrices
+
+Array = NDArray[np.float64]
+
+_GRAVITY = 9.81  # m/s2
+_SAME_INSTANT = 1e-9  # s
+
+
+@dataclass(frozen=True)
+class DesignFigures:
+    """One row; None for what is not known.
+
+    Attributes:
+        status: "planned" or "not converged"; with a simulation "landed" or "fell".
+        flight_time_s: s.
+        peak_yaw_rate: largest |angular velocity about z| of the base, rad/s.
+        feet_radius: the feet's mean horizontal distance from the CoM, where it is smallest in
+            flight, m.
+        smallest_Izz: of the centroidal inertia about the vertical, in flight, kg m2.
+        peak_force: largest contact force on one foot, N.
+        peak_force_in_weights: the same in robots' weights.
+        planned_torque_ratio: largest share of the torque available at a joint's speed, in the plan.
+        peak_torque_ratio: largest share of a torque limit, in the simulation.
+        yaw_error_at_touchdown: of the base at its first contact, against the plan at its own, rad.
+        solve_time_s: wall time inside the solver, s.
+    """
+
+    status: str
+    flight_time_s: float | None
+    peak_yaw_rate: float
+    feet_radius: float | None
+    smallest_Izz: float | None
+    peak_force: float
+    peak_force_in_weights: float | None
+    planned_torque_ratio: float | None
+    peak_torque_ratio: float | None
+    yaw_error_at_touchdown: float | None
+    solve_time_s: float | None
+
+    @property
+    def valid(self) -> bool:
+        """Whether it is a jump that could be made, as far as is known."""
+        return self.status in ("planned", "landed")
+
+
+def figures_of_plan(plan: Plan, rollout: Rollout | None = None) -> DesignFigures:
+    """A plan's figures, with those of a simulation that followed it."""
+    flight = plan.phase == Phase.FLIGHT
+    feet = plan.foot_position.shape[1]
+    # Of a sole's corners, the sum.
+    force = plan.contact_force.reshape(len(plan.time), feet, -1, 3).sum(axis=2)
+    weight = (plan.base_mass + float(plan.leg_mass.sum())) * _GRAVITY
+    outcome = None if rollout is None else rollout.outcome
+    load = planned_peak_load(plan)
+    status = "planned" if plan.solved else "not converged"
+    return DesignFigures(
+        status=status if outcome is None else outcome.status,
+        flight_time_s=float(plan.phase_start[2] - plan.phase_start[1]),
+        peak_yaw_rate=peak_yaw_rate(plan),
+        feet_radius=_feet_radius(plan.com, plan.foot_position, flight),
+        smallest_Izz=_smallest_Izz(plan.inertia, flight),
+        peak_force=_peak(force),
+        peak_force_in_weights=_peak(force) / weight,
+        planned_torque_ratio=None if load is None else load.ratio,
+        peak_torque_ratio=None if outcome is None else outcome.peak_torque_ratio,
+        yaw_error_at_touchdown=None if outcome is None else outcome.yaw_error_at_touchdown,
+        solve_time_s=plan.report.solve_time_s,
+    )
+
+
+def figures_of_rollout(rollout: Rollout) -> DesignFigures:
+    """A rollout's own figures, until it fell if it did."""
+    outcome = rollout.outcome
+    end = math.inf if outcome.fell_at_s is None else outcome.fell_at_s
+    count = max(1, int(np.searchsorted(rollout.time, end, side="right")))
+    flight_time, flight = _flight(rollout)
+    flight = flight[:count]
+    turn = rotation_matrices(rollout.base_quat[:count])[:, 2]  # the world's z in the base's axes
+    force = _peak(rollout.contact_force[:count])
+    mass = rollout.robot_parameters.get("mass")
+    return DesignFigures(
+        status=outcome.status,
+        flight_time_s=flight_time,
+        peak_yaw_rate=float(np.abs((turn * rollout.qvel[:count, 3:6]).sum(axis=1)).max()),
+        feet_radius=_feet_radius(rollout.com[:count], rollout.foot_position[:count], flight),
+        smallest_Izz=_smallest_Izz(rollout.inertia[:count], flight),
+        peak_force=force,
+        peak_force_in_weights=force / (mass * _GRAVITY) if isinstance(mass, float | int) else None,
+        planned_torque_ratio=None,
+        peak_torque_ratio=outcome.peak_torque_ratio,
+        yaw_error_at_touchdown=outcome.yaw_error_at_touchdown,
+        solve_time_s=None,
+    )
+
+
+@dataclass(frozen=True)
+class Figure:
+    """How one of the figures is shown.
+
+    Attributes:
+        name: of `DesignFigures`.
+        title: in words; short: the same where there is little room.
+        unit: shown; scale: from SI to it; decimals: after the point.
+        smaller_is_better: False where neither is: a short flight is not better than a long one.
+        signed: whether it has a sign, and what is to be small is its size.
+    """
+
+    name: str
+    title: str
+    short: str
+    unit: str
+    scale: float
+    decimals: int
+    smaller_is_better: bool = False
+    signed: bool = False
+
+    def value(self, figures: DesignFigures) -> float | None:
+        """In SI units; None for what is not known or no number."""
+        value = getattr(figures, self.name)
+        return None if value is None or not math.isfinite(value) else float(value)
+
+    def shown(self, figures: DesignFigures) -> str:
+        """In the unit that is shown, without it."""
+        value = self.value(figures)
+        return "–" if value is None else self._text(value, signed=self.signed)
+
+    def difference(self, figures: DesignFigures, other: DesignFigures) -> str:
+        """By how much `figures` are more than `other`, with unit; "" where one is not known."""
+        mine, theirs = self.value(figures), self.value(other)
+        if mine is None or theirs is None:
+            return ""
+        return f"{self._text(mine - theirs, signed=True)} {self.unit}"
+
+    def best(self, designs: Sequence[DesignFigures]) -> frozenset[int]:
+        """Which of the designs are best, as shown; none where all are alike or it has no best."""
+        sizes = {
+            index: round(abs(value) * self.scale, self.decimals)
+            for index, design in enumerate(designs)
+            if design.valid and (value := self.value(design)) is not None
+        }
+        if not self.smaller_is_better or len(set(sizes.values())) < 2:
+            return frozenset()
+        smallest = min(sizes.values())
+        return frozenset(index for index, size in sizes.items() if size == smallest)
+
+    def _text(self, value: float, *, signed: bool) -> str:
+        # Adding 0 takes the sign from a rounded zero.
+        shown = round(value * self.scale, self.decimals) + 0.0
+        return f"{shown:+.{self.decimals}f}" if signed else f"{shown:.{self.decimals}f}"
+
+
+FIGURES = (
+    Figure("flight_time_s", "Flight time", "flight", "s", 1, 3),
+    Figure("peak_yaw_rate", "Peak yaw rate", "yaw rate", "rad/s", 1, 2),
+    Figure("feet_radius", "Feet radius", "feet", "m", 1, 3),
+    Figure("smallest_Izz", "Least Izz", "Izz", "kg m²", 1, 2),
+    Figure("peak_force", "Peak force", "force", "N", 1, 0, smaller_is_better=True),
+    Figure("peak_force_in_weights", "Peak force", "force", "weights", 1, 2, smaller_is_better=True),
+    Figure(
+        "planned_torque_ratio",
+        "Planned torque",
+        "planned",
+        "%",
+        100,
+        0,
+        smaller_is_better=True,
+    ),
+    Figure("peak_torque_ratio", "Peak torque", "torque", "%", 100, 0, smaller_is_better=True),
+    Figure(
+        "yaw_error_at_touchdown",
+        "Yaw at contact",
+        "yaw error",
+        "°",
+        math.degrees(1),
+        1,
+        smaller_is_better=True,
+        signed=True,
+    ),
+    Figure("solve_time_s", "Solve time", "solve", "ms", 1e3, 0, smaller_is_better=True),
+)
+"""The row, in its order, after the status."""
+
+
+def _flight(rollout: Rollout) -> tuple[float | None, NDArray[np.bool_]]:
+    """From when the last foot has left until the first comes back: how long, s, and (T,) when.
+
+    Without a touchdown, which has to be known for the length, it is while the controller flies.
+    """
+    tick, touchdown = 1.0 / rollout.outcome.control_rate_hz, rollout.outcome.touchdown_true_s
+    contact = rollout.contact.astype(bool).any(axis=1)
+    if touchdown is None:
+        return None, (rollout.phase == Phase.FLIGHT) & ~contact
+    # A tick belongs to the time before if it ends before.
+    before = rollout.time + tick <= touchdown + _SAME_INSTANT
+    left = np.flatnonzero(contact & before)
+    lift_off = float(rollout.time[left[-1]]) + tick if len(left) else float(rollout.time[0])
+    return touchdown - lift_off, before & (rollout.time >= lift_off - _SAME_INSTANT)
+
+
+def _feet_radius(com: Array, feet: Array, flight: NDArray[np.bool_]) -> float | None:
+    if not flight.any():
+        return None
+    radius = np.linalg.norm((feet - com[:, None])[flight][..., :2], axis=-1)
+    return float(radius.mean(axis=1).min())
+
+
+def _smallest_Izz(inertia: Array, flight: NDArray[np.bool_]) -> float | None:
+    return float(inertia[flight, 2, 2].min()) if flight.any() else None
+
+
+def _peak(force: Array) -> float:
+    return float(np.linalg.norm(force, axis=-1).max())

@@ -1,0 +1,81 @@
+"""A plan in a few figures, for the command line and the page."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from llsrbm.analysis.peak_loads import planned_torque_shares
+from llsrbm.motion.plan import Phase, Plan
+from llsrbm.motion.rotation import yaw
+
+
+def peak_yaw_rate(plan: Plan) -> float:
+    """Largest |angular velocity about z| of the base, rad/s."""
+    return float(np.abs(plan.angular_velocity[:, 2]).max())
+
+
+def worst_violation(plan: Plan) -> str:
+    """One line on the constraint that is violated most, each measured in its own SI unit."""
+    if not plan.violations:
+        return "none is known"
+    name, worst = max(plan.violations.items(), key=lambda item: _size(item[1].amount))
+    return f"at most {worst.amount:.1e} {worst.unit} ({name}, {worst.phase}, {worst.time:.2f} s)"
+
+
+def _size(amount: float) -> float:
+    return math.inf if math.isnan(amount) else amount
+
+
+def plan_summary(plan: Plan) -> dict[str, Any]:
+    """What `llsrbm plan --json` prints: SI units, radians; null for what is not a number."""
+    report = plan.report
+    figures: dict[str, Any] = {
+        "status": report.status,
+        "solver": report.solver,
+        "iterations": report.iterations,
+        "solve_time_s": report.solve_time_s,
+        "total_time_s": report.total_time_s,
+        "build_time_s": report.build_time_s,
+        "cost": report.cost,
+        "duration_s": plan.duration,
+        "phase_durations_s": np.diff(plan.phase_start).tolist(),
+        "peak_yaw_rate": peak_yaw_rate(plan),
+        "final_yaw": float(yaw(plan.base_quat)[-1]),
+        "violations": {name: v.amount for name, v in plan.violations.items()},
+        "joint_torque_ratio": planned_torque_shares(plan),
+        "phases": phases(plan),
+    }
+    return {key: json_value(value) for key, value in figures.items()}
+
+
+def phases(plan: Plan) -> list[dict[str, Any]]:
+    """In order: `name`, `feet` (names of the legs that carry load in it), `duration_s`."""
+    load = np.abs(plan.contact_force).reshape(len(plan.time), len(plan.leg_mass), -1).max(axis=2)
+    return [
+        {
+            "name": phase.label,
+            "feet": [
+                name
+                for name, carried in zip(plan.leg_names, load[plan.phase == phase].T, strict=True)
+                if carried.any()
+            ],
+            "duration_s": float(plan.phase_start[phase + 1] - plan.phase_start[phase]),
+        }
+        for phase in Phase
+    ]
+
+
+def json_value(value: Any) -> Any:
+    """The same as JSON can hold it: null for numbers that are not finite."""
+    if isinstance(value, dict):
+        return {key: json_value(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [json_value(item) for item in value]
+    if isinstance(value, np.generic):
+        return json_value(value.item())
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value

@@ -1,0 +1,167 @@
+"""The native file of a `Plan`: npz without pickle, schema llsrbm.plan/2.
+
+Files of schema 1 have no velocities and torques of the joints. They are computed when such a file
+is read, if the robot is there and still the same; otherwise they are not known. Plans without them
+(among them some that failed) are written as schema 1.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from llsrbm.errors import Error, FileFormatError
+from llsrbm.motion.archive import Arrays, Entry, checked, read_archive, text
+from llsrbm.motion.native_file import (
+    Meta,
+    check_quaternions,
+    check_times,
+    read_meta,
+    write_native,
+)
+from llsrbm.motion.plan import Phase, Plan, SolveReport, Violation
+from llsrbm.tuning import Tuning
+from llsrbm.version import package_version
+
+SCHEMA = "llsrbm.plan/2"
+FIRST_SCHEMA = "llsrbm.plan/1"
+
+# N knots, L legs, C contacts, J joints, D coordinates of a foot.
+FIRST_LAYOUT: dict[str, Entry] = {
+    "time": Entry(("N",)),
+    "phase": Entry(("N",), "whole"),
+    "com": Entry(("N", 3)),
+    "com_velocity": Entry(("N", 3)),
+    "base_quat": Entry(("N", 4)),
+    "base_position": Entry(("N", 3)),
+    "angular_velocity": Entry(("N", 3)),
+    "linear_momentum": Entry(("N", 3)),
+    "angular_momentum": Entry(("N", 3)),
+    "inertia": Entry(("N", 3, 3)),
+    "leg_mass": Entry(("L",)),
+    "base_mass": Entry(()),
+    "leg_com": Entry(("N", "L", 3)),
+    "foot_position": Entry(("N", "L", 3)),
+    "foot_quat": Entry(("N", "L", 4)),
+    "foot_in_hip": Entry(("N", "L", "D")),
+    "contact_point": Entry(("N", "C", 3)),
+    "contact_force": Entry(("N", "C", 3)),
+    "joint_names": Entry(("J",), "text"),
+    "joint_position": Entry(("N", "J")),
+}
+_LOADS = ("joint_velocity", "joint_torque", "joint_torque_limit")
+LAYOUT = FIRST_LAYOUT | {name: Entry(("N", "J")) for name in _LOADS}
+
+# Of a robot's numbers those on which torques and their limits depend.
+_OF_LOADS = ("mass", "com", "inertia", "feet", "hips", "joint_names")
+_LIMITS_OF_LOADS = ("torque", "joint_speed")
+
+
+class _Meta(Meta):
+    report: SolveReport
+    violations: dict[str, Violation]
+    tuning: Tuning = Tuning()  # files of 0.1 have none
+
+
+def save_plan(plan: Plan, path: str | Path) -> None:
+    """Write `plan` at exactly that path, atomically.
+
+    Raises:
+        InputError: the file cannot be written.
+        Error: the plan holds numbers that are not finite.
+    """
+    meta = _Meta(
+        request=plan.jump,
+        model=plan.jump.model,
+        robot_parameters=plan.robot_parameters,
+        report=plan.report,
+        violations=plan.violations,
+        tuning=plan.tuning,
+        package_version=package_version(),
+    )
+    known = all(getattr(plan, name) is not None for name in _LOADS)
+    schema, layout = (SCHEMA, LAYOUT) if known else (FIRST_SCHEMA, FIRST_LAYOUT)
+    write_native(path, schema, meta, plan, layout)
+
+
+def load_plan(path: str | Path) -> Plan:
+    """Read a plan's file.
+
+    Raises:
+        FileFormatError: unreadable, damaged, of another schema, or not a plan.
+    """
+    arrays = read_archive(path)
+    schema = text(arrays, "schema", path)
+    if schema not in (SCHEMA, FIRST_SCHEMA):
+        raise FileFormatError(f'{path}: schema "{schema}"; expected "{SCHEMA}"')
+    return plan_from_arrays(arrays, path)
+
+
+def plan_from_arrays(arrays: Arrays, path: str | Path) -> Plan:
+    """The plan in an archive of either schema that has been read; `path` is for messages.
+
+    Raises:
+        FileFormatError: a key is missing or holds something else.
+    """
+    meta = read_meta(_Meta, arrays, path)
+    first = text(arrays, "schema", path) == FIRST_SCHEMA
+    values: dict[str, Any] = checked(arrays, FIRST_LAYOUT if first else LAYOUT, path)
+    _check_values(values, path)
+    values["base_mass"] = float(values["base_mass"])
+    values["joint_names"] = tuple(str(name) for name in values["joint_names"])
+    plan = Plan(
+        jump=meta.request,
+        robot_parameters=meta.robot_parameters,
+        report=meta.report,
+        violations=meta.violations,
+        tuning=meta.tuning,
+        **values,
+    )
+    return _with_loads(plan) if first else plan
+
+
+def _with_loads(plan: Plan) -> Plan:
+    """With velocities and torques of the joints, if the robot is the one that it was made with."""
+    from llsrbm.analysis.joint_loads import KnotMotion, joint_loads
+    from llsrbm.robots import load_robot
+
+    try:
+        robot = load_robot(plan.jump.robot)
+    except Error:
+        return plan
+    if not _same(_of_loads(robot.parameters()), _of_loads(plan.robot_parameters)):
+        return plan
+    legs = len(robot.legs)
+    contacts = legs * len(robot.corners)
+    shapes = (plan.foot_position.shape[1], plan.contact_point.shape[1], plan.joint_names)
+    if shapes != (legs, contacts, robot.joint_names):
+        return plan
+    return replace(plan, **joint_loads(robot, KnotMotion.of_plan(plan)).at_knots())
+
+
+def _of_loads(parameters: dict[str, Any]) -> list[Any]:
+    limits = parameters.get("limits")
+    bounds = limits if isinstance(limits, dict) else {}
+    return [parameters.get(n) for n in _OF_LOADS] + [bounds.get(n) for n in _LIMITS_OF_LOADS]
+
+
+def _same(a: Any, b: Any) -> bool:
+    """Whether two numbers, texts, or lists of them agree, numbers within rounding."""
+    if isinstance(a, list | tuple) and isinstance(b, list | tuple):
+        return len(a) == len(b) and all(map(_same, a, b))
+    if isinstance(a, float | int) and isinstance(b, float | int):
+        return bool(np.isclose(a, b, rtol=1e-6, atol=1e-9))
+    return bool(a == b)
+
+
+def _check_values(values: Arrays, path: str | Path) -> None:
+    check_times(values["time"], path)
+    phase = values["phase"]
+    if (np.diff(phase) < 0).any() or not set(phase.tolist()) <= set(Phase):
+        raise FileFormatError(
+            f'{path}: key "phase": expected 0 (take-off), 1 (flight), 2 (landing) in that order'
+        )
+    check_quaternions(values, ("base_quat", "foot_quat"), path)

@@ -1,0 +1,208 @@
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from llsrbm.analysis.figures import (
+    FIGURES,
+    DesignFigures,
+    figures_of_plan,
+    figures_of_rollout,
+)
+from llsrbm.motion.plan import Phase
+from tests.llsrbm.synthetic import GRAVITY, synthetic_plan
+from tests.llsrbm.synthetic_rollout import EARLY_TICKS, RATE, YAW_SHORTFALL, synthetic_rollout
+
+FIGURE = {figure.name: figure for figure in FIGURES}
+ROW = DesignFigures("planned", 0.4, 1.9, 0.24, 1.2, 230.0, 0.7, None, None, None, 0.12)
+
+
+@pytest.fixture(scope="module")
+def plan():
+    return synthetic_plan(durations=(0.5, 0.4, 0.6))
+
+
+@pytest.fixture(scope="module")
+def rollout(plan):
+    return synthetic_rollout(plan)
+
+
+def test_a_plans_figures(plan):
+    figures = figures_of_plan(plan)
+    assert (figures.status, figures.valid) == ("planned", True)
+    assert figures.flight_time_s == pytest.approx(0.4)
+    # The yaw is a cubic in time, whose rate is largest in the middle of the motion.
+    assert figures.peak_yaw_rate == pytest.approx(1.5 * 1.57 / 1.5, rel=0.01)
+    radii = [
+        sum(math.hypot(*(foot - com)[:2]) for foot in feet) / 4
+        for phase, com, feet in zip(plan.phase, plan.com, plan.foot_position)
+        if phase == Phase.FLIGHT
+    ]
+    assert figures.feet_radius == pytest.approx(min(radii))
+    # About the vertical: the trunk's, and legs of 2 kg half way to the feet.
+    lever = [
+        sum(2.0 * ((c - com)[:2] @ (c - com)[:2]) for c in legs)
+        for phase, com, legs in zip(plan.phase, plan.com, plan.leg_com)
+        if phase == Phase.FLIGHT
+    ]
+    assert figures.smallest_Izz == pytest.approx(2.2 + min(lever))
+    assert figures.peak_force == max(math.hypot(*f) for f in plan.contact_force.reshape(-1, 3))
+    assert figures.peak_force_in_weights == pytest.approx(figures.peak_force / 30 / 9.81)
+    shares = np.abs(plan.joint_torque[:-1]) / plan.joint_torque_limit[:-1]
+    assert figures.planned_torque_ratio == shares.max() < 0.75
+    assert figures.solve_time_s == 0.08
+    assert figures.peak_torque_ratio is figures.yaw_error_at_touchdown is None
+
+
+def test_forces_of_a_soles_corners_add_up(plan):
+    corners = replace(
+        plan,
+        foot_position=plan.foot_position[:, :2],
+        contact_force=np.tile([3.0, 0.0, 4.0], (len(plan.time), 4, 1)),
+    )
+    assert figures_of_plan(corners).peak_force == pytest.approx(10.0)
+
+
+def test_a_plan_that_did_not_converge_says_so(plan):
+    broken = plan.angular_velocity.copy()
+    broken[3] = np.nan
+    failed = replace(
+        plan, report=replace(plan.report, status="not-converged"), angular_velocity=broken
+    )
+    figures = figures_of_plan(failed)
+    assert (figures.status, figures.valid) == ("not converged", False)
+    assert FIGURE["peak_yaw_rate"].shown(figures) == "–"
+
+
+def test_a_simulation_adds_how_it_went(plan, rollout):
+    alone, both = figures_of_plan(plan), figures_of_plan(plan, rollout)
+    assert both == replace(
+        alone, status="landed", peak_torque_ratio=0.75, yaw_error_at_touchdown=-YAW_SHORTFALL
+    )
+    assert figures_of_plan(plan, synthetic_rollout(plan, fell_at=1.0)).status == "fell"
+
+
+def test_a_rollouts_own_figures(plan, rollout):
+    figures = figures_of_rollout(rollout)
+    assert (figures.status, figures.solve_time_s) == ("landed", None)
+    assert figures.planned_torque_ratio is None
+    assert figures.flight_time_s == pytest.approx(0.4 - EARLY_TICKS / RATE)
+    heading = 2 * np.arctan2(rollout.base_quat[:, 3], rollout.base_quat[:, 0])
+    rate = np.gradient(np.unwrap(heading), rollout.time)
+    assert figures.peak_yaw_rate == pytest.approx(np.abs(rate).max(), rel=1e-3)
+    force = max(math.hypot(*f) for f in rollout.contact_force.reshape(-1, 3))
+    assert figures.peak_force == pytest.approx(force)
+    assert figures.peak_force_in_weights == pytest.approx(force / (30 * np.linalg.norm(GRAVITY)))
+    flying = rollout.contact.sum(axis=1) == 0
+    assert figures.smallest_Izz == pytest.approx(rollout.inertia[flying, 2, 2].min())
+    assert figures.yaw_error_at_touchdown == -YAW_SHORTFALL
+
+
+def test_the_yaw_rate_of_a_tilted_base_is_about_the_worlds_vertical(rollout):
+    """On its side, a base that turns about its own x axis turns about the vertical."""
+    side = np.tile([math.sqrt(0.5), 0, -math.sqrt(0.5), 0], (len(rollout.time), 1))
+    qvel = np.zeros_like(rollout.qvel)
+    qvel[:, 3:5] = 2.5, 9.0
+    assert figures_of_rollout(replace(rollout, base_quat=side, qvel=qvel)).peak_yaw_rate == (
+        pytest.approx(2.5)
+    )
+
+
+def test_feet_that_leave_late_shorten_the_flight(rollout):
+    contact = rollout.contact.copy()
+    late = round(0.52 * RATE)
+    contact[:late, 2] = 1
+    figures = figures_of_rollout(replace(rollout, contact=contact))
+    assert figures.flight_time_s == pytest.approx(0.9 - EARLY_TICKS / RATE - 0.52)
+
+
+def test_what_a_fall_cuts_off_is_not_counted(plan):
+    rollout = synthetic_rollout(plan)
+    force = rollout.contact_force.copy()
+    force[rollout.time > 1.2] *= 100
+    fell = replace(
+        rollout,
+        contact_force=force,
+        outcome=replace(rollout.outcome, status="fell", fell_at_s=1.19),
+    )
+    assert figures_of_rollout(fell).peak_force <= figures_of_rollout(rollout).peak_force
+
+
+def test_a_touchdown_within_a_tick_counts_from_when_it_is(rollout):
+    """Which then shows contact, though it began without."""
+    contact = rollout.contact.copy()
+    touchdown = 0.9 - EARLY_TICKS / RATE
+    contact[round(touchdown * RATE) - 1] = 1
+    within = replace(
+        rollout,
+        contact=contact,
+        outcome=replace(rollout.outcome, touchdown_true_s=touchdown - 0.001),
+    )
+    figures = figures_of_rollout(within)
+    assert figures.flight_time_s == pytest.approx(0.4 - EARLY_TICKS / RATE - 0.001)
+    assert figures.smallest_Izz is not None
+
+
+def test_a_robot_that_never_leaves_the_ground_has_no_flight(rollout):
+    never = replace(
+        rollout,
+        contact=np.ones_like(rollout.contact),
+        outcome=replace(rollout.outcome, touchdown_true_s=None),
+    )
+    figures = figures_of_rollout(never)
+    assert figures.flight_time_s is figures.feet_radius is figures.smallest_Izz is None
+
+
+def test_without_a_mass_in_the_file_there_are_no_weights(rollout):
+    anonymous = replace(rollout, robot_parameters={"legs": rollout.robot_parameters["legs"]})
+    assert figures_of_rollout(anonymous).peak_force_in_weights is None
+
+
+def test_every_figure_is_shown_once():
+    assert [figure.name for figure in FIGURES] == list(DesignFigures.__dataclass_fields__)[1:]
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "shown"),
+    [
+        ("flight_time_s", 0.41234, "0.412"),
+        ("peak_torque_ratio", 0.984, "98"),
+        ("peak_torque_ratio", None, "–"),
+        ("planned_torque_ratio", 0.851, "85"),
+        ("solve_time_s", 0.0876, "88"),
+        ("yaw_error_at_touchdown", math.radians(2.04), "+2.0"),
+        ("yaw_error_at_touchdown", math.radians(-0.01), "+0.0"),
+        ("peak_yaw_rate", math.inf, "–"),
+    ],
+)
+def test_values_are_shown_in_their_unit(name, value, shown):
+    assert FIGURE[name].shown(replace(ROW, **{name: value})) == shown
+
+
+def test_differences_have_sign_and_unit():
+    slower = replace(ROW, solve_time_s=0.2, peak_force=230.2)
+    assert FIGURE["solve_time_s"].difference(slower, ROW) == "+80 ms"
+    assert FIGURE["solve_time_s"].difference(ROW, slower) == "-80 ms"
+    assert FIGURE["peak_force"].difference(ROW, slower) == "+0 N"
+    assert FIGURE["peak_torque_ratio"].difference(slower, ROW) == ""
+
+
+def best(name, *values, status="landed"):
+    return FIGURE[name].best([replace(ROW, status=status, **{name: value}) for value in values])
+
+
+def test_the_best():
+    assert best("solve_time_s", 0.2, None, 0.1) == {2}
+    assert best("yaw_error_at_touchdown", -0.1, 0.02, 0.05) == {1}
+    assert best("peak_force", 230.3, 230.1, 240.0) == {0, 1}, "what is shown alike is as good"
+    assert best("peak_force", 230.3, 230.1) == set()
+    assert best("peak_force", 230.3) == set()
+    assert best("flight_time_s", 0.3, 0.5) == set(), "neither is better"
+
+
+def test_what_failed_is_not_best():
+    rows = [replace(ROW, status="fell", peak_force=1.0), ROW, replace(ROW, peak_force=300.0)]
+    assert FIGURE["peak_force"].best(rows) == {1}

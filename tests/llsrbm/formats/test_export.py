@@ -1,0 +1,169 @@
+"""Exports, read back with readers that know nothing of this project."""
+
+from __future__ import annotations
+
+import csv
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+import llsrbm
+from llsrbm.errors import InputError
+from llsrbm.formats import export, formats, suffix
+from llsrbm.motion.plan import Phase
+from tests.llsrbm.synthetic import JOINT_NAMES, synthetic_plan
+
+
+@pytest.fixture(scope="module")
+def plan():
+    # Signs that flip from knot to knot are the same attitudes.
+    plan = synthetic_plan(twist=np.pi)
+    sign = np.where(np.arange(len(plan.time)) % 2, -1.0, 1.0)
+    return replace(plan, base_quat=plan.base_quat * sign[:, None])
+
+
+@pytest.fixture(scope="module")
+def table(plan, tmp_path_factory):
+    path = tmp_path_factory.mktemp("csv") / "motion.csv"
+    export(plan, path, format="csv")
+    with path.open(newline="") as file:
+        header, *rows = csv.reader(file)
+    return dict(zip(header, np.array(rows, dtype=float).T, strict=True))
+
+
+def columns(table, name, axes="xyz"):
+    found = [
+        next(v for key, v in table.items() if re.fullmatch(rf"{name}/{axis}( \[.*\])?", key))
+        for axis in axes
+    ]
+    return np.stack(found, axis=1)
+
+
+def test_formats_are_described():
+    assert list(formats()) == ["npz", "csv"]
+    assert all(text and "\n" not in text for text in formats().values())
+    assert suffix("csv") == ".csv"
+    assert suffix("npz") == ".npz"
+
+
+def test_unknown_format(plan, tmp_path):
+    for call in (lambda: export(plan, tmp_path / "x", format="bvh"), lambda: suffix("bvh")):
+        with pytest.raises(InputError, match='no format "bvh"; the formats are npz, csv'):
+            call()
+
+
+def test_the_package_can_be_called(plan, tmp_path):
+    llsrbm.export(plan, tmp_path / "x.csv", format="csv", fps=10)
+    assert (tmp_path / "x.csv").exists()
+
+
+def test_npz_is_the_native_file(plan, tmp_path):
+    export(plan, tmp_path / "x.npz")
+    with np.load(tmp_path / "x.npz", allow_pickle=False) as archive:
+        assert archive["schema"] == "llsrbm.plan/2"
+        np.testing.assert_array_equal(archive["com"], plan.com)
+
+
+def test_every_column_has_a_unit_and_time_is_first(table):
+    assert next(iter(table)) == "time [s]"
+    bare = [name for name in table if not name.endswith("]")]
+    assert bare == [f"base_quat/{axis}" for axis in "wxyz"]
+
+
+def test_time_runs_from_start_to_end_at_60_fps(plan, table):
+    time = table["time [s]"]
+    assert time[0] == plan.time[0]
+    assert time[-1] == pytest.approx(plan.time[-1], abs=1e-9)
+    assert (np.diff(time) > 0).all()
+    assert np.diff(time).max() < 1 / 60 + 1e-9
+
+
+def test_lift_off_and_touch_down_have_their_rows(plan, table):
+    phase = table["phase [0 take-off, 1 flight, 2 landing]"]
+    for number, start in zip(Phase, plan.phase_start, strict=False):
+        first = np.argmax(phase == number)
+        assert table["time [s]"][first] == pytest.approx(start, abs=1e-9)
+    flight = phase == Phase.FLIGHT
+    for leg in ("LF", "RF", "LH", "RH"):
+        force = columns(table, f"contact_force/{leg}")
+        assert (force[flight] == 0).all()
+        assert (np.abs(force[~flight]).max(axis=1) > 0).all()
+
+
+def test_quaternion_is_w_first_and_continuous(plan, table):
+    quat = columns(table, "base_quat", "wxyz")
+    assert (np.sum(quat[1:] * quat[:-1], axis=1) > 0.9).all()
+    yaw = np.unwrap(Rotation.from_quat(quat, scalar_first=True).as_euler("zyx")[:, 0])
+    assert yaw[0] == pytest.approx(0, abs=1e-9)
+    assert yaw[-1] == pytest.approx(np.pi, abs=1e-9)
+
+
+def test_values_at_the_ends(plan, table):
+    for row, knot in ((0, 0), (-1, -1)):
+        for name in ("com", "base_position", "linear_momentum", "angular_momentum"):
+            got = columns(table, name)[row]
+            np.testing.assert_allclose(got, getattr(plan, name)[knot], rtol=1e-11, atol=1e-11)
+        for i, leg in enumerate(("LF", "RF", "LH", "RH")):
+            got = columns(table, f"foot_position/{leg}")[row]
+            np.testing.assert_allclose(got, plan.foot_position[knot, i], rtol=1e-11, atol=1e-11)
+        for i, joint in enumerate(JOINT_NAMES):
+            got = table[f"joint_position/{joint} [rad or m]"][row]
+            assert got == pytest.approx(plan.joint_position[knot, i], abs=1e-9)
+            for name in ("joint_torque", "joint_torque_limit"):
+                got = table[f"{name}/{joint} [Nm or N]"][row]
+                assert got == pytest.approx(getattr(plan, name)[knot, i], abs=1e-9)
+        assert table["inertia/xy [kg m2]"][row] == pytest.approx(plan.inertia[knot, 0, 1])
+
+
+def test_com_velocity_is_the_slope_of_the_com(table):
+    time, com = table["time [s]"], columns(table, "com")
+    slope = np.diff(com, axis=0) / np.diff(time)[:, None]
+    velocity = columns(table, "com_velocity")
+    middle = (velocity[1:] + velocity[:-1]) / 2
+    assert np.abs(slope - middle).max() < 0.05
+
+
+def test_torques_hold_over_an_interval(plan, table):
+    """As the contact forces do."""
+    time = table["time [s]"]
+    between = np.abs(time[:, None] - plan.time).min(axis=1) > 1e-6
+    at = np.searchsorted(plan.time, time[between], side="right") - 1
+    got = table[f"joint_torque/{JOINT_NAMES[5]} [Nm or N]"][between]
+    np.testing.assert_allclose(got, plan.joint_torque[at, 5], rtol=1e-9, atol=1e-9)
+
+
+def test_a_plan_whose_torques_are_not_known(plan, tmp_path):
+    unknown = replace(plan, joint_velocity=None, joint_torque=None, joint_torque_limit=None)
+    export(unknown, tmp_path / "x.csv", format="csv")
+    assert "joint_torque" not in (tmp_path / "x.csv").read_text().splitlines()[0]
+
+
+def test_frame_rate(plan, tmp_path):
+    export(plan, tmp_path / "slow.csv", format="csv", fps=10)
+    rows = (tmp_path / "slow.csv").read_text().splitlines()[1:]
+    assert len(rows) == 16  # 1.5 s at 10 fps, both ends; phases change at multiples of 0.1 s
+    with pytest.raises(InputError, match="0 < fps"):
+        export(plan, tmp_path / "x.csv", format="csv", fps=0)
+    assert not (tmp_path / "x.csv").exists()
+
+
+def test_robots_that_the_file_does_not_describe(plan, tmp_path):
+    export(replace(plan, robot_parameters={}), tmp_path / "x.csv", format="csv")
+    header = (tmp_path / "x.csv").read_text().splitlines()[0]
+    assert "foot_position/leg3/z [m]" in header
+
+
+def test_planar_feet_have_numbered_corners(plan, tmp_path):
+    corners = np.repeat(plan.contact_point, 4, axis=1)
+    plan = replace(plan, contact_point=corners, contact_force=np.repeat(plan.contact_force, 4, 1))
+    export(plan, tmp_path / "x.csv", format="csv")
+    header = (tmp_path / "x.csv").read_text().splitlines()[0]
+    assert "contact_force/RH_3/z [N]" in header
+
+
+def test_a_file_that_cannot_be_written(plan, tmp_path):
+    with pytest.raises(InputError, match="cannot write"):
+        export(plan, tmp_path / "none" / "x.csv", format="csv")

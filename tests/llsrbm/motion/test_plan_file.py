@@ -1,0 +1,344 @@
+"""The native file: what goes in comes out, and anything else is one clear line."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import stat
+from dataclasses import fields, replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import llsrbm
+from llsrbm.errors import Error, FileFormatError, InputError
+from llsrbm.motion.files import load
+from llsrbm.motion.plan import Plan
+from llsrbm.motion.plan_file import LAYOUT, load_plan, save_plan
+from llsrbm.tuning import Tuning
+from tests.llsrbm.synthetic import synthetic_plan
+
+
+@pytest.fixture(scope="module")
+def plan():
+    return synthetic_plan()
+
+
+@pytest.fixture
+def saved(plan, tmp_path):
+    path = tmp_path / "plan.npz"
+    save_plan(plan, path)
+    return path
+
+
+def same(a, b):
+    for field in fields(Plan):
+        x, y = getattr(a, field.name), getattr(b, field.name)
+        if isinstance(x, np.ndarray):
+            assert x.dtype == y.dtype, field.name
+            np.testing.assert_array_equal(x, y, err_msg=field.name)
+        else:
+            assert x == y, field.name
+
+
+def rewritten(path, out, **changes):
+    """The file with some keys replaced, or left out where the new value is None."""
+    with np.load(path) as archive:
+        arrays = {**archive, **changes}
+    np.savez(out, **{key: value for key, value in arrays.items() if value is not None})
+    return out
+
+
+def message(path):
+    with pytest.raises(FileFormatError) as caught:
+        load(path)
+    text = str(caught.value)
+    assert "\n" not in text
+    assert str(path) in text
+    return text
+
+
+def test_round_trip(plan, saved):
+    same(plan, load_plan(saved))
+    same(plan, load(saved))
+
+
+@settings(max_examples=25, deadline=None)
+@given(
+    twist=st.floats(-3.1, 3.1),
+    forward=st.floats(-1, 1),
+    intervals=st.integers(1, 30),
+    cost=st.floats(),
+)
+def test_round_trip_of_any_plan(tmp_path_factory, twist, forward, intervals, cost):
+    plan = synthetic_plan(twist=twist, forward=forward, intervals=intervals)
+    plan = replace(plan, report=replace(plan.report, cost=cost))
+    path = tmp_path_factory.mktemp("any") / "plan.npz"
+    plan.save(path)
+    back = load(path)
+    assert back.report.cost == cost or (math.isnan(back.report.cost) and math.isnan(cost))
+    same(replace(plan, report=back.report), back)
+
+
+def test_layout_is_the_contracts(plan, saved):
+    """Read with NumPy alone, as somebody else's script would."""
+    N, L, C, J = len(plan.time), 4, 4, 12
+    expected = {
+        "schema": (), "meta": (), "time": (N,), "phase": (N,), "com": (N, 3),
+        "com_velocity": (N, 3), "base_quat": (N, 4), "base_position": (N, 3),
+        "angular_velocity": (N, 3), "linear_momentum": (N, 3), "angular_momentum": (N, 3),
+        "inertia": (N, 3, 3), "foot_position": (N, L, 3), "foot_quat": (N, L, 4),
+        "contact_point": (N, C, 3), "contact_force": (N, C, 3), "leg_mass": (L,), "base_mass": (),
+        "leg_com": (N, L, 3), "joint_position": (N, J), "joint_names": (J,),
+        "joint_velocity": (N, J), "joint_torque": (N, J), "joint_torque_limit": (N, J),
+    }  # fmt: skip
+    with np.load(saved, allow_pickle=False) as archive:
+        assert {key: archive[key].shape for key in expected} == expected
+        assert archive["schema"] == "llsrbm.plan/2"
+        meta = json.loads(str(archive["meta"]), parse_constant=pytest.fail)
+    assert meta["request"]["twist"] == plan.jump.twist
+    assert meta["model"] == "llsrbm-plus"
+    assert meta["robot_parameters"]["mass"] == 30.0
+    assert meta["report"]["solver"] == "fatrop"
+    assert meta["violations"]["friction"]["amount"] == 2e-5
+    assert meta["package_version"]
+
+
+def test_what_was_tuned_is_kept(plan, tmp_path):
+    tuned = replace(plan, tuning=Tuning(weights={"time": 5.0}, limits={"friction": 0.4}))
+    save_plan(tuned, tmp_path / "plan.npz")
+    assert load(tmp_path / "plan.npz").tuning == tuned.tuning
+
+
+def test_a_file_from_before_there_was_tuning(plan, saved, tmp_path):
+    with np.load(saved) as archive:
+        meta = json.loads(str(archive["meta"]))
+    assert meta.pop("tuning") == {"weights": {}, "limits": {}}
+    path = rewritten(saved, tmp_path / "old.npz", meta=np.array(json.dumps(meta)))
+    assert load(path).tuning == Tuning()
+
+
+def test_keys_added_by_later_versions_are_no_error(plan, saved, tmp_path):
+    same(plan, load(rewritten(saved, tmp_path / "new.npz", novelty=np.zeros(3))))
+
+
+def test_a_plan_that_is_not_finite_is_not_written(plan, tmp_path):
+    com = plan.com.copy()
+    com[3, 1] = np.nan
+    with pytest.raises(Error, match=r"plan\.com holds numbers that are not finite"):
+        save_plan(replace(plan, com=com), tmp_path / "plan.npz")
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.fixture(scope="module")
+def real():
+    return llsrbm.plan(llsrbm.Jump(robot="go2", forward=0.2))
+
+
+def first_version(plan, path, **changes):
+    """The file that version 1 would have written."""
+    plan.save(path)
+    none = dict.fromkeys(("joint_velocity", "joint_torque", "joint_torque_limit"))
+    return rewritten(path, path, schema=np.array("llsrbm.plan/1"), **none, **changes)
+
+
+def test_loads_of_a_first_versions_file_are_computed(real, tmp_path):
+    back = load(first_version(real, tmp_path / "old.npz"))
+    same(replace(real, solution=None), back)
+    same(back, load_plan(tmp_path / "old.npz"))
+
+
+@pytest.mark.parametrize(
+    ("request_", "parameters"),
+    [
+        ({"robot": "/nowhere/else.toml"}, {}),
+        ({"robot": "a robot that there was"}, {}),
+        ({}, {"mass": 17.0}),
+        ({}, {"limits": {"torque": 30.0}}),
+        ({}, {"joint_names": ["one"]}),
+    ],
+)
+def test_they_are_not_known_without_the_robot(real, tmp_path, request_, parameters):
+    """Not there, or another than the plan's."""
+    path = first_version(real, tmp_path / "old.npz")
+    with np.load(path) as archive:
+        meta = json.loads(str(archive["meta"]))
+    meta["request"] |= request_
+    meta["robot_parameters"] |= parameters
+    plan = load(rewritten(path, path, meta=np.array(json.dumps(meta))))
+    assert plan.joint_velocity is plan.joint_torque is plan.joint_torque_limit is None
+    np.testing.assert_array_equal(plan.joint_position, real.joint_position)
+    # It stays the file that it was.
+    plan.save(tmp_path / "again.npz")
+    with np.load(tmp_path / "again.npz") as archive:
+        assert archive["schema"] == "llsrbm.plan/1"
+        assert "joint_torque" not in archive
+    same(plan, load(tmp_path / "again.npz"))
+
+
+def test_a_first_versions_file_of_another_body(real, tmp_path):
+    """Numbers of the robot that do not go with the arrays."""
+    changes = {"foot_quat": real.foot_quat[:, :2], "foot_position": real.foot_position[:, :2]}
+    changes |= {"leg_mass": real.leg_mass[:2], "leg_com": real.leg_com[:, :2]}
+    changes["foot_in_hip"] = real.foot_in_hip[:, :2]
+    path = first_version(real, tmp_path / "old.npz", **changes)
+    assert load(path).joint_torque is None
+
+
+class TestReading:
+    def test_no_such_file(self, tmp_path):
+        assert "No such file" in message(tmp_path / "none.npz")
+
+    def test_directory(self, tmp_path):
+        assert "cannot be read" in message(tmp_path)
+
+    @pytest.mark.parametrize("content", [b"", b"PK", b"hello", b"\x93NUMPY\x01\x00v\x00"])
+    def test_not_npz(self, tmp_path, content):
+        path = tmp_path / "x.npz"
+        path.write_bytes(content)
+        assert "not an npz file" in message(path)
+
+    def test_single_array(self, tmp_path):
+        np.save(tmp_path / "x.npy", np.zeros(3))
+        assert "not an npz file" in message(tmp_path / "x.npy")
+
+    @pytest.mark.parametrize("share", [0.1, 0.5, 0.9, 0.999])
+    def test_truncated(self, saved, share):
+        content = saved.read_bytes()
+        saved.write_bytes(content[: int(share * len(content))])
+        assert "cut short" in message(saved)
+
+    def test_pickled_objects_are_not_run(self, saved, tmp_path):
+        class Bomb:
+            def __reduce__(self):
+                return (os.mkdir, (str(tmp_path / "exploded"),))
+
+        path = rewritten(saved, tmp_path / "x.npz", com=np.array([Bomb()], dtype=object))
+        assert "allow_pickle=False" in message(path)
+        assert not (tmp_path / "exploded").exists()
+
+    def test_wrong_schema(self, saved, tmp_path):
+        path = rewritten(saved, tmp_path / "x.npz", schema=np.array("llsrbm.plan/3"))
+        assert 'schema "llsrbm.plan/3"; known are llsrbm.plan/2, llsrbm.plan/1' in message(path)
+        with pytest.raises(FileFormatError, match=r'expected "llsrbm\.plan/2"'):
+            load_plan(path)
+
+    def test_schema_that_is_no_text(self, saved, tmp_path):
+        path = rewritten(saved, tmp_path / "x.npz", schema=np.zeros(2))
+        assert "expected one text" in message(path)
+
+    @pytest.mark.parametrize("key", ["schema", "meta", *LAYOUT])
+    def test_missing_key(self, saved, tmp_path, key):
+        path = rewritten(saved, tmp_path / "x.npz", **{key: None})
+        assert f'key "{key}" is missing' in message(path)
+
+    @pytest.mark.parametrize("key", LAYOUT)
+    def test_wrong_shape(self, plan, saved, tmp_path, key):
+        value = np.asarray(getattr(plan, key))
+        path = rewritten(saved, tmp_path / "x.npz", **{key: value[None]})
+        assert f'key "{key}": expected shape' in message(path)
+
+    def test_sizes_that_contradict_each_other(self, plan, saved, tmp_path):
+        path = rewritten(saved, tmp_path / "x.npz", com=plan.com[:-1])
+        assert '(N, 3) with N = 49 as in "time", got (48, 3)' in message(path)
+
+    @pytest.mark.parametrize("bad", [np.nan, np.inf])
+    def test_not_finite(self, plan, saved, tmp_path, bad):
+        com = plan.com.copy()
+        com[3, 1] = bad
+        path = rewritten(saved, tmp_path / "x.npz", com=com)
+        assert f'key "com": expected finite numbers, got {bad} at (3, 1)' in message(path)
+
+    def test_wrong_kinds(self, plan, saved, tmp_path):
+        path = rewritten(saved, tmp_path / "x.npz", com=plan.com.astype(complex))
+        assert "expected real numbers, got complex128" in message(path)
+        path = rewritten(saved, tmp_path / "x.npz", phase=plan.phase.astype(float))
+        assert "expected integers, got float64" in message(path)
+        path = rewritten(saved, tmp_path / "x.npz", joint_names=np.arange(12))
+        assert "expected text" in message(path)
+
+    def test_values_that_make_no_plan(self, plan, saved, tmp_path):
+        path = rewritten(saved, tmp_path / "x.npz", time=plan.time[::-1])
+        assert "strictly increasing" in message(path)
+        path = rewritten(saved, tmp_path / "x.npz", phase=plan.phase + 1)
+        assert "0 (take-off)" in message(path)
+        path = rewritten(saved, tmp_path / "x.npz", base_quat=2 * plan.base_quat)
+        assert "unit quaternions w, x, y, z" in message(path)
+
+    @pytest.mark.parametrize(
+        ("meta", "said"),
+        [
+            ("{", "JSON"),
+            ("[]", "JSON"),
+            ("{}", "request: Field required"),
+        ],
+    )
+    def test_meta_that_cannot_be_read(self, saved, tmp_path, meta, said):
+        assert said in message(rewritten(saved, tmp_path / "x.npz", meta=np.array(meta)))
+
+    def test_meta_with_a_wrong_request(self, saved, tmp_path):
+        with np.load(saved) as archive:
+            meta = json.loads(str(archive["meta"]))
+        for value, said in (("abc", "request.twist"), (1e999, "request")):
+            meta["request"]["twist"] = value
+            path = rewritten(saved, tmp_path / "x.npz", meta=np.array(json.dumps(meta)))
+            assert said in message(path)
+
+    @settings(max_examples=300, deadline=None)
+    @given(data=st.data())
+    def test_damage_anywhere_is_a_message_or_harmless(self, tmp_path_factory, data):
+        path = tmp_path_factory.mktemp("fuzz") / "plan.npz"
+        save_plan(synthetic_plan(intervals=2), path)
+        content = bytearray(path.read_bytes())
+        # Most of the interest lies in headers and the directory: zlib and CRC guard the rest.
+        for _ in range(data.draw(st.integers(1, 4))):
+            at = data.draw(st.integers(0, len(content) - 1))
+            content[at] = data.draw(st.integers(0, 255))
+        path.write_bytes(content)
+        try:
+            load(path)
+        except FileFormatError as error:
+            assert "\n" not in str(error)
+
+
+class TestWriting:
+    def test_exactly_the_path_given(self, plan, tmp_path):
+        save_plan(plan, tmp_path / "a plan")
+        assert [p.name for p in tmp_path.iterdir()] == ["a plan"]
+
+    def test_missing_directory(self, plan, tmp_path):
+        with pytest.raises(InputError, match=r"cannot write .*No such file or directory"):
+            save_plan(plan, tmp_path / "none" / "plan.npz")
+
+    def test_path_that_is_a_directory(self, plan, tmp_path):
+        with pytest.raises(InputError, match="it is a directory"):
+            save_plan(plan, tmp_path)
+
+    def test_permissions_of_any_new_file(self, saved):
+        umask = os.umask(0)
+        os.umask(umask)
+        assert stat.S_IMODE(saved.stat().st_mode) == 0o666 & ~umask
+
+    def test_symbolic_link_is_followed(self, plan, tmp_path):
+        (tmp_path / "link").symlink_to(tmp_path / "real.npz")
+        save_plan(plan, tmp_path / "link")
+        assert (tmp_path / "link").is_symlink()
+        same(plan, load(tmp_path / "real.npz"))
+
+    def test_a_device_is_not_replaced(self, plan):
+        save_plan(plan, os.devnull)
+        assert Path(os.devnull).is_char_device()
+
+    def test_failure_leaves_the_old_file(self, plan, saved, monkeypatch):
+        def fail(*_args, **_kwargs):
+            raise OSError(28, "No space left on device")
+
+        monkeypatch.setattr(np, "savez_compressed", fail)
+        with pytest.raises(InputError, match="No space left"):
+            save_plan(plan, saved)
+        same(plan, load(saved))
+        assert [p.name for p in saved.parent.iterdir()] == [saved.name]
