@@ -59,6 +59,7 @@ def planned_course(replay: Replay) -> Course:
     motion = replay.motion
     # At its last instant a plan has no force any more: no interval starts there.
     foot_force = np.concatenate([replay.frames.foot_force[:-1], replay.frames.foot_force[-2:-1]])
+    assert motion.joint_velocity is not None  # sampled plans have it
     turning = np.linalg.solve(motion.inertia, motion.angular_momentum[..., None])[..., 0]
     return Course(
         robot=load_robot(replay.plan.jump.robot),

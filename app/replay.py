@@ -9,8 +9,9 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from app.frames import FRAME_RATE, Frames, ellipsoid, make_frames
+from llsrbm.motion.instants import with_events
 from llsrbm.motion.plan import Phase, Plan
-from llsrbm.motion.resample import Motion, resample, uniform_times
+from llsrbm.motion.resample import resample
 from llsrbm.robots import Robot
 
 Array = NDArray[np.float64]
@@ -28,7 +29,7 @@ class Replay:
     """
 
     plan: Plan
-    motion: Motion
+    motion: Plan
     frames: Frames
     rigid_axes: Array
     rigid_wxyz: Array
@@ -42,7 +43,7 @@ def presentable(plan: Plan) -> bool:
 
 def bake(plan: Plan, robot: Robot) -> Replay:
     """All frames of a plan; takes some milliseconds."""
-    motion = resample(plan, uniform_times(plan, FRAME_RATE, phase_edges=True))
+    motion = resample(plan, with_events(plan, FRAME_RATE))
     foot_force, pressed_at = resultants(motion.contact_point, motion.contact_force, len(robot.legs))
     frames = make_frames(
         robot,

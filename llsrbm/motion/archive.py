@@ -1,4 +1,4 @@
-"""npz archives: reading what a stranger wrote, and checking it against a table of shapes."""
+"""npz archives: reading what a stranger wrote, and checking it against the table of quantities."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ import lzma
 import zipfile
 import zlib
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from llsrbm.errors import FileFormatError
+from llsrbm.motion.quantity import Kind, Quantity
 from llsrbm.motion.writing import replacing
 
 Arrays = dict[str, NDArray[Any]]
@@ -35,19 +35,6 @@ _DAMAGE = (
     zlib.error,
     lzma.LZMAError,
 )
-
-
-@dataclass(frozen=True)
-class Entry:
-    """What one key of an archive must hold.
-
-    Attributes:
-        shape: sizes; a letter stands for a size that is the same wherever the letter occurs.
-        kind: "real", "whole" (integers) or "text".
-    """
-
-    shape: tuple[int | str, ...]
-    kind: str = "real"
 
 
 def read_archive(path: str | Path) -> Arrays:
@@ -101,7 +88,7 @@ def text(arrays: Arrays, key: str, path: str | Path) -> str:
     return str(value[()])
 
 
-def checked(arrays: Arrays, layout: Mapping[str, Entry], path: str | Path) -> Arrays:
+def checked(arrays: Arrays, layout: Mapping[str, Quantity], path: str | Path) -> Arrays:
     """The arrays named in `layout`, as float64, int64 or text; other keys are left out.
 
     Raises:
@@ -113,15 +100,15 @@ def checked(arrays: Arrays, layout: Mapping[str, Entry], path: str | Path) -> Ar
         value = _entry(arrays, key, path)
         where = f'{path}: key "{key}"'
         _check_shape(value, entry, key, sizes, where)
-        if entry.kind == "text":
+        if entry.kind is Kind.TEXT:
             if value.dtype.kind != "U":
                 raise FileFormatError(f"{where}: expected text, got {value.dtype}")
             result[key] = value
             continue
-        if value.dtype.kind not in ("iu" if entry.kind == "whole" else "fiu"):
-            wanted = "integers" if entry.kind == "whole" else "real numbers"
+        if value.dtype.kind not in ("iu" if entry.kind is Kind.WHOLE else "fiu"):
+            wanted = "integers" if entry.kind is Kind.WHOLE else "real numbers"
             raise FileFormatError(f"{where}: expected {wanted}, got {value.dtype}")
-        result[key] = value.astype(np.int64 if entry.kind == "whole" else np.float64)
+        result[key] = value.astype(np.int64 if entry.kind is Kind.WHOLE else np.float64)
         if not np.isfinite(result[key]).all():
             first = tuple(int(i) for i in np.argwhere(~np.isfinite(result[key]))[0])
             raise FileFormatError(
@@ -138,7 +125,7 @@ def _entry(arrays: Arrays, key: str, path: str | Path) -> NDArray[Any]:
 
 
 def _check_shape(
-    value: NDArray[Any], entry: Entry, key: str, sizes: dict[str, tuple[int, str]], where: str
+    value: NDArray[Any], entry: Quantity, key: str, sizes: dict[str, tuple[int, str]], where: str
 ) -> None:
     wanted = ", ".join(str(size) for size in entry.shape)
     fits = value.ndim == len(entry.shape)

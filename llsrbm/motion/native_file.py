@@ -11,10 +11,16 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 
 from llsrbm.errors import Error, FileFormatError, InputError
 from llsrbm.jump import Jump
-from llsrbm.motion.archive import Arrays, Entry, text, write_archive
+from llsrbm.motion.archive import Arrays, text, write_archive
+from llsrbm.motion.quantity import WXYZ, Kind, Quantity
 
 _UNIT_QUATERNION = 1e-3  # largest deviation of a norm from 1 that still is an attitude
-_STORED: dict[str, type[np.generic]] = {"real": np.float64, "whole": np.int64, "text": np.str_}
+_SAME_INSTANT = 1e-9  # s
+_STORED: dict[Kind, type[np.generic]] = {
+    Kind.REAL: np.float64,
+    Kind.WHOLE: np.int64,
+    Kind.TEXT: np.str_,
+}
 
 
 class Meta(BaseModel):
@@ -33,7 +39,7 @@ _MetaType = TypeVar("_MetaType", bound=Meta)
 
 
 def write_native(
-    path: str | Path, schema: str, meta: Meta, trajectory: Any, layout: Mapping[str, Entry]
+    path: str | Path, schema: str, meta: Meta, trajectory: Any, layout: Mapping[str, Quantity]
 ) -> None:
     """Write the attributes of `trajectory` that `layout` names, atomically.
 
@@ -72,13 +78,21 @@ def read_meta(kind: type[_MetaType], arrays: Arrays, path: str | Path) -> _MetaT
 
 
 def check_times(time: Any, path: str | Path) -> None:
-    """Raise `FileFormatError` unless there are two or more times that increase."""
-    if len(time) < 2 or (np.diff(time) <= 0).any():
-        raise FileFormatError(f'{path}: key "time": expected 2 or more strictly increasing times')
+    """Raise `FileFormatError` unless there are two or more times that increase from 0 on."""
+    if len(time) < 2 or (np.diff(time) <= 0).any() or abs(time[0]) > _SAME_INSTANT:
+        raise FileFormatError(
+            f'{path}: key "time": expected 2 or more strictly increasing times from 0 s on'
+        )
 
 
-def check_quaternions(values: Arrays, keys: tuple[str, ...], path: str | Path) -> None:
-    """Raise `FileFormatError` unless what is at `keys`, (..., 4), are attitudes."""
-    for key in keys:
-        if (np.abs(np.linalg.norm(values[key], axis=-1) - 1) > _UNIT_QUATERNION).any():
-            raise FileFormatError(f'{path}: key "{key}": expected unit quaternions w, x, y, z')
+def check_numbers(values: Arrays, layout: Mapping[str, Quantity], path: str | Path) -> None:
+    """Raise `FileFormatError` unless attitudes are unit quaternions and codes are known ones."""
+    for key, quantity in layout.items():
+        where = f'{path}: key "{key}"'
+        if quantity.axes[-1:] == (WXYZ,):
+            off = np.abs(np.linalg.norm(values[key], axis=-1) - 1)
+            if (off > _UNIT_QUATERNION).any():
+                raise FileFormatError(f"{where}: expected unit quaternions w, x, y, z")
+        if quantity.codes and not np.isin(values[key], range(len(quantity.codes))).all():
+            meanings = (f"{number} ({meaning})" for number, meaning in enumerate(quantity.codes))
+            raise FileFormatError(f"{where}: expected {', '.join(meanings)}")

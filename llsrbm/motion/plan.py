@@ -5,15 +5,27 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from enum import IntEnum
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from llsrbm.jump import Jump
+from llsrbm.motion.quantity import (
+    CONTACT,
+    HIP,
+    JOINT,
+    LEG,
+    TENSOR,
+    TIME,
+    WXYZ,
+    XYZ,
+    Array,
+    Between,
+    Kind,
+    Quantity,
+)
 from llsrbm.tuning import Tuning
-
-Array = NDArray[np.float64]
 
 
 class Phase(IntEnum):
@@ -86,70 +98,182 @@ class Solution:
 
 @dataclass(frozen=True, eq=False)
 class Plan:
-    """A planned jump at N + 1 knots: L legs, C contacts, J joints; world frame, SI units.
+    """A planned jump at N + 1 knots: T = N + 1, L legs, C contacts, J joints.
+
+    What each array is stands beside it; `llsrbm.motion.quantity` explains the words.
 
     Attributes:
         jump: the request.
         robot_parameters: the numbers of the robot that were used, as plain data.
         report: solver status and times.
         violations: constraint name -> largest violation, recomputed with NumPy.
-        time: (N+1,) s, strictly increasing.
-        phase: (N+1,) `Phase` of the interval that starts at the knot.
-        com, com_velocity: (N+1, 3) m, m/s.
-        base_quat: (N+1, 4) w, x, y, z: attitude of the URDF's root link.
-        base_position: (N+1, 3) m: origin of the URDF's root link.
-        angular_velocity: (N+1, 3) rad/s of the base.
-        linear_momentum, angular_momentum: (N+1, 3) kg m/s, kg m2/s (about the CoM).
-        inertia: (N+1, 3, 3) kg m2: the model's centroidal inertia.
-        foot_position: (N+1, L, 3) m: contact point of a point foot, middle of a sole.
-        foot_quat: (N+1, L, 4) w, x, y, z: of soles, which are level; identity for point feet.
-        contact_point: (N+1, C, 3) m, legs x corners.
-        contact_force: (N+1, C, 3) N, constant over the interval that starts at the knot.
-        leg_mass: (L,) kg; base_mass: kg.
-        leg_com: (N+1, L, 3) m: where the model puts each leg's point mass.
-        joint_position: (N+1, J) rad or m; joint_names: their names.
-        foot_in_hip: (N+1, L, d) m, rad: foot in the leg's mirrored hip frame as the model sees it
-            (`llsrbm.models.base`), d = 4 with its yaw; linear in time between knots in flight.
-        joint_velocity: (N+1, J) rad/s or m/s, zero at both ends.
-        joint_torque: (N+1, J) Nm or N, by inverse dynamics of the whole body in the middle of the
-            interval that starts at the knot (`llsrbm.analysis.joint_loads`); the last knot's are
-            those of standing.
-        joint_torque_limit: (N+1, J) Nm or N: the largest that the drives can give there, at that
-            speed in the direction of the torque. These three are None where they are not known: in
-            a plan of an old file whose robot is not there any more, and in one that failed so badly
-            that its motion has no torques.
         tuning: weights and limits that were asked for in place of the robot's.
         solution: for plans that start from this one; None of a plan that failed or was read from a
             file, which does not hold it.
+
+    Velocities and torques of the joints are None where they are not known: in a plan of an old file
+    whose robot is not there any more, and in one that failed so badly that its motion has none.
     """
 
     jump: Jump
     robot_parameters: dict[str, Any]
     report: SolveReport
     violations: dict[str, Violation]
-    time: Array
-    phase: NDArray[np.int64]
-    com: Array
-    com_velocity: Array
-    base_quat: Array
-    base_position: Array
-    angular_velocity: Array
-    linear_momentum: Array
-    angular_momentum: Array
-    inertia: Array
-    foot_position: Array
-    foot_quat: Array
-    contact_point: Array
-    contact_force: Array
-    leg_mass: Array
-    base_mass: float
-    leg_com: Array
-    joint_position: Array
-    joint_names: tuple[str, ...]
-    foot_in_hip: Array
-    joint_velocity: Array | None = None
-    joint_torque: Array | None = None
-    joint_torque_limit: Array | None = None
+    time: Annotated[Array, Quantity((TIME,), "s", "strictly increasing", Between.LINEAR)]
+    phase: Annotated[
+        NDArray[np.int64],
+        Quantity(
+            (TIME,),
+            "",
+            "phase of the interval that begins there",
+            Between.HELD,
+            kind=Kind.WHOLE,
+            codes=("take-off", "flight", "landing"),
+        ),
+    ]
+    com: Annotated[Array, Quantity((TIME, XYZ), "m", "centre of mass", Between.BALLISTIC, "world")]
+    com_velocity: Annotated[
+        Array,
+        Quantity((TIME, XYZ), "m/s", "velocity of the CoM", Between.LINEAR, "world", rate=True),
+    ]
+    base_quat: Annotated[
+        Array,
+        Quantity((TIME, WXYZ), "", "attitude of the URDF's root link", Between.TURNING, "world"),
+    ]
+    base_position: Annotated[
+        Array,
+        Quantity((TIME, XYZ), "m", "origin of the URDF's root link", Between.FROM_COM, "world"),
+    ]
+    angular_velocity: Annotated[
+        Array,
+        Quantity(
+            (TIME, XYZ), "rad/s", "angular velocity of the base", Between.LINEAR, "world", rate=True
+        ),
+    ]
+    linear_momentum: Annotated[
+        Array,
+        Quantity((TIME, XYZ), "kg m/s", "linear momentum", Between.LINEAR, "world", rate=True),
+    ]
+    angular_momentum: Annotated[
+        Array,
+        Quantity(
+            (TIME, XYZ),
+            "kg m2/s",
+            "angular momentum about the CoM",
+            Between.BALLISTIC,
+            "world",
+            rate=True,
+        ),
+    ]
+    inertia: Annotated[
+        Array,
+        Quantity(
+            (TIME, TENSOR),
+            "kg m2",
+            "centroidal inertia, as the model has it",
+            Between.IN_BASE,
+            "world",
+        ),
+    ]
+    foot_position: Annotated[
+        Array,
+        Quantity(
+            (TIME, LEG, XYZ),
+            "m",
+            "contact point of a point foot, middle of a sole",
+            Between.STANDING,
+            "world",
+        ),
+    ]
+    foot_quat: Annotated[
+        Array,
+        Quantity(
+            (TIME, LEG, WXYZ),
+            "",
+            "attitude of soles, which are level; identity for point feet",
+            Between.TURNING,
+            "world",
+        ),
+    ]
+    contact_point: Annotated[
+        Array,
+        Quantity(
+            (TIME, CONTACT, XYZ), "m", "contact points, legs x corners", Between.CARRIED, "world"
+        ),
+    ]
+    contact_force: Annotated[
+        Array,
+        Quantity(
+            (TIME, CONTACT, XYZ),
+            "N",
+            "force at a contact, constant over the interval that begins there",
+            Between.HELD,
+            "world",
+        ),
+    ]
+    leg_mass: Annotated[Array, Quantity((LEG,), "kg", "mass of a leg, lumped", listed=False)]
+    base_mass: Annotated[float, Quantity((), "kg", "mass of the base", listed=False)]
+    leg_com: Annotated[
+        Array,
+        Quantity(
+            (TIME, LEG, XYZ),
+            "m",
+            "where the model puts a leg's point mass",
+            Between.FROM_COM,
+            "world",
+        ),
+    ]
+    joint_position: Annotated[
+        Array,
+        Quantity(
+            (TIME, JOINT),
+            "rad",
+            "posture that realises the plan: with base_position and base_quat its forward "
+            "kinematics puts every foot on foot_position",
+            Between.JOINTS,
+        ),
+    ]
+    joint_names: Annotated[
+        tuple[str, ...],
+        Quantity((JOINT,), "", "order of the joints", kind=Kind.TEXT, listed=False),
+    ]
+    foot_in_hip: Annotated[
+        Array,
+        Quantity(
+            (TIME, LEG, HIP),
+            "m",
+            "foot in the leg's mirrored hip frame as the model sees it, with the yaw (rad) of a "
+            "sole",
+            Between.LINEAR,
+            "hip",
+            listed=False,
+        ),
+    ]
+    joint_velocity: Annotated[
+        Array | None,
+        Quantity(
+            (TIME, JOINT), "rad/s", "velocity, zero at both ends", Between.JOINT_RATES, rate=True
+        ),
+    ] = None
+    joint_torque: Annotated[
+        Array | None,
+        Quantity(
+            (TIME, JOINT),
+            "Nm",
+            "by inverse dynamics of the whole body in the middle of the interval that begins "
+            "there (`llsrbm.analysis.joint_loads`); the last instant's are those of standing",
+            Between.HELD,
+        ),
+    ] = None
+    joint_torque_limit: Annotated[
+        Array | None,
+        Quantity(
+            (TIME, JOINT),
+            "Nm",
+            "the most that the drives can give there, at that speed in the torque's direction",
+            Between.HELD,
+        ),
+    ] = None
     tuning: Tuning = field(default_factory=Tuning)
     solution: Solution | None = field(default=None, repr=False)
 
@@ -162,6 +286,11 @@ class Plan:
     def duration(self) -> float:
         """Length of the motion, s."""
         return float(self.time[-1])
+
+    @property
+    def sliding_joints(self) -> frozenset[str]:
+        """Names of the joints whose position is in metres."""
+        return sliding_joints(self.robot_parameters)
 
     @property
     def leg_names(self) -> tuple[str, ...]:
@@ -185,3 +314,16 @@ def leg_names(robot_parameters: dict[str, Any], count: int) -> tuple[str, ...]:
     """As in the robot file, where a trajectory's numbers of the robot hold them."""
     legs = tuple(robot_parameters.get("legs", ()))
     return legs if len(legs) == count else tuple(f"leg{i}" for i in range(count))
+
+
+def sliding_joints(robot_parameters: dict[str, Any]) -> frozenset[str]:
+    """Of a trajectory's robot; where an old file does not say, of the robot of that name."""
+    from llsrbm.errors import Error
+    from llsrbm.robots import load_robot
+
+    if "sliding_joints" in robot_parameters:
+        return frozenset(robot_parameters["sliding_joints"])
+    try:
+        return load_robot(str(robot_parameters.get("name", ""))).sliding_joints
+    except Error:
+        return frozenset()

@@ -14,46 +14,25 @@ from typing import Any
 import numpy as np
 
 from llsrbm.errors import Error, FileFormatError
-from llsrbm.motion.archive import Arrays, Entry, checked, read_archive, text
+from llsrbm.motion.archive import Arrays, checked, read_archive, text
 from llsrbm.motion.native_file import (
     Meta,
-    check_quaternions,
+    check_numbers,
     check_times,
     read_meta,
     write_native,
 )
 from llsrbm.motion.plan import Phase, Plan, SolveReport, Violation
+from llsrbm.motion.quantity import quantities
 from llsrbm.tuning import Tuning
 from llsrbm.version import package_version
 
 SCHEMA = "llsrbm.plan/2"
 FIRST_SCHEMA = "llsrbm.plan/1"
 
-# N knots, L legs, C contacts, J joints, D coordinates of a foot.
-FIRST_LAYOUT: dict[str, Entry] = {
-    "time": Entry(("N",)),
-    "phase": Entry(("N",), "whole"),
-    "com": Entry(("N", 3)),
-    "com_velocity": Entry(("N", 3)),
-    "base_quat": Entry(("N", 4)),
-    "base_position": Entry(("N", 3)),
-    "angular_velocity": Entry(("N", 3)),
-    "linear_momentum": Entry(("N", 3)),
-    "angular_momentum": Entry(("N", 3)),
-    "inertia": Entry(("N", 3, 3)),
-    "leg_mass": Entry(("L",)),
-    "base_mass": Entry(()),
-    "leg_com": Entry(("N", "L", 3)),
-    "foot_position": Entry(("N", "L", 3)),
-    "foot_quat": Entry(("N", "L", 4)),
-    "foot_in_hip": Entry(("N", "L", "D")),
-    "contact_point": Entry(("N", "C", 3)),
-    "contact_force": Entry(("N", "C", 3)),
-    "joint_names": Entry(("J",), "text"),
-    "joint_position": Entry(("N", "J")),
-}
 _LOADS = ("joint_velocity", "joint_torque", "joint_torque_limit")
-LAYOUT = FIRST_LAYOUT | {name: Entry(("N", "J")) for name in _LOADS}
+LAYOUT = quantities(Plan)
+FIRST_LAYOUT = {name: quantity for name, quantity in LAYOUT.items() if name not in _LOADS}
 
 # Of a robot's numbers those on which torques and their limits depend.
 _OF_LOADS = ("mass", "com", "inertia", "feet", "hips", "joint_names")
@@ -108,8 +87,10 @@ def plan_from_arrays(arrays: Arrays, path: str | Path) -> Plan:
     """
     meta = read_meta(_Meta, arrays, path)
     first = text(arrays, "schema", path) == FIRST_SCHEMA
-    values: dict[str, Any] = checked(arrays, FIRST_LAYOUT if first else LAYOUT, path)
-    _check_values(values, path)
+    layout = FIRST_LAYOUT if first else LAYOUT
+    values: dict[str, Any] = checked(arrays, layout, path)
+    check_numbers(values, layout, path)
+    _check_phases(values, path)
     values["base_mass"] = float(values["base_mass"])
     values["joint_names"] = tuple(str(name) for name in values["joint_names"])
     plan = Plan(
@@ -157,11 +138,10 @@ def _same(a: Any, b: Any) -> bool:
     return bool(a == b)
 
 
-def _check_values(values: Arrays, path: str | Path) -> None:
+def _check_phases(values: Arrays, path: str | Path) -> None:
     check_times(values["time"], path)
-    phase = values["phase"]
-    if (np.diff(phase) < 0).any() or not set(phase.tolist()) <= set(Phase):
+    if set(values["phase"].tolist()) != set(Phase) or (np.diff(values["phase"]) < 0).any():
         raise FileFormatError(
-            f'{path}: key "phase": expected 0 (take-off), 1 (flight), 2 (landing) in that order'
+            f'{path}: key "phase": expected 0 (take-off), 1 (flight), 2 (landing), each of them, '
+            "in that order"
         )
-    check_quaternions(values, ("base_quat", "foot_quat"), path)

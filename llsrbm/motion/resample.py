@@ -1,115 +1,42 @@
-"""A plan at any time: what a player draws and an export writes, from the knots.
+"""Plans and rollouts at any time, each quantity as `llsrbm.motion.quantity.Between` says.
 
-Between knots every quantity follows from what the planner assumes there: contact forces are
-constant, so the CoM is quadratic and the angular momentum cubic in time; the attitude turns at a
-constant rate; in stance the feet stand still, in flight they move on straight lines seen from the
-CoM in base axes and carry their contact points along. Knots are reproduced exactly.
+Between its knots a plan follows from what the planner assumes there: contact forces are constant,
+so the CoM is quadratic and the angular momentum cubic in time; the attitude turns at a constant
+rate; in stance the feet stand still, in flight they move on straight lines seen from the CoM in
+base axes and carry their contact points along. Between the ticks of a rollout states are straight.
+Knots and ticks are reproduced exactly; quaternions come out without jumps of sign.
 """
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import Akima1DInterpolator
+from scipy.interpolate import Akima1DInterpolator, CubicHermiteSpline
 
 from llsrbm.errors import InputError
 from llsrbm.motion.plan import Phase, Plan
+from llsrbm.motion.quantity import TIME, Between, quantities
+from llsrbm.motion.rollout import Rollout
 from llsrbm.motion.rotation import rotation_matrices, sign_continuous, slerp
 
 Array = NDArray[np.float64]
 
-_FASTEST = 10_000.0  # frames/s; more is a mistyped number
-_SAME_INSTANT = 1e-9  # s
+_SAME_INSTANT = 1e-9  # s; a time that rounding puts before its tick belongs to the tick
 
-_RATES = (
-    "com_velocity",
-    "angular_velocity",
-    "linear_momentum",
-    "angular_momentum",
-    "joint_velocity",
-)
+_Trajectory = TypeVar("_Trajectory", bound=Plan | Rollout)
 
 
-@dataclass(frozen=True, eq=False)
-class Motion:
-    """A motion at K instants: L legs, C contacts, J joints; world frame, SI units.
+def resample(trajectory: _Trajectory, times: Any) -> _Trajectory:
+    """The trajectory with instants `times` (K,) s, in any order, in place of its knots or ticks.
 
-    Attributes:
-        time: (K,) s; phase: (K,) `llsrbm.motion.plan.Phase`.
-        com, com_velocity: (K, 3) m, m/s.
-        base_quat: (K, 4) w, x, y, z, without jumps of sign; base_position: (K, 3) m.
-        angular_velocity: (K, 3) rad/s of the base.
-        linear_momentum, angular_momentum: (K, 3) kg m/s, kg m2/s (about the CoM).
-        inertia: (K, 3, 3) kg m2: the model's centroidal inertia.
-        foot_position: (K, L, 3) m; foot_quat: (K, L, 4) w, x, y, z.
-        contact_point: (K, C, 3) m; contact_force: (K, C, 3) N, zero in flight.
-        leg_com: (K, L, 3) m: where the model puts each leg's mass.
-        joint_position, joint_velocity: (K, J) rad or m, and per second.
-        joint_torque, joint_torque_limit: (K, J) Nm or N, constant over the plan's intervals; None
-            where the plan has none.
-        joint_names: (J,).
-    """
-
-    time: Array
-    phase: NDArray[np.int64]
-    com: Array
-    com_velocity: Array
-    base_quat: Array
-    base_position: Array
-    angular_velocity: Array
-    linear_momentum: Array
-    angular_momentum: Array
-    inertia: Array
-    foot_position: Array
-    foot_quat: Array
-    contact_point: Array
-    contact_force: Array
-    leg_com: Array
-    joint_position: Array
-    joint_velocity: Array
-    joint_torque: Array | None
-    joint_torque_limit: Array | None
-    joint_names: tuple[str, ...]
-
-
-def uniform_times(plan: Plan, fps: float, *, phase_edges: bool = False) -> Array:
-    """Instants 1/fps apart from the plan's first to its last, both included.
-
-    The last step is shorter when the duration is no multiple of 1/fps.
-
-    Args:
-        phase_edges: include the instants of lift-off and touch-down exactly.
-
-    Raises:
-        InputError: `fps` is not a positive number up to 10000.
-    """
-    return frame_times(plan.phase_start if phase_edges else plan.time[[0, -1]], fps)
-
-
-def frame_times(exact: Array, fps: float) -> Array:
-    """Instants 1/fps apart from the first of `exact`, and those of `exact`, in order, s.
-
-    Args:
-        exact: increasing; the last one ends the frames.
-
-    Raises:
-        InputError: `fps` is not a positive number up to 10000.
-    """
-    if not (math.isfinite(fps) and 0 < fps <= _FASTEST):
-        raise InputError(f"frames per second: expected 0 < fps <= {_FASTEST:.0f}, got {fps}")
-    start, end = exact[0], exact[-1]
-    times = start + np.arange(math.floor((end - start) * fps) + 1) / fps
-    apart = np.abs(times[:, None] - exact).min(axis=1) > _SAME_INSTANT
-    return np.unique(np.concatenate([times[apart], exact]))
-
-
-def resample(plan: Plan, times: Array) -> Motion:
-    """The plan at `times` (K,) s, in any order; before its start and after its end it stands still.
-
-    At a knot where the phase changes, the phase that begins there counts.
+    Before its start and after its end it stands still. At an instant where the phase changes, the
+    phase that begins there counts. Forces and torques are those of the interval, or of the tick,
+    that holds the instant. Velocities of the joints are always there afterwards.
 
     Raises:
         InputError: a time is not finite.
@@ -117,134 +44,201 @@ def resample(plan: Plan, times: Array) -> Motion:
     times = np.atleast_1d(np.asarray(times, dtype=np.float64))
     if times.ndim != 1 or not np.isfinite(times).all():
         raise InputError("times: expected a list of finite numbers, s")
-    inside = np.clip(times, plan.time[0], plan.time[-1])
-    knot = np.searchsorted(plan.time, inside, side="right") - 1
-    left = np.minimum(knot, len(plan.time) - 2)
-    dt = np.diff(plan.time)[left]
-    share = (inside - plan.time[left]) / dt
-    between = _Between(left, share, dt)
-
-    quats = sign_continuous(plan.base_quat)
-    quat = slerp(quats[left], quats[left + 1], share)
-    R, R_knots = rotation_matrices(quat), rotation_matrices(quats)
-    com = between.cubic(plan.com, plan.com_velocity[left], plan.com_velocity[left + 1])
-
-    def from_com(points: Array) -> Array:
-        """Points (N+1, n, 3), straight between knots when seen from the CoM in base axes."""
-        seen = np.einsum("kji,knj->kni", R_knots, points - plan.com[:, None])
-        return com[:, None] + np.einsum("kij,knj->kni", R, between.linear(seen))
-
-    def standing(points: Array) -> Array:
-        """Points that stand still in the world, except in flight."""
-        flight = (plan.phase[left] == Phase.FLIGHT)[:, None, None]
-        return np.where(flight, from_com(points), between.linear(points))
-
-    force = plan.contact_force
-    moment_start = _moment(plan.contact_point[left], plan.com[left], force[left])
-    moment_end = _moment(plan.contact_point[left], plan.com[left + 1], force[left])
-    inertia_base = np.einsum("kai,kab,kbj->kij", R_knots, plan.inertia, R_knots)
-    joints = _joint_curve(plan)
-    feet = sign_continuous(plan.foot_quat)
-    foot_quat = slerp(feet[left], feet[left + 1], share[:, None])
-    foot_position = standing(plan.foot_position)
-    motion = Motion(
-        time=times,
-        phase=plan.phase[knot],
-        com=com,
-        com_velocity=between.linear(plan.com_velocity),
-        base_quat=quat,
-        base_position=from_com(plan.base_position[:, None])[:, 0],
-        angular_velocity=between.linear(plan.angular_velocity),
-        linear_momentum=between.linear(plan.linear_momentum),
-        angular_momentum=between.cubic(plan.angular_momentum, moment_start, moment_end),
-        inertia=np.einsum("kia,kab,kjb->kij", R, between.linear(inertia_base), R),
-        foot_position=foot_position,
-        foot_quat=foot_quat,
-        contact_point=_carried(plan, foot_position, foot_quat),
-        contact_force=force[knot],
-        leg_com=from_com(plan.leg_com),
-        joint_position=joints(inside),
-        joint_velocity=joints(inside, nu=1),
-        joint_torque=None if plan.joint_torque is None else plan.joint_torque[knot],
-        joint_torque_limit=(
-            None if plan.joint_torque_limit is None else plan.joint_torque_limit[knot]
-        ),
-        joint_names=plan.joint_names,
-    )
-    _restore_knots(motion, plan, knot, inside)
-    for name in _RATES:
-        getattr(motion, name)[times != inside] = 0.0
-    return motion
+    instants = _Instants.of(trajectory.time, times)
+    between = _BetweenKnots(trajectory, instants) if isinstance(trajectory, Plan) else None
+    values: dict[str, Any] = {}
+    for name, quantity in quantities(type(trajectory)).items():
+        known = getattr(trajectory, name)
+        if TIME not in quantity.axes:
+            continue
+        if known is None and quantity.between is not Between.JOINT_RATES:
+            continue
+        if between is not None and quantity.between in between.rules:
+            values[name] = between.rules[quantity.between](name)
+        else:
+            values[name] = _RULES[quantity.between](instants, known)
+        if known is not None and quantity.between not in (Between.TURNING, Between.POSE):
+            # Free of rounding, and of the solver's defects.
+            values[name][instants.exact] = known[instants.at[instants.exact]]
+        if quantity.rate:
+            values[name][instants.outside] = 0.0
+    values["time"] = times
+    if isinstance(trajectory, Plan):
+        values["solution"] = None  # is of the knots
+    return replace(trajectory, **values)
 
 
-def _carried(plan: Plan, foot_position: Array, foot_quat: Array) -> Array:
-    """Contact points (K, C, 3) of feet at places (K, L, 3) and attitudes (K, L, 4)."""
-    count, legs = foot_position.shape[:2]
-    levers = plan.contact_point[0].reshape(legs, -1, 3) - plan.foot_position[0][:, None]
-    in_foot = levers @ rotation_matrices(plan.foot_quat[0])
-    turned = in_foot @ np.swapaxes(rotation_matrices(foot_quat), -1, -2)
-    points: Array = foot_position[:, :, None] + turned
-    return points.reshape(count, -1, 3)
+@dataclass(frozen=True, eq=False)
+class _Instants:
+    """Where K instants lie among knots or ticks.
 
+    Attributes:
+        time: (K,) s, within the motion; outside: (K,) whether it had to be moved there.
+        at: (K,) the last knot that is not later; exact: (K,) whether it is at that very time.
+        left: (K,) the knot before, the last one excepted; dt: (K,) s, from there to the next.
+        share: (K,) of the way from there to the next.
+    """
 
-@dataclass(frozen=True)
-class _Between:
-    """Where K instants lie: `share` (K,) of the way through the interval after knot `left` (K,)."""
-
+    time: Array
+    outside: NDArray[np.bool_]
+    at: NDArray[np.int64]
+    exact: NDArray[np.bool_]
     left: NDArray[np.int64]
-    share: Array
     dt: Array
+    share: Array
 
-    def _of(self, factor: Array, values: Array) -> Array:
-        shaped: Array = factor.reshape(-1, *[1] * (values.ndim - 1)) * values
-        return shaped
+    @staticmethod
+    def of(knots: Array, times: Array) -> _Instants:
+        """Where `times` (K,) s are among `knots` (N,) s."""
+        inside = np.clip(times, knots[0], knots[-1])
+        at = np.searchsorted(knots, inside + _SAME_INSTANT, side="right") - 1
+        left = np.minimum(at, len(knots) - 2)
+        dt = np.diff(knots)[left]
+        share = np.clip((inside - knots[left]) / dt, 0.0, 1.0)
+        exact = np.abs(knots[at] - inside) <= _SAME_INSTANT
+        outside = np.abs(times - inside) > _SAME_INSTANT
+        return _Instants(inside, outside, at, exact, left, dt, share)
+
+    def weighted(self, factor: Array, values: Array) -> Array:
+        """`values` (K, ...), each times its own of `factor` (K,)."""
+        product: Array = factor.reshape(-1, *[1] * (values.ndim - 1)) * values
+        return product
 
     def linear(self, values: Array) -> Array:
-        """`values` (N+1, ...) at the instants."""
+        """Straight from knot to knot."""
         a, b = values[self.left], values[self.left + 1]
-        return a + self._of(self.share, b - a)
+        return a + self.weighted(self.share, b - a)
+
+    def turning(self, quat: Array) -> Array:
+        """Slerp of attitudes (N, ..., 4)."""
+        quat = sign_continuous(quat)
+        share = self.share.reshape(-1, *[1] * (quat.ndim - 2))
+        return slerp(quat[self.left], quat[self.left + 1], share)
+
+    def pose(self, qpos: Array) -> Array:
+        """MuJoCo's coordinates (N, 7 + J)."""
+        mixed = self.linear(qpos)
+        mixed[:, 3:7] = self.turning(qpos[:, 3:7])
+        return mixed
 
     def cubic(self, values: Array, slope_start: Array, slope_end: Array) -> Array:
-        """`values` (N+1, n) with the slopes (K, n) at both ends of each instant's interval."""
+        """`values` (N, n) with the slopes (K, n) at both ends of each instant's interval."""
         a, b = values[self.left], values[self.left + 1]
         s = self.share
         return (
             a
-            + self._of(s * s * (3 - 2 * s), b - a)
-            + self._of(self.dt * s * (1 - s) ** 2, slope_start)
-            + self._of(self.dt * s * s * (s - 1), slope_end)
+            + self.weighted(s * s * (3 - 2 * s), b - a)
+            + self.weighted(self.dt * s * (1 - s) ** 2, slope_start)
+            + self.weighted(self.dt * s * s * (s - 1), slope_end)
         )
+
+
+_RULES: dict[Between, Callable[[_Instants, Any], Any]] = {
+    Between.HELD: lambda instants, values: values[instants.at],
+    Between.LINEAR: _Instants.linear,
+    Between.TURNING: _Instants.turning,
+    Between.POSE: _Instants.pose,
+}
+
+
+class _BetweenKnots:
+    """What lies between a plan's knots beyond what any trajectory has: `rules` by their names."""
+
+    def __init__(self, plan: Plan, instants: _Instants) -> None:
+        self._plan, self._instants = plan, instants
+        self.rules: dict[Between, Callable[[str], Any]] = {
+            Between.BALLISTIC: self._ballistic,
+            Between.FROM_COM: lambda name: self._from_com(getattr(plan, name)),
+            Between.STANDING: self._standing,
+            Between.CARRIED: lambda _: self._carried,
+            Between.IN_BASE: self._in_base,
+            Between.JOINTS: lambda _: self._joint_curve(instants.time),
+            Between.JOINT_RATES: lambda _: self._joint_curve(instants.time, nu=1),
+        }
+
+    @cached_property
+    def _R(self) -> Array:
+        return rotation_matrices(self._instants.turning(self._plan.base_quat))
+
+    @cached_property
+    def _R_knots(self) -> Array:
+        return rotation_matrices(self._plan.base_quat)
+
+    @cached_property
+    def _com(self) -> Array:
+        return self._ballistic("com")
+
+    def _ballistic(self, name: str) -> Array:
+        plan, left = self._plan, self._instants.left
+        if name == "com":
+            slopes = plan.com_velocity[left], plan.com_velocity[left + 1]
+        else:
+            force, points = plan.contact_force[left], plan.contact_point[left]
+            slopes = (
+                _moment(points, plan.com[left], force),
+                _moment(points, plan.com[left + 1], force),
+            )
+        return self._instants.cubic(getattr(plan, name), *slopes)
+
+    def _from_com(self, points: Array) -> Array:
+        """Points (N, 3) or (N, n, 3), straight between knots seen from the CoM in base axes."""
+        plan = self._plan
+        many = points.reshape(len(points), -1, 3)
+        seen = np.einsum("kji,knj->kni", self._R_knots, many - plan.com[:, None])
+        back = np.einsum("kij,knj->kni", self._R, self._instants.linear(seen))
+        return (self._com[:, None] + back).reshape(len(back), *points.shape[1:])
+
+    def _standing(self, name: str) -> Array:
+        points = getattr(self._plan, name)
+        flight = self._plan.phase[self._instants.left] == Phase.FLIGHT
+        still = self._instants.linear(points)
+        return np.where(flight[:, None, None], self._from_com(points), still)
+
+    @cached_property
+    def _carried(self) -> Array:
+        """Contact points (K, C, 3) of the feet where they are."""
+        plan = self._plan
+        foot_position = self._standing("foot_position")
+        foot_quat = self._instants.turning(plan.foot_quat)
+        count, legs = foot_position.shape[:2]
+        levers = plan.contact_point[0].reshape(legs, -1, 3) - plan.foot_position[0][:, None]
+        in_foot = levers @ rotation_matrices(plan.foot_quat[0])
+        turned = in_foot @ np.swapaxes(rotation_matrices(foot_quat), -1, -2)
+        points: Array = foot_position[:, :, None] + turned
+        return points.reshape(count, -1, 3)
+
+    def _in_base(self, name: str) -> Array:
+        in_base = np.einsum(
+            "kai,kab,kbj->kij", self._R_knots, getattr(self._plan, name), self._R_knots
+        )
+        mixed: Array = np.einsum(
+            "kia,kab,kjb->kij", self._R, self._instants.linear(in_base), self._R
+        )
+        return mixed
+
+    @cached_property
+    def _joint_curve(self) -> Callable[..., Array]:
+        """Through the knots with the joints' own velocities there, so nothing is a difference
+        across lift-off or touchdown.
+
+        Between knots the feet of ANYmal's posture stay within about 5 mm of `foot_position`, a
+        tenth of that outside the first and last interval of flight: the planner's feet change their
+        speed at knots, joints here do not.
+        """
+        plan = self._plan
+        if plan.joint_velocity is None:
+            # Local, so that lift-off and touchdown do not ring through.
+            curve: Callable[..., Array] = Akima1DInterpolator(
+                plan.time, plan.joint_position, method="makima"
+            )
+            return curve
+        smooth: Callable[..., Array] = CubicHermiteSpline(
+            plan.time, plan.joint_position, plan.joint_velocity
+        )
+        return smooth
 
 
 def _moment(points: Array, com: Array, forces: Array) -> Array:
     """Of contact forces about the CoM, (K, 3) Nm."""
     total: Array = np.cross(points - com[:, None], forces).sum(axis=1)
     return total
-
-
-def _joint_curve(plan: Plan) -> Akima1DInterpolator:
-    """Smooth through the knots; local, so that lift-off and touch-down do not ring through.
-
-    Between knots the feet of ANYmal's posture stay within about 5 mm of `foot_position` (10 mm on
-    the longest twisting jumps): the planner's feet change their speed at knots, joints here do not.
-    """
-    return Akima1DInterpolator(plan.time, plan.joint_position, method="makima")
-
-
-def _restore_knots(motion: Motion, plan: Plan, knot: NDArray[np.int64], inside: Array) -> None:
-    """Put the plan's own numbers where an instant is a knot, free of rounding and of defects."""
-    at = plan.time[knot] == inside
-    for name in (
-        "com",
-        "com_velocity",
-        "base_position",
-        "angular_velocity",
-        "linear_momentum",
-        "angular_momentum",
-        "inertia",
-        "foot_position",
-        "contact_point",
-        "leg_com",
-        "joint_position",
-    ):
-        getattr(motion, name)[at] = getattr(plan, name)[knot[at]]

@@ -5,14 +5,28 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass, field
 from enum import IntEnum
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from llsrbm.jump import Jump
-
-Array = NDArray[np.float64]
+from llsrbm.motion.plan import Plan, leg_names, sliding_joints
+from llsrbm.motion.quantity import (
+    JOINT,
+    LEG,
+    POSITION,
+    TENSOR,
+    TIME,
+    VELOCITY,
+    WXYZ,
+    XYZ,
+    Array,
+    Between,
+    Kind,
+    Quantity,
+)
+from llsrbm.motion.rotation import rotation_matrices
 
 
 class Mode(IntEnum):
@@ -146,39 +160,21 @@ class Outcome:
 
 @dataclass(frozen=True, eq=False)
 class Rollout:
-    """A simulated jump at T control ticks: L legs, J joints; world frame, SI units.
+    """A simulated jump at T control ticks: L legs, J joints.
 
     States are those at the beginning of a tick, torques and forces those of the tick that begins:
-    momenta change by the recorded forces.
+    momenta change by the recorded forces. What each array is stands beside it;
+    `llsrbm.motion.quantity` explains the words.
 
     Attributes:
         jump: the plan's request.
         robot_parameters: the numbers of the robot that was simulated, as plain data.
         conditions, disturbance: what was asked, and what was drawn for it.
         outcome: how it ended.
-        time: (T,) s, evenly spaced.
-        qpos, qvel: (T, 7 + J), (T, 6 + J) MuJoCo's conventions: position, w x y z, joints; linear
-            velocity in the world frame, angular in the base's.
-        joint_names: (J,) order of the joints in qpos, qvel and torque.
-        torque: (T, J) Nm or N, as applied, mean of the tick.
-        torque_limit: (T, J) what the drives could give at that speed, in the torque's direction.
-        com: (T, 3) m.
-        base_quat, base_position: (T, 4) w, x, y, z, (T, 3) m: of the URDF's root link.
-        linear_momentum, angular_momentum: (T, 3) kg m/s, kg m2/s about the CoM.
-        inertia: (T, 3, 3) kg m2: the whole body's, about its CoM.
-        foot_position: (T, L, 3) m: the lowest point of a foot, of a sole its middle.
-        contact: (T, L) whether the foot touches anything, the simulator's truth.
-        contact_force: (T, L, 3) N, sum a foot, mean of the tick.
-        average_spatial_velocity_norm: (T,) ‖v_G‖ as the controller measures it (m/s and rad/s in
-            one norm, as in the paper).
-        detection_signal: (T,) the detector's own signal; detection_threshold: its threshold.
-        mode: (T,) `Mode`.
-        phase: (T,) `llsrbm.motion.plan.Phase` as the controller believes.
-        reference_com, reference_base_quat, reference_foot_position, reference_angular_momentum:
-            (T, 3), (T, 4), (T, L, 3), (T, 3): what was tracked.
         control_parameters: the controller's numbers that ran, as plain data: the robot file's
             [control] and [uncertainty] with their defaults; empty in files that were written
             before rollouts had it.
+        plan: what was followed; None in files that were written before rollouts had it.
     """
 
     jump: Jump
@@ -186,31 +182,229 @@ class Rollout:
     conditions: Conditions
     disturbance: Disturbance
     outcome: Outcome
-    time: Array
-    qpos: Array
-    qvel: Array
-    joint_names: tuple[str, ...]
-    torque: Array
-    torque_limit: Array
-    com: Array
-    base_quat: Array
-    base_position: Array
-    linear_momentum: Array
-    angular_momentum: Array
-    inertia: Array
-    foot_position: Array
-    contact: NDArray[np.int64]
-    contact_force: Array
-    average_spatial_velocity_norm: Array
-    detection_signal: Array
-    detection_threshold: float
-    mode: NDArray[np.int64]
-    phase: NDArray[np.int64]
-    reference_com: Array
-    reference_base_quat: Array
-    reference_foot_position: Array
-    reference_angular_momentum: Array
+    time: Annotated[Array, Quantity((TIME,), "s", "evenly spaced", Between.LINEAR)]
+    qpos: Annotated[
+        Array,
+        Quantity(
+            (TIME, POSITION),
+            "m, rad",
+            "MuJoCo's: position, w x y z, joints",
+            Between.POSE,
+            "world",
+            listed=False,
+        ),
+    ]
+    qvel: Annotated[
+        Array,
+        Quantity(
+            (TIME, VELOCITY),
+            "m/s, rad/s",
+            "MuJoCo's: linear velocity in the world's axes, angular in the base's, joints",
+            Between.LINEAR,
+            "world, base",
+            rate=True,
+            listed=False,
+        ),
+    ]
+    joint_names: Annotated[
+        tuple[str, ...],
+        Quantity(
+            (JOINT,),
+            "",
+            "order of the joints in qpos, qvel and torque",
+            kind=Kind.TEXT,
+            listed=False,
+        ),
+    ]
+    torque: Annotated[
+        Array,
+        Quantity(
+            (TIME, JOINT),
+            "Nm",
+            "as applied, mean of the tick",
+            Between.HELD,
+            column="joint_torque",
+        ),
+    ]
+    torque_limit: Annotated[
+        Array,
+        Quantity(
+            (TIME, JOINT),
+            "Nm",
+            "what the drives could give at that speed, in the torque's direction",
+            Between.HELD,
+            column="joint_torque_limit",
+        ),
+    ]
+    com: Annotated[Array, Quantity((TIME, XYZ), "m", "centre of mass", Between.LINEAR, "world")]
+    base_quat: Annotated[
+        Array,
+        Quantity((TIME, WXYZ), "", "attitude of the URDF's root link", Between.TURNING, "world"),
+    ]
+    base_position: Annotated[
+        Array, Quantity((TIME, XYZ), "m", "origin of the URDF's root link", Between.LINEAR, "world")
+    ]
+    linear_momentum: Annotated[
+        Array,
+        Quantity((TIME, XYZ), "kg m/s", "linear momentum", Between.LINEAR, "world", rate=True),
+    ]
+    angular_momentum: Annotated[
+        Array,
+        Quantity(
+            (TIME, XYZ),
+            "kg m2/s",
+            "angular momentum about the CoM",
+            Between.LINEAR,
+            "world",
+            rate=True,
+        ),
+    ]
+    inertia: Annotated[
+        Array,
+        Quantity(
+            (TIME, TENSOR),
+            "kg m2",
+            "centroidal inertia of the whole body",
+            Between.LINEAR,
+            "world",
+        ),
+    ]
+    foot_position: Annotated[
+        Array,
+        Quantity(
+            (TIME, LEG, XYZ),
+            "m",
+            "lowest point of a foot, of a sole its middle",
+            Between.LINEAR,
+            "world",
+        ),
+    ]
+    contact: Annotated[
+        NDArray[np.int64],
+        Quantity(
+            (TIME, LEG),
+            "",
+            "whether the foot touches anything, the simulator's truth",
+            Between.HELD,
+            kind=Kind.WHOLE,
+            codes=("in the air", "touches"),
+        ),
+    ]
+    contact_force: Annotated[
+        Array,
+        Quantity(
+            (TIME, LEG, XYZ),
+            "N",
+            "sum over a foot, mean of the tick",
+            Between.HELD,
+            "world",
+        ),
+    ]
+    average_spatial_velocity_norm: Annotated[
+        Array,
+        Quantity(
+            (TIME,),
+            "m/s and rad/s",
+            "norm of the average spatial velocity v_G as the controller measures it, in one norm "
+            "as in the paper",
+            Between.LINEAR,
+        ),
+    ]
+    detection_signal: Annotated[
+        Array, Quantity((TIME,), "the detector's", "the contact detector's signal", Between.HELD)
+    ]
+    detection_threshold: Annotated[
+        float, Quantity((), "the detector's", "above it, contact is detected", listed=False)
+    ]
+    mode: Annotated[
+        NDArray[np.int64],
+        Quantity(
+            (TIME,),
+            "",
+            "what the controller follows",
+            Between.HELD,
+            kind=Kind.WHOLE,
+            codes=("tracking", "force"),
+        ),
+    ]
+    phase: Annotated[
+        NDArray[np.int64],
+        Quantity(
+            (TIME,),
+            "",
+            "phase, as the controller believes",
+            Between.HELD,
+            kind=Kind.WHOLE,
+            codes=("take-off", "flight", "landing"),
+        ),
+    ]
+    reference_com: Annotated[
+        Array, Quantity((TIME, XYZ), "m", "tracked: centre of mass", Between.LINEAR, "world")
+    ]
+    reference_base_quat: Annotated[
+        Array,
+        Quantity((TIME, WXYZ), "", "tracked: attitude of the base", Between.TURNING, "world"),
+    ]
+    reference_foot_position: Annotated[
+        Array, Quantity((TIME, LEG, XYZ), "m", "tracked: feet", Between.LINEAR, "world")
+    ]
+    reference_angular_momentum: Annotated[
+        Array,
+        Quantity(
+            (TIME, XYZ),
+            "kg m2/s",
+            "tracked: angular momentum about the CoM",
+            Between.LINEAR,
+            "world",
+            rate=True,
+        ),
+    ]
     control_parameters: dict[str, Any] = field(default_factory=dict)
+    plan: Plan | None = field(default=None, repr=False)
+
+    @property
+    def base_velocity(
+        self,
+    ) -> Annotated[
+        Array,
+        Quantity((TIME, XYZ), "m/s", "velocity of the base's origin", Between.LINEAR, "world"),
+    ]:
+        """(T, 3) m/s, world frame."""
+        return self.qvel[:, :3]
+
+    @property
+    def angular_velocity(
+        self,
+    ) -> Annotated[
+        Array,
+        Quantity((TIME, XYZ), "rad/s", "angular velocity of the base", Between.LINEAR, "world"),
+    ]:
+        """(T, 3) rad/s of the base, world frame; `qvel` has it in the base's axes."""
+        return np.einsum("kij,kj->ki", rotation_matrices(self.base_quat), self.qvel[:, 3:6])
+
+    @property
+    def joint_position(
+        self,
+    ) -> Annotated[Array, Quantity((TIME, JOINT), "rad", "positions", Between.LINEAR)]:
+        """(T, J) rad or m, in the order of `joint_names`."""
+        return self.qpos[:, 7:]
+
+    @property
+    def joint_velocity(
+        self,
+    ) -> Annotated[Array, Quantity((TIME, JOINT), "rad/s", "velocities", Between.LINEAR)]:
+        """(T, J) rad/s or m/s, in the order of `joint_names`."""
+        return self.qvel[:, 6:]
+
+    @property
+    def sliding_joints(self) -> frozenset[str]:
+        """Names of the joints whose position is in metres."""
+        return sliding_joints(self.robot_parameters)
+
+    @property
+    def leg_names(self) -> tuple[str, ...]:
+        """As in the robot file, when the rollout says which robot it is of."""
+        return leg_names(self.robot_parameters, self.foot_position.shape[1])
 
     @property
     def duration(self) -> float:

@@ -171,6 +171,7 @@ class Robot:
             "hips": self.hips.tolist(),
             "mirrors": self.mirrors.tolist(),
             "joint_names": list(self.joint_names),
+            "sliding_joints": sorted(self.sliding_joints),
         }
 
     def control_parameters(self) -> dict[str, Any]:

@@ -7,7 +7,8 @@ import pytest
 
 import llsrbm
 from llsrbm.analysis.joint_margins import joint_margins
-from llsrbm.motion.resample import resample, uniform_times
+from llsrbm.motion.instants import with_events
+from llsrbm.motion.resample import resample
 from llsrbm.postures import solve_postures
 from llsrbm.robots import load_robot
 from tests.llsrbm.kinematics import foot_positions
@@ -29,7 +30,7 @@ def robot(plan):
 
 def test_feet_of_the_resampled_posture(plan, robot):
     """Pinocchio's forward kinematics of what the page draws and exports hold."""
-    motion = resample(plan, uniform_times(plan, 60.0, phase_edges=True))
+    motion = resample(plan, with_events(plan, 60.0, phase_edges=True))
     feet = foot_positions(robot, motion.base_position, motion.base_quat, motion.joint_position)
     assert np.linalg.norm(feet - motion.foot_position, axis=-1).max() < 8e-3
 

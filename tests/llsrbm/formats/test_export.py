@@ -70,7 +70,8 @@ def test_npz_is_the_native_file(plan, tmp_path):
 def test_every_column_has_a_unit_and_time_is_first(table):
     assert next(iter(table)) == "time [s]"
     bare = [name for name in table if not name.endswith("]")]
-    assert bare == [f"base_quat/{axis}" for axis in "wxyz"]
+    quats = ["base_quat", *(f"foot_quat/{leg}" for leg in ("LF", "RF", "LH", "RH"))]
+    assert bare == [f"{quat}/{axis}" for quat in quats for axis in "wxyz"]
 
 
 def test_time_runs_from_start_to_end_at_60_fps(plan, table):
@@ -110,10 +111,10 @@ def test_values_at_the_ends(plan, table):
             got = columns(table, f"foot_position/{leg}")[row]
             np.testing.assert_allclose(got, plan.foot_position[knot, i], rtol=1e-11, atol=1e-11)
         for i, joint in enumerate(JOINT_NAMES):
-            got = table[f"joint_position/{joint} [rad or m]"][row]
+            got = table[f"joint_position/{joint} [rad]"][row]
             assert got == pytest.approx(plan.joint_position[knot, i], abs=1e-9)
             for name in ("joint_torque", "joint_torque_limit"):
-                got = table[f"{name}/{joint} [Nm or N]"][row]
+                got = table[f"{name}/{joint} [Nm]"][row]
                 assert got == pytest.approx(getattr(plan, name)[knot, i], abs=1e-9)
         assert table["inertia/xy [kg m2]"][row] == pytest.approx(plan.inertia[knot, 0, 1])
 
@@ -131,7 +132,7 @@ def test_torques_hold_over_an_interval(plan, table):
     time = table["time [s]"]
     between = np.abs(time[:, None] - plan.time).min(axis=1) > 1e-6
     at = np.searchsorted(plan.time, time[between], side="right") - 1
-    got = table[f"joint_torque/{JOINT_NAMES[5]} [Nm or N]"][between]
+    got = table[f"joint_torque/{JOINT_NAMES[5]} [Nm]"][between]
     np.testing.assert_allclose(got, plan.joint_torque[at, 5], rtol=1e-9, atol=1e-9)
 
 

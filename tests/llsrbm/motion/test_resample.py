@@ -14,7 +14,8 @@ from scipy.spatial.transform import Rotation, Slerp
 
 from llsrbm.errors import InputError
 from llsrbm.motion.plan import Phase
-from llsrbm.motion.resample import resample, uniform_times
+from llsrbm.motion.instants import evenly, with_events
+from llsrbm.motion.resample import resample
 from tests.llsrbm.synthetic import GRAVITY, synthetic_plan
 
 CONTINUOUS = (
@@ -41,8 +42,6 @@ def test_knots_are_reproduced_exactly(plan):
     motion = resample(plan, plan.time)
     held = ("phase", "contact_force", "joint_torque", "joint_torque_limit")
     for name in (*CONTINUOUS, *held):
-        if name == "joint_velocity":
-            continue
         got, expected = getattr(motion, name), getattr(plan, name)
         if name.endswith("quat"):
             np.testing.assert_allclose(got, expected, atol=1e-15)
@@ -200,7 +199,7 @@ def test_times_that_are_no_list_of_numbers(plan, times):
 
 def test_quick_enough_for_a_player(plan):
     """A generous bound; a frame at 60 Hz is 17 ms and this is 100 of them at once."""
-    times = uniform_times(plan, 60.0)
+    times = with_events(plan, 60.0)
     best = np.inf
     for _ in range(10):
         begin = time.perf_counter()
@@ -211,21 +210,39 @@ def test_quick_enough_for_a_player(plan):
 
 @given(fps=st.floats(0.5, 1000), durations=st.tuples(*[st.floats(0.05, 1)] * 3))
 @settings(max_examples=100, deadline=None)
-def test_uniform_times(fps, durations):
+def test_instants_with_events(fps, durations):
     plan = synthetic_plan(durations=durations, intervals=2)
-    times = uniform_times(plan, fps)
+    times = with_events(plan, fps)
     assert times[0] == plan.time[0]
     assert times[-1] == plan.time[-1]
     steps = np.diff(times)
     assert (steps > 0).all()
     assert steps.max() <= 1 / fps + 1e-8
-    np.testing.assert_allclose(steps[:-1], 1 / fps, atol=1e-8)
-    exact = uniform_times(plan, fps, phase_edges=True)
-    assert set(plan.phase_start) <= set(exact)
-    assert (np.diff(exact) > 0).all()
+    assert set(plan.phase_start) <= set(times)
+
+
+@given(fps=st.floats(0.5, 1000), pad=st.floats(0, 3))
+@settings(max_examples=100, deadline=None)
+def test_even_instants_hold_the_whole_motion(fps, pad):
+    plan = synthetic_plan(intervals=2)
+    times = evenly(plan, fps, pad)
+    np.testing.assert_allclose(np.diff(times), 1 / fps, atol=1e-9)
+    assert times[0] <= plan.time[0] - pad + 1e-8
+    assert times[-1] >= plan.time[-1] + pad - 1e-6
+    # No frame more than needed.
+    assert times[0] > plan.time[0] - pad - 1 / fps
+    assert times[-1] < plan.time[-1] + pad + 2 / fps
+    np.testing.assert_allclose(np.min(np.abs(times - plan.time[0])), 0, atol=1e-9)
+
+
+@pytest.mark.parametrize("pad", [-0.1, np.nan, np.inf, 1e4])
+def test_pads_that_make_no_sense(plan, pad):
+    with pytest.raises(InputError, match="pad: expected 0 to 60 s"):
+        evenly(plan, 50, pad)
 
 
 @pytest.mark.parametrize("fps", [0, -1, np.nan, np.inf, 1e9])
-def test_frame_rates_that_make_no_sense(plan, fps):
+@pytest.mark.parametrize("instants", [evenly, with_events])
+def test_frame_rates_that_make_no_sense(plan, instants, fps):
     with pytest.raises(InputError, match="0 < fps <= 10000"):
-        uniform_times(plan, fps)
+        instants(plan, fps)

@@ -11,7 +11,8 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from llsrbm.errors import InputError
-from llsrbm.motion.rollout_resample import resample_rollout, rollout_times
+from llsrbm.motion.instants import with_events
+from llsrbm.motion.resample import resample
 from tests.llsrbm.synthetic_rollout import RATE, synthetic_rollout
 
 TICK = 1 / RATE
@@ -23,7 +24,7 @@ def rollout():
 
 
 def test_ticks_are_reproduced_exactly(rollout):
-    back = resample_rollout(rollout, rollout.time)
+    back = resample(rollout, rollout.time)
     for field in fields(rollout):
         value = getattr(rollout, field.name)
         if isinstance(value, np.ndarray):
@@ -37,7 +38,7 @@ def test_ticks_are_reproduced_exactly(rollout):
 @settings(deadline=None)
 @given(share=st.floats(0.01, 0.99), tick=st.integers(0, 999))
 def test_between_ticks(rollout, share, tick):
-    at = resample_rollout(rollout, [rollout.time[tick] + share * TICK])
+    at = resample(rollout, [rollout.time[tick] + share * TICK])
     for name in ("torque", "contact_force", "contact", "mode", "phase", "detection_signal"):
         np.testing.assert_array_equal(getattr(at, name)[0], getattr(rollout, name)[tick])
     for name in ("com", "foot_position", "angular_momentum", "qvel"):
@@ -60,13 +61,13 @@ def test_a_flip_of_a_quaternions_sign_is_no_turn(rollout):
     qpos[:, 3:7] *= sign
     flipped = replace(rollout, base_quat=rollout.base_quat * sign, qpos=qpos)
     times = np.linspace(0, 2.5, 333)
-    expected, got = resample_rollout(rollout, times), resample_rollout(flipped, times)
+    expected, got = resample(rollout, times), resample(flipped, times)
     np.testing.assert_allclose(got.base_quat, expected.base_quat, atol=1e-12)
     np.testing.assert_allclose(got.qpos, expected.qpos, atol=1e-12)
 
 
 def test_outside_nothing_changes(rollout):
-    at = resample_rollout(rollout, [-1.0, 99.0])
+    at = resample(rollout, [-1.0, 99.0])
     np.testing.assert_array_equal(at.time, [-1.0, 99.0])
     np.testing.assert_array_equal(at.com, rollout.com[[0, -1]])
     np.testing.assert_array_equal(at.phase, rollout.phase[[0, -1]])
@@ -75,12 +76,12 @@ def test_outside_nothing_changes(rollout):
 def test_times_that_are_no_times(rollout):
     for times in ([np.nan], [[0.0, 1.0]]):
         with pytest.raises(InputError, match="finite numbers"):
-            resample_rollout(rollout, times)
+            resample(rollout, times)
 
 
 @pytest.mark.parametrize("fps", [7.0, 60.0, 400.0, 1000.0])
 def test_frames_and_events(rollout, fps):
-    times = rollout_times(rollout, fps)
+    times = with_events(rollout, fps)
     assert (times[0], times[-1]) == (rollout.time[0], rollout.time[-1])
     assert (np.diff(times) > 1e-9).all()
     assert np.diff(times).max() < 1 / fps + 1e-9
@@ -92,10 +93,10 @@ def test_frames_and_events(rollout, fps):
 
 
 def test_at_the_control_rate_times_are_the_ticks(rollout):
-    np.testing.assert_allclose(rollout_times(rollout, RATE), rollout.time, rtol=0, atol=1e-9)
+    np.testing.assert_allclose(with_events(rollout, RATE), rollout.time, rtol=0, atol=1e-9)
 
 
 @pytest.mark.parametrize("fps", [0, -1, np.nan, np.inf, 1e5])
 def test_frame_rates_that_make_no_sense(rollout, fps):
     with pytest.raises(InputError, match="0 < fps <= 10000"):
-        rollout_times(rollout, fps)
+        with_events(rollout, fps)

@@ -1,0 +1,144 @@
+"""What a quantity over time is: the one table that files, tables, samples and plots are made from.
+
+`Plan` and `Rollout` say of each of their arrays what it is, where they declare it:
+
+    com: Annotated[Array, Quantity((TIME, XYZ), "m", "centre of mass", frame="world")]
+
+`quantities(Plan)` collects these. Nothing else lists them: the native file writes what is declared,
+a table has a column for each component, sampling mixes as `between` says, and `llsrbm formats`
+prints them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from enum import Enum
+from functools import cache
+from typing import Any, get_type_hints
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+# Axes of arrays.
+TIME = "time"
+LEG, CONTACT, JOINT = "leg", "contact", "joint"
+XYZ, WXYZ, TENSOR = "xyz", "wxyz", "tensor"
+HIP = "hip"  # coordinates of a foot in its leg's mirrored hip frame
+POSITION, VELOCITY = "qpos", "qvel"  # MuJoCo's coordinates of the whole robot
+
+# Their sizes; a letter stands for one that is the same wherever the letter occurs in a file.
+SIZES: Mapping[str, tuple[int | str, ...]] = {
+    TIME: ("T",),
+    LEG: ("L",),
+    CONTACT: ("C",),
+    JOINT: ("J",),
+    XYZ: (3,),
+    WXYZ: (4,),
+    TENSOR: (3, 3),
+    HIP: ("D",),
+    POSITION: ("Q",),
+    VELOCITY: ("V",),
+}
+
+_SLIDING = {
+    "rad": "m",
+    "rad/s": "m/s",
+    "Nm": "N",
+}  # unit of a joint that turns -> of one that slides
+
+
+class Between(Enum):
+    """How a quantity goes on from one instant to the next."""
+
+    CONSTANT = "has no axis of time"
+    HELD = "keeps its value over the interval that begins there"
+    LINEAR = "straight"
+    TURNING = "turns at a constant rate (slerp)"
+    POSE = "straight, its quaternion turning at a constant rate"
+    BALLISTIC = "cubic, with the slopes that the forces give it: exact where they are constant"
+    IN_BASE = "each entry straight, seen in the base's axes"
+    FROM_COM = "straight, seen from the CoM in the base's axes"
+    STANDING = "still while feet stand, in flight straight as seen from the CoM in the base's axes"
+    CARRIED = "fixed to its foot"
+    JOINTS = "cubic, with the joints' own velocities as slopes; makima where they are not known"
+    JOINT_RATES = "the slope of the joints' positions"
+
+
+class Kind(Enum):
+    """What numbers a quantity is made of."""
+
+    REAL = "real"
+    WHOLE = "whole"
+    TEXT = "text"
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """What one array is.
+
+    Attributes:
+        axes: of the array, in order; their sizes are in `SIZES`.
+        unit: SI; of an array along `JOINT`, that of joints that turn: see `unit_of`. "" for none.
+        meaning: a phrase that says what it is, for people.
+        between: what it is between two instants.
+        frame: whose axes its components are along; "" where it has none.
+        kind: of its numbers.
+        codes: what its whole numbers 0, 1, ... stand for.
+        rate: whether it vanishes at rest: it is zero before the motion and after it.
+        listed: whether a table has columns for it; False for what others repeat in parts.
+        column: its name in tables; "": its own.
+    """
+
+    axes: tuple[str, ...]
+    unit: str
+    meaning: str
+    between: Between = Between.CONSTANT
+    frame: str = ""
+    kind: Kind = Kind.REAL
+    codes: tuple[str, ...] = ()
+    rate: bool = False
+    listed: bool = True
+    column: str = ""
+
+    @property
+    def shape(self) -> tuple[int | str, ...]:
+        """Sizes of the array, a letter for each that varies."""
+        return tuple(size for axis in self.axes for size in SIZES[axis])
+
+    def unit_of(self, joint: str, sliding: frozenset[str]) -> str:
+        """The unit of one joint's numbers: sliding joints have metres where others have radians."""
+        return _SLIDING.get(self.unit, self.unit) if joint in sliding else self.unit
+
+
+def quantities(of: type) -> dict[str, Quantity]:
+    """Name -> what it is, of every array that a class declares as a field, in its order."""
+    return dict(_declared(of))
+
+
+def derived(of: type) -> dict[str, Quantity]:
+    """The same of the properties that follow from the fields."""
+    return dict(_properties(of))
+
+
+@cache
+def _declared(of: type) -> dict[str, Quantity]:
+    hints = get_type_hints(of, include_extras=True)
+    return {f.name: q for f in fields(of) if (q := _annotated(hints[f.name])) is not None}
+
+
+@cache
+def _properties(of: type) -> dict[str, Quantity]:
+    found = {}
+    for name, member in vars(of).items():
+        if isinstance(member, property) and member.fget is not None:
+            hint = get_type_hints(member.fget, include_extras=True).get("return")
+            if (quantity := _annotated(hint)) is not None:
+                found[name] = quantity
+    return found
+
+
+def _annotated(hint: Any) -> Quantity | None:
+    return next((m for m in getattr(hint, "__metadata__", ()) if isinstance(m, Quantity)), None)
