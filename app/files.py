@@ -12,7 +12,8 @@ from app.panel import Panel, Uploaded
 from app.upload import uploaded_design
 from llsrbm.design import Design, dump_design, file_name
 from llsrbm.errors import Error
-from llsrbm.formats import export, suffix
+from llsrbm.formats import export
+from llsrbm.formats import file_name as exported_name
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
 
@@ -66,9 +67,8 @@ def exported(trajectory: Plan | Rollout, format_name: str) -> tuple[str, bytes]:
     Raises:
         llsrbm.errors.Error: the format cannot hold it.
     """
-    jump = trajectory.jump
-    kind = "plan" if isinstance(trajectory, Plan) else "rollout"
+    name = exported_name(trajectory, [format_name])
     with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / f"{jump.robot}-{jump.model}-{kind}{suffix(format_name)}"
+        path = Path(folder) / name
         export(trajectory, path, format=format_name)
-        return path.name, path.read_bytes()
+        return name, path.read_bytes()

@@ -23,7 +23,7 @@ from app.timeline import Timeline, html
 from app.tuning_controls import TuningControls
 from app.view_controls import ViewControls
 from llsrbm.design import Design
-from llsrbm.formats import formats
+from llsrbm.formats import FORMATS
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
 from llsrbm.robots import RobotFile
@@ -126,7 +126,7 @@ class Panel:
         with gui.add_folder("Show"):
             self.view = ViewControls(gui)
         with gui.add_folder("File"):
-            self._format = gui.add_dropdown("Format", tuple(formats()))
+            self._format = gui.add_dropdown("Format", tuple(FORMATS))
             self._export = gui.add_button(
                 "Export",
                 disabled=True,
@@ -166,7 +166,7 @@ class Panel:
     def read_format(self) -> tuple[str, list[str]]:
         """The file format to export, and what had to be corrected."""
         complaints: list[str] = []
-        valid = tuple(formats())
+        valid = tuple(FORMATS)
         return option("Format", self._format.value, valid, valid[0], complaints), complaints
 
     # ---- what the user is told

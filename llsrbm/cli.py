@@ -17,9 +17,8 @@ from typer.core import TyperGroup
 from llsrbm.commands.compare import compare_command
 from llsrbm.commands.console import BAD_INPUT, DONE, FAILED, INTERRUPTED, complain
 from llsrbm.commands.design import designs_command
+from llsrbm.commands.export import export_command, formats_command
 from llsrbm.commands.listing import (
-    export_command,
-    formats_command,
     models_command,
     robots_command,
     tuning_command,

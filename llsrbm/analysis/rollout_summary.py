@@ -6,7 +6,7 @@ from dataclasses import asdict
 from typing import Any
 
 from llsrbm.analysis.diagnosis import diagnose
-from llsrbm.analysis.summary import json_value
+from llsrbm.motion.description import json_value
 from llsrbm.motion.rollout import Rollout
 
 # What the contract promises stands first, in its order; further figures may follow.

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from llsrbm.analysis.peak_loads import planned_torque_shares
+from llsrbm.motion.description import json_value
 from llsrbm.motion.plan import Phase, Plan
 from llsrbm.motion.rotation import yaw
 
@@ -66,16 +67,3 @@ def phases(plan: Plan) -> list[dict[str, Any]]:
         }
         for phase in Phase
     ]
-
-
-def json_value(value: Any) -> Any:
-    """The same as JSON can hold it: null for numbers that are not finite."""
-    if isinstance(value, dict):
-        return {key: json_value(item) for key, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [json_value(item) for item in value]
-    if isinstance(value, np.generic):
-        return json_value(value.item())
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    return value

@@ -28,7 +28,7 @@ def compare_command(
     """
     with console.result_stream(as_json=as_json) as stdout:
         from llsrbm.analysis.figures import figures_of_plan, figures_of_rollout
-        from llsrbm.analysis.summary import json_value
+        from llsrbm.motion.description import json_value
         from llsrbm.motion.files import load
         from llsrbm.motion.plan import Plan
         from llsrbm.titles import titles_of

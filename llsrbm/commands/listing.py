@@ -1,28 +1,10 @@
-"""`llsrbm robots | models | tuning | formats | export`: what there is, and other formats."""
+"""`llsrbm robots | models | tuning`: what there is."""
 
 from __future__ import annotations
 
 import math
-from pathlib import Path
-from typing import Annotated
-
-import typer
 
 from llsrbm.commands import console, options
-
-
-def export_command(
-    file: Annotated[Path, typer.Argument(metavar="FILE.npz", help="A native file.")],
-    out: Annotated[Path, typer.Option(metavar="FILE", help="The file to write.")],
-    format_: Annotated[str, typer.Option("--format", metavar="F", help="See `llsrbm formats`.")],
-    fps: Annotated[float, typer.Option(help="Frames per second, for formats with a rate.")] = 60.0,
-) -> int:
-    """Write a native file, a plan's or a rollout's, in another format."""
-    from llsrbm.formats import export
-    from llsrbm.motion.files import load
-
-    export(load(file), out, format=format_, fps=fps)
-    return console.DONE
 
 
 def robots_command() -> int:
@@ -65,14 +47,6 @@ def tuning_command(robot: options.Robot = "anymal") -> int:
     for row in (heading, *rows):
         cells = (f"{cell:{width}}" for cell, width in zip(row, widths, strict=True))
         print("  ".join(cells).rstrip())
-    return console.DONE
-
-
-def formats_command() -> int:
-    """List the formats that `llsrbm export` writes."""
-    from llsrbm.formats import formats
-
-    _print_table(formats())
     return console.DONE
 
 

@@ -1,12 +1,56 @@
-"""What an export format is."""
+"""What a file format is, and what may be asked of one."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from importlib.util import find_spec
 from pathlib import Path
 
+from llsrbm.errors import InputError
 from llsrbm.motion.files import Trajectory
+from llsrbm.motion.whole_body import WholeBodyMotion
+from llsrbm.robots import Robot
+
+ORDERS = ("depth-first", "breadth-first")
+
+
+@dataclass(frozen=True)
+class Options:
+    """What an export may be asked for; a format takes those that it names.
+
+    Attributes:
+        fps: frames/s.
+        pad: s of standing still before the motion and after it.
+        order: of bodies and joints, one of `ORDERS`.
+        size: width and height of a picture, pixels.
+        camera: azimuth, elevation (deg) and distance (m) from which the robot is looked at; None:
+            as the page does.
+    """
+
+    fps: float = 60.0
+    pad: float = 0.0
+    order: str = ORDERS[0]
+    size: tuple[int, int] = (960, 540)
+    camera: tuple[float, float, float] | None = None
+
+
+@dataclass(frozen=True)
+class Extra:
+    """Packages that a format needs and a plain installation does not have.
+
+    Attributes:
+        name: as in `pip install "llsrbm[name]"`.
+        modules: what must be importable.
+    """
+
+    name: str
+    modules: tuple[str, ...]
+
+    @property
+    def missing(self) -> bool:
+        """Whether one of them is not there."""
+        return any(find_spec(module) is None for module in self.modules)
 
 
 @dataclass(frozen=True)
@@ -15,12 +59,34 @@ class Format:
 
     Attributes:
         name: as on the command line.
-        description: one line.
-        suffix: of file names, with the dot.
-        write: (trajectory, path, frames/s) -> None; raises `InputError` if it cannot.
+        title: one line.
+        suffix: of file names, with the dot; "" of a folder.
+        write: (trajectory, path, options) -> None, writes the file or folder at exactly that path,
+            and further files beside it under names that begin with its name. Raises `InputError`
+            if it cannot. Nobody sees the path before everything has been written.
+        conventions: frames, units and orders, in a few lines: the module's docstring.
+        options: names of what it takes of `Options`; defaults: what it takes where nothing is said.
+        holds: of "plan" and "rollout", what it can hold.
+        extra: packages that it needs; None: none.
+        read: (path, robot, frames/s) -> motion, for formats that can be opened for looking; raises
+            `FileFormatError`. The rate is given where the user gave one.
     """
 
     name: str
-    description: str
+    title: str
     suffix: str
-    write: Callable[[Trajectory, str | Path, float], None]
+    write: Callable[[Trajectory, Path, Options], None]
+    conventions: str
+    options: tuple[str, ...] = ()
+    defaults: Options = field(default_factory=Options)
+    holds: tuple[str, ...] = ("plan", "rollout")
+    extra: Extra | None = None
+    read: Callable[[Path, Robot, float | None], WholeBodyMotion] | None = None
+
+    def check_installed(self) -> None:
+        """Raise `InputError` if packages that it needs are missing."""
+        if self.extra is not None and self.extra.missing:
+            raise InputError(
+                f'format "{self.name}" needs packages that are not installed; expected '
+                f'pip install "llsrbm[{self.extra.name}]"'
+            )

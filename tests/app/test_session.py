@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from llsrbm import models
-from llsrbm.formats import formats
+from llsrbm.formats import FORMATS
 from llsrbm.jump import Jump
 from llsrbm.robots import load_robot, names
 from tests.app import planners
@@ -50,7 +50,7 @@ def test_every_label_of_the_contract_is_there(tab):
     assert tab.control("Motion")["props"]["options"] == ["Play", "Pause"]
     assert tab.control("Robot")["props"]["options"] == list(names())
     assert tab.control("Model")["props"]["options"] == list(models.names())
-    assert tab.control("Format")["props"]["options"] == list(formats())
+    assert tab.control("Format")["props"]["options"] == list(FORMATS)
 
 
 def test_slider_ranges_come_from_the_robot_file(tab):

@@ -30,7 +30,7 @@ def robot(plan):
 
 def test_feet_of_the_resampled_posture(plan, robot):
     """Pinocchio's forward kinematics of what the page draws and exports hold."""
-    motion = resample(plan, with_events(plan, 60.0, phase_edges=True))
+    motion = resample(plan, with_events(plan, 60.0))
     feet = foot_positions(robot, motion.base_position, motion.base_quat, motion.joint_position)
     assert np.linalg.norm(feet - motion.foot_position, axis=-1).max() < 8e-3
 

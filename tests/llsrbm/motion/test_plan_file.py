@@ -244,7 +244,7 @@ class TestReading:
 
     def test_sizes_that_contradict_each_other(self, plan, saved, tmp_path):
         path = rewritten(saved, tmp_path / "x.npz", com=plan.com[:-1])
-        assert '(N, 3) with N = 49 as in "time", got (48, 3)' in message(path)
+        assert '(T, 3) with T = 49 as in "time", got (48, 3)' in message(path)
 
     @pytest.mark.parametrize("bad", [np.nan, np.inf])
     def test_not_finite(self, plan, saved, tmp_path, bad):

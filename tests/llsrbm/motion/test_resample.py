@@ -13,8 +13,8 @@ from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation, Slerp
 
 from llsrbm.errors import InputError
-from llsrbm.motion.plan import Phase
 from llsrbm.motion.instants import evenly, with_events
+from llsrbm.motion.plan import Phase
 from llsrbm.motion.resample import resample
 from tests.llsrbm.synthetic import GRAVITY, synthetic_plan
 

@@ -180,7 +180,7 @@ class TestReading:
             ("time", rollout.time[::-1], "strictly increasing"),
             ("phase", rollout.phase + 1, "0 (take-off)"),
             ("mode", rollout.mode - 1, "0 (tracking)"),
-            ("contact", 2 * rollout.contact, "0 (no), 1 (touches)"),
+            ("contact", 2 * rollout.contact, "0 (in the air), 1 (touches)"),
             ("contact", rollout.contact.astype(float), "expected integers"),
             ("base_quat", 2 * rollout.base_quat, "unit quaternions w, x, y, z"),
             ("reference_base_quat", 0 * rollout.base_quat, "unit quaternions w, x, y, z"),

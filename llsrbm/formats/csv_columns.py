@@ -92,3 +92,26 @@ def _members(trajectory: Plan | Rollout, axis: str) -> Sequence[str]:
     if count % len(legs):
         return [f"contact{i}" for i in range(count)]
     return [f"{leg}_{corner}" for leg in legs for corner in range(count // len(legs))]
+
+
+def quantity_rows() -> list[str]:
+    """The table of quantities as text, for people: what plans and rollouts hold."""
+    lines = []
+    for of in (Plan, Rollout):
+        rows = [
+            (
+                name,
+                ", ".join(map(str, quantity.shape)),
+                quantity.unit or _codes(quantity),
+                quantity.frame,
+                quantity.meaning,
+            )
+            for name, quantity in quantities(of).items()
+        ]
+        widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+        lines += ["", f"{of.__name__}: name, shape, unit, frame, meaning"]
+        lines += [
+            "  ".join(f"{cell:{width}}" for cell, width in zip(row, widths, strict=True)).rstrip()
+            for row in rows
+        ]
+    return lines

@@ -1,0 +1,111 @@
+"""`llsrbm export` and `llsrbm formats`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from llsrbm.commands import console, options
+from llsrbm.errors import InputError
+
+if TYPE_CHECKING:
+    from llsrbm.formats import Format
+
+FormatName = typer.Option("--format", metavar="F", help="See `llsrbm formats`.")
+
+
+def export_command(
+    context: typer.Context,
+    file: Annotated[Path, typer.Argument(metavar="FILE.npz", help="A native file.")],
+    out: Annotated[
+        Path, typer.Option(metavar="FILE", help="The file to write; several formats need a .zip.")
+    ],
+    format_: Annotated[
+        list[str],
+        typer.Option("--format", metavar="F", help="See `llsrbm formats`; may be repeated."),
+    ],
+    fps: Annotated[float, typer.Option(help="Frames per second.")] = 60.0,
+    pad: Annotated[
+        float, typer.Option(metavar="S", help="Standing still before and after the motion.")
+    ] = 0.0,
+    order: Annotated[
+        str, typer.Option(metavar="O", help="Of bodies: depth-first or breadth-first.")
+    ] = "depth-first",
+    size: Annotated[str, typer.Option(metavar="WxH", help="Of a video, pixels.")] = "960x540",
+    camera: Annotated[
+        str,
+        typer.Option(metavar="A,E,D", help="Of a video: azimuth, elevation [deg], distance [m]."),
+    ] = "",
+) -> int:
+    """Write a native file, a plan's or a rollout's, in other formats.
+
+    Options that are left out are as each format has them; see `llsrbm formats --format F`.
+    """
+    from llsrbm.formats import export
+    from llsrbm.motion.files import load
+
+    values: dict[str, Any] = {"fps": fps, "pad": pad, "order": order}
+    given = {name: value for name, value in values.items() if options.is_given(context, name)}
+    if options.is_given(context, "size"):
+        given["size"] = tuple(round(n) for n in _numbers("--size", size, "x", 2))
+    if camera:
+        given["camera"] = _numbers("--camera", camera, ",", 3)
+    export(load(file), out, format=format_, **given)
+    return console.DONE
+
+
+def formats_command(
+    format_: Annotated[str | None, FormatName] = None,
+) -> int:
+    """List the formats that `llsrbm export` writes, or the conventions of one."""
+    from llsrbm.formats import FORMATS, find
+
+    if format_ is None:
+        width = max(map(len, FORMATS))
+        for name, each in FORMATS.items():
+            print(f"{name:{width}}  {each.title}{_needs(each)}")
+    else:
+        for line in _told(find(format_)):
+            print(line)
+    return console.DONE
+
+
+def _told(format_: Format) -> list[str]:
+    """What there is to know about a format, line by line."""
+    from llsrbm.formats.csv_columns import quantity_rows
+
+    lines = [f"{format_.name}: {format_.title}{_needs(format_)}", ""]
+    lines += format_.conventions.strip().splitlines()
+    taken = [f"{name} (default {getattr(format_.defaults, name)})" for name in format_.options]
+    reads = "yes, for looking and comparing" if format_.read is not None else "no"
+    if format_.name == "npz":
+        reads = "yes"
+    lines += [
+        "",
+        f"name ends in  {format_.suffix or '(a folder)'}",
+        f"holds         {', '.join(format_.holds)}",
+        f"options       {', '.join(taken) or 'none'}",
+        f"can be opened {reads}",
+    ]
+    return lines + (quantity_rows() if format_.name in ("npz", "csv") else [])
+
+
+def _needs(format_: Format) -> str:
+    extra = format_.extra
+    if extra is None or not extra.missing:
+        return ""
+    return f' (not installed: pip install "llsrbm[{extra.name}]")'
+
+
+def _numbers(option: str, given: str, separator: str, count: int) -> tuple[float, ...]:
+    try:
+        numbers = tuple(float(part) for part in given.split(separator))
+    except ValueError:
+        numbers = ()
+    if len(numbers) != count:
+        raise InputError(
+            f"{option} {given}: expected {count} numbers separated by {separator!r}"
+        ) from None
+    return numbers

@@ -1,0 +1,80 @@
+"""Everything beside a trajectory's numbers: who asked what of whom, and how to read the numbers."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from llsrbm.motion.plan import Plan
+from llsrbm.motion.rollout import Rollout
+from llsrbm.version import package_version
+
+_WORLD = "x forward, y left, z up; origin on the ground under the standing robot"
+
+
+def description(trajectory: Plan | Rollout) -> dict[str, Any]:
+    """Request, tuning, scenario, robot as it ran, model, solver, version and conventions.
+
+    Plain data that JSON can hold: numbers that are not finite are null.
+    """
+    sliding = trajectory.sliding_joints
+    common: dict[str, Any] = {
+        "kind": "plan" if isinstance(trajectory, Plan) else "rollout",
+        "package_version": package_version(),
+        "request": trajectory.jump.as_dict(),
+        "model": trajectory.jump.model,
+        "robot": trajectory.robot_parameters,
+        "world_frame": _WORLD,
+        "units": "SI; angles in rad",
+        "legs": list(trajectory.leg_names),
+        "joints": list(trajectory.joint_names),
+        "joint_units": ["m" if name in sliding else "rad" for name in trajectory.joint_names],
+    }
+    if isinstance(trajectory, Plan):
+        of_it = _of_plan(trajectory)
+    else:
+        of_it = {
+            "control": trajectory.control_parameters,
+            "scenario": asdict(trajectory.conditions),
+            "disturbance": asdict(trajectory.disturbance),
+            "outcome": asdict(trajectory.outcome),
+            **({} if trajectory.plan is None else _of_plan(trajectory.plan)),
+        }
+    plain: dict[str, Any] = json_value(common | of_it)
+    return plain
+
+
+def _of_plan(plan: Plan) -> dict[str, Any]:
+    return {
+        "tuning": {"weights": dict(plan.tuning.weights), "limits": dict(plan.tuning.limits)},
+        "solver": asdict(plan.report),
+        "violations": {name: asdict(violation) for name, violation in plan.violations.items()},
+        "phases": [
+            {"name": label, "start_s": start, "end_s": end}
+            for label, start, end in zip(
+                ("take-off", "flight", "landing"),
+                plan.phase_start[:-1].tolist(),
+                plan.phase_start[1:].tolist(),
+                strict=True,
+            )
+        ],
+    }
+
+
+def json_value(value: Any) -> Any:
+    """The same as JSON can hold it: null for numbers that are not finite."""
+    if isinstance(value, dict):
+        return {key: json_value(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [json_value(item) for item in value]
+    if isinstance(value, np.generic):
+        return json_value(value.item())
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    if isinstance(value, Path):
+        return str(value)
+    return value

@@ -1,0 +1,279 @@
+"""What the whole robot does, in one form whatever it comes from: a plan, a rollout, a file.
+
+Formats of other tools are written from it, foreign files are read into it, and the page draws it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from llsrbm.errors import InputError
+from llsrbm.motion.instants import evenly, with_events
+from llsrbm.motion.plan import Phase, Plan
+from llsrbm.motion.resample import resample
+from llsrbm.motion.rollout import Rollout
+from llsrbm.motion.rotation import rotation_matrices, sign_continuous
+from llsrbm.robots import Robot, load_robot
+from llsrbm.robots.foot_contact import foot_contacts
+
+Array = NDArray[np.float64]
+
+_TOUCHES = 0.005  # m: a foot that low, and as slow as `_RESTS`, stands, where no file says so
+_RESTS = 0.1  # m/s
+
+
+@dataclass(frozen=True, eq=False)
+class WholeBodyMotion:
+    """A robot's motion at K instants: L legs, J joints in `Robot.joint_names`' order; world frame.
+
+    Attributes:
+        robot: that moves.
+        origin: what it was made from: "plan", "rollout", or the name of a file's format.
+        time: (K,) s from 0 on.
+        fps: instants/s of evenly spaced ones; None where events have instants of their own.
+        base_position: (K, 3) m, base_quat: (K, 4) w, x, y, z without jumps of sign: root link.
+        base_velocity: (K, 3) m/s of the root link's origin; angular_velocity: (K, 3) rad/s of it;
+            both in world axes.
+        joint_position, joint_velocity: (K, J) rad or m, and per s.
+        com: (K, 3) m; linear_momentum, angular_momentum: (K, 3) kg m/s, kg m2/s about the CoM.
+        inertia: (K, 3, 3) kg m2 about the CoM: the model's of a plan, otherwise the whole body's.
+        foot_position: (K, L, 3) m: contact point of a point foot, middle of a sole.
+        contact: (K, L) whether a foot stands.
+        foot_force: (K, L, 3) N, the sum over a foot; None where nothing tells.
+        pressed_at: (K, L, 3) m: where it acts, a sole's centre of pressure if that is known.
+        joint_torque, joint_torque_limit: (K, J) Nm or N; None where nothing tells.
+        phase: (K,) `Phase`; None where nothing tells.
+    """
+
+    robot: Robot
+    origin: str
+    time: Array
+    fps: float | None
+    base_position: Array
+    base_quat: Array
+    base_velocity: Array
+    angular_velocity: Array
+    joint_position: Array
+    joint_velocity: Array
+    com: Array
+    linear_momentum: Array
+    angular_momentum: Array
+    inertia: Array
+    foot_position: Array
+    contact: NDArray[np.bool_]
+    foot_force: Array | None = None
+    pressed_at: Array | None = None
+    joint_torque: Array | None = None
+    joint_torque_limit: Array | None = None
+    phase: NDArray[np.int64] | None = None
+
+    @property
+    def qpos(self) -> Array:
+        """(K, 7 + J) in MuJoCo's convention, joints in `Robot.joint_names`' order."""
+        return np.hstack([self.base_position, self.base_quat, self.joint_position])
+
+    @property
+    def qvel(self) -> Array:
+        """(K, 6 + J) in MuJoCo's: linear velocity in the world's axes, angular in the base's."""
+        R = rotation_matrices(self.base_quat)
+        omega = np.einsum("kji,kj->ki", R, self.angular_velocity)
+        return np.hstack([self.base_velocity, omega, self.joint_velocity])
+
+
+def whole_body_motion(
+    trajectory: Plan | Rollout, fps: float, pad: float = 0.0, *, events: bool = False
+) -> WholeBodyMotion:
+    """Sample a plan or a rollout, evenly.
+
+    Args:
+        trajectory: to sample.
+        fps: instants/s.
+        pad: s of standing still before and after.
+        events: have the instants at which contacts change as well; nothing is padded then.
+
+    Raises:
+        InputError: a rate or a pad that makes no sense, or a robot that has other joints by now.
+        RobotFileError: the robot is not there.
+    """
+    times = with_events(trajectory, fps) if events else evenly(trajectory, fps, pad)
+    robot = load_robot(trajectory.jump.robot)
+    if sorted(trajectory.joint_names) != sorted(robot.joint_names):
+        raise InputError(
+            f"the motion's joints are {', '.join(trajectory.joint_names)}, but {robot.path} has "
+            f"{', '.join(robot.joint_names)}; expected the robot that the motion was made with"
+        )
+    order = [trajectory.joint_names.index(name) for name in robot.joint_names]
+    rest = None if events else fps
+    if isinstance(trajectory, Plan):
+        return _of_plan(trajectory, robot, times, order, rest)
+    return _of_rollout(trajectory, robot, times, order, rest)
+
+
+def _of_plan(
+    plan: Plan, robot: Robot, times: Array, order: list[int], fps: float | None
+) -> WholeBodyMotion:
+    sampled = resample(plan, times)
+    assert sampled.joint_velocity is not None  # sampled plans have it
+    joint_velocity = sampled.joint_velocity[:, order]
+    joint_position = sampled.joint_position[:, order]
+    # At its last knot a plan has no force any more: no interval starts there.
+    force = np.where(
+        (times >= plan.time[-1])[:, None, None], plan.contact_force[-2], sampled.contact_force
+    )
+    foot_force, pressed_at = resultants(sampled.contact_point, force, len(robot.legs))
+    return WholeBodyMotion(
+        robot=robot,
+        origin="plan",
+        time=times - times[0],
+        fps=fps,
+        base_position=sampled.base_position,
+        base_quat=sampled.base_quat,
+        base_velocity=_base_velocity(robot, sampled, joint_position, joint_velocity),
+        angular_velocity=sampled.angular_velocity,
+        joint_position=joint_position,
+        joint_velocity=joint_velocity,
+        com=sampled.com,
+        linear_momentum=sampled.linear_momentum,
+        angular_momentum=sampled.angular_momentum,
+        inertia=sampled.inertia,
+        foot_position=sampled.foot_position,
+        contact=np.repeat((sampled.phase != Phase.FLIGHT)[:, None], len(robot.legs), axis=1),
+        foot_force=foot_force,
+        pressed_at=pressed_at,
+        joint_torque=_ordered(sampled.joint_torque, order),
+        joint_torque_limit=_ordered(sampled.joint_torque_limit, order),
+        phase=sampled.phase,
+    )
+
+
+def _of_rollout(
+    rollout: Rollout, robot: Robot, times: Array, order: list[int], fps: float | None
+) -> WholeBodyMotion:
+    sampled = resample(rollout, times)
+    return WholeBodyMotion(
+        robot=robot,
+        origin="rollout",
+        time=times - times[0],
+        fps=fps,
+        base_position=sampled.base_position,
+        base_quat=sampled.base_quat,
+        base_velocity=sampled.base_velocity,
+        angular_velocity=sampled.angular_velocity,
+        joint_position=sampled.joint_position[:, order],
+        joint_velocity=sampled.joint_velocity[:, order],
+        com=sampled.com,
+        linear_momentum=sampled.linear_momentum,
+        angular_momentum=sampled.angular_momentum,
+        inertia=sampled.inertia,
+        foot_position=sampled.foot_position,
+        contact=sampled.contact.astype(bool),
+        foot_force=sampled.contact_force,
+        # Where in a sole it acts is not recorded.
+        pressed_at=sampled.foot_position,
+        joint_torque=_ordered(sampled.torque, order),
+        joint_torque_limit=_ordered(sampled.torque_limit, order),
+        phase=sampled.phase,
+    )
+
+
+def motion_of_states(
+    robot: Robot,
+    origin: str,
+    time: Array,
+    qpos: Array,
+    qvel: Array,
+    fps: float | None = None,
+) -> WholeBodyMotion:
+    """A motion of which only the states are known; momenta and inertia by Pinocchio.
+
+    A foot counts as standing where it is within 5 mm of its lowest place and slower than 0.1 m/s.
+
+    Args:
+        robot: that moves.
+        origin: the format of the file.
+        time: (K,) s from 0 on.
+        qpos, qvel: (K, 7 + J), (K, 6 + J) in MuJoCo's convention, joints in the robot's order.
+        fps: of evenly spaced instants.
+    """
+    model, data = robot.model, robot.model.createData()
+    count, legs = len(time), len(robot.legs)
+    quat = sign_continuous(qpos[:, 3:7])
+    R = rotation_matrices(quat)
+    com, linear, angular = (np.empty((count, 3)) for _ in range(3))
+    inertia, feet = np.empty((count, 3, 3)), np.empty((count, legs, 3))
+    speed = np.empty((count, legs))
+    contacts = foot_contacts(robot)
+    for k in range(count):
+        q = np.concatenate([qpos[k, :3], quat[k, [1, 2, 3, 0]], qpos[k, 7:]])
+        v = np.concatenate([R[k].T @ qvel[k, :3], qvel[k, 3:]])
+        pin.ccrba(model, data, q, v)
+        pin.forwardKinematics(model, data, q, v)
+        pin.updateFramePlacements(model, data)
+        com[k], inertia[k] = data.com[0], data.Ig.inertia
+        linear[k], angular[k] = data.hg.linear, data.hg.angular
+        for i, (leg, contact) in enumerate(zip(robot.legs, contacts, strict=True)):
+            placement = data.oMf[leg.foot_frame_id]
+            spheres = np.array([placement.act(centre) for centre in contact.centres])
+            feet[k, i] = spheres.mean(axis=0) - [0.0, 0.0, contact.radius]
+            velocity = pin.getFrameVelocity(
+                model, data, leg.foot_frame_id, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
+            )
+            speed[k, i] = np.linalg.norm(velocity.linear)
+    return WholeBodyMotion(
+        robot=robot,
+        origin=origin,
+        time=time,
+        fps=fps,
+        base_position=qpos[:, :3],
+        base_quat=quat,
+        base_velocity=qvel[:, :3],
+        angular_velocity=np.einsum("kij,kj->ki", R, qvel[:, 3:6]),
+        joint_position=qpos[:, 7:],
+        joint_velocity=qvel[:, 6:],
+        com=com,
+        linear_momentum=linear,
+        angular_momentum=angular,
+        inertia=inertia,
+        foot_position=feet,
+        contact=(feet[..., 2] - feet[..., 2].min() < _TOUCHES) & (speed < _RESTS),
+    )
+
+
+def resultants(points: Array, forces: Array, feet: int) -> tuple[Array, Array]:
+    """Forces on feet, (K, L, 3) N, and where they act, (K, L, 3) m: the centres of pressure.
+
+    Args:
+        points: (K, C, 3) m, feet x contacts of a foot.
+        forces: (K, C, 3) N, at the points.
+        feet: L.
+    """
+    points, forces = (values.reshape(len(values), feet, -1, 3) for values in (points, forces))
+    total = forces.sum(axis=2)
+    vertical = forces[..., 2:]
+    pushed = total[..., 2:] > 0
+    weighted = (vertical * points).sum(axis=2) / np.where(pushed, total[..., 2:], 1.0)
+    return total, np.where(pushed, weighted, points.mean(axis=2))
+
+
+def _base_velocity(robot: Robot, plan: Plan, joint_position: Array, joint_velocity: Array) -> Array:
+    """(K, 3) m/s, world axes: with which the whole body's CoM moves as planned."""
+    model, data = robot.model, robot.model.createData()
+    velocity = np.empty_like(plan.com)
+    R = rotation_matrices(plan.base_quat)
+    for k in range(len(velocity)):
+        quat = plan.base_quat[k, [1, 2, 3, 0]]
+        q = np.concatenate([plan.base_position[k], quat, joint_position[k]])
+        turning = R[k].T @ plan.angular_velocity[k]
+        v = np.concatenate([np.zeros(3), turning, joint_velocity[k]])
+        momentum = pin.computeCentroidalMomentum(model, data, q, v)
+        velocity[k] = plan.com_velocity[k] - momentum.linear / robot.mass
+    return velocity
+
+
+def _ordered(values: Any, order: list[int]) -> Array | None:
+    return None if values is None else values[:, order]
