@@ -67,8 +67,8 @@ def read_meta(kind: type[_MetaType], arrays: Arrays, path: str | Path) -> _MetaT
         first = error.errors()[0]
         place = ".".join(str(part) for part in first["loc"]) or "JSON"
         raise FileFormatError(f"{where}: {place}: {first['msg']}") from error
-    except InputError as error:  # the request's own checks
-        raise FileFormatError(f"{where}: request: {error}") from error
+    except InputError as error:  # what the request or the scenario checks itself
+        raise FileFormatError(f"{where}: {error}") from error
 
 
 def check_times(time: Any, path: str | Path) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from llsrbm.errors import FileFormatError
 from llsrbm.motion.archive import Arrays, Entry, checked, read_archive, text
@@ -17,7 +17,8 @@ from llsrbm.motion.native_file import (
     write_native,
 )
 from llsrbm.motion.plan import Phase
-from llsrbm.motion.rollout import Conditions, Disturbance, Mode, Outcome, Rollout
+from llsrbm.motion.rollout import Disturbance, Mode, Outcome, Rollout
+from llsrbm.scenario import Scenario, with_scenario
 from llsrbm.version import package_version
 
 SCHEMA = "llsrbm.rollout/1"
@@ -59,10 +60,15 @@ _NUMBERED = {
 
 
 class _Meta(Meta):
-    conditions: Conditions
+    scenario: Scenario
     disturbance: Disturbance
     outcome: Outcome
     control_parameters: dict[str, Any] = Field(default_factory=dict)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _of_any_age(cls, meta: Any) -> Any:
+        return with_scenario(meta) if isinstance(meta, dict) else meta
 
 
 def save_rollout(rollout: Rollout, path: str | Path) -> None:
@@ -77,7 +83,7 @@ def save_rollout(rollout: Rollout, path: str | Path) -> None:
         model=rollout.jump.model,
         robot_parameters=rollout.robot_parameters,
         control_parameters=rollout.control_parameters,
-        conditions=rollout.conditions,
+        scenario=rollout.scenario,
         disturbance=rollout.disturbance,
         outcome=rollout.outcome,
         package_version=package_version(),
@@ -113,7 +119,7 @@ def rollout_from_arrays(arrays: Arrays, path: str | Path) -> Rollout:
         jump=meta.request,
         robot_parameters=meta.robot_parameters,
         control_parameters=meta.control_parameters,
-        conditions=meta.conditions,
+        scenario=meta.scenario,
         disturbance=meta.disturbance,
         outcome=meta.outcome,
         **values,

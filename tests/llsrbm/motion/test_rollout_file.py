@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import string
 from dataclasses import fields, replace
 
 import numpy as np
@@ -14,8 +15,9 @@ from hypothesis import strategies as st
 from llsrbm.errors import Error, FileFormatError
 from llsrbm.motion.files import load
 from llsrbm.motion.plan_file import load_plan
-from llsrbm.motion.rollout import Conditions, Disturbance, Rollout
+from llsrbm.motion.rollout import Disturbance, Rollout
 from llsrbm.motion.rollout_file import LAYOUT, load_rollout, save_rollout
+from llsrbm.scenario import Scenario
 from tests.llsrbm.synthetic import synthetic_plan
 from tests.llsrbm.synthetic_rollout import synthetic_rollout
 
@@ -78,14 +80,15 @@ def test_round_trip_of_a_robot_that_fell(tmp_path):
     half=st.booleans(),
     seed=st.none() | st.integers(0, 2**63),
     words=st.text(max_size=20),
+    name=st.text(string.ascii_letters + "-_ é跳", min_size=1, max_size=20),
     figure=st.floats(),
 )
 def test_round_trip_of_whatever_is_said_about_it(
-    rollout, tmp_path_factory, board, half, seed, words, figure
+    rollout, tmp_path_factory, board, half, seed, words, name, figure
 ):
     said = replace(
         rollout,
-        conditions=Conditions(board=board, half_board=half, seed=seed, detector=words),
+        scenario=Scenario(board=board, half_board=half and board > 0, seed=seed, detector=name),
         disturbance=Disturbance(trunk_mass_factor=board, torque_delay_ticks=1),
         outcome=replace(rollout.outcome, reason=words, foot_error=figure),
     )
@@ -120,7 +123,7 @@ def test_layout_is_the_contracts(rollout, saved):
     assert meta["request"]["twist"] == rollout.jump.twist
     assert meta["model"] == "llsrbm-plus"
     assert meta["robot_parameters"]["mass"] == 30.0
-    assert meta["conditions"]["seed"] == 3
+    assert meta["scenario"]["seed"] == 3
     assert meta["disturbance"]["friction"] == rollout.disturbance.friction
     assert meta["outcome"]["status"] == "landed"
     assert meta["package_version"]
@@ -155,7 +158,7 @@ class TestReading:
         synthetic_plan().save(tmp_path / "plan.npz")
         schema = np.array("llsrbm.rollout/1")
         path = rewritten(tmp_path / "plan.npz", tmp_path / "x.npz", schema=schema)
-        assert "conditions: Field required" in message(path)
+        assert "scenario: Field required" in message(path)
 
     @pytest.mark.parametrize("key", ["schema", "meta", *LAYOUT])
     def test_missing_key(self, saved, tmp_path, key):
@@ -196,7 +199,9 @@ class TestReading:
             (("request", "twist"), "abc", "request.twist"),
             (("outcome", "status"), None, "outcome.status"),
             (("disturbance", "friction"), "slippery", "disturbance.friction"),
-            (("conditions", "seed"), 1.5, "conditions.seed"),
+            (("scenario", "seed"), 1.5, "scenario.seed"),
+            (("scenario", "noise"), 4.0, "noise: expected 0 to 3, got 4"),
+            (("request", "twist"), "NaN", "Jump.twist: expected a finite number"),
         ],
     )
     def test_meta_that_is_wrong(self, saved, tmp_path, path, value, said):
@@ -210,9 +215,27 @@ class TestReading:
 def test_files_without_what_came_later_open(rollout, saved, tmp_path):
     with np.load(saved) as archive:
         meta = json.loads(str(archive["meta"]))
-    del meta["control_parameters"], meta["conditions"]["trunk_mass"]
+    del meta["control_parameters"], meta["scenario"]["trunk_mass"]
     del meta["outcome"]["landing_strategy"]
     older = load(rewritten(saved, tmp_path / "older.npz", meta=np.array(json.dumps(meta))))
     assert older.control_parameters == {}
     outcome = replace(rollout.outcome, landing_strategy="")
     same(replace(rollout, control_parameters={}, outcome=outcome), older)
+
+
+@pytest.mark.parametrize(
+    ("older", "scenario"),
+    [
+        ({"board": 0.02, "seed": 3, "noise": 0.5}, Scenario(board=0.02, seed=3, noise=0.5)),
+        ({"board": 0.02, "seed": None, "noise": 1.0}, Scenario(board=0.02)),
+    ],
+)
+def test_a_file_that_says_conditions_opens(rollout, saved, tmp_path, older, scenario):
+    """Where nothing was disturbed they held a noise nevertheless."""
+    with np.load(saved) as archive:
+        meta = json.loads(str(archive["meta"]))
+    meta["conditions"] = meta.pop("scenario") | older
+    opened = load(rewritten(saved, tmp_path / "older.npz", meta=np.array(json.dumps(meta))))
+    same(replace(rollout, scenario=scenario), opened)
+    opened.save(tmp_path / "again.npz")
+    same(opened, load(tmp_path / "again.npz"))
