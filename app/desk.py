@@ -32,7 +32,7 @@ from app.stage import Stage
 from app.worker_pool import WorkerPool
 from llsrbm.jump import Jump
 from llsrbm.motion.plan import Plan
-from llsrbm.motion.rollout import Conditions
+from llsrbm.scenario import Scenario
 from llsrbm.tuning import Tuning
 
 
@@ -101,9 +101,9 @@ class Desk:
         self._stage.show_plan(plan)
         self._panel.show_status("Planned", summaries.planned_line(plan))
 
-    def simulate(self, plan: Plan, conditions: Conditions) -> None:
+    def simulate(self, plan: Plan, scenario: Scenario) -> None:
         """Have the whole robot follow the plan that is shown."""
-        self._submit(SimulateJump(plan, conditions))
+        self._submit(SimulateJump(plan, scenario))
         self._panel.show_status("Simulating", "...", busy=True)
 
     def cancel(self) -> None:

@@ -40,9 +40,9 @@ class Files:
             return None
 
     def save(self, design: Design) -> None:
-        """Send a design, with the world that the panel has."""
-        conditions, _ = self._panel.simulation.read(design.conditions)
-        content = dump_design(replace(design, conditions=conditions)).encode()
+        """Send a design, with the scenario that the panel has."""
+        scenario, _ = self._panel.simulation.read(design.scenario)
+        content = dump_design(replace(design, scenario=scenario)).encode()
         self._client.send_file_download(file_name(design), content, save_immediately=True)
 
     def export(self, shown: Plan | Rollout | None) -> None:

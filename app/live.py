@@ -57,7 +57,7 @@ class Live:
         )
         if shown is None or not alike or not shown.solved:
             return PlanJump(jump, tuning)
-        # The plan that a page opens with may come from a file, which does not hold its solution.
+        # A plan from an old file has no solution.
         near = shown if shown.solution is not None and _near(shown.jump, jump) else None
         return PlanJump(jump, tuning, near=near, patient=False)
 

@@ -71,7 +71,7 @@ class Panel:
 
     Attributes:
         jump: the controls of the request.
-        simulation: those of the simulated world.
+        simulation: those of the scenario.
         tuning: of weights and limits.
         view: of what is drawn.
         compare: of what is pinned.

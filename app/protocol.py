@@ -12,7 +12,8 @@ from typing import Protocol
 
 from llsrbm.jump import Jump
 from llsrbm.motion.plan import Plan
-from llsrbm.motion.rollout import Conditions, Rollout
+from llsrbm.motion.rollout import Rollout
+from llsrbm.scenario import Scenario
 from llsrbm.tuning import Tuning
 
 # ---- tasks, server to process
@@ -37,7 +38,7 @@ class PlanJump:
         jump: the request.
         tuning: weights and limits in place of the robot's own.
         near: a plan to start from, if it is of use for that: one of the same robot and model that
-            was planned by this server, not read from a file.
+            converged.
         patient: try all there is when the quick attempts fail.
     """
 
@@ -53,11 +54,11 @@ class SimulateJump:
 
     Attributes:
         plan: a solved one.
-        conditions: board and disturbance.
+        scenario: board and disturbance.
     """
 
     plan: Plan
-    conditions: Conditions
+    scenario: Scenario
 
 
 @dataclass(frozen=True)
@@ -269,7 +270,7 @@ class Planner(Protocol):
         """Simulate a plan, telling the share done.
 
         Raises:
-            llsrbm.errors.Error: the plan or the conditions cannot be used, or stopped
+            llsrbm.errors.Error: the plan or the scenario cannot be used, or stopped
                 (`Cancelled`).
         """
         ...

@@ -194,7 +194,7 @@ class Session:
             case Action.LAYERS:
                 self._stage.show_layers()
             case Action.PIN:
-                self._stage.pin(self.design.conditions)
+                self._stage.pin(self.design.scenario)
             case Action.UNPIN:
                 self._stage.unpin()
             case Action.TAKE_UP:
@@ -230,7 +230,7 @@ class Session:
         """Put the controls where a design has them, and plan it."""
         self._use_robot(design.jump.robot)
         self._panel.jump.show(design.jump)
-        self._panel.simulation.show(design.conditions)
+        self._panel.simulation.show(design.scenario)
         self._panel.designs.show(design.title, design.note)
         self.design = design
         if self._robot is not None:
@@ -284,13 +284,13 @@ class Session:
                 "The planner did not converge, so there is no motion to follow.",
             )
             return
-        conditions, complaints = self._panel.simulation.read(self.design.conditions)
+        scenario, complaints = self._panel.simulation.read(self.design.scenario)
         if complaints:
             self._panel.notify("Corrected", "; ".join(complaints))
-            self._panel.simulation.show(conditions)
-        self.design = replace(self.design, conditions=conditions)
+            self._panel.simulation.show(scenario)
+        self.design = replace(self.design, scenario=scenario)
         remember(self._client, self.design)
-        self._desk.simulate(plan, conditions)
+        self._desk.simulate(plan, scenario)
 
     def _take_nearest(self) -> None:
         nearest = self._desk.nearest

@@ -1,4 +1,4 @@
-"""The controls that say in what world a plan is followed."""
+"""The controls that say in what scenario a plan is followed."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from dataclasses import replace
 import viser
 
 from app.checked import number, put
-from llsrbm.motion.rollout import Conditions
 from llsrbm.robots import RobotFile
+from llsrbm.scenario import Scenario
 from llsrbm.simulation.surroundings import TO_SPARE
 
 _STEP = 5  # mm
@@ -21,6 +21,7 @@ class SimulationControls:
     def __init__(self, gui: viser.GuiApi, robot_file: RobotFile) -> None:
         """No board, nothing disturbed; boards that fit under the robot."""
         self._thickest = _thickest(robot_file)
+        self._noise: float | None = None  # of what was shown; for when it is disturbed again
         self._board = gui.add_slider(
             "Board [mm]", 0, self._thickest, _STEP, 0, hint="Slid under the robot in mid-flight"
         )
@@ -39,33 +40,36 @@ class SimulationControls:
         )
         self.button = gui.add_button("Simulate", hint="Follow the plan with the whole robot")
 
-    def read(self, current: Conditions) -> tuple[Conditions, list[str]]:
-        """The conditions as the controls stand, and what had to be corrected in them.
+    def read(self, current: Scenario) -> tuple[Scenario, list[str]]:
+        """The scenario as the controls stand, and what had to be corrected in them.
 
         Args:
             current: holds what has no control.
         """
         complaints: list[str] = []
         board = number("Board [mm]", self._board.value, (0, self._thickest), complaints) / 1000
-        seed = None
+        seed, noise = None, None
         if self._disturb.value:
+            noise = self._noise
             seed = round(number("Seed", self._seed.value, (0, _LARGEST_SEED), complaints))
         # Half of no board is no board.
         half = bool(self._half.value) and board > 0
-        return replace(current, board=board, half_board=half, seed=seed), complaints
+        return replace(current, board=board, half_board=half, seed=seed, noise=noise), complaints
 
     def show_robot(self, robot_file: RobotFile) -> None:
         """Boards that fit under another robot."""
+        self._noise = None
         self._thickest = self._board.max = _thickest(robot_file)
         put(self._board, min(self._board.value, self._thickest))
 
-    def show(self, conditions: Conditions) -> None:
-        """Put the controls where these conditions have them."""
-        put(self._board, round(1000 * conditions.board))
-        put(self._half, conditions.half_board)
-        put(self._disturb, conditions.seed is not None)
-        if conditions.seed is not None:
-            put(self._seed, conditions.seed)
+    def show(self, scenario: Scenario) -> None:
+        """Put the controls where this scenario has them."""
+        self._noise = scenario.noise
+        put(self._board, round(1000 * scenario.board))
+        put(self._half, scenario.half_board)
+        put(self._disturb, scenario.seed is not None)
+        if scenario.seed is not None:
+            put(self._seed, scenario.seed)
 
 
 def _thickest(robot_file: RobotFile) -> int:

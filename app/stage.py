@@ -25,9 +25,10 @@ from llsrbm.analysis.figures import figures_of_plan
 from llsrbm.design import Design
 from llsrbm.jump import Jump
 from llsrbm.motion.plan import Plan
-from llsrbm.motion.rollout import Conditions, Rollout
+from llsrbm.motion.rollout import Rollout
 from llsrbm.robots import Robot
 from llsrbm.robots.schema import Task
+from llsrbm.scenario import Scenario
 from llsrbm.simulation.surroundings import surroundings
 from llsrbm.titles import titles_of
 
@@ -120,7 +121,7 @@ class Stage:
         assert self._robot is not None
         first = self._replay is None
         replay = bake(plan, self._robot)
-        around = surroundings(self._robot, plan, Conditions())
+        around = surroundings(self._robot, plan, Scenario())
         self._replay, self._simulated = replay, None
         with self._client.atomic():
             self._scene.show_motion(replay, blocks=around.blocks)
@@ -138,7 +139,7 @@ class Stage:
         assert self._robot is not None
         assert self._replay is not None
         self._simulated = bake_rollout(rollout, self._robot)
-        around = surroundings(self._robot, self._replay.plan, rollout.conditions)
+        around = surroundings(self._robot, self._replay.plan, rollout.scenario)
         with self._client.atomic():
             self._scene.show_motion(self._replay, self._simulated.frames, around.blocks)
             self._load()
@@ -160,16 +161,16 @@ class Stage:
 
     # ---- what is compared
 
-    def pin(self, conditions: Conditions) -> None:
+    def pin(self, scenario: Scenario) -> None:
         """Keep the motion that is shown.
 
         Args:
-            conditions: in which it would be simulated, if it has not been.
+            scenario: in which it would be simulated, if it has not been.
         """
         if self._robot is None or self._replay is None or self._pins.full:
             return
         plan = self._replay.plan
-        design = Design(plan.jump, plan.tuning, _conditions(self.rollout) or conditions)
+        design = Design(plan.jump, plan.tuning, _scenario(self.rollout) or scenario)
         self._pins.add(design, self._robot, self._replay, self._simulated)
         self._show_pins()
 
@@ -197,10 +198,10 @@ class Stage:
         assert self._replay is not None
         replay, rollout = self._replay, self.rollout
         decisions = [
-            (pin.replay.plan.jump, pin.replay.plan.tuning, _conditions(pin.rollout))
+            (pin.replay.plan.jump, pin.replay.plan.tuning, _scenario(pin.rollout))
             for pin in self._pins
         ]
-        current = (replay.plan.jump, replay.plan.tuning, _conditions(rollout))
+        current = (replay.plan.jump, replay.plan.tuning, _scenario(rollout))
         title, *titles = titles_of([current, *decisions])
         layers = [*shown_layers(replay, rollout)]
         columns = []
@@ -307,5 +308,5 @@ class Stage:
         self._client.local_storage.get_item("llsrbm", timeout=2.0)
 
 
-def _conditions(rollout: Rollout | None) -> Conditions | None:
-    return None if rollout is None else rollout.conditions
+def _scenario(rollout: Rollout | None) -> Scenario | None:
+    return None if rollout is None else rollout.scenario

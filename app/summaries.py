@@ -12,8 +12,9 @@ from llsrbm.analysis.diagnosis import diagnose, fall_in_words
 from llsrbm.analysis.figures import figures_of_plan
 from llsrbm.analysis.peak_loads import planned_peak_load
 from llsrbm.motion.plan import Plan, Violation
-from llsrbm.motion.rollout import Conditions, Disturbance, Outcome, Rollout
+from llsrbm.motion.rollout import Disturbance, Outcome, Rollout
 from llsrbm.robots import load_robot
+from llsrbm.scenario import Scenario
 
 _TOLD_OF_A_FALL = 4  # events; what follows them is the fall itself
 
@@ -109,7 +110,7 @@ def rollout_figures(rollout: Rollout) -> str:
         f"{_millimetres(outcome.foot_error)} at the end"
     )
     rows = [
-        ("World", _conditions(rollout.conditions, rollout.disturbance)),
+        ("World", _scenario(rollout.scenario, rollout.disturbance)),
         ("Yaw at touch-down", _against_plan(outcome.yaw_error_at_touchdown)),
         ("Yaw at the end", _against_plan(outcome.final_yaw_error)),
         ("Detection", _detection(outcome)),
@@ -145,17 +146,17 @@ def residuals(violations: dict[str, Violation]) -> str:
     return table(rows)
 
 
-def _conditions(conditions: Conditions, disturbance: Disturbance) -> str:
+def _scenario(scenario: Scenario, disturbance: Disturbance) -> str:
     parts = []
-    if conditions.board > 0:
-        kind = "half board" if conditions.half_board else "board"
-        parts.append(f"{kind} of {1e3 * conditions.board:.0f} mm")
-    if conditions.seed is None:
-        trunk = conditions.trunk_mass
+    if scenario.board > 0:
+        kind = "half board" if scenario.half_board else "board"
+        parts.append(f"{kind} of {1e3 * scenario.board:.0f} mm")
+    if scenario.seed is None:
+        trunk = scenario.trunk_mass
         parts.append(f"trunk {trunk:+.1%}" if trunk else "undisturbed")
     else:
         parts.append(
-            f"seed {conditions.seed}: trunk {disturbance.trunk_mass_factor - 1:+.1%}, "
+            f"seed {scenario.seed}: trunk {disturbance.trunk_mass_factor - 1:+.1%}, "
             f"friction {disturbance.friction:.2f}, "
             f"contacts {1e3 * disturbance.contact_time:.0f} ms, "
             f"torque {disturbance.torque_delay_ticks} ticks late"

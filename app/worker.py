@@ -100,12 +100,7 @@ class LibraryPlanner:
                 told = int(100 * share)
                 tell(f"simulating, {told} %", share=share)
 
-        return llsrbm.simulate(
-            task.plan,
-            **task.conditions.as_arguments(),
-            progress=percent,
-            cancelled=cancelled,
-        )
+        return llsrbm.simulate(task.plan, task.scenario, progress=percent, cancelled=cancelled)
 
     def _announce(self, robot: str, model: str, tell: Tell) -> None:
         if (robot, model) not in self._solvers:

@@ -20,12 +20,12 @@ COLUMNS = (
 
 
 def row(name: str, design: Design) -> str:
-    tuning, conditions = design.tuning, design.conditions
+    tuning, scenario = design.tuning, design.scenario
     try:
         plan = llsrbm.plan(design.jump, weights=tuning.weights, limits=tuning.limits)
     except llsrbm.NotConverged as error:
         return f"| {name} | failed: {error} |"
-    rollout = llsrbm.simulate(plan, **conditions.as_arguments())
+    rollout = llsrbm.simulate(plan, scenario)
     report, outcome = plan.report, rollout.outcome
     cells = (
         name,

@@ -128,8 +128,8 @@ def push(*, turning: bool) -> Cause:
 def lower_ground(amount: float, _plan: Any, _rng: np.random.Generator) -> Patch:
     """The robot starts on a block that is drawn away in flight."""
 
-    def sunk(robot: Any, plan: Any, conditions: Any) -> Any:
-        around = surroundings(robot, plan, conditions)
+    def sunk(robot: Any, plan: Any, scenario: Any) -> Any:
+        around = surroundings(robot, plan, scenario)
         start = Block(
             "start",
             np.array([0.0, 0.0, -amount / 2]),

@@ -75,22 +75,20 @@ CELLS = {
 _plans: dict[tuple[str, str, Cell], Any] = {}
 
 
-def one(work: tuple[Cell, str, str, int, dict[str, Any]]) -> dict[str, Any]:
-    cell, robot, model, seed, given = work
-    options = dict(given)
+def one(work: tuple[Cell, str, str, int, llsrbm.Scenario]) -> dict[str, Any]:
+    cell, robot, model, seed, scenario = work
     key = (robot, model, cell)
     if key not in _plans:
         _plans[key] = llsrbm.plan(cell.jump(robot, model))
     plan = _plans[key]
-    bound = options.pop("trunk_mass")
-    rollout = llsrbm.simulate(
-        plan,
+    bound = scenario.trunk_mass
+    scenario = scenario.but(
         board=cell.board,
         half_board=cell.half_board,
         seed=seed,
         trunk_mass=None if bound is None else bound * (-1) ** seed,
-        **options,
     )
+    rollout = llsrbm.simulate(plan, scenario)
     rates = yaw_rates(plan, rollout)
     return {"cell": cell.name, "model": model, "seed": seed, **asdict(rollout.outcome), **rates}
 
@@ -201,9 +199,9 @@ def main(
     cells: Annotated[str, typer.Option(help="Part of the names; all if empty.")] = "",
     jobs: int = 2,
     noise: float = 1.0,
-    detector: str = "residual",
-    landing: str = "auto",
-    solver: str = "quadprog",
+    detector: str = llsrbm.Scenario.detector,
+    landing: str = llsrbm.Scenario.landing,
+    solver: str = llsrbm.Scenario.solver,
     trunk_mass: Annotated[
         float | None,
         typer.Option(
@@ -213,15 +211,11 @@ def main(
     out: Annotated[Path | None, typer.Option(help="All outcomes, JSON lines.")] = None,
 ) -> None:
     first, last = (int(part) for part in seeds.split(":"))
-    options = {
-        "noise": noise,
-        "detector": detector,
-        "landing": landing,
-        "solver": solver,
-        "trunk_mass": trunk_mass,
-    }
+    scenario = llsrbm.Scenario(
+        noise=noise, detector=detector, landing=landing, solver=solver, trunk_mass=trunk_mass
+    )
     work = [
-        (cell, robot, model, seed, options)
+        (cell, robot, model, seed, scenario)
         for model in models.split(",")
         for cell in CELLS.get(robot, QUADRUPED)
         if cells in cell.name

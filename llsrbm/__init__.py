@@ -23,6 +23,7 @@ from llsrbm.errors import (
     Stop,
 )
 from llsrbm.jump import Jump
+from llsrbm.scenario import Scenario
 from llsrbm.tuning import Tuning
 
 if TYPE_CHECKING:
@@ -61,6 +62,7 @@ __all__ = [
     "Plan",
     "RobotFileError",
     "Rollout",
+    "Scenario",
     "Stop",
     "Tuning",
     "dump_design",

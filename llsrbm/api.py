@@ -5,8 +5,9 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from typing import Any
 
-from llsrbm.errors import NotConverged
+from llsrbm.errors import InputError, NotConverged
 from llsrbm.jump import Jump
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
@@ -18,6 +19,7 @@ from llsrbm.planning.scout import Scout
 from llsrbm.planning.solvers import names as solver_names
 from llsrbm.planning.task import make_task
 from llsrbm.robots import load_robot
+from llsrbm.scenario import Scenario
 
 
 def plan(
@@ -48,7 +50,7 @@ def plan(
 
     Raises:
         InputError: an unknown name, a request or a limit out of the robot's range, or a plan to
-            start from that is of another robot or model, failed or was read from a file.
+            start from that is of another robot, model or version of the planner, or that failed.
         RobotFileError: the robot file is wrong.
         NotConverged: no attempt satisfied every constraint; its `plan` is the last iterate. With
             patience and the default solver it names the limits that stop the jump, after some more
@@ -115,17 +117,11 @@ def nearest(
 
 def simulate(
     plan: Plan,
+    scenario: Scenario | None = None,
     *,
-    board: float = 0.0,
-    half_board: bool = False,
-    seed: int | None = None,
-    noise: float | None = None,
-    detector: str = "residual",
-    landing: str = "auto",
-    solver: str = "quadprog",
-    trunk_mass: float | None = None,
     cancelled: Callable[[], bool] | None = None,
     progress: Callable[[float], None] | None = None,
+    **fields: Any,
 ) -> Rollout:
     """Let the whole robot follow a plan in MuJoCo, until a second after the plan's end.
 
@@ -134,19 +130,11 @@ def simulate(
 
     Args:
         plan: a plan that converged.
-        board: thickness of a board that is slid under the robot in mid-flight, m.
-        half_board: the board lies under the front feet only.
-        seed: draws a disturbance of trunk mass, friction, contact stiffness, torque delay and
-            measured velocities; None: nothing is disturbed.
-        noise: scale of the disturbance, 0 to 3; None: 1. Without a seed, the seed is 0.
-        detector: name of the contact detector (`llsrbm.control.detection`).
-        landing: name of the landing strategy (`llsrbm.control.landing`); "auto": scaled forces
-            where the robot file has a force phase, tracking where it has none.
-        solver: name of the controller's QP solver (`llsrbm.control.solvers`).
-        trunk_mass: error of the trunk's mass, -0.5 to 0.5 of it, in place of the drawn one: the
-            simulated trunk weighs 1 + this of what the controller believes; None: as drawn.
+        scenario: board, disturbance, and names of detector, landing strategy and QP solver;
+            None: no board, nothing disturbed.
         cancelled: asked now and then; True ends with `Cancelled`.
         progress: told the share that is done, 0 to 1.
+        fields: those of a `Scenario` in place of one: `simulate(plan, board=0.025, seed=3)`.
 
     Raises:
         InputError: no plan, one that did not converge or is of another robot; an unknown name; a
@@ -156,21 +144,25 @@ def simulate(
         Cancelled: on request.
     """
     # MuJoCo takes its time to import: not for those who only plan.
-    from llsrbm.simulation import request
+    from llsrbm.simulation import checks
     from llsrbm.simulation.simulate import simulate as run
 
-    request.check_plan(plan)
-    conditions = request.make_conditions(
-        board=board,
-        half_board=half_board,
-        seed=seed,
-        noise=noise,
-        detector=detector,
-        landing_strategy=landing,
-        solver=solver,
-        trunk_mass=trunk_mass,
-    )
+    checks.check_plan(plan)
+    scenario = _scenario(scenario, fields)
     robot = load_robot(plan.jump.robot)
-    request.check_robot(plan, robot)
-    request.check_landing(conditions, robot)
-    return run(plan, robot, conditions, cancelled=cancelled, progress=progress)
+    checks.check_robot(plan, robot)
+    checks.check_scenario(scenario, robot)
+    return run(plan, robot, scenario, cancelled=cancelled, progress=progress)
+
+
+def _scenario(scenario: Any, fields: Mapping[str, Any]) -> Scenario:
+    if scenario is None:
+        return Scenario().but(**fields)
+    if not isinstance(scenario, Scenario):
+        raise InputError(f"expected a Scenario, got a {type(scenario).__name__}")
+    if fields:
+        raise InputError(
+            f"expected a Scenario or its fields, got {', '.join(fields)} beside a Scenario; "
+            "to change one: scenario.but(...)"
+        )
+    return scenario

@@ -1,4 +1,4 @@
-"""Designs as files: a jump, what it changes about the planner, and the world to follow it in.
+"""Designs as files: a jump, what it changes about the planner, and the scenario to follow it in.
 
 A file is JSON; angles in rad, lengths in m, limits in their SI units, whatever a page shows:
 
@@ -8,11 +8,12 @@ A file is JSON; angles in rad, lengths in m, limits in their SI units, whatever 
       "jump": {"robot": "anymal", "model": "llsrbm-plus", "twist": 1.0, "forward": 0.0, ...},
       "weights": {"time": 10.0},
       "limits": {"friction": 0.2},
-      "conditions": {"board": 0.025, "seed": 7}
+      "scenario": {"board": 0.025, "seed": 7}
     }
 
 `schema`, the robot and the model must be there; a key that is left out has its default, a key that
-is not known is refused. The names are those of `Jump`, `Tuning` and `Conditions`.
+is not known is refused. The names are those of `Jump`, `Tuning` and `Scenario`. Older files call
+the scenario "conditions".
 """
 
 from __future__ import annotations
@@ -20,19 +21,18 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, BaseModel, Field, ValidationError, model_validator
+from pydantic import AfterValidator, BaseModel, Field, PlainValidator, ValidationError
 from pydantic_core import ErrorDetails, PydanticCustomError
 
 from llsrbm.errors import FileFormatError, InputError
 from llsrbm.jump import Jump
-from llsrbm.motion.rollout import Conditions
 from llsrbm.robots.schema import choices
 from llsrbm.robots.tables import Table
-from llsrbm.simulation.disturbance import LARGEST_TRUNK_MASS
+from llsrbm.scenario import Scenario, with_scenario
 from llsrbm.tuning import Tuning
 
 SCHEMA = "llsrbm.design/1"
@@ -52,14 +52,14 @@ class Design:
     Attributes:
         jump: the request.
         tuning: weights and limits in place of the robot's own.
-        conditions: of the simulation.
+        scenario: to simulate it in.
         title: to choose it by, in one line of at most 80 characters.
         note: what to look at, at most 400 characters.
     """
 
     jump: Jump
     tuning: Tuning = field(default_factory=Tuning)
-    conditions: Conditions = field(default_factory=Conditions)
+    scenario: Scenario = field(default_factory=Scenario)
     title: str = ""
     note: str = ""
 
@@ -70,18 +70,13 @@ def dump_design(design: Design) -> str:
     Raises:
         InputError: a title, a name or a number that no file may hold.
     """
-    standard = asdict(Conditions())
     differing = {
         "title": design.title,
         "note": design.note,
         "jump": design.jump.as_dict(),
         "weights": dict(design.tuning.weights),
         "limits": dict(design.tuning.limits),
-        "conditions": {
-            name: value
-            for name, value in asdict(design.conditions).items()
-            if value != standard[name]
-        },
+        "scenario": design.scenario.stated(),
     }
     table = {"schema": SCHEMA} | {name: value for name, value in differing.items() if value}
     _checked(table, "this design")
@@ -141,21 +136,17 @@ class _JumpTable(Table):
     height: _Amount = 0.0
 
 
-class _ConditionsTable(Table):
-    board: Annotated[float, Field(ge=0, le=1)] = 0.0
-    half_board: bool = False
-    seed: Annotated[int, Field(ge=0, le=_LARGEST_SEED)] | None = None
-    noise: Annotated[float, Field(ge=0, le=_FARTHEST)] = Conditions.noise
-    detector: _Name = Conditions.detector
-    landing: _Name = Conditions.landing
-    solver: _Name = Conditions.solver
-    trunk_mass: Annotated[float, Field(ge=-LARGEST_TRUNK_MASS, le=LARGEST_TRUNK_MASS)] | None = None
-
-    @model_validator(mode="after")
-    def _half_of_something(self) -> Self:
-        if self.half_board and self.board == 0:
-            raise PydanticCustomError("half", "half_board: expected a board's thickness beside it")
-        return self
+def _scenario(table: Any) -> Scenario:
+    """A scenario from its table; `Scenario` says itself what may be in it."""
+    if not isinstance(table, Mapping):
+        raise PydanticCustomError("dict_type", "expected an object")
+    try:
+        scenario = Scenario().but(**table)
+    except InputError as error:
+        raise PydanticCustomError("scenario", "{why}", {"why": str(error)}) from error
+    if (scenario.seed or 0) > _LARGEST_SEED:
+        raise PydanticCustomError("scenario", f"seed: expected at most {_LARGEST_SEED} in a file")
+    return scenario
 
 
 class _File(Table):
@@ -165,7 +156,7 @@ class _File(Table):
     jump: _JumpTable
     weights: dict[_Name, _Value] = Field(default_factory=dict)
     limits: dict[_Name, _Value] = Field(default_factory=dict)
-    conditions: _ConditionsTable = _ConditionsTable()
+    scenario: Annotated[Scenario, PlainValidator(_scenario)] = Scenario()
 
 
 def _parse(content: bytes, where: str) -> Design:
@@ -194,7 +185,7 @@ def _parse(content: bytes, where: str) -> Design:
     return Design(
         jump=Jump(**file.jump.model_dump()),
         tuning=Tuning(weights=file.weights, limits=file.limits),
-        conditions=Conditions(**file.conditions.model_dump()),
+        scenario=file.scenario,
         title=file.title,
         note=file.note,
     )
@@ -223,7 +214,7 @@ def _checked(table: Any, where: str) -> _File:
             f'{where}: schema: expected "{SCHEMA}", got {_short(table["schema"])}'
         )
     try:
-        return _File.model_validate(table)
+        return _File.model_validate(with_scenario(table))
     except ValidationError as error:
         # A misspelt key is both unknown and missing; the first says more.
         details = sorted(error.errors(), key=lambda detail: detail["type"] != "extra_forbidden")
@@ -241,8 +232,8 @@ def _sentence(detail: ErrorDetails) -> str:
             return f"unknown key {_short(location[-1])}; {choices(location[-1], known)}"
         case "missing":
             return f'missing key "{key}"; expected: {", ".join(_keys(location[:-1]))}'
-        case "half":
-            return f"{key}.{detail['msg']}"
+        case "scenario":
+            return f"{key}: {detail['msg']}"
         case "model_type" | "dict_type":
             return f"{key}: expected an object, got {_short(detail['input'])}"
         case _:
@@ -252,8 +243,7 @@ def _sentence(detail: ErrorDetails) -> str:
 
 def _keys(location: list[str]) -> list[str]:
     """What may stand in the table at a location."""
-    tables: dict[str, type[BaseModel]] = {"jump": _JumpTable, "conditions": _ConditionsTable}
-    table = tables[location[0]] if location else _File
+    table: type[BaseModel] = _JumpTable if location else _File
     return [info.alias or name for name, info in table.model_fields.items()]
 
 

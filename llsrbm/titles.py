@@ -5,22 +5,21 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import asdict
 from pathlib import Path
 
 from llsrbm.jump import Jump
-from llsrbm.motion.rollout import Conditions
+from llsrbm.scenario import Scenario
 from llsrbm.tuning import Tuning
 
-Decisions = tuple[Jump, Tuning, Conditions | None]
-"""What a title is made from; without conditions where nothing is simulated."""
+Decisions = tuple[Jump, Tuning, Scenario | None]
+"""What a title is made from; without a scenario where nothing is simulated."""
 
 _ALWAYS = ("robot", "task", "model")
 
 
-def title_of(jump: Jump, tuning: Tuning | None = None, conditions: Conditions | None = None) -> str:
+def title_of(jump: Jump, tuning: Tuning | None = None, scenario: Scenario | None = None) -> str:
     """A design's name by what was decided about it: "90° llsrbm-plus, friction 0.4"."""
-    return _joined(_parts(jump, tuning or Tuning(), conditions))
+    return _joined(_parts(jump, tuning or Tuning(), scenario))
 
 
 def titles_of(designs: Sequence[Decisions]) -> tuple[str, ...]:
@@ -41,7 +40,7 @@ def titles_of(designs: Sequence[Decisions]) -> tuple[str, ...]:
     return tuple(titles)
 
 
-def _parts(jump: Jump, tuning: Tuning, conditions: Conditions | None) -> dict[str, str]:
+def _parts(jump: Jump, tuning: Tuning, scenario: Scenario | None) -> dict[str, str]:
     """What was decided, in order: a key and how it is said; no defaults but the model's."""
     parts = {}
     if jump.robot != Jump().robot:
@@ -49,17 +48,16 @@ def _parts(jump: Jump, tuning: Tuning, conditions: Conditions | None) -> dict[st
     parts |= {"task": _task(jump), "model": jump.model}
     for name, value in {**tuning.weights, **tuning.limits}.items():
         parts[f"tuning {name}"] = f"{name.replace('_', ' ')} {value:g}"
-    if conditions is None:
+    if scenario is None:
         return parts
-    standard = asdict(Conditions())
-    for name, value in asdict(conditions).items():
-        if value != standard[name] and name not in ("board", "half_board", "trunk_mass"):
+    for name, value in scenario.stated().items():
+        if name not in ("board", "half_board", "trunk_mass"):
             parts[name] = f"{name} {value:g}" if isinstance(value, float | int) else str(value)
-    if conditions.trunk_mass is not None:
-        parts["trunk_mass"] = f"trunk {100 * conditions.trunk_mass:+g} %"
-    if conditions.board:
-        kind = "half board" if conditions.half_board else "board"
-        parts["board"] = f"{kind} {1e3 * conditions.board:g} mm"
+    if scenario.trunk_mass is not None:
+        parts["trunk_mass"] = f"trunk {100 * scenario.trunk_mass:+g} %"
+    if scenario.board:
+        kind = "half board" if scenario.half_board else "board"
+        parts["board"] = f"{kind} {1e3 * scenario.board:g} mm"
     return parts
 
 

@@ -37,7 +37,7 @@ def rollout_summary(rollout: Rollout) -> dict[str, Any]:
         **{name: outcome[name] for name in PROMISED},
         **outcome,
         "duration_s": rollout.duration,
-        "conditions": asdict(rollout.conditions),
+        "scenario": asdict(rollout.scenario),
         "disturbance": asdict(rollout.disturbance),
         "events": [asdict(event) for event in diagnose(rollout)],
     }

@@ -41,9 +41,7 @@ def compare_command(
         ]
         titles = titles_of(
             [
-                (t.jump, t.tuning, None)
-                if isinstance(t, Plan)
-                else (t.jump, Tuning(), t.conditions)
+                (t.jump, t.tuning, None) if isinstance(t, Plan) else (t.jump, Tuning(), t.scenario)
                 for t in trajectories
             ]
         )

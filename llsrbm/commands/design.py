@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -52,21 +52,3 @@ def requested_design(context: typer.Context, name_or_path: str | None, jump: Jum
         name: value for name, value in jump.as_dict().items() if options.is_given(context, name)
     }
     return replace(design, jump=replace(design.jump, **given))
-
-
-def requested_world(
-    context: typer.Context, design: Design, world: dict[str, Any]
-) -> dict[str, Any]:
-    """Arguments for `llsrbm.simulate`: the design's conditions, overridden by options given.
-
-    Args:
-        context: of the command, to know which options were given.
-        design: whose conditions count where nothing is given.
-        world: name of an argument -> what the options say, defaults included.
-    """
-    given = {
-        name: value
-        for name, value in world.items()
-        if options.is_given(context, {"solver": "qp_solver"}.get(name, name))
-    }
-    return design.conditions.as_arguments() | given

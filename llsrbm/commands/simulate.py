@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from llsrbm.commands import console, options
-from llsrbm.commands.design import DesignOption, requested_design, requested_world
+from llsrbm.commands.design import DesignOption, requested_design
+from llsrbm.commands.scenario_options import with_scenario_options
 from llsrbm.errors import InputError
 
 if TYPE_CHECKING:
@@ -18,36 +20,13 @@ if TYPE_CHECKING:
     from llsrbm.motion.rollout import Rollout
 
 
+@with_scenario_options
 def simulate_command(
     context: typer.Context,
+    fields: Mapping[str, Any],
     file: Annotated[
         Path | None, typer.Argument(metavar="PLAN.npz", help="A plan; without: plan first.")
     ] = None,
-    board: Annotated[
-        float, typer.Option(metavar="M", help="Thickness of a board slid in in mid-flight.")
-    ] = 0.0,
-    half_board: Annotated[
-        bool,
-        typer.Option(
-            "--half-board/--whole-board", help="The board lies under the front feet only."
-        ),
-    ] = False,
-    seed: Annotated[
-        int | None, typer.Option(metavar="N", help="Draws a disturbance; without: none.")
-    ] = None,
-    noise: Annotated[
-        float | None, typer.Option(metavar="S", help="Scale of the disturbance, 0 to 3.")
-    ] = None,
-    trunk_mass: Annotated[
-        float | None,
-        typer.Option(
-            metavar="SHARE",
-            help="Error of the trunk's mass, such as 0.12, in place of the drawn one.",
-        ),
-    ] = None,
-    detector: Annotated[str, typer.Option(help="residual or norm.")] = "residual",
-    landing: Annotated[str, typer.Option(help="auto, scaled, planned or tracking.")] = "auto",
-    qp_solver: Annotated[str, typer.Option(help="quadprog or proxqp.")] = "quadprog",
     design: DesignOption = None,
     robot: options.Robot = "anymal",
     model: options.Model = "llsrbm-plus",
@@ -64,14 +43,14 @@ def simulate_command(
     """Let the whole robot follow a plan, in MuJoCo.
 
     The plan is a file, or made first from the same options as those of `llsrbm plan`, and
-    followed under the conditions of the design, if there is one. The exit status is 1 if it does
-    not converge, or if the robot falls.
+    followed in the scenario of the design, if there is one. The exit status is 1 if it does not
+    converge, or if the robot falls.
     """
     with console.result_stream(as_json=as_json) as stdout:
         import llsrbm
         from llsrbm.analysis.rollout_summary import rollout_summary
         from llsrbm.robots import load_robot
-        from llsrbm.simulation.request import check_landing, make_conditions
+        from llsrbm.simulation.checks import check_scenario
 
         given = [name for name in options.PLANNING if options.is_given(context, name)]
         if file is not None and given:
@@ -82,30 +61,12 @@ def simulate_command(
         jump = options.requested_jump(robot, model, twist, forward, lateral, height)
         request = requested_design(context, design, jump)
         tuning = options.requested_tuning(request.tuning, weight, limit)
-        world = requested_world(
-            context,
-            request,
-            {
-                "board": board,
-                "half_board": half_board,
-                "seed": seed,
-                "noise": noise,
-                "detector": detector,
-                "landing": landing,
-                "solver": qp_solver,
-                "trunk_mass": trunk_mass,
-            },
-        )
-        # What is wrong here shall not come out after seconds of planning.
-        strategy = {"landing_strategy": world["landing"]}
-        conditions = make_conditions(
-            **strategy, **{k: v for k, v in world.items() if k != "landing"}
-        )
-        if file is None:
-            check_landing(conditions, load_robot(request.jump.robot))
+        scenario = request.scenario.but(**fields)
         if file is not None:
             plan = _read_plan(file)
         else:
+            # What is wrong shall not come out after seconds of planning.
+            check_scenario(scenario, load_robot(request.jump.robot))
             plan = llsrbm.plan(
                 request.jump,
                 solver=solver,
@@ -113,7 +74,7 @@ def simulate_command(
                 limits=tuning.limits,
                 progress=console.tell,
             )
-        rollout = llsrbm.simulate(plan, **world, progress=console.tell_share)
+        rollout = llsrbm.simulate(plan, scenario, progress=console.tell_share)
         if out is not None:
             rollout.save(out)
         if as_json:
@@ -143,19 +104,19 @@ def _fall(rollout: Rollout) -> str:
 
 def _description(rollout: Rollout) -> dict[str, str]:
     """A rollout in a few lines for a person: degrees, millimetres, milliseconds."""
-    outcome, conditions = rollout.outcome, rollout.conditions
+    outcome, scenario = rollout.outcome, rollout.scenario
     lines = {"request": options.described(rollout.jump)}
     board = ""
-    if conditions.board:
-        half = "half " if conditions.half_board else ""
-        board = f"{half}board {1e3 * conditions.board:.0f} mm, "
+    if scenario.board:
+        half = "half " if scenario.half_board else ""
+        board = f"{half}board {1e3 * scenario.board:.0f} mm, "
     noise = "undisturbed"
-    if conditions.seed is not None:
-        noise = f"disturbed by seed {conditions.seed}, noise {conditions.noise:g}"
+    if scenario.seed is not None:
+        noise = f"disturbed by seed {scenario.seed}, noise {scenario.noise:g}"
     trunk = ""
-    if conditions.trunk_mass is not None:
-        trunk = f", trunk {100 * conditions.trunk_mass:+g} % against its believed mass"
-    lines["world"] = f"{board}{noise}{trunk}"
+    if scenario.trunk_mass is not None:
+        trunk = f", trunk {100 * scenario.trunk_mass:+g} % against its believed mass"
+    lines["scenario"] = f"{board}{noise}{trunk}"
     lines["outcome"] = (
         f"landed, by the strict measure {'too' if outcome.strict else 'not'}"
         if rollout.landed
@@ -177,8 +138,8 @@ def _description(rollout: Rollout) -> dict[str, str]:
         f"{100 * outcome.peak_speed_ratio:.0f} %, saturated in "
         f"{100 * outcome.saturated_fraction:.1f} % of the ticks"
     )
-    lines["controller"] = f"landing strategy {outcome.landing_strategy or conditions.landing}"
-    if conditions.landing == "auto" and outcome.landing_strategy == "tracking":
+    lines["controller"] = f"landing strategy {outcome.landing_strategy or scenario.landing}"
+    if scenario.landing == "auto" and outcome.landing_strategy == "tracking":
         lines["controller"] += " (the robot file has no force phase)"
     lines["controller"] += (
         f", the QP was unsolved in {outcome.unsolved_ticks} of {len(rollout.time)} ticks"

@@ -15,9 +15,10 @@ from llsrbm.control.inverse_dynamics import Command, InverseDynamics
 from llsrbm.control.reference import Reference, Target
 from llsrbm.control.whole_body import WholeBody
 from llsrbm.motion.plan import Phase, Plan
-from llsrbm.motion.rollout import Conditions, Mode
+from llsrbm.motion.rollout import Mode
 from llsrbm.robots import Robot
 from llsrbm.robots.drives import torque_range
+from llsrbm.scenario import Scenario
 
 Array = NDArray[np.float64]
 
@@ -63,13 +64,13 @@ class WholeBodyController:
         landing: name of the landing strategy.
     """
 
-    def __init__(self, robot: Robot, plan: Plan, conditions: Conditions) -> None:
+    def __init__(self, robot: Robot, plan: Plan, scenario: Scenario) -> None:
         """Take a plan.
 
         Args:
             robot: as the controller believes it is.
             plan: what to follow.
-            conditions: names of detector, landing strategy and QP solver.
+            scenario: names of detector, landing strategy and QP solver.
 
         Raises:
             InputError: one of those names is unknown, or the strategy not for this robot.
@@ -78,14 +79,12 @@ class WholeBodyController:
         self._settings = settings
         self._tick = 1.0 / settings.rate
         self._robot = robot
-        self.landing = landing.resolved(conditions.landing, settings.force_phase)
+        self.landing = landing.resolved(scenario.landing, settings.force_phase)
         self._landing = landing.landing_strategy(self.landing)
         self._body = body = WholeBody(robot)
-        self._dynamics = InverseDynamics(body, settings.friction, conditions.solver, self._tick)
+        self._dynamics = InverseDynamics(body, settings.friction, scenario.solver, self._tick)
         self._reference = Reference(plan, robot.mass * _GRAVITY)
-        self.detector = make_detector(
-            conditions.detector, self._tick, model_uncertainty(robot.file)
-        )
+        self.detector = make_detector(scenario.detector, self._tick, model_uncertainty(robot.file))
         self._foot_forces = FootForces(body, robot.leg_joint_index, self._tick)
         gains, legs = settings.gains, range(body.legs)
         self._com = tasks.CentreOfMass(gains.com)

@@ -39,7 +39,7 @@ def description(trajectory: Plan | Rollout) -> dict[str, Any]:
     else:
         of_it = {
             "control": trajectory.control_parameters,
-            "scenario": asdict(trajectory.conditions),
+            "scenario": asdict(trajectory.scenario),
             "disturbance": asdict(trajectory.disturbance),
             "outcome": asdict(trajectory.outcome),
             **({} if trajectory.plan is None else _of_plan(trajectory.plan)),

@@ -11,7 +11,7 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 
 from llsrbm.errors import Error, FileFormatError, InputError
 from llsrbm.jump import Jump
-from llsrbm.motion.archive import Arrays, text, write_archive
+from llsrbm.motion.archive import Arrays, text
 from llsrbm.motion.quantity import WXYZ, Kind, Quantity
 
 _UNIT_QUATERNION = 1e-3  # largest deviation of a norm from 1 that still is an attitude
@@ -38,25 +38,22 @@ class Meta(BaseModel):
 _MetaType = TypeVar("_MetaType", bound=Meta)
 
 
-def write_native(
-    path: str | Path, schema: str, meta: Meta, trajectory: Any, layout: Mapping[str, Quantity]
-) -> None:
-    """Write the attributes of `trajectory` that `layout` names, atomically.
+def native_arrays(
+    schema: str, meta: Meta, trajectory: Any, layout: Mapping[str, Quantity]
+) -> Arrays:
+    """What a file holds of a trajectory: the attributes that `layout` names, schema and `meta`.
 
     Raises:
-        InputError: the file cannot be written.
         Error: the trajectory holds numbers that are not finite.
     """
-    arrays: Arrays = {}
+    arrays: Arrays = {"schema": np.array(schema), "meta": np.array(meta.model_dump_json())}
     for key, entry in layout.items():
         value = np.asarray(getattr(trajectory, key), dtype=_STORED[entry.kind])
         if value.dtype.kind == "f" and not np.isfinite(value).all():
             what = type(trajectory).__name__.lower()
             raise Error(f"{what}.{key} holds numbers that are not finite; it is not written")
         arrays[key] = value
-    write_archive(
-        path, {"schema": np.array(schema), "meta": np.array(meta.model_dump_json()), **arrays}
-    )
+    return arrays
 
 
 def read_meta(kind: type[_MetaType], arrays: Arrays, path: str | Path) -> _MetaType:
@@ -73,8 +70,8 @@ def read_meta(kind: type[_MetaType], arrays: Arrays, path: str | Path) -> _MetaT
         first = error.errors()[0]
         place = ".".join(str(part) for part in first["loc"]) or "JSON"
         raise FileFormatError(f"{where}: {place}: {first['msg']}") from error
-    except InputError as error:  # the request's own checks
-        raise FileFormatError(f"{where}: request: {error}") from error
+    except InputError as error:  # what the request or the scenario checks itself
+        raise FileFormatError(f"{where}: {error}") from error
 
 
 def check_times(time: Any, path: str | Path) -> None:

@@ -108,8 +108,8 @@ class Plan:
         report: solver status and times.
         violations: constraint name -> largest violation, recomputed with NumPy.
         tuning: weights and limits that were asked for in place of the robot's.
-        solution: for plans that start from this one; None of a plan that failed or was read from a
-            file, which does not hold it.
+        solution: for plans that start from this one; None of a plan that failed, and of one that
+            was read from a file that was written before files held it.
 
     Velocities and torques of the joints are None where they are not known: in a plan of an old file
     whose robot is not there any more, and in one that failed so badly that its motion has none.

@@ -14,16 +14,16 @@ from typing import Any
 import numpy as np
 
 from llsrbm.errors import Error, FileFormatError
-from llsrbm.motion.archive import Arrays, checked, read_archive, text
+from llsrbm.motion.archive import Arrays, checked, read_archive, text, write_archive
 from llsrbm.motion.native_file import (
     Meta,
     check_numbers,
     check_times,
+    native_arrays,
     read_meta,
-    write_native,
 )
-from llsrbm.motion.plan import Phase, Plan, SolveReport, Violation
-from llsrbm.motion.quantity import quantities
+from llsrbm.motion.plan import Phase, Plan, Solution, SolveReport, Violation
+from llsrbm.motion.quantity import ROW, VARIABLE, Quantity, quantities
 from llsrbm.tuning import Tuning
 from llsrbm.version import package_version
 
@@ -33,6 +33,13 @@ FIRST_SCHEMA = "llsrbm.plan/1"
 _LOADS = ("joint_velocity", "joint_torque", "joint_torque_limit")
 LAYOUT = quantities(Plan)
 FIRST_LAYOUT = {name: quantity for name, quantity in LAYOUT.items() if name not in _LOADS}
+
+# The solver's own numbers, which later solves start from; not every file has them.
+_SOLUTION = {"variables": "solution_variables", "multipliers": "solution_multipliers"}
+_SOLUTION_LAYOUT = {
+    "solution_variables": Quantity((VARIABLE,), "", "the solver's variables"),
+    "solution_multipliers": Quantity((ROW,), "", "the multipliers of its constraints"),
+}
 
 # Of a robot's numbers those on which torques and their limits depend.
 _OF_LOADS = ("mass", "com", "inertia", "feet", "hips", "joint_names")
@@ -52,6 +59,15 @@ def save_plan(plan: Plan, path: str | Path) -> None:
         InputError: the file cannot be written.
         Error: the plan holds numbers that are not finite.
     """
+    write_archive(path, plan_arrays(plan))
+
+
+def plan_arrays(plan: Plan) -> Arrays:
+    """What a file holds of a plan.
+
+    Raises:
+        Error: the plan holds numbers that are not finite.
+    """
     meta = _Meta(
         request=plan.jump,
         model=plan.jump.model,
@@ -63,7 +79,10 @@ def save_plan(plan: Plan, path: str | Path) -> None:
     )
     known = all(getattr(plan, name) is not None for name in _LOADS)
     schema, layout = (SCHEMA, LAYOUT) if known else (FIRST_SCHEMA, FIRST_LAYOUT)
-    write_native(path, schema, meta, plan, layout)
+    arrays = native_arrays(schema, meta, plan, layout)
+    if plan.solution is not None:
+        arrays |= {key: getattr(plan.solution, name) for name, key in _SOLUTION.items()}
+    return arrays
 
 
 def load_plan(path: str | Path) -> Plan:
@@ -99,9 +118,17 @@ def plan_from_arrays(arrays: Arrays, path: str | Path) -> Plan:
         report=meta.report,
         violations=meta.violations,
         tuning=meta.tuning,
+        solution=_solution(arrays, path),
         **values,
     )
     return _with_loads(plan) if first else plan
+
+
+def _solution(arrays: Arrays, path: str | Path) -> Solution | None:
+    if not any(key in arrays for key in _SOLUTION_LAYOUT):
+        return None
+    values = checked(arrays, _SOLUTION_LAYOUT, path)
+    return Solution(**{name: values[key] for name, key in _SOLUTION.items()})
 
 
 def _with_loads(plan: Plan) -> Plan:

@@ -28,6 +28,7 @@ LEG, CONTACT, JOINT = "leg", "contact", "joint"
 XYZ, WXYZ, TENSOR = "xyz", "wxyz", "tensor"
 HIP = "hip"  # coordinates of a foot in its leg's mirrored hip frame
 POSITION, VELOCITY = "qpos", "qvel"  # MuJoCo's coordinates of the whole robot
+VARIABLE, ROW = "variable", "row"  # of the planner's problem
 
 # Their sizes; a letter stands for one that is the same wherever the letter occurs in a file.
 SIZES: Mapping[str, tuple[int | str, ...]] = {
@@ -41,6 +42,8 @@ SIZES: Mapping[str, tuple[int | str, ...]] = {
     HIP: ("D",),
     POSITION: ("Q",),
     VELOCITY: ("V",),
+    VARIABLE: ("n",),
+    ROW: ("m",),
 }
 
 _SLIDING = {

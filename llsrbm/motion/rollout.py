@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from enum import IntEnum
 from pathlib import Path
 from typing import Annotated, Any
@@ -27,6 +27,7 @@ from llsrbm.motion.quantity import (
     Quantity,
 )
 from llsrbm.motion.rotation import rotation_matrices
+from llsrbm.scenario import Scenario
 
 
 class Mode(IntEnum):
@@ -34,39 +35,6 @@ class Mode(IntEnum):
 
     TRACKING = 0
     FORCE = 1
-
-
-@dataclass(frozen=True)
-class Conditions:
-    """What a simulation is asked for besides the plan.
-
-    Attributes:
-        board: thickness of a board that is slid under the robot in mid-flight, m; 0: none.
-        half_board: the board lies under the front feet only.
-        seed: draws the disturbance; None: nothing is disturbed.
-        noise: scale of the disturbance, 1 as in the robustness benchmark.
-        detector: name of the contact detector (`llsrbm.control.detection`).
-        landing: name of the landing strategy (`llsrbm.control.landing`), or "auto": as the robot
-            file has it.
-        solver: name of the QP solver (`llsrbm.control.solvers`).
-        trunk_mass: error of the trunk's mass that the controller believes in, as a share of it:
-            the simulated trunk weighs 1 + this. In place of the drawn one, whatever the noise;
-            None: as drawn.
-    """
-
-    board: float = 0.0
-    half_board: bool = False
-    seed: int | None = None
-    noise: float = 1.0
-    detector: str = "residual"
-    landing: str = "auto"
-    solver: str = "quadprog"
-    trunk_mass: float | None = None
-
-    def as_arguments(self) -> dict[str, Any]:
-        """The arguments of `llsrbm.simulate` that ask for these conditions."""
-        # Noise without a seed would ask for seed 0.
-        return asdict(self) | ({"noise": None} if self.seed is None else {})
 
 
 @dataclass(frozen=True)
@@ -169,7 +137,7 @@ class Rollout:
     Attributes:
         jump: the plan's request.
         robot_parameters: the numbers of the robot that was simulated, as plain data.
-        conditions, disturbance: what was asked, and what was drawn for it.
+        scenario, disturbance: what was asked, and what was drawn for it.
         outcome: how it ended.
         control_parameters: the controller's numbers that ran, as plain data: the robot file's
             [control] and [uncertainty] with their defaults; empty in files that were written
@@ -179,7 +147,7 @@ class Rollout:
 
     jump: Jump
     robot_parameters: dict[str, Any]
-    conditions: Conditions
+    scenario: Scenario
     disturbance: Disturbance
     outcome: Outcome
     time: Annotated[Array, Quantity((TIME,), "s", "evenly spaced", Between.LINEAR)]

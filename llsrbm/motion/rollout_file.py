@@ -1,37 +1,49 @@
-"""The native file of a `Rollout`: npz without pickle, schema llsrbm.rollout/1."""
+"""The native file of a `Rollout`: npz without pickle, schema llsrbm.rollout/1.
+
+It holds the plan that was followed as well, so that a page that opens it can go on from there.
+"""
 
 from __future__ import annotations
 
 from pathlib import Path
 from typing import Any
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from llsrbm.errors import FileFormatError
-from llsrbm.motion.archive import Arrays, checked, read_archive, text
+from llsrbm.motion.archive import Arrays, checked, read_archive, text, write_archive
 from llsrbm.motion.native_file import (
     Meta,
     check_numbers,
     check_times,
+    native_arrays,
     read_meta,
-    write_native,
 )
+from llsrbm.motion.plan import Plan
+from llsrbm.motion.plan_file import plan_arrays, plan_from_arrays
 from llsrbm.motion.quantity import quantities
-from llsrbm.motion.rollout import Conditions, Disturbance, Outcome, Rollout
+from llsrbm.motion.rollout import Disturbance, Outcome, Rollout
+from llsrbm.scenario import Scenario, with_scenario
 from llsrbm.version import package_version
 
 SCHEMA = "llsrbm.rollout/1"
 
 LAYOUT = quantities(Rollout)
 
+_PLAN = "plan/"  # what the keys of the plan that was followed begin with
 _FREE_JOINT = {"qpos": 7, "qvel": 6}  # numbers before those of the joints
 
 
 class _Meta(Meta):
-    conditions: Conditions
+    scenario: Scenario
     disturbance: Disturbance
     outcome: Outcome
     control_parameters: dict[str, Any] = Field(default_factory=dict)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _of_any_age(cls, meta: Any) -> Any:
+        return with_scenario(meta) if isinstance(meta, dict) else meta
 
 
 def save_rollout(rollout: Rollout, path: str | Path) -> None:
@@ -46,12 +58,15 @@ def save_rollout(rollout: Rollout, path: str | Path) -> None:
         model=rollout.jump.model,
         robot_parameters=rollout.robot_parameters,
         control_parameters=rollout.control_parameters,
-        conditions=rollout.conditions,
+        scenario=rollout.scenario,
         disturbance=rollout.disturbance,
         outcome=rollout.outcome,
         package_version=package_version(),
     )
-    write_native(path, SCHEMA, meta, rollout, LAYOUT)
+    arrays = native_arrays(SCHEMA, meta, rollout, LAYOUT)
+    if rollout.plan is not None:
+        arrays |= {_PLAN + key: value for key, value in plan_arrays(rollout.plan).items()}
+    write_archive(path, arrays)
 
 
 def load_rollout(path: str | Path) -> Rollout:
@@ -83,11 +98,18 @@ def rollout_from_arrays(arrays: Arrays, path: str | Path) -> Rollout:
         jump=meta.request,
         robot_parameters=meta.robot_parameters,
         control_parameters=meta.control_parameters,
-        conditions=meta.conditions,
+        scenario=meta.scenario,
         disturbance=meta.disturbance,
         outcome=meta.outcome,
+        plan=_followed(arrays, path),
         **values,
     )
+
+
+def _followed(arrays: Arrays, path: str | Path) -> Plan | None:
+    """The plan in a rollout's file; None in files that were written before they had it."""
+    own = {key.removeprefix(_PLAN): a for key, a in arrays.items() if key.startswith(_PLAN)}
+    return plan_from_arrays(own, f"{path}: {_PLAN}") if own else None
 
 
 def _check_values(values: Arrays, path: str | Path) -> None:

@@ -215,12 +215,20 @@ class Planner:
                 f"started from; expected {self.robot.name} as it is now with {self.model.name} "
                 f"and {self.layout.knots - 1} intervals"
             )
-        if near.solution is None:
+        solution = near.solution
+        if solution is None:
             raise InputError(
-                "near: a plan that did not converge or was read from a file cannot be started "
-                "from; expected one that was planned in this session"
+                "near: a plan that did not converge, or whose file was written before files held "
+                "what that takes, cannot be started from; expected one that converged"
             )
-        return near.solution
+        sizes = len(solution.variables), len(solution.multipliers)
+        expected = self._backend.sizes
+        if sizes != expected:
+            raise InputError(
+                f"near: the plan is of another version of the planner: {sizes[0]} variables and "
+                f"{sizes[1]} constraints; expected {expected[0]} and {expected[1]}"
+            )
+        return solution
 
     def _follow(self, solution: Solution, task: Task, watch: _Watch) -> _Attempt:
         parameters, bounds = self._numbers(task)

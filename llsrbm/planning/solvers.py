@@ -87,6 +87,11 @@ class Backend(ABC):
     def __init__(self, cold: ca.Function, near: ca.Function) -> None:
         self._cold, self._near = cold, near
 
+    @property
+    def sizes(self) -> tuple[int, int]:
+        """Of the problem: numbers of variables and of rows."""
+        return int(self._cold.numel_in("x0")), int(self._cold.numel_in("lbg"))
+
     @classmethod
     @abstractmethod
     def build(cls, problem: Problem) -> Backend:

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 
 import numpy as np
 
-from llsrbm.errors import InputError
-from llsrbm.motion.rollout import Conditions, Disturbance
+from llsrbm.motion.rollout import Disturbance
+from llsrbm.scenario import Scenario
 
 # Spread of the robustness benchmark, at noise 1. What the controller believes about its own errors
 # is stated elsewhere, in the robot file's [uncertainty]: the two are independent.
@@ -22,43 +21,24 @@ JOINT_VELOCITY_NOISE = 0.02  # rad/s or m/s
 # Bounds however large the noise: beyond them no robot stands, or the integrator fails.
 LEAST_FRICTION = 0.2
 LEAST_CONTACT_TIME = 0.002  # s, four steps of the simulator
-MOST_NOISE = 3.0  # beyond it no floor is that slippery
-LARGEST_TRUNK_MASS = 0.5  # share of the trunk's mass, either way, that may be asked for
 
 
-def draw_disturbance(conditions: Conditions) -> Disturbance:
+def draw_disturbance(scenario: Scenario) -> Disturbance:
     """The disturbance that goes with a seed, the same each time.
 
     Args:
-        conditions: `seed` None disturbs nothing; `noise` scales the distance from the nominal
+        scenario: `seed` None disturbs nothing; `noise` scales the distance from the nominal
             world, and the chance of a delay; `trunk_mass` counts as it is, with and without seed.
-
-    Raises:
-        InputError: the seed is negative, or the noise or the trunk's mass out of range.
     """
-    drawn = _drawn(conditions)
-    share = conditions.trunk_mass
-    if share is None:
+    drawn = Disturbance()
+    if scenario.seed is not None and scenario.noise is not None:
+        drawn = _drawn(scenario.seed, scenario.noise)
+    if scenario.trunk_mass is None:
         return drawn
-    check_trunk_mass(share)
-    return replace(drawn, trunk_mass_factor=1 + share)
+    return replace(drawn, trunk_mass_factor=1 + scenario.trunk_mass)
 
 
-def check_trunk_mass(share: float) -> None:
-    """Raise `InputError` for an error of the trunk's mass that is out of range."""
-    most = LARGEST_TRUNK_MASS
-    if not (math.isfinite(share) and -most <= share <= most):
-        raise InputError(f"trunk mass: expected {-most:g} to {most:g} of it, got {share:g}")
-
-
-def _drawn(conditions: Conditions) -> Disturbance:
-    seed, noise = conditions.seed, conditions.noise
-    if not (math.isfinite(noise) and 0 <= noise <= MOST_NOISE):
-        raise InputError(f"noise: expected 0 to {MOST_NOISE:g}, got {noise:g}")
-    if seed is None:
-        return Disturbance()
-    if seed < 0:
-        raise InputError(f"seed: expected a whole number from 0 on, got {seed}")
+def _drawn(seed: int, noise: float) -> Disturbance:
     nominal = Disturbance()
     rng = np.random.default_rng(seed)
     # Every number is drawn whatever the noise, so that runs of one seed differ in scale alone.

@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 from llsrbm.control.controller import WholeBodyController
 from llsrbm.errors import Cancelled
 from llsrbm.motion.plan import Plan
-from llsrbm.motion.rollout import Conditions, Disturbance, Rollout
+from llsrbm.motion.rollout import Disturbance, Rollout
 from llsrbm.robots import Robot
+from llsrbm.scenario import Scenario
 from llsrbm.simulation.disturbance import draw_disturbance
 from llsrbm.simulation.recorder import Recorder
 from llsrbm.simulation.start import standing_state
@@ -30,19 +31,19 @@ _ASKED_EVERY = 20  # ticks between looking whether to stop and telling how far i
 def simulate(
     plan: Plan,
     robot: Robot,
-    conditions: Conditions,
+    scenario: Scenario,
     *,
     cancelled: Callable[[], bool] | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> Rollout:
     """Let the whole robot follow a plan.
 
-    The same plan and conditions give the same rollout, wall times aside.
+    The same plan and scenario give the same rollout, wall times aside.
 
     Args:
         plan: a plan that converged, of this robot.
         robot: as the controller believes it is.
-        conditions: board, disturbance, and names of detector, landing strategy and QP solver.
+        scenario: board, disturbance, and names of detector, landing strategy and QP solver.
         cancelled: asked now and then; True ends with `Cancelled`.
         progress: told the share that is done, 0 to 1.
 
@@ -50,12 +51,12 @@ def simulate(
         InputError: a name that is unknown, or a board that does not fit under the robot.
         Cancelled: on request.
     """
-    disturbance = draw_disturbance(conditions)
+    disturbance = draw_disturbance(scenario)
     tick = 1.0 / robot.file.control.rate
-    world = World(robot, plan, conditions, disturbance, tick)
-    controller = WholeBodyController(robot, plan, conditions)
+    world = World(robot, plan, scenario, disturbance, tick)
+    controller = WholeBodyController(robot, plan, scenario)
     recorder = Recorder(robot, disturbance.trunk_mass_factor)
-    measure = _Sensors(robot, disturbance, conditions.seed or 0)
+    measure = _Sensors(robot, disturbance, scenario.seed or 0)
     world.reset(standing_state(robot, plan), np.zeros(robot.model.nv))
 
     ticks = round((plan.duration + STANDING) / tick) + 1
@@ -98,9 +99,10 @@ def simulate(
         jump=plan.jump,
         robot_parameters=robot.parameters(),
         control_parameters=robot.control_parameters(),
-        conditions=conditions,
+        scenario=scenario,
         disturbance=disturbance,
         outcome=outcome,
+        plan=plan,
         joint_names=tuple(robot.joint_names[j] for j in world.joint_order),
         detection_threshold=controller.detector.threshold,
         **columns,

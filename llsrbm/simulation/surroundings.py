@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from llsrbm.errors import InputError
 from llsrbm.motion.plan import Phase, Plan
 from llsrbm.motion.resample import resample
-from llsrbm.motion.rollout import Conditions
 from llsrbm.robots.foot_contact import foot_contacts
 from llsrbm.robots.robot import Robot
+from llsrbm.scenario import Scenario
 
 Array = NDArray[np.float64]
 
@@ -50,7 +50,7 @@ class Surroundings:
     blocks: tuple[Block, ...]
 
 
-def surroundings(robot: Robot, plan: Plan, conditions: Conditions) -> Surroundings:
+def surroundings(robot: Robot, plan: Plan, scenario: Scenario) -> Surroundings:
     """What stands where while a plan is followed.
 
     A landing surface above the ground is a box, one below it is the ground, and the robot starts
@@ -61,7 +61,7 @@ def surroundings(robot: Robot, plan: Plan, conditions: Conditions) -> Surroundin
     Raises:
         InputError: the board is too thick, see `check_board`.
     """
-    check_board(plan, conditions.board)
+    check_board(plan, scenario.board)
     height = plan.jump.height
     middle = _mid_flight(plan)
     radius = max(contact.radius for contact in foot_contacts(robot))
@@ -78,11 +78,11 @@ def surroundings(robot: Robot, plan: Plan, conditions: Conditions) -> Surroundin
         blocks.append(
             _block(plan, "block", base, height, 0.0, until_s=math.inf if apart else _highest(plan))
         )
-    if conditions.board > 0:
-        if conditions.half_board:
+    if scenario.board > 0:
+        if scenario.half_board:
             behind = np.array([goal.mean(axis=0)[0], landing.low[1]])
             landing = _Rectangle(behind, landing.high)
-        top = height + conditions.board
+        top = height + scenario.board
         blocks.append(_block(plan, "board", landing, height, top, from_s=middle))
     return Surroundings(ground=min(height, 0.0), blocks=tuple(blocks))
 

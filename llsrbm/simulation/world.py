@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from llsrbm.motion.plan import Plan
-from llsrbm.motion.rollout import Conditions, Disturbance
+from llsrbm.motion.rollout import Disturbance
 from llsrbm.robots.robot import Robot
+from llsrbm.scenario import Scenario
 from llsrbm.simulation.contacts import ContactReader
 from llsrbm.simulation.drives import Drives
 from llsrbm.simulation.scene import build_scene
@@ -77,14 +78,14 @@ class World:
         self,
         robot: Robot,
         plan: Plan,
-        conditions: Conditions,
+        scenario: Scenario,
         disturbance: Disturbance,
         tick: float,
     ) -> None:
         """Build the world in which `plan` is tried.
 
         Args:
-            conditions: of these the board matters.
+            scenario: of it the board matters.
             tick: control period, s.
 
         Raises:
@@ -94,7 +95,7 @@ class World:
         self.tick = tick
         self._steps = max(1, int(np.ceil(tick / STEP - 1e-9)))
         self.scene = build_scene(
-            robot, surroundings(robot, plan, conditions), disturbance, tick / self._steps
+            robot, surroundings(robot, plan, scenario), disturbance, tick / self._steps
         )
         self._model = self.scene.model
         self._data = mujoco.MjData(self._model)

@@ -90,7 +90,7 @@ class SyntheticPlanner:
         return Nearest(nearer, synthetic_plan(nearer), changes)
 
     def simulate(self, task, tell, cancelled):
-        seed = task.conditions.seed
+        seed = task.scenario.seed
 
         def percent(share):
             tell(f"simulating, {share:.0%}", share=share)
@@ -108,7 +108,7 @@ class SyntheticPlanner:
         percent(1.0)
         fell_at = {FALLING: 1.1, TRIPPING: 0.2}.get(seed)
         rollout = synthetic_rollout(task.plan, fell_at=fell_at, seed=seed)
-        return replace(rollout, conditions=task.conditions)
+        return replace(rollout, scenario=task.scenario)
 
 
 def is_(jump, way):

@@ -6,7 +6,7 @@ import queue
 
 from app.protocol import PlanJump, Progress, SimulateJump
 from llsrbm.jump import Jump
-from llsrbm.motion.rollout import Conditions
+from llsrbm.scenario import Scenario
 from tests.app.synthetic_plan import synthetic_plan
 
 
@@ -20,8 +20,8 @@ class Tab:
     def plan(self, twist=0.0, forward=0.0, **how):
         return self.submit(PlanJump(Jump(twist=twist, forward=forward), **how))
 
-    def simulate(self, **conditions):
-        return self.submit(SimulateJump(synthetic_plan(Jump(twist=1.0)), Conditions(**conditions)))
+    def simulate(self, **scenario):
+        return self.submit(SimulateJump(synthetic_plan(Jump(twist=1.0)), Scenario(**scenario)))
 
     def outcome(self, timeout=20.0):
         while isinstance(report := self.reports.get(timeout=timeout), Progress):

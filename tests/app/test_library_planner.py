@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, replace
+from dataclasses import replace
 
 import pytest
 
@@ -11,7 +11,7 @@ from app.protocol import FindNearest, PlanJump, SimulateJump
 from app.worker import LibraryPlanner
 from llsrbm.jump import Jump
 from llsrbm.motion.plan import Solution
-from llsrbm.motion.rollout import Conditions
+from llsrbm.scenario import Scenario
 from llsrbm.tuning import Tuning
 from tests.app.synthetic_plan import synthetic_plan
 
@@ -80,17 +80,16 @@ def test_a_search_gets_its_tuning(called):
     assert (options["weights"], options["limits"]) == (TUNING.weights, TUNING.limits)
 
 
-def test_a_simulation_gets_its_conditions_and_tells_whole_per_cents(called):
+def test_a_simulation_gets_its_scenario_and_tells_whole_per_cents(called):
     told = []
 
     def tell(text, *, share):
         told.append((text, share))
 
-    conditions = Conditions(0.02, True, 3, 0.5, "norm", "planned", "proxqp", 0.12)
-    LibraryPlanner().simulate(SimulateJump(planned(), conditions), tell, never)
-    options = called["simulate"][1]
-    for name, value in asdict(conditions).items():
-        assert options[name] == value
+    scenario = Scenario(0.02, True, 3, 0.5, "norm", "planned", "proxqp", 0.12)
+    LibraryPlanner().simulate(SimulateJump(planned(), scenario), tell, never)
+    (_, given), options = called["simulate"]
+    assert given == scenario
     for k in range(1001):
         options["progress"](k / 1000)
     assert len(told) == 101

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import math
 import time
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -50,7 +51,7 @@ def test_simulate_runs_and_says_how_it_ended(tab, session, script):
     told = simulate(tab, session)
     assert told.startswith("Landed yaw -2.9° from the plan at touch-down")
     assert session.rollout.jump == session.plan.jump
-    assert session.rollout.conditions == llsrbm.motion.rollout.Conditions()
+    assert session.rollout.scenario == llsrbm.Scenario()
     assert "Saturated ticks" in tab.text()
     assert "detected +5.0 ms" in script.events["told"]
 
@@ -122,8 +123,8 @@ def test_a_board_is_drawn_from_mid_flight_on(tab, session, script):
     tab.set("Board [mm]", 25)
     tab.set("Half board", True)
     simulate(tab, session)
-    conditions = session.rollout.conditions
-    assert (conditions.board, conditions.half_board) == (0.025, True)
+    scenario = session.rollout.scenario
+    assert (scenario.board, scenario.half_board) == (0.025, True)
     position, _, before = script.at("/blocks/0", 0.6)
     assert before.tolist() == [0, 0, 0]
     assert script.at("/blocks/0", 0.7)[2].tolist() == [1, 1, 1]
@@ -134,16 +135,28 @@ def test_a_board_is_drawn_from_mid_flight_on(tab, session, script):
 def test_half_of_no_board_is_no_board(tab, session):
     tab.set("Half board", True)
     simulate(tab, session)
-    assert not session.rollout.conditions.half_board
+    assert not session.rollout.scenario.half_board
 
 
 def test_the_seed_counts_only_when_disturbed(tab, session):
     tab.set("Seed", 9)
     simulate(tab, session)
-    assert session.rollout.conditions.seed is None
+    assert session.rollout.scenario.seed is None
     tab.set("Disturb", True)
     tab.press("Simulate")
-    tab.wait(lambda: session.rollout.conditions.seed == 9, "the disturbed one")
+    tab.wait(lambda: session.rollout.scenario.seed == 9, "the disturbed one")
+    assert session.rollout.scenario.noise == 1.0
+
+
+def test_a_designs_noise_outlives_a_simulation_without_disturbance(tab, session):
+    design = replace(session.design, scenario=llsrbm.Scenario(seed=9, noise=2.0))
+    tab.upload("Open design", "noisy.json", llsrbm.dump_design(design).encode())
+    tab.wait(lambda: tab.value("Disturb"), "the design")
+    tab.wait_for_status("Planned")
+    for disturb, noise in ((False, None), (True, 2.0)):
+        tab.set("Disturb", disturb)
+        tab.press("Simulate")
+        tab.wait(lambda n=noise: session.rollout and session.rollout.scenario.noise == n, "it")
 
 
 def test_progress_is_told_and_cancel_keeps_the_plan(tab, session):

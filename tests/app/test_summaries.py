@@ -8,8 +8,8 @@ import pytest
 from app.summaries import plan_figures, rollout_figures, simulated_line
 from llsrbm.analysis.diagnosis import diagnose
 from llsrbm.jump import Jump
-from llsrbm.motion.rollout import Conditions
 from llsrbm.robots import load_robot
+from llsrbm.scenario import Scenario
 from tests.app.synthetic_plan import FLY, GRAVITY, STAND, synthetic_plan
 from tests.llsrbm.synthetic_rollout import synthetic_rollout
 
@@ -107,9 +107,9 @@ def test_a_plans_figures(plan):
 
 def test_the_world_is_told(rollout):
     world = rollout_figures(
-        replace(rollout, conditions=Conditions(board=0.025, half_board=True, seed=4))
+        replace(rollout, scenario=Scenario(board=0.025, half_board=True, seed=4))
     )
     assert "half board of 25 mm, seed 4: trunk +5.0%, friction 0.70" in world
-    assert "undisturbed" in rollout_figures(replace(rollout, conditions=Conditions()))
-    heavier = replace(rollout, conditions=Conditions(trunk_mass=0.12))
+    assert "undisturbed" in rollout_figures(replace(rollout, scenario=Scenario()))
+    heavier = replace(rollout, scenario=Scenario(trunk_mass=0.12))
     assert ">trunk +12.0%<" in rollout_figures(heavier)

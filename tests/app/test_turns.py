@@ -10,12 +10,12 @@ from hypothesis import strategies as st
 from app.protocol import FindNearest, Job, PlanJump, Prepare, SimulateJump
 from app.turns import Entry, Kind, Member, Turns
 from llsrbm.jump import Jump
-from llsrbm.motion.rollout import Conditions
+from llsrbm.scenario import Scenario
 
 PLAN = PlanJump(Jump())
 OTHER = PlanJump(Jump(model="srbm"))
 SEARCH = FindNearest(Jump())
-SIMULATION = SimulateJump(None, Conditions())  # which plan does not matter here
+SIMULATION = SimulateJump(None, Scenario())  # which plan does not matter here
 TASKS = (PLAN, OTHER, SEARCH, SIMULATION, Prepare("anymal"))
 
 numbers = itertools.count(1)

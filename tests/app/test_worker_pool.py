@@ -22,7 +22,7 @@ from app.protocol import (
 )
 from app.worker_pool import WorkerPool
 from llsrbm.jump import Jump
-from llsrbm.motion.rollout import Conditions
+from llsrbm.scenario import Scenario
 from tests.app import planners
 from tests.app.planners import SyntheticPlanner, broken_factory
 from tests.app.pool_tab import Tab
@@ -194,13 +194,13 @@ def test_a_long_job_makes_way_for_its_tabs_newer_request(own_pool):
     assert (type(report), report.job) == (Planned, new)
 
 
-def test_a_rollout_comes_back_with_its_number_and_its_conditions(shared_pool):
+def test_a_rollout_comes_back_with_its_number_and_its_scenario(shared_pool):
     tab = Tab(shared_pool)
     job = tab.simulate(board=0.02, seed=3)
     report = tab.outcome()
     assert isinstance(report, Simulated)
     assert report.job == job
-    assert report.rollout.conditions == Conditions(board=0.02, seed=3)
+    assert report.rollout.scenario == Scenario(board=0.02, seed=3)
     assert report.rollout.landed
 
 

@@ -7,7 +7,8 @@ from scipy.interpolate import BPoly
 
 from llsrbm.motion.plan import Phase, Plan
 from llsrbm.motion.resample import resample
-from llsrbm.motion.rollout import Conditions, Disturbance, Mode, Outcome, Rollout
+from llsrbm.motion.rollout import Disturbance, Mode, Outcome, Rollout
+from llsrbm.scenario import Scenario
 from tests.llsrbm.synthetic import GRAVITY, quat_about_z, rotation_about_z, synthetic_plan
 
 RATE = 400.0  # Hz
@@ -103,11 +104,12 @@ def synthetic_rollout(
     return Rollout(
         jump=plan.jump,
         robot_parameters=plan.robot_parameters,
-        conditions=Conditions(seed=seed),
+        scenario=Scenario(seed=seed),
         disturbance=Disturbance() if seed is None else Disturbance(1.05, 0.7, 0.01, 1, 0.01, 0.02),
         outcome=_outcome(plan, len(legs), touchdown * dt, detected * dt, fell_at),
         joint_names=tuple(plan.joint_names[j] for j in order),
         detection_threshold=THRESHOLD,
+        plan=plan,
         control_parameters={
             "control": {"rate": RATE, "force_phase": FORCE_PHASE},
             "uncertainty": {"trunk_mass": 0.1},

@@ -61,7 +61,7 @@ class TestBadInput:
             (["export"], "FILE.npz"),
             (["simulate", "nosuch.npz"], "nosuch.npz: cannot be read: No such file"),
             (["simulate", "--twist", "400"], "400 deg is out of range"),
-            (["simulate", "--board", "-0.1"], "0 or more m, got -0.1"),
+            (["simulate", "--board", "-0.1"], "board: expected 0 to 1 m, got -0.1"),
             (["simulate", "--half-board"], "half board: expected the board's thickness"),
             (["simulate", "--noise", "5"], "noise: expected 0 to 3, got 5"),
             (["simulate", "--seed", "-2"], "seed: expected a whole number from 0 on, got -2"),

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from llsrbm.design import LARGEST, Design, dump_design, file_name, load_design
 from llsrbm.errors import FileFormatError, InputError
 from llsrbm.jump import Jump
-from llsrbm.motion.rollout import Conditions
+from llsrbm.scenario import Scenario
 from llsrbm.tuning import Tuning
 
 TWIST = Jump(twist=math.pi / 2)
@@ -23,12 +23,12 @@ names = st.text(string.ascii_lowercase + "_-", min_size=1, max_size=20)
 printable = st.characters(categories=("L", "N", "P", "S"))
 tables = st.dictionaries(names, st.floats(-1e9, 1e9), max_size=5)
 jumps = st.builds(Jump, names, names, amounts, amounts, amounts, amounts)
-conditions = st.builds(
-    Conditions,
+scenarios = st.builds(
+    Scenario,
     board=st.floats(0.001, 1),
     half_board=st.booleans(),
     seed=st.none() | st.integers(0, 2**53 - 1),
-    noise=st.floats(0, 100),
+    noise=st.none() | st.floats(0, 3),
     detector=names,
     landing=names,
     solver=names,
@@ -38,7 +38,7 @@ designs = st.builds(
     Design,
     jumps,
     st.builds(Tuning, tables, tables),
-    conditions | st.just(Conditions()),
+    scenarios | st.just(Scenario()),
     title=st.text(printable, max_size=80),
     note=st.text(printable, max_size=400),
 )
@@ -60,7 +60,7 @@ def test_a_file_holds_the_task_and_what_differs(tmp_path):
     design = Design(
         Jump(robot="go2", twist=-0.5, forward=0.2),
         Tuning(limits={"friction": 0.4}),
-        Conditions(board=0.025, seed=7),
+        Scenario(board=0.025, seed=7),
         title="On ice",
     )
     path = tmp_path / file_name(design)
@@ -78,7 +78,7 @@ def test_a_file_holds_the_task_and_what_differs(tmp_path):
             "height": 0.0,
         },
         "limits": {"friction": 0.4},
-        "conditions": {"board": 0.025, "seed": 7},
+        "scenario": {"board": 0.025, "seed": 7},
     }
     assert load_design(path) == load_design(str(path)) == design
 
@@ -86,6 +86,21 @@ def test_a_file_holds_the_task_and_what_differs(tmp_path):
 def test_what_is_not_named_has_its_default():
     text = '{"schema": "llsrbm.design/1", "jump": {"robot": "slider", "model": "srbm"}}'
     assert load_design(text.encode()) == Design(Jump(robot="slider", model="srbm"))
+
+
+@pytest.mark.parametrize(
+    ("older", "scenario"),
+    [
+        ({"board": 0.025, "half_board": True, "seed": 7}, Scenario(0.025, True, seed=7)),
+        ({"seed": 7, "noise": 0.5}, Scenario(seed=7, noise=0.5)),
+        ({"noise": 0.5, "trunk_mass": 0.1}, Scenario(trunk_mass=0.1)),  # nothing was disturbed
+        ({}, Scenario()),
+    ],
+)
+def test_a_file_that_says_conditions_opens(older, scenario):
+    design = load_design(written(conditions=older))
+    assert design == Design(TWIST, scenario=scenario)
+    assert "conditions" not in dump_design(design)
 
 
 @pytest.mark.parametrize(
@@ -122,10 +137,20 @@ def test_what_is_not_named_has_its_default():
         (written(limits={"friction": 1e300}), "design: limits.friction: input should be less than"),
         (written(limits=None), "design: limits: expected an object, got null"),
         (written(limits={"": 1}), "design: limits.: string should have at least 1 character"),
-        (written(conditions={"board": -1}), "design: conditions.board: input should be greater"),
-        (written(conditions={"half_board": True}), "conditions.half_board: expected a board's"),
-        (written(conditions={"seed": 1.5}), "design: conditions.seed: input should be a valid int"),
-        (written(conditions={"sead": 1}), 'unknown key "sead"; did you mean "seed"? valid: board'),
+        (written(scenario={"board": -1}), "design: scenario: board: expected 0 to 1 m, got -1"),
+        (written(scenario={"half_board": True}), "scenario: half board: expected the board's"),
+        (written(scenario={"seed": 1.5}), "design: scenario: seed: expected a whole number"),
+        (written(scenario={"seed": 2**53}), "scenario: seed: expected at most 9007199254740991"),
+        (written(scenario={"board": True}), "scenario: board: expected a finite number, got True"),
+        (written(scenario={"board": 10**400}), "scenario: board: expected a finite number, got 10"),
+        (written(scenario={"detector": "\n"}), "scenario: detector: expected a name, got '\\n'"),
+        (written(scenario=[]), "design: scenario: expected an object, got []"),
+        (
+            written(scenario={"sead": 1}),
+            'design: scenario: unknown field "sead"; did you mean "seed"? valid: board',
+        ),
+        (written(conditions={"sead": 1}), 'design: scenario: unknown field "sead"; did you'),
+        (written(conditions={}, scenario={}), 'design: unknown key "conditions"; valid: schema'),
     ],
 )
 def test_what_is_no_design_is_refused_in_one_line(content, complaint):
@@ -165,7 +190,7 @@ json_values = st.recursive(
 
 
 @given(
-    st.sampled_from(["title", "note", "jump", "weights", "limits", "conditions"]),
+    st.sampled_from(["title", "note", "jump", "weights", "limits", "scenario", "conditions"]),
     json_values,
 )
 def test_any_value_is_accepted_and_kept_or_refused(key, value):
@@ -195,7 +220,7 @@ def test_only_the_beginning_of_a_large_file_is_read():
         Design(TWIST, title="two\nlines"),
         Design(TWIST, note="x" * 401),
         Design(Jump(forward=1e6)),
-        Design(TWIST, conditions=Conditions(half_board=True)),
+        Design(TWIST, scenario=Scenario(seed=2**53)),
     ],
 )
 def test_what_no_file_may_hold_is_not_written(design):

@@ -11,7 +11,7 @@ from llsrbm.examples import examples, find_design
 from llsrbm.planning.task import make_task
 from llsrbm.robots import load_robot, names
 from llsrbm.robots.assets import assets_directory
-from llsrbm.simulation.request import make_conditions
+from llsrbm.simulation.checks import check_scenario
 
 EXAMPLES = examples()
 FILES = sorted((assets_directory() / "designs").iterdir())
@@ -24,7 +24,7 @@ def test_the_papers_experiments_come_first():
         ("slider", 0.2, 0.35),
     ]  # fmt: skip
     assert [round(jump.twist, 4) for jump in asked] == [1.5708, 1.5708, 0.5236, 0, 0]
-    assert EXAMPLES["anymal-board"].conditions.board == 0.025
+    assert EXAMPLES["anymal-board"].scenario.board == 0.025
 
 
 def test_titles_tell_examples_apart():
@@ -42,23 +42,13 @@ def test_an_examples_file_is_as_it_would_be_saved(path):
 @pytest.mark.parametrize("name", EXAMPLES)
 def test_an_example_is_within_what_may_be_asked(name):
     design = find_design(name)
-    jump, conditions = design.jump, design.conditions
+    jump, scenario = design.jump, design.scenario
     assert jump.robot in names()
     assert jump.model in models.names()
     robot = load_robot(jump.robot)
     make_task(jump, robot, design.tuning.weights, design.tuning.limits)
-    made = make_conditions(
-        board=conditions.board,
-        half_board=conditions.half_board,
-        seed=conditions.seed,
-        noise=None if conditions.seed is None else conditions.noise,
-        detector=conditions.detector,
-        landing_strategy=conditions.landing,
-        solver=conditions.solver,
-        trunk_mass=conditions.trunk_mass,
-    )
-    assert made == conditions
-    assert conditions.board <= robot.file.limits.clearance
+    check_scenario(scenario, robot)
+    assert scenario.board <= robot.file.limits.clearance
 
 
 def test_an_unknown_name_is_answered_with_the_known_ones():

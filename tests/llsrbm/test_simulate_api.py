@@ -12,8 +12,8 @@ import pytest
 import llsrbm
 from llsrbm.errors import InputError
 from llsrbm.motion.plan import Violation
-from llsrbm.motion.rollout import Conditions
 from llsrbm.robots import load_robot
+from llsrbm.scenario import Scenario
 from llsrbm.simulation import simulate as simulator
 from tests.llsrbm.synthetic import synthetic_plan
 from tests.llsrbm.synthetic_rollout import synthetic_rollout
@@ -38,9 +38,9 @@ def calls(monkeypatch):
     """What reached the simulator, which answers with a rollout made by hand."""
     calls = []
 
-    def simulate(plan, robot, conditions, *, cancelled, progress):
+    def simulate(plan, robot, scenario, *, cancelled, progress):
         calls.append(SimpleNamespace(**locals()))
-        return replace(synthetic_rollout(plan), conditions=conditions)
+        return replace(synthetic_rollout(plan), scenario=scenario)
 
     monkeypatch.setattr(simulator, "simulate", simulate)
     return calls
@@ -56,7 +56,7 @@ def refused(*arguments, **options):
 def test_what_is_not_said_is_nominal(plan, calls):
     rollout = llsrbm.simulate(plan)
     assert isinstance(rollout, llsrbm.Rollout)
-    assert rollout.conditions == Conditions()
+    assert rollout.scenario == Scenario()
     assert calls[0].plan is plan
     assert calls[0].robot is load_robot("anymal")
 
@@ -69,9 +69,9 @@ def test_everything_reaches_the_simulator(plan, calls):
         plan, board=0.025, half_board=True, seed=np.int64(1004), noise=0.5, detector="norm",
         landing="planned", solver="quadprog", trunk_mass=-0.12, cancelled=cancelled, progress=print,
     )  # fmt: skip
-    conditions = Conditions(0.025, True, 1004, 0.5, "norm", "planned", "quadprog", -0.12)
-    assert calls[0].conditions == conditions
-    assert type(calls[0].conditions.seed) is int
+    scenario = Scenario(0.025, True, 1004, 0.5, "norm", "planned", "quadprog", -0.12)
+    assert calls[0].scenario == scenario
+    assert type(calls[0].scenario.seed) is int
     assert calls[0].cancelled is cancelled
     assert calls[0].progress is print
 
@@ -79,22 +79,23 @@ def test_everything_reaches_the_simulator(plan, calls):
 @pytest.mark.parametrize(
     ("given", "seed", "noise"),
     [
-        ({}, None, 1.0),
+        ({}, None, None),
         ({"seed": 4}, 4, 1.0),
         ({"noise": 2}, 0, 2.0),
+        ({"noise": 1.0}, 0, 1.0),
         ({"noise": 0.0}, 0, 0.0),
         ({"seed": 4, "noise": 3}, 4, 3.0),
     ],
 )
 def test_seed_and_noise_imply_each_other(plan, calls, given, seed, noise):
     llsrbm.simulate(plan, **given)
-    assert (calls[0].conditions.seed, calls[0].conditions.noise) == (seed, noise)
+    assert (calls[0].scenario.seed, calls[0].scenario.noise) == (seed, noise)
 
 
 @pytest.mark.parametrize(
     ("options", "said"),
     [
-        ({"board": -0.01}, "board: expected a thickness of 0 or more m, got -0.01"),
+        ({"board": -0.01}, "board: expected 0 to 1 m, got -0.01"),
         ({"board": math.nan}, "board: expected a finite number"),
         ({"board": "thin"}, "board: expected a finite number, got 'thin'"),
         ({"half_board": True}, "half board: expected the board's thickness"),
@@ -106,13 +107,29 @@ def test_seed_and_noise_imply_each_other(plan, calls, given, seed, noise):
         ({"noise": math.inf}, "noise: expected a finite number"),
         ({"trunk_mass": 0.6}, "trunk mass: expected -0.5 to 0.5 of it, got 0.6"),
         ({"trunk_mass": math.nan}, "trunk mass: expected a finite number"),
+        ({"half_board": "no"}, "half board: expected true or false, got 'no'"),
+        ({"sead": 3}, 'unknown field "sead"; did you mean "seed"? valid: board, half_board, seed'),
         ({"detector": "nosuch"}, "residual, norm"),
         ({"landing": "nosuch"}, "auto, scaled, planned, tracking"),
         ({"solver": "nosuch"}, "quadprog, proxqp"),
     ],
 )
-def test_conditions_that_make_no_sense(plan, calls, options, said):
+def test_a_scenario_that_makes_no_sense(plan, calls, options, said):
     assert said in refused(plan, **options)
+    assert not calls
+
+
+def test_a_scenario_is_taken_as_it_is(plan, calls):
+    scenario = Scenario(board=0.025, seed=3)
+    llsrbm.simulate(plan, scenario)
+    llsrbm.simulate(plan, scenario=scenario)
+    llsrbm.simulate(plan, board=0.025, seed=3)
+    assert [call.scenario for call in calls] == [scenario] * 3
+
+
+def test_a_scenario_or_its_fields(plan, calls):
+    assert "its fields, got seed beside a Scenario" in refused(plan, Scenario(), seed=3)
+    assert "expected a Scenario, got a dict" in refused(plan, {"seed": 3})
     assert not calls
 
 
@@ -187,7 +204,7 @@ class TestAnotherRobot:
         assert not calls
         llsrbm.simulate(plan)
         llsrbm.simulate(plan, landing="tracking")
-        assert [call.conditions.landing for call in calls] == ["auto", "tracking"]
+        assert [call.scenario.landing for call in calls] == ["auto", "tracking"]
 
     def test_that_is_not_here(self, plan, calls):
         assert 'no robot "nosuch"' in refused(replace(plan, jump=llsrbm.Jump(robot="nosuch")))

@@ -5,7 +5,7 @@ import math
 import pytest
 
 from llsrbm.jump import Jump
-from llsrbm.motion.rollout import Conditions
+from llsrbm.scenario import Scenario
 from llsrbm.titles import title_of, titles_of
 from llsrbm.tuning import Tuning
 
@@ -29,12 +29,12 @@ TWIST = Jump(twist=math.pi / 2)
         ),
         (
             "90° llsrbm-plus, seed 7, half board 25 mm",
-            (TWIST, Tuning(), Conditions(board=0.025, half_board=True, seed=7)),
+            (TWIST, Tuning(), Scenario(board=0.025, half_board=True, seed=7)),
         ),
-        ("90° llsrbm-plus", (TWIST, Tuning(), Conditions())),
+        ("90° llsrbm-plus", (TWIST, Tuning(), Scenario())),
         (
-            "90° llsrbm-plus, noise 2, norm, trunk +12 %",
-            (TWIST, Tuning(), Conditions(noise=2.0, detector="norm", trunk_mass=0.12)),
+            "90° llsrbm-plus, seed 0, noise 2, norm, trunk +12 %",
+            (TWIST, Tuning(), Scenario(noise=2.0, detector="norm", trunk_mass=0.12)),
         ),
     ],
 )
@@ -43,13 +43,13 @@ def test_a_title_tells_what_was_decided(title, decisions):
 
 
 def test_several_tell_what_differs_only():
-    friction, seeded = Tuning(limits={"friction": 0.4}), Conditions(board=0.02, seed=3)
+    friction, seeded = Tuning(limits={"friction": 0.4}), Scenario(board=0.02, seed=3)
     slider = [Jump("slider", "srbm", 1.0), Jump("slider", "llsrbm", 1.0)]
     assert titles_of([(jump, friction, seeded) for jump in slider]) == (
         "57.3° srbm",
         "57.3° llsrbm",
     )
-    assert titles_of([(TWIST, Tuning(), seeded), (TWIST, friction, Conditions(board=0.02))]) == (
+    assert titles_of([(TWIST, Tuning(), seeded), (TWIST, friction, Scenario(board=0.02))]) == (
         "90° llsrbm-plus, seed 3",
         "90° llsrbm-plus, friction 0.4",
     )

@@ -38,7 +38,7 @@ def test_values_are_the_outcomes(rollout):
         value = getattr(rollout.outcome, field.name)
         assert summary[field.name] == (list(value) if isinstance(value, tuple) else value)
     assert summary["duration_s"] == pytest.approx(2.5)
-    assert summary["conditions"]["seed"] == 7
+    assert summary["scenario"]["seed"] == 7
     assert summary["disturbance"]["torque_delay_ticks"] == 1
 
 

@@ -39,10 +39,10 @@ def simulator(monkeypatch):
     """`llsrbm.simulate` that answers at once with the rollout or the error put into the list."""
     answers, requests = [], []
 
-    def simulate(plan, **options):
-        requests.append((plan, options))
+    def simulate(plan, scenario, *, progress):
+        requests.append((plan, scenario))
         print("a banner of a simulator")
-        options.pop("progress")(0.5)
+        progress(0.5)
         if isinstance(answers[0], Exception):
             raise answers[0]
         return answers[0]

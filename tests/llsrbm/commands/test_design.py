@@ -10,7 +10,7 @@ from llsrbm import cli
 from llsrbm.design import Design, dump_design
 from llsrbm.examples import examples
 from llsrbm.jump import Jump
-from llsrbm.motion.rollout import Conditions
+from llsrbm.scenario import Scenario
 from llsrbm.tuning import Tuning
 from tests.llsrbm.synthetic import synthetic_plan
 from tests.llsrbm.synthetic_rollout import synthetic_rollout
@@ -18,7 +18,7 @@ from tests.llsrbm.synthetic_rollout import synthetic_rollout
 DESIGN = Design(
     Jump("go2", "srbm", twist=0.5, forward=0.2),
     Tuning(weights={"time": 3.0}, limits={"friction": 0.4}),
-    Conditions(board=0.02, half_board=True, seed=7, noise=0.5, detector="norm"),
+    Scenario(board=0.02, half_board=True, seed=7, noise=0.5, detector="norm"),
 )
 
 
@@ -44,27 +44,21 @@ def test_options_override_a_design_even_with_a_default(planner, file, capsys):
     assert planner.requests[0][0] == Jump("anymal", "srbm", forward=0.2, height=0.1)
 
 
-def test_a_design_is_simulated_under_its_conditions(planner, simulator, file, capsys):
+def test_a_design_is_simulated_in_its_scenario(planner, simulator, file, capsys):
     planner.answers.append(synthetic_plan())
     simulator.answers.append(synthetic_rollout())
     assert cli.main(["simulate", "--design", file]) == 0
     assert planner.requests[0][0] == DESIGN.jump
     assert planner.requests[0][1]["limits"] == {"friction": 0.4}
-    assert simulator.requests[0][1] == {
-        "board": 0.02, "half_board": True, "seed": 7, "noise": 0.5, "detector": "norm",
-        "landing": "auto", "solver": "quadprog", "trunk_mass": None,
-    }  # fmt: skip
+    assert simulator.requests[0][1] == DESIGN.scenario
 
 
-def test_options_override_a_designs_conditions(planner, simulator, file, capsys):
+def test_options_override_a_designs_scenario(planner, simulator, file, capsys):
     planner.answers.append(synthetic_plan())
     simulator.answers.append(synthetic_rollout())
     words = "--board 0 --whole-board --noise 2 --detector residual --qp-solver proxqp"
     assert cli.main(["simulate", *words.split(), "--design", file]) == 0
-    assert simulator.requests[0][1] == {
-        "board": 0, "half_board": False, "seed": 7, "noise": 2, "detector": "residual",
-        "landing": "auto", "solver": "proxqp", "trunk_mass": None,
-    }  # fmt: skip
+    assert simulator.requests[0][1] == Scenario(seed=7, noise=2, solver="proxqp")
 
 
 def test_an_undisturbed_design_stays_so(planner, simulator, tmp_path, capsys):
@@ -73,8 +67,7 @@ def test_an_undisturbed_design_stays_so(planner, simulator, tmp_path, capsys):
     path = tmp_path / "calm.json"
     path.write_text(dump_design(Design(Jump())))
     assert cli.main(["simulate", "--design", str(path)]) == 0
-    options = simulator.requests[0][1]
-    assert (options["seed"], options["noise"]) == (None, None)
+    assert simulator.requests[0][1] == Scenario()
 
 
 def test_an_example_is_named(planner, capsys):

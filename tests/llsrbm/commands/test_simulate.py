@@ -14,8 +14,9 @@ from llsrbm import cli
 from llsrbm.analysis.diagnosis import diagnose
 from llsrbm.analysis.rollout_summary import rollout_summary
 from llsrbm.errors import NotConverged
+from llsrbm.fields import meanings
 from llsrbm.motion.files import load
-from llsrbm.motion.rollout import Conditions
+from llsrbm.scenario import Scenario
 from tests.llsrbm.commands.process import run
 from tests.llsrbm.synthetic import synthetic_plan
 from tests.llsrbm.synthetic_rollout import synthetic_rollout
@@ -28,12 +29,9 @@ def test_a_file_is_simulated_as_it_is(simulator, saved, capsys, tmp_path):
     out = tmp_path / "r.npz"
     command = ["simulate", str(saved), *words.split(), "--qp-solver", "quadprog"]
     assert cli.main([*command, "--out", str(out)]) == 0
-    (plan, options), *_ = simulator.requests
+    (plan, scenario), *_ = simulator.requests
     np.testing.assert_array_equal(plan.com, synthetic_plan().com)
-    assert options == {
-        "board": 0.025, "half_board": True, "seed": 7, "noise": 0.5, "detector": "norm",
-        "landing": "planned", "solver": "quadprog", "trunk_mass": -0.12,
-    }  # fmt: skip
+    assert scenario == Scenario(0.025, True, 7, 0.5, "norm", "planned", "quadprog", -0.12)
     np.testing.assert_array_equal(load(out).qpos, simulator.answers[0].qpos)
 
 
@@ -45,9 +43,43 @@ def test_without_a_file_the_jump_is_planned_first(planner, simulator, capsys):
     jump, options = planner.requests[0]
     assert jump == llsrbm.Jump("anymal", "srbm", -math.pi / 2, 0.2, -0.1, 0.1)
     assert options["solver"] == "ipopt"
-    plan, options = simulator.requests[0]
+    plan, scenario = simulator.requests[0]
     assert plan.jump == jump
-    assert (options["seed"], options["noise"], options["solver"]) == (None, None, "quadprog")
+    assert scenario == Scenario()
+
+
+def test_a_noise_alone_draws_with_seed_0(simulator, saved, capsys):
+    simulator.answers.append(synthetic_rollout())
+    assert cli.main(["simulate", str(saved), "--noise", "1"]) == 0
+    assert simulator.requests[0][1] == Scenario(seed=0, noise=1.0)
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ("--board -1", "board: expected 0 to 1 m, got -1"),
+        ("--detector nosuch", "unknown detector 'nosuch'; the detectors are residual, norm"),
+        ("--qp-solver nosuch", "unknown QP solver 'nosuch'"),
+    ],
+)
+def test_what_makes_no_sense_is_refused_before_planning(planner, words, said, capfd):
+    assert cli.main(["simulate", *words.split()]) == 2
+    out, err = capfd.readouterr()
+    assert (out, err.count("\n")) == ("", 1)
+    assert err.startswith(f"llsrbm: {said}")
+    assert not planner.requests
+
+
+def test_every_field_of_a_scenario_is_an_option_with_its_meaning(capsys):
+    assert cli.main(["simulate", "--help"]) == 0
+    told = " ".join(capsys.readouterr().out.split())
+    for option in ("--board M", "--half-board / --whole-board", "--seed N", "--noise S"):
+        assert option in told
+    for option in ("--detector", "--landing", "--qp-solver", "--trunk-mass SHARE"):
+        assert option in told
+    for name, meaning in meanings(Scenario).items():
+        assert meaning.accepted in told, name
+        assert meaning.help.split(";")[0].replace("mid-flight", "mid- flight") in told, name
 
 
 def test_the_bare_command_plans_the_default_jump(planner, simulator, capsys):
@@ -117,8 +149,8 @@ def test_no_plan_is_exit_1_and_nothing_is_simulated(planner, simulator, capfd):
 
 
 def test_summary_for_a_person(simulator, saved, capsys):
-    conditions = Conditions(board=0.025, half_board=True, seed=7, trunk_mass=0.12)
-    simulator.answers.append(replace(synthetic_rollout(), conditions=conditions))
+    scenario = Scenario(board=0.025, half_board=True, seed=7, trunk_mass=0.12)
+    simulator.answers.append(replace(synthetic_rollout(), scenario=scenario))
     assert cli.main(["simulate", str(saved)]) == 0
     out, err = capsys.readouterr()
     assert err == ""

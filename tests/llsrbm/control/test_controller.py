@@ -8,8 +8,8 @@ import pytest
 from llsrbm.control.controller import WholeBodyController
 from llsrbm.control.whole_body import WholeBody
 from llsrbm.motion.plan import Phase
-from llsrbm.motion.rollout import Conditions
 from llsrbm.robots import load_robot
+from llsrbm.scenario import Scenario
 from tests.llsrbm.planning.solved import solved
 
 ROBOT = load_robot("anymal")
@@ -36,7 +36,7 @@ class TouchdownAt:
 def controller():
     """In flight for three ticks, then told that something was touched."""
     plan = solved("llsrbm-plus", "forward").plan
-    controller = WholeBodyController(ROBOT, plan, Conditions())
+    controller = WholeBodyController(ROBOT, plan, Scenario())
     controller.detector = TouchdownAt(3)
     return controller, plan.phase_start[1]
 

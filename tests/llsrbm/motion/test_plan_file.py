@@ -6,7 +6,7 @@ import json
 import math
 import os
 import stat
-from dataclasses import fields, replace
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -17,9 +17,9 @@ from hypothesis import strategies as st
 import llsrbm
 from llsrbm.errors import Error, FileFormatError, InputError
 from llsrbm.motion.files import load
-from llsrbm.motion.plan import Plan
 from llsrbm.motion.plan_file import LAYOUT, load_plan, save_plan
 from llsrbm.tuning import Tuning
+from tests.llsrbm.sameness import assert_same
 from tests.llsrbm.synthetic import synthetic_plan
 
 
@@ -33,16 +33,6 @@ def saved(plan, tmp_path):
     path = tmp_path / "plan.npz"
     save_plan(plan, path)
     return path
-
-
-def same(a, b):
-    for field in fields(Plan):
-        x, y = getattr(a, field.name), getattr(b, field.name)
-        if isinstance(x, np.ndarray):
-            assert x.dtype == y.dtype, field.name
-            np.testing.assert_array_equal(x, y, err_msg=field.name)
-        else:
-            assert x == y, field.name
 
 
 def rewritten(path, out, **changes):
@@ -63,8 +53,8 @@ def message(path):
 
 
 def test_round_trip(plan, saved):
-    same(plan, load_plan(saved))
-    same(plan, load(saved))
+    assert_same(plan, load_plan(saved))
+    assert_same(plan, load(saved))
 
 
 @settings(max_examples=25, deadline=None)
@@ -81,7 +71,7 @@ def test_round_trip_of_any_plan(tmp_path_factory, twist, forward, intervals, cos
     plan.save(path)
     back = load(path)
     assert back.report.cost == cost or (math.isnan(back.report.cost) and math.isnan(cost))
-    same(replace(plan, report=back.report), back)
+    assert_same(replace(plan, report=back.report), back)
 
 
 def test_layout_is_the_contracts(plan, saved):
@@ -123,7 +113,7 @@ def test_a_file_from_before_there_was_tuning(plan, saved, tmp_path):
 
 
 def test_keys_added_by_later_versions_are_no_error(plan, saved, tmp_path):
-    same(plan, load(rewritten(saved, tmp_path / "new.npz", novelty=np.zeros(3))))
+    assert_same(plan, load(rewritten(saved, tmp_path / "new.npz", novelty=np.zeros(3))))
 
 
 def test_a_plan_that_is_not_finite_is_not_written(plan, tmp_path):
@@ -148,8 +138,8 @@ def first_version(plan, path, **changes):
 
 def test_loads_of_a_first_versions_file_are_computed(real, tmp_path):
     back = load(first_version(real, tmp_path / "old.npz"))
-    same(replace(real, solution=None), back)
-    same(back, load_plan(tmp_path / "old.npz"))
+    assert_same(real, back)
+    assert_same(back, load_plan(tmp_path / "old.npz"))
 
 
 @pytest.mark.parametrize(
@@ -177,7 +167,7 @@ def test_they_are_not_known_without_the_robot(real, tmp_path, request_, paramete
     with np.load(tmp_path / "again.npz") as archive:
         assert archive["schema"] == "llsrbm.plan/1"
         assert "joint_torque" not in archive
-    same(plan, load(tmp_path / "again.npz"))
+    assert_same(plan, load(tmp_path / "again.npz"))
 
 
 def test_a_first_versions_file_of_another_body(real, tmp_path):
@@ -327,7 +317,7 @@ class TestWriting:
         (tmp_path / "link").symlink_to(tmp_path / "real.npz")
         save_plan(plan, tmp_path / "link")
         assert (tmp_path / "link").is_symlink()
-        same(plan, load(tmp_path / "real.npz"))
+        assert_same(plan, load(tmp_path / "real.npz"))
 
     def test_a_device_is_not_replaced(self, plan):
         save_plan(plan, os.devnull)
@@ -340,5 +330,5 @@ class TestWriting:
         monkeypatch.setattr(np, "savez_compressed", fail)
         with pytest.raises(InputError, match="No space left"):
             save_plan(plan, saved)
-        same(plan, load(saved))
+        assert_same(plan, load(saved))
         assert [p.name for p in saved.parent.iterdir()] == [saved.name]

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import json
 import math
-from dataclasses import fields, replace
+import string
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -14,8 +15,10 @@ from hypothesis import strategies as st
 from llsrbm.errors import Error, FileFormatError
 from llsrbm.motion.files import load
 from llsrbm.motion.plan_file import load_plan
-from llsrbm.motion.rollout import Conditions, Disturbance, Rollout
+from llsrbm.motion.rollout import Disturbance
 from llsrbm.motion.rollout_file import LAYOUT, load_rollout, save_rollout
+from llsrbm.scenario import Scenario
+from tests.llsrbm.sameness import assert_same
 from tests.llsrbm.synthetic import synthetic_plan
 from tests.llsrbm.synthetic_rollout import synthetic_rollout
 
@@ -30,16 +33,6 @@ def saved(rollout, tmp_path):
     path = tmp_path / "rollout.npz"
     save_rollout(rollout, path)
     return path
-
-
-def same(a, b):
-    for field in fields(Rollout):
-        x, y = getattr(a, field.name), getattr(b, field.name)
-        if isinstance(x, np.ndarray):
-            assert x.dtype == y.dtype, field.name
-            np.testing.assert_array_equal(x, y, err_msg=field.name)
-        else:
-            assert x == y, field.name
 
 
 def rewritten(path, out, **changes):
@@ -60,8 +53,19 @@ def message(path):
 
 
 def test_round_trip(rollout, saved):
-    same(rollout, load_rollout(saved))
-    same(rollout, load(saved))
+    assert_same(rollout, load_rollout(saved))
+    assert_same(rollout, load(saved))
+
+
+def test_the_plan_that_was_followed(rollout, saved, tmp_path):
+    assert_same(rollout.plan, load(saved).plan)
+    with np.load(saved) as archive:
+        np.testing.assert_array_equal(archive["plan/com"], rollout.plan.com)
+        older = {key: archive[key] for key in archive if not key.startswith("plan/")}
+    np.savez(tmp_path / "older.npz", **older)
+    assert load(tmp_path / "older.npz").plan is None
+    bent = rewritten(saved, tmp_path / "x.npz", **{"plan/com": rollout.plan.com[:-1]})
+    assert 'plan/: key "com": expected shape (T, 3)' in message(bent)
 
 
 def test_round_trip_of_a_robot_that_fell(tmp_path):
@@ -69,7 +73,7 @@ def test_round_trip_of_a_robot_that_fell(tmp_path):
     outcome = replace(rollout.outcome, touchdown_true_s=None, foot_touchdown_s=(None, 0.9, 1, None))
     rollout = replace(rollout, outcome=outcome)
     rollout.save(tmp_path / "fell.npz")
-    same(rollout, load(tmp_path / "fell.npz"))
+    assert_same(rollout, load(tmp_path / "fell.npz"))
 
 
 @settings(max_examples=25, deadline=None)
@@ -78,14 +82,15 @@ def test_round_trip_of_a_robot_that_fell(tmp_path):
     half=st.booleans(),
     seed=st.none() | st.integers(0, 2**63),
     words=st.text(max_size=20),
+    name=st.text(string.ascii_letters + "-_ é跳", min_size=1, max_size=20),
     figure=st.floats(),
 )
 def test_round_trip_of_whatever_is_said_about_it(
-    rollout, tmp_path_factory, board, half, seed, words, figure
+    rollout, tmp_path_factory, board, half, seed, words, name, figure
 ):
     said = replace(
         rollout,
-        conditions=Conditions(board=board, half_board=half, seed=seed, detector=words),
+        scenario=Scenario(board=board, half_board=half and board > 0, seed=seed, detector=name),
         disturbance=Disturbance(trunk_mass_factor=board, torque_delay_ticks=1),
         outcome=replace(rollout.outcome, reason=words, foot_error=figure),
     )
@@ -95,7 +100,7 @@ def test_round_trip_of_whatever_is_said_about_it(
     assert back.outcome.foot_error == figure or math.isnan(back.outcome.foot_error + figure)
     outcome = replace(back.outcome, foot_error=rollout.outcome.foot_error)
     known = replace(said, outcome=replace(said.outcome, foot_error=rollout.outcome.foot_error))
-    same(known, replace(back, outcome=outcome))
+    assert_same(known, replace(back, outcome=outcome))
 
 
 def test_layout_is_the_contracts(rollout, saved):
@@ -120,7 +125,7 @@ def test_layout_is_the_contracts(rollout, saved):
     assert meta["request"]["twist"] == rollout.jump.twist
     assert meta["model"] == "llsrbm-plus"
     assert meta["robot_parameters"]["mass"] == 30.0
-    assert meta["conditions"]["seed"] == 3
+    assert meta["scenario"]["seed"] == 3
     assert meta["disturbance"]["friction"] == rollout.disturbance.friction
     assert meta["outcome"]["status"] == "landed"
     assert meta["package_version"]
@@ -128,11 +133,11 @@ def test_layout_is_the_contracts(rollout, saved):
 
 def test_contacts_that_are_booleans_are_stored_as_numbers(rollout, saved, tmp_path):
     replace(rollout, contact=rollout.contact.astype(bool)).save(tmp_path / "b.npz")
-    same(rollout, load(tmp_path / "b.npz"))
+    assert_same(rollout, load(tmp_path / "b.npz"))
 
 
 def test_keys_added_by_later_versions_are_no_error(rollout, saved, tmp_path):
-    same(rollout, load(rewritten(saved, tmp_path / "new.npz", novelty=np.zeros(3))))
+    assert_same(rollout, load(rewritten(saved, tmp_path / "new.npz", novelty=np.zeros(3))))
 
 
 def test_a_rollout_that_is_not_finite_is_not_written(rollout, tmp_path):
@@ -155,7 +160,7 @@ class TestReading:
         synthetic_plan().save(tmp_path / "plan.npz")
         schema = np.array("llsrbm.rollout/1")
         path = rewritten(tmp_path / "plan.npz", tmp_path / "x.npz", schema=schema)
-        assert "conditions: Field required" in message(path)
+        assert "scenario: Field required" in message(path)
 
     @pytest.mark.parametrize("key", ["schema", "meta", *LAYOUT])
     def test_missing_key(self, saved, tmp_path, key):
@@ -196,7 +201,9 @@ class TestReading:
             (("request", "twist"), "abc", "request.twist"),
             (("outcome", "status"), None, "outcome.status"),
             (("disturbance", "friction"), "slippery", "disturbance.friction"),
-            (("conditions", "seed"), 1.5, "conditions.seed"),
+            (("scenario", "seed"), 1.5, "scenario.seed"),
+            (("scenario", "noise"), 4.0, "noise: expected 0 to 3, got 4"),
+            (("request", "twist"), "NaN", "Jump.twist: expected a finite number"),
         ],
     )
     def test_meta_that_is_wrong(self, saved, tmp_path, path, value, said):
@@ -210,9 +217,27 @@ class TestReading:
 def test_files_without_what_came_later_open(rollout, saved, tmp_path):
     with np.load(saved) as archive:
         meta = json.loads(str(archive["meta"]))
-    del meta["control_parameters"], meta["conditions"]["trunk_mass"]
+    del meta["control_parameters"], meta["scenario"]["trunk_mass"]
     del meta["outcome"]["landing_strategy"]
     older = load(rewritten(saved, tmp_path / "older.npz", meta=np.array(json.dumps(meta))))
     assert older.control_parameters == {}
     outcome = replace(rollout.outcome, landing_strategy="")
-    same(replace(rollout, control_parameters={}, outcome=outcome), older)
+    assert_same(replace(rollout, control_parameters={}, outcome=outcome), older)
+
+
+@pytest.mark.parametrize(
+    ("older", "scenario"),
+    [
+        ({"board": 0.02, "seed": 3, "noise": 0.5}, Scenario(board=0.02, seed=3, noise=0.5)),
+        ({"board": 0.02, "seed": None, "noise": 1.0}, Scenario(board=0.02)),
+    ],
+)
+def test_a_file_that_says_conditions_opens(rollout, saved, tmp_path, older, scenario):
+    """Where nothing was disturbed they held a noise nevertheless."""
+    with np.load(saved) as archive:
+        meta = json.loads(str(archive["meta"]))
+    meta["conditions"] = meta.pop("scenario") | older
+    opened = load(rewritten(saved, tmp_path / "older.npz", meta=np.array(json.dumps(meta))))
+    assert_same(replace(rollout, scenario=scenario), opened)
+    opened.save(tmp_path / "again.npz")
+    assert_same(opened, load(tmp_path / "again.npz"))

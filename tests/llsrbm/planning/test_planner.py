@@ -207,12 +207,25 @@ def test_changed_weights_and_limits_are_followed(planner):
     assert plan.report.cost > near.report.cost * (1 + 1e-3)
 
 
-def test_what_cannot_be_started_from(planner, tmp_path):
-    jump = Jump(model="srbm", forward=0.3)
+def test_a_plan_from_a_file_can_be_started_from(planner, tmp_path):
     near = solved("srbm", "forward").plan
     near.save(tmp_path / "plan.npz")
-    with pytest.raises(InputError, match="read from a file cannot be started from"):
-        planner.plan(jump, near=llsrbm.load(tmp_path / "plan.npz"))
+    jump = replace(near.jump, twist=near.jump.twist + 0.05)
+    here = planner.plan(jump, near=near)
+    there = planner.plan(jump, near=llsrbm.load(tmp_path / "plan.npz"))
+    assert there.report.attempts == 1
+    assert there.report.iterations == here.report.iterations
+    np.testing.assert_array_equal(there.com, here.com)
+
+
+def test_what_cannot_be_started_from(planner):
+    jump = Jump(model="srbm", forward=0.3)
+    near = solved("srbm", "forward").plan
+    with pytest.raises(InputError, match="cannot be started from; expected one that converged"):
+        planner.plan(jump, near=replace(near, solution=None))
+    short = replace(near.solution, multipliers=near.solution.multipliers[:-1])
+    with pytest.raises(InputError, match="of another version of the planner"):
+        planner.plan(jump, near=replace(near, solution=short))
     for other in (
         solved("llsrbm", "forward").plan,
         solved("llsrbm-plus", "box", "slider").plan,
@@ -243,7 +256,7 @@ class Reluctant:
 
     def __init__(self, backend, failures):
         self.backend, self.failures, self.calls, self.seconds = backend, failures, [], []
-        self.name = backend.name
+        self.name, self.sizes = backend.name, backend.sizes
 
     def solve(self, guess, parameters, bounds, read=None):
         self.calls.append(guess)

@@ -5,27 +5,28 @@ from __future__ import annotations
 import pytest
 
 from llsrbm.analysis.diagnosis import diagnose, fall_in_words
-from llsrbm.motion.rollout import Conditions, Disturbance
+from llsrbm.motion.rollout import Disturbance
 from llsrbm.robots import load_robot
 from llsrbm.robots.drives import torque_range
+from llsrbm.scenario import Scenario
 from llsrbm.simulation import drives
 from llsrbm.simulation import simulate as loop
 from tests.llsrbm.planning.solved import solved
 
 
-def follow(conditions=None):
+def follow(scenario=None):
     plan = solved("llsrbm-plus", "forward").plan
-    return loop.simulate(plan, load_robot("anymal"), conditions or Conditions())
+    return loop.simulate(plan, load_robot("anymal"), scenario or Scenario())
 
 
 def ice(monkeypatch):
     world = Disturbance(friction=0.05)
-    monkeypatch.setattr(loop, "draw_disturbance", lambda conditions: world)
+    monkeypatch.setattr(loop, "draw_disturbance", lambda scenario: world)
 
 
 def a_load_on_the_trunk(monkeypatch):
     world = Disturbance(trunk_mass_factor=2.2)
-    monkeypatch.setattr(loop, "draw_disturbance", lambda conditions: world)
+    monkeypatch.setattr(loop, "draw_disturbance", lambda scenario: world)
 
 
 def weak_drives(monkeypatch):
@@ -65,6 +66,6 @@ def test_the_first_event_is_the_cause(cause, what, monkeypatch):
 
 @pytest.mark.parametrize("seed", [3, 5])
 def test_a_landing_with_everything_disturbed_has_none(seed):
-    rollout = follow(Conditions(seed=seed))
+    rollout = follow(Scenario(seed=seed))
     assert rollout.landed, rollout.outcome
     assert diagnose(rollout) == ()

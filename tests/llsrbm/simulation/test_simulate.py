@@ -14,9 +14,10 @@ from llsrbm.control.solvers import QpSolver
 from llsrbm.control.solvers.quadprog import Quadprog
 from llsrbm.errors import Cancelled, InputError
 from llsrbm.motion.plan import Phase
-from llsrbm.motion.rollout import Conditions, Mode, Rollout
+from llsrbm.motion.rollout import Mode, Rollout
 from llsrbm.motion.rollout_file import load_rollout
 from llsrbm.robots import load_robot
+from llsrbm.scenario import Scenario
 from llsrbm.simulation.simulate import STANDING, simulate
 from llsrbm.simulation.world import Diverged, World
 from tests.llsrbm.planning.solved import solved
@@ -24,9 +25,9 @@ from tests.llsrbm.planning.solved import solved
 GRAVITY = np.array([0.0, 0.0, -9.81])
 
 
-def run(request: str = "twist", conditions: Conditions | None = None, **options) -> Rollout:
+def run(request: str = "twist", scenario: Scenario | None = None, **options) -> Rollout:
     plan = solved("llsrbm-plus", request).plan
-    return simulate(plan, load_robot("anymal"), conditions or Conditions(), **options)
+    return simulate(plan, load_robot("anymal"), scenario or Scenario(), **options)
 
 
 @pytest.fixture(scope="module")
@@ -36,7 +37,7 @@ def twist():
 
 @pytest.fixture(scope="module")
 def disturbed():
-    return run(conditions=Conditions(seed=7))
+    return run(scenario=Scenario(seed=7))
 
 
 def simulated_mass(rollout: Rollout) -> float:
@@ -62,7 +63,7 @@ def test_other_jumps_land(request_name):
 
 @pytest.mark.parametrize("half", [False, True])
 def test_a_board_nobody_planned_for(half):
-    rollout = run("forward", Conditions(board=0.025, half_board=half, seed=3))
+    rollout = run("forward", Scenario(board=0.025, half_board=half, seed=3))
     assert rollout.landed, rollout.outcome
     assert rollout.outcome.touchdown_true_s < rollout.outcome.touchdown_planned_s
     standing_on = rollout.foot_position[-1, :, 2]
@@ -119,7 +120,7 @@ def test_torques_stay_within_the_drives(disturbed):
 
 
 def test_the_same_seed_is_the_same_rollout(disturbed):
-    again = run(conditions=Conditions(seed=7))
+    again = run(scenario=Scenario(seed=7))
     for field in fields(Rollout):
         value = getattr(disturbed, field.name)
         if isinstance(value, np.ndarray):
@@ -129,7 +130,7 @@ def test_the_same_seed_is_the_same_rollout(disturbed):
 
 
 def test_seeds_differ(disturbed, twist):
-    other = run(conditions=Conditions(seed=8))
+    other = run(scenario=Scenario(seed=8))
     assert disturbed.disturbance != other.disturbance
     assert not np.array_equal(disturbed.torque[:100], other.torque[:100])
     assert twist.disturbance.trunk_mass_factor == 1.0
@@ -137,13 +138,13 @@ def test_seeds_differ(disturbed, twist):
 
 @pytest.mark.parametrize("landing", ["planned", "tracking"])
 def test_other_landings_stand_as_well(landing):
-    rollout = run(conditions=Conditions(landing=landing))
+    rollout = run(scenario=Scenario(landing=landing))
     assert rollout.landed
     assert (rollout.mode == Mode.FORCE).any() == (landing == "planned")
 
 
 def test_solvers_agree_until_touchdown(twist):
-    other = run(conditions=Conditions(solver="proxqp"))
+    other = run(scenario=Scenario(solver="proxqp"))
     assert other.outcome.strict
     until = np.searchsorted(twist.time, twist.outcome.touchdown_true_s) - 1
     np.testing.assert_allclose(other.com[:until], twist.com[:until], atol=2e-3)
@@ -232,7 +233,7 @@ class Failing(QpSolver):
 def test_unsolved_ticks_are_counted_and_fail_the_strict_measure(fails, landed, monkeypatch):
     monkeypatch.setattr(Failing, "fails", fails)
     monkeypatch.setitem(solvers._SOLVERS, "failing", Failing)
-    rollout = run(conditions=Conditions(solver="failing"))
+    rollout = run(scenario=Scenario(solver="failing"))
     outcome = rollout.outcome
     assert rollout.landed == landed, outcome
     assert not outcome.strict
@@ -247,7 +248,7 @@ def test_a_rollout_has_the_numbers_that_ran(tmp_path):
     limits = robot.file.limits.model_copy(update={"friction": 0.4})
     file = robot.file.model_copy(update={"control": control, "limits": limits})
     plan = solved("llsrbm-plus", "twist").plan
-    rollout = simulate(plan, replace(robot, file=file), Conditions())
+    rollout = simulate(plan, replace(robot, file=file), Scenario())
     rollout.save(tmp_path / "rollout.npz")
     for one in (rollout, load_rollout(tmp_path / "rollout.npz")):
         assert one.robot_parameters["limits"]["friction"] == 0.4
@@ -258,4 +259,4 @@ def test_a_rollout_has_the_numbers_that_ran(tmp_path):
 
 def test_a_board_that_does_not_fit_is_refused():
     with pytest.raises(InputError, match="board"):
-        run(conditions=Conditions(board=1.0))
+        run(scenario=Scenario(board=1.0))

@@ -11,9 +11,9 @@ import pytest
 
 import llsrbm
 from llsrbm.motion.plan import Plan
-from llsrbm.motion.rollout import Conditions
 from llsrbm.motion.rotation import yaw
 from llsrbm.robots import load_robot
+from llsrbm.scenario import Scenario
 from llsrbm.simulation.simulate import simulate
 
 JUMPS = {
@@ -30,7 +30,7 @@ def plan(jump: str) -> Plan:
 
 @pytest.mark.parametrize("jump", JUMPS)
 def test_the_papers_jumps_land_strictly(jump):
-    rollout = simulate(plan(jump), load_robot("slider"), Conditions(seed=5))
+    rollout = simulate(plan(jump), load_robot("slider"), Scenario(seed=5))
     outcome = rollout.outcome
     assert outcome.strict, outcome
     assert abs(np.degrees(outcome.yaw_error_at_touchdown)) < 5
@@ -42,7 +42,7 @@ def test_the_papers_jumps_land_strictly(jump):
 
 
 def test_soles_turn_in_the_air_and_land_level():
-    rollout = simulate(plan("twist"), load_robot("slider"), Conditions())
+    rollout = simulate(plan("twist"), load_robot("slider"), Scenario())
     robot = load_robot("slider")
     data = robot.model.createData()
     q = np.empty(robot.model.nq)
@@ -60,6 +60,6 @@ def test_soles_turn_in_the_air_and_land_level():
 
 
 def test_a_board_nobody_planned_for():
-    conditions = Conditions(board=0.02, seed=1)
-    rollout = simulate(plan("twist"), load_robot("slider"), conditions)
+    scenario = Scenario(board=0.02, seed=1)
+    rollout = simulate(plan("twist"), load_robot("slider"), scenario)
     assert rollout.landed, rollout.outcome

@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 
 from llsrbm.errors import InputError
 from llsrbm.jump import Jump
-from llsrbm.motion.rollout import Conditions
 from llsrbm.robots import load_robot
+from llsrbm.scenario import Scenario
 from llsrbm.simulation.surroundings import check_board, surroundings
 from tests.app.synthetic_plan import FLY, STAND, synthetic_plan
 
@@ -19,9 +19,9 @@ RADIUS = 0.031
 MIDDLE = STAND + FLY / 2
 
 
-def around(conditions=None, **jump):
+def around(scenario=None, **jump):
     plan = synthetic_plan(Jump(**jump))
-    return plan, surroundings(ANYMAL, plan, conditions or Conditions())
+    return plan, surroundings(ANYMAL, plan, scenario or Scenario())
 
 
 def overhang(block, points, radius=0.0):
@@ -134,7 +134,7 @@ def test_what_comes_too_near_to_the_feet_stands_half_of_the_time(height):
 
 
 def test_a_board_on_the_ground_lies_under_all_feet_from_mid_flight_on():
-    plan, world = around(Conditions(board=0.025), twist=0.5, forward=0.3)
+    plan, world = around(Scenario(board=0.025), twist=0.5, forward=0.3)
     (board,) = world.blocks
     assert top(board) == pytest.approx(0.025)
     assert board.size == pytest.approx([2, 2, 0.025])
@@ -147,7 +147,7 @@ def test_a_board_on_the_ground_lies_under_all_feet_from_mid_flight_on():
 def test_half_a_board_lies_under_the_front_feet_alone(height):
     """Front in the heading of the landing, whatever that is."""
     plan, world = around(
-        Conditions(board=0.025, half_board=True), twist=2.0, forward=0.2, height=height
+        Scenario(board=0.025, half_board=True), twist=2.0, forward=0.2, height=height
     )
     (board,) = (block for block in world.blocks if block.name == "board")
     assert top(board) == pytest.approx(height + 0.025)
@@ -157,7 +157,7 @@ def test_half_a_board_lies_under_the_front_feet_alone(height):
 
 
 def test_a_board_on_a_box_is_as_large_as_the_box():
-    _, world = around(Conditions(board=0.02), height=0.2, forward=0.3)
+    _, world = around(Scenario(board=0.02), height=0.2, forward=0.3)
     box, board = world.blocks
     assert board.size[:2] == pytest.approx(box.size[:2])
     assert board.centre[:2] == pytest.approx(box.centre[:2])
@@ -182,4 +182,4 @@ def test_the_thickest_board_passes_under_the_feet(height):
 
 def test_the_world_refuses_a_board_that_is_too_thick():
     with pytest.raises(InputError, match=r"board: .* got 1 m"):
-        around(Conditions(board=1.0))
+        around(Scenario(board=1.0))

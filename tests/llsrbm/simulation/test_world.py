@@ -9,9 +9,10 @@ from hypothesis.extra.numpy import arrays
 
 from llsrbm.errors import InputError
 from llsrbm.jump import Jump
-from llsrbm.motion.rollout import Conditions, Disturbance
+from llsrbm.motion.rollout import Disturbance
 from llsrbm.robots import load_robot
 from llsrbm.robots.foot_contact import foot_contacts
+from llsrbm.scenario import Scenario
 from llsrbm.simulation.start import standing_state
 from llsrbm.simulation.world import Diverged, World
 from tests.app.synthetic_plan import FLY, STAND, synthetic_plan
@@ -24,8 +25,8 @@ JOINTS = len(ANYMAL.joint_names)
 PLAN = synthetic_plan(Jump())
 
 
-def world_of(plan=PLAN, robot=ANYMAL, conditions=None, **disturbance):
-    return World(robot, plan, conditions or Conditions(), Disturbance(**disturbance), TICK)
+def world_of(plan=PLAN, robot=ANYMAL, scenario=None, **disturbance):
+    return World(robot, plan, scenario or Scenario(), Disturbance(**disturbance), TICK)
 
 
 SHARED = world_of()
@@ -130,7 +131,7 @@ class Pushed:
 
     def __init__(self, robot, plan, factor, seed, ticks, stiffness=300.0, damping=8.0):
         rng = np.random.default_rng(seed)
-        world = World(robot, plan, Conditions(), Disturbance(trunk_mass_factor=factor), TICK)
+        world = World(robot, plan, Scenario(), Disturbance(trunk_mass_factor=factor), TICK)
         model = robot.model.copy()
         trunk = model.inertias[1]
         model.inertias[1] = pin.Inertia(factor * trunk.mass, trunk.lever, factor * trunk.inertia)
@@ -328,10 +329,10 @@ def test_runs_are_repeatable():
             assert one.tolist() == other.tolist()
 
 
-def drop_at_landing(conditions, jump):
+def drop_at_landing(scenario, jump):
     """Where the feet come to rest, held stiff at the landing place from mid-flight on."""
     plan = synthetic_plan(jump)
-    world = world_of(plan, conditions=conditions)
+    world = world_of(plan, scenario=scenario)
     start = standing_state(ANYMAL, plan)
     q = start.copy()
     q[:3] += plan.com[-1] - plan.com[0]
@@ -353,27 +354,27 @@ def drop_at_landing(conditions, jump):
 
 
 @pytest.mark.parametrize(
-    ("conditions", "jump", "expected"),
+    ("scenario", "jump", "expected"),
     [
-        (Conditions(), Jump(forward=0.2), [0, 0, 0, 0]),
-        (Conditions(board=0.025), Jump(forward=0.2), [0.025] * 4),
-        (Conditions(board=0.025, half_board=True), Jump(), [0.025, 0.025, 0, 0]),
-        (Conditions(), Jump(height=0.2), [0.2] * 4),
-        (Conditions(), Jump(height=-0.15), [-0.15] * 4),
-        (Conditions(board=0.02), Jump(height=0.2), [0.22] * 4),
+        (Scenario(), Jump(forward=0.2), [0, 0, 0, 0]),
+        (Scenario(board=0.025), Jump(forward=0.2), [0.025] * 4),
+        (Scenario(board=0.025, half_board=True), Jump(), [0.025, 0.025, 0, 0]),
+        (Scenario(), Jump(height=0.2), [0.2] * 4),
+        (Scenario(), Jump(height=-0.15), [-0.15] * 4),
+        (Scenario(board=0.02), Jump(height=0.2), [0.22] * 4),
     ],
 )
-def test_feet_land_on_what_is_there(conditions, jump, expected):
-    assert drop_at_landing(conditions, jump) == pytest.approx(expected, abs=2e-3)
+def test_feet_land_on_what_is_there(scenario, jump, expected):
+    assert drop_at_landing(scenario, jump) == pytest.approx(expected, abs=2e-3)
 
 
 def test_a_board_that_does_not_fit_is_refused():
     with pytest.raises(InputError, match="board: expected 0 to"):
-        world_of(conditions=Conditions(board=1.0))
+        world_of(scenario=Scenario(board=1.0))
 
 
 def test_ticks_need_not_be_multiples_of_the_step():
-    world = World(ANYMAL, PLAN, Conditions(), Disturbance(), 1 / 333)
+    world = World(ANYMAL, PLAN, Scenario(), Disturbance(), 1 / 333)
     world.reset(*in_the_air(10.0))
     for _ in range(333):
         world.advance(np.zeros(JOINTS))
