@@ -5,9 +5,10 @@ from __future__ import annotations
 import lzma
 import zipfile
 import zlib
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +19,7 @@ from llsrbm.motion.writing import replacing
 
 Arrays = dict[str, NDArray[Any]]
 
-_LARGEST = 2 * 1024**3  # bytes, unpacked: far above any trajectory, far below a machine's memory
+LARGEST = 2 * 1024**3  # bytes, unpacked: far above any trajectory, far below a machine's memory
 
 # What zipfile, zlib and NumPy raise on damaged input, as far as fuzzing has shown.
 _DAMAGE = (
@@ -37,33 +38,58 @@ _DAMAGE = (
 )
 
 
-def read_archive(path: str | Path) -> Arrays:
-    """Every array of an npz file; pickled objects are refused, not run.
+OURS = "expected an npz file written by llsrbm"
+
+
+def read_archive(
+    path: str | Path, only: Iterable[str] | None = None, expected: str = OURS
+) -> Arrays:
+    """Arrays of an npz file; pickled objects are refused, not run.
+
+    Args:
+        path: of the file.
+        only: keys that are read if they are there; None: all.
+        expected: what the file should be, for messages.
 
     Raises:
         FileFormatError: unreadable, not npz, damaged or holding pickled objects.
     """
-    expected = "expected an npz file written by llsrbm"
     try:
         with Path(path).open("rb") as file:
-            if not zipfile.is_zipfile(file):
-                raise FileFormatError(f"{path}: not an npz file, or cut short; {expected}")
-            file.seek(0)
-            with zipfile.ZipFile(file) as members:
-                size = sum(member.file_size for member in members.infolist())
-            if size > _LARGEST:
-                raise FileFormatError(
-                    f"{path}: {size} bytes of arrays; at most {_LARGEST} are read"
-                )
-            file.seek(0)
-            with np.load(file, allow_pickle=False) as archive:
-                return {key: np.asarray(archive[key]) for key in archive.files}
+            return read_open_archive(file, path, only, expected)
     except OSError as error:
         reason = error.strerror or str(error)
         raise FileFormatError(f"{path}: cannot be read: {reason}; {expected}") from error
+
+
+def read_open_archive(
+    file: BinaryIO, path: str | Path, only: Iterable[str] | None = None, expected: str = OURS
+) -> Arrays:
+    """The same of an open file; `path` is for messages."""
+    with refusing_damage(path, expected):
+        if not zipfile.is_zipfile(file):
+            raise FileFormatError(f"{path}: not an npz file, or cut short; {expected}")
+        file.seek(0)
+        with zipfile.ZipFile(file) as members:
+            size = sum(member.file_size for member in members.infolist())
+        if size > LARGEST:
+            raise FileFormatError(f"{path}: {size} bytes of arrays; at most {LARGEST} are read")
+        file.seek(0)
+        with np.load(file, allow_pickle=False) as archive:
+            keys = archive.files if only is None else [key for key in only if key in archive.files]
+            return {key: np.asarray(archive[key]) for key in keys}
+
+
+@contextmanager
+def refusing_damage(path: str | Path, expected: str) -> Iterator[None]:
+    """What reading a damaged archive raises, as `FileFormatError`."""
+    try:
+        yield
     except _DAMAGE as error:
         reason = " ".join(str(error).split()) or type(error).__name__
-        raise FileFormatError(f"{path}: damaged or not llsrbm's: {reason}; {expected}") from error
+        raise FileFormatError(
+            f"{path}: damaged or not as expected: {reason}; {expected}"
+        ) from error
 
 
 def write_archive(path: str | Path, arrays: Mapping[str, Any]) -> None:
