@@ -46,10 +46,11 @@ from llsrbm.formats.sidecar import described
 from llsrbm.motion.archive import write_archive
 from llsrbm.motion.files import Trajectory
 from llsrbm.motion.plan import Phase, Plan
-from llsrbm.motion.rollout import Conditions, Disturbance, Rollout
+from llsrbm.motion.rollout import Disturbance, Rollout
 from llsrbm.motion.whole_body import WholeBodyMotion, motion_of_states, whole_body_motion
 from llsrbm.motion.writing import MARK
 from llsrbm.robots import Robot
+from llsrbm.scenario import Scenario
 
 if TYPE_CHECKING:
     from llsrbm.formats.mujoco_scene import Keyframe
@@ -183,13 +184,13 @@ def _surroundings(trajectory: Trajectory, motion: WholeBodyMotion) -> Surroundin
 
     robot = motion.robot
     if isinstance(trajectory, Plan):
-        around = surroundings(robot, trajectory, Conditions())
+        around = surroundings(robot, trajectory, Scenario())
         room = _below_feet(motion)
         lower = [replace(b, centre=b.centre - [0.0, 0.0, room]) for b in around.blocks]
         return Surroundings(around.ground - room, tuple(lower))
     if trajectory.plan is not None:
-        return surroundings(robot, trajectory.plan, trajectory.conditions)
-    if trajectory.jump.height == 0 and trajectory.conditions.board == 0:
+        return surroundings(robot, trajectory.plan, trajectory.scenario)
+    if trajectory.jump.height == 0 and trajectory.scenario.board == 0:
         return Surroundings(ground=0.0, blocks=())
     raise InputError(
         f'format "{MUJOCO.name}": the rollout does not hold its plan, so it is not known where its '

@@ -17,9 +17,10 @@ import llsrbm
 from llsrbm.errors import InputError
 from llsrbm.formats import export
 from llsrbm.motion.resample import resample
-from llsrbm.motion.rollout import Conditions, Disturbance
+from llsrbm.motion.rollout import Disturbance
 from llsrbm.robots import load_robot
 from llsrbm.robots.visuals import link_visuals
+from llsrbm.scenario import Scenario
 from llsrbm.simulation.scene import build_scene
 from llsrbm.simulation.surroundings import Surroundings
 
@@ -394,7 +395,7 @@ def test_a_box_and_a_board_stand_when_they_did(tmp_path):
 def test_a_board_of_the_rollouts_own(case, tmp_path):
     tried = replace(
         case.rollout,
-        conditions=Conditions(board=0.03),
+        scenario=Scenario(board=0.03),
         disturbance=Disturbance(trunk_mass_factor=1.1, friction=0.5),
     )
     export(tried, tmp_path / "out", "mujoco")
