@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import lzma
+import struct
+import tokenize
 import zipfile
 import zlib
 from collections.abc import Mapping
@@ -31,19 +33,35 @@ _DAMAGE = (
     NotImplementedError,  # a compression method that is not there
     RuntimeError,  # an encrypted member
     SyntaxError,
+    tokenize.TokenError,  # an array's header that NumPy takes for an old one
+    struct.error,
     zipfile.BadZipFile,
     zlib.error,
     lzma.LZMAError,
 )
 
 
-def read_archive(path: str | Path) -> Arrays:
+def keys(path: str | Path) -> frozenset[str]:
+    """Of the arrays in an npz file, without reading them; none where it is no such file."""
+    try:
+        with zipfile.ZipFile(path) as members:
+            return frozenset(name.removesuffix(".npy") for name in members.namelist())
+    except (OSError, *_DAMAGE):
+        return frozenset()
+
+
+def read_archive(
+    path: str | Path, expected: str = "expected an npz file written by llsrbm"
+) -> Arrays:
     """Every array of an npz file; pickled objects are refused, not run.
+
+    Args:
+        path: the file.
+        expected: what messages say that it should be.
 
     Raises:
         FileFormatError: unreadable, not npz, damaged or holding pickled objects.
     """
-    expected = "expected an npz file written by llsrbm"
     try:
         with Path(path).open("rb") as file:
             if not zipfile.is_zipfile(file):
@@ -63,7 +81,7 @@ def read_archive(path: str | Path) -> Arrays:
         raise FileFormatError(f"{path}: cannot be read: {reason}; {expected}") from error
     except _DAMAGE as error:
         reason = " ".join(str(error).split()) or type(error).__name__
-        raise FileFormatError(f"{path}: damaged or not llsrbm's: {reason}; {expected}") from error
+        raise FileFormatError(f"{path}: damaged or another file: {reason}; {expected}") from error
 
 
 def write_archive(path: str | Path, arrays: Mapping[str, Any]) -> None:
