@@ -41,7 +41,7 @@ from numpy.typing import NDArray
 
 from llsrbm.errors import InputError
 from llsrbm.formats.base import Format, Options
-from llsrbm.formats.mujoco_motion import read_motion
+from llsrbm.formats.mujoco_motion import read_motion, recognises
 from llsrbm.formats.sidecar import described
 from llsrbm.motion.archive import write_archive
 from llsrbm.motion.files import Trajectory
@@ -263,4 +263,5 @@ MUJOCO = Format(
     options=("fps", "pad"),
     defaults=Options(fps=500.0),
     read=read_motion,
+    recognises=recognises,
 )

@@ -92,7 +92,7 @@ def _arrays(path: Path) -> tuple[Arrays, str]:
     """What is in it, and its name for messages."""
     if path.is_dir():
         inner = path / _MOTION
-        return read_archive(inner, _KEYS, _EXPECTED), str(inner)
+        return read_archive(inner, only=_KEYS, expected=_EXPECTED), str(inner)
     try:
         with path.open("rb") as file, refusing_damage(path, _EXPECTED):
             if zipfile.is_zipfile(file):
@@ -104,7 +104,7 @@ def _arrays(path: Path) -> tuple[Arrays, str]:
         raise FileFormatError(
             f"{path}: cannot be read: {error.strerror or error}; {_EXPECTED}"
         ) from error
-    return read_archive(path, _KEYS, _EXPECTED), str(path)
+    return read_archive(path, only=_KEYS, expected=_EXPECTED), str(path)
 
 
 def _members(names: Sequence[str]) -> list[str]:
@@ -122,7 +122,9 @@ def _member(archive: zipfile.ZipFile, name: str, path: Path) -> tuple[Arrays, st
     size = archive.getinfo(name).file_size
     if size > LARGEST:
         raise FileFormatError(f"{where}: {size} bytes; at most {LARGEST} are read")
-    return read_open_archive(io.BytesIO(archive.read(name)), where, _KEYS, _EXPECTED), where
+    return read_open_archive(
+        io.BytesIO(archive.read(name)), where, only=_KEYS, expected=_EXPECTED
+    ), where
 
 
 def _joint_order(arrays: Arrays, robot: Robot, where: str) -> list[int]:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import lzma
+import struct
+import tokenize
 import zipfile
 import zlib
 from collections.abc import Iterable, Iterator, Mapping
@@ -32,6 +34,8 @@ _DAMAGE = (
     NotImplementedError,  # a compression method that is not there
     RuntimeError,  # an encrypted member
     SyntaxError,
+    tokenize.TokenError,  # an array's header that NumPy takes for an old one
+    struct.error,
     zipfile.BadZipFile,
     zlib.error,
     lzma.LZMAError,
@@ -41,8 +45,17 @@ _DAMAGE = (
 OURS = "expected an npz file written by llsrbm"
 
 
+def keys(path: str | Path) -> frozenset[str]:
+    """Of the arrays in an npz file, without reading them; none where it is no such file."""
+    try:
+        with zipfile.ZipFile(path) as members:
+            return frozenset(name.removesuffix(".npy") for name in members.namelist())
+    except (OSError, *_DAMAGE):
+        return frozenset()
+
+
 def read_archive(
-    path: str | Path, only: Iterable[str] | None = None, expected: str = OURS
+    path: str | Path, *, only: Iterable[str] | None = None, expected: str = OURS
 ) -> Arrays:
     """Arrays of an npz file; pickled objects are refused, not run.
 
@@ -56,14 +69,14 @@ def read_archive(
     """
     try:
         with Path(path).open("rb") as file:
-            return read_open_archive(file, path, only, expected)
+            return read_open_archive(file, path, only=only, expected=expected)
     except OSError as error:
         reason = error.strerror or str(error)
         raise FileFormatError(f"{path}: cannot be read: {reason}; {expected}") from error
 
 
 def read_open_archive(
-    file: BinaryIO, path: str | Path, only: Iterable[str] | None = None, expected: str = OURS
+    file: BinaryIO, path: str | Path, *, only: Iterable[str] | None = None, expected: str = OURS
 ) -> Arrays:
     """The same of an open file; `path` is for messages."""
     with refusing_damage(path, expected):
