@@ -5,13 +5,17 @@ from __future__ import annotations
 from llsrbm.errors import InputError
 from llsrbm.formats.base import Format
 from llsrbm.formats.csv_table import CSV
+from llsrbm.formats.mcap_log import MCAP
 from llsrbm.formats.npz import NPZ
+from llsrbm.formats.rerun_log import RRD
 
 FORMATS: dict[str, Format] = {
     format_.name: format_
     for format_ in (
         NPZ,
         CSV,
+        MCAP,
+        RRD,
     )
 }
 
