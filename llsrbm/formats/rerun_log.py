@@ -21,7 +21,9 @@ it names files of packages that whoever opens the recording does not have.
 from __future__ import annotations
 
 import json
+import tempfile
 from collections.abc import Iterable
+from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from uuid import uuid4
@@ -58,17 +60,17 @@ from llsrbm.simulation.surroundings import Surroundings
 
 if TYPE_CHECKING:
     import rerun as rr
-    import rerun.blueprint as rrb
 
 Array = NDArray[np.float64]
 
+APPLICATION = "llsrbm"
 TIMELINE = "time"
 _COM_RADIUS = 0.018  # m
 _TRAIL_RADIUS = 0.003
 _ARROW_RADIUS = 0.008
 
 # Plots of the layout, in its columns; of each what the plan and the controller have as well.
-_LAYOUT = (
+_PLOTS = (
     ("com", "linear_momentum", "angular_momentum", "principal_moments"),
     ("foot_force", "contact", "torque_share", "joint_position"),
 )
@@ -77,17 +79,19 @@ _LAYOUT = (
 def write_rrd(trajectory: Trajectory, path: Path, options: Options) -> None:
     """Write the recording."""
     import rerun as rr
+    import rerun_bindings
 
     motion = logged(trajectory, options.fps)
     plan = logged_plan(trajectory, options.fps)
     about = described(trajectory, RRD.name, fps=options.fps, timeline=TIMELINE)
     # One of its own: the caller may be recording something else.
-    recording = rr.RecordingStream("llsrbm", recording_id=uuid4(), send_properties=False)
+    recording = rr.RecordingStream(APPLICATION, recording_id=uuid4(), send_properties=False)
     if not rr.is_enabled(recording):
         raise InputError("rerun is switched off by the environment variable RERUN; expected on")
     try:
         recording.save(path)
-        recording.send_blueprint(_layout(motion), make_active=True, make_default=True)
+        shown = frozenset(each.name.split("/")[0] for each in motion.series)
+        recording.log_file_from_contents("layout.rbl", _layout(shown), static=True)
         recording.send_recording_name(f"{about['robot'].get('name', '')} {about['kind']}")
         recording.log("world", rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True, strict=True)
         _log_description(recording, about)
@@ -104,6 +108,9 @@ def write_rrd(trajectory: Trajectory, path: Path, options: Options) -> None:
     finally:
         recording.flush()
         recording.disconnect()  # closes the file
+        del recording
+        # As `rerun.init` does: otherwise two threads wait for more until the process ends.
+        rerun_bindings.flush_and_cleanup_orphaned_recordings()
 
 
 def _log_description(recording: rr.RecordingStream, about: dict[str, Any]) -> None:
@@ -236,25 +243,32 @@ def _log_series(
         _send(recording, entity, time, rr.Scalars.columns(scalars=each.values))
 
 
-def _layout(motion: Logged) -> rrb.Blueprint:
-    import rerun.blueprint as rrb
+@lru_cache
+def _layout(shown: frozenset[str]) -> bytes:
+    """The views of a recording that has these series, as a file of rerun's.
 
-    there = {each.name.split("/")[0] for each in motion.series}
+    Made once and logged as a file: rerun keeps two threads for every layout that it makes.
+    """
+    import rerun.blueprint as rrb
 
     def plot(name: str) -> rrb.TimeSeriesView:
         contents = [f"/{top}/{name}/**" for top in ("plots", "planned", "tracked")]
         return rrb.TimeSeriesView(origin="/", contents=contents, name=name.replace("_", " "))
 
-    columns = [rrb.Vertical(*(plot(name) for name in names if name in there)) for names in _LAYOUT]
+    columns = [rrb.Vertical(*(plot(name) for name in names if name in shown)) for names in _PLOTS]
     scene = rrb.Spatial3DView(origin="/world", name="robot")
     text = rrb.TextDocumentView(origin="/description", name="description")
-    return rrb.Blueprint(
+    layout = rrb.Blueprint(
         rrb.Horizontal(
             rrb.Vertical(scene, text, row_shares=[3, 1]), *columns, column_shares=[2, 1, 1]
         ),
         rrb.TimePanel(timeline=TIMELINE, state="collapsed"),
         collapse_panels=True,
     )
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "layout.rbl"
+        layout.save(APPLICATION, str(file))
+        return file.read_bytes()
 
 
 def _send(
