@@ -238,8 +238,8 @@ def _log_series(
     for each in series:
         entity = f"{top}/{each.name}"
         names = [f"{part}{suffix}" for part in each.parts]
-        recording.log(entity, rr.SeriesLines(names=names), static=True, strict=True)
-        recording.log(entity, rr.AnyValues(unit=each.unit), static=True, strict=True)
+        told = rr.SeriesLines(names=names), rr.AnyValues(unit=each.unit)
+        recording.log(entity, *told, static=True, strict=True)
         _send(recording, entity, time, rr.Scalars.columns(scalars=each.values))
 
 
