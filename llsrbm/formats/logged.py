@@ -31,7 +31,7 @@ BLOCK: Rgb = (172, 132, 84)
 GROUND: Rgb = (206, 211, 217)
 GHOST = 0.3  # opacity of a plan beside what was made of it
 
-GROUND_SIZE = (6.0, 6.0, 0.01)  # m; its top is the ground
+GROUND_SIZE = (4.0, 4.0, 0.01)  # m; its top is the ground
 ARROW_PER_WEIGHT = 0.8  # m, length of the arrow of a force as large as the robot's weight
 _PUSHING = 1.0  # N; smaller forces have no arrow
 _XYZ = ("x", "y", "z")

@@ -69,11 +69,22 @@ _COM_RADIUS = 0.018  # m
 _TRAIL_RADIUS = 0.003
 _ARROW_RADIUS = 0.008
 
-# Plots of the layout, in its columns; of each what the plan and the controller have as well.
+_OWN, _PLANNED, _TRACKED = "plots", "planned", "tracked"
+_LIGHTER = {_OWN: 0.0, _PLANNED: 0.55, _TRACKED: 0.75}  # share of the way to white
+_LINE_COLOURS: tuple[Rgb, ...] = (
+    (214, 51, 60),
+    (60, 150, 60),
+    (44, 100, 229),
+    (222, 140, 16),
+    (120, 60, 190),
+    (20, 150, 160),
+)
 _PLOTS = (
     ("com", "linear_momentum", "angular_momentum", "principal_moments"),
     ("foot_force", "contact", "torque_share", "joint_position"),
 )
+_MANY = _PLOTS[1]
+_CAMERA = np.array([2.6, -3.4, 1.6])  # from the base, in heights of it
 
 
 def write_rrd(trajectory: Trajectory, path: Path, options: Options) -> None:
@@ -91,20 +102,21 @@ def write_rrd(trajectory: Trajectory, path: Path, options: Options) -> None:
     try:
         recording.save(path)
         shown = frozenset(each.name.split("/")[0] for each in motion.series)
-        recording.log_file_from_contents("layout.rbl", _layout(shown), static=True)
+        layout = _layout(shown, float(motion.robot.base_position[2]))
+        recording.log_file_from_contents("layout.rbl", layout, static=True)
         recording.send_recording_name(f"{about['robot'].get('name', '')} {about['kind']}")
         recording.log("world", rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True, strict=True)
         _log_description(recording, about)
         _log_surroundings(recording, standing_around(trajectory, motion.robot))
         _log_robot(recording, "world/robot", motion, None)
         _log_with_robot(recording, motion)
-        _log_series(recording, "plots", motion.time, motion.series)
+        _log_series(recording, _OWN, motion.time, motion.series)
         if plan is not None:
             _log_robot(recording, "world/plan", plan, PLANNED)
-            _log_series(recording, "planned", plan.time, plan.series)
+            _log_series(recording, _PLANNED, plan.time, plan.series)
         if isinstance(trajectory, Rollout):
             tracked = reference_series(trajectory, motion)
-            _log_series(recording, "tracked", motion.time, tracked)
+            _log_series(recording, _TRACKED, motion.time, tracked)
     finally:
         recording.flush()
         recording.disconnect()  # closes the file
@@ -234,35 +246,49 @@ def _log_series(
 ) -> None:
     import rerun as rr
 
-    suffix = "" if top == "plots" else f" {top}"
+    suffix = "" if top == _OWN else f" {top}"
+    palette = [
+        tuple(round(c + _LIGHTER[top] * (255 - c)) for c in colour) for colour in _LINE_COLOURS
+    ]
     for each in series:
         entity = f"{top}/{each.name}"
-        names = [f"{part}{suffix}" for part in each.parts]
-        told = rr.SeriesLines(names=names), rr.AnyValues(unit=each.unit)
-        recording.log(entity, *told, static=True, strict=True)
+        lines = rr.SeriesLines(
+            names=[f"{part}{suffix}" for part in each.parts],
+            colors=[palette[i % len(palette)] for i in range(len(each.parts))],
+        )
+        recording.log(entity, lines, rr.AnyValues(unit=each.unit), static=True, strict=True)
         _send(recording, entity, time, rr.Scalars.columns(scalars=each.values))
 
 
 @lru_cache
-def _layout(shown: frozenset[str]) -> bytes:
+def _layout(shown: frozenset[str], height: float) -> bytes:
     """The views of a recording that has these series, as a file of rerun's.
 
     Made once and logged as a file: rerun keeps two threads for every layout that it makes.
+
+    Args:
+        shown: first words of the series' names.
+        height: of the robot's base, m: tells how far the camera stands.
     """
     import rerun.blueprint as rrb
 
     def plot(name: str) -> rrb.TimeSeriesView:
-        contents = [f"/{top}/{name}/**" for top in ("plots", "planned", "tracked")]
-        return rrb.TimeSeriesView(origin="/", contents=contents, name=name.replace("_", " "))
+        # Where there is a line a leg or joint, a legend would hide them; the mouse tells names.
+        legend = rrb.PlotLegend(rrb.Corner2D.RightTop, visible=name not in _MANY)
+        contents = [f"/{top}/{name}/**" for top in (_OWN, _PLANNED)]
+        title = name.replace("_", " ")
+        return rrb.TimeSeriesView(origin="/", contents=contents, name=title, plot_legend=legend)
 
     columns = [rrb.Vertical(*(plot(name) for name in names if name in shown)) for names in _PLOTS]
-    scene = rrb.Spatial3DView(origin="/world", name="robot")
-    text = rrb.TextDocumentView(origin="/description", name="description")
+    target = np.array([0.0, 0.0, height])
+    eye = rrb.EyeControls3D(position=target + height * _CAMERA, look_target=target)
+    scene = rrb.Spatial3DView(origin="/world", name="robot", eye_controls=eye)
+    text = rrb.TextDocumentView(origin="/description", contents="$origin", name="description")
     layout = rrb.Blueprint(
         rrb.Horizontal(
             rrb.Vertical(scene, text, row_shares=[3, 1]), *columns, column_shares=[2, 1, 1]
         ),
-        rrb.TimePanel(timeline=TIMELINE, state="collapsed"),
+        rrb.TimePanel(timeline=TIMELINE, state="collapsed", loop_mode="all"),
         collapse_panels=True,
     )
     with tempfile.TemporaryDirectory() as folder:

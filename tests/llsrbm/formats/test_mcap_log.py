@@ -18,6 +18,7 @@ from llsrbm.formats import FORMATS, export
 from llsrbm.motion.instants import events
 from llsrbm.motion.plan import Phase
 from llsrbm.robots import load_robot
+from llsrbm.robots.visuals import link_visuals
 from tests.llsrbm.formats.logs import (
     BOARD,
     ROBOTS,
@@ -252,11 +253,16 @@ def test_the_ellipsoid_has_the_inertia(plan, log):
 
 def test_meshes_hang_on_links(plan, log):
     (message,) = log.messages["/robot"]
+    visuals = {each.link: each for each in link_visuals(load_robot(plan.jump.robot), coarse=True)}
+    assert {entity.frame_id for entity in message.entities} == set(visuals)
     for entity in message.entities:
+        visual = visuals[entity.frame_id]
         assert entity.frame_id in body_frames(plan.jump.robot)
         assert entity.frame_locked
         (mesh,) = entity.triangles
-        assert len(mesh.colors) == len(mesh.points) > max(mesh.indices)
+        np.testing.assert_allclose([xyz(point) for point in mesh.points], visual.vertices)
+        np.testing.assert_allclose([(c.r, c.g, c.b) for c in mesh.colors], visual.rgb / 255)
+        assert mesh.indices == visual.faces.ravel().tolist()
 
 
 def test_schemas_are_known_to_viewers(log):
