@@ -2,68 +2,117 @@
 
 from __future__ import annotations
 
-import lzma
+import os
+import stat
+import struct
 import zipfile
-import zlib
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
 
-from llsrbm.errors import FileFormatError
-from llsrbm.motion.quantity import Kind, Quantity
-from llsrbm.motion.writing import replacing
+from llsrbm.errors import FileFormatError, printable
+from llsrbm.motion.mistaken import LOOKED_AT, NATIVE, seems
+from llsrbm.motion.npy import array_of
+from llsrbm.motion.quantity import SIZES, TIME, Kind, Quantity
+from llsrbm.motion.writing import staged
 
 Arrays = dict[str, NDArray[Any]]
 
-_LARGEST = 2 * 1024**3  # bytes, unpacked: far above any trajectory, far below a machine's memory
+# Far above any trajectory (1 MB for two seconds at 400 Hz), far below a machine's memory.
+_LARGEST = 256 * 1024**2  # bytes, of the file and unpacked
+_LARGEST_DIRECTORY = 64 * 1024  # bytes, at the end of an archive; a native file's has 2 kB
+_LONGEST_TEXT = 1_000_000  # characters
+_LONGEST_NAME = 200  # characters, of a joint
+_LONGEST_AXIS = 1000  # entries along any axis but that of time
 
-# What zipfile, zlib and NumPy raise on damaged input, as far as fuzzing has shown.
-_DAMAGE = (
-    ValueError,  # not npz, object arrays (pickle), wrong header
-    EOFError,
-    KeyError,
-    TypeError,
-    OverflowError,
-    MemoryError,
-    NotImplementedError,  # a compression method that is not there
-    RuntimeError,  # an encrypted member
-    SyntaxError,
-    zipfile.BadZipFile,
-    zlib.error,
-    lzma.LZMAError,
-)
+LARGEST_NUMBER = 1e30
+"""In any unit; its products overflow nowhere, and nothing that jumps comes near it."""
 
 
 def read_archive(path: str | Path) -> Arrays:
     """Every array of an npz file; pickled objects are refused, not run.
 
     Raises:
-        FileFormatError: unreadable, not npz, damaged or holding pickled objects.
+        FileFormatError: unreadable, not npz, damaged, too large or holding pickled objects.
     """
-    expected = "expected an npz file written by llsrbm"
     try:
+        # Before it is opened: a pipe would be waited for.
+        kind = Path(path).stat().st_mode
+        if stat.S_ISDIR(kind):
+            raise FileFormatError(f"{path}: cannot be read: it is a folder; {NATIVE}")
+        if not stat.S_ISREG(kind):
+            raise FileFormatError(f"{path}: cannot be read: not a regular file; {NATIVE}")
         with Path(path).open("rb") as file:
-            if not zipfile.is_zipfile(file):
-                raise FileFormatError(f"{path}: not an npz file, or cut short; {expected}")
-            file.seek(0)
-            with zipfile.ZipFile(file) as members:
-                size = sum(member.file_size for member in members.infolist())
-            if size > _LARGEST:
-                raise FileFormatError(
-                    f"{path}: {size} bytes of arrays; at most {_LARGEST} are read"
-                )
-            file.seek(0)
-            with np.load(file, allow_pickle=False) as archive:
-                return {key: np.asarray(archive[key]) for key in archive.files}
+            _check_end(file, path)
+            members = _members(file, path)
     except OSError as error:
         reason = error.strerror or str(error)
-        raise FileFormatError(f"{path}: cannot be read: {reason}; {expected}") from error
-    except _DAMAGE as error:
-        reason = " ".join(str(error).split()) or type(error).__name__
-        raise FileFormatError(f"{path}: damaged or not llsrbm's: {reason}; {expected}") from error
+        raise FileFormatError(f"{path}: cannot be read: {reason}; {NATIVE}") from error
+    except ValueError as error:  # a path that no file can have
+        raise FileFormatError(f"{path!r}: cannot be read: {error}; {NATIVE}") from error
+    return {
+        key: array_of(content, f'{path}: key "{printable(key)}"')
+        for key, content in members.items()
+    }
+
+
+def _check_end(file: BinaryIO, path: str | Path) -> None:
+    """Refuse what is no zip archive, and directories so long that listing them would take all day.
+
+    At the end of an archive that NumPy wrote stands where its directory is, without a comment.
+    """
+    size = file.seek(0, os.SEEK_END)
+    if size > _LARGEST:
+        raise FileFormatError(f"{path}: {size} bytes; at most {_LARGEST} are read")
+    file.seek(max(0, size - 42))
+    end = file.read().rjust(42, b"\0")
+    file.seek(0)
+    head = file.read(LOOKED_AT)
+    if not head.startswith(b"PK") or end[20:24] != b"PK\5\6" or end[40:] != b"\0\0":
+        raise FileFormatError(f"{path}: not an npz file, it seems to be {seems(head)}; {NATIVE}")
+    (directory,) = struct.unpack("<L", end[32:36])
+    if directory > _LARGEST_DIRECTORY or end.startswith(b"PK\6\7"):  # 64 bits: larger still
+        raise FileFormatError(f"{path}: an archive of too many files; {NATIVE}")
+
+
+def _members(file: BinaryIO, path: str | Path) -> dict[str, bytes]:
+    """Name -> content of every .npy file in an archive; nothing is unpacked to disk."""
+    try:
+        with zipfile.ZipFile(file) as archive:
+            listed = archive.infolist()
+            _check_members(listed, path)
+            contents = {}
+            for member in listed:
+                if member.filename.endswith(".npy"):
+                    with archive.open(member) as opened:
+                        # No more than it says is unpacked: `archive.read` would unpack it all.
+                        contents[member.filename.removesuffix(".npy")] = opened.read(
+                            member.file_size
+                        )
+            return contents
+    except (FileFormatError, OSError):
+        raise
+    except Exception as error:  # no list says what damage raises in zipfile and zlib
+        reason = printable(" ".join(str(error).split()), 120) or type(error).__name__
+        raise FileFormatError(f"{path}: damaged or not llsrbm's: {reason}; {NATIVE}") from error
+
+
+def _check_members(listed: list[zipfile.ZipInfo], path: str | Path) -> None:
+    size = sum(member.file_size for member in listed)
+    if size > _LARGEST:
+        raise FileFormatError(f"{path}: {size} bytes of arrays; at most {_LARGEST} are read")
+    names = [member.filename for member in listed]
+    for member in listed:
+        where = f"{path}: {printable(member.filename)}"
+        if names.count(member.filename) > 1:
+            raise FileFormatError(f"{where}: is there twice; {NATIVE}")
+        if member.flag_bits & 1:
+            raise FileFormatError(f"{where}: is encrypted; {NATIVE}")
+        if member.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
+            raise FileFormatError(f"{where}: is packed as NumPy packs nothing; {NATIVE}")
 
 
 def write_archive(path: str | Path, arrays: Mapping[str, Any]) -> None:
@@ -72,7 +121,7 @@ def write_archive(path: str | Path, arrays: Mapping[str, Any]) -> None:
     Raises:
         InputError: the file cannot be written.
     """
-    with replacing(path) as file:
+    with staged(path) as draft, draft.open("wb") as file:
         np.savez_compressed(file, allow_pickle=False, **arrays)
 
 
@@ -85,14 +134,15 @@ def text(arrays: Arrays, key: str, path: str | Path) -> str:
     value = _entry(arrays, key, path)
     if value.shape != () or value.dtype.kind != "U":
         raise FileFormatError(f'{path}: key "{key}": expected one text, got {_shape_of(value)}')
-    return str(value[()])
+    return _texts(value, _LONGEST_TEXT, f'{path}: key "{key}"')[0]
 
 
 def checked(arrays: Arrays, layout: Mapping[str, Quantity], path: str | Path) -> Arrays:
     """The arrays named in `layout`, as float64, int64 or text; other keys are left out.
 
     Raises:
-        FileFormatError: a key is missing, has another shape or kind, or is not finite.
+        FileFormatError: a key is missing, has another shape or kind, or numbers that are not finite
+            or beyond anything that moves.
     """
     sizes: dict[str, tuple[int, str]] = {}
     result: Arrays = {}
@@ -100,26 +150,45 @@ def checked(arrays: Arrays, layout: Mapping[str, Quantity], path: str | Path) ->
         value = _entry(arrays, key, path)
         where = f'{path}: key "{key}"'
         _check_shape(value, entry, key, sizes, where)
-        if entry.kind is Kind.TEXT:
-            if value.dtype.kind != "U":
-                raise FileFormatError(f"{where}: expected text, got {value.dtype}")
-            result[key] = value
-            continue
-        if value.dtype.kind not in ("iu" if entry.kind is Kind.WHOLE else "fiu"):
-            wanted = "integers" if entry.kind is Kind.WHOLE else "real numbers"
-            raise FileFormatError(f"{where}: expected {wanted}, got {value.dtype}")
-        result[key] = value.astype(np.int64 if entry.kind is Kind.WHOLE else np.float64)
-        if not np.isfinite(result[key]).all():
-            first = tuple(int(i) for i in np.argwhere(~np.isfinite(result[key]))[0])
-            raise FileFormatError(
-                f"{where}: expected finite numbers, got {value[first]} at {first}"
-            )
+        result[key] = _of_kind(value, entry, where)
     return result
+
+
+def _of_kind(value: NDArray[Any], entry: Quantity, where: str) -> NDArray[Any]:
+    if entry.kind is Kind.TEXT:
+        if value.dtype.kind != "U":
+            raise FileFormatError(f"{where}: expected text, got {value.dtype}")
+        names = _texts(value, _LONGEST_NAME, where)
+        if len(set(names)) < len(names) or not all(n and n.isprintable() for n in names):
+            raise FileFormatError(f"{where}: expected names, each of them once")
+        return np.array(names)
+    if value.dtype.kind not in ("iu" if entry.kind is Kind.WHOLE else "fiu"):
+        wanted = "integers" if entry.kind is Kind.WHOLE else "real numbers"
+        raise FileFormatError(f"{where}: expected {wanted}, got {value.dtype}")
+    with np.errstate(invalid="ignore"):  # of signalling NaNs
+        numbers = value.astype(np.int64 if entry.kind is Kind.WHOLE else np.float64)
+    usable = np.isfinite(numbers) & (np.abs(numbers) <= LARGEST_NUMBER)
+    if not usable.all():
+        first = tuple(int(i) for i in np.argwhere(~usable)[0])
+        raise FileFormatError(f"{where}: expected finite numbers, got {value[first]} at {first}")
+    return numbers
+
+
+def _texts(value: NDArray[Any], longest: int, where: str) -> list[str]:
+    """The entries of an array of text, which may hold numbers that are no letters."""
+    letters = value.dtype.itemsize // 4
+    if letters > longest:
+        raise FileFormatError(f"{where}: texts of {letters} letters; at most {longest} are read")
+    codec = "utf-32-be" if value.dtype.byteorder == ">" else "utf-32-le"
+    try:
+        return [entry.tobytes().decode(codec).rstrip("\0") for entry in value.reshape(-1)]
+    except UnicodeDecodeError as error:
+        raise FileFormatError(f"{where}: holds what is no text") from error
 
 
 def _entry(arrays: Arrays, key: str, path: str | Path) -> NDArray[Any]:
     if key not in arrays:
-        held = ", ".join(sorted(arrays)) or "none"
+        held = printable(", ".join(sorted(arrays)), 400) or "none"
         raise FileFormatError(f'{path}: key "{key}" is missing; the file holds {held}')
     return arrays[key]
 
@@ -141,6 +210,12 @@ def _check_shape(
             )
     if not fits:
         raise FileFormatError(f"{where}: expected shape ({wanted}), got {_shape_of(value)}")
+    others = [n for n, size in zip(value.shape, entry.shape, strict=True) if (size,) != SIZES[TIME]]
+    if not value.size or max(others, default=1) > _LONGEST_AXIS:
+        raise FileFormatError(
+            f"{where}: expected shape ({wanted}) with 1 to {_LONGEST_AXIS} entries along axes other "
+            f"than time, got {_shape_of(value)}"
+        )
 
 
 def _shape_of(value: NDArray[Any]) -> str:

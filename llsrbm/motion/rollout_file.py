@@ -8,10 +8,12 @@ from typing import Any
 from pydantic import Field
 
 from llsrbm.errors import FileFormatError
-from llsrbm.motion.archive import Arrays, checked, read_archive, text
+from llsrbm.motion.archive import LARGEST_NUMBER, Arrays, checked, read_archive
 from llsrbm.motion.native_file import (
     Meta,
+    check_attitudes,
     check_numbers,
+    check_schema,
     check_times,
     read_meta,
     write_native,
@@ -61,9 +63,7 @@ def load_rollout(path: str | Path) -> Rollout:
         FileFormatError: unreadable, damaged, of another schema, or not a rollout.
     """
     arrays = read_archive(path)
-    schema = text(arrays, "schema", path)
-    if schema != SCHEMA:
-        raise FileFormatError(f'{path}: schema "{schema}"; expected "{SCHEMA}"')
+    check_schema(arrays, path, (SCHEMA,))
     return rollout_from_arrays(arrays, path)
 
 
@@ -77,6 +77,8 @@ def rollout_from_arrays(arrays: Arrays, path: str | Path) -> Rollout:
     values: dict[str, Any] = checked(arrays, LAYOUT, path)
     check_numbers(values, LAYOUT, path)
     _check_values(values, path)
+    if not 0 < meta.outcome.control_rate_hz <= LARGEST_NUMBER:
+        raise FileFormatError(f'{path}: key "meta": outcome.control_rate_hz: expected a rate')
     values["detection_threshold"] = float(values["detection_threshold"])
     values["joint_names"] = tuple(str(name) for name in values["joint_names"])
     return Rollout(
@@ -99,3 +101,4 @@ def _check_values(values: Arrays, path: str | Path) -> None:
                 f'{path}: key "{key}": expected {base} + {joints} columns, as "joint_names" has '
                 f"{joints} names, got {values[key].shape[1]}"
             )
+    check_attitudes(values["qpos"][:, 3:7], f'{path}: key "qpos"')
