@@ -16,7 +16,17 @@ from numpy.typing import NDArray
 from llsrbm.errors import FileFormatError, printable
 from llsrbm.motion.mistaken import LOOKED_AT, NATIVE, seems
 from llsrbm.motion.npy import array_of
-from llsrbm.motion.quantity import SIZES, TIME, Kind, Quantity
+from llsrbm.motion.quantity import (
+    CONTACT,
+    HIP,
+    JOINT,
+    LEG,
+    POSITION,
+    SIZES,
+    VELOCITY,
+    Kind,
+    Quantity,
+)
 from llsrbm.motion.writing import staged
 
 Arrays = dict[str, NDArray[Any]]
@@ -26,7 +36,8 @@ _LARGEST = 256 * 1024**2  # bytes, of the file and unpacked
 _LARGEST_DIRECTORY = 64 * 1024  # bytes, at the end of an archive; a native file's has 2 kB
 _LONGEST_TEXT = 1_000_000  # characters
 _LONGEST_NAME = 200  # characters, of a joint
-_LONGEST_AXIS = 1000  # entries along any axis but that of time
+_MOST = 1000  # legs, joints, ...
+_COUNTS = {size for axis in (LEG, CONTACT, JOINT, HIP, POSITION, VELOCITY) for size in SIZES[axis]}
 
 LARGEST_NUMBER = 1e30
 """In any unit; its products overflow nowhere, and nothing that jumps comes near it."""
@@ -170,7 +181,10 @@ def _of_kind(value: NDArray[Any], entry: Quantity, where: str) -> NDArray[Any]:
     usable = np.isfinite(numbers) & (np.abs(numbers) <= LARGEST_NUMBER)
     if not usable.all():
         first = tuple(int(i) for i in np.argwhere(~usable)[0])
-        raise FileFormatError(f"{where}: expected finite numbers, got {value[first]} at {first}")
+        wanted = (
+            "finite numbers" if not np.isfinite(numbers[first]) else f"at most {LARGEST_NUMBER:g}"
+        )
+        raise FileFormatError(f"{where}: expected {wanted}, got {value[first]} at {first}")
     return numbers
 
 
@@ -179,9 +193,13 @@ def _texts(value: NDArray[Any], longest: int, where: str) -> list[str]:
     letters = value.dtype.itemsize // 4
     if letters > longest:
         raise FileFormatError(f"{where}: texts of {letters} letters; at most {longest} are read")
-    codec = "utf-32-be" if value.dtype.byteorder == ">" else "utf-32-le"
+    codec = "utf-32-le" if value.dtype.newbyteorder("<") == value.dtype else "utf-32-be"
+    raw, size = value.tobytes(), value.dtype.itemsize
     try:
-        return [entry.tobytes().decode(codec).rstrip("\0") for entry in value.reshape(-1)]
+        return [
+            raw[entry * size : (entry + 1) * size].decode(codec).rstrip("\0")
+            for entry in range(value.size)
+        ]
     except UnicodeDecodeError as error:
         raise FileFormatError(f"{where}: holds what is no text") from error
 
@@ -189,7 +207,7 @@ def _texts(value: NDArray[Any], longest: int, where: str) -> list[str]:
 def _entry(arrays: Arrays, key: str, path: str | Path) -> NDArray[Any]:
     if key not in arrays:
         held = printable(", ".join(sorted(arrays)), 400) or "none"
-        raise FileFormatError(f'{path}: key "{key}" is missing; the file holds {held}')
+        raise FileFormatError(f'{path}: key "{key}" is missing; the file holds {held}; {NATIVE}')
     return arrays[key]
 
 
@@ -210,11 +228,11 @@ def _check_shape(
             )
     if not fits:
         raise FileFormatError(f"{where}: expected shape ({wanted}), got {_shape_of(value)}")
-    others = [n for n, size in zip(value.shape, entry.shape, strict=True) if (size,) != SIZES[TIME]]
-    if not value.size or max(others, default=1) > _LONGEST_AXIS:
+    count = max((n for n, size in zip(value.shape, entry.shape) if size in _COUNTS), default=1)
+    if not value.size or count > _MOST:
         raise FileFormatError(
-            f"{where}: expected shape ({wanted}) with 1 to {_LONGEST_AXIS} entries along axes other "
-            f"than time, got {_shape_of(value)}"
+            f"{where}: expected shape ({wanted}) with at least 1 of each, and at most {_MOST} of "
+            f"all but times, got {_shape_of(value)}"
         )
 
 

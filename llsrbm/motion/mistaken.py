@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from codecs import getincrementaldecoder
 
 NATIVE = "expected an npz file that `--out`, `Plan.save` or `Rollout.save` wrote"
 LOOKED_AT = 4096  # bytes at a file's beginning that tell
@@ -25,8 +26,7 @@ def seems(head: bytes) -> str:
 
 def _seems_text(head: bytes) -> str:
     try:
-        # What was cut off at the end may be a part of a letter.
-        text = head[:-4].decode() + head[-4:].decode(errors="ignore")
+        text = getincrementaldecoder("utf-8")().decode(head)  # which may end within a letter
     except UnicodeDecodeError:
         return "of no kind that is known here"
     if "\0" in text:

@@ -36,7 +36,7 @@ def _first(error: ValidationError) -> str:
     """The first complaint, and where."""
     first = error.errors()[0]
     place = printable(".".join(str(part) for part in first["loc"])) or "JSON"
-    return f"{place}: {printable(first['msg'], 200)}"
+    return f"{place}: {printable(first['msg'].removeprefix('Value error, '), 200)}"
 
 
 class _RobotNumbers(BaseModel):
