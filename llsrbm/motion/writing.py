@@ -122,8 +122,19 @@ def _check_replaceable(place: Path, part: Path) -> None:
 
 def _is_ours(folder: Path) -> bool:
     """Whether a folder is empty or was written by an export."""
-    if not any(folder.iterdir()):
-        return True
+    for _ in range(_ATTEMPTS):
+        try:
+            looked_at = folder.stat().st_ino
+            if not any(folder.iterdir()) or _is_marked(folder):
+                return True
+            if folder.stat().st_ino == looked_at:
+                return False
+        except FileNotFoundError:  # somebody else is putting theirs there
+            continue
+    return False
+
+
+def _is_marked(folder: Path) -> bool:
     mark = folder / MARK
     try:
         if not mark.is_file() or mark.stat().st_size > _LARGEST_MARK:
