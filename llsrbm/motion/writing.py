@@ -22,6 +22,7 @@ from llsrbm.errors import InputError
 
 MARK = "meta.json"  # the file by which a folder of ours is known: JSON with "package_version"
 
+_PREFIX = ".llsrbm-"  # of hidden folders
 _ATTEMPTS = 20  # to take a folder's place while others do the same
 _LARGEST_MARK = 10_000_000  # bytes
 
@@ -39,11 +40,14 @@ def staged(path: str | Path) -> Iterator[Path]:
     """
     target = Path(path)
     draft = None
+    if target.parent.name.startswith(_PREFIX):  # stands in a folder that is to take its place
+        yield target
+        return
     try:
         special = _is_special(target)
         target = target if special else _place(target)
         with tempfile.TemporaryDirectory(
-            prefix=".llsrbm-",  # of its own, as the target's name may be as long as names can be
+            prefix=_PREFIX,  # not the target's name, which may be as long as names can be
             suffix=".tmp",
             dir=None if special else target.parent,
             ignore_cleanup_errors=True,
