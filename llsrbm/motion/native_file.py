@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Annotated, Any, TypeVar
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError, field_validator
 
 from llsrbm.errors import Error, FileFormatError, InputError, printable
 from llsrbm.jump import Jump
@@ -28,7 +28,14 @@ _STORED: dict[Kind, type[np.generic]] = {
 }
 
 
-_Names = list[Annotated[str, Field(min_length=1, max_length=200)]]
+def _one_line(text: str) -> str:
+    if not text.isprintable():
+        raise ValueError("expected one line of printable text")
+    return text
+
+
+_Name = Annotated[str, Field(min_length=1, max_length=200), AfterValidator(_one_line)]
+_Names = list[_Name]
 _Vector = Annotated[list[float], Field(min_length=3, max_length=3)]
 
 
@@ -45,9 +52,7 @@ class _RobotNumbers(BaseModel):
     name: str = ""
     mass: Annotated[float, Field(gt=0, le=1e6)] = 1.0
     inertia: Annotated[list[_Vector], Field(min_length=3, max_length=3)] | None = None
-    legs: dict[Annotated[str, Field(min_length=1, max_length=200)], Any] = Field(
-        default_factory=dict
-    )
+    legs: dict[_Name, Any] = Field(default_factory=dict)
     joint_names: _Names = Field(default_factory=list)
     sliding_joints: _Names = Field(default_factory=list)
 

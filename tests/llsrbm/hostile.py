@@ -192,14 +192,18 @@ def other_values(rng, array):
     changed = np.array(array)
     if changed.dtype.kind == "U":
         names = changed.reshape(-1)
+        if not names.size:
+            return changed
         names[int(rng.integers(names.size))] = pick(rng, ["", "é\n\x1b[31m", names[0], "x" * 300])
         return names.reshape(array.shape)
+    if changed.dtype.kind not in "fiu":
+        return changed
     numbers = changed.reshape(-1)
     special = [0, -1, 1, 2, 1e-320, 1e9, 1e18]
     if changed.dtype.kind == "f":
         special += [np.nan, np.inf, -np.inf, 1e29, -1e30, 1e38, 1e154, 1e308, 0.5, 1e-12]
     with np.errstate(all="ignore"):
-        for _ in range(pick(rng, [0, 1, 1, 3])):
+        for _ in range(pick(rng, [0, 1, 1, 3]) if numbers.size else 0):
             numbers[int(rng.integers(numbers.size))] = pick(rng, special)
         if rng.random() < 0.5:
             factors = [0, -1, 1e-300, 1e-12, 1 + 1e-6, 1e6, 1e25, 1e200]
