@@ -10,11 +10,14 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from llsrbm.commands import console, options
+from llsrbm.errors import printable
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from llsrbm.analysis.figures import DesignFigures
+
+_WIDEST = 10_000  # characters of a line
 
 
 def compare_command(
@@ -54,7 +57,8 @@ def compare_command(
         else:
             of_one_kind = len({type(t) for t in trajectories}) == 1
             for line in _table([str(file) for file in files], titles, rows, mark=of_one_kind):
-                print(line, file=stdout)
+                # A stranger's file may hold what would control the terminal.
+                print(printable(line, _WIDEST), file=stdout)
     return console.DONE
 
 

@@ -12,10 +12,11 @@ from scipy.spatial.transform import Rotation
 from llsrbm.motion.files import Trajectory
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.resample import resample
-from llsrbm.motion.rollout import Conditions, Rollout
+from llsrbm.motion.rollout import Rollout
 from llsrbm.motion.whole_body import WholeBodyMotion, whole_body_motion
 from llsrbm.robots import Robot
 from llsrbm.robots.visuals import LinkVisual, forward_kinematics
+from llsrbm.scenario import Scenario
 from llsrbm.simulation.surroundings import Surroundings, surroundings
 
 Array = NDArray[np.float64]
@@ -129,10 +130,10 @@ def reference_series(rollout: Rollout, motion: Logged) -> tuple[Series, ...]:
 def standing_around(trajectory: Trajectory, robot: Robot) -> Surroundings:
     """What stands around the robot; of a rollout that does not say what it followed, the ground."""
     if isinstance(trajectory, Plan):
-        return surroundings(robot, trajectory, Conditions())
+        return surroundings(robot, trajectory, Scenario())
     if trajectory.plan is None:
         return Surroundings(ground=min(trajectory.jump.height, 0.0), blocks=())
-    return surroundings(robot, trajectory.plan, trajectory.conditions)
+    return surroundings(robot, trajectory.plan, trajectory.scenario)
 
 
 def _logged(trajectory: Trajectory, fps: float, start: float) -> Logged:

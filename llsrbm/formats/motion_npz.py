@@ -110,8 +110,6 @@ def read_motion_npz(path: Path, robot: Robot, fps: float | None) -> WholeBodyMot
             "BeyondMimic: Isaac Lab's)"
         )
     values = checked(arrays, _LAYOUT, path)
-    if values["body_pos_w"].shape[1] == 0:
-        raise FileFormatError(f'{path}: key "body_pos_w": expected the root link, got no body')
     names = [str(name) for name in values["joint_names"]]
     columns = joint_columns(names, robot, f'{path}: key "joint_names"')
     quat, angular_velocity = values["body_quat_w"][:, 0], values["body_ang_vel_w"][:, 0]

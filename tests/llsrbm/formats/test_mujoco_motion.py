@@ -189,7 +189,11 @@ def test_what_is_refused(anymal, tmp_path):
         (full | {"qpos": qpos.astype(str)}, None, "real numbers"),
         (full | {"joint_names": np.array(["a"] * 12)}, None, "expected those of anymal: LF_HAA"),
         (full | {"joint_names": np.array(3)}, None, "a list of names"),
-        (full | {"joint_names": unnamed}, None, "damaged or not as expected"),
+        (
+            full | {"joint_names": unnamed},
+            None,
+            "a pickle of Python objects, which is never opened",
+        ),
         (full | {"split_points": np.array([0, 20, 41])}, None, "2 motions one after the other"),
     ):
         path = write(tmp_path / "x.npz", **arrays)
