@@ -105,6 +105,12 @@ def whole_body_motion(
             f"the motion's joints are {', '.join(trajectory.joint_names)}, but {robot.path} has "
             f"{', '.join(robot.joint_names)}; expected the robot that the motion was made with"
         )
+    feet = trajectory.foot_position.shape[1]
+    if feet != len(robot.legs):
+        raise InputError(
+            f"the motion has {feet} feet, but {robot.path} has {len(robot.legs)}; expected the "
+            "robot that the motion was made with"
+        )
     order = [trajectory.joint_names.index(name) for name in robot.joint_names]
     rest = None if events else fps
     if isinstance(trajectory, Plan):
