@@ -8,8 +8,8 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from app.frames import ellipsoid
 from app.replay import Replay
+from llsrbm.motion.inertia_ellipsoid import ellipsoid
 from llsrbm.motion.rollout import Rollout
 from llsrbm.motion.rotation import rotation_matrices
 from llsrbm.robots import Robot, load_robot

@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from app.frames import FRAME_RATE, Frames, ellipsoid, make_frames
+from app.frames import FRAME_RATE, Frames, make_frames
+from llsrbm.motion.inertia_ellipsoid import ellipsoid
 from llsrbm.motion.instants import with_events
 from llsrbm.motion.plan import Phase, Plan
 from llsrbm.motion.resample import resample

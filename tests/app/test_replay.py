@@ -10,9 +10,9 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from scipy.spatial.transform import Rotation
 
-from app.frames import ellipsoid
 from app.replay import bake, presentable, resultants
 from llsrbm.jump import Jump
+from llsrbm.motion.inertia_ellipsoid import ellipsoid
 from llsrbm.robots import load_robot
 from tests.app.synthetic_plan import synthetic_plan
 
