@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from llsrbm import palette
-from llsrbm.analysis.diagnosis import fall_in_words
 from llsrbm.errors import InputError
-from llsrbm.jump import Jump
+from llsrbm.formats.wording import title, told
 from llsrbm.motion.files import Trajectory
 from llsrbm.motion.inertia_ellipsoid import ellipsoid
 from llsrbm.motion.instants import evenly, with_events
@@ -28,7 +26,6 @@ from llsrbm.robots import Robot
 from llsrbm.robots.viewpoint import viewpoint
 from llsrbm.robots.visuals import LinkVisual, forward_kinematics, link_visuals
 from llsrbm.simulation.surroundings import Surroundings, surroundings
-from llsrbm.titles import title_of
 
 Array = NDArray[np.float64]
 
@@ -172,15 +169,15 @@ def draw(
         force = _means(rollout.time, rollout.contact_force, time, force)
     return Drawing(
         robot=robot,
-        title=_title(trajectory),
-        told=_told(trajectory),
+        title=title(trajectory),
+        told=told(trajectory),
         time=time,
         solid=Bodies(position, quat, motion.com),
         ghost=None if rollout is None or plan is None else _ghost(plan, robot, time),
         axes=axes,
         axes_quat=axes_quat,
         foot=motion.foot_position,
-        flight=~motion.contact.any(axis=1),
+        flight=np.asarray(~motion.contact.any(axis=1)),
         force=force,
         pressed_at=motion.pressed_at,
         surroundings=_surroundings(trajectory, plan, robot),
@@ -264,29 +261,3 @@ def _means(ticks: Array, values: Array, time: Array, sampled: Array) -> Array:
     result = sampled.copy()
     result[:-1][within] = means.reshape(len(means), *values.shape[1:])[within]
     return result
-
-
-def _title(trajectory: Trajectory) -> str:
-    """Robot, jump and model, whatever robot it is."""
-    jump = trajectory.jump
-    plan = trajectory if isinstance(trajectory, Plan) else trajectory.plan
-    task = title_of(
-        replace(jump, robot=Jump().robot),
-        None if plan is None else plan.tuning,
-        None if isinstance(trajectory, Plan) else trajectory.conditions,
-    )
-    return f"{Path(jump.robot).stem}: {task}"
-
-
-def _told(trajectory: Trajectory) -> str:
-    if isinstance(trajectory, Plan):
-        if trajectory.solved:
-            return f"planned in {1e3 * trajectory.report.solve_time_s:.0f} ms"
-        return "not a feasible plan: the solver did not converge"
-    outcome = trajectory.outcome
-    if not trajectory.landed:
-        return f"fell {fall_in_words(trajectory)}"
-    yaw = math.degrees(outcome.final_yaw_error)
-    away = 1e3 * outcome.final_position_error
-    loosely = "" if outcome.strict else ", though not by the strict measure"
-    return f"landed, {abs(yaw):.1f}° and {away:.0f} mm from the plan at the end{loosely}"

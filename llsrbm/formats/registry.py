@@ -5,7 +5,9 @@ from __future__ import annotations
 from llsrbm.errors import InputError
 from llsrbm.formats.base import Format
 from llsrbm.formats.csv_table import CSV
+from llsrbm.formats.gif import GIF
 from llsrbm.formats.html_replay import HTML
+from llsrbm.formats.mp4 import MP4
 from llsrbm.formats.npz import NPZ
 
 FORMATS: dict[str, Format] = {
@@ -14,6 +16,8 @@ FORMATS: dict[str, Format] = {
         NPZ,
         CSV,
         HTML,
+        MP4,
+        GIF,
     )
 }
 
