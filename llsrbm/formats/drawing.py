@@ -149,9 +149,10 @@ def draw(
         with_instants: have those as well at which contacts change; nothing is padded then.
 
     Raises:
-        InputError: as `whole_body_motion` does.
+        InputError: as `whole_body_motion` does, or the motion has numbers that are none.
         RobotFileError: the robot is not there.
     """
+    _check_finite(trajectory)
     motion = whole_body_motion(trajectory, fps, pad, events=with_instants)
     time = with_events(trajectory, fps) if with_instants else evenly(trajectory, fps, pad)
     robot = motion.robot
@@ -230,6 +231,13 @@ def view_of(
     depth = float((seen[:, 2].min() + seen[:, 2].max()) / 2)
     distance = (float(most.mean(axis=0).max()) - depth) * _ROOM
     return View(axes @ [*middle, depth], *turned, distance if camera is None else float(camera[2]))
+
+
+def _check_finite(trajectory: Trajectory) -> None:
+    """A solver that diverged may leave anything."""
+    for name in ("time", "com", "base_position", "base_quat", "joint_position", "inertia"):
+        if not np.isfinite(getattr(trajectory, name)).all():
+            raise InputError(f"{name} is not finite everywhere; expected a motion to be drawn")
 
 
 def _ghost(plan: Plan, robot: Robot, time: Array) -> Bodies:

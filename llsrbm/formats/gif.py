@@ -34,7 +34,7 @@ def write_gif(trajectory: Trajectory, path: Path, options: Options) -> None:
     drawn = list(pictures(trajectory, options))
     chosen = [drawn[k] for k in np.linspace(0, len(drawn) - 1, _LOOKED_AT).round().astype(int)]
     colours = Image.fromarray(np.vstack([_rounded(picture) for picture in chosen])).quantize(
-        _COLOURS, Image.Quantize.MEDIANCUT
+        _COLOURS, Image.Quantize.MAXCOVERAGE
     )
     # One table of colours for all, and no dither: what does not move stays as it is.
     frames = [

@@ -28,7 +28,7 @@ from llsrbm.formats.wording import title
 from llsrbm.motion.files import Trajectory
 
 FASTEST = 240.0  # pictures/s; players refuse more
-_QUALITY = "20"  # x264's constant rate factor: hardly to be told from what was drawn
+_QUALITY = "18"  # x264's constant rate factor: hardly to be told from what was drawn
 _FINEST = 10_000  # denominator of a rate
 
 

@@ -121,7 +121,7 @@ const FLOOR = `#version 300 es
   precision highp float;
   in vec3 at, across, inLight;
   in vec4 colour;
-  uniform vec3 eye, horizon, around;
+  uniform vec3 eye, around;
   uniform float reach;
   out vec4 pixel;
   ${SHADE}
@@ -290,7 +290,7 @@ class Renderer {
     const seen = product(
       perspective(view.fieldOfView, screen[0] / screen[1], view.near, view.far, view.raised),
       looking(view.eye, view.target));
-    const common = { seen, lit, eye: view.eye, light: LIGHT, shadow: 0, horizon: HORIZON, screen,
+    const common = { seen, lit, eye: view.eye, light: LIGHT, shadow: 0, screen,
       now: view.now, behind: 0, shell: 0 };
 
     gl.enable(gl.DEPTH_TEST);
