@@ -89,6 +89,11 @@ class Drawing:
         return link_visuals(self.robot)
 
     @property
+    def coarse_visuals(self) -> tuple[LinkVisual, ...]:
+        """The same with fewer faces."""
+        return link_visuals(self.robot, coarse=True)
+
+    @property
     def arrow_per_newton(self) -> float:
         """m: a force as large as the weight is as long as the standing robot's CoM is high."""
         gravity = float(np.linalg.norm(self.robot.model.gravity.linear))

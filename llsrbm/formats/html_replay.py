@@ -82,8 +82,6 @@ def _facts(
 ) -> dict[str, Any]:
     """What the page's script reads besides the arrays."""
     view = view_of(drawing, _ASPECT, camera)
-    first = np.cumsum([0, *(len(visual.vertices) for visual in drawing.visuals)]).tolist()
-    face = np.cumsum([0, *(len(visual.faces) for visual in drawing.visuals)]).tolist()
     size = float(drawing.robot.com[2])
     good = trajectory.solved if isinstance(trajectory, Plan) else trajectory.landed
     return {
@@ -94,13 +92,11 @@ def _facts(
         "legs": len(drawing.robot.legs),
         "bodies": [
             {
-                "name": visual.link,
-                "firstPoint": first[i],
-                "lastPoint": first[i + 1],
-                "firstFace": face[i],
-                "lastFace": face[i + 1],
+                "name": fine.link,
+                "fine": {"points": len(fine.vertices), "faces": len(fine.faces)},
+                "coarse": {"points": len(coarse.vertices), "faces": len(coarse.faces)},
             }
-            for i, visual in enumerate(drawing.visuals)
+            for fine, coarse in zip(drawing.visuals, drawing.coarse_visuals, strict=True)
         ],
         "meshUnit": _mesh_unit(drawing.visuals),
         "ground": drawing.surroundings.ground,
@@ -178,12 +174,6 @@ def _arrays(drawing: Drawing) -> dict[str, NDArray[Any]]:
     single = np.float32
     arrays: dict[str, NDArray[Any]] = {
         "time": drawing.time.astype(single),
-        "points": _four(visuals, "vertices", np.int16, 1 / _mesh_unit(visuals)),
-        "normals": _four(visuals, "normals", np.int8, 127.0),
-        "paint": _four(visuals, "rgb", np.uint8, 1.0),
-        "faces": np.concatenate([np.zeros((0, 3)), *(visual.faces for visual in visuals)]).astype(
-            np.uint32
-        ),
         "solid": _poses(drawing.solid, visuals),
         "com": drawing.solid.com.astype(single),
         "ellipsoid": np.hstack([drawing.axes, sign_continuous(drawing.axes_quat)]).astype(single),
@@ -191,10 +181,23 @@ def _arrays(drawing: Drawing) -> dict[str, NDArray[Any]]:
         "flight": drawing.flight.astype(np.uint8),
         "force": np.concatenate([drawing.pressed_at, drawing.force], axis=2).astype(single),
     }
+    unit = _mesh_unit(visuals)
+    # The coarse ones are ghosts, cast shadows, and are all that is drawn without a graphics card.
+    arrays |= _meshes("fine", visuals, unit) | _meshes("coarse", drawing.coarse_visuals, unit)
     if drawing.ghost is not None:
         arrays["ghost"] = _poses(drawing.ghost, visuals)
         arrays["ghost_com"] = drawing.ghost.com.astype(single)
     return arrays
+
+
+def _meshes(name: str, visuals: tuple[LinkVisual, ...], unit: float) -> dict[str, NDArray[Any]]:
+    faces = np.concatenate([np.zeros((0, 3)), *(visual.faces for visual in visuals)])
+    return {
+        f"{name}_points": _four(visuals, "vertices", np.int16, 1 / unit),
+        f"{name}_normals": _four(visuals, "normals", np.int8, 127.0),
+        f"{name}_paint": _four(visuals, "rgb", np.uint8, 1.0),
+        f"{name}_faces": faces.astype(np.uint32),
+    }
 
 
 def _mesh_unit(visuals: tuple[LinkVisual, ...]) -> float:
@@ -209,7 +212,8 @@ def _four(
     rows = np.concatenate([np.zeros((0, 3)), *(getattr(visual, name) for visual in visuals)])
     scale = np.iinfo(kind).max if kind is np.int16 else 1
     result = np.full((len(rows), 4), 255 if kind is np.uint8 else 0, dtype=kind)
-    result[:, :3] = np.round(rows * factor * scale)
+    limits = np.iinfo(kind)
+    result[:, :3] = np.clip(np.round(rows * factor * scale), limits.min, limits.max)
     return result
 
 

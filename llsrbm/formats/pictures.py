@@ -31,7 +31,7 @@ from llsrbm.formats.picture_process import NO_OPENGL
 from llsrbm.motion.files import Trajectory
 from llsrbm.motion.timeline import phase_at
 from llsrbm.palette import Rgb
-from llsrbm.robots.visuals import LinkVisual, link_visuals
+from llsrbm.robots.visuals import LinkVisual
 
 if TYPE_CHECKING:
     from PIL import Image
@@ -119,7 +119,7 @@ def _film(drawing: Drawing, options: Options) -> dict[str, Any]:
     film |= _meshes("mesh", drawing.visuals)
     if drawing.ghost is not None:
         film["ghost"] = _poses(drawing.ghost, drawing.visuals)
-        film |= _meshes("coarse", link_visuals(drawing.robot, coarse=True))
+        film |= _meshes("coarse", drawing.coarse_visuals)
     return film
 
 

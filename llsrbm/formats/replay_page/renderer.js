@@ -80,11 +80,11 @@ const SHADE = `
   float sunlight(vec3 inLight) {
     if (any(lessThan(inLight, vec3(0.0))) || any(greaterThan(inLight, vec3(1.0)))) return 1.0;
     float sum = 0.0;
-    for (int i = -2; i <= 2; i++) for (int j = -2; j <= 2; j++) {
-      vec2 offset = 1.4 * vec2(i, j) / ${SHADOW}.0;
+    for (int i = -1; i <= 1; i++) for (int j = -1; j <= 1; j++) {
+      vec2 offset = 1.8 * vec2(i, j) / ${SHADOW}.0;
       sum += texture(shadow, vec3(inLight.xy + offset, inLight.z - 0.0015));
     }
-    return sum / 25.0;
+    return sum / 9.0;
   }`;
 
 const MESH = `#version 300 es
@@ -174,9 +174,19 @@ const INK = `#version 300 es
   out vec4 pixel;
   void main() { pixel = vec4(tint.rgb, tint.a * (when > now ? 0.28 : 1.0)); }`;
 
+// Whether there is no graphics card to draw with.
+function drawnByProcessor() {
+  const gl = document.createElement("canvas").getContext("webgl2");
+  const told = gl && gl.getExtension("WEBGL_debug_renderer_info");
+  const name = told ? gl.getParameter(told.UNMASKED_RENDERER_WEBGL) : "";
+  gl?.getExtension("WEBGL_lose_context")?.loseContext();
+  return /swiftshader|llvmpipe|software|basic render/i.test(name);
+}
+
 class Renderer {
   constructor(canvas) {
-    const gl = canvas.getContext("webgl2", { antialias: true, alpha: false });
+    this.slow = drawnByProcessor();
+    const gl = canvas.getContext("webgl2", { antialias: !this.slow, alpha: false });
     if (!gl) throw new Error("this browser has no WebGL2");
     Object.assign(this, { canvas, gl });
     this.mesh = this.program(PLACED, MESH);
@@ -281,7 +291,7 @@ class Renderer {
 
   // Draw one picture. view: eye, target, fieldOfView (rad), near, far, raised, reach (m, of the floor),
   // spot and span (m) of what casts shadows, floor (m). things: {shape, place, quat, size, tint}
-  // in lists solid, through (seen through the others), lines, and lists of such lists shells
+  // in lists solid, shades (of what casts shadows), through (seen through the others), lines, and lists of such lists shells
   // (translucent, with `behind`, `shell`).
   draw(view, things) {
     const { gl, canvas } = this, screen = [canvas.width, canvas.height];
@@ -302,7 +312,7 @@ class Renderer {
     gl.viewport(0, 0, SHADOW, SHADOW);
     gl.clear(gl.DEPTH_BUFFER_BIT);
     this.use(this.depth, { ...common, seen: lit });
-    for (const thing of things.solid) if (!thing.bright) this.put(this.depth, thing);
+    for (const thing of things.shades) this.put(this.depth, thing);
 
     gl.bindFramebuffer(gl.FRAMEBUFFER, null);
     gl.bindTexture(gl.TEXTURE_2D, this.shadow);

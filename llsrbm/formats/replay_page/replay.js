@@ -173,21 +173,28 @@ class Scene {
   constructor(renderer, numbers) {
     const { gl } = renderer;
     Object.assign(this, { gl, renderer, numbers, drawn: {} });
-    const { points, normals, paint, faces } = numbers;
-    this.shapes = facts.bodies.map(({ firstPoint, lastPoint, firstFace, lastFace }) =>
-      renderer.shape({
-        points: points.subarray(4 * firstPoint, 4 * lastPoint),
-        normals: normals.subarray(4 * firstPoint, 4 * lastPoint),
-        paint: paint.subarray(4 * firstPoint, 4 * lastPoint),
-        faces: faces.subarray(3 * firstFace, 3 * lastFace),
-        unit: facts.meshUnit,
-      }));
+    this.coarse = this.shapes("coarse");
+    this.fine = renderer.slow ? this.coarse : this.shapes("fine");
     this.ball = renderer.shape(sphere());
     this.cube = renderer.shape(box());
     this.shaft = renderer.shape(rod());
     this.head = renderer.shape(tip());
     this.hoops = hoops().map((points) => renderer.line(points));
     this.trails = this.paths();
+  }
+
+  // The bodies' meshes, with all faces or with few.
+  shapes(detail) {
+    const { numbers } = this;
+    let point = 0, face = 0;
+    return facts.bodies.map(({ [detail]: { points, faces } }) => {
+      const of = (name) => numbers[`${detail}_${name}`].subarray(4 * point, 4 * (point + points));
+      const shape = this.renderer.shape({ points: of("points"), normals: of("normals"),
+        paint: of("paint"), unit: facts.meshUnit,
+        faces: numbers[`${detail}_faces`].subarray(3 * face, 3 * (face + faces)) });
+      [point, face] = [point + points, face + faces];
+      return shape;
+    });
   }
 
   // Lines of the CoM over the whole motion, and of the feet in flight.
@@ -242,10 +249,10 @@ class Scene {
         1 / Math.sqrt(2 + 2 * z[2]));
       const head = Math.min(6 * thickness, 0.5 * length);
       const tint = [...facts.colours.force, 1];
-      arrows.push({ shape: this.shaft, place, quat, tint, bright: true,
+      arrows.push({ shape: this.shaft, place, quat, tint,
         size: [thickness, thickness, length - head] });
       arrows.push({ shape: this.head, place: vec.add(place, vec.times(z, length - head)), quat,
-        tint, bright: true, size: [2.6 * thickness, 2.6 * thickness, head] });
+        tint, size: [2.6 * thickness, 2.6 * thickness, head] });
     }
     return arrows;
   }
@@ -264,12 +271,14 @@ class Scene {
     const com = this.value(numbers.com, 3, instant);
     const blocks = this.blocks(player.time), solid = blocks.filter(({ stands }) => stands);
     const shells = blocks.filter(({ stands }) => !stands).map((block) => [block]);
-    const through = [], lines = [];
+    const shades = [...solid], through = [], lines = [];
     this.drawn = {};
     facts.bodies.forEach(({ name }, body) => {
       const pose = this.pose(numbers.solid, body, instant);
       this.drawn[name] = [...pose.place, ...pose.quat];
-      if (layers.robot) solid.push({ shape: this.shapes[body], ...pose });
+      if (!layers.robot) return;
+      solid.push({ shape: this.fine[body], ...pose });
+      shades.push({ shape: this.coarse[body], ...pose });
     });
     if (layers.forces) {
       for (const part of this.arrows(instant)) {
@@ -289,7 +298,7 @@ class Scene {
       }
     }
     if (layers.ghost && numbers.ghost) {
-      shells.push(facts.bodies.map((_, body) => ({ shape: this.shapes[body],
+      shells.push(facts.bodies.map((_, body) => ({ shape: this.coarse[body],
         ...this.pose(numbers.ghost, body, instant), tint: [...facts.colours.planned, 0.3],
         behind: 0.012 })));
     }
@@ -311,7 +320,7 @@ class Scene {
       spot: [com[0], com[1], facts.ground], span: facts.span, now: player.time,
       // In the middle of what title and timeline leave free.
       raised: (find("footer").offsetHeight - find("header").offsetHeight) / canvas.clientHeight,
-    }, { solid, shells, lines: lines.map((line) => ({ ...line,
+    }, { solid, shades, shells, lines: lines.map((line) => ({ ...line,
       width: line.width * this.density })), through });
   }
 }

@@ -158,16 +158,18 @@ def test_the_ellipsoid_has_the_inertia(motion, page):
     np.testing.assert_allclose(inertia, sampled.inertia, atol=1e-4 * sampled.inertia.max())
 
 
-def test_meshes_are_the_robots(motion, page):
-    robot = load_robot(motion.plan.jump.robot)
-    points = page.arrays["points"].reshape(-1, 4)[:, :3] * (page.facts["meshUnit"] / 32767)
-    visuals = link_visuals(robot)
+@pytest.mark.parametrize("detail", ["fine", "coarse"])
+def test_meshes_are_the_robots(motion, page, detail):
+    visuals = link_visuals(load_robot(motion.plan.jump.robot), coarse=detail == "coarse")
+    unit = page.facts["meshUnit"]
+    points = page.arrays[f"{detail}_points"].reshape(-1, 4)[:, :3] * (unit / 32767)
     np.testing.assert_allclose(points, np.vstack([v.vertices for v in visuals]), atol=5e-5)
-    paint = page.arrays["paint"].reshape(-1, 4)[:, :3]
+    paint = page.arrays[f"{detail}_paint"].reshape(-1, 4)[:, :3]
     np.testing.assert_array_equal(paint, np.vstack([v.rgb for v in visuals]))
-    for body, visual in zip(page.facts["bodies"], visuals, strict=True):
-        faces = page.arrays["faces"].reshape(-1, 3)[body["firstFace"] : body["lastFace"]]
-        np.testing.assert_array_equal(faces, visual.faces)
+    faces = page.arrays[f"{detail}_faces"].reshape(-1, 3)
+    np.testing.assert_array_equal(faces, np.vstack([v.faces for v in visuals]))
+    counts = [(len(v.vertices), len(v.faces)) for v in visuals]
+    assert [tuple(body[detail].values()) for body in page.facts["bodies"]] == counts
 
 
 def test_phases_and_events(motion, page):
@@ -332,6 +334,29 @@ class TestInABrowser:
         tab.get_by_label("Look from where it began").click()
         again = tab.evaluate("[replay.camera.azimuth, replay.camera.distance]")
         assert again == pytest.approx(before)
+
+
+@pytest.mark.browser
+@browser
+def test_with_a_graphics_card_all_faces_are_drawn(chrome, tmp_path):
+    """The browser keeps to itself that it has none."""
+    path = tmp_path / "x.html"
+    export(motion_of("go2").plan, path, format="html", fps=20)
+    tab = chrome.new_page(viewport={"width": 320, "height": 240})
+    tab.add_init_script(
+        """const ask = WebGL2RenderingContext.prototype.getExtension;
+        WebGL2RenderingContext.prototype.getExtension = function (name) {
+          return name === "WEBGL_debug_renderer_info" ? null : ask.call(this, name);
+        };"""
+    )
+    tab.goto(path.as_uri())
+    tab.wait_for_function("window.replay")
+    faces = "replay.scene.{}.reduce((sum, shape) => sum + shape.count / 3, 0)"
+    visuals = link_visuals(load_robot("go2"))
+    assert tab.evaluate(faces.format("fine")) == sum(len(v.faces) for v in visuals)
+    assert tab.evaluate(faces.format("coarse")) < 12_000
+    assert tab.evaluate("replay.scene.gl.getError()") == 0
+    tab.close()
 
 
 @pytest.mark.browser
