@@ -6,6 +6,7 @@ import json
 import math
 import subprocess
 import sys
+from ctypes.util import find_library
 from dataclasses import replace
 from itertools import pairwise
 
@@ -216,10 +217,13 @@ class TestMistakes:
             export(motion.plan, tmp_path / "x", format=name, **options)
         assert not list(tmp_path.iterdir())
 
-    def test_no_opengl(self, motion, tmp_path, monkeypatch):
-        """As where neither library is installed."""
+    @pytest.mark.parametrize("backend", ["egl", "osmesa"])
+    def test_no_opengl(self, motion, tmp_path, monkeypatch, backend):
+        """As where neither library is installed: importing MuJoCo fails, or a context does."""
         monkeypatch.setenv("MUJOCO_EGL_DEVICE_ID", "99")
-        monkeypatch.setenv("MUJOCO_GL", "egl")
+        monkeypatch.setenv("MUJOCO_GL", backend)
+        if backend == "osmesa" and find_library("OSMesa"):
+            pytest.skip("OSMesa is there")
         with pytest.raises(InputError, match="apt install libegl1") as caught:
             export(motion.plan, tmp_path / "x.gif", format="gif", fps=1.0, size=SIZE)
         assert "\n" not in str(caught.value)
