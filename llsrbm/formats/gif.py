@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
+from llsrbm import palette
 from llsrbm.errors import InputError
 from llsrbm.formats.base import Format, Options
 from llsrbm.formats.pictures import Picture, pictures
@@ -33,9 +34,8 @@ def write_gif(trajectory: Trajectory, path: Path, options: Options) -> None:
         raise InputError(f"fps: expected 1 to {FASTEST:g} for a gif, got {options.fps:g}")
     drawn = list(pictures(trajectory, options))
     chosen = [drawn[k] for k in np.linspace(0, len(drawn) - 1, _LOOKED_AT).round().astype(int)]
-    colours = Image.fromarray(np.vstack([_rounded(picture) for picture in chosen])).quantize(
-        _COLOURS, Image.Quantize.MAXCOVERAGE
-    )
+    seen = np.vstack([_rounded(picture) for picture in [*chosen, _swatches(options.size)]])
+    colours = Image.fromarray(seen).quantize(_COLOURS, Image.Quantize.MEDIANCUT)
     # One table of colours for all, and no dither: what does not move stays as it is.
     frames = [
         Image.fromarray(_rounded(picture)).quantize(palette=colours, dither=Image.Dither.NONE)
@@ -59,6 +59,14 @@ def durations(count: int, fps: float) -> Sequence[int]:
     """How long each of `count` pictures is shown, ms, whole hundredths of a second."""
     edges = np.round(np.arange(count + 1) * 100 / fps).astype(int)
     return (10 * np.diff(edges)).tolist()
+
+
+def _swatches(size: tuple[int, int]) -> Picture:
+    """Shades of what is small and matters, so that it gets its colours beside so much ground."""
+    width, height = size[0], max(1, size[1] // 16)
+    shades = np.linspace(0.45, 1.0, 6)[:, None, None] * np.array([palette.FORCE, palette.COM])
+    row = np.repeat(shades.reshape(-1, 3), -(-width // 12), axis=0)[:width]
+    return np.repeat(row[None].astype(np.uint8), height, axis=0)
 
 
 def _rounded(picture: Picture) -> Picture:
