@@ -193,18 +193,6 @@ def draw(
     )
 
 
-def check_camera(camera: tuple[float, float, float] | None) -> None:
-    """Raise `InputError` unless it is azimuth, elevation (deg) and distance (m), or None."""
-    if camera is None:
-        return
-    numbers = all(isinstance(n, int | float) and math.isfinite(n) for n in camera)
-    if len(camera) != 3 or not numbers or not -90 <= camera[1] <= 90 or not camera[2] > 0:
-        raise InputError(
-            "camera: expected azimuth and elevation (-90 to 90) in deg and a distance > 0 in m, "
-            f"got {', '.join(str(n) for n in camera)}"
-        )
-
-
 def view_of(
     drawing: Drawing, aspect: float, camera: tuple[float, float, float] | None = None
 ) -> View:

@@ -34,7 +34,6 @@ from llsrbm.formats.drawing import (
     LEAST_FORCE,
     Bodies,
     Drawing,
-    check_camera,
     draw,
     view_of,
 )
@@ -56,7 +55,6 @@ _ALIGNED = 4  # bytes, at which typed arrays may begin
 
 def write_html(trajectory: Trajectory, path: Path, options: Options) -> None:
     """Write the page."""
-    check_camera(options.camera)
     drawing = draw(trajectory, options.fps, with_instants=True)
     numbers, listed = _packed(_arrays(drawing))
     facts = _facts(drawing, trajectory, options.camera) | {"arrays": listed}

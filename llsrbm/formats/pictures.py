@@ -23,7 +23,6 @@ from llsrbm.formats.drawing import (
     LEAST_FORCE,
     Bodies,
     Drawing,
-    check_camera,
     draw,
     view_of,
 )
@@ -38,7 +37,6 @@ if TYPE_CHECKING:
 
 Picture = NDArray[np.uint8]
 
-SMALLEST, LARGEST = 32, 4096  # pixels
 _BACKENDS = ("egl", "osmesa")  # of MuJoCo, those that need no screen
 _TOLD = 200  # characters of what went wrong in the other process
 _INK, _SOFT_INK = (29, 36, 48), (93, 104, 118)
@@ -50,21 +48,10 @@ def pictures(trajectory: Trajectory, options: Options) -> Iterator[Picture]:
     Raises:
         InputError: a size, a camera or a rate that makes no sense; no OpenGL without a screen.
     """
-    _check_size(options.size)
-    check_camera(options.camera)
     drawing = draw(trajectory, options.fps, options.pad)
     caption = _Caption(drawing, options.size)
     for k, picture in enumerate(_drawn(_film(drawing, options))):
         yield caption.on(picture, float(drawing.time[k]))
-
-
-def _check_size(size: tuple[int, int]) -> None:
-    whole = len(size) == 2 and all(isinstance(n, int) and SMALLEST <= n <= LARGEST for n in size)
-    if not whole:
-        raise InputError(
-            f"size: expected width and height, {SMALLEST} to {LARGEST} pixels, got "
-            f"{'x'.join(str(n) for n in size)}"
-        )
 
 
 def _film(drawing: Drawing, options: Options) -> dict[str, Any]:
