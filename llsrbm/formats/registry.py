@@ -5,6 +5,7 @@ from __future__ import annotations
 from llsrbm.errors import InputError
 from llsrbm.formats.base import Format
 from llsrbm.formats.csv_table import CSV
+from llsrbm.formats.design_file import DESIGN
 from llsrbm.formats.npz import NPZ
 
 FORMATS: dict[str, Format] = {
@@ -12,6 +13,7 @@ FORMATS: dict[str, Format] = {
     for format_ in (
         NPZ,
         CSV,
+        DESIGN,
     )
 }
 

@@ -18,7 +18,7 @@ from llsrbm.motion.writing import replacing
 
 Arrays = dict[str, NDArray[Any]]
 
-_LARGEST = 2 * 1024**3  # bytes, unpacked: far above any trajectory, far below a machine's memory
+LARGEST = 2 * 1024**3  # bytes, unpacked: far above any trajectory, far below a machine's memory
 
 # What zipfile, zlib and NumPy raise on damaged input, as far as fuzzing has shown.
 _DAMAGE = (
@@ -37,11 +37,15 @@ _DAMAGE = (
 )
 
 
-def read_archive(path: str | Path) -> Arrays:
+def read_archive(path: str | Path, largest: int = LARGEST) -> Arrays:
     """Every array of an npz file; pickled objects are refused, not run.
 
+    Args:
+        path: of the file.
+        largest: bytes of arrays, unpacked; a file that has more is refused unread.
+
     Raises:
-        FileFormatError: unreadable, not npz, damaged or holding pickled objects.
+        FileFormatError: unreadable, not npz, damaged, too large or holding pickled objects.
     """
     expected = "expected an npz file written by llsrbm"
     try:
@@ -51,10 +55,8 @@ def read_archive(path: str | Path) -> Arrays:
             file.seek(0)
             with zipfile.ZipFile(file) as members:
                 size = sum(member.file_size for member in members.infolist())
-            if size > _LARGEST:
-                raise FileFormatError(
-                    f"{path}: {size} bytes of arrays; at most {_LARGEST} are read"
-                )
+            if size > largest:
+                raise FileFormatError(f"{path}: {size} bytes of arrays; at most {largest} are read")
             file.seek(0)
             with np.load(file, allow_pickle=False) as archive:
                 return {key: np.asarray(archive[key]) for key in archive.files}
