@@ -62,6 +62,8 @@ def make_frames(motion: WholeBodyMotion) -> Frames:
     )
     base = Rotation.from_quat(motion.base_quat, scalar_first=True)
     inertia_axes, inertia_wxyz = ellipsoid(motion.inertia, robot.mass, base.as_matrix())
+    flying = ~motion.contact.any(axis=1)
+    flight = flying if motion.phase is None else motion.phase == Phase.FLIGHT
     force, pressed_at = motion.foot_force, motion.pressed_at
     return Frames(
         time=motion.time,
@@ -72,9 +74,7 @@ def make_frames(motion: WholeBodyMotion) -> Frames:
         inertia_wxyz=inertia_wxyz,
         yaw_wxyz=_headings(base),
         foot_position=motion.foot_position,
-        flight=(
-            ~motion.contact.any(axis=1) if motion.phase is None else motion.phase == Phase.FLIGHT
-        ),
+        flight=np.asarray(flight, dtype=np.bool_),
         # Arrows of no length where no file says how the feet push.
         foot_force=np.zeros_like(motion.foot_position) if force is None else force,
         pressed_at=motion.foot_position if pressed_at is None else pressed_at,

@@ -35,8 +35,8 @@ def compare_command(
     """Print the figures of plans, simulations and other motions beside each other, a row a file.
 
     A plan's file tells what was planned, a simulation's what the whole body did; another tool's has
-    the figures that follow from how the robot moves. Where all are of one kind, the best of a column
-    has an asterisk; what fell or did not converge has none.
+    the figures that follow from how the robot moves. Where all are of one kind, the best of a
+    column has an asterisk; what fell or did not converge has none.
     """
     with console.result_stream(as_json=as_json) as stdout:
         from llsrbm.formats.any_file import load_any

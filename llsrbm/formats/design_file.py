@@ -33,7 +33,7 @@ def design_of(trajectory: Trajectory) -> Design:
         return Design(trajectory.jump, trajectory.tuning)
     if trajectory.plan is None:
         raise InputError(
-            "format \"design\": the rollout's file has no plan, so its weights and limits are not "
+            'format "design": the rollout\'s file has no plan, so its weights and limits are not '
             "known; expected a rollout that was simulated with this version"
         )
     return Design(trajectory.jump, trajectory.plan.tuning, trajectory.scenario)
