@@ -38,6 +38,9 @@ LARGEST_UNPACKED = 64 * 1024**2
 LONGEST = 60.0  # s of motion
 MOST_INSTANTS = 20_000
 
+UNFORESEEN = "cannot be opened"
+"""In the line of a file that leads to what nothing checks."""
+
 _SHORTEST_STEP = 1e-6  # s
 _LARGEST_VALUE = 1e7  # of any number that is drawn or plotted, in its SI unit
 _FARTHEST = 1000.0  # m
@@ -105,18 +108,26 @@ def open_file(name: str, content: bytes, robot: str, fps: float | None = None) -
         llsrbm.errors.Error: one line that says why it cannot be opened.
     """
     shown = _printable(name)
-    if _is_design(name, content):
-        return OpenedFile(shown, uploaded_design(name, content))
     suffix = Path(name).suffix.lower()
     with tempfile.TemporaryDirectory() as folder:
         # A name of ours: a visitor's may be anything.
         path = Path(folder) / f"motion{suffix if suffix in _SUFFIXES else ''}"
-        path.write_bytes(content)
         try:
+            if _is_design(name, content):
+                return OpenedFile(shown, uploaded_design(name, content))
+            path.write_bytes(content)
             with np.errstate(all="ignore"):  # of numbers that make no sense, which is said
-                return _opened(path, shown, robot, fps)
+                opened = _opened(path, shown, robot, fps)
+                _rehearse(opened)
+                return opened
         except Error as error:
-            raise FileFormatError(" ".join(str(error).replace(str(path), shown).split())) from error
+            why = str(error).replace(str(path), shown)
+            raise FileFormatError(_line(why)) from error
+        except Exception as error:  # whatever a made-up file leads to; the process shall go on
+            _log.info("%s cannot be opened", shown, exc_info=True)
+            raise FileFormatError(
+                f"{shown}: {UNFORESEEN} ({type(error).__name__}: {_printable(_line(str(error)))})"
+            ) from error
 
 
 def _is_design(name: str, content: bytes) -> bool:
@@ -139,15 +150,12 @@ def _opened(path: Path, shown: str, robot: str, fps: float | None) -> OpenedFile
         remarks = _remarks(holds)
         if remarks:
             holds = _without_solution(holds)
-        opened = OpenedFile(shown, holds, remarks)
-    else:
-        from llsrbm.formats.reading import load_motion
+        return OpenedFile(shown, holds, remarks)
+    from llsrbm.formats.reading import load_motion
 
-        motion = load_motion(path, robot, fps=fps)
-        _check_motion(motion, shown)
-        opened = OpenedFile(shown, States.of(motion, robot))
-    _rehearse(opened)
-    return opened
+    motion = load_motion(path, robot, fps=fps)
+    _check_motion(motion, shown)
+    return OpenedFile(shown, States.of(motion, robot))
 
 
 # ---- native files
@@ -307,29 +315,16 @@ def _without_solution(motion: Plan | Rollout) -> Plan | Rollout:
 
 
 def _rehearse(opened: OpenedFile) -> None:
-    """Do all that a tab will do with it, so that nothing goes wrong there.
-
-    Raises:
-        FileFormatError: something would.
-    """
-    try:
-        robot = load_robot(opened.robot)
-        match opened.holds:
-            case Plan() as plan:
-                _show(plan, None, robot)
-            case Rollout(plan=Plan() as plan) as rollout:
-                _show(plan, rollout, robot)
-            case Rollout() as rollout:
-                _show_alone(opened.name, rollout)
-            case States() as states:
-                _show_alone(opened.name, states.motion())
-    except Error:
-        raise
-    except Exception as error:  # whatever a made-up file leads to
-        _log.info("%s cannot be shown", opened.name, exc_info=True)
-        raise FileFormatError(
-            f"{opened.name}: cannot be shown ({type(error).__name__}: {error!s:.120})"
-        ) from error
+    """Do all that a tab will do with it, so that whatever goes wrong there goes wrong here."""
+    match opened.holds:
+        case Plan() as plan:
+            _show(plan, None, load_robot(opened.robot))
+        case Rollout(plan=Plan() as plan) as rollout:
+            _show(plan, rollout, load_robot(opened.robot))
+        case Rollout() as rollout:
+            _show_alone(opened.name, rollout)
+        case States() as states:
+            _show_alone(opened.name, states.motion())
 
 
 def _show(plan: Plan, rollout: Rollout | None, robot: Robot) -> None:
@@ -369,6 +364,10 @@ def _show_alone(name: str, motion: Rollout | WholeBodyMotion) -> None:
     layer = Layer(name, colours.PINNED[0], bake_foreign(name, motion), None, pinned=True)
     for group in GROUPS:
         charts(group, [layer])
+
+
+def _line(text_: str) -> str:
+    return " ".join(text_.split())
 
 
 def _printable(name: str) -> str:
