@@ -97,6 +97,10 @@ class DesignControls:
     def show(self, title: str, note: str = "") -> None:
         """Name the example that is shown, if its title is one's, and say what to look at."""
         put(self._example, title if title in self._examples else _NO_EXAMPLE)
+        self.tell(note)
+
+    def tell(self, note: str) -> None:
+        """Say something about a file, or nothing."""
         self._note.content = f'<div style="{_NOTE_STYLE}">{escape(note)}</div>'
         self._note.visible = bool(note)
 

@@ -138,6 +138,7 @@ class Files:
             return report.file
         if isinstance(report, Failed):
             self._panel.notify("Not opened", report.message)
+            self._panel.designs.tell(f"Not opened: {report.message}")
         return None
 
     def _hear_of_saving(self, report: Report) -> None:

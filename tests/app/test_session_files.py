@@ -253,6 +253,7 @@ def test_a_bad_file_is_one_line_and_nothing_changes(tab, session, tmp_path):
         assert body.startswith(f"{name}: ")
         assert "\n" not in body
         assert "/tmp" not in body
+        tab.wait(lambda line=body: f"Not opened: {line}" in tab.text(), "the line on the panel")
     assert session.plan is before
     assert tab.status() == status
     tab.upload("Open", "good.npz", good, transfer="good")
