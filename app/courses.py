@@ -8,7 +8,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from app.frames import ellipsoid
+from llsrbm.analysis.inertia_ellipsoid import ellipsoid
 from llsrbm.motion.rollout import Rollout
 from llsrbm.motion.rotation import rotation_matrices
 from llsrbm.motion.whole_body import WholeBodyMotion, motion_at_ticks

@@ -19,21 +19,18 @@ from numpy.typing import NDArray
 
 from app.upload import check_offered, uploaded_design
 from llsrbm.design import LARGEST as LARGEST_DESIGN
-from llsrbm.design import Design
-from llsrbm.errors import Error, FileFormatError
-from llsrbm.motion.archive import Arrays, read_archive, text
-from llsrbm.motion.native_file import Meta, read_meta
+from llsrbm.design import SUFFIX, Design
+from llsrbm.errors import Error, FileFormatError, printable
+from llsrbm.formats import load_motion, readable
+from llsrbm.formats.any_file import is_native
+from llsrbm.motion.files import load
 from llsrbm.motion.plan import Plan
-from llsrbm.motion.plan_file import FIRST_SCHEMA, plan_from_arrays
-from llsrbm.motion.plan_file import SCHEMA as PLAN_SCHEMA
 from llsrbm.motion.rollout import Rollout
-from llsrbm.motion.rollout_file import SCHEMA as ROLLOUT_SCHEMA
-from llsrbm.motion.rollout_file import rollout_from_arrays
 from llsrbm.motion.whole_body import WholeBodyMotion
 from llsrbm.robots import Robot, load_robot
 
-LARGEST_UNPACKED = 64 * 1024**2
-"""Bytes of a native file's arrays; a simulation of 10 s at 1 kHz has 12 MB."""
+LARGEST_UNPACKED = 32 * 1024**2
+"""Bytes of a native file's arrays; a simulation of 10 s at 1 kHz has half of it."""
 
 LONGEST = 60.0  # s of motion
 MOST_INSTANTS = 20_000
@@ -46,8 +43,7 @@ _LARGEST_VALUE = 1e7  # of any number that is drawn or plotted, in its SI unit
 _FARTHEST = 1000.0  # m
 _SAME = 1e-6  # relative; numbers of a robot that were computed anew differ in their last digits
 _SHOWN_NAME = 80  # characters
-_SUFFIXES = (".npz", ".csv", ".json", ".txt", ".pkl")
-_PLAN = "plan/"  # what the keys of the plan in a simulation's file begin with
+_SUFFIXES = {".json", ".npz"} | {Path(each.suffix).suffix for each in readable()}
 
 _log = logging.getLogger(__name__)
 
@@ -107,93 +103,60 @@ def open_file(name: str, content: bytes, robot: str, fps: float | None = None) -
     Raises:
         llsrbm.errors.Error: one line that says why it cannot be opened.
     """
-    shown = _printable(name)
+    shown = printable(name, _SHOWN_NAME)
     suffix = Path(name).suffix.lower()
     with tempfile.TemporaryDirectory() as folder:
         # A name of ours: a visitor's may be anything.
         path = Path(folder) / f"motion{suffix if suffix in _SUFFIXES else ''}"
         try:
-            if _is_design(name, content):
-                return OpenedFile(shown, uploaded_design(name, content))
             path.write_bytes(content)
             with np.errstate(all="ignore"):  # of numbers that make no sense, which is said
+                if _is_design(name, path):
+                    return OpenedFile(shown, uploaded_design(name, content))
                 opened = _opened(path, shown, robot, fps)
                 _rehearse(opened)
                 return opened
         except Error as error:
-            why = str(error).replace(str(path), shown)
-            raise FileFormatError(_line(why)) from error
+            raise FileFormatError(_line(str(error).replace(str(path), shown))) from error
         except Exception as error:  # whatever a made-up file leads to; the process shall go on
             _log.info("%s cannot be opened", shown, exc_info=True)
             raise FileFormatError(
-                f"{shown}: {UNFORESEEN} ({type(error).__name__}: {_printable(_line(str(error)))})"
+                f"{shown}: {UNFORESEEN} ({type(error).__name__}: {printable(_line(str(error)))})"
             ) from error
 
 
-def _is_design(name: str, content: bytes) -> bool:
-    if content.startswith(b"PK"):
-        return False
-    if name.lower().endswith(".jump.json") or b'"llsrbm.design' in content[:LARGEST_DESIGN]:
+def _is_design(name: str, path: Path) -> bool:
+    with path.open("rb") as file:
+        head = file.read(LARGEST_DESIGN)
+    if name.lower().endswith(SUFFIX) or b'"llsrbm.design' in head:
         return True
-    # Of JSON files those that hold frames are motions.
-    return not name.lower().endswith(_SUFFIXES) or (
-        name.lower().endswith(".json") and b'"Frames"' not in content
-    )
+    text_ = not head.startswith(b"PK") and path.suffix in (".json", "")
+    return text_ and not any(each.recognises and each.recognises(path) for each in readable())
 
 
 def _opened(path: Path, shown: str, robot: str, fps: float | None) -> OpenedFile:
-    from llsrbm.formats.any_file import is_native
-
-    if is_native(path):
-        holds = _native(path, shown)
-        _check_native(holds, shown)
-        remarks = _remarks(holds)
-        if remarks:
-            holds = _without_solution(holds)
-        return OpenedFile(shown, holds, remarks)
-    from llsrbm.formats.reading import load_motion
-
-    motion = load_motion(path, robot, fps=fps)
-    _check_motion(motion, shown)
-    return OpenedFile(shown, States.of(motion, robot))
+    if not is_native(path):
+        motion = load_motion(path, robot, fps=fps)
+        _check_motion(motion, shown)
+        return OpenedFile(shown, States.of(motion, robot))
+    holds = load(path, largest=LARGEST_UNPACKED)
+    _check_native(holds, shown)
+    remarks = _remarks(holds)
+    return OpenedFile(shown, _without_solution(holds) if remarks else holds, remarks)
 
 
 # ---- native files
 
 
-def _native(path: Path, shown: str) -> Plan | Rollout:
-    arrays = read_archive(path, LARGEST_UNPACKED)
-    numbers = sum(array.size for array in arrays.values() if array.dtype.kind != "U")
-    if 8 * numbers > LARGEST_UNPACKED:  # as they are kept
-        raise FileFormatError(f"{shown}: {numbers} numbers; too many to be shown")
-    # Before anything looks for a robot by that name: it may be the path of a file.
-    _check_meta(arrays, shown)
-    followed = {key.removeprefix(_PLAN): a for key, a in arrays.items() if key.startswith(_PLAN)}
-    if followed:
-        _check_meta(followed, shown)
-    schema = text(arrays, "schema", shown)
-    if schema in (PLAN_SCHEMA, FIRST_SCHEMA):
-        return plan_from_arrays(arrays, shown)
-    if schema == ROLLOUT_SCHEMA:
-        return rollout_from_arrays(arrays, shown)
-    raise FileFormatError(
-        f'{shown}: schema "{schema:.40}"; known are {PLAN_SCHEMA}, {FIRST_SCHEMA}, {ROLLOUT_SCHEMA}'
-    )
-
-
-def _check_meta(arrays: Arrays, shown: str) -> None:
-    meta = read_meta(Meta, arrays, shown)
-    check_offered(meta.request, f"{shown}: request")
-    name = meta.robot_parameters.get("name", meta.request.robot)
-    if name != meta.request.robot:
-        raise FileFormatError(
-            f"{shown}: robot_parameters.name: expected {meta.request.robot}, got {name!r:.80}"
-        )
-
-
 def _check_native(motion: Plan | Rollout, shown: str) -> None:
     """Raise `FileFormatError` unless it is a motion of the robot that is small enough to draw."""
+    # Before anything looks for a robot by that name: it may be the path of a file.
     check_offered(motion.jump, f"{shown}: request")
+    name = motion.robot_parameters.get("name", motion.jump.robot)
+    if name != motion.jump.robot:
+        raise FileFormatError(
+            f"{shown}: robot_parameters.name: expected {motion.jump.robot}, got {name!r:.80}"
+        )
     robot = load_robot(motion.jump.robot)
     joints, feet = sorted(motion.joint_names), motion.foot_position.shape[1]
     if joints != sorted(robot.joint_names) or feet != len(robot.legs):
@@ -216,11 +179,6 @@ def _check_native(motion: Plan | Rollout, shown: str) -> None:
                 f"{shown}: {motion.contact_point.shape[1]} contact points; expected {contacts}"
             )
     elif motion.plan is not None:
-        if motion.plan.jump.robot != motion.jump.robot:
-            raise FileFormatError(
-                f"{shown}: a simulation of {motion.jump.robot} that follows a plan of "
-                f"{motion.plan.jump.robot}; expected one robot"
-            )
         _check_native(motion.plan, shown)
 
 
@@ -289,7 +247,7 @@ def differing(one: Mapping[str, Any], other: Mapping[str, Any]) -> list[str]:
             names += [f"{name}.{i}" for i in inner if not _agree(a.get(i), b.get(i))]
         elif not _agree(a, b):
             names.append(name)
-    return [_printable(name) for name in names]
+    return [printable(name) for name in names]
 
 
 def _agree(a: Any, b: Any) -> bool:
@@ -368,8 +326,3 @@ def _show_alone(name: str, motion: Rollout | WholeBodyMotion) -> None:
 
 def _line(text_: str) -> str:
     return " ".join(text_.split())
-
-
-def _printable(name: str) -> str:
-    line = "".join(letter if letter.isprintable() else "?" for letter in str(name))
-    return line if len(line) <= _SHOWN_NAME else f"{line[: _SHOWN_NAME - 3]}..."

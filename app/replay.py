@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from app.frames import FRAME_RATE, Frames, ellipsoid, make_frames
+from app.frames import FRAME_RATE, Frames, make_frames
+from llsrbm.analysis.inertia_ellipsoid import ellipsoid
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.whole_body import WholeBodyMotion, whole_body_motion
 from llsrbm.robots import Robot

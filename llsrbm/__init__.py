@@ -29,7 +29,7 @@ from llsrbm.tuning import Tuning
 if TYPE_CHECKING:
     from llsrbm.api import nearest, plan, simulate
     from llsrbm.design import Design, dump_design, load_design
-    from llsrbm.formats import export
+    from llsrbm.formats import export, load_motion
     from llsrbm.motion.files import load
     from llsrbm.motion.plan import Plan
     from llsrbm.motion.rollout import Rollout
@@ -45,6 +45,7 @@ _LATER = {
     "load_design": "llsrbm.design",
     "export": "llsrbm.formats",
     "load": "llsrbm.motion.files",
+    "load_motion": "llsrbm.formats",
     "Nearest": "llsrbm.planning.nearest",
     "Plan": "llsrbm.motion.plan",
     "Rollout": "llsrbm.motion.rollout",
@@ -69,6 +70,7 @@ __all__ = [
     "export",
     "load",
     "load_design",
+    "load_motion",
     "nearest",
     "plan",
     "simulate",

@@ -28,7 +28,7 @@ from typing import Annotated, Any, Literal
 from pydantic import AfterValidator, BaseModel, Field, PlainValidator, ValidationError
 from pydantic_core import ErrorDetails, PydanticCustomError
 
-from llsrbm.errors import FileFormatError, InputError
+from llsrbm.errors import FileFormatError, InputError, printable
 from llsrbm.jump import Jump
 from llsrbm.robots.schema import choices
 from llsrbm.robots.tables import Table
@@ -42,7 +42,6 @@ LARGEST = 64_000  # bytes; a design with every weight and limit changed takes a 
 _LONGEST_TITLE, _LONGEST_NOTE = 80, 400  # characters: a line of a list, a few lines of a page
 _FARTHEST = 100.0  # rad or m; far beyond any robot, whose own range is checked when it plans
 _LARGEST_SEED = 2**53 - 1  # the largest whole number that every reader of JSON keeps exact
-_SHOWN = 60  # characters of what was given, in a message
 
 
 @dataclass(frozen=True)
@@ -95,7 +94,7 @@ def load_design(source: bytes | str | Path, *, name: str = "design") -> Design:
             Whether the robot can do it is said when it is planned.
     """
     if isinstance(source, bytes):
-        return _parse(source, _shortened(name))
+        return _parse(source, printable(name))
     try:
         with Path(source).open("rb") as file:
             # What is larger is refused without reading it all.
@@ -225,7 +224,7 @@ def _checked(table: Any, where: str) -> _File:
 def _sentence(detail: ErrorDetails) -> str:
     """One pydantic complaint as: key, what was wrong, what would be accepted."""
     location = [str(part) for part in detail["loc"] if part != "[key]"]
-    key = _shortened(".".join(location))
+    key = printable(".".join(location))
     match detail["type"]:
         case "extra_forbidden":
             known = _keys(location[:-1])
@@ -248,10 +247,4 @@ def _keys(location: list[str]) -> list[str]:
 
 
 def _short(value: Any) -> str:
-    return _shortened(json.dumps(value, ensure_ascii=True, default=str))
-
-
-def _shortened(text: str) -> str:
-    """As much as fits into a message, in one printable line."""
-    printable = "".join(letter if letter.isprintable() else "?" for letter in text)
-    return printable if len(printable) <= _SHOWN else f"{printable[: _SHOWN - 3]}..."
+    return printable(json.dumps(value, ensure_ascii=True, default=str))

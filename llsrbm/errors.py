@@ -69,6 +69,12 @@ class Stop:
         )
 
 
+def printable(text: str, longest: int = 60) -> str:
+    """As much of a stranger's text as fits into a message, in one line without control codes."""
+    shown = "".join(letter if letter.isprintable() else "?" for letter in text[: longest + 1])
+    return shown if len(shown) <= longest else f"{shown[: longest - 3]}..."
+
+
 class NotConverged(Error):
     """The planner stopped without satisfying every constraint.
 

@@ -123,7 +123,7 @@ class _Record:
         )
         self.phase = rollout.phase[: self.count]
         self.contact = rollout.contact[: self.count].astype(bool)
-        self.legs = tuple(rollout.robot_parameters["legs"])
+        self.legs = rollout.leg_names
         off = np.flatnonzero(self.phase != Phase.TAKEOFF)
         self.lift_off = int(off[0]) if len(off) else self.count
         flight = outcome.touchdown_planned_s / self.tick - self.lift_off

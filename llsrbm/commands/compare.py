@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from llsrbm.commands import console, options
+from llsrbm.errors import printable
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -17,6 +18,8 @@ if TYPE_CHECKING:
     from llsrbm.analysis.figures import DesignFigures
     from llsrbm.motion.files import Trajectory
     from llsrbm.motion.whole_body import WholeBodyMotion
+
+_WIDEST = 10_000  # characters of a line
 
 
 def compare_command(
@@ -53,7 +56,8 @@ def compare_command(
         else:
             of_one_kind = len({type(motion) for motion in motions}) == 1
             for line in _table([str(file) for file in files], titles, rows, mark=of_one_kind):
-                print(line, file=stdout)
+                # A stranger's file may hold what would control the terminal.
+                print(printable(line, _WIDEST), file=stdout)
     return console.DONE
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -49,8 +50,9 @@ def export_command(
     values: dict[str, Any] = {"fps": fps, "pad": pad, "order": order}
     given = {name: value for name, value in values.items() if options.is_given(context, name)}
     if options.is_given(context, "size"):
-        given["size"] = tuple(round(n) for n in _numbers("--size", size, "x", 2))
-    if camera:
+        pixels = _numbers("--size", size, "x", 2)
+        given["size"] = tuple(int(n) if n.is_integer() else n for n in pixels)
+    if options.is_given(context, "camera"):
         given["camera"] = _numbers("--camera", camera, ",", 3)
     export(load(file), out, format=format_, **given)
     return console.DONE
@@ -104,7 +106,7 @@ def _numbers(option: str, given: str, separator: str, count: int) -> tuple[float
         numbers = tuple(float(part) for part in given.split(separator))
     except ValueError:
         numbers = ()
-    if len(numbers) != count:
+    if len(numbers) != count or not all(map(math.isfinite, numbers)):
         raise InputError(
             f"{option} {given}: expected {count} numbers separated by {separator!r}"
         ) from None

@@ -4,6 +4,17 @@ from __future__ import annotations
 
 from llsrbm.formats.base import ORDERS, Format, Options
 from llsrbm.formats.export import export, file_name
+from llsrbm.formats.reading import load_motion, readable
 from llsrbm.formats.registry import FORMATS, find
 
-__all__ = ["FORMATS", "ORDERS", "Format", "Options", "export", "file_name", "find"]
+__all__ = [
+    "FORMATS",
+    "ORDERS",
+    "Format",
+    "Options",
+    "export",
+    "file_name",
+    "find",
+    "load_motion",
+    "readable",
+]

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-import zipfile
 from pathlib import Path
 
+from llsrbm.formats.reading import load_motion
+from llsrbm.motion.archive import keys
 from llsrbm.motion.files import Trajectory, load
 from llsrbm.motion.whole_body import WholeBodyMotion
 
-_NATIVE = "schema.npy"  # the member that every native file has
+_SCHEMA = "schema"  # the key that every native file has, and no other tool's
 
 
 def load_any(
@@ -25,18 +26,11 @@ def load_any(
         FileFormatError: unreadable, damaged, or of no format that can be opened.
         RobotFileError: there is no such robot.
     """
-    if is_native(path):
-        return load(path)
-    from llsrbm.formats.reading import load_motion
-
-    return load_motion(path, robot, fps=fps)
+    return load(path) if is_native(path) else load_motion(path, robot, fps=fps)
 
 
 def is_native(path: str | Path) -> bool:
     """Whether a file is this project's as far as its kind goes, damaged ones among them."""
-    try:
-        with zipfile.ZipFile(path) as archive:
-            return _NATIVE in archive.namelist()
-    except (OSError, zipfile.BadZipFile, ValueError, NotImplementedError):
-        # `load` says what is wrong with it.
-        return Path(path).suffix.lower() == ".npz"
+    held = keys(path)
+    # `load` says best what is wrong with an archive that cannot be listed.
+    return _SCHEMA in held or (not held and Path(path).suffix.lower() == ".npz")

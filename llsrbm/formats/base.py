@@ -69,7 +69,10 @@ class Format:
         holds: of "plan" and "rollout", what it can hold.
         extra: packages that it needs; None: none.
         read: (path, robot, frames/s) -> motion, for formats that can be opened for looking; raises
-            `FileFormatError`. The rate is given where the user gave one.
+            `FileFormatError`. The rate is for files that do not say theirs; what the file says
+            counts.
+        recognises: path -> whether a file looks like one that `read` opens, by its name and a
+            glance at its content; raises nothing. Every format with `read` has it.
     """
 
     name: str
@@ -82,6 +85,7 @@ class Format:
     holds: tuple[str, ...] = ("plan", "rollout")
     extra: Extra | None = None
     read: Callable[[Path, Robot, float | None], WholeBodyMotion] | None = None
+    recognises: Callable[[Path], bool] | None = None
 
     def check_installed(self) -> None:
         """Raise `InputError` if packages that it needs are missing."""

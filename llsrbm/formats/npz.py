@@ -11,7 +11,10 @@ from __future__ import annotations
 from pathlib import Path
 
 from llsrbm.formats.base import Format, Options
-from llsrbm.motion.files import Trajectory
+from llsrbm.motion.archive import keys
+from llsrbm.motion.files import Trajectory, load
+from llsrbm.motion.whole_body import WholeBodyMotion, whole_body_motion
+from llsrbm.robots import Robot
 
 
 def write_npz(trajectory: Trajectory, path: Path, options: Options) -> None:
@@ -20,10 +23,27 @@ def write_npz(trajectory: Trajectory, path: Path, options: Options) -> None:
     trajectory.save(path)
 
 
+def read_npz(path: Path, robot: Robot, fps: float | None) -> WholeBodyMotion:
+    """Sample what a native file holds; its robot is the file's.
+
+    Raises:
+        FileFormatError: it is no native file.
+        InputError: the rate makes no sense, or the file's robot is another by now.
+    """
+    del robot
+    return whole_body_motion(load(path), Options().fps if fps is None else fps)
+
+
+def _looks_so(path: Path) -> bool:
+    return {"schema", "meta"} <= keys(path)
+
+
 NPZ = Format(
     name="npz",
     title="the native file: every quantity at the planner's knots or the controller's ticks",
     suffix=".npz",
     write=write_npz,
     conventions=__doc__,
+    read=read_npz,
+    recognises=_looks_so,
 )

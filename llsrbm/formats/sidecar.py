@@ -6,10 +6,12 @@ import json
 from pathlib import Path
 from typing import Any
 
+from llsrbm.errors import FileFormatError
 from llsrbm.motion.description import description
 from llsrbm.motion.files import Trajectory
 
 SUFFIX = ".meta.json"  # after the whole name of the file that it is of
+_LARGEST = 4 * 1024**2  # bytes; ours have some ten thousand
 
 
 def described(trajectory: Trajectory, format_name: str, **own: Any) -> dict[str, Any]:
@@ -27,3 +29,28 @@ def write_sidecar(path: Path, trajectory: Trajectory, format_name: str, **own: A
     """Write `described` beside `path`, under its name and `.meta.json`."""
     text = json.dumps(described(trajectory, format_name, **own), indent=1, allow_nan=False)
     path.with_name(path.name + SUFFIX).write_text(text + "\n", encoding="utf-8")
+
+
+def read_sidecar(path: Path) -> dict[str, Any]:
+    """What stands beside a file; nothing where there is no such file.
+
+    Raises:
+        FileFormatError: there is one, and it is unreadable or no JSON object.
+    """
+    beside = path.with_name(path.name + SUFFIX)
+    try:
+        with beside.open("rb") as file:
+            content = file.read(_LARGEST + 1)
+    except FileNotFoundError:
+        return {}
+    except OSError as error:
+        raise FileFormatError(f"{beside}: cannot be read: {error.strerror or error}") from error
+    if len(content) > _LARGEST:
+        raise FileFormatError(f"{beside}: more than {_LARGEST} bytes; expected what is beside")
+    try:
+        told = json.loads(content)
+    except (ValueError, RecursionError) as error:
+        raise FileFormatError(f"{beside}: damaged: expected a JSON object") from error
+    if not isinstance(told, dict):
+        raise FileFormatError(f"{beside}: expected a JSON object")
+    return told

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
-from llsrbm.errors import FileFormatError
 from llsrbm.motion import plan_file, rollout_file
-from llsrbm.motion.archive import Arrays, read_archive, text
+from llsrbm.motion.archive import LARGEST, Arrays, read_archive
+from llsrbm.motion.native_file import check_schema
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
 
@@ -20,14 +20,18 @@ _READERS: dict[str, Callable[[Arrays, str | Path], Trajectory]] = {
 }
 
 
-def load(path: str | Path) -> Trajectory:
+def load(path: str | Path, *, largest: int = LARGEST) -> Trajectory:
     """Read a native file (`Plan.save`, `Rollout.save`).
+
+    A stranger's file may be opened: nothing in it is run, no other file is read that it names, and
+    what it may take of memory is limited.
+
+    Args:
+        path: of the file.
+        largest: bytes, of the file and of its arrays together.
 
     Raises:
         FileFormatError: unreadable, damaged, or of no schema this version knows.
     """
-    arrays = read_archive(path)
-    schema = text(arrays, "schema", path)
-    if schema not in _READERS:
-        raise FileFormatError(f'{path}: schema "{schema}"; known are {", ".join(_READERS)}')
-    return _READERS[schema](arrays, path)
+    arrays = read_archive(path, largest=largest)
+    return _READERS[check_schema(arrays, path, tuple(_READERS))](arrays, path)

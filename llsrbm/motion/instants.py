@@ -42,7 +42,9 @@ def with_events(trajectory: Plan | Rollout, fps: float) -> Array:
     exact = events(trajectory)
     start, end = exact[0], exact[-1]
     times = start + np.arange(math.floor((end - start) * fps) + 1) / fps
-    apart = np.abs(times[:, None] - exact).min(axis=1) > _SAME_INSTANT
+    after = np.clip(np.searchsorted(exact, times), 1, len(exact) - 1)
+    nearest = np.minimum(np.abs(times - exact[after - 1]), np.abs(times - exact[after]))
+    apart = nearest > _SAME_INSTANT
     return np.unique(np.concatenate([times[apart], exact]))
 
 

@@ -319,11 +319,14 @@ def leg_names(robot_parameters: dict[str, Any], count: int) -> tuple[str, ...]:
 def sliding_joints(robot_parameters: dict[str, Any]) -> frozenset[str]:
     """Of a trajectory's robot; where an old file does not say, of the robot of that name."""
     from llsrbm.errors import Error
-    from llsrbm.robots import load_robot
+    from llsrbm.robots import load_robot, names
 
     if "sliding_joints" in robot_parameters:
         return frozenset(robot_parameters["sliding_joints"])
+    name = robot_parameters.get("name")
+    if name not in names():  # of the project's own: what a file names as a path is not opened
+        return frozenset()
     try:
-        return load_robot(str(robot_parameters.get("name", ""))).sliding_joints
+        return load_robot(name).sliding_joints
     except Error:
         return frozenset()

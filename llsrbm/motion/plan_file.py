@@ -1,8 +1,8 @@
 """The native file of a `Plan`: npz without pickle, schema llsrbm.plan/2.
 
 Files of schema 1 have no velocities and torques of the joints. They are computed when such a file
-is read, if the robot is there and still the same; otherwise they are not known. Plans without them
-(among them some that failed) are written as schema 1.
+is read, if the robot is one of the project's own and still the same; otherwise they are not known.
+Plans without them (among them some that failed) are written as schema 1.
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ from llsrbm.motion.archive import Arrays, checked, read_archive, text, write_arc
 from llsrbm.motion.native_file import (
     Meta,
     check_numbers,
+    check_schema,
     check_times,
     native_arrays,
     read_meta,
@@ -29,6 +30,7 @@ from llsrbm.version import package_version
 
 SCHEMA = "llsrbm.plan/2"
 FIRST_SCHEMA = "llsrbm.plan/1"
+SCHEMAS = (SCHEMA, FIRST_SCHEMA)
 
 _LOADS = ("joint_velocity", "joint_torque", "joint_torque_limit")
 LAYOUT = quantities(Plan)
@@ -40,6 +42,8 @@ _SOLUTION_LAYOUT = {
     "solution_variables": Quantity((VARIABLE,), "", "the solver's variables"),
     "solution_multipliers": Quantity((ROW,), "", "the multipliers of its constraints"),
 }
+
+_MOST_KNOTS = 1000  # a knot's loads take a millisecond; plans have 49
 
 # Of a robot's numbers those on which torques and their limits depend.
 _OF_LOADS = ("mass", "com", "inertia", "feet", "hips", "joint_names")
@@ -92,9 +96,7 @@ def load_plan(path: str | Path) -> Plan:
         FileFormatError: unreadable, damaged, of another schema, or not a plan.
     """
     arrays = read_archive(path)
-    schema = text(arrays, "schema", path)
-    if schema not in (SCHEMA, FIRST_SCHEMA):
-        raise FileFormatError(f'{path}: schema "{schema}"; expected "{SCHEMA}"')
+    check_schema(arrays, path, SCHEMAS)
     return plan_from_arrays(arrays, path)
 
 
@@ -110,6 +112,7 @@ def plan_from_arrays(arrays: Arrays, path: str | Path) -> Plan:
     values: dict[str, Any] = checked(arrays, layout, path)
     check_numbers(values, layout, path)
     _check_phases(values, path)
+    _check_body(values, path)
     values["base_mass"] = float(values["base_mass"])
     values["joint_names"] = tuple(str(name) for name in values["joint_names"])
     plan = Plan(
@@ -134,8 +137,11 @@ def _solution(arrays: Arrays, path: str | Path) -> Solution | None:
 def _with_loads(plan: Plan) -> Plan:
     """With velocities and torques of the joints, if the robot is the one that it was made with."""
     from llsrbm.analysis.joint_loads import KnotMotion, joint_loads
-    from llsrbm.robots import load_robot
+    from llsrbm.robots import load_robot, names
 
+    # A path would have a stranger's file choose what is read on this machine.
+    if plan.jump.robot not in names() or len(plan.time) > _MOST_KNOTS:
+        return plan
     try:
         robot = load_robot(plan.jump.robot)
     except Error:
@@ -171,4 +177,15 @@ def _check_phases(values: Arrays, path: str | Path) -> None:
         raise FileFormatError(
             f'{path}: key "phase": expected 0 (take-off), 1 (flight), 2 (landing), each of them, '
             "in that order"
+        )
+
+
+def _check_body(values: Arrays, path: str | Path) -> None:
+    if values["base_mass"] <= 0 or (values["leg_mass"] < 0).any():
+        raise FileFormatError(f'{path}: keys "base_mass", "leg_mass": expected masses, in kg')
+    legs, contacts = len(values["leg_mass"]), values["contact_point"].shape[1]
+    if contacts % legs:
+        raise FileFormatError(
+            f'{path}: key "contact_point": expected as many contacts for each of {legs} legs, got '
+            f"{contacts}"
         )

@@ -24,7 +24,7 @@ Array = NDArray[np.float64]
 
 # Axes of arrays.
 TIME = "time"
-LEG, CONTACT, JOINT = "leg", "contact", "joint"
+LEG, CONTACT, JOINT, BODY = "leg", "contact", "joint", "body"
 XYZ, WXYZ, TENSOR = "xyz", "wxyz", "tensor"
 HIP = "hip"  # coordinates of a foot in its leg's mirrored hip frame
 POSITION, VELOCITY = "qpos", "qvel"  # MuJoCo's coordinates of the whole robot
@@ -36,6 +36,7 @@ SIZES: Mapping[str, tuple[int | str, ...]] = {
     LEG: ("L",),
     CONTACT: ("C",),
     JOINT: ("J",),
+    BODY: ("B",),
     XYZ: (3,),
     WXYZ: (4,),
     TENSOR: (3, 3),

@@ -11,15 +11,18 @@ from typing import Any
 from pydantic import Field, model_validator
 
 from llsrbm.errors import FileFormatError
-from llsrbm.motion.archive import Arrays, checked, read_archive, text, write_archive
+from llsrbm.motion.archive import LARGEST_NUMBER, Arrays, checked, read_archive, write_archive
 from llsrbm.motion.native_file import (
     Meta,
+    check_attitudes,
     check_numbers,
+    check_schema,
     check_times,
     native_arrays,
     read_meta,
 )
 from llsrbm.motion.plan import Plan
+from llsrbm.motion.plan_file import SCHEMAS as PLAN_SCHEMAS
 from llsrbm.motion.plan_file import plan_arrays, plan_from_arrays
 from llsrbm.motion.quantity import quantities
 from llsrbm.motion.rollout import Disturbance, Outcome, Rollout
@@ -76,9 +79,7 @@ def load_rollout(path: str | Path) -> Rollout:
         FileFormatError: unreadable, damaged, of another schema, or not a rollout.
     """
     arrays = read_archive(path)
-    schema = text(arrays, "schema", path)
-    if schema != SCHEMA:
-        raise FileFormatError(f'{path}: schema "{schema}"; expected "{SCHEMA}"')
+    check_schema(arrays, path, (SCHEMA,))
     return rollout_from_arrays(arrays, path)
 
 
@@ -92,6 +93,8 @@ def rollout_from_arrays(arrays: Arrays, path: str | Path) -> Rollout:
     values: dict[str, Any] = checked(arrays, LAYOUT, path)
     check_numbers(values, LAYOUT, path)
     _check_values(values, path)
+    if not 0 < meta.outcome.control_rate_hz <= LARGEST_NUMBER:
+        raise FileFormatError(f'{path}: key "meta": outcome.control_rate_hz: expected a rate')
     values["detection_threshold"] = float(values["detection_threshold"])
     values["joint_names"] = tuple(str(name) for name in values["joint_names"])
     return Rollout(
@@ -101,15 +104,24 @@ def rollout_from_arrays(arrays: Arrays, path: str | Path) -> Rollout:
         scenario=meta.scenario,
         disturbance=meta.disturbance,
         outcome=meta.outcome,
-        plan=_followed(arrays, path),
+        plan=_followed(arrays, path, meta, values),
         **values,
     )
 
 
-def _followed(arrays: Arrays, path: str | Path) -> Plan | None:
+def _followed(arrays: Arrays, path: str | Path, meta: _Meta, rollout: Arrays) -> Plan | None:
     """The plan in a rollout's file; None in files that were written before they had it."""
     own = {key.removeprefix(_PLAN): a for key, a in arrays.items() if key.startswith(_PLAN)}
-    return plan_from_arrays(own, f"{path}: {_PLAN}") if own else None
+    if not own:
+        return None
+    where = f"{path}: {_PLAN}"
+    check_schema(own, where, PLAN_SCHEMAS)
+    plan = plan_from_arrays(own, where)
+    of_plan = plan.jump, sorted(plan.joint_names), plan.foot_position.shape[1]
+    of_rollout = meta.request, sorted(rollout["joint_names"]), rollout["foot_position"].shape[1]
+    if of_plan != of_rollout:
+        raise FileFormatError(f"{where} is of another jump or robot than the rollout itself")
+    return plan
 
 
 def _check_values(values: Arrays, path: str | Path) -> None:
@@ -121,3 +133,4 @@ def _check_values(values: Arrays, path: str | Path) -> None:
                 f'{path}: key "{key}": expected {base} + {joints} columns, as "joint_names" has '
                 f"{joints} names, got {values[key].shape[1]}"
             )
+    check_attitudes(values["qpos"][:, 3:7], f'{path}: key "qpos"')

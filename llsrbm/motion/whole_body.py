@@ -19,13 +19,11 @@ from llsrbm.motion.quantity import TIME, quantities
 from llsrbm.motion.resample import resample
 from llsrbm.motion.rollout import Rollout
 from llsrbm.motion.rotation import rotation_matrices, sign_continuous
+from llsrbm.motion.standing import standing
 from llsrbm.robots import Robot, load_robot
 from llsrbm.robots.foot_contact import foot_contacts
 
 Array = NDArray[np.float64]
-
-_TOUCHES = 0.005  # m: a foot that low, and as slow as `_RESTS`, stands, where no file says so
-_RESTS = 0.1  # m/s
 
 
 @dataclass(frozen=True, eq=False)
@@ -212,7 +210,7 @@ def motion_of_states(
 ) -> WholeBodyMotion:
     """A motion of which only the states are known; momenta and inertia by Pinocchio.
 
-    A foot counts as standing where it is within 5 mm of its lowest place and slower than 0.1 m/s.
+    Which feet stand is told from how they move: `llsrbm.motion.standing`.
 
     Args:
         robot: that moves.
@@ -244,7 +242,10 @@ def motion_of_states(
             velocity = pin.getFrameVelocity(
                 model, data, leg.foot_frame_id, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
             )
-            speed[k, i] = np.linalg.norm(velocity.linear)
+            # A ball rolls about its lowest point; a plan's foot turns about its frame.
+            arm = feet[k, i] - placement.translation
+            rolling = velocity.linear + np.cross(velocity.angular, arm)
+            speed[k, i] = min(np.linalg.norm(velocity.linear), np.linalg.norm(rolling))
     return WholeBodyMotion(
         robot=robot,
         origin=origin,
@@ -261,7 +262,7 @@ def motion_of_states(
         angular_momentum=angular,
         inertia=inertia,
         foot_position=feet,
-        contact=(feet[..., 2] - feet[..., 2].min() < _TOUCHES) & (speed < _RESTS),
+        contact=standing(time, speed, feet[..., 2]),
     )
 
 

@@ -1,53 +1,30 @@
-"""Writing files and folders so that nobody ever sees half of one."""
+"""Writing files and folders so that nobody ever sees half of one.
+
+What is written stands in a hidden folder `.llsrbm-....tmp` beside its place until it is complete. A
+process that is killed in between leaves that folder behind, and under the name what was there
+before. A folder takes the place of another in two steps, between which the name is free for some
+microseconds.
+"""
 
 from __future__ import annotations
 
+import json
 import os
-import secrets
 import shutil
+import stat
 import tempfile
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
+from errno import EEXIST, ENOTEMPTY
 from pathlib import Path
-from typing import BinaryIO
 
 from llsrbm.errors import InputError
 
+MARK = "meta.json"  # the file by which a folder of ours is known: JSON with "package_version"
 
-@contextmanager
-def replacing(path: str | Path) -> Iterator[BinaryIO]:
-    """Open a file to write; it takes the place of `path` only when the block ends well.
-
-    A symbolic link is followed. What is not a regular file (a pipe, /dev/stdout) is written to
-    directly. The new file gets the permissions that any new file would.
-
-    Raises:
-        InputError: the file cannot be written.
-    """
-    target = Path(path)
-    try:
-        target = target.resolve()
-        if target.exists() and not target.is_file() and not target.is_dir():
-            with target.open("wb") as file:
-                yield file
-            return
-        if target.is_dir():
-            raise IsADirectoryError(0, "it is a directory")
-        temporary = target.with_name(f".{target.name}.{secrets.token_hex(6)}.tmp")
-        try:
-            with temporary.open("xb") as file:
-                yield file
-                file.flush()
-                os.fsync(file.fileno())
-            temporary.replace(target)
-        except BaseException:
-            temporary.unlink(missing_ok=True)
-            raise
-    except OSError as error:
-        raise InputError(
-            f"cannot write {path}: {error.strerror or error}; expected the path of a file in a "
-            "directory that exists and may be written to"
-        ) from error
+_PREFIX = ".llsrbm-"  # of hidden folders
+_ATTEMPTS = 20  # to take a folder's place while others do the same
+_LARGEST_MARK = 10_000_000  # bytes
 
 
 @contextmanager
@@ -55,67 +32,137 @@ def staged(path: str | Path) -> Iterator[Path]:
     """A path of the same name to write a file or a folder to, with others beside it if need be.
 
     All of them take their places when the block ends well, what the path names last; otherwise
-    nothing is left. A symbolic link is followed. What is not a regular file (a pipe, /dev/stdout)
-    gets the bytes of the one file.
+    nothing is left. They get the permissions that any new file or folder would. A symbolic link is
+    followed. What is not a regular file (a pipe, /dev/stdout) gets the bytes of the one file.
 
     Raises:
         InputError: the path cannot be written, or names a folder that was not written by this.
     """
     target = Path(path)
+    draft = None
+    if target.parent.name.startswith(_PREFIX):  # stands in a folder that is to take its place
+        yield target
+        return
     try:
-        target = target.resolve()
-        special = target.exists() and not target.is_file() and not target.is_dir()
-        if not special and not target.parent.is_dir():
-            raise FileNotFoundError(0, "its folder does not exist")
-        beside = None if special else target.parent
+        special = _is_special(target)
+        target = target if special else _place(target)
         with tempfile.TemporaryDirectory(
-            prefix=f".{target.name}.", suffix=".tmp", dir=beside
+            prefix=_PREFIX,  # not the target's name, which may be as long as names can be
+            suffix=".tmp",
+            dir=None if special else target.parent,
+            ignore_cleanup_errors=True,
         ) as folder:
             draft = Path(folder) / target.name
             yield draft
             if special:
-                with target.open("wb") as file:
-                    file.write(draft.read_bytes())
-                return
-            written = sorted(Path(folder).iterdir(), key=lambda part: part == draft)
-            for part in written:
-                _check_replaceable(target.with_name(part.name), part)
-            for part in written:
-                _take_place(part, target.with_name(part.name))
+                _copy_into(target, draft)
+            else:
+                _take_places(Path(folder), target)
     except OSError as error:
+        of_another = error.filename and draft and not str(error.filename).startswith(str(draft))
+        what = f" ({error.filename})" if of_another else ""
         raise InputError(
-            f"cannot write {path}: {error.strerror or error}; expected a path in a directory that "
-            "exists and may be written to"
+            f"cannot write {path}: {error.strerror or error}{what}; expected a path in a directory "
+            "that exists and may be written to"
         ) from error
 
 
-MARK = "meta.json"  # the file by which a folder of ours is known
+def _is_special(target: Path) -> bool:
+    """Whether bytes have to be sent there, as nothing can take its place."""
+    try:
+        kind = target.stat().st_mode
+    except ValueError as error:  # a name that no file can have
+        raise OSError(0, str(error)) from error
+    except FileNotFoundError:
+        return False
+    # /dev/stdout may be a regular file, to which the shell goes on writing.
+    device = target.absolute().is_relative_to("/dev/fd") or str(target.absolute()) in (
+        "/dev/stdout",
+        "/dev/stderr",
+    )
+    return device or not (stat.S_ISREG(kind) or stat.S_ISDIR(kind))
+
+
+def _place(target: Path) -> Path:
+    """Where links lead, if something may be written there."""
+    target = target.resolve()
+    if not target.parent.is_dir():
+        raise FileNotFoundError(0, f"no such directory as {target.parent}")
+    if not target.name:
+        raise IsADirectoryError(0, "it is a directory")
+    return target
+
+
+def _copy_into(target: Path, draft: Path) -> None:
+    if not draft.is_file():
+        raise NotADirectoryError(0, "a folder would be written, which needs a name of its own")
+    # Appended, because a redirected /dev/stdout may hold what others wrote before.
+    with draft.open("rb") as written, target.open("ab") as file:
+        shutil.copyfileobj(written, file)
+
+
+def _take_places(folder: Path, target: Path) -> None:
+    written = sorted(folder.iterdir(), key=lambda part: part.name == target.name)
+    for part in written:
+        _check_replaceable(target.with_name(part.name), part)
+        for file in [part] if part.is_file() else [p for p in part.rglob("*") if p.is_file()]:
+            with file.open("rb") as opened:
+                os.fsync(opened.fileno())
+    for part in written:
+        if part.is_file():
+            part.replace(target.with_name(part.name))
+        else:
+            _swap_folder(part, target.with_name(part.name))
 
 
 def _check_replaceable(place: Path, part: Path) -> None:
-    if part.is_dir() and place.is_file():
+    if part.is_dir() and place.exists() and not place.is_dir():
         raise NotADirectoryError(0, "it is a file, and a folder would be written")
     if part.is_file() and place.is_dir():
         raise IsADirectoryError(0, "it is a directory")
-    ours = place.is_dir() and ((place / MARK).is_file() or not any(place.iterdir()))
-    if part.is_dir() and place.exists() and not ours:
+    if part.is_dir() and place.is_dir() and not _is_ours(place):
         raise FileExistsError(0, "it is a folder with other things in it, which would be lost")
 
 
-def _take_place(part: Path, place: Path) -> None:
-    if part.is_file():
-        with part.open("rb") as file:
-            os.fsync(file.fileno())
-        part.replace(place)
-        return
-    if place.is_dir():
-        old = part.with_name(f"{part.name}.old")
-        place.replace(old)
+def _is_ours(folder: Path) -> bool:
+    """Whether a folder is empty or was written by an export."""
+    for _ in range(_ATTEMPTS):
+        try:
+            looked_at = folder.stat().st_ino
+            if not any(folder.iterdir()) or _is_marked(folder):
+                return True
+            if folder.stat().st_ino == looked_at:
+                return False
+        except FileNotFoundError:  # somebody else is putting theirs there
+            continue
+    return False
+
+
+def _is_marked(folder: Path) -> bool:
+    mark = folder / MARK
+    try:
+        if not mark.is_file() or mark.stat().st_size > _LARGEST_MARK:
+            return False
+        said = json.loads(mark.read_text(encoding="utf-8"))
+    except (ValueError, RecursionError):
+        return False
+    return isinstance(said, dict) and "package_version" in said
+
+
+def _swap_folder(part: Path, place: Path) -> None:
+    """Put a folder in the place of another, which is moved aside and removed."""
+    aside = Path(tempfile.mkdtemp(dir=part.parent))
+    for attempt in range(_ATTEMPTS):
+        old = aside / str(attempt)
+        with suppress(FileNotFoundError):
+            place.replace(old)
         try:
             part.replace(place)
-        except OSError:
-            old.replace(place)
-            raise
-        shutil.rmtree(old)
-    else:
-        part.replace(place)
+        except OSError as error:
+            others = error.errno in (ENOTEMPTY, EEXIST)  # somebody's took the place meanwhile
+            if not others and old.exists():
+                old.replace(place)
+            if not others or attempt == _ATTEMPTS - 1:
+                raise
+        else:
+            return

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import coal
 import mujoco
@@ -19,6 +21,7 @@ from llsrbm.robots.urdf import BASE_JOINT
 from llsrbm.simulation.contacts import add_sensors
 from llsrbm.simulation.surroundings import Surroundings
 
+Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
 # Elliptic cones with friction ten times as stiff as the normal: feet that stand do not creep.
@@ -60,18 +63,23 @@ class Scene:
 
     def move_blocks(self, data: mujoco.MjData, time: float) -> None:
         """Put blocks where they are at `time`, s."""
-        for block, mocap in zip(self.surroundings.blocks, self.block_ids, strict=True):
-            stands = block.from_s <= time < block.until_s
-            data.mocap_pos[mocap] = block.centre if stands else _AWAY
+        for place, mocap in zip(block_places(self.surroundings, time), self.block_ids, strict=True):
+            data.mocap_pos[mocap] = place
+
+
+def block_places(surroundings: Surroundings, time: float) -> Array:
+    """Centres of B blocks at `time`, s: (B, 3) m, far below the ground while they do not stand."""
+    places = [
+        block.centre if block.from_s <= time < block.until_s else _AWAY
+        for block in surroundings.blocks
+    ]
+    return np.reshape(places, (len(places), 3))
 
 
 def build_scene(
     robot: Robot, surroundings: Surroundings, disturbance: Disturbance, timestep: float
 ) -> Scene:
-    """Compile the robot in its surroundings.
-
-    Feet are spheres and the trunk its collision shapes; nothing else of the robot collides.
-    Joints have neither armature nor damping, so that masses and accelerations are Pinocchio's.
+    """Compile the robot in its surroundings, with the sensors that the simulation reads.
 
     Args:
         disturbance: its trunk mass, friction and contact time enter the model.
@@ -80,10 +88,38 @@ def build_scene(
     Raises:
         RobotFileError: the URDF lacks collision geometry, or MuJoCo refuses it.
     """
-    try:
-        spec = mujoco.MjSpec.from_string(_bare_urdf(robot))
-    except ValueError as error:
-        raise _refused(robot, error) from error
+    spec = scene_spec(robot, surroundings, disturbance, timestep)
+    add_sensors(spec, foot_geoms(robot), robot_root(spec).name)
+    model = compiled(spec, robot)
+    joints = [model.joint(name) for name in robot.joint_names]
+    return Scene(
+        model=model,
+        # Quaternion x y z w from w x y z.
+        q_order=np.array([0, 1, 2, 4, 5, 6, 3, *(joint.qposadr[0] for joint in joints)]),
+        v_order=np.array([*range(6), *(joint.dofadr[0] for joint in joints)]),
+        surroundings=surroundings,
+        block_ids=tuple(
+            int(model.body(block_body(block.name)).mocapid[0]) for block in surroundings.blocks
+        ),
+    )
+
+
+def scene_spec(
+    robot: Robot,
+    surroundings: Surroundings,
+    disturbance: Disturbance,
+    timestep: float,
+    motors: Sequence[str] | None = None,
+) -> mujoco.MjSpec:
+    """The robot in its surroundings, not compiled yet; arguments and errors as `build_scene`.
+
+    Feet are spheres and the trunk its collision shapes; nothing else of the robot collides.
+    Joints have neither armature nor damping, so that masses and accelerations are Pinocchio's.
+
+    Args:
+        motors: the joints in the order of their motors; None: that of `robot.joint_names`.
+    """
+    spec = _skeleton(robot)
     option = spec.option
     option.timestep = timestep
     option.gravity = robot.model.gravity.linear
@@ -96,30 +132,70 @@ def build_scene(
         "solimp": list(CONTACT_IMPEDANCE),
         "condim": 3,
     }
+    root = robot_root(spec)
     _add_surroundings(spec, surroundings, touch)
-    root = spec.worldbody.first_body()
     # Before compiling, or the compiler fuses the base with the world.
     root.add_freejoint()
-    _set_inertias(spec, root, robot, disturbance.trunk_mass_factor)
-    _add_motors(spec, robot)
-    feet = _add_feet(spec, robot, touch)
+    _set_inertias(spec, robot, disturbance.trunk_mass_factor)
+    _add_motors(spec, robot.joint_names if motors is None else motors)
+    _add_feet(spec, robot, touch)
     _add_trunk(spec, root, robot, touch)
-    add_sensors(spec, feet, root.name)
+    return spec
+
+
+def compiled(spec: mujoco.MjSpec, robot: Robot) -> mujoco.MjModel:
+    """The model.
+
+    Raises:
+        RobotFileError: MuJoCo refuses it.
+    """
     try:
-        model = spec.compile()
+        return spec.compile()
     except ValueError as error:
         raise _refused(robot, error) from error
-    joints = [model.joint(name) for name in robot.joint_names]
-    return Scene(
-        model=model,
-        # Quaternion x y z w from w x y z.
-        q_order=np.array([0, 1, 2, 4, 5, 6, 3, *(joint.qposadr[0] for joint in joints)]),
-        v_order=np.array([*range(6), *(joint.dofadr[0] for joint in joints)]),
-        surroundings=surroundings,
-        block_ids=tuple(
-            int(model.body(_block_name(block.name)).mocapid[0]) for block in surroundings.blocks
-        ),
-    )
+
+
+@lru_cache(maxsize=16)
+def joints_in_model_order(robot: Robot) -> tuple[str, ...]:
+    """(J,) names of the joints in the order of MuJoCo's qpos: depth-first through the URDF.
+
+    Raises:
+        RobotFileError: MuJoCo refuses the URDF.
+    """
+    return tuple(joint.name for joint in _skeleton(robot).joints)
+
+
+def foot_geoms(robot: Robot) -> list[list[str]]:
+    """Names of the feet's spheres, a list a foot, in the order of the legs."""
+    return [
+        [f"foot/{leg.name}/{i}" for i in range(len(contact.centres))]
+        for leg, contact in zip(robot.legs, foot_contacts(robot), strict=True)
+    ]
+
+
+def block_body(name: str) -> str:
+    """Name of a block's body, and of its geom."""
+    return f"world/{name}"
+
+
+def moving_bodies(spec: mujoco.MjSpec, robot: Robot) -> dict[int, mujoco.MjsBody]:
+    """The body that each of Pinocchio's joints moves, the base's among them."""
+    bodies = {BASE_JOINT: robot_root(spec)}
+    for joint in range(BASE_JOINT + 1, robot.model.njoints):
+        bodies[joint] = spec.joint(robot.model.names[joint]).parent
+    return bodies
+
+
+def robot_root(spec: mujoco.MjSpec) -> mujoco.MjsBody:
+    """The robot's base."""
+    return spec.worldbody.first_body()
+
+
+def _skeleton(robot: Robot) -> mujoco.MjSpec:
+    try:
+        return mujoco.MjSpec.from_string(_bare_urdf(robot))
+    except ValueError as error:
+        raise _refused(robot, error) from error
 
 
 def _bare_urdf(robot: Robot) -> str:
@@ -135,14 +211,9 @@ def _bare_urdf(robot: Robot) -> str:
     return ET.tostring(root, encoding="unicode")
 
 
-def _set_inertias(
-    spec: mujoco.MjSpec, root: mujoco.MjsBody, robot: Robot, trunk_mass_factor: float
-) -> None:
+def _set_inertias(spec: mujoco.MjSpec, robot: Robot, trunk_mass_factor: float) -> None:
     """Give each moving body the URDF's inertia of its link and of all that is welded to it."""
-    bodies = {BASE_JOINT: root}
-    for joint in range(BASE_JOINT + 1, robot.model.njoints):
-        bodies[joint] = spec.joint(robot.model.names[joint]).parent
-    for joint, body in bodies.items():
+    for joint, body in moving_bodies(spec, robot).items():
         welded = robot.model.inertias[joint]
         factor = trunk_mass_factor if joint == BASE_JOINT else 1.0
         body.explicitinertial = True
@@ -165,13 +236,13 @@ def _add_surroundings(
     )
     for block in surroundings.blocks:
         body = spec.worldbody.add_body(
-            name=_block_name(block.name),
+            name=block_body(block.name),
             mocap=True,
             pos=_AWAY,
             quat=[np.cos(block.yaw / 2), 0, 0, np.sin(block.yaw / 2)],
         )
         body.add_geom(
-            name=_block_name(block.name),
+            name=block_body(block.name),
             type=mujoco.mjtGeom.mjGEOM_BOX,
             size=block.size / 2,
             mass=0,
@@ -181,8 +252,8 @@ def _add_surroundings(
         )
 
 
-def _add_motors(spec: mujoco.MjSpec, robot: Robot) -> None:
-    for name in robot.joint_names:
+def _add_motors(spec: mujoco.MjSpec, joints: Sequence[str]) -> None:
+    for name in joints:
         joint = spec.joint(name)
         joint.armature = joint.frictionloss = 0.0
         joint.damping = np.zeros_like(joint.damping)
@@ -191,16 +262,15 @@ def _add_motors(spec: mujoco.MjSpec, robot: Robot) -> None:
         spec.add_actuator(name=name, target=name, trntype=mujoco.mjtTrn.mjTRN_JOINT)
 
 
-def _add_feet(spec: mujoco.MjSpec, robot: Robot, touch: dict[str, object]) -> list[list[str]]:
-    """Add the feet's spheres, without mass; returns their names, a list a foot."""
-    feet = []
-    for leg, contact in zip(robot.legs, foot_contacts(robot), strict=True):
+def _add_feet(spec: mujoco.MjSpec, robot: Robot, touch: dict[str, object]) -> None:
+    """Add the feet's spheres, without mass."""
+    for leg, contact, names in zip(
+        robot.legs, foot_contacts(robot), foot_geoms(robot), strict=True
+    ):
         frame = robot.model.frames[leg.foot_frame_id]
-        names = []
-        for i, centre in enumerate(contact.centres):
-            names.append(f"foot/{leg.name}/{i}")
+        for name, centre in zip(names, contact.centres, strict=True):
             spec.joint(leg.joints[-1]).parent.add_geom(
-                name=names[-1],
+                name=name,
                 type=mujoco.mjtGeom.mjGEOM_SPHERE,
                 size=[contact.radius, 0, 0],
                 pos=frame.placement.act(centre),
@@ -209,8 +279,6 @@ def _add_feet(spec: mujoco.MjSpec, robot: Robot, touch: dict[str, object]) -> li
                 conaffinity=_WORLD,
                 **touch,
             )
-        feet.append(names)
-    return feet
 
 
 def _add_trunk(
@@ -247,10 +315,6 @@ def _add_trunk(
             f"{robot.path}: urdf: the base of {robot.urdf_path} has no collision box, cylinder, "
             "sphere or mesh; expected one, or a fall on the trunk would go unnoticed"
         )
-
-
-def _block_name(name: str) -> str:
-    return f"world/{name}"
 
 
 def _refused(robot: Robot, error: ValueError) -> RobotFileError:

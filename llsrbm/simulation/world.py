@@ -27,6 +27,11 @@ mujoco.set_mju_user_warning(_log.info)
 STEP = 5e-4  # s; steps are not longer. Impacts change by less than their scatter below it.
 
 
+def steps_in(tick: float) -> int:
+    """Steps of the simulation in a control period, s."""
+    return max(1, int(np.ceil(tick / STEP - 1e-9)))
+
+
 class Diverged(Exception):
     """The simulation has become meaningless: numbers are not finite, or huge."""
 
@@ -93,7 +98,7 @@ class World:
             RobotFileError: the URDF cannot be simulated.
         """
         self.tick = tick
-        self._steps = max(1, int(np.ceil(tick / STEP - 1e-9)))
+        self._steps = steps_in(tick)
         self.scene = build_scene(
             robot, surroundings(robot, plan, scenario), disturbance, tick / self._steps
         )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import io
 import json
 import random
@@ -203,5 +204,5 @@ def _change_somewhere(table, rng):
         if isinstance(place, dict) and rng.random() < 0.2:
             del place[key]
         else:
-            place[key] = rng.choice(ODD)
+            place[key] = copy.deepcopy(rng.choice(ODD))
         return

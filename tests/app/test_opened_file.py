@@ -121,8 +121,6 @@ def test_what_unpacks_to_too_much_is_not_unpacked(tmp_path):
     data = changed(tmp_path, bomb=np.zeros(LARGEST_UNPACKED, dtype=np.uint8))
     assert len(data) < 200_000
     assert "bytes of arrays" in refusal("a.npz", data)
-    data = changed(tmp_path, bomb=np.zeros(LARGEST_UNPACKED // 4, dtype=np.uint8))
-    assert "too many to be shown" in refusal("a.npz", data)
 
 
 @pytest.mark.parametrize(
@@ -143,7 +141,7 @@ def test_numbers_that_nothing_could_draw_are_refused(tmp_path, key, value, told)
 def test_a_simulation_and_its_plan_are_of_one_robot(tmp_path):
     rollout = replace(synthetic_rollout(PLAN), plan=synthetic_plan(Jump(robot="go2")))
     line = refusal("a.npz", content(rollout, tmp_path))
-    assert "a simulation of anymal that follows a plan of go2" in line
+    assert "is of another jump or robot than the rollout itself" in line
 
 
 def test_another_tools_file_is_read_as_such(monkeypatch):
@@ -153,7 +151,7 @@ def test_another_tools_file_is_read_as_such(monkeypatch):
         asked.append((path.suffix, path.read_bytes(), robot, fps))
         return turning_states(robot).motion()
 
-    monkeypatch.setattr("llsrbm.formats.reading.load_motion", load_motion)
+    monkeypatch.setattr("app.opened_file.load_motion", load_motion)
     opened = open_file("Dance 1.CSV", b"1,2", "slider", 50.0)
     assert asked == [(".csv", b"1,2", "slider", 50.0)]
     assert (opened.name, opened.robot) == ("Dance 1.CSV", "slider")
@@ -169,21 +167,20 @@ def test_another_tools_npz_and_json_are_told_from_ours(monkeypatch, tmp_path):
         asked.append(path.suffix)
         return turning_states(robot).motion()
 
-    monkeypatch.setattr("llsrbm.formats.reading.load_motion", load_motion)
+    monkeypatch.setattr("app.opened_file.load_motion", load_motion)
     np.savez(tmp_path / "other.npz", qpos=np.zeros((3, 19)))
     for name, data in (
         ("other.npz", (tmp_path / "other.npz").read_bytes()),
         ("pace.json", b'{"LoopMode": "Wrap", "FrameDuration": 0.02, "Frames": [[0]]}'),
-        ("pace.txt", b"{}"),
     ):
         assert isinstance(open_file(name, data, "anymal").holds, States)
-    assert asked == [".npz", ".json", ".txt"]
+    assert asked == [".npz", ".json"]
 
 
 def test_a_foreign_motion_is_checked_too(monkeypatch):
     motion = turning_states("anymal").motion()
     far = replace(motion, base_position=motion.base_position + 1e5)
-    monkeypatch.setattr("llsrbm.formats.reading.load_motion", lambda *_, **__: far)
+    monkeypatch.setattr("app.opened_file.load_motion", lambda *_, **__: far)
     assert refusal("far.csv", b"1").startswith("far.csv: base_position: expected numbers up to")
 
 

@@ -85,3 +85,11 @@ def test_a_file_that_is_none_is_bad_input(files, tmp_path, capfd):
     assert (out, err.count("\n")) == ("", 1)
     assert "none.npz" in err
     assert cli.main(["compare"]) == 2
+
+
+def test_a_file_cannot_control_the_terminal(tmp_path, capfd):
+    jump = replace(SLOW.jump, model="\x1b[2J\nmodel")
+    replace(SLOW, jump=jump).save(tmp_path / "x.npz")
+    out = compared(capfd, str(tmp_path / "x.npz"))
+    assert len(out.splitlines()) == 3
+    assert "\x1b" not in out

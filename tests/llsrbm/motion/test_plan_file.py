@@ -208,13 +208,15 @@ class TestReading:
                 return (os.mkdir, (str(tmp_path / "exploded"),))
 
         path = rewritten(saved, tmp_path / "x.npz", com=np.array([Bomb()], dtype=object))
-        assert "allow_pickle=False" in message(path)
+        assert "a pickle of Python objects, which is never opened" in message(path)
         assert not (tmp_path / "exploded").exists()
 
     def test_wrong_schema(self, saved, tmp_path):
-        path = rewritten(saved, tmp_path / "x.npz", schema=np.array("llsrbm.plan/3"))
-        assert 'schema "llsrbm.plan/3"; known are llsrbm.plan/2, llsrbm.plan/1' in message(path)
-        with pytest.raises(FileFormatError, match=r'expected "llsrbm\.plan/2"'):
+        path = rewritten(saved, tmp_path / "x.npz", schema=np.array("llsrbm.walk/3"))
+        assert 'schema "llsrbm.walk/3"; expected "llsrbm.plan/2" or "llsrbm.plan/1"' in message(
+            path
+        )
+        with pytest.raises(FileFormatError, match=r'expected "llsrbm\.plan/2" or'):
             load_plan(path)
 
     def test_schema_that_is_no_text(self, saved, tmp_path):
@@ -301,7 +303,7 @@ class TestWriting:
         assert [p.name for p in tmp_path.iterdir()] == ["a plan"]
 
     def test_missing_directory(self, plan, tmp_path):
-        with pytest.raises(InputError, match=r"cannot write .*No such file or directory"):
+        with pytest.raises(InputError, match=r"cannot write .*no such directory as "):
             save_plan(plan, tmp_path / "none" / "plan.npz")
 
     def test_path_that_is_a_directory(self, plan, tmp_path):

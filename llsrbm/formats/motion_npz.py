@@ -1,0 +1,177 @@
+"""The motion-tracking npz of mjlab and of BeyondMimic: joints and bodies, with velocities.
+
+`fps` (1,); `joint_pos`, `joint_vel` (T, J) rad, rad/s, m and m/s of joints that slide; `body_pos_w`
+(T, B, 3) m and `body_quat_w` (T, B, 4) w, x, y, z without jumps of sign, of the links' origins;
+`body_lin_vel_w`, `body_ang_vel_w` (T, B, 3) m/s and rad/s. World frame and axes, z up. Velocities
+are the motion's own and not differences: lift-off and touchdown are sharp. 50 frames/s unless asked
+otherwise, the rate of both families' policies.
+
+The B = 1 + J bodies are the root link and the links that joints move, with what is welded to them,
+called as in the URDF; that is what MuJoCo makes of a URDF, and Isaac Lab where it merges fixed
+joints, as by default. Both loaders take bodies by their place and not by their names, so the order
+must be the reader's:
+
+depth-first (mjlab): bodies and joints leg after leg as the URDF lists them, MuJoCo's order;
+`body_lin_vel_w` is of the link's origin.
+
+breadth-first (BeyondMimic): bodies and joints level after level, siblings by the names of their
+joints, Isaac Lab's order; `body_lin_vel_w` is of the body's centre of mass, as Isaac Lab has it.
+
+Also in the file, where the loaders do not look: `joint_names`, `body_names`, `order`, and at `meta`
+everything beside the numbers as JSON.
+
+Can be opened if it has `joint_names`: the root is the first body; momenta and inertia follow from
+the states, and which feet stand is told from how they move.
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from llsrbm.errors import FileFormatError
+from llsrbm.formats.base import ORDERS, Format, Options
+from llsrbm.formats.sidecar import described
+from llsrbm.formats.states import checked_motion, checked_rate, joint_columns
+from llsrbm.motion.archive import Arrays, checked, keys, read_archive, text, write_archive
+from llsrbm.motion.bodies import body_motion, body_order, root_com
+from llsrbm.motion.files import Trajectory
+from llsrbm.motion.quantity import BODY, JOINT, TIME, WXYZ, XYZ, Kind, Quantity
+from llsrbm.motion.rotation import rotation_matrices
+from llsrbm.motion.whole_body import WholeBodyMotion, whole_body_motion
+from llsrbm.robots import Robot
+
+Array = NDArray[np.float64]
+
+DEPTH_FIRST, BREADTH_FIRST = ORDERS
+_POINT = {DEPTH_FIRST: "origin of the link", BREADTH_FIRST: "centre of mass of the body"}
+_LAYOUT = {
+    "joint_pos": Quantity((TIME, JOINT), "rad", "joints"),
+    "joint_vel": Quantity((TIME, JOINT), "rad/s", "their velocities"),
+    "joint_names": Quantity((JOINT,), "", "their names", kind=Kind.TEXT),
+    "body_pos_w": Quantity((TIME, BODY, XYZ), "m", "origins of links", frame="world"),
+    "body_quat_w": Quantity((TIME, BODY, WXYZ), "", "attitudes of links", frame="world"),
+    "body_lin_vel_w": Quantity((TIME, BODY, XYZ), "m/s", "velocities of bodies", frame="world"),
+    "body_ang_vel_w": Quantity((TIME, BODY, XYZ), "rad/s", "their turning", frame="world"),
+}
+_EXPECTED = "expected a motion-tracking npz file (mjlab, BeyondMimic)"
+
+
+def write_motion_npz(trajectory: Trajectory, path: Path, options: Options) -> None:
+    """Write the arrays in the order that the options name."""
+    motion = whole_body_motion(trajectory, options.fps, options.pad)
+    bodies = body_motion(motion, options.order)
+    joints = list(bodies.order.joint_index)
+    breadth_first = options.order == BREADTH_FIRST
+    meta = described(
+        trajectory,
+        MOTION_NPZ.name,
+        fps=options.fps,
+        pad=options.pad,
+        order=options.order,
+        quaternion_order="wxyz",
+        linear_velocity_of=_POINT[options.order],
+    )
+    arrays = {
+        "fps": np.array([options.fps]),
+        "joint_pos": motion.joint_position[:, joints],
+        "joint_vel": motion.joint_velocity[:, joints],
+        "body_pos_w": bodies.position,
+        "body_quat_w": bodies.quat,
+        "body_lin_vel_w": bodies.com_velocity if breadth_first else bodies.velocity,
+        "body_ang_vel_w": bodies.angular_velocity,
+        "joint_names": np.array(bodies.order.joints),
+        "body_names": np.array(bodies.order.bodies),
+        "order": np.array(options.order),
+        "meta": np.array(json.dumps(meta, allow_nan=False)),
+    }
+    write_archive(path, arrays)
+
+
+def read_motion_npz(path: Path, robot: Robot, fps: float | None) -> WholeBodyMotion:
+    """Open such a file for looking.
+
+    Args:
+        path: the file.
+        robot: that moves.
+        fps: frames/s of a file that does not have it.
+
+    Raises:
+        FileFormatError: it is no such file, of another robot, or does not name its joints.
+    """
+    arrays = read_archive(path, expected=_EXPECTED)
+    if "joint_names" not in arrays:
+        raise FileFormatError(
+            f'{path}: key "joint_names" is missing, and the order of the joints is not known '
+            "without; expected an array of their names in the file (mjlab: MuJoCo's order, "
+            "BeyondMimic: Isaac Lab's)"
+        )
+    values = checked(arrays, _LAYOUT, path)
+    names = [str(name) for name in values["joint_names"]]
+    columns = joint_columns(names, robot, f'{path}: key "joint_names"')
+    quat, angular_velocity = values["body_quat_w"][:, 0], values["body_ang_vel_w"][:, 0]
+    velocity = values["body_lin_vel_w"][:, 0]
+    if _order(arrays, names, robot, path) == BREADTH_FIRST:
+        arm = np.einsum("kij,j->ki", rotation_matrices(quat), root_com(robot))
+        velocity = velocity - np.cross(angular_velocity, arm)
+    return checked_motion(
+        robot,
+        MOTION_NPZ.name,
+        str(path),
+        _rate(arrays, fps, path),
+        base_position=values["body_pos_w"][:, 0],
+        base_quat=quat,
+        joint_position=values["joint_pos"][:, columns],
+        velocities=(velocity, angular_velocity, values["joint_vel"][:, columns]),
+    )
+
+
+def _order(arrays: Arrays, names: list[str], robot: Robot, path: Path) -> str:
+    """As the file says it; else as its joints have it."""
+    if "order" in arrays:
+        order = text(arrays, "order", path)
+        if order not in ORDERS:
+            raise FileFormatError(
+                f'{path}: key "order": expected {" or ".join(ORDERS)}, got {order!r:.40}'
+            )
+        return order
+    for order in ORDERS:
+        if tuple(names) == body_order(robot, order).joints:
+            return order
+    raise FileFormatError(
+        f'{path}: key "order" is missing, and the joints are neither depth-first nor '
+        "breadth-first: which point of a body the velocities are of is not known; expected "
+        f"{' or '.join(ORDERS)}"
+    )
+
+
+def _rate(arrays: Arrays, fps: float | None, path: Path) -> float:
+    where = f'{path}: key "fps"'
+    if "fps" not in arrays:
+        if fps is None:
+            raise FileFormatError(f"{where} is missing; expected frames per second")
+        return checked_rate(fps, f"{path}: fps")
+    value = arrays["fps"]
+    if value.size != 1 or value.dtype.kind not in "fiu":
+        raise FileFormatError(f"{where}: expected one number, frames per second")
+    return checked_rate(value.reshape(-1)[0], where)
+
+
+def _looks_so(path: Path) -> bool:
+    return {"joint_pos", "body_pos_w"} <= keys(path)
+
+
+MOTION_NPZ = Format(
+    name="motion-npz",
+    title="motion reference for mjlab or BeyondMimic: joints and bodies with exact velocities",
+    suffix=".npz",
+    write=write_motion_npz,
+    conventions=__doc__,
+    options=("fps", "pad", "order"),
+    defaults=Options(fps=50.0),
+    read=read_motion_npz,
+    recognises=_looks_so,
+)

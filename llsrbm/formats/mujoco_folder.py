@@ -1,0 +1,267 @@
+"""A folder for MuJoCo: the robot in its surroundings as MJCF, and the motion in its coordinates.
+
+`scene.xml`, for MuJoCo 3.3 or newer: the model that our simulation runs (inertias, feet, trunk,
+ground, boxes, friction and solver options; of a rollout those that were drawn for it), light meshes
+of the robot in `meshes/` (geom group 2; what collides is in group 3), motors that take torques in
+Nm or N within the robot file's limits, and keyframes "start", "lift-off", "touchdown" and "end" as
+far as they happened. No damping, no armature. Limits that fall with the speed, torque delays and
+the controller are not in it. A rollout's lift-off is the first control tick in which no foot
+touches anything. A plan's point feet are points, those of the model balls: of a plan, ground and
+boxes are lower by as much as the balls need at its start (22 mm for Go2).
+
+`motion.npz`: `time` (T,) s, `fps`, `qpos` (T, 7 + J): position, quaternion w, x, y, z without jumps
+of sign, joints; `qvel` (T, 6 + J): linear velocity in the world's axes, angular velocity in the
+base's, joints; `ctrl` (T, J) torques, if they are known; `joint_names` (J,): MuJoCo's depth-first
+order, in qpos, qvel and ctrl alike; `mocap_pos` (T, B, 3) m and `mocap_names` (B,). Boxes and
+boards are mocap bodies: where they stand for a while only, `mocap_pos` and the keyframes put them
+there, and 100 m below the ground before and after; by itself the model has them as they are at the
+end.
+
+500 frames/s unless asked otherwise: one a default step of MuJoCo, a whole number of our
+simulation's. At the robot's control rate (400 for ANYmal and Go2, 1000 for SLIDER) a rollout's
+ticks come out as they are. `README.txt` has a program of ten lines that replays it. `meta.json`:
+request, robot, solver.
+
+Reading: such a folder, its zip, or any npz with `qpos`, and if there are `qvel`, `time` or `fps` or
+`frequency`, `joint_names` (LocoMuJoCo's files too). Joints go by their names, or else are in
+depth-first order. Without `qvel` velocities are differences over neighbouring frames, and impacts
+are smeared over them. Only numbers are read: no MJCF, no pickles.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from llsrbm.errors import InputError
+from llsrbm.formats.base import Format, Options
+from llsrbm.formats.mujoco_motion import read_motion, recognises
+from llsrbm.formats.sidecar import described
+from llsrbm.motion.archive import write_archive
+from llsrbm.motion.files import Trajectory
+from llsrbm.motion.plan import Phase, Plan
+from llsrbm.motion.rollout import Disturbance, Rollout
+from llsrbm.motion.whole_body import WholeBodyMotion, motion_of_states, whole_body_motion
+from llsrbm.motion.writing import MARK
+from llsrbm.robots import Robot
+from llsrbm.scenario import Scenario
+
+if TYPE_CHECKING:
+    from llsrbm.formats.mujoco_scene import Keyframe
+    from llsrbm.simulation.surroundings import Surroundings
+
+Array = NDArray[np.float64]
+
+SCENE, MOTION, README = "scene.xml", "motion.npz", "README.txt"
+_SAME_INSTANT = 1e-9  # s
+_ROOM = 0.5  # m around the base's way that a viewer shows at first
+
+_README = """\
+{title}: a {kind}, in MuJoCo's coordinates.
+
+scene.xml    the model, with keyframes {keyframes}; meshes are in meshes/
+motion.npz   time, qpos, qvel, joint_names, fps, mocap_pos{ctrl}
+meta.json    what was asked, of which robot, and how it went
+
+To look at the model (MuJoCo 3.3 or newer): python -m mujoco.viewer --mjcf=scene.xml
+To replay the motion, in this folder (on macOS with mjpython in place of python):
+
+    import time
+    import mujoco, mujoco.viewer, numpy as np
+
+    model = mujoco.MjModel.from_xml_path("scene.xml")
+    data, motion = mujoco.MjData(model), dict(np.load("motion.npz"))
+    with mujoco.viewer.launch_passive(model, data) as viewer:
+        for k in range(len(motion["time"])):
+            data.qpos[:], data.qvel[:] = motion["qpos"][k], motion["qvel"][k]
+            data.mocap_pos[:] = motion["mocap_pos"][k]
+            mujoco.mj_forward(model, data)
+            viewer.sync()
+            time.sleep(1 / float(motion["fps"]))
+
+qpos: position, quaternion w x y z, joints. qvel: linear velocity in the world's axes, angular
+velocity in the base's, joints. Joints and motors: in the order of joint_names. SI units, z up.
+mocap_pos: where boxes and boards are. {torques}
+"""
+
+_TORQUES = {
+    True: "ctrl: torques of the motors, Nm or N.",
+    False: "What torques the motors would give is not known.",
+}
+
+
+def write_mujoco(trajectory: Trajectory, path: Path, options: Options) -> None:
+    """Write the folder.
+
+    Raises:
+        InputError: a rate or a pad that makes no sense; a rollout whose file does not hold the plan
+            that it followed, if that put boxes in its way.
+        RobotFileError: the robot cannot be simulated.
+    """
+    # MuJoCo takes its time to import.
+    from llsrbm.formats.mujoco_scene import exported_name, write_scene
+    from llsrbm.simulation.scene import block_body, block_places, joints_in_model_order
+    from llsrbm.simulation.world import steps_in
+
+    motion = whole_body_motion(trajectory, options.fps, options.pad)
+    robot = motion.robot
+    around = _surroundings(trajectory, motion)
+    names = joints_in_model_order(robot)
+    order = _Order(robot, names)
+    start, end = (float(trajectory.time[i]) for i in (0, -1))
+    own_time = start + motion.time - np.ceil(options.pad * options.fps - 1e-9) / options.fps
+    places = [block_places(around, float(t)) for t in np.clip(own_time, start, end)]
+    keyframes = list(_keyframes(trajectory, order, around))
+    tick = 1.0 / robot.file.control.rate
+    timestep = tick / steps_in(tick)
+
+    path.mkdir()
+    write_scene(
+        path / SCENE, robot, around, _disturbance(trajectory), timestep, keyframes, _seen(motion)
+    )
+    ctrl = order.torques(motion)
+    write_archive(
+        path / MOTION,
+        {
+            "time": motion.time,
+            "fps": np.float64(options.fps),
+            "qpos": order.of(motion.qpos, 7),
+            "qvel": order.of(motion.qvel, 6),
+            **({} if ctrl is None else {"ctrl": ctrl}),
+            "joint_names": np.array(names, dtype=np.str_),
+            "mocap_pos": np.array(places),
+            "mocap_names": np.array(
+                [exported_name(block_body(block.name)) for block in around.blocks], dtype=np.str_
+            ),
+        },
+    )
+    (path / README).write_text(
+        _README.format(
+            title=robot.file.title,
+            kind=motion.origin,
+            keyframes=", ".join(f'"{keyframe.name}"' for keyframe in keyframes),
+            ctrl="" if ctrl is None else ", ctrl",
+            torques=_TORQUES[ctrl is not None],
+        ),
+        encoding="utf-8",
+    )
+    meta = described(
+        trajectory,
+        MUJOCO.name,
+        fps=options.fps,
+        pad_s=options.pad,
+        quaternion_order="wxyz",
+        joint_order=list(names),
+        keyframes={keyframe.name: keyframe.time for keyframe in keyframes},
+    )
+    text = json.dumps(meta, indent=1, allow_nan=False)
+    (path / MARK).write_text(text + "\n", encoding="utf-8")
+
+
+class _Order:
+    """From the robot's order of joints to the model's."""
+
+    def __init__(self, robot: Robot, names: tuple[str, ...]) -> None:
+        self._joints = [robot.joint_names.index(name) for name in names]
+
+    def of(self, values: Array, before: int) -> Array:
+        """(K, before + J): columns before those of the joints stay where they are."""
+        return np.hstack([values[:, :before], values[:, before:][:, self._joints]])
+
+    def torques(self, motion: WholeBodyMotion) -> Array | None:
+        """(K, J), if they are known."""
+        return None if motion.joint_torque is None else self.of(motion.joint_torque, 0)
+
+
+def _surroundings(trajectory: Trajectory, motion: WholeBodyMotion) -> Surroundings:
+    from llsrbm.simulation.surroundings import Surroundings, surroundings
+
+    robot = motion.robot
+    if isinstance(trajectory, Plan):
+        around = surroundings(robot, trajectory, Scenario())
+        room = _below_feet(motion)
+        lower = [replace(b, centre=b.centre - [0.0, 0.0, room]) for b in around.blocks]
+        return Surroundings(around.ground - room, tuple(lower))
+    if trajectory.plan is not None:
+        return surroundings(robot, trajectory.plan, trajectory.scenario)
+    if trajectory.jump.height == 0 and trajectory.scenario.board == 0:
+        return Surroundings(ground=0.0, blocks=())
+    raise InputError(
+        f'format "{MUJOCO.name}": the rollout does not hold its plan, so it is not known where its '
+        "box or board stood; expected one that was simulated by this version"
+    )
+
+
+def _below_feet(motion: WholeBodyMotion) -> float:
+    """How far the model's feet reach below the motion's own at its start, m."""
+    first = motion_of_states(
+        motion.robot, motion.origin, motion.time[:1], motion.qpos[:1], motion.qvel[:1]
+    )
+    return float((motion.foot_position[0] - first.foot_position[0])[:, 2].max())
+
+
+def _disturbance(trajectory: Trajectory) -> Disturbance:
+    return trajectory.disturbance if isinstance(trajectory, Rollout) else Disturbance()
+
+
+def _seen(motion: WholeBodyMotion) -> tuple[Array, float]:
+    low, high = motion.base_position.min(axis=0), motion.base_position.max(axis=0)
+    return (low + high) / 2, float(np.linalg.norm(high - low)) + 2 * _ROOM
+
+
+def _keyframes(trajectory: Trajectory, order: _Order, around: Surroundings) -> Iterator[Keyframe]:
+    from llsrbm.formats.mujoco_scene import Keyframe
+    from llsrbm.simulation.scene import block_places
+
+    # At a rate at which a plan's knots that count are there as events, and a rollout's ticks all.
+    tick = float(trajectory.time[1] - trajectory.time[0])
+    rate = 1.0 if isinstance(trajectory, Plan) else 1.0 / tick
+    states = whole_body_motion(trajectory, rate, events=True)
+    start = float(trajectory.time[0])
+    qpos, qvel = order.of(states.qpos, 7), order.of(states.qvel, 6)
+    torques = order.torques(states)
+    for name, instant in _instants(trajectory).items():
+        k = int(np.searchsorted(states.time, instant - start + _SAME_INSTANT, side="right")) - 1
+        time = start + float(states.time[k])
+        yield Keyframe(
+            name=name,
+            time=time,
+            qpos=qpos[k],
+            qvel=qvel[k],
+            ctrl=None if torques is None else torques[k],
+            mocap_pos=block_places(around, time),
+        )
+
+
+def _instants(trajectory: Trajectory) -> dict[str, float]:
+    """When what a keyframe is called after happens, s; a rollout's touchdown within its tick."""
+    start, end = float(trajectory.time[0]), float(trajectory.time[-1])
+    if isinstance(trajectory, Plan):
+        lift_off, touchdown = trajectory.phase_start[[Phase.FLIGHT, Phase.LANDING]].tolist()
+        return {"start": start, "lift-off": lift_off, "touchdown": touchdown, "end": end}
+    found = {"start": start}
+    aloft = ~trajectory.contact.astype(bool).any(axis=1)
+    if aloft.any():
+        found["lift-off"] = float(trajectory.time[aloft.argmax()])
+    if trajectory.outcome.touchdown_true_s is not None:
+        found["touchdown"] = trajectory.outcome.touchdown_true_s
+    return found | {"end": end}
+
+
+MUJOCO = Format(
+    name="mujoco",
+    title="a folder for MuJoCo: the scene as MJCF with meshes, keyframes, and qpos, qvel, torques",
+    suffix="",
+    write=write_mujoco,
+    conventions=__doc__,
+    options=("fps", "pad"),
+    defaults=Options(fps=500.0),
+    read=read_motion,
+    recognises=recognises,
+)

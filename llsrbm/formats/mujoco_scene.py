@@ -1,0 +1,274 @@
+"""The MJCF of a robot in its surroundings: what our simulation runs, to look at and to simulate."""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ET
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import mujoco
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.cluster.hierarchy import fcluster, linkage
+
+from llsrbm.motion.rollout import Disturbance
+from llsrbm.robots import Robot
+from llsrbm.robots.visuals import LinkVisual, link_visuals
+from llsrbm.simulation.scene import compiled, joints_in_model_order, moving_bodies, scene_spec
+from llsrbm.simulation.surroundings import Surroundings
+
+Array = NDArray[np.float64]
+
+MESHES = "meshes"  # folder beside the MJCF
+_LOOKS, _TOUCHES = 2, 3  # geom groups, as is usual: MuJoCo's viewer shows 0 to 2
+_ALIKE = 48.0  # of 255: colours of a robot that are that close become one
+_OWN = ("world", "trunk", "foot")  # what names of ours begin with, before a slash
+_WOOD = (0.65, 0.5, 0.35, 1.0)
+
+_STL_HEADER = 80  # bytes
+_STL_TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
+
+
+@dataclass(frozen=True, eq=False)
+class Keyframe:
+    """A state under a name.
+
+    Attributes:
+        name: "touchdown", say.
+        time: s.
+        qpos, qvel, ctrl, mocap_pos: as in the model; `ctrl` None: not known.
+    """
+
+    name: str
+    time: float
+    qpos: Array
+    qvel: Array
+    ctrl: Array | None
+    mocap_pos: Array
+
+
+def write_scene(
+    path: Path,
+    robot: Robot,
+    surroundings: Surroundings,
+    disturbance: Disturbance,
+    timestep: float,
+    keyframes: Sequence[Keyframe],
+    seen: tuple[Array, float],
+) -> None:
+    """Write the MJCF at `path` and the robot's meshes in the folder `MESHES` beside it.
+
+    Motors are in the order of the joints. Blocks are mocap bodies, put where the last keyframe has
+    them.
+
+    Args:
+        path: of the MJCF, whose folder exists.
+        robot, surroundings, disturbance: what is written.
+        timestep: s.
+        keyframes: one or more.
+        seen: centre (3,) m and size, m, of what a viewer shows at first.
+
+    Raises:
+        RobotFileError: the robot cannot be simulated, or has no meshes where its URDF names them.
+    """
+    spec = scene_spec(robot, surroundings, disturbance, timestep, joints_in_model_order(robot))
+    spec.modelname = robot.name
+    spec.compiler.discardvisual = False  # which is otherwise so of what was once a URDF
+    _set_limits(spec, robot)
+    _dress_world(spec, *seen)
+    files = _add_visuals(spec, robot)
+    for mocap, place in zip(_mocap_bodies(spec), keyframes[-1].mocap_pos, strict=True):
+        mocap.pos = place
+    spec.meshdir = MESHES
+    spec.assets = {f"{MESHES}/{name}": content for name, content in files.items()}
+    model = compiled(spec, robot)
+    root = ET.fromstring(spec.to_xml())  # noqa: S314  our own
+    _restore_digits(root, model)
+    _for_others(root)
+    _add_keyframes(root, keyframes)
+    ET.indent(root)
+    path.write_text(ET.tostring(root, encoding="unicode") + "\n", encoding="utf-8")
+    folder = path.parent / MESHES
+    folder.mkdir()
+    for name, content in files.items():
+        (folder / name).write_bytes(content)
+
+
+def _set_limits(spec: mujoco.MjSpec, robot: Robot) -> None:
+    """The robot file's torque limits; our own simulation has limits that depend on the speed."""
+    for motor in spec.actuators:
+        limit = float(robot.torque_limit[robot.joint_names.index(motor.target)])
+        motor.ctrlrange = motor.forcerange = [-limit, limit]
+        motor.ctrllimited = motor.forcelimited = mujoco.mjtLimited.mjLIMITED_TRUE
+        # The URDF's, which our simulation does not heed.
+        spec.joint(motor.target).actfrcrange = [0.0, 0.0]
+        spec.joint(motor.target).actfrclimited = mujoco.mjtLimited.mjLIMITED_AUTO
+
+
+def _dress_world(spec: mujoco.MjSpec, centre: Array, size: float) -> None:
+    """Colours and geom groups, for those who look at it."""
+    spec.stat.center, spec.stat.extent = centre, size
+    light = spec.visual.headlight
+    light.ambient, light.diffuse, light.specular = [0.4] * 3, [0.6] * 3, [0.1] * 3
+    spec.add_texture(
+        name="sky",
+        type=mujoco.mjtTexture.mjTEXTURE_SKYBOX,
+        builtin=mujoco.mjtBuiltin.mjBUILTIN_GRADIENT,
+        rgb1=[0.85, 0.9, 0.95],
+        rgb2=[0.55, 0.65, 0.75],
+        width=64,
+        height=384,
+    )
+    spec.add_texture(
+        name="ground",
+        type=mujoco.mjtTexture.mjTEXTURE_2D,
+        builtin=mujoco.mjtBuiltin.mjBUILTIN_CHECKER,
+        rgb1=[0.75, 0.75, 0.75],
+        rgb2=[0.65, 0.65, 0.65],
+        width=256,
+        height=256,
+    )
+    ground = spec.add_material(name="ground", texrepeat=[2, 2], texuniform=True)
+    ground.textures[mujoco.mjtTextureRole.mjTEXROLE_RGB] = "ground"
+    for geom in spec.geoms:
+        kind, _, name = geom.name.partition("/")
+        if kind != "world":
+            geom.group = _TOUCHES
+        elif name == "ground":
+            geom.material = "ground"
+        else:
+            geom.rgba = _WOOD
+
+
+def _add_visuals(spec: mujoco.MjSpec, robot: Robot) -> dict[str, bytes]:
+    """Add a mesh a body and colour, which collides with nothing; returns the STL files."""
+    visuals = link_visuals(robot)
+    if not visuals:
+        return {}
+    rgb, colour_of = _palette(visuals)
+    for number, colour in enumerate(rgb):
+        spec.add_material(name=f"colour-{number}", rgba=[*colour, 1.0])
+    look = spec.add_default("visual", spec.default)
+    look.geom.type = mujoco.mjtGeom.mjGEOM_MESH
+    look.geom.contype = look.geom.conaffinity = 0
+    look.geom.group = _LOOKS
+    bodies, files = moving_bodies(spec, robot), {}
+    for visual, colours in zip(visuals, colour_of, strict=True):
+        for number in np.unique(colours):
+            name = f"{visual.joint_id:02d}-{number}"
+            files[f"{name}.stl"] = _stl(visual.vertices[visual.faces[colours == number]])
+            # Flat ones have no volume, which MuJoCo would ask of a solid.
+            inertia = mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL
+            spec.add_mesh(name=name, file=f"{name}.stl", inertia=inertia)
+            bodies[visual.joint_id].add_geom(look, meshname=name, material=f"colour-{number}")
+    return files
+
+
+def _palette(visuals: Sequence[LinkVisual]) -> tuple[Array, list[NDArray[np.int64]]]:
+    """A robot's few colours (C, 3), 0 to 1, and for each of its meshes the colour of each face.
+
+    MuJoCo has no colours of vertices, so every colour is a mesh of its own; photographs have been
+    many colours that are almost the same.
+    """
+    rgb = np.vstack([visual.rgb[visual.faces[:, 0]] for visual in visuals]).astype(float)
+    corners = np.vstack([visual.vertices[visual.faces] for visual in visuals])
+    sides = corners[:, 1:] - corners[:, :1]
+    area = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1)
+    colours, which = np.unique(rgb, axis=0, return_inverse=True)
+    group = np.zeros(len(colours), dtype=np.int64)
+    if len(colours) > 1:
+        group = fcluster(linkage(colours, "complete"), _ALIKE, "distance").astype(np.int64) - 1
+    of_face = group[which.reshape(-1)]
+    # A colour that has no area still needs one.
+    weight = area + 1e-12
+    total = np.bincount(of_face, weight)
+    mean = np.stack([np.bincount(of_face, weight * rgb[:, i]) / total for i in range(3)], axis=1)
+    ends = np.cumsum([len(visual.faces) for visual in visuals])
+    return mean / 255, np.split(of_face, ends[:-1])
+
+
+def _stl(corners: NDArray[np.float32]) -> bytes:
+    """Triangles (F, 3, 3) m as a binary STL file; MuJoCo makes the normals itself."""
+    triangles = np.zeros(len(corners), dtype=_STL_TRIANGLE)
+    triangles["corners"] = corners
+    return (
+        bytes(_STL_HEADER) + np.uint32(len(corners)).astype("<u4").tobytes() + triangles.tobytes()
+    )
+
+
+def _mocap_bodies(spec: mujoco.MjSpec) -> list[mujoco.MjsBody]:
+    return [body for body in spec.bodies if body.mocap]
+
+
+def _restore_digits(root: ET.Element, model: mujoco.MjModel) -> None:
+    """Places and inertias of bodies with all digits, of which MuJoCo writes six.
+
+    Frames that are left of the URDF's fixed joints go; bodies in them are placed in their parents.
+    """
+    for body in list(root.iter("body")):
+        _lift_out_of_frames(body)
+    for body in root.iter("body"):
+        number = model.body(body.get("name")).id
+        for key, value, default in (
+            ("pos", model.body_pos[number], [0, 0, 0]),
+            ("quat", model.body_quat[number], [1, 0, 0, 0]),
+        ):
+            body.attrib.pop(key, None)
+            if (value != default).any():
+                body.set(key, _text(value))
+        inertial = body.find("inertial")
+        if inertial is not None:
+            inertial.attrib.clear()
+            inertial.set("mass", _text([model.body_mass[number]]))
+            inertial.set("pos", _text(model.body_ipos[number]))
+            inertial.set("quat", _text(model.body_iquat[number]))
+            inertial.set("diaginertia", _text(model.body_inertia[number]))
+
+
+def _lift_out_of_frames(body: ET.Element) -> None:
+    while (frame := body.find("frame")) is not None:
+        place = list(body).index(frame)
+        body.remove(frame)
+        for inner in reversed(list(frame)):
+            assert inner.tag in ("body", "frame")
+            body.insert(place, inner)
+
+
+def exported_name(name: str) -> str:
+    """Of what the simulation calls "world/box", say: dm_control keeps the slash for itself."""
+    return name.replace("/", "-")
+
+
+def _for_others(root: ET.Element) -> None:
+    """Names and attributes that older versions and other readers of MJCF take."""
+    for texture in root.iter("texture"):
+        texture.attrib.pop("colorspace", None)
+    for mesh in root.iter("mesh"):
+        mesh.attrib.pop("content_type", None)
+    for element in root.iter():
+        for key in ("name", "mesh"):
+            if element.get(key, "").partition("/")[0] in _OWN:
+                element.set(key, exported_name(element.get(key, "")))
+
+
+def _add_keyframes(root: ET.Element, keyframes: Iterable[Keyframe]) -> None:
+    section = ET.SubElement(root, "keyframe")
+    for keyframe in keyframes:
+        values: dict[str, ArrayLike | None] = {
+            "time": [keyframe.time],
+            "qpos": keyframe.qpos,
+            "qvel": keyframe.qvel,
+            "ctrl": keyframe.ctrl,
+            "mpos": keyframe.mocap_pos,
+        }
+        known = {
+            name: _text(value)
+            for name, value in values.items()
+            if value is not None and np.size(value)
+        }
+        ET.SubElement(section, "key", {"name": keyframe.name, **known})
+
+
+def _text(values: ArrayLike) -> str:
+    return " ".join(repr(value) for value in np.ravel(np.asarray(values, dtype=float)).tolist())

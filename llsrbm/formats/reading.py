@@ -1,0 +1,69 @@
+"""Opening any file that shows a motion, foreign ones among them, for looking and comparing."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from llsrbm.errors import FileFormatError, InputError
+from llsrbm.formats.base import Format
+from llsrbm.formats.registry import FORMATS, find
+from llsrbm.motion.whole_body import WholeBodyMotion
+from llsrbm.robots import load_robot
+
+
+def load_motion(
+    path: str | Path,
+    robot: str = "anymal",
+    format: str | None = None,  # noqa: A002  # the word of the public interface
+    fps: float | None = None,
+) -> WholeBodyMotion:
+    """Open a file that shows how a robot moves, whoever wrote it.
+
+    Args:
+        path: a native file of a plan or a rollout, or a file in a format that `llsrbm formats` says
+            can be opened.
+        robot: name or robot file of what moves; a native file knows its own.
+        format: its name in `llsrbm formats`; None: as the file looks.
+        fps: frames/s of a file that does not say its own; of a native file, at which it is sampled
+            (None: 60).
+
+    Raises:
+        FileFormatError: no such file, a damaged one, or one that no format recognises.
+        InputError: no such format, or none that can be opened.
+        RobotFileError: no such robot, or a wrong robot file.
+    """
+    path = Path(path)
+    chosen = _recognised(path) if format is None else find(format)
+    if chosen.read is None:
+        raise InputError(
+            f'format "{chosen.name}" is written and not opened; expected {_names(readable())}'
+        )
+    return chosen.read(path, load_robot(robot), fps)
+
+
+def readable() -> tuple[Format, ...]:
+    """The formats that can be opened."""
+    return tuple(each for each in FORMATS.values() if each.read is not None)
+
+
+def _recognised(path: Path) -> Format:
+    """The format whose file it looks like."""
+    try:
+        if not path.is_dir():
+            with path.open("rb"):
+                pass
+    except OSError as error:
+        raise FileFormatError(
+            f"{path}: cannot be read: {error.strerror or error}; expected {_names(readable())}"
+        ) from error
+    for each in readable():
+        if each.recognises is not None and each.recognises(path):
+            return each
+    raise FileFormatError(
+        f"{path}: damaged, or of no format that can be opened; expected {_names(readable())}"
+    )
+
+
+def _names(formats: tuple[Format, ...]) -> str:
+    *first, last = (f"{each.name} ({each.suffix or 'a folder'})" for each in formats)
+    return f"{', '.join(first)} or {last}" if first else last

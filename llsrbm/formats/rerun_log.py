@@ -1,0 +1,327 @@
+"""A recording for the rerun viewer, with a layout: the robot in 3D, and plots beside it.
+
+Timeline "time", s from 0 at the motion's first instant; rows are 1/fps apart, and there are some
+exactly at each lift-off and touchdown (of a rollout: at each change of contact, phase or mode).
+  /world/robot/LINK   Transform3D of each moving body in the world, its mesh with vertex colours
+  /world/plan/LINK    the plan that a rollout followed, where it is known: a translucent ghost
+  /world/ground, /world/blocks/NAME, /world/com, /world/inertia (the uniform solid of the same mass
+                      and inertia), /world/forces/LEG (arrows, 0.8 m as large as the weight),
+                      /world/trails/com and /world/trails/LEG
+  /plots/NAME         Scalars: com, momenta, principal_moments, base, contact, foot_force/LEG,
+                      joints, torque_share (of the drives' limits); names of the parts and, in
+                      their AnyValues, the unit
+  /planned/NAME       the same of the plan, /tracked/NAME of what a rollout's controller tracked
+  /description        who asked what of whom, to read; /description/json: all of it
+World frame, x forward, z up; SI units. Scalars are doubles; rerun stores poses, meshes and arrows
+as floats, so the base's pose and the joints are under /plots as well. Quaternions are x, y, z, w in
+Transform3D and w, x, y, z in /plots, without jumps of sign. There are meshes in place of the URDF:
+it names files of packages that whoever opens the recording does not have.
+"""
+
+from __future__ import annotations
+
+import json
+import tempfile
+from collections.abc import Iterable
+from functools import lru_cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+from uuid import uuid4
+
+import numpy as np
+from numpy.typing import NDArray
+
+from llsrbm.analysis.inertia_ellipsoid import ellipsoid
+from llsrbm.errors import InputError
+from llsrbm.formats.base import Extra, Format, Options
+from llsrbm.formats.logged import (
+    BLOCK,
+    COM,
+    FOOT,
+    FORCE,
+    GHOST,
+    GROUND,
+    GROUND_SIZE,
+    PLANNED,
+    Logged,
+    Rgb,
+    Series,
+    ellipsoid_reference,
+    logged,
+    logged_plan,
+    reference_series,
+    standing_around,
+)
+from llsrbm.formats.sidecar import described
+from llsrbm.motion.files import Trajectory
+from llsrbm.motion.rollout import Rollout
+from llsrbm.robots.visuals import link_visuals
+from llsrbm.simulation.surroundings import Surroundings
+
+if TYPE_CHECKING:
+    import rerun as rr
+
+Array = NDArray[np.float64]
+
+APPLICATION = "llsrbm"
+TIMELINE = "time"
+_COM_RADIUS = 0.018  # m
+_TRAIL_RADIUS = 0.003
+_ARROW_RADIUS = 0.008
+
+_OWN, _PLANNED, _TRACKED = "plots", "planned", "tracked"
+_LIGHTER = {_OWN: 0.0, _PLANNED: 0.55, _TRACKED: 0.75}  # share of the way to white
+_LINE_COLOURS: tuple[Rgb, ...] = (
+    (214, 51, 60),
+    (60, 150, 60),
+    (44, 100, 229),
+    (222, 140, 16),
+    (120, 60, 190),
+    (20, 150, 160),
+)
+_PLOTS = (
+    ("com", "linear_momentum", "angular_momentum", "principal_moments"),
+    ("foot_force", "contact", "torque_share", "joint_position"),
+)
+_MANY = _PLOTS[1]
+_CAMERA = np.array([2.6, -3.4, 1.6])  # from the base, in heights of it
+
+
+def write_rrd(trajectory: Trajectory, path: Path, options: Options) -> None:
+    """Write the recording."""
+    import rerun as rr
+    import rerun_bindings
+
+    motion = logged(trajectory, options.fps)
+    plan = logged_plan(trajectory, options.fps)
+    about = described(trajectory, RRD.name, fps=options.fps, timeline=TIMELINE)
+    # One of its own: the caller may be recording something else.
+    recording = rr.RecordingStream(APPLICATION, recording_id=uuid4(), send_properties=False)
+    if not rr.is_enabled(recording):
+        raise InputError("rerun is switched off by the environment variable RERUN; expected on")
+    try:
+        recording.save(path)
+        shown = frozenset(each.name.split("/")[0] for each in motion.series)
+        layout = _layout(shown, float(motion.robot.base_position[2]))
+        recording.log_file_from_contents("layout.rbl", layout, static=True)
+        recording.send_recording_name(f"{about['robot'].get('name', '')} {about['kind']}")
+        recording.log("world", rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True, strict=True)
+        _log_description(recording, about)
+        _log_surroundings(recording, standing_around(trajectory, motion.robot))
+        _log_robot(recording, "world/robot", motion, None)
+        _log_with_robot(recording, motion)
+        _log_series(recording, _OWN, motion.time, motion.series)
+        if plan is not None:
+            _log_robot(recording, "world/plan", plan, PLANNED)
+            _log_series(recording, _PLANNED, plan.time, plan.series)
+        if isinstance(trajectory, Rollout):
+            tracked = reference_series(trajectory, motion)
+            _log_series(recording, _TRACKED, motion.time, tracked)
+    finally:
+        recording.flush()
+        recording.disconnect()  # closes the file
+        del recording
+        # As `rerun.init` does: otherwise two threads wait for more until the process ends.
+        rerun_bindings.flush_and_cleanup_orphaned_recordings()
+
+
+def _log_description(recording: rr.RecordingStream, about: dict[str, Any]) -> None:
+    import rerun as rr
+
+    text = json.dumps(about, indent=1, allow_nan=False)
+    request = ", ".join(f"{name} {value}" for name, value in about["request"].items())
+    lines = [
+        f"# {about['robot'].get('name', '')}: {about['kind']}",
+        "",
+        f"- request: {request}",
+        f"- model: {about['model']}",
+        *(f"- {name}: {_told(about[name])}" for name in ("solver", "outcome") if name in about),
+        f"- world frame: {about['world_frame']}",
+        f"- units: {about['units']}",
+        f"- llsrbm {about['package_version']}",
+    ]
+    markdown = rr.TextDocument("\n".join(lines), media_type=rr.MediaType.MARKDOWN)
+    recording.log("description", markdown, static=True, strict=True)
+    recording.log(
+        "description/json", rr.TextDocument(text, media_type="application/json"), static=True
+    )
+
+
+def _told(part: dict[str, Any]) -> str:
+    return part["status"] + (f", {part['reason']}" if part.get("reason") else "")
+
+
+def _log_surroundings(recording: rr.RecordingStream, around: Surroundings) -> None:
+    import rerun as rr
+
+    floor = rr.Boxes3D(
+        centers=[[0.0, 0.0, around.ground - GROUND_SIZE[2] / 2]],
+        sizes=[GROUND_SIZE],
+        colors=[GROUND],
+        fill_mode=rr.components.FillMode.Solid,
+    )
+    recording.log("world/ground", floor, static=True, strict=True)
+    for block in around.blocks:
+        columns = rr.Boxes3D.columns(
+            centers=[block.centre],
+            half_sizes=[block.size / 2],
+            quaternions=[_xyzw(np.array([np.cos(block.yaw / 2), 0.0, 0.0, np.sin(block.yaw / 2)]))],
+            colors=[BLOCK],
+            fill_mode=[rr.components.FillMode.Solid],
+        )
+        comes_and_goes = np.array([block.from_s, block.until_s])
+        there = np.isfinite(comes_and_goes)
+        _send(
+            recording,
+            f"world/blocks/{block.name}",
+            comes_and_goes[there],
+            columns.partition(np.array([1, 0])[there]),
+        )
+
+
+def _log_robot(
+    recording: rr.RecordingStream, entity: str, motion: Logged, ghost: Rgb | None
+) -> None:
+    """Meshes where the bodies are; translucent in the colour `ghost`, with fewer faces then."""
+    import rerun as rr
+
+    for visual in link_visuals(motion.robot, coarse=ghost is not None):
+        if ghost is None:
+            look: dict[str, Any] = {"vertex_colors": visual.rgb}
+        else:
+            look = {"albedo_factor": [*ghost, round(255 * GHOST)]}
+        mesh = rr.Mesh3D(
+            vertex_positions=visual.vertices,
+            vertex_normals=visual.normals,
+            triangle_indices=visual.faces,
+            **look,
+        )
+        recording.log(f"{entity}/{visual.link}", mesh, static=True, strict=True)
+        position, quat = motion.body_of(visual)
+        _send(
+            recording,
+            f"{entity}/{visual.link}",
+            motion.time,
+            rr.Transform3D.columns(translation=position, quaternion=_xyzw(quat)),
+        )
+
+
+def _log_with_robot(recording: rr.RecordingStream, motion: Logged) -> None:
+    """CoM, ellipsoid, forces and trails."""
+    import rerun as rr
+
+    whole, time = motion.motion, motion.time
+    point = rr.Points3D([[0.0, 0.0, 0.0]], colors=[COM], radii=[_COM_RADIUS])
+    recording.log("world/com", point, static=True, strict=True)
+    _send(recording, "world/com", time, rr.Points3D.columns(positions=whole.com))
+
+    axes, quat = ellipsoid(whole.inertia, motion.mass, ellipsoid_reference(whole))
+    look = rr.Ellipsoids3D.from_fields(colors=[PLANNED if whole.origin == "plan" else COM])
+    recording.log("world/inertia", look, static=True, strict=True)
+    columns = rr.Ellipsoids3D.columns(half_sizes=axes, centers=whole.com, quaternions=_xyzw(quat))
+    _send(recording, "world/inertia", time, columns)
+
+    legs = [leg.name for leg in motion.robot.legs]
+    if whole.foot_force is not None and whole.pressed_at is not None:
+        arrows = motion.arrows
+        for i, leg in enumerate(legs):
+            thin = rr.Arrows3D.from_fields(colors=[FORCE], radii=[_ARROW_RADIUS])
+            recording.log(f"world/forces/{leg}", thin, static=True, strict=True)
+            pushing = arrows[:, i].any(axis=1)
+            columns = rr.Arrows3D.columns(
+                vectors=arrows[pushing, i], origins=whole.pressed_at[pushing, i]
+            )
+            # No arrow at the instants at which the foot does not push.
+            _send(recording, f"world/forces/{leg}", time, columns.partition(pushing.astype(int)))
+
+    paths = {"com": (whole.com, COM)}
+    paths |= {leg: (whole.foot_position[:, i], FOOT) for i, leg in enumerate(legs)}
+    for name, (points, colour) in paths.items():
+        trail = rr.LineStrips3D([points], colors=[colour], radii=[_TRAIL_RADIUS])
+        recording.log(f"world/trails/{name}", trail, static=True, strict=True)
+
+
+def _log_series(
+    recording: rr.RecordingStream, top: str, time: Array, series: Iterable[Series]
+) -> None:
+    import rerun as rr
+
+    suffix = "" if top == _OWN else f" {top}"
+    palette = [
+        tuple(round(c + _LIGHTER[top] * (255 - c)) for c in colour) for colour in _LINE_COLOURS
+    ]
+    for each in series:
+        entity = f"{top}/{each.name}"
+        lines = rr.SeriesLines(
+            names=[f"{part}{suffix}" for part in each.parts],
+            colors=[palette[i % len(palette)] for i in range(len(each.parts))],
+        )
+        recording.log(entity, lines, rr.AnyValues(unit=each.unit), static=True, strict=True)
+        _send(recording, entity, time, rr.Scalars.columns(scalars=each.values))
+
+
+@lru_cache
+def _layout(shown: frozenset[str], height: float) -> bytes:
+    """The views of a recording that has these series, as a file of rerun's.
+
+    Made once and logged as a file: rerun keeps two threads for every layout that it makes.
+
+    Args:
+        shown: first words of the series' names.
+        height: of the robot's base, m: tells how far the camera stands.
+    """
+    import rerun.blueprint as rrb
+
+    def plot(name: str) -> rrb.TimeSeriesView:
+        # Where there is a line a leg or joint, a legend would hide them; the mouse tells names.
+        legend = rrb.PlotLegend(rrb.Corner2D.RightTop, visible=name not in _MANY)
+        contents = [f"/{top}/{name}/**" for top in (_OWN, _PLANNED)]
+        title = name.replace("_", " ")
+        return rrb.TimeSeriesView(origin="/", contents=contents, name=title, plot_legend=legend)
+
+    columns = [rrb.Vertical(*(plot(name) for name in names if name in shown)) for names in _PLOTS]
+    target = np.array([0.0, 0.0, height])
+    eye = rrb.EyeControls3D(position=target + height * _CAMERA, look_target=target)
+    scene = rrb.Spatial3DView(origin="/world", name="robot", eye_controls=eye)
+    text = rrb.TextDocumentView(origin="/description", contents="$origin", name="description")
+    layout = rrb.Blueprint(
+        rrb.Horizontal(
+            rrb.Vertical(scene, text, row_shares=[3, 1]), *columns, column_shares=[2, 1, 1]
+        ),
+        rrb.TimePanel(timeline=TIMELINE, state="collapsed", loop_mode="all"),
+        collapse_panels=True,
+    )
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "layout.rbl"
+        layout.save(APPLICATION, str(file))
+        return file.read_bytes()
+
+
+def _send(
+    recording: rr.RecordingStream, entity: str, time: Array, columns: Iterable[rr.ComponentColumn]
+) -> None:
+    import rerun as rr
+
+    recording.send_columns(
+        entity, indexes=[rr.TimeColumn(TIMELINE, duration=_ns(time))], columns=columns, strict=True
+    )
+
+
+def _ns(time: Array) -> NDArray[np.timedelta64]:
+    return np.round(time * 1e9).astype("timedelta64[ns]")
+
+
+def _xyzw(quat: Array) -> Array:
+    return quat[..., [1, 2, 3, 0]]
+
+
+RRD = Format(
+    name="rrd",
+    title="a recording for rerun: the robot in 3D with forces and trails, and plots beside it",
+    suffix=".rrd",
+    write=write_rrd,
+    conventions=__doc__,
+    options=("fps",),
+    defaults=Options(fps=200.0),
+    extra=Extra("rerun", ("rerun",)),
+)

@@ -1,0 +1,172 @@
+"""Unitree's and LAFAN1's table of a motion, the de-facto interchange: no header, a row a frame.
+
+Columns 0-2: position of the root link's origin, m; 3-6: its attitude as a quaternion x, y, z, w
+(w last); from 7 on: the joints in the robot's order (`Robot.joint_names`, Pinocchio's), rad, and m
+for joints that slide. World frame, z up. A row is Pinocchio's q. Quaternions have no jumps of sign.
+
+The file says neither its rate nor its joints: the JSON file beside it, under its name and
+".meta.json", does (`fps`, `joint_order`, `columns`, `units`, `quaternion_order`). 30 frames/s
+unless asked otherwise, for the converters of mjlab and BeyondMimic take a file to have 30 where
+nobody tells them; they resample it and take differences, which smears lift-off and touchdown: the
+format "motion-npz" has exact velocities.
+
+Can be opened: with the rate and the joints of the file beside it, else with the rate that is asked
+for and in the robot's order. Velocities are then differences of the frames around, so that impacts
+are smeared over two frames; which feet stand is told from how they move.
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from llsrbm.errors import FileFormatError
+from llsrbm.formats.base import Format, Options
+from llsrbm.formats.sidecar import read_sidecar, write_sidecar
+from llsrbm.formats.states import MOST_FRAMES, checked_motion, checked_rate, joint_columns
+from llsrbm.motion.files import Trajectory
+from llsrbm.motion.whole_body import WholeBodyMotion, whole_body_motion
+from llsrbm.robots import Robot
+
+Array = NDArray[np.float64]
+
+_ROOT = ("x", "y", "z", "qx", "qy", "qz", "qw")
+_XYZW = [1, 2, 3, 0]
+_WXYZ = [3, 0, 1, 2]
+_EXPECTED = (
+    "expected rows of numbers without a header: root x, y, z [m], quaternion x, y, z, w, joints "
+    "[rad, m]"
+)
+_LARGEST = 32 * 1024**2  # bytes
+
+
+def write_unitree_csv(trajectory: Trajectory, path: Path, options: Options) -> None:
+    """Write the table, and what it does not say beside it."""
+    motion = whole_body_motion(trajectory, options.fps, options.pad)
+    rows = np.hstack([motion.base_position, motion.base_quat[:, _XYZW], motion.joint_position])
+    np.savetxt(path, rows, fmt="%.9f", delimiter=",")
+    joints = motion.robot.joint_names
+    sliding = motion.robot.sliding_joints
+    write_sidecar(
+        path,
+        trajectory,
+        UNITREE_CSV.name,
+        fps=options.fps,
+        pad=options.pad,
+        quaternion_order="xyzw",
+        joint_order=list(joints),
+        columns=[*_ROOT, *joints],
+        column_units=[
+            *["m"] * 3,
+            *["1"] * 4,
+            *("m" if name in sliding else "rad" for name in joints),
+        ],
+    )
+
+
+def read_unitree_csv(path: Path, robot: Robot, fps: float | None) -> WholeBodyMotion:
+    """Open a table for looking.
+
+    Args:
+        path: the file.
+        robot: that moves.
+        fps: frames/s of a file that has none beside it.
+
+    Raises:
+        FileFormatError: it is no such table, or nothing says its rate.
+    """
+    told = read_sidecar(path)
+    rows = _rows(path, 7 + len(robot.joint_names), robot)
+    rate = told.get("fps", fps)
+    if rate is None:
+        raise FileFormatError(
+            f"{path}: the file does not say its rate; expected frames per second with it, or "
+            f"{path.name}.meta.json beside it"
+        )
+    order = told.get("quaternion_order", "xyzw")
+    if order != "xyzw":
+        raise FileFormatError(
+            f'{path}.meta.json: quaternion_order: expected "xyzw", got {json.dumps(order):.40}'
+        )
+    return checked_motion(
+        robot,
+        UNITREE_CSV.name,
+        str(path),
+        checked_rate(rate, f"{path}: fps"),
+        base_position=rows[:, :3],
+        base_quat=rows[:, 3:7][:, _WXYZ],
+        joint_position=rows[:, 7:][:, _joints(told, robot, path)],
+    )
+
+
+def _joints(told: dict[str, Any], robot: Robot, path: Path) -> list[int]:
+    names = told.get("joint_order", list(robot.joint_names))
+    where = f"{path}.meta.json: joint_order"
+    if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
+        raise FileFormatError(f"{where}: expected a list of names")
+    return joint_columns(names, robot, where)
+
+
+def _rows(path: Path, width: int, robot: Robot) -> Array:
+    """(K, width) numbers."""
+    lines = [line for line in _text(path).splitlines() if line.strip()]
+    if len(lines) > MOST_FRAMES:
+        raise FileFormatError(f"{path}: {len(lines)} rows; at most {MOST_FRAMES} are read")
+    rows = []
+    for number, line in enumerate(lines, start=1):
+        cells = line.split(",")
+        try:
+            row = [float(cell) for cell in cells]
+        except ValueError as error:
+            if number == 1:
+                raise FileFormatError(
+                    f"{path}: begins with a header, or is no table; {_EXPECTED}; a file with a "
+                    "header may have other units (ProtoMotions': cm, degrees, Euler angles)"
+                ) from error
+            raise FileFormatError(
+                f"{path}: row {number}: not all of it is numbers; {_EXPECTED}"
+            ) from error
+        if len(row) != width:
+            raise FileFormatError(
+                f"{path}: row {number} has {len(row)} columns; expected {width}: 7 of the root and "
+                f"{width - 7} joints of robot {robot.name}"
+            )
+        rows.append(row)
+    return np.array(rows, dtype=np.float64).reshape(-1, width)
+
+
+def _text(path: Path) -> str:
+    try:
+        with path.open("rb") as file:
+            content = file.read(_LARGEST + 1)
+    except OSError as error:
+        raise FileFormatError(
+            f"{path}: cannot be read: {error.strerror or error}; {_EXPECTED}"
+        ) from error
+    if len(content) > _LARGEST:
+        raise FileFormatError(f"{path}: more than {_LARGEST} bytes, which is no jump; {_EXPECTED}")
+    try:
+        return content.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise FileFormatError(f"{path}: not a text file; {_EXPECTED}") from error
+
+
+def _looks_so(path: Path) -> bool:
+    return path.suffix.lower() == ".csv"
+
+
+UNITREE_CSV = Format(
+    name="unitree-csv",
+    title="motion reference: rows of root position, quaternion x y z w and joints, no header",
+    suffix=".csv",
+    write=write_unitree_csv,
+    conventions=__doc__,
+    options=("fps", "pad"),
+    defaults=Options(fps=30.0),
+    read=read_unitree_csv,
+    recognises=_looks_so,
+)

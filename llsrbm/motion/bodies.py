@@ -1,0 +1,191 @@
+"""The bodies of a robot: in which order tools have them, where they are and how they move.
+
+A body is a link that a joint moves, with all that is welded to it; the first is the root link. It
+is called as the URDF calls the link, and its frame is the link's.
+"""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ET
+from collections import defaultdict
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from llsrbm.errors import InputError
+from llsrbm.motion.rotation import rotation_matrices, sign_continuous
+from llsrbm.motion.whole_body import WholeBodyMotion
+from llsrbm.robots import Robot
+from llsrbm.robots.urdf import BASE_JOINT
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class BodyOrder:
+    """Bodies and joints in an order.
+
+    Attributes:
+        bodies: names of the 1 + J bodies, the root link first.
+        joints: names of the J joints; each moves the body of the same place after the root.
+        joint_index: where each of these is among `Robot.joint_names`.
+    """
+
+    bodies: tuple[str, ...]
+    joints: tuple[str, ...]
+    joint_index: tuple[int, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class BodyMotion:
+    """B = 1 + J bodies at K instants; world frame.
+
+    Attributes:
+        order: of the bodies.
+        position: (K, B, 3) m of the links' origins.
+        quat: (K, B, 4) w, x, y, z without jumps of sign.
+        velocity: (K, B, 3) m/s of the links' origins; com_velocity: of the bodies' CoMs.
+        angular_velocity: (K, B, 3) rad/s.
+    """
+
+    order: BodyOrder
+    position: Array
+    quat: Array
+    velocity: Array
+    com_velocity: Array
+    angular_velocity: Array
+
+
+@lru_cache(maxsize=32)
+def body_order(robot: Robot, order: str) -> BodyOrder:
+    """The bodies as tools have them that read the robot's URDF.
+
+    Args:
+        robot: whose.
+        order: "depth-first": leg after leg, siblings as their joints stand in the URDF, as MuJoCo,
+            PyBullet and MimicKit have them; "breadth-first": level after level, siblings by the
+            names of their joints, as Isaac Lab has them.
+
+    Raises:
+        InputError: no such order.
+    """
+    root, moved = _tree(robot)
+    if order == "depth-first":
+        steps = list(_depth_first(moved, root))
+    elif order == "breadth-first":
+        steps = list(_breadth_first(moved, root))
+    else:
+        raise InputError(f'order: expected "depth-first" or "breadth-first", got {order!r}')
+    joints = tuple(joint for joint, _ in steps)
+    return BodyOrder(
+        bodies=(root, *(link for _, link in steps)),
+        joints=joints,
+        joint_index=tuple(robot.joint_names.index(joint) for joint in joints),
+    )
+
+
+def body_motion(motion: WholeBodyMotion, order: str) -> BodyMotion:
+    """Where the bodies are and how they move: Pinocchio's, from the motion's own velocities.
+
+    Raises:
+        InputError: no such order.
+    """
+    robot = motion.robot
+    model, data = robot.model, robot.model.createData()
+    chosen = body_order(robot, order)
+    ids = [BASE_JOINT, *(model.getJointId(joint) for joint in chosen.joints)]
+    shape = len(motion.time), len(ids)
+    position, velocity, com_velocity, angular = (np.empty((*shape, 3)) for _ in range(4))
+    rotation = np.empty((*shape, 3, 3))
+    R_world_base = rotation_matrices(motion.base_quat)
+    for k, R in enumerate(R_world_base):
+        q = np.concatenate(
+            [motion.base_position[k], motion.base_quat[k, [1, 2, 3, 0]], motion.joint_position[k]]
+        )
+        v = np.concatenate(
+            [
+                R.T @ motion.base_velocity[k],
+                R.T @ motion.angular_velocity[k],
+                motion.joint_velocity[k],
+            ]
+        )
+        pin.forwardKinematics(model, data, q, v)
+        for b, joint in enumerate(ids):
+            moves = pin.getVelocity(model, data, joint, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED)
+            position[k, b] = data.oMi[joint].translation
+            rotation[k, b] = data.oMi[joint].rotation
+            velocity[k, b], angular[k, b] = moves.linear, moves.angular
+            arm = data.oMi[joint].rotation @ model.inertias[joint].lever
+            com_velocity[k, b] = moves.linear + np.cross(moves.angular, arm)
+    return BodyMotion(
+        order=chosen,
+        position=position,
+        quat=sign_continuous(_quaternions(rotation)),
+        velocity=velocity,
+        com_velocity=com_velocity,
+        angular_velocity=angular,
+    )
+
+
+def root_com(robot: Robot) -> Array:
+    """(3,) m: CoM of the root body in the root link's frame."""
+    return np.array(robot.model.inertias[BASE_JOINT].lever)
+
+
+_Steps = dict[str, list[tuple[str, str]]]  # body -> (joint, body) that hang on it
+
+
+def _tree(robot: Robot) -> tuple[str, _Steps]:
+    """The root link, and what moves on what, as it stands in the URDF; links that are welded to a
+    body are part of it.
+    """
+    urdf = ET.parse(robot.urdf_path).getroot()  # noqa: S314  the user's own file, read before
+    children: _Steps = defaultdict(list)
+    carried = set()
+    for joint in urdf.findall("joint"):
+        parent, child = joint.find("parent"), joint.find("child")
+        assert parent is not None
+        assert child is not None  # Pinocchio has read it
+        children[parent.attrib["link"]].append((joint.attrib["name"], child.attrib["link"]))
+        carried.add(child.attrib["link"])
+    root = next(
+        link.attrib["name"] for link in urdf.findall("link") if link.attrib["name"] not in carried
+    )
+    moved: _Steps = defaultdict(list)
+
+    def hang(link: str, body: str) -> None:
+        for joint, child in children[link]:
+            if joint in robot.joint_names:
+                moved[body].append((joint, child))
+                hang(child, child)
+            else:
+                hang(child, body)
+
+    hang(root, root)
+    return root, moved
+
+
+def _depth_first(moved: _Steps, body: str) -> Iterator[tuple[str, str]]:
+    for joint, child in moved.get(body, ()):
+        yield joint, child
+        yield from _depth_first(moved, child)
+
+
+def _breadth_first(moved: _Steps, root: str) -> Iterator[tuple[str, str]]:
+    level = [root]
+    while level:
+        steps = [step for body in level for step in sorted(moved.get(body, ()))]
+        yield from steps
+        level = [child for _, child in steps]
+
+
+def _quaternions(rotation: Array) -> Array:
+    """Rotation matrices (..., 3, 3) as unit quaternions w, x, y, z (..., 4)."""
+    from scipy.spatial.transform import Rotation
+
+    flat = Rotation.from_matrix(rotation.reshape(-1, 3, 3)).as_quat(scalar_first=True)
+    return flat.reshape(*rotation.shape[:-2], 4)

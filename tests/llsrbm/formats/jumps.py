@@ -1,0 +1,87 @@
+"""Jumps of real robots that tests of formats write and read, each made once a run."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import mujoco
+import numpy as np
+
+import llsrbm
+from llsrbm.motion.plan import Plan
+from llsrbm.motion.rollout import Disturbance, Rollout
+from llsrbm.robots import load_robot
+from llsrbm.simulation.scene import build_scene
+from llsrbm.simulation.surroundings import Surroundings
+
+ROBOTS = ("anymal", "slider", "go2")
+HALF_TURN = 3.1  # rad, nearly
+
+
+@cache
+def planned(robot: str, twist: float = HALF_TURN, height: float = 0.0) -> Plan:
+    return llsrbm.plan(llsrbm.Jump(robot=robot, twist=twist, height=height))
+
+
+@cache
+def simulated(robot: str, twist: float = HALF_TURN, height: float = 0.0) -> Rollout:
+    return llsrbm.simulate(planned(robot, twist, height))
+
+
+def ticks(rollout: Rollout, fps: float) -> np.ndarray:
+    """Indices of the rollout's own instants that are frames: no sampling lies between."""
+    step = rollout.outcome.control_rate_hz / fps
+    assert step == round(step)
+    return np.arange(0, len(rollout.time), round(step))
+
+
+def by_name(names, wanted, values):
+    """Columns `wanted` of `values`, whose columns are `names`."""
+    return values[:, [list(names).index(name) for name in wanted]]
+
+
+@cache
+def mujoco_model(robot: str) -> mujoco.MjModel:
+    ground = Surroundings(ground=0.0, blocks=())
+    return build_scene(load_robot(robot), ground, Disturbance(), 1e-3).model
+
+
+def replayed(robot, joints, qpos, qvel, bodies):
+    """What MuJoCo makes of states whose joints are in the order `joints`.
+
+    Returns:
+        positions, quaternions, velocities of origins, of centres of mass, angular velocities;
+        (K, B, ...), world.
+    """
+    model = mujoco_model(robot)
+    data = mujoco.MjData(model)
+    q_at = [model.joint(name).qposadr[0] for name in joints]
+    v_at = [model.joint(name).dofadr[0] for name in joints]
+    ids = [model.body(name).id for name in bodies]
+    found = [[], [], [], [], []]
+    twist = np.empty(6)
+    for q, v in zip(qpos, qvel, strict=True):
+        data.qpos[:7], data.qvel[:6] = q[:7], v[:6]
+        data.qpos[q_at], data.qvel[v_at] = q[7:], v[6:]
+        mujoco.mj_forward(model, data)
+        origin, com, turning = [], [], []
+        for body in ids:
+            kind = mujoco.mjtObj.mjOBJ_XBODY
+            mujoco.mj_objectVelocity(model, data, kind, body, twist, 0)
+            turning.append(twist[:3].copy())
+            origin.append(twist[3:].copy())
+            # Along the inertia's axes but for this: the world's.
+            mujoco.mj_objectVelocity(model, data, mujoco.mjtObj.mjOBJ_BODY, body, twist, 0)
+            com.append(twist[3:].copy())
+        for values, new in zip(
+            found,
+            (data.xpos[ids].copy(), data.xquat[ids].copy(), origin, com, turning),
+            strict=True,
+        ):
+            values.append(new)
+    return tuple(np.array(values) for values in found)
+
+
+def same_attitude(a, b, atol):
+    """Quaternions (..., 4), whatever their signs."""
+    np.testing.assert_allclose(np.abs(np.sum(a * b, axis=-1)), 1.0, atol=atol)

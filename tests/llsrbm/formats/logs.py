@@ -1,0 +1,57 @@
+"""Motions of real robots for the tests of logs, and what Pinocchio says about them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pinocchio as pin
+
+import llsrbm
+from llsrbm.motion.resample import resample
+from llsrbm.robots import load_robot
+
+ROBOTS = ("anymal", "slider", "go2")
+BOARD = 0.03  # m
+HEAVIER = 0.1  # share of the trunk's mass
+
+
+@cache
+def plan_of(robot):
+    """Half a turn."""
+    plan = llsrbm.plan(llsrbm.Jump(robot=robot, twist=np.pi))
+    assert plan.solved
+    return plan
+
+
+@cache
+def rollout():
+    """Half a turn of Go2 onto a board, with a trunk that is heavier than believed."""
+    plan = plan_of("go2")
+    simulated = llsrbm.simulate(plan, board=BOARD, trunk_mass=HEAVIER)
+    return replace(simulated, plan=plan)
+
+
+def sampled(trajectory, times):
+    """Base, joints by name, and the trajectory itself at instants."""
+    at = resample(trajectory, times)
+    return at, dict(zip(at.joint_names, at.joint_position.T, strict=True))
+
+
+def body_frames(name):
+    model = load_robot(name).model
+    return {f.name: i for i, f in enumerate(model.frames) if f.type == pin.FrameType.BODY}
+
+
+def link_poses(name, at, joints, k):
+    """Link -> pin.SE3 in the world, at row k."""
+    model = load_robot(name).model
+    data = model.createData()
+    q = pin.neutral(model)
+    q[:3] = at.base_position[k]
+    q[3:7] = at.base_quat[k, [1, 2, 3, 0]]
+    for joint, positions in joints.items():
+        q[model.joints[model.getJointId(joint)].idx_q] = positions[k]
+    pin.framesForwardKinematics(model, data, q)
+    return {link: data.oMf[i] for link, i in body_frames(name).items()}

@@ -1,0 +1,127 @@
+"""MimicKit's pickles, unpickled and turned as its loader does."""
+
+from __future__ import annotations
+
+import json
+import pickle
+import pickletools
+
+import numpy as np
+import pytest
+
+import llsrbm
+from llsrbm.errors import InputError
+from llsrbm.formats import export
+from llsrbm.formats.mimickit_pkl import exponential_map
+from tests.llsrbm.formats.jumps import (
+    HALF_TURN,
+    ROBOTS,
+    by_name,
+    mujoco_model,
+    planned,
+    same_attitude,
+    simulated,
+    ticks,
+)
+
+FPS = 50
+
+
+@pytest.fixture(scope="module", params=ROBOTS)
+def name(request):
+    return request.param
+
+
+@pytest.fixture(scope="module")
+def path(name, tmp_path_factory):
+    path = tmp_path_factory.mktemp("mimickit") / "jump.pkl"
+    export(simulated(name), path, format="mimickit-pkl", fps=FPS)
+    return path
+
+
+@pytest.fixture(scope="module")
+def content(path):
+    return pickle.loads(path.read_bytes())
+
+
+@pytest.fixture(scope="module")
+def frames(content):
+    return np.array(content["frames"])
+
+
+def quaternions(maps):
+    """w, x, y, z of exponential maps: cosine and sine of half the angle about the axis, the angle
+    first brought to -180 to 180 deg."""
+    angle = np.linalg.norm(maps, axis=1, keepdims=True)
+    axis = maps / np.where(angle == 0, 1, angle)
+    angle = np.arctan2(np.sin(angle), np.cos(angle))
+    return np.hstack([np.cos(angle / 2), axis * np.sin(angle / 2)])
+
+
+def test_keys_and_types(content, frames):
+    assert list(content) == ["loop_mode", "fps", "frames"]
+    assert content["loop_mode"] == 0  # clamp
+    assert content["fps"] == FPS
+    assert isinstance(content["frames"], list)
+    assert frames.shape[1] == 3 + 3 + 12
+
+
+def test_it_opens_without_numpy(path):
+    assert not [op for op, *_ in pickletools.genops(path.read_bytes()) if "GLOBAL" in op.name]
+
+
+def test_frames_are_the_simulators(name, frames):
+    rollout = simulated(name)
+    at = ticks(rollout, FPS)
+    qpos, here = rollout.qpos[at], frames[: len(at)]
+    np.testing.assert_allclose(here[:, :3], qpos[:, :3], atol=1e-6)
+    same_attitude(quaternions(here[:, 3:6]), qpos[:, 3:7], atol=1e-6)
+    model = mujoco_model(name)
+    depth_first = [model.joint(i + 1).name for i in range(12)]
+    wanted = by_name(rollout.joint_names, depth_first, qpos[:, 7:])
+    np.testing.assert_allclose(here[:, 6:], wanted, atol=1e-6)
+
+
+def test_attitudes_mixed_between_frames_go_through_half_a_turn(frames):
+    """Slerp of the neighbours, as MimicKit's loader, never strays."""
+    quat = quaternions(frames[:, 3:6])
+    apart = np.abs(np.sum(quat[1:] * quat[:-1], axis=1))
+    assert 2 * np.degrees(np.arccos(np.clip(apart, 0, 1))).max() < 30
+    assert frames[-1, 5] == pytest.approx(HALF_TURN, abs=0.1)
+
+
+def test_beyond_180_degrees_the_map_does_not_jump():
+    angle = np.linspace(0, 1.6 * np.pi, 50)
+    tilt = np.array([0.1, -0.2, 1.0]) / np.linalg.norm([0.1, -0.2, 1.0])
+    quat = np.hstack([np.cos(angle / 2)[:, None], np.sin(angle / 2)[:, None] * tilt])
+    for signed in (quat, -quat):
+        np.testing.assert_allclose(exponential_map(signed), angle[:, None] * tilt, atol=1e-12)
+
+
+def test_small_angles_and_none():
+    quat = np.array([[1.0, 0, 0, 0], [np.cos(5e-10), 0, 0, np.sin(5e-10)]])
+    np.testing.assert_allclose(exponential_map(quat)[:, 2], [0, 1e-9], rtol=1e-12)
+
+
+def test_what_stands_beside(name, path):
+    told = json.loads(path.with_name(path.name + ".meta.json").read_text())
+    model = mujoco_model(name)
+    assert told["joint_order"] == [model.joint(i + 1).name for i in range(12)]
+    assert told["columns"][:6] == ["x", "y", "z", "rx", "ry", "rz"]
+    assert told["request"]["robot"] == name
+
+
+def test_padding_is_still(tmp_path):
+    export(planned("go2"), tmp_path / "x.pkl", format="mimickit-pkl", pad=0.5)
+    content = pickle.loads((tmp_path / "x.pkl").read_bytes())
+    frames = np.array(content["frames"])
+    assert content["fps"] == 60
+    assert np.ptp(frames[:31], axis=0).max() == 0
+    assert np.ptp(frames[-31:], axis=0).max() == 0
+
+
+def test_it_is_never_opened(path):
+    with pytest.raises(InputError, match='"mimickit-pkl" is written and not opened'):
+        llsrbm.load_motion(path, format="mimickit-pkl")
+    with pytest.raises(InputError, match="of no format that can be opened"):
+        llsrbm.load_motion(path)

@@ -1,0 +1,428 @@
+"""The folder for MuJoCo, opened by MuJoCo in a process that does not import this project."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+import zipfile
+from dataclasses import replace
+
+import mujoco
+import numpy as np
+import pinocchio as pin
+import pytest
+
+import llsrbm
+from llsrbm.errors import InputError
+from llsrbm.formats import export
+from llsrbm.motion.resample import resample
+from llsrbm.motion.rollout import Disturbance
+from llsrbm.robots import load_robot
+from llsrbm.robots.visuals import link_visuals
+from llsrbm.scenario import Scenario
+from llsrbm.simulation.scene import build_scene
+from llsrbm.simulation.surroundings import Surroundings
+
+JUMPS = {
+    "anymal": llsrbm.Jump(robot="anymal", twist=np.pi),
+    "slider": llsrbm.Jump(robot="slider", twist=1.57),
+    "go2": llsrbm.Jump(robot="go2", twist=1.57),
+}
+FEET = {
+    "anymal": ("LF", "RF", "LH", "RH"),
+    "slider": ("left", "right"),
+    "go2": ("FL", "FR", "RL", "RR"),
+}
+
+# What a stranger would write: forward kinematics of every frame, nothing but MuJoCo and NumPy.
+REPLAY = """
+import sys
+import mujoco, numpy as np
+folder, result = sys.argv[1:]
+model = mujoco.MjModel.from_xml_path(folder + "/scene.xml")
+data = mujoco.MjData(model)
+motion = dict(np.load(folder + "/motion.npz", allow_pickle=False))
+feet = [g for g in range(model.ngeom) if model.geom(g).name.startswith("foot-")]
+found = {key: [] for key in ("feet", "com", "momentum", "spin")}
+for qpos, qvel, mocap in zip(motion["qpos"], motion["qvel"], motion["mocap_pos"], strict=True):
+    data.qpos[:], data.qvel[:], data.mocap_pos[:] = qpos, qvel, mocap
+    mujoco.mj_forward(model, data)
+    mujoco.mj_subtreeVel(model, data)
+    robot = model.body(1).id
+    found["feet"].append(data.geom_xpos[feet])
+    found["com"].append(data.subtree_com[robot].copy())
+    found["momentum"].append(data.subtree_linvel[robot] * model.body_subtreemass[robot])
+    found["spin"].append(data.subtree_angmom[robot].copy())
+names = [model.geom(g).name for g in feet]
+joints = [model.joint(j).name for j in range(1, model.njnt)]
+motors = [model.actuator(a).name for a in range(model.nu)]
+assert "llsrbm" not in sys.modules
+np.savez(result, **found, foot_names=names, radius=model.geom_size[feet, 0], joints=joints,
+         motors=motors, mass=model.body_mass.sum(), ctrlrange=model.actuator_ctrlrange,
+         forcerange=model.actuator_forcerange, limits=model.jnt_range[1:])
+"""
+
+
+def alone(program, *arguments, cwd=None):
+    """Run in a process of its own, in isolated mode."""
+    done = subprocess.run(
+        [sys.executable, "-I", "-c", program, *map(str, arguments)],
+        cwd=cwd,
+        capture_output=True,
+        text=True,
+        timeout=120,
+    )
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+class Case:
+    """A robot's plan and rollout, their folders, and what MuJoCo alone makes of them."""
+
+    def __init__(self, name, folder):
+        self.name = name
+        self.robot = load_robot(name)
+        self.plan = llsrbm.plan(JUMPS[name])
+        self.rollout = replace(llsrbm.simulate(self.plan), plan=self.plan)
+        self.rate = self.robot.file.control.rate
+        self.folders = {}
+        for key, trajectory, options in (
+            ("plan", self.plan, {}),
+            ("rollout", self.rollout, {}),
+            ("ticks", self.rollout, {"fps": self.rate}),
+        ):
+            self.folders[key] = folder / key
+            export(trajectory, self.folders[key], "mujoco", **options)
+
+    def motion(self, key):
+        with np.load(self.folders[key] / "motion.npz", allow_pickle=False) as file:
+            return dict(file)
+
+    def replayed(self, key):
+        result = self.folders[key].parent / f"{key}-replayed.npz"
+        if not result.exists():
+            alone(REPLAY, self.folders[key], result)
+        with np.load(result) as file:
+            return dict(file)
+
+    def model(self, key="rollout"):
+        return mujoco.MjModel.from_xml_path(str(self.folders[key] / "scene.xml"))
+
+    def foot_position(self, key):
+        """(T, L, 3): the middle of each foot's spheres, at their lowest."""
+        found = self.replayed(key)
+        names = found["foot_names"].tolist()
+        feet = []
+        for leg in FEET[self.name]:
+            own = [i for i, name in enumerate(names) if name.split("-")[1] == leg]
+            middle = found["feet"][:, own].mean(axis=1)
+            feet.append(middle - [0, 0, found["radius"][own[0]]])
+        return np.stack(feet, axis=1)
+
+
+@pytest.fixture(scope="module", params=list(JUMPS))
+def case(request, tmp_path_factory):
+    return Case(request.param, tmp_path_factory.mktemp(request.param))
+
+
+@pytest.fixture(scope="module")
+def anymal(tmp_path_factory):
+    return llsrbm.plan(llsrbm.Jump(robot="anymal", forward=0.2))
+
+
+def test_feet_are_where_the_rollout_says(case):
+    assert case.rollout.leg_names == FEET[case.name]
+    at_ticks = case.foot_position("ticks")
+    np.testing.assert_allclose(at_ticks, case.rollout.foot_position, atol=1e-6)
+    between = resample(case.rollout, case.motion("rollout")["time"]).foot_position
+    error = np.abs(case.foot_position("rollout") - between).max()
+    assert error < 1e-3
+
+
+def test_a_plan_stands_on_its_ground(case):
+    """Point feet are points in a plan and balls in the model: its ground is that much lower."""
+    ground = case.model("plan").geom("world-ground").pos[2]
+    feet = case.foot_position("plan")
+    assert feet[0, :, 2].min() == pytest.approx(ground, abs=1e-6)
+    assert feet[-1, :, 2].min() == pytest.approx(ground, abs=5e-3)
+    assert {"anymal": -0.02, "slider": -1e-6, "go2": -0.0221}[case.name] < ground < 1e-6
+    planned = resample(case.plan, case.motion("plan")["time"]).foot_position
+    assert np.abs(feet - planned - [0, 0, ground]).max() < 0.025  # ANYmal's balls are off-centre
+
+
+def test_velocities_are_in_mujocos_frames(case):
+    """Momenta by MuJoCo, which hang on the axes of both of the base's velocities."""
+    found = case.replayed("ticks")
+    for ours, key in (("linear_momentum", "momentum"), ("angular_momentum", "spin")):
+        expected = getattr(case.rollout, ours)
+        np.testing.assert_allclose(found[key], expected, atol=1e-6 * np.abs(expected).max())
+
+
+def test_mass_and_com_are_pinocchios(case):
+    robot = case.robot
+    data = robot.model.createData()
+    for key in ("plan", "rollout"):
+        found, motion = case.replayed(key), case.motion(key)
+        assert found["mass"] == pytest.approx(robot.mass, abs=1e-9)
+        names = motion["joint_names"].tolist()
+        for k in range(0, len(motion["time"]), 97):
+            qpos = motion["qpos"][k]
+            joints = [qpos[7 + names.index(name)] for name in robot.joint_names]
+            q = np.concatenate([qpos[:3], qpos[[4, 5, 6, 3]], joints])
+            com = pin.centerOfMass(robot.model, data, q)
+            np.testing.assert_allclose(found["com"][k], com, atol=1e-9)
+
+
+def test_joints_and_motors_are_depth_first_and_limited(case):
+    found, robot = case.replayed("rollout"), case.robot
+    joints = found["joints"].tolist()
+    assert joints == found["motors"].tolist() == case.motion("rollout")["joint_names"].tolist()
+    assert joints == list(case.rollout.joint_names)  # the simulator's own order
+    order = [robot.joint_names.index(name) for name in joints]
+    limit = robot.torque_limit[order]
+    np.testing.assert_allclose(found["ctrlrange"], np.stack([-limit, limit], axis=1), rtol=1e-5)
+    np.testing.assert_array_equal(found["forcerange"], found["ctrlrange"])
+    lower = robot.model.lowerPositionLimit[7:][order]
+    np.testing.assert_allclose(found["limits"][:, 0], lower, atol=1e-5)
+
+
+def test_time_and_rate(case):
+    for key, trajectory, fps in (
+        ("plan", case.plan, 500),
+        ("rollout", case.rollout, 500),
+        ("ticks", case.rollout, case.rate),
+    ):
+        motion = case.motion(key)
+        assert motion["fps"] == fps
+        np.testing.assert_allclose(motion["time"], np.arange(len(motion["qpos"])) / fps, atol=1e-9)
+        assert 0 <= motion["time"][-1] - trajectory.duration + 1e-6 < 1 / fps + 2e-6
+    np.testing.assert_allclose(case.motion("ticks")["ctrl"], case.rollout.torque, atol=1e-9)
+
+
+def test_quaternions_are_w_first_without_jumps_of_sign(case):
+    quat = case.motion("rollout")["qpos"][:, 3:7]
+    np.testing.assert_allclose(np.linalg.norm(quat, axis=1), 1, atol=1e-9)
+    assert quat[0, 0] > 0.99
+    assert (np.sum(quat[1:] * quat[:-1], axis=1) > 0.9).all()
+    yaw = np.unwrap(2 * np.arctan2(quat[:, 3], quat[:, 0]))
+    assert yaw[-1] == pytest.approx(case.plan.jump.twist, abs=0.2)
+
+
+def test_keyframes(case):
+    for key in ("plan", "rollout"):
+        model, motion = case.model(key), case.motion(key)
+        names = [model.key(i).name for i in range(model.nkey)]
+        assert names == ["start", "lift-off", "touchdown", "end"]
+        assert (np.diff(model.key_time) > 0).all()
+        for row, k in ((0, 0), (-1, -1)):
+            np.testing.assert_allclose(model.key_qpos[row], motion["qpos"][k], atol=1e-6)
+            np.testing.assert_allclose(model.key_qvel[row], motion["qvel"][k], atol=1e-6)
+            np.testing.assert_allclose(model.key_ctrl[row], motion["ctrl"][k], atol=1e-6)
+    assert case.model("plan").key_time == pytest.approx(case.plan.phase_start)
+    model, time = case.model("rollout"), case.rollout.time
+    lift_off, touchdown = (int(np.argmin(np.abs(time - t))) for t in model.key_time[1:3])
+    contact = case.rollout.contact
+    assert contact[lift_off - 1].any()
+    assert not contact[lift_off:touchdown].any()
+    assert contact[touchdown].any()
+
+
+def test_the_first_torques_move_it_as_they_should(case):
+    """A twentieth of a second from the first keyframe on, with nothing but its torques."""
+    for key, trajectory in (("plan", case.plan), ("rollout", case.rollout)):
+        model = case.model(key)
+        data = mujoco.MjData(model)
+        mujoco.mj_resetDataKeyframe(model, data, 0)
+        while data.time < 0.05:
+            mujoco.mj_step(model, data)
+        expected = resample(trajectory, data.time).base_position[0]
+        np.testing.assert_allclose(data.qpos[:3], expected, atol=1e-3)
+        assert data.ncon >= len(FEET[case.name])
+
+
+def test_the_model_is_that_of_the_simulation(case):
+    """The same accelerations, constraints and options where the feet press on the ground."""
+    exported = case.model()
+    tick = 1 / case.rate
+    steps = int(np.ceil(tick / 5e-4 - 1e-9))
+    ours = build_scene(case.robot, Surroundings(0.0, ()), Disturbance(), tick / steps)
+    for name in ("timestep", "cone", "impratio", "integrator", "gravity"):
+        assert np.array_equal(getattr(exported.opt, name), getattr(ours.model.opt, name)), name
+    assert exported.opt.cone == mujoco.mjtCone.mjCONE_ELLIPTIC
+    motors = [case.robot.joint_names.index(name) for name in case.rollout.joint_names]
+    for row in range(exported.nkey):
+        accelerations = []
+        for model, order in ((exported, slice(None)), (ours.model, np.argsort(motors))):
+            data = mujoco.MjData(model)
+            data.qpos[:], data.qvel[:] = exported.key_qpos[row], exported.key_qvel[row]
+            data.ctrl[:] = exported.key_ctrl[row][order]
+            mujoco.mj_forward(model, data)
+            accelerations.append(data.qacc.copy())
+        scale = np.abs(accelerations[1]).max()
+        np.testing.assert_allclose(*accelerations, atol=1e-4 * scale + 1e-6)
+
+
+def test_looks(case):
+    """A body's meshes are where its mesh for the page is, few, and touch nothing."""
+    model = case.model()
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    seen = [g for g in range(model.ngeom) if model.geom_group[g] == 2]
+    assert not model.geom_contype[seen].any()
+    assert not model.geom_conaffinity[seen].any()
+    for visual in link_visuals(case.robot):
+        joint = case.robot.model.names[visual.joint_id]
+        body = 1 if visual.joint_id == 1 else model.joint(joint).bodyid[0]
+        corners = []
+        for geom in seen:
+            if model.geom_bodyid[geom] == body:
+                mesh = model.geom_dataid[geom]
+                first = model.mesh_vertadr[mesh]
+                vertices = model.mesh_vert[first : first + model.mesh_vertnum[mesh]]
+                rotation = data.geom_xmat[geom].reshape(3, 3)
+                corners.append(vertices @ rotation.T + data.geom_xpos[geom])
+        in_body = (np.vstack(corners) - data.xpos[body]) @ data.xmat[body].reshape(3, 3)
+        used = visual.vertices[np.unique(visual.faces)]
+        np.testing.assert_allclose(in_body.min(axis=0), used.min(axis=0), atol=1e-5)
+        np.testing.assert_allclose(in_body.max(axis=0), used.max(axis=0), atol=1e-5)
+    assert model.nmat < 15
+    files = [file for file in case.folders["rollout"].rglob("*") if file.is_file()]
+    assert sum(file.stat().st_size for file in files) < 3e6
+    assert len({file.name.lower() for file in files}) == len(files)
+
+
+def test_the_program_in_the_readme_replays_it(case):
+    """With a window that only counts, which is all that is ours about it."""
+    text = (case.folders["rollout"] / "README.txt").read_text()
+    program = "\n".join(line[4:] for line in text.splitlines() if line.startswith("    "))
+    window = """
+import contextlib, sys, time, types
+shown = []
+class Window:
+    def sync(self): shown.append(1)
+def launch_passive(model, data): return contextlib.nullcontext(Window())
+viewer = types.ModuleType("mujoco.viewer")
+viewer.launch_passive = launch_passive
+import mujoco
+mujoco.viewer = sys.modules["mujoco.viewer"] = viewer
+waited = []
+time.sleep = waited.append
+"""
+    report = """
+assert "llsrbm" not in sys.modules
+print(len(shown), sum(waited), *data.qpos[:3])
+"""
+    folder = case.folders["rollout"]
+    count, waited, *base = alone(window + program + report, cwd=folder).split()
+    motion = case.motion("rollout")
+    assert int(count) == len(motion["time"])
+    assert float(waited) == pytest.approx(int(count) / 500)
+    np.testing.assert_allclose(np.array(base, dtype=float), motion["qpos"][-1, :3], atol=1e-12)
+
+
+def test_the_rest_is_beside_it(case):
+    meta = json.loads((case.folders["rollout"] / "meta.json").read_text())
+    assert meta["format"] == "mujoco"
+    assert meta["fps"] == 500
+    assert meta["request"]["robot"] == case.name
+    assert meta["joint_order"] == list(case.rollout.joint_names)
+    assert meta["keyframes"]["touchdown"] == pytest.approx(
+        case.rollout.outcome.touchdown_true_s, abs=1.01 / case.rate
+    )
+
+
+def test_again_zipped_and_over_something_else(anymal, tmp_path):
+    folder = tmp_path / "out"
+    for fps in (60, 50):
+        export(anymal, folder, "mujoco", fps=fps)
+        assert np.load(folder / "motion.npz")["fps"] == fps
+    export(anymal, tmp_path / "out.zip", "mujoco")
+    with zipfile.ZipFile(tmp_path / "out.zip") as archive:
+        archive.extractall(tmp_path / "unpacked")
+    (inner,) = (tmp_path / "unpacked").iterdir()
+    assert inner.name == "anymal-llsrbm-plus-plan"
+    mujoco.MjModel.from_xml_path(str(inner / "scene.xml"))
+    other = tmp_path / "other"
+    other.mkdir()
+    (other / "thesis.tex").write_text("years")
+    with pytest.raises(InputError, match="other things"):
+        export(anymal, other, "mujoco")
+    assert [file.name for file in other.iterdir()] == ["thesis.tex"]
+
+
+def test_still_before_and_after(anymal, tmp_path):
+    export(anymal, tmp_path / "out", "mujoco", fps=100, pad=0.25)
+    motion = np.load(tmp_path / "out" / "motion.npz")
+    assert (motion["qvel"][:25] == 0).all()
+    assert (motion["qvel"][-25:] == 0).all()
+    assert (motion["qpos"][:25] == motion["qpos"][25]).all()
+    assert (motion["qpos"][-25:] == motion["qpos"][-25]).all()
+    assert len(motion["time"]) == np.ceil(anymal.duration * 100 - 1e-6) + 51
+
+
+def blocks_in(folder):
+    model = mujoco.MjModel.from_xml_path(str(folder / "scene.xml"))
+    with np.load(folder / "motion.npz") as motion:
+        time, places = motion["time"], motion["mocap_pos"]
+        names = motion["mocap_names"].tolist()
+    assert [model.body(name).mocapid[0] for name in names] == list(range(len(names)))
+    return model, time, places, names
+
+
+def test_a_box_and_a_board_stand_when_they_did(tmp_path):
+    plan = llsrbm.plan(llsrbm.Jump(robot="slider", height=0.1))
+    export(plan, tmp_path / "plan", "mujoco", pad=0.1)
+    model, time, places, names = blocks_in(tmp_path / "plan")
+    assert names == ["world-box"]
+    slid_in = plan.phase_start[1:3].mean() + 0.1
+    assert (places[time < slid_in - 1e-3][:, 0, 2] < -10).all()
+    np.testing.assert_allclose(places[time > slid_in + 1e-3][:, 0, 2], 0.05, atol=1e-6)
+    assert model.body("world-box").pos[2] == pytest.approx(0.05)
+    assert model.key_mpos[:2, 2] == pytest.approx(-100)
+    assert model.key_mpos[2:, 2] == pytest.approx(0.05)
+    # The feet of the last keyframe stand on it.
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, 3)
+    mujoco.mj_forward(model, data)
+    for foot in ("left", "right"):
+        geom = f"foot-{foot}-0"
+        lowest = data.geom(geom).xpos[2] - model.geom(geom).size[0]
+        assert lowest == pytest.approx(0.1, abs=1e-4)
+
+
+@pytest.mark.parametrize("case", ["anymal"], indirect=True)
+def test_a_board_of_the_rollouts_own(case, tmp_path):
+    tried = replace(
+        case.rollout,
+        scenario=Scenario(board=0.03),
+        disturbance=Disturbance(trunk_mass_factor=1.1, friction=0.5),
+    )
+    export(tried, tmp_path / "out", "mujoco")
+    model, _, places, names = blocks_in(tmp_path / "out")
+    assert names == ["world-board"]
+    assert places[-1, 0, 2] == pytest.approx(0.015)
+    assert places[0, 0, 2] < -10
+    trunk = case.robot.model.inertias[1].mass
+    assert model.body_mass.sum() == pytest.approx(case.robot.mass + 0.1 * trunk, abs=1e-9)
+    assert model.geom("foot-LF-0").friction[0] == 0.5
+    with pytest.raises(InputError, match="does not hold its plan"):
+        export(replace(tried, plan=None), tmp_path / "none", "mujoco")
+    assert not (tmp_path / "none").exists()
+
+
+@pytest.mark.parametrize("case", ["anymal"], indirect=True)
+def test_a_fall_has_the_keyframes_that_happened(case, tmp_path):
+    outcome = replace(case.rollout.outcome, touchdown_true_s=None)
+    export(replace(case.rollout, outcome=outcome), tmp_path / "out", "mujoco", fps=50)
+    model = mujoco.MjModel.from_xml_path(str(tmp_path / "out" / "scene.xml"))
+    assert [model.key(i).name for i in range(model.nkey)] == ["start", "lift-off", "end"]
+
+
+def test_a_plan_whose_torques_are_not_known(anymal, tmp_path):
+    unknown = replace(anymal, joint_torque=None, joint_torque_limit=None)
+    export(unknown, tmp_path / "out", "mujoco")
+    assert "ctrl" not in np.load(tmp_path / "out" / "motion.npz")
+    assert "is not known" in (tmp_path / "out" / "README.txt").read_text()
+    model = mujoco.MjModel.from_xml_path(str(tmp_path / "out" / "scene.xml"))
+    assert not model.key_ctrl.any()

@@ -1,0 +1,264 @@
+"""Motions in MuJoCo's coordinates that come from elsewhere: read, or refused in one line."""
+
+from __future__ import annotations
+
+import zipfile
+
+import mujoco
+import numpy as np
+import pytest
+
+import llsrbm
+from llsrbm.errors import FileFormatError
+from llsrbm.formats import FORMATS, export
+from llsrbm.formats.mujoco_motion import recognises
+from llsrbm.motion.rollout import Disturbance
+from llsrbm.motion.whole_body import whole_body_motion
+from llsrbm.robots import load_robot
+from llsrbm.simulation.scene import build_scene, joints_in_model_order
+from llsrbm.simulation.surroundings import Surroundings
+
+read = FORMATS["mujoco"].read
+FPS = 100.0
+ROBOTS = ("anymal", "slider", "go2")
+
+
+@pytest.fixture(scope="module", params=ROBOTS)
+def robot(request):
+    return load_robot(request.param)
+
+
+@pytest.fixture(scope="module")
+def anymal():
+    return load_robot("anymal")
+
+
+def motion_of(robot, count=41):
+    """A half turn in the air with every joint moving its own way; joints in MuJoCo's order."""
+    time = np.arange(count) / FPS
+    yaw = np.pi * time / time[-1]
+    names = joints_in_model_order(robot)
+    rest = dict(zip(robot.joint_names, robot.posture[7:], strict=True))
+    own = np.arange(1, len(names) + 1)
+    joints = np.array([rest[name] for name in names]) + 0.1 * np.sin(own * time[:, None])
+    zero = np.zeros(count)
+    qpos = np.column_stack(
+        [time, 0.5 * time**2, 0.5 + zero, np.cos(yaw / 2), zero, zero, np.sin(yaw / 2), joints]
+    )
+    rates = 0.1 * own * np.cos(own * time[:, None])
+    turn = np.pi / time[-1] + zero
+    qvel = np.column_stack([1 + zero, time, zero, zero, zero, turn, rates])
+    return names, time, qpos, qvel
+
+
+def write(path, **arrays):
+    np.savez(path, **arrays)
+    return path
+
+
+def in_robots_order(robot, names, values, before):
+    return values[:, before:][:, [list(names).index(name) for name in robot.joint_names]]
+
+
+def check(motion, robot, names, qpos, qvel, tolerance=1e-12):
+    assert motion.origin == "mujoco"
+    np.testing.assert_allclose(motion.base_position, qpos[:, :3], atol=tolerance)
+    np.testing.assert_allclose(
+        np.abs(np.sum(motion.base_quat * qpos[:, 3:7], axis=1)), 1, atol=tolerance
+    )
+    expected = in_robots_order(robot, names, qpos, 7)
+    np.testing.assert_allclose(motion.joint_position, expected, atol=tolerance)
+    np.testing.assert_allclose(motion.qvel[:, :6], qvel[:, :6], atol=10 * tolerance)
+    np.testing.assert_allclose(
+        motion.joint_velocity, in_robots_order(robot, names, qvel, 6), atol=10 * tolerance
+    )
+
+
+def test_depth_first_order_is_mujocos(robot):
+    model = build_scene(robot, Surroundings(0.0, ()), Disturbance(), 5e-4).model
+    compiled = [model.joint(i).name for i in range(1, model.njnt)]
+    assert list(joints_in_model_order(robot)) == compiled
+
+
+def test_without_names_joints_are_depth_first(robot, tmp_path):
+    names, time, qpos, qvel = motion_of(robot)
+    path = write(tmp_path / "x.npz", qpos=qpos, qvel=qvel, time=time + 7.0)
+    assert recognises(path)
+    motion = read(path, robot, None)
+    check(motion, robot, names, qpos, qvel)
+    assert motion.fps == pytest.approx(FPS)
+    np.testing.assert_allclose(motion.time, time, atol=1e-9)
+
+
+def test_joints_go_by_their_names(robot, tmp_path):
+    names, _, qpos, qvel = motion_of(robot)
+    shuffled = np.random.default_rng(1).permutation(len(names))
+    path = write(
+        tmp_path / "x.npz",
+        qpos=np.hstack([qpos[:, :7], qpos[:, 7:][:, shuffled]]),
+        qvel=np.hstack([qvel[:, :6], qvel[:, 6:][:, shuffled]]),
+        joint_names=np.array(names)[shuffled],
+        fps=np.array([FPS]),
+    )
+    check(read(path, robot, None), robot, names, qpos, qvel)
+
+
+@pytest.mark.parametrize("types", [True, False])
+def test_locomujocos_layout(robot, tmp_path, types):
+    """With the free joint's name, in single precision, and a pickled None that is left alone."""
+    names, _, qpos, qvel = motion_of(robot)
+    extra = {"jnt_type": np.array([0, *[3] * len(names)])} if types else {}
+    path = write(
+        tmp_path / "x.npz",
+        qpos=qpos.astype(np.float32),
+        qvel=qvel.astype(np.float32),
+        split_points=np.array([0, len(qpos)]),
+        joint_names=np.array(["root", *names]),
+        frequency=FPS,
+        njnt=len(names) + 1,
+        metadata=np.array(None, dtype=object),
+        **extra,
+    )
+    check(read(path, robot, None), robot, names, qpos, qvel, tolerance=1e-5)
+
+
+def test_without_velocities_they_are_differences(robot, tmp_path):
+    names, _, qpos, qvel = motion_of(robot)
+    motion = read(write(tmp_path / "x.npz", qpos=qpos), robot, FPS)
+    check(motion, robot, names, qpos, motion_qvel(robot, names, motion), tolerance=1e-12)
+    np.testing.assert_allclose(motion.qvel[:, :6], qvel[:, :6], atol=1e-3)
+    np.testing.assert_allclose(
+        motion.joint_velocity, in_robots_order(robot, names, qvel, 6), atol=0.02
+    )
+
+
+def motion_qvel(robot, names, motion):
+    order = [robot.joint_names.index(name) for name in names]
+    return np.hstack([motion.qvel[:, :6], motion.joint_velocity[:, order]])
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_there_and_back(name, tmp_path):
+    plan = llsrbm.plan(llsrbm.Jump(robot=name, twist=0.5))
+    export(plan, tmp_path / "folder", "mujoco")
+    export(plan, tmp_path / "one.zip", "mujoco")
+    export(plan, tmp_path / "two.zip", ["mujoco", "csv"])
+    expected = whole_body_motion(plan, 500)
+    robot = load_robot(name)
+    for path in ("folder", "folder/motion.npz", "one.zip", "two.zip"):
+        assert recognises(tmp_path / path)
+        motion = read(tmp_path / path, robot, None)
+        assert motion.fps == 500
+        for quantity in ("time", "qpos", "qvel"):
+            got = getattr(motion, quantity)
+            np.testing.assert_allclose(got, getattr(expected, quantity), atol=1e-9)
+        np.testing.assert_allclose(motion.com[1:-1], expected.com[1:-1], atol=5e-3)
+
+
+def test_frames_that_are_not_even(anymal, tmp_path):
+    _, time, qpos, qvel = motion_of(anymal)
+    time = time + 0.3 * time**2
+    path = write(tmp_path / "x.npz", qpos=qpos, qvel=qvel, time=time)
+    motion = read(path, anymal, None)
+    assert motion.fps is None
+    np.testing.assert_allclose(motion.time, time)
+    with pytest.raises(FileFormatError, match="not even"):
+        read(path, anymal, 50.0)
+
+
+def test_what_is_refused(anymal, tmp_path):
+    names, time, qpos, qvel = motion_of(anymal)
+    zero = qpos.copy()
+    zero[3, 3:7] = 0
+    unnamed = np.array(names, dtype=object)
+    full = {"qpos": qpos, "qvel": qvel, "fps": FPS}
+    for arrays, fps, message in (
+        ({"qpos": qpos}, None, "does not say its rate; expected a rate as"),
+        ({"qvel": qvel}, None, '"qpos" is missing'),
+        (full, 50.0, "100 frames/s by one account, 50 by another"),
+        (full | {"time": time / 2}, None, "100 frames/s by one account, 200 by another"),
+        (full | {"time": time[::-1]}, None, "increase"),
+        (full | {"fps": -1.0}, None, "above 0"),
+        (full | {"fps": np.nan}, None, "above 0"),
+        (full | {"fps": np.inf}, None, "inf frames/s"),
+        (full | {"qpos": zero}, None, "frame 3: expected a unit quaternion"),
+        (full | {"qpos": qpos[:, :-1]}, None, r"expected shape \(frames, 19\), got \(41, 18\)"),
+        (full | {"qvel": qvel[:-1]}, None, r"expected shape \(41, 18\)"),
+        (full | {"qpos": qpos * np.nan}, None, "finite"),
+        (full | {"qpos": qpos[:1], "qvel": qvel[:1]}, None, "expected 2 or more"),
+        (full | {"qpos": qpos.astype(str)}, None, "real numbers"),
+        (full | {"joint_names": np.array(["a"] * 12)}, None, "expected those of anymal: LF_HAA"),
+        (full | {"joint_names": np.array(3)}, None, "a list of names"),
+        (
+            full | {"joint_names": unnamed},
+            None,
+            "a pickle of Python objects, which is never opened",
+        ),
+        (full | {"split_points": np.array([0, 20, 41])}, None, "2 motions one after the other"),
+    ):
+        path = write(tmp_path / "x.npz", **arrays)
+        with pytest.raises(FileFormatError, match=message) as caught:
+            read(path, anymal, fps)
+        assert "\n" not in str(caught.value)
+        assert str(path) in str(caught.value)
+
+
+def test_another_robots_motion(robot, tmp_path):
+    path = write(tmp_path / "x.npz", qpos=np.eye(30, 43), fps=50)
+    with pytest.raises(FileFormatError, match="expected shape"):
+        read(path, robot, None)
+
+
+def test_no_such_file(anymal, tmp_path):
+    for name in ("nothing.npz", "."):
+        with pytest.raises(FileFormatError, match="cannot be read"):
+            read(tmp_path / name, anymal, None)
+        assert not recognises(tmp_path / name)
+
+
+def test_what_is_not_of_this_kind_is_not_recognised(tmp_path):
+    (tmp_path / "a.csv").write_text("1,2,3\n")
+    write(tmp_path / "native.npz", qpos=np.zeros(3), schema="llsrbm.rollout/1")
+    write(tmp_path / "tracking.npz", joint_pos=np.zeros(3))
+    with zipfile.ZipFile(tmp_path / "other.zip", "w") as archive:
+        archive.writestr("a/motion.npz", b"")
+    for path in tmp_path.iterdir():
+        assert not recognises(path)
+
+
+def test_a_model_in_the_folder_is_not_loaded(anymal, tmp_path, monkeypatch):
+    _, _, qpos, _ = motion_of(anymal)
+    write(tmp_path / "motion.npz", qpos=qpos, fps=FPS)
+    (tmp_path / "scene.xml").write_text("<mujoco><include file='/etc/passwd'/></mujoco>")
+    monkeypatch.setattr(mujoco.MjModel, "from_xml_path", None)
+    assert recognises(tmp_path)
+    assert len(read(tmp_path, anymal, None).time) == len(qpos)
+
+
+@pytest.mark.parametrize("kind", ["npz", "zip"])
+def test_damaged_files_end_in_one_kind_of_error(anymal, tmp_path, kind):
+    _, _, qpos, qvel = motion_of(anymal, count=4)
+    path = write(tmp_path / "motion.npz", qpos=qpos, qvel=qvel, fps=FPS)
+    if kind == "zip":
+        path = tmp_path / "x.zip"
+        with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
+            archive.write(tmp_path / "motion.npz", "a/motion.npz")
+            archive.writestr("a/scene.xml", "<mujoco/>")
+    whole = path.read_bytes()
+    rng = np.random.default_rng(5)
+    refused = 0
+    for attempt in range(400):
+        data = bytearray(whole)
+        if attempt % 4 == 0:
+            data = data[: rng.integers(len(data))]
+        else:
+            for at in rng.integers(len(data), size=rng.integers(1, 12)):
+                data[at] = rng.integers(256)
+        path.write_bytes(data)
+        recognises(path)
+        try:
+            read(path, anymal, None)
+        except FileFormatError as error:
+            assert "\n" not in str(error)
+            refused += 1
+    assert refused > 200

@@ -1,0 +1,178 @@
+"""Every format that is registered keeps its promises, whatever it is."""
+
+from __future__ import annotations
+
+import json
+import zipfile
+from dataclasses import replace
+
+import pytest
+
+from llsrbm.errors import InputError
+from llsrbm.formats import FORMATS, Options, export, file_name, find
+from llsrbm.motion.files import load
+from llsrbm.motion.plan import Plan
+from llsrbm.motion.resample import resample
+from llsrbm.robots import load_robot
+from tests.llsrbm.synthetic import synthetic_plan
+from tests.llsrbm.synthetic_rollout import synthetic_rollout
+
+# What keeps formats that take long short, given to those that take it.
+QUICK = {"fps": 10.0, "size": (64, 48)}
+
+
+@pytest.fixture(scope="module")
+def plan():
+    """A real robot's joints with a motion made by hand, which no formula of a format minds."""
+    robot = load_robot("go2")
+    made = synthetic_plan(intervals=4)
+    legs = tuple(robot.file.legs)
+    return replace(
+        made,
+        jump=replace(made.jump, robot="go2"),
+        robot_parameters=robot.parameters(),
+        joint_names=tuple(n for leg in legs for n in robot.joint_names if n.startswith(leg)),
+    )
+
+
+@pytest.fixture(scope="module")
+def rollout(plan):
+    made = synthetic_rollout(plan)
+    return resample(made, made.time[::20])
+
+
+@pytest.fixture(params=["plan", "rollout"])
+def trajectory(request):
+    return request.getfixturevalue(request.param)
+
+
+@pytest.fixture(params=FORMATS)
+def format_(request):
+    found = find(request.param)
+    if found.extra is not None and found.extra.missing:
+        pytest.skip(f"llsrbm[{found.extra.name}] is not installed")
+    return found
+
+
+def quick(*formats):
+    return {name: value for name, value in QUICK.items() if any(name in f.options for f in formats)}
+
+
+def holds(format_, trajectory):
+    return ("plan" if isinstance(trajectory, Plan) else "rollout") in format_.holds
+
+
+def test_its_description(format_):
+    assert FORMATS[format_.name] is format_
+    assert format_.title
+    assert "\n" not in format_.title
+    assert format_.conventions.strip()
+    assert format_.suffix == "" or format_.suffix.startswith(".")
+    assert set(format_.options) <= set(Options.__dataclass_fields__)
+    assert format_.holds
+    assert set(format_.holds) <= {"plan", "rollout"}
+
+
+def test_it_writes_what_it_holds_and_nothing_else(format_, trajectory, tmp_path):
+    path = tmp_path / f"x{format_.suffix}"
+    if not holds(format_, trajectory):
+        with pytest.raises(InputError, match=f'"{format_.name}" cannot hold a '):
+            export(trajectory, path, format=format_.name)
+        assert not list(tmp_path.iterdir())
+        return
+    export(trajectory, path, format=format_.name, **quick(format_))
+    assert path.is_dir() if format_.suffix == "" else path.is_file()
+    left = [each for each in tmp_path.iterdir() if each != path]
+    assert all(each.name.startswith(path.name) for each in left)
+    for each in [*left, *tmp_path.rglob("*.json")]:
+        if each.name.endswith("meta.json"):
+            said = json.loads(each.read_text(), parse_constant=pytest.fail)
+            assert said["request"] == trajectory.jump.as_dict()
+    # Once more, over what is there.
+    export(trajectory, path, format=format_.name, **quick(format_))
+    assert sorted(tmp_path.iterdir()) == sorted([path, *left])
+
+
+def test_any_name_will_do(format_, plan, tmp_path):
+    """Formats must not depend on what the file is called."""
+    if not holds(format_, plan):
+        pytest.skip("holds no plan")
+    name = f"é {format_.name}"
+    try:
+        export(plan, tmp_path / name, format=format_.name, **quick(format_))
+    except InputError as error:  # of a library that goes by the suffix
+        assert "\n" not in str(error)
+        assert format_.suffix in str(error)
+        assert not list(tmp_path.iterdir())
+    else:
+        assert (tmp_path / name).exists()
+
+
+def test_a_place_that_is_none(format_, trajectory, tmp_path):
+    if not holds(format_, trajectory):
+        pytest.skip("does not hold it")
+    with pytest.raises(InputError) as caught:
+        export(trajectory, tmp_path / "none" / "x", format=format_.name, **quick(format_))
+    assert "\n" not in str(caught.value)
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("fps", [0.0, -1.0, float("nan"), float("inf"), 1e9])
+def test_a_rate_that_makes_no_sense(format_, plan, tmp_path, fps):
+    if "fps" not in format_.options or not holds(format_, plan):
+        pytest.skip("has no rate")
+    with pytest.raises(InputError) as caught:
+        export(plan, tmp_path / "x", format=format_.name, **(quick(format_) | {"fps": fps}))
+    assert "\n" not in str(caught.value)
+    assert not list(tmp_path.iterdir())
+
+
+def test_options_that_it_does_not_take(format_, plan, tmp_path):
+    given = {"fps": 10.0, "pad": 0.5, "order": "breadth-first", "size": (64, 48)}
+    for name, value in given.items():
+        if name not in format_.options and holds(format_, plan):
+            with pytest.raises(InputError, match=f"{name}: is not for format"):
+                export(plan, tmp_path / "x", format=format_.name, **{name: value})
+    assert not list(tmp_path.iterdir())
+
+
+def test_robots_that_are_gone(format_, trajectory, tmp_path):
+    """Formats that need the robot say so; others do without."""
+    if not holds(format_, trajectory):
+        pytest.skip("does not hold it")
+    parameters = {**trajectory.robot_parameters, "name": "a robot that there was"}
+    jump = replace(trajectory.jump, robot="a robot that there was")
+    gone = replace(trajectory, jump=jump, robot_parameters=parameters)
+    try:
+        export(gone, tmp_path / f"x{format_.suffix}", format=format_.name, **quick(format_))
+    except InputError as error:
+        assert 'no robot "a robot that there was"' in str(error)
+        assert not list(tmp_path.iterdir())
+
+
+def test_all_at_once_in_a_zip(trajectory, tmp_path):
+    formats = [
+        each
+        for each in FORMATS.values()
+        if holds(each, trajectory) and not (each.extra is not None and each.extra.missing)
+    ]
+    names = [each.name for each in formats]
+    path = tmp_path / file_name(trajectory, names)
+    export(trajectory, path, format=names, **quick(*formats))
+    assert [each.name for each in tmp_path.iterdir()] == [path.name]
+    with zipfile.ZipFile(path) as archive:
+        assert archive.testzip() is None
+        inside = archive.namelist()
+        native = next(name for name in inside if name == f"{path.stem}-npz.npz")
+        (tmp_path / "x.npz").write_bytes(archive.read(native))
+    assert load(tmp_path / "x.npz").jump == trajectory.jump
+    for each in formats:
+        start = f"{path.stem}-{each.name}{each.suffix}"
+        assert any(name == start or name.startswith(f"{start}/") for name in inside), each.name
+
+
+def test_file_names(plan, format_):
+    if format_.suffix:
+        assert file_name(plan, [format_.name]) == f"go2-llsrbm-plus-plan{format_.suffix}"
+    else:
+        assert file_name(plan, [format_.name]) == "go2-llsrbm-plus-plan.zip"

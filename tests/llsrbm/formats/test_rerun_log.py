@@ -1,0 +1,314 @@
+"""Recordings for rerun, read back with rerun's own reader."""
+
+from __future__ import annotations
+
+import gc
+import json
+import time
+from collections import defaultdict
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from rerun.chunk import RrdReader
+from scipy.spatial.transform import Rotation
+
+from llsrbm.errors import InputError
+from llsrbm.formats import FORMATS, export
+from llsrbm.motion.instants import events
+from llsrbm.motion.plan import Phase
+from llsrbm.robots import load_robot
+from llsrbm.robots.visuals import link_visuals
+from tests.llsrbm.formats.logs import BOARD, ROBOTS, link_poses, plan_of, rollout, sampled
+
+FLOAT = 1e-6  # poses are floats: a robot is within some metres of the origin
+
+# What rerun cannot make sense of it tells as a warning.
+pytestmark = pytest.mark.filterwarnings("error")
+
+
+class Recording:
+    """What is in a file: entity -> component -> rows, and the timelines."""
+
+    def __init__(self, path):
+        reader = RrdReader(path)
+        (self.store,) = reader.recordings()
+        self.blueprints = reader.blueprints()
+        self.layout = [chunk.entity_path for chunk in reader.stream(store=self.blueprints[0])]
+        self.rows = defaultdict(dict)
+        self.time = {}
+        self.timelines = set()
+        for chunk in reader.stream():
+            batch = chunk.to_record_batch()
+            self.timelines |= set(chunk.timeline_names)
+            for name in batch.schema.names:
+                if name == "time":
+                    ns = batch["time"].cast("int64").to_numpy()
+                    assert chunk.entity_path not in self.time, "one chunk an entity"
+                    self.time[chunk.entity_path] = ns
+                elif name != "rerun.controls.RowId":
+                    self.rows[chunk.entity_path][name] = batch[name].to_pylist()
+
+    def seconds(self, entity):
+        return self.time[entity] * 1e-9
+
+    def array(self, entity, component):
+        """(K, n), what has one instance a row as that instance."""
+        rows = np.array(self.rows[entity][component], dtype=float)
+        return rows[:, 0] if rows.ndim == 3 else rows
+
+    def scalars(self, name, top="plots"):
+        return self.array(f"/{top}/{name}", "Scalars:scalars")
+
+    def static(self, entity, component):
+        (row,) = self.rows[entity][component]
+        return row
+
+
+def written(trajectory, folder, **options):
+    path = folder / "x.rrd"
+    export(trajectory, path, format="rrd", **options)
+    assert [file.name for file in folder.iterdir()] == ["x.rrd"]
+    assert path.stat().st_size < 10e6
+    return Recording(path)
+
+
+@pytest.fixture(scope="module", params=ROBOTS)
+def plan(request):
+    return plan_of(request.param)
+
+
+@pytest.fixture(scope="module")
+def recording(plan, tmp_path_factory):
+    return written(plan, tmp_path_factory.mktemp("plan"))
+
+
+@pytest.fixture(scope="module")
+def simulated(tmp_path_factory):
+    return written(rollout(), tmp_path_factory.mktemp("rollout"))
+
+
+def check_links(recording, top, trajectory):
+    name = trajectory.jump.robot
+    links = [visual.link for visual in link_visuals(load_robot(name))]
+    at, joints = sampled(trajectory, recording.seconds(f"{top}/{links[0]}"))
+    for k in np.linspace(0, len(at.time) - 1, 12).astype(int):
+        poses = link_poses(name, at, joints, k)
+        for link in links:
+            rows = recording.rows[f"{top}/{link}"]
+            (origin,) = rows["Transform3D:translation"][k]
+            (xyzw,) = rows["Transform3D:quaternion"][k]
+            np.testing.assert_allclose(origin, poses[link].translation, atol=FLOAT)
+            R = Rotation.from_quat(xyzw).as_matrix()
+            np.testing.assert_allclose(R, poses[link].rotation, atol=FLOAT)
+
+
+def test_every_link_is_where_pinocchio_puts_it(plan, recording):
+    check_links(recording, "/world/robot", plan)
+
+
+def test_meshes_are_the_robots(plan, recording):
+    for visual in link_visuals(load_robot(plan.jump.robot)):
+        entity = f"/world/robot/{visual.link}"
+        vertices = recording.static(entity, "Mesh3D:vertex_positions")
+        np.testing.assert_array_equal(np.array(vertices, np.float32), visual.vertices)
+        rgba = np.array(recording.static(entity, "Mesh3D:vertex_colors"), np.uint32)
+        rgb = np.stack([rgba >> 24, (rgba >> 16) & 255, (rgba >> 8) & 255], axis=1)
+        np.testing.assert_array_equal(rgb, visual.rgb)
+
+
+def test_quaternions_go_on_through_half_a_turn(plan, recording):
+    root = link_visuals(load_robot(plan.jump.robot))[0].link
+    quat = recording.array(f"/world/robot/{root}", "Transform3D:quaternion")
+    assert (np.sum(quat[1:] * quat[:-1], axis=1) > 0.9).all()
+    yaw = np.unwrap(Rotation.from_quat(quat).as_euler("ZYX")[:, 0])
+    assert yaw[0] == pytest.approx(0, abs=1e-6)
+    assert yaw[-1] == pytest.approx(np.pi, abs=1e-2)
+
+
+def test_time(plan, recording):
+    assert recording.timelines == {"time"}
+    exact = np.round((events(plan) - plan.time[0]) * 1e9).astype(int)
+    for entity, times in recording.time.items():
+        assert times[0] == 0
+        assert (np.diff(times) > 0).all()
+        if not entity.startswith("/world/blocks"):
+            assert np.diff(times).max() <= 5_000_001
+            assert set(exact) <= set(times)
+
+
+def test_scalars_are_doubles(plan, recording):
+    at, joints = sampled(plan, recording.seconds("/plots/com"))
+    for name, values in (
+        ("com", at.com),
+        ("com_velocity", at.com_velocity),
+        ("linear_momentum", at.linear_momentum),
+        ("angular_momentum", at.angular_momentum),
+        ("principal_moments", np.linalg.eigvalsh(at.inertia)),
+        ("base_position", at.base_position),
+        ("base_quat", at.base_quat),
+    ):
+        np.testing.assert_allclose(recording.scalars(name), values, atol=1e-9, err_msg=name)
+    names = recording.static("/plots/joint_position", "SeriesLines:names")
+    expected = np.stack([joints[name] for name in names], axis=1)
+    np.testing.assert_allclose(recording.scalars("joint_position"), expected, atol=1e-9)
+    order = [at.joint_names.index(name) for name in names]
+    share = (at.joint_torque / at.joint_torque_limit)[:, order]
+    np.testing.assert_allclose(recording.scalars("torque_share"), share, atol=1e-9)
+    assert recording.static("/plots/com", "unit") == ["m"]
+    assert recording.static("/plots/com", "SeriesLines:names") == ["x", "y", "z"]
+
+
+def test_forces_and_contacts(plan, recording):
+    at, _ = sampled(plan, recording.seconds("/plots/contact"))
+    flight = at.phase == Phase.FLIGHT
+    contact = recording.scalars("contact")
+    assert (contact[flight] == 0).all()
+    assert (contact[~flight] == 1).all()
+    force = np.stack([recording.scalars(f"foot_force/{leg}") for leg in plan.leg_names], axis=1)
+    total = at.contact_force.sum(axis=1)[:-1]
+    np.testing.assert_allclose(force.sum(axis=1)[:-1], total, atol=1e-6)
+    weight = load_robot(plan.jump.robot).mass * 9.81
+    for i, leg in enumerate(plan.leg_names):
+        vectors = recording.rows[f"/world/forces/{leg}"]["Arrows3D:vectors"]
+        origins = recording.rows[f"/world/forces/{leg}"]["Arrows3D:origins"]
+        for k in range(len(at.time)):
+            pushing = np.linalg.norm(force[k, i]) > 1
+            assert len(vectors[k]) == len(origins[k]) == int(pushing)
+            if pushing:
+                np.testing.assert_allclose(vectors[k][0], 0.8 * force[k, i] / weight, atol=FLOAT)
+
+
+def test_the_ellipsoid_has_the_inertia(plan, recording):
+    at, _ = sampled(plan, recording.seconds("/world/inertia"))
+    mass = load_robot(plan.jump.robot).mass
+    axes = recording.array("/world/inertia", "Ellipsoids3D:half_sizes")
+    quat = recording.array("/world/inertia", "Ellipsoids3D:quaternions")
+    a, b, c = axes.T**2
+    R = Rotation.from_quat(quat).as_matrix()
+    moments = np.stack([b + c, a + c, a + b], axis=1) * mass / 5
+    inertia = np.einsum("kij,kj,klj->kil", R, moments, R)
+    np.testing.assert_allclose(inertia, at.inertia, rtol=1e-4, atol=1e-5)
+
+
+def test_trails(plan, recording):
+    at, _ = sampled(plan, recording.seconds("/plots/com"))
+    strip = np.squeeze(recording.rows["/world/trails/com"]["LineStrips3D:strips"])
+    np.testing.assert_allclose(strip, at.com, atol=FLOAT)
+    for leg in plan.leg_names:
+        assert f"/world/trails/{leg}" in recording.rows
+
+
+def test_what_stands_beside_the_numbers(plan, recording):
+    (text,) = recording.static("/description/json", "TextDocument:text")
+    about = json.loads(text)
+    assert about["request"] == plan.jump.as_dict()
+    assert about["solver"]["status"] == "solved"
+    (told,) = recording.static("/description", "TextDocument:text")
+    assert told.startswith(f"# {about['robot']['name']}: plan\n")
+    assert recording.static("/description", "TextDocument:media_type") == ["text/markdown"]
+
+
+def test_a_layout_comes_with_it(recording):
+    assert len(recording.blueprints) == 1
+    assert recording.store.application_id == recording.blueprints[0].application_id
+    assert sum(path.startswith("/view/") for path in recording.layout) > 8
+
+
+def test_a_rollout_and_the_plan_that_it_followed(simulated):
+    check_links(simulated, "/world/robot", rollout())
+    check_links(simulated, "/world/plan", rollout().plan)
+    colour = simulated.static("/world/plan/base", "Mesh3D:albedo_factor")[0]
+    assert colour & 255 < 128
+    at, _ = sampled(rollout().plan, simulated.seconds("/planned/com"))
+    np.testing.assert_allclose(simulated.scalars("com", "planned"), at.com, atol=1e-9)
+
+
+def test_events_of_a_rollout_are_exact(simulated):
+    exact = np.round(events(rollout()) * 1e9).astype(int)
+    assert set(exact) <= set(simulated.time["/plots/com"])
+
+
+def test_what_the_controller_tracked(simulated):
+    at, _ = sampled(rollout(), simulated.seconds("/tracked/com"))
+    np.testing.assert_allclose(simulated.scalars("com", "tracked"), at.reference_com, atol=1e-9)
+    assert simulated.static("/tracked/com", "SeriesLines:names")[0] == "x tracked"
+
+
+def test_the_board_comes_in_mid_flight(simulated):
+    middle = rollout().plan.phase_start[1:3].mean()
+    assert simulated.seconds("/world/blocks/board") == pytest.approx([middle], abs=1e-9)
+    (centre,), (half,) = (
+        simulated.static("/world/blocks/board", f"Boxes3D:{name}")
+        for name in ("centers", "half_sizes")
+    )
+    assert centre[2] + half[2] == pytest.approx(BOARD, abs=FLOAT)
+
+
+def test_what_is_drawn_away(tmp_path):
+    """The block under a robot that jumps down beside it."""
+    import rerun as rr
+
+    from llsrbm.formats.rerun_log import _log_surroundings
+    from llsrbm.simulation.surroundings import Block, Surroundings
+
+    stream = rr.RecordingStream("test", recording_id="drawn away")
+    stream.save(tmp_path / "x.rrd")
+    block = Block("block", np.array([0, 0, -0.1]), np.array([1, 1, 0.2]), 0.3, 0.0, 0.5)
+    _log_surroundings(stream, Surroundings(-0.2, (block,)))
+    stream.flush()
+    stream.disconnect()
+    times, sizes = [], []
+    for chunk in RrdReader(tmp_path / "x.rrd").stream():
+        if chunk.entity_path == "/world/blocks/block":
+            batch = chunk.to_record_batch()
+            times += batch["time"].cast("int64").to_pylist()
+            sizes += batch["Boxes3D:half_sizes"].to_pylist()
+    assert times == [0, 500_000_000]
+    assert len(sizes[0]) == 1
+    assert sizes[1] == []
+
+
+def test_a_rollout_that_does_not_say_what_it_followed(tmp_path):
+    recording = written(replace(rollout(), plan=None), tmp_path)
+    assert not [path for path in recording.rows if path.startswith(("/world/plan", "/planned"))]
+    assert "/tracked/com" in recording.rows
+
+
+def test_rate(tmp_path):
+    recording = written(plan_of("go2"), tmp_path, fps=50)
+    assert np.diff(recording.time["/plots/com"]).max() <= 20_000_001
+    with pytest.raises(InputError, match="0 < fps"):
+        export(plan_of("go2"), tmp_path / "y.rrd", format="rrd", fps=0)
+
+
+def test_nothing_keeps_running(tmp_path):
+    def threads():
+        gc.collect()
+        time.sleep(0.05)
+        return len(list(tasks.iterdir()))
+
+    tasks = Path("/proc/self/task")
+    if not tasks.exists():
+        pytest.skip("counts threads as Linux shows them")
+    export(plan_of("slider"), tmp_path / "0.rrd", format="rrd")
+    before = threads()
+    for i in range(3):
+        export(plan_of("slider"), tmp_path / f"{i}.rrd", format="rrd")
+    assert threads() <= before
+
+
+def test_switched_off_by_the_environment(tmp_path, monkeypatch):
+    monkeypatch.setenv("RERUN", "off")
+    with pytest.raises(InputError, match="environment variable RERUN"):
+        export(plan_of("go2"), tmp_path / "x.rrd", format="rrd")
+    assert not list(tmp_path.iterdir())
+
+
+def test_without_its_package(tmp_path, monkeypatch):
+    monkeypatch.setattr("llsrbm.formats.base.find_spec", lambda name: None)
+    with pytest.raises(InputError, match=r'pip install "llsrbm\[rerun\]"'):
+        export(plan_of("go2"), tmp_path / "x.rrd", format="rrd")
+    assert FORMATS["rrd"].extra.modules == ("rerun",)
+    assert not list(tmp_path.iterdir())

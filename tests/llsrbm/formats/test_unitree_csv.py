@@ -1,0 +1,223 @@
+"""Tables of motion references, read back as their consumers read them."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pinocchio as pin
+import pytest
+from scipy.spatial.transform import Rotation
+
+import llsrbm
+from llsrbm.errors import FileFormatError
+from llsrbm.formats import export
+from llsrbm.motion.whole_body import whole_body_motion
+from llsrbm.robots import load_robot
+from tests.llsrbm.formats.jumps import (
+    HALF_TURN,
+    ROBOTS,
+    by_name,
+    planned,
+    same_attitude,
+    simulated,
+    ticks,
+)
+
+
+@pytest.fixture(scope="module", params=ROBOTS)
+def name(request):
+    return request.param
+
+
+@pytest.fixture(scope="module")
+def file(name, tmp_path_factory):
+    path = tmp_path_factory.mktemp("unitree") / "jump.csv"
+    export(simulated(name), path, format="unitree-csv", fps=50)
+    return path
+
+
+@pytest.fixture(scope="module")
+def rows(file):
+    return np.loadtxt(file, delimiter=",")  # as mjlab's and BeyondMimic's converters do
+
+
+@pytest.fixture
+def copied(tmp_path):
+    """A file of one's own to damage."""
+    path = tmp_path / "jump.csv"
+    export(planned("anymal"), path, format="unitree-csv")
+    return path
+
+
+def beside(path: Path) -> Path:
+    return path.with_name(path.name + ".meta.json")
+
+
+def test_rows_are_the_simulators_states(name, rows):
+    rollout = simulated(name)
+    at = ticks(rollout, 50)
+    qpos, here = rollout.qpos[at], rows[: len(at)]
+    assert rows.shape[1] == 7 + 12
+    np.testing.assert_allclose(here[:, :3], qpos[:, :3], atol=1e-6)
+    same_attitude(here[:, 3:7], qpos[:, [4, 5, 6, 3]], atol=1e-6)
+    robot = load_robot(name)
+    wanted = by_name(rollout.joint_names, robot.joint_names, qpos[:, 7:])
+    np.testing.assert_allclose(here[:, 7:], wanted, atol=1e-6)
+
+
+def test_a_row_is_pinocchios_q(name, rows):
+    """As Unitree's own viewer takes it: the feet of the first row stand on the ground."""
+    robot = load_robot(name)
+    data = robot.model.createData()
+    pin.framesForwardKinematics(robot.model, data, rows[0])
+    heights = [data.oMf[leg.foot_frame_id].translation[2] for leg in robot.legs]
+    assert np.abs(heights).max() < 0.03
+
+
+def test_the_quaternion_ends_with_w_and_goes_through_half_a_turn_without_a_jump(rows):
+    quat = rows[:, 3:7]
+    np.testing.assert_allclose(quat[0], [0, 0, 0, 1], atol=0.02)
+    assert (np.sum(quat[1:] * quat[:-1], axis=1) > 0.9).all()
+    yaw = np.unwrap(Rotation.from_quat(quat).as_euler("zyx")[:, 0])
+    assert yaw[-1] == pytest.approx(HALF_TURN, abs=0.1)
+
+
+def test_what_stands_beside(name, file):
+    told = json.loads(beside(file).read_text())
+    robot = load_robot(name)
+    assert told["fps"] == 50
+    assert told["quaternion_order"] == "xyzw"
+    assert told["joint_order"] == list(robot.joint_names)
+    assert told["columns"] == ["x", "y", "z", "qx", "qy", "qz", "qw", *robot.joint_names]
+    units = dict(zip(told["columns"], told["column_units"], strict=True))
+    assert units["x"] == "m"
+    for joint in robot.joint_names:  # only SLIDER's
+        assert units[joint] == ("m" if joint.endswith("slide") else "rad")
+    assert told["request"]["twist"] == HALF_TURN
+
+
+def test_30_frames_a_second_unless_asked_otherwise(copied):
+    plan = planned("anymal")
+    assert json.loads(beside(copied).read_text())["fps"] == 30
+    assert len(copied.read_text().splitlines()) == int(np.ceil(plan.duration * 30 - 1e-6)) + 1
+
+
+def test_padding_is_still(tmp_path):
+    export(planned("go2"), tmp_path / "x.csv", format="unitree-csv", fps=40, pad=0.5)
+    rows = np.loadtxt(tmp_path / "x.csv", delimiter=",")
+    assert np.ptp(rows[:21], axis=0).max() == 0
+    assert np.ptp(rows[-21:], axis=0).max() == 0
+    assert np.ptp(rows[:25], axis=0).max() > 0
+
+
+def test_opened(name, file):
+    motion = llsrbm.load_motion(file, robot=name)
+    truth = whole_body_motion(simulated(name), 50)
+    assert motion.origin == "unitree-csv"
+    assert motion.fps == 50
+    np.testing.assert_allclose(motion.time, truth.time, atol=1e-9)
+    np.testing.assert_allclose(motion.qpos[:, :3], truth.qpos[:, :3], atol=1e-6)
+    np.testing.assert_allclose(motion.qpos[:, 7:], truth.qpos[:, 7:], atol=1e-6)
+    same_attitude(motion.base_quat, truth.base_quat, atol=1e-9)
+    # Differences: right where the motion is smooth, smeared where it is not.
+    off = np.abs(motion.qvel - truth.qvel).max(axis=1)
+    assert np.median(off) < 0.15
+    assert np.quantile(np.abs(motion.angular_velocity - truth.angular_velocity), 0.5) < 0.02
+    assert (motion.contact == truth.contact).mean() > 0.96
+    np.testing.assert_allclose(motion.com, truth.com, atol=1e-3)
+
+
+def test_the_rate_is_the_users_where_nothing_stands_beside(copied):
+    beside(copied).unlink()
+    assert llsrbm.load_motion(copied, fps=25).fps == 25
+    with pytest.raises(FileFormatError, match="does not say its rate; expected frames per second"):
+        llsrbm.load_motion(copied)
+    with pytest.raises(FileFormatError, match="0 < fps"):
+        llsrbm.load_motion(copied, fps=0)
+
+
+def test_what_stands_beside_counts(copied):
+    assert llsrbm.load_motion(copied, fps=25).fps == 30
+
+
+def test_joints_in_another_order(copied):
+    told = json.loads(beside(copied).read_text())
+    rows = np.loadtxt(copied, delimiter=",")
+    right = llsrbm.load_motion(copied)
+    np.savetxt(copied, np.hstack([rows[:, :7], rows[:, :6:-1]]), delimiter=",")
+    beside(copied).write_text(json.dumps(told | {"joint_order": told["joint_order"][::-1]}))
+    turned = llsrbm.load_motion(copied)
+    np.testing.assert_allclose(turned.joint_position, right.joint_position, atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("told", "message"),
+    [
+        ("{", "damaged"),
+        ("[1]", "expected a JSON object"),
+        ('{"fps": "30"}', "0 < fps"),
+        ('{"fps": true}', "0 < fps"),
+        ('{"fps": NaN}', "0 < fps"),
+        ('{"fps": 1' + "0" * 400 + "}", "0 < fps"),
+        ('{"fps": 30, "joint_order": 3}', "expected a list of names"),
+        ('{"fps": 30, "joint_order": ["a\\nb"]}', "expected the robot that moves"),
+        ('{"fps": 30, "quaternion_order": "wxyz"}', 'expected "xyzw", got "wxyz"'),
+        ("[" * 100000, "damaged"),
+    ],
+)
+def test_nonsense_beside(copied, told, message):
+    beside(copied).write_text(told)
+    with pytest.raises(FileFormatError, match=message) as caught:
+        llsrbm.load_motion(copied)
+    assert "\n" not in str(caught.value)
+
+
+GOOD = ["0,0,0.5,0,0,0,1" + ",0" * 12] * 4
+
+
+@pytest.mark.parametrize(
+    ("lines", "message"),
+    [
+        (["Frame,root_translateX,root_rotateX", *GOOD], "begins with a header.*ProtoMotions"),
+        ([GOOD[0] + ",0", *GOOD], r"row 1 has 20 columns; expected 19: 7 of the root and 12"),
+        ([*GOOD, "1,2"], "row 5 has 2 columns"),
+        ([GOOD[0], "0,0,x", *GOOD], "row 2: not all of it is numbers"),
+        ([GOOD[0], GOOD[0].replace("0.5", "nan")], "expected finite numbers"),
+        ([GOOD[0], GOOD[0].replace("0.5", "1e999")], "expected finite numbers"),
+        ([GOOD[0], GOOD[0].replace("0.5", "1e200")], "expected finite numbers up to 10000"),
+        ([GOOD[0], GOOD[0].replace("1", "0.9")], "norm 0.9 in frame 1"),
+        ([GOOD[0], GOOD[0].replace(",1", ",0")], "norm 0 in frame 1"),
+        (GOOD[:1], "2 to 50000 frames, got 1"),
+        ([], "2 to 50000 frames, got 0"),
+        (GOOD[:1] * 50001, "50001 rows; at most 50000"),
+        (["\x00\x01"], "header, or is no table"),
+    ],
+)
+def test_no_such_table(tmp_path, lines, message):
+    path = tmp_path / "x.csv"
+    path.write_text("\n".join(lines))
+    with pytest.raises(FileFormatError, match=message) as caught:
+        llsrbm.load_motion(path, fps=50)
+    assert "\n" not in str(caught.value)
+
+
+def test_no_text_too_large_not_there(tmp_path):
+    path = tmp_path / "x.csv"
+    path.write_bytes(b"\xff\xfe\x80")
+    with pytest.raises(FileFormatError, match="not a text file"):
+        llsrbm.load_motion(path, fps=50)
+    with path.open("wb") as large:
+        large.truncate(40 * 1024**2)
+    with pytest.raises(FileFormatError, match="which is no jump"):
+        llsrbm.load_motion(path, fps=50)
+    for other in (tmp_path / "none.csv", tmp_path):
+        with pytest.raises(FileFormatError, match="cannot be read"):
+            llsrbm.load_motion(other, format="unitree-csv", fps=50)
+
+
+def test_our_table_for_people_is_not_taken_for_it(tmp_path):
+    export(planned("anymal"), tmp_path / "x.csv", format="csv")
+    with pytest.raises(FileFormatError, match="begins with a header"):
+        llsrbm.load_motion(tmp_path / "x.csv")

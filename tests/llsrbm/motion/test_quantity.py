@@ -1,0 +1,216 @@
+"""The one table of quantities: all that plans and rollouts hold, and the units of joints."""
+
+from __future__ import annotations
+
+import csv
+import json
+from dataclasses import fields
+from typing import get_type_hints
+
+import numpy as np
+import pytest
+
+import llsrbm
+from llsrbm import cli
+from llsrbm.formats import export
+from llsrbm.formats.csv_columns import columns
+from llsrbm.motion.files import load
+from llsrbm.motion.plan import Plan
+from llsrbm.motion.plan_file import FIRST_LAYOUT, FIRST_SCHEMA, LAYOUT
+from llsrbm.motion.quantity import JOINT, SIZES, TIME, Between, Kind, derived, quantities
+from llsrbm.motion.rollout import Rollout
+from llsrbm.motion.rollout_file import SCHEMA
+from tests.llsrbm.synthetic import synthetic_plan
+from tests.llsrbm.synthetic_rollout import synthetic_rollout
+
+ROBOTS = ("anymal", "slider", "go2")
+UNITS = ("", "s", "m", "m/s", "rad", "rad/s", "kg", "kg m/s", "kg m2/s", "kg m2", "N", "Nm")
+OTHER_UNITS = ("m, rad", "m/s, rad/s", "m/s and rad/s", "the detector's")  # of no single thing
+
+
+@pytest.fixture(scope="module", params=ROBOTS)
+def plan(request):
+    return llsrbm.plan(llsrbm.Jump(robot=request.param, twist=0.5))
+
+
+@pytest.fixture(scope="module")
+def rollout():
+    return synthetic_rollout()
+
+
+def tables():
+    return [(of, name, q) for of in (Plan, Rollout) for name, q in quantities(of).items()]
+
+
+@pytest.mark.parametrize("of", [Plan, Rollout])
+def test_every_array_is_declared(of):
+    """A field that holds numbers over time or text is in the table; what is no array is not."""
+    hints = get_type_hints(of)
+    arrays = {
+        field.name
+        for field in fields(of)
+        if "ndarray" in str(hints[field.name]) or hints[field.name] in (float, tuple[str, ...])
+    }
+    assert arrays == set(quantities(of))
+
+
+def test_what_is_held_is_declared(rollout):
+    for trajectory in (synthetic_plan(), rollout):
+        held = {
+            field.name
+            for field in fields(trajectory)
+            if isinstance(getattr(trajectory, field.name), np.ndarray | float)
+        }
+        assert held | {"joint_names"} == set(quantities(type(trajectory)))
+
+
+@pytest.mark.parametrize(("of", "name", "quantity"), tables())
+def test_what_is_said_makes_sense(of, name, quantity):
+    assert quantity.unit in UNITS + OTHER_UNITS
+    assert quantity.meaning
+    assert "\n" not in quantity.meaning
+    assert all(axis in SIZES for axis in quantity.axes)
+    assert TIME not in quantity.axes[1:]
+    assert (quantity.between is Between.CONSTANT) == (TIME not in quantity.axes)
+    assert (quantity.kind is Kind.WHOLE) == bool(quantity.codes)
+
+
+def test_files_hold_what_is_declared(rollout, tmp_path):
+    for trajectory in (synthetic_plan(), rollout):
+        trajectory.save(tmp_path / "x.npz")
+        with np.load(tmp_path / "x.npz") as archive:
+            assert set(quantities(type(trajectory))) <= set(archive)
+
+
+def test_shapes_of_plans_are_those_of_their_axes(plan):
+    sizes = {}
+    for name, quantity in quantities(Plan).items():
+        shape = np.shape(getattr(plan, name))
+        assert len(shape) == len(quantity.shape), name
+        for got, size in zip(shape, quantity.shape, strict=True):
+            wanted = size if isinstance(size, int) else sizes.setdefault(size, got)
+            assert got == wanted, name
+    assert sizes["T"] == len(plan.time)
+    assert sizes["L"] == len(plan.leg_names)
+    assert sizes["J"] == len(plan.joint_names)
+    assert sizes["C"] % sizes["L"] == 0
+
+
+def test_shapes_of_rollouts_are_those_of_their_axes(rollout):
+    sizes = {}
+    for name, quantity in (quantities(Rollout) | derived(Rollout)).items():
+        shape = np.shape(getattr(rollout, name))
+        for got, size in zip(shape, quantity.shape, strict=True):
+            wanted = size if isinstance(size, int) else sizes.setdefault(size, got)
+            assert got == wanted, name
+    assert (sizes["Q"], sizes["V"]) == (7 + sizes["J"], 6 + sizes["J"])
+
+
+def test_units_of_joints(plan):
+    """Sliding joints have metres and newtons; none has "rad or m"."""
+    sliding = plan.sliding_joints
+    assert bool(sliding) == (plan.jump.robot == "slider")
+    turning = {"rad": "m", "rad/s": "m/s", "Nm": "N"}
+    for name, quantity in quantities(Plan).items():
+        if JOINT in quantity.axes and quantity.kind is Kind.REAL:
+            assert quantity.unit in turning, name
+            for joint in plan.joint_names:
+                unit = quantity.unit_of(joint, sliding)
+                assert unit == (turning[quantity.unit] if joint in sliding else quantity.unit)
+
+
+def test_columns_of_a_table_are_made_of_it(plan):
+    named = [name for name, _ in columns(plan, 20.0)]
+    assert named[0] == "time [s]"
+    assert len(set(named)) == len(named)
+    assert not any(" or " in name for name in named)
+    listed = {
+        quantity.column or name
+        for name, quantity in (quantities(Plan) | derived(Plan)).items()
+        if quantity.listed and TIME in quantity.axes
+    }
+    assert {name.partition(" [")[0].partition("/")[0] for name in named} == listed
+    for joint in plan.joint_names:
+        m, rad = ("m", "N"), ("rad", "Nm")
+        position, torque = m if joint in plan.sliding_joints else rad
+        assert f"joint_position/{joint} [{position}]" in named
+        assert f"joint_velocity/{joint} [{position}/s]" in named
+        assert f"joint_torque/{joint} [{torque}]" in named
+        assert f"joint_torque_limit/{joint} [{torque}]" in named
+
+
+def test_so_they_are_in_the_file(plan, tmp_path):
+    export(plan, tmp_path / "x.csv", format="csv", fps=20.0)
+    with (tmp_path / "x.csv").open(newline="") as file:
+        assert next(csv.reader(file)) == [name for name, _ in columns(plan, 20.0)]
+    said = json.loads((tmp_path / "x.csv.meta.json").read_text())
+    units = dict(zip(said["joints"], said["joint_units"], strict=True))
+    assert {joint for joint, unit in units.items() if unit == "m"} == plan.sliding_joints
+
+
+@pytest.mark.parametrize("name", ["npz", "csv"])
+def test_formats_tell_them_all(capfd, name):
+    assert cli.main(["formats", "--format", name]) == 0
+    lines = capfd.readouterr().out.splitlines()
+    for of in (Plan, Rollout):
+        start = lines.index(f"{of.__name__}: name, shape, unit, frame, meaning") + 1
+        rows = lines[start : start + len(quantities(of))]
+        for row, (key, quantity) in zip(rows, quantities(of).items(), strict=True):
+            assert row.split()[0] == key
+            assert ", ".join(map(str, quantity.shape)) in row
+            assert quantity.meaning in row
+            assert quantity.frame in row
+
+
+class TestOldFiles:
+    """Made by leaving out what came later."""
+
+    def without(self, path, keys=(), schema=None, **tables):
+        with np.load(path) as archive:
+            arrays = {key: value for key, value in archive.items() if key not in keys}
+        meta = json.loads(str(arrays["meta"]))
+        for table, gone in tables.items():
+            for key in gone:
+                (meta if table == "top" else meta[table]).pop(key, None)
+        arrays["meta"] = np.array(json.dumps(meta))
+        if schema is not None:
+            arrays["schema"] = np.array(schema)
+        np.savez_compressed(path, **arrays)
+        return path
+
+    def test_a_first_plan(self, plan, tmp_path):
+        """Without loads and tuning, and before robots said which joints slide."""
+        path = tmp_path / "x.npz"
+        plan.save(path)
+        later = set(LAYOUT) - set(FIRST_LAYOUT)
+        assert later == {"joint_velocity", "joint_torque", "joint_torque_limit"}
+        self.without(
+            path, later, FIRST_SCHEMA, top=("tuning",), robot_parameters=("sliding_joints",)
+        )
+        old = load(path)
+        np.testing.assert_allclose(old.joint_torque, plan.joint_torque, atol=1e-9)
+        assert old.sliding_joints == plan.sliding_joints
+        export(old, tmp_path / "x.csv", format="csv")
+        old.save(tmp_path / "again.npz")
+        np.testing.assert_array_equal(load(tmp_path / "again.npz").joint_torque, old.joint_torque)
+
+    def test_an_early_rollout(self, rollout, tmp_path):
+        path = tmp_path / "x.npz"
+        rollout.save(path)
+        with np.load(path) as archive:
+            assert archive["schema"] == SCHEMA
+            later = [key for key in archive if key.startswith("plan/")]
+        self.without(
+            path,
+            later,
+            "llsrbm.rollout/1",
+            top=("control_parameters", "tuning"),
+            outcome=("landing_strategy",),
+            robot_parameters=("sliding_joints",),
+        )
+        old = load(path)
+        assert old.plan is None
+        assert old.control_parameters == {}
+        assert old.outcome.landing_strategy == ""
+        np.testing.assert_array_equal(old.qpos, rollout.qpos)
+        export(old, tmp_path / "x.csv", format="csv", fps=10.0)
