@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from html import escape
-from pathlib import Path
 from typing import Any
 
 import viser
@@ -13,7 +12,7 @@ from app.checked import number, put
 from app.file_drop import accept_drops
 from app.viser_private import take_upload
 from llsrbm.design import Design
-from llsrbm.formats import FORMATS
+from llsrbm.formats import readable
 
 _NO_EXAMPLE = "choose ..."
 _RATE = "Rate of the file [1/s]"
@@ -107,8 +106,8 @@ class DesignControls:
 
 def _suffixes() -> list[str]:
     """Of the files that a browser shall offer to open."""
-    motions = {Path(each.suffix).suffix for each in FORMATS.values() if each.read is not None}
-    return sorted({".json", ".npz"} | motions - {""})
+    motions = {each.suffix for each in readable() if each.suffix}
+    return sorted({".json", ".zip"} | motions)
 
 
 _NOTE_STYLE = "padding: 0 0.9em 0.5em; font-size: 0.85em; line-height: 1.35; opacity: 0.8"

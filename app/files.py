@@ -76,9 +76,11 @@ class Files:
             file: as it came.
             robot: whose motion it is, where the file does not say.
         """
-        if file.name.lower().endswith(".csv"):
+        fps = None
+        if file.name.lower().endswith(".csv"):  # the others say their own
+            fps = self._panel.designs.read_rate()
             self._panel.designs.show_rate()
-        task = OpenFile(file.name, file.content, robot, self._panel.designs.read_rate())
+        task = OpenFile(file.name, file.content, robot, fps)
         self._opened_job = self._submit(self._opening, task)
 
     def save(self, design: Design) -> None:

@@ -43,7 +43,7 @@ _LARGEST_VALUE = 1e7  # of any number that is drawn or plotted, in its SI unit
 _FARTHEST = 1000.0  # m
 _SAME = 1e-6  # relative; numbers of a robot that were computed anew differ in their last digits
 _SHOWN_NAME = 80  # characters
-_SUFFIXES = {".json", ".npz"} | {Path(each.suffix).suffix for each in readable()}
+_SUFFIXES = {".json", ".zip"} | {each.suffix for each in readable()}
 
 _log = logging.getLogger(__name__)
 
@@ -130,8 +130,8 @@ def _is_design(name: str, path: Path) -> bool:
         head = file.read(LARGEST_DESIGN)
     if name.lower().endswith(SUFFIX) or b'"llsrbm.design' in head:
         return True
-    text_ = not head.startswith(b"PK") and path.suffix in (".json", "")
-    return text_ and not any(each.recognises and each.recognises(path) for each in readable())
+    may_be = not head.startswith(b"PK") and Path(name).suffix.lower() in (".json", "")
+    return may_be and not any(each.recognises and each.recognises(path) for each in readable())
 
 
 def _opened(path: Path, shown: str, robot: str, fps: float | None) -> OpenedFile:

@@ -280,9 +280,10 @@ class Session:
         self._simulate_next = False
         self._use_robot(design.jump.robot)
         self.design = design
-        self._show_robot(design.jump.robot)
+        if self._robot is None:  # it was prepared when the file was opened
+            self._show_robot(design.jump.robot)
         if self._robot is None:
-            return  # it says why
+            return  # the panel says why
         self._panel.jump.show(design.jump)
         self._panel.simulation.show(design.scenario)
         self._panel.tuning.show(design.tuning)

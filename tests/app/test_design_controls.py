@@ -92,7 +92,7 @@ def test_a_tab_is_told_to_send_no_files_that_are_refused(tab):
 
 def test_a_browser_offers_what_can_be_opened(tab):
     offered = tab.control("Open")["props"]["mime_type"].split(",")
-    assert {".json", ".npz"} <= set(offered)
+    assert {".json", ".npz", ".csv"} <= set(offered)
 
 
 def test_an_uploaded_design_is_read():

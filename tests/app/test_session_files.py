@@ -226,6 +226,24 @@ def test_another_tools_motion_becomes_a_pin_of_the_robot_that_is_shown(tab, sess
     tab.wait(lambda: not ghosts(tab), "no ghost")
 
 
+@pytest.mark.parametrize("format_", ["unitree-csv", "motion-npz"])
+def test_what_was_saved_for_other_tools_comes_back_for_looking(tab, session, script, format_):
+    tab.set("Format", format_)
+    tab.wait(lambda: tab.control("Frames per second")["props"]["visible"], "its options")
+    name, data = save(tab)
+    fps = tab.value("Frames per second")
+    if format_ == "unitree-csv":
+        assert fps == tab.value("Rate of the file [1/s]")  # as both are usual
+    tab.upload("Open", name, data)
+    tab.wait(lambda: len(ghosts(tab)) == 1, "a ghost")
+    tab.wait(lambda: "/pinned/1/base" in script.nodes(), "its motion")
+    for instant in (0.0, 0.6, 1.2):
+        apart = script.at("/pinned/1/base", instant)[0] - script.at("/links/base", instant)[0]
+        assert apart == pytest.approx([0, 0, 0], abs=0.05)
+    visible = tab.control("Rate of the file [1/s]")["props"]["visible"]
+    assert visible == (format_ == "unitree-csv")
+
+
 def test_there_are_no_more_pins_than_colours(tab, session):
     for count in (1, 2, 3):
         tab.upload("Open", "foreign.csv", b"numbers", transfer=str(count))
