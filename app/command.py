@@ -60,6 +60,8 @@ def _opened(path: Path, robot: str, fps: float | None) -> OpenedFile:
     if robot not in names():
         raise InputError(f"--robot: expected one of {', '.join(names())}, got {robot!r:.80}")
     try:
+        if path.exists() and not path.is_file():
+            raise InputError(f"--open: {path}: expected a file")
         content = path.read_bytes()
     except OSError as error:
         raise InputError(f"--open: {path}: cannot be read ({error.strerror})") from error

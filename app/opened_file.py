@@ -86,6 +86,12 @@ class OpenedFile:
     remarks: tuple[str, ...] = ()
 
     @property
+    def is_alone(self) -> bool:
+        """Whether it is a motion without a plan, for looking."""
+        holds = self.holds
+        return isinstance(holds, States) or (isinstance(holds, Rollout) and holds.plan is None)
+
+    @property
     def robot(self) -> str:
         """Name of its robot."""
         return self.holds.robot if isinstance(self.holds, States) else self.holds.jump.robot

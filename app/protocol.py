@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 from typing import Any, Protocol
 
 from app.opened_file import OpenedFile
+from llsrbm.design import SUFFIX
 from llsrbm.formats import find
 from llsrbm.jump import Jump
 from llsrbm.motion.plan import Plan
@@ -19,6 +20,8 @@ from llsrbm.scenario import Scenario
 from llsrbm.tuning import Tuning
 
 # ---- tasks, server to process
+
+_NUMBERS = {".npz", ".csv", ".json", ".pkl", SUFFIX}  # of files that hold nothing else
 
 
 @dataclass(frozen=True)
@@ -111,9 +114,8 @@ class ExportMotion:
 
     @property
     def quick(self) -> bool:
-        """Whether it surely takes less than a second: it draws nothing and needs no packages."""
-        formats = [find(name) for name in self.formats]
-        return all(each.extra is None and "size" not in each.options for each in formats)
+        """Whether it surely takes less than a second: numbers alone, no meshes and no pictures."""
+        return all(find(name).suffix in _NUMBERS for name in self.formats)
 
 
 Task = Prepare | PlanJump | FindNearest | SimulateJump | OpenFile | ExportMotion

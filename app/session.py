@@ -21,7 +21,7 @@ from app.desk import Desk
 from app.files import FileReport, Files, forget_files
 from app.foreign import bake_foreign
 from app.opened_file import OpenedFile, States
-from app.opening import Opening
+from app.opening import Opening, example
 from app.panel import Action, Chosen, Panel, Uploaded
 from app.protocol import Report
 from app.stage import Stage
@@ -225,8 +225,11 @@ class Session:
 
     def _open(self, kept: Future[Design | None], complaints: list[str]) -> None:
         """Show a jump at once: the one this browser kept, or the example of the first robot."""
-        if self._opening.file is not None:
-            self._show_opened(self._opening.file)
+        file = self._opening.file
+        if file is not None:
+            if file.is_alone:  # beside the example of its robot
+                self._take_up(Design(example(file.robot)))
+            self._show_opened(file)
             return
         if self._opening.plan(self.jump.robot) is not None:
             self._show_robot(self.jump.robot)

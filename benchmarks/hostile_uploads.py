@@ -40,7 +40,9 @@ def main() -> int:
         except Error as error:
             ended["refused"] += 1
             line = str(error)
-            unforeseen += UNFORESEEN in line
+            if UNFORESEEN in line:
+                unforeseen += 1
+                print(f"seed {seed}: {line}")
             why[re.sub(r"[0-9.]+|\"[^\"]*\"|'[^']*'", "*", line.partition(": ")[2])[:60]] += 1
             if "\n" in line or len(line) > LONGEST_LINE or "/tmp/" in line:
                 defects.append((seed, name, f"line: {line[:200]!r}"))
