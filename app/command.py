@@ -3,9 +3,17 @@
 from __future__ import annotations
 
 from contextlib import closing
-from typing import Annotated
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
 
 import typer
+
+from llsrbm.errors import InputError
+from llsrbm.jump import Jump
+from llsrbm.robots import names
+
+if TYPE_CHECKING:
+    from app.opened_file import OpenedFile
 
 
 def serve(
@@ -15,12 +23,46 @@ def serve(
         list[str] | None,
         typer.Option(help="Further name under which browsers may reach the page; repeatable."),
     ] = None,
+    open_: Annotated[
+        Path | None,
+        typer.Option(
+            "--open", metavar="FILE", help="A design, plan, simulation or motion to begin with."
+        ),
+    ] = None,
+    robot: Annotated[
+        str, typer.Option(metavar="R", help="Whose motion it is, if FILE is another tool's.")
+    ] = Jump().robot,
+    fps: Annotated[
+        float | None, typer.Option(help="Frames per second of such a file, if it does not say.")
+    ] = None,
 ) -> None:
     """Serve the designer, a page where jumps are planned and looked at, until Ctrl-C."""
+    file = None if open_ is None else _opened(open_, robot, fps)
+
     from app.worker_pool import WorkerPool
 
     # Its first process imports CasADi and loads a solver while this one imports the page.
     with closing(WorkerPool()) as pool:
         from app.server import serve as serve_designer
 
-        serve_designer(host, port, allowed_hosts=allow_host or (), pool=pool)
+        serve_designer(host, port, allowed_hosts=allow_host or (), pool=pool, file=file)
+
+
+def _opened(path: Path, robot: str, fps: float | None) -> OpenedFile:
+    """What a file holds, its robot ready to be drawn.
+
+    Raises:
+        InputError: it cannot be opened.
+    """
+    from app.protocol import OpenFile
+    from app.worker import LibraryPlanner
+
+    if robot not in names():
+        raise InputError(f"--robot: expected one of {', '.join(names())}, got {robot!r:.80}")
+    try:
+        if path.exists() and not path.is_file():
+            raise InputError(f"--open: {path}: expected a file")
+        content = path.read_bytes()
+    except OSError as error:
+        raise InputError(f"--open: {path}: cannot be read ({error.strerror})") from error
+    return LibraryPlanner().open(OpenFile(path.name, content, robot, fps), lambda *_, **__: None)

@@ -1,18 +1,18 @@
-"""One motion over time, planned or simulated, under the same names."""
+"""One motion over time, planned, simulated or from a file, under the same names."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from app.replay import Replay
 from llsrbm.analysis.inertia_ellipsoid import ellipsoid
 from llsrbm.motion.rollout import Rollout
 from llsrbm.motion.rotation import rotation_matrices
-from llsrbm.robots import Robot, load_robot
+from llsrbm.motion.whole_body import WholeBodyMotion, motion_at_ticks
+from llsrbm.robots import Robot
 
 Array = NDArray[np.float64]
 
@@ -31,11 +31,11 @@ class Course:
         linear_momentum, angular_momentum: (K, 3) kg m/s, kg m2/s about the CoM.
         inertia: (K, 3, 3) kg m2 about the CoM: the model's of a plan, the whole body's of a
             simulation.
-        foot_force: (K, L, 3) N, sum a foot.
+        foot_force: (K, L, 3) N, sum a foot; None of a motion of which no file tells it.
         average_spatial_velocity_norm: (K,) of m/s and rad/s together.
         joint_speed: (K, J) rad/s or m/s.
-        torque, torque_limit: (K, J) Nm or N, as in `Plan` and `Rollout`; None of a plan whose
-            torques are not known.
+        torque, torque_limit: (K, J) Nm or N, as in `Plan` and `Rollout`; None where they are not
+            known.
     """
 
     robot: Robot
@@ -47,34 +47,34 @@ class Course:
     linear_momentum: Array
     angular_momentum: Array
     inertia: Array
-    foot_force: Array
+    foot_force: Array | None
     average_spatial_velocity_norm: Array
     joint_speed: Array
     torque: Array | None
     torque_limit: Array | None
 
 
-def planned_course(replay: Replay) -> Course:
-    """What was planned, at the instants of the replay's frames."""
-    motion = replay.motion
-    # At its last instant a plan has no force any more: no interval starts there.
-    foot_force = np.concatenate([replay.frames.foot_force[:-1], replay.frames.foot_force[-2:-1]])
-    assert motion.joint_velocity is not None  # sampled plans have it
+def course_of(motion: WholeBodyMotion, mass: float | None = None) -> Course:
+    """A motion's quantities at its own instants.
+
+    Args:
+        motion: of a plan, of a simulation or from a file.
+        mass: kg, that has its momenta; None: the robot's.
+    """
+    velocity = motion.linear_momentum / (motion.robot.mass if mass is None else mass)
     turning = np.linalg.solve(motion.inertia, motion.angular_momentum[..., None])[..., 0]
     return Course(
-        robot=load_robot(replay.plan.jump.robot),
+        robot=motion.robot,
         time=motion.time,
         com=motion.com,
-        com_velocity=motion.com_velocity,
+        com_velocity=velocity,
         base_quat=motion.base_quat,
         angular_velocity=motion.angular_velocity,
         linear_momentum=motion.linear_momentum,
         angular_momentum=motion.angular_momentum,
         inertia=motion.inertia,
-        foot_force=foot_force,
-        average_spatial_velocity_norm=np.linalg.norm(
-            np.hstack([motion.com_velocity, turning]), axis=1
-        ),
+        foot_force=motion.foot_force,
+        average_spatial_velocity_norm=np.linalg.norm(np.hstack([velocity, turning]), axis=1),
         joint_speed=motion.joint_velocity,
         torque=motion.joint_torque,
         torque_limit=motion.joint_torque_limit,
@@ -83,30 +83,12 @@ def planned_course(replay: Replay) -> Course:
 
 def simulated_course(rollout: Rollout) -> Course:
     """What the whole robot did, at every control tick."""
-    robot = load_robot(rollout.jump.robot)
-    names = list(rollout.joint_names)
-    joints = [names.index(name) for name in robot.joint_names]
+    motion = motion_at_ticks(rollout, np.arange(len(rollout.time)))
     # Momenta are those of the simulated masses.
-    trunk = robot.model.inertias[1].mass
-    mass = robot.mass + (rollout.disturbance.trunk_mass_factor - 1) * trunk
-    # qvel's angular velocity is in the base's axes.
-    R = rotation_matrices(rollout.base_quat)
-    return Course(
-        robot=robot,
-        time=rollout.time,
-        com=rollout.com,
-        com_velocity=rollout.linear_momentum / mass,
-        base_quat=rollout.base_quat,
-        angular_velocity=np.einsum("kij,kj->ki", R, rollout.qvel[:, 3:6]),
-        linear_momentum=rollout.linear_momentum,
-        angular_momentum=rollout.angular_momentum,
-        inertia=rollout.inertia,
-        foot_force=rollout.contact_force,
-        average_spatial_velocity_norm=rollout.average_spatial_velocity_norm,
-        joint_speed=rollout.qvel[:, 6:][:, joints],
-        torque=rollout.torque[:, joints],
-        torque_limit=rollout.torque_limit[:, joints],
-    )
+    trunk = motion.robot.model.inertias[1].mass
+    mass = motion.robot.mass + (rollout.disturbance.trunk_mass_factor - 1) * trunk
+    norm = rollout.average_spatial_velocity_norm
+    return replace(course_of(motion, mass), average_spatial_velocity_norm=norm)
 
 
 def principal_moments(robot: Robot, inertia: Array, base_quat: Array) -> Array:
@@ -122,18 +104,16 @@ def principal_moments(robot: Robot, inertia: Array, base_quat: Array) -> Array:
     return robot.mass / 5 * (squares.sum(axis=1, keepdims=True) - squares)
 
 
-def whole_body_inertia(replay: Replay) -> tuple[Array, Array, Array]:
-    """What the robot has in the postures that realise a plan, whatever the model says.
+def whole_body_inertia(motion: WholeBodyMotion) -> tuple[Array, Array, Array]:
+    """What the robot has in its postures, whatever a planner's model says.
 
     Returns:
         time (K,) s, inertia about the CoM (K, 3, 3) kg m2, base_quat (K, 4) w, x, y, z.
     """
-    robot, motion = load_robot(replay.plan.jump.robot), replay.motion
+    robot = motion.robot
     kept = np.arange(0, len(motion.time), _WHOLE_BODY_EVERY)
-    names = list(motion.joint_names)
-    joints = motion.joint_position[kept][:, [names.index(name) for name in robot.joint_names]]
     quat = motion.base_quat[kept]
-    q = np.hstack([motion.base_position[kept], quat[:, [1, 2, 3, 0]], joints])
+    q = np.hstack([motion.base_position[kept], quat[:, [1, 2, 3, 0]], motion.joint_position[kept]])
     data, still = robot.model.createData(), np.zeros(robot.model.nv)
     inertia = np.empty((len(kept), 3, 3))
     for k, posture in enumerate(q):

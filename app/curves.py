@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,11 +13,12 @@ from app import colours
 from app.colours import Rgb
 from app.courses import (
     Course,
-    planned_course,
+    course_of,
     principal_moments,
     simulated_course,
     whole_body_inertia,
 )
+from app.foreign import ForeignReplay
 from app.replay import Replay
 from llsrbm.analysis.peak_loads import torque_share
 from llsrbm.motion.rollout import Rollout
@@ -43,16 +45,28 @@ class Layer:
     Attributes:
         title: what it is called in the legend.
         colour: of its lines.
-        replay: the plan.
+        motion: a plan, or a motion from a file.
         rollout: what is plotted instead of the plan, if there is one.
         pinned: whether it is there for comparison: marks and time axis are the others'.
     """
 
     title: str
     colour: Rgb
-    replay: Replay
+    motion: Replay | ForeignReplay
     rollout: Rollout | None
     pinned: bool
+
+    @property
+    def replay(self) -> Replay | None:
+        """The plan; None of a motion from a file."""
+        return self.motion if isinstance(self.motion, Replay) else None
+
+    @cached_property
+    def course(self) -> Course:
+        """What is plotted."""
+        if self.rollout is not None:
+            return simulated_course(self.rollout)
+        return course_of(self.motion.motion)
 
 
 def shown_layers(replay: Replay, rollout: Rollout | None) -> tuple[Layer, ...]:
@@ -104,12 +118,7 @@ def charts(group: str, layers: Sequence[Layer], joints: str = ALL_JOINTS) -> tup
         layers: in the order in which they are drawn.
         joints: one of `joint_kinds`, for the group `TORQUES`.
     """
-    courses = [
-        planned_course(layer.replay) if layer.rollout is None else simulated_course(layer.rollout)
-        for layer in layers
-    ]
-    pairs = list(zip(layers, courses, strict=True))
-    drawn = GROUPS[group](pairs, joints)
+    drawn = GROUPS[group]([(layer, layer.course) for layer in layers], joints)
     return tuple(chart for chart in drawn if chart.lines)
 
 
@@ -188,7 +197,9 @@ def _roll(course: Course) -> Array:
     return np.degrees(np.unwrap(np.arctan2(R[:, 2, 1], R[:, 2, 2])))
 
 
-def _vertical_force(course: Course) -> Array:
+def _vertical_force(course: Course) -> Array | None:
+    if course.foot_force is None:
+        return None
     total: Array = course.foot_force[..., 2].sum(axis=1)
     return total
 
@@ -202,7 +213,7 @@ def _inertias(pairs: _Pairs, _joints: str) -> list[Chart]:
         for axis, values in zip(lines, moments.T, strict=True):
             axis.append(Line(layer.title, layer.colour, False, course.time[kept], values))
         if layer.rollout is None and not layer.pinned:
-            time, inertia, quat = whole_body_inertia(layer.replay)
+            time, inertia, quat = whole_body_inertia(layer.motion.motion)
             moments = principal_moments(course.robot, inertia, quat)
             for axis, values in zip(lines, moments.T, strict=True):
                 axis.append(Line("whole body as planned", layer.colour, True, time, values))
@@ -220,7 +231,9 @@ def _forces(pairs: _Pairs, _joints: str) -> list[Chart]:
     def of_leg(name: str) -> _Quantity:
         def force(course: Course) -> Array | None:
             legs = [leg.name for leg in course.robot.legs]
-            return course.foot_force[:, legs.index(name), 2] if name in legs else None
+            if course.foot_force is None or name not in legs:
+                return None
+            return course.foot_force[:, legs.index(name), 2]
 
         return force
 
@@ -288,7 +301,7 @@ def _landing(pairs: _Pairs, _joints: str) -> list[Chart]:
         signal = rollout.detection_signal / abs(rollout.detection_threshold)
         level = float(np.sign(rollout.detection_threshold))
         signals.append(_line(layer, course, np.clip(signal, -_SIGNAL_SHOWN, _SIGNAL_SHOWN)))
-        plan = planned_course(layer.replay)
+        plan = course_of(layer.motion.motion)
         off = _yaw(course) - np.interp(course.time, plan.time, _yaw(plan))
         yaws.append(_line(layer, course, off))
     return [

@@ -32,6 +32,7 @@ from app.stage import Stage
 from app.worker_pool import WorkerPool
 from llsrbm.jump import Jump
 from llsrbm.motion.plan import Plan
+from llsrbm.motion.rollout import Rollout
 from llsrbm.scenario import Scenario
 from llsrbm.tuning import Tuning
 
@@ -76,6 +77,7 @@ class Desk:
         self._awaited: Task | None = None  # the newest job's, until its outcome is there
         self._job = 0  # the newest one
         self._shown_job = 0
+        self._dropped = 0  # this job and those before it are of no interest any more
         self._failure = ""  # why the newest request cannot be planned
         self.nearest: Nearest | None = None
 
@@ -95,11 +97,39 @@ class Desk:
             self.withdraw_nearest()
             self._submit_plan(task)
 
-    def show(self, plan: Plan) -> None:
-        """Show a plan that is there already, as if it had been asked for."""
+    def show(self, plan: Plan, rollout: Rollout | None = None, of: str = "") -> None:
+        """Show a plan that is there already, as if it had been asked for; with its simulation.
+
+        Args:
+            plan: to show; the next one may start from it.
+            rollout: what followed it.
+            of: where both are from, in words, if that is to be said.
+        """
+        self._drop()
+        self._live.forget()
         self._live.ask(plan.jump, plan.tuning, None)
+        self.withdraw_nearest()
         self._stage.show_plan(plan)
-        self._panel.show_status("Planned", summaries.planned_line(plan))
+        said = f"{of}: " if of else ""
+        if rollout is not None:
+            self._stage.show_rollout(rollout)
+            word, rest = summaries.simulated_line(rollout)
+            self._panel.show_status(word, said + rest)
+        elif plan.solved:
+            self._panel.show_status("Planned", said + summaries.planned_line(plan))
+        else:
+            self._panel.show_status(
+                "Failed",
+                f"{said}the planner did not converge, largest violation "
+                f"{summaries.worst(plan.violations)}.",
+            )
+
+    def _drop(self) -> None:
+        """Nothing that was asked for before shall be shown any more."""
+        if self._awaited is not None:
+            self._awaited = None
+            self._pool.cancel(self._tab)
+        self._dropped = self._job
 
     def simulate(self, plan: Plan, scenario: Scenario) -> None:
         """Have the whole robot follow the plan that is shown."""
@@ -145,6 +175,8 @@ class Desk:
 
     def hear(self, report: Report) -> None:
         """Show what the pool reports."""
+        if report.job <= self._dropped:
+            return
         newest = report.job == self._job
         if isinstance(report, Planned) and not newest:
             self._show_plan(report, moving=True)

@@ -76,7 +76,9 @@ def figure(group: str, layers: Sequence[Layer], end: float, joints: str = ALL_JO
         joints: see `app.curves.charts`.
     """
     shown = [layer for layer in layers if not layer.pinned]
-    lift_off, touchdown = shown[0].replay.plan.phase_start[1:3].tolist()
+    replay = shown[0].replay
+    assert replay is not None  # what is not pinned has a plan
+    lift_off, touchdown = replay.plan.phase_start[1:3].tolist()
     marks = _marks(shown, touchdown, detailed=group == LANDING)
     if group == LANDING:
         start, end = _around([instant for _, instant in marks])

@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from llsrbm.analysis.inertia_ellipsoid import ellipsoid
-from llsrbm.robots import Robot
+from llsrbm.motion.plan import Phase
+from llsrbm.motion.whole_body import WholeBodyMotion
 from llsrbm.robots.visuals import forward_kinematics
 
 Array = NDArray[np.float64]
@@ -54,36 +55,30 @@ class Frames:
         return float(self.time[-1])
 
 
-def make_frames(
-    robot: Robot,
-    *,
-    time: Array,
-    com: Array,
-    base_position: Array,
-    base_quat: Array,
-    joint_position: Array,
-    inertia: Array,
-    foot_position: Array,
-    flight: NDArray[np.bool_],
-    foot_force: Array,
-    pressed_at: Array,
-) -> Frames:
-    """Frames of a motion, given as in `Frames` and `Plan`: joints in the robot's order."""
-    body_position, body_wxyz = forward_kinematics(robot, base_position, base_quat, joint_position)
-    base = Rotation.from_quat(base_quat, scalar_first=True)
-    inertia_axes, inertia_wxyz = ellipsoid(inertia, robot.mass, base.as_matrix())
+def make_frames(motion: WholeBodyMotion) -> Frames:
+    """Frames at the instants of a motion, whatever it comes from."""
+    robot = motion.robot
+    body_position, body_wxyz = forward_kinematics(
+        robot, motion.base_position, motion.base_quat, motion.joint_position
+    )
+    base = Rotation.from_quat(motion.base_quat, scalar_first=True)
+    inertia_axes, inertia_wxyz = ellipsoid(motion.inertia, robot.mass, base.as_matrix())
+    flying = ~motion.contact.any(axis=1)
+    flight = flying if motion.phase is None else motion.phase == Phase.FLIGHT
+    force, pressed_at = motion.foot_force, motion.pressed_at
     return Frames(
-        time=time,
-        com=com,
+        time=motion.time,
+        com=motion.com,
         body_position=body_position,
         body_wxyz=body_wxyz,
         inertia_axes=inertia_axes,
         inertia_wxyz=inertia_wxyz,
         yaw_wxyz=_headings(base),
-        foot_position=foot_position,
-        flight=flight,
-        foot_force=foot_force,
-        pressed_at=pressed_at,
+        foot_position=motion.foot_position,
+        flight=np.asarray(flight, dtype=np.bool_),
+        # Arrows of no length where no file says how the feet push.
+        foot_force=np.zeros_like(motion.foot_position) if force is None else force,
+        pressed_at=motion.foot_position if pressed_at is None else pressed_at,
         weight=float(robot.mass * np.linalg.norm(robot.model.gravity.linear)),
     )
 

@@ -12,6 +12,7 @@ from importlib.metadata import version
 from pathlib import Path
 
 import llsrbm
+from app.opened_file import OpenedFile
 from llsrbm.cache import cache_path, content_key, read_checked, write_checked
 from llsrbm.errors import Error
 from llsrbm.jump import Jump
@@ -27,14 +28,21 @@ _PACKAGES = ("casadi", "example-robot-data", "numpy", "pin", "scipy")
 
 
 class Opening:
-    """The plan of each robot's example, once it is there."""
+    """The plan of each robot's example, once it is there, or a file in place of all of them.
 
-    def __init__(self, planned_by: str) -> None:
+    Attributes:
+        file: with which every tab begins; None: with the design that its browser kept, or with the
+            example.
+    """
+
+    def __init__(self, planned_by: str, file: OpenedFile | None = None) -> None:
         """Nothing is known yet.
 
         Args:
             planned_by: name of the planner; another one's plans are not recalled.
+            file: with which every tab shall begin.
         """
+        self.file = file
         self._planned_by = planned_by
         self._plans: dict[str, Plan] = {}
         self._lock = threading.Lock()

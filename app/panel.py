@@ -15,6 +15,7 @@ from app.checked import number, option, put
 from app.compare_controls import CompareControls
 from app.curves import Layer
 from app.design_controls import DesignControls
+from app.export_controls import ExportControls
 from app.jump_controls import JumpControls
 from app.player import SPEEDS
 from app.plots import Plots
@@ -23,7 +24,6 @@ from app.timeline import html
 from app.tuning_controls import TuningControls
 from app.view_controls import ViewControls
 from llsrbm.design import Design
-from llsrbm.formats import FORMATS
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
 from llsrbm.motion.timeline import Timeline
@@ -50,6 +50,7 @@ class Action(Enum):
     TAKE_UP = auto()
     SAVE = auto()
     EXPORT = auto()
+    STOP_EXPORT = auto()
 
 
 @dataclass(frozen=True)
@@ -77,6 +78,7 @@ class Panel:
         view: of what is drawn.
         compare: of what is pinned.
         designs: of examples and files.
+        export: of what is saved.
     """
 
     def __init__(
@@ -100,6 +102,7 @@ class Panel:
         self._act = act
         self._end = 0.0
         self._scrubbed = 0.0
+        self._busy = self._exporting = False
         gui = client.gui
         self._status = gui.add_html(markup.status("Planning", ""))
         self._nearest = gui.add_button("Take the nearest", visible=False)
@@ -127,12 +130,7 @@ class Panel:
         with gui.add_folder("Show"):
             self.view = ViewControls(gui)
         with gui.add_folder("File"):
-            self._format = gui.add_dropdown("Format", tuple(FORMATS))
-            self._export = gui.add_button(
-                "Export",
-                disabled=True,
-                hint="Saves what is drawn solid: the simulation if there is one, else the plan",
-            )
+            self.export = ExportControls(gui)
         with gui.add_folder("Weights and limits", expand_by_default=False):
             self.tuning = TuningControls(client, lambda: act(Action.REQUEST))
         with gui.add_folder("Residuals", expand_by_default=False):
@@ -164,18 +162,19 @@ class Panel:
             put(self._speed, name)
         put(self._loop, loop)
 
-    def read_format(self) -> tuple[str, list[str]]:
-        """The file format to export, and what had to be corrected."""
-        complaints: list[str] = []
-        valid = tuple(FORMATS)
-        return option("Format", self._format.value, valid, valid[0], complaints), complaints
-
     # ---- what the user is told
 
     def show_status(self, word: str, rest: str, *, busy: bool = False) -> None:
         """The status line; `busy` while there is something to cancel."""
         self._status.content = markup.status(word, rest)
-        self._cancel.disabled = not busy
+        self._busy = busy
+        self._show_cancel()
+
+    def show_exporting(self, told: str | None) -> None:
+        """What is being saved beside all the rest; None: nothing."""
+        self._exporting = told is not None
+        self.export.show_busy(told)
+        self._show_cancel()
 
     def offer_nearest(self, changes: str | None) -> None:
         """A jump that can be planned, in place of one that cannot; None: no offer any more."""
@@ -192,7 +191,7 @@ class Panel:
         """A motion's numbers and curves."""
         self._plan_figures.content = summaries.plan_figures(plan)
         self._residuals.content = summaries.residuals(plan.violations)
-        self._export.disabled = False
+        self.export.show_motion(simulated=rollout is not None)
         self._rollout_figures.visible = rollout is not None
         if rollout is not None:
             self._rollout_figures.content = summaries.rollout_figures(rollout)
@@ -205,7 +204,7 @@ class Panel:
             handle.content = ""
         self._plots.clear()
         self._rollout_figures.visible = False
-        self._export.disabled = True
+        self.export.clear()
 
     def show_end(self, end: float) -> None:
         """How long the motion is, s."""
@@ -240,6 +239,9 @@ class Panel:
 
     # ---- inside
 
+    def _show_cancel(self) -> None:
+        self._cancel.disabled = not (self._busy or self._exporting)
+
     def _listen(self) -> None:
         for handle in self.jump.handles:
             handle.on_update(self._told(Action.REQUEST))
@@ -259,7 +261,8 @@ class Panel:
             (self.simulation.button, Action.SIMULATE),
             (self._cancel, Action.CANCEL),
             (self._nearest, Action.NEAREST),
-            (self._export, Action.EXPORT),
+            (self.export.button, Action.EXPORT),
+            (self.export.stop, Action.STOP_EXPORT),
             (self.compare.pin, Action.PIN),
             (self.compare.unpin, Action.UNPIN),
             (self.compare.take_up, Action.TAKE_UP),

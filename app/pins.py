@@ -1,4 +1,4 @@
-"""Designs that are kept beside the current one, to be compared with it."""
+"""Designs and motions that are kept beside the current one, to be compared with it."""
 
 from __future__ import annotations
 
@@ -8,31 +8,30 @@ from functools import cached_property
 
 from app import colours
 from app.colours import Rgb
+from app.foreign import ForeignReplay
 from app.replay import Replay
 from app.scene import Ghost
 from app.simulated_replay import SimulatedReplay
 from llsrbm.analysis.figures import DesignFigures, figures_of_plan
 from llsrbm.design import Design
 from llsrbm.motion.rollout import Rollout
-from llsrbm.robots import Robot
+from llsrbm.titles import Decisions
 
 
 @dataclass(frozen=True, eq=False)
 class Pin:
-    """One design with its motion.
+    """One design with its motion, or a motion from a file.
 
     Attributes:
-        design: what was asked for.
-        robot: its robot.
-        replay: its plan.
+        motion: its plan, or what a file holds.
         simulated: the simulation that followed the plan, if there was one.
+        design: what was asked for; None where that is not known.
         colour: of its ghost and curves.
     """
 
-    design: Design
-    robot: Robot
-    replay: Replay
+    motion: Replay | ForeignReplay
     simulated: SimulatedReplay | None
+    design: Design | None
     colour: Rgb
 
     @property
@@ -43,13 +42,23 @@ class Pin:
     @cached_property
     def ghost(self) -> Ghost:
         """What is drawn of it: the simulated robot if there is one."""
-        frames = self.replay.frames if self.simulated is None else self.simulated.frames
-        return Ghost(self.robot, frames, self.colour)
+        frames = self.motion.frames if self.simulated is None else self.simulated.frames
+        return Ghost(self.motion.motion.robot, frames, self.colour)
 
     @property
     def figures(self) -> DesignFigures:
         """Its row of numbers."""
-        return figures_of_plan(self.replay.plan, self.rollout)
+        if isinstance(self.motion, ForeignReplay):
+            return self.motion.figures
+        return figures_of_plan(self.motion.plan, self.rollout)
+
+    @property
+    def decisions(self) -> Decisions | None:
+        """What it is called after; None of a motion that is called after its file."""
+        if isinstance(self.motion, ForeignReplay):
+            return None
+        plan, rollout = self.motion.plan, self.rollout
+        return plan.jump, plan.tuning, None if rollout is None else rollout.scenario
 
 
 class Pins:
@@ -71,12 +80,15 @@ class Pins:
         return len(self._pins) >= len(colours.PINNED)
 
     def add(
-        self, design: Design, robot: Robot, replay: Replay, simulated: SimulatedReplay | None
+        self,
+        motion: Replay | ForeignReplay,
+        simulated: SimulatedReplay | None,
+        design: Design | None,
     ) -> None:
         """Keep one more; there must be a colour left."""
         taken = {pin.colour for pin in self._pins}
         colour = next(colour for colour in colours.PINNED if colour not in taken)
-        self._pins.append(Pin(design, robot, replay, simulated, colour))
+        self._pins.append(Pin(motion, simulated, design, colour))
 
     def at(self, index: int) -> Pin | None:
         """The pin with this number, from 0."""

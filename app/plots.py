@@ -28,7 +28,6 @@ from app.figure import Figure, Rows, Stroke, figure
 from app.markup import SMALL
 from app.time_grid import BELOW
 from app.viser_private import run_javascript
-from llsrbm.robots import load_robot
 
 __all__ = ["Layer", "Plots"]
 
@@ -108,7 +107,7 @@ class Plots:
             self._show(drawn)
 
     def _choice_of_joints(self) -> str:
-        kinds = joint_kinds(load_robot(self._layers[-1].replay.plan.jump.robot))
+        kinds = joint_kinds(self._layers[-1].motion.motion.robot)
         chosen = option("Joints", self._joints.value, kinds, ALL_JOINTS, [])
         if tuple(self._joints.options) != kinds:
             self._joints.options = kinds

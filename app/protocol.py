@@ -6,10 +6,13 @@ unambiguous and needs no reset.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Protocol
+from typing import Any, Protocol
 
+from app.opened_file import OpenedFile
+from llsrbm.design import SUFFIX
+from llsrbm.formats import find
 from llsrbm.jump import Jump
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
@@ -17,6 +20,8 @@ from llsrbm.scenario import Scenario
 from llsrbm.tuning import Tuning
 
 # ---- tasks, server to process
+
+_NUMBERS = {".npz", ".csv", ".json", ".pkl", SUFFIX}  # of files that hold nothing else
 
 
 @dataclass(frozen=True)
@@ -74,7 +79,46 @@ class FindNearest:
     tuning: Tuning = field(default_factory=Tuning)
 
 
-Task = Prepare | PlanJump | FindNearest | SimulateJump
+@dataclass(frozen=True, eq=False)
+class OpenFile:
+    """Read what a visitor sent, and get its robot ready to be drawn.
+
+    Attributes:
+        name: of the file, as the browser has it.
+        content: of the file.
+        robot: whose motion it is, where the file does not say.
+        fps: frames/s, likewise; None: it has to say.
+    """
+
+    name: str
+    content: bytes
+    robot: str
+    fps: float | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class ExportMotion:
+    """Write a plan or a rollout in other formats.
+
+    Attributes:
+        trajectory: what to write.
+        formats: their names.
+        zipped: into one zip, with what describes them; several are in any case.
+        options: as `llsrbm.export` takes them.
+    """
+
+    trajectory: Plan | Rollout
+    formats: tuple[str, ...]
+    zipped: bool = False
+    options: Mapping[str, Any] = field(default_factory=dict)
+
+    @property
+    def quick(self) -> bool:
+        """Whether it surely takes less than a second: numbers alone, no meshes and no pictures."""
+        return all(find(name).suffix in _NUMBERS for name in self.formats)
+
+
+Task = Prepare | PlanJump | FindNearest | SimulateJump | OpenFile | ExportMotion
 
 
 @dataclass(frozen=True)
@@ -188,6 +232,34 @@ class Simulated:
     rollout: Rollout
 
 
+@dataclass(frozen=True, eq=False)
+class Opened:
+    """A file was read, and what it holds can be shown.
+
+    Attributes:
+        job: number of the job.
+        file: what it holds.
+    """
+
+    job: int
+    file: OpenedFile
+
+
+@dataclass(frozen=True, eq=False)
+class Exported:
+    """A motion was written.
+
+    Attributes:
+        job: number of the job.
+        name: of the file.
+        content: of the file.
+    """
+
+    job: int
+    name: str
+    content: bytes
+
+
 @dataclass(frozen=True)
 class Failed:
     """The job ended without a result.
@@ -214,7 +286,7 @@ class Cancelled:
     job: int
 
 
-Report = Progress | Prepared | Planned | Found | Simulated | Failed | Cancelled
+Report = Progress | Prepared | Planned | Found | Simulated | Opened | Exported | Failed | Cancelled
 
 
 # ---- what the process computes with
@@ -272,6 +344,22 @@ class Planner(Protocol):
         Raises:
             llsrbm.errors.Error: the plan or the scenario cannot be used, or stopped
                 (`Cancelled`).
+        """
+        ...
+
+    def open(self, task: OpenFile, tell: Tell) -> OpenedFile:
+        """Read a file, and have what drawing its robot needs.
+
+        Raises:
+            llsrbm.errors.Error: one line that says why it cannot be opened.
+        """
+        ...
+
+    def export(self, task: ExportMotion, tell: Tell) -> tuple[str, bytes]:
+        """Name and content of the file that is made.
+
+        Raises:
+            llsrbm.errors.Error: a format cannot hold it, or its packages are missing.
         """
         ...
 

@@ -10,9 +10,8 @@ from scipy.spatial.transform import Rotation
 
 from app.frames import FRAME_RATE, Frames, make_frames
 from llsrbm.analysis.inertia_ellipsoid import ellipsoid
-from llsrbm.motion.instants import with_events
-from llsrbm.motion.plan import Phase, Plan
-from llsrbm.motion.resample import resample
+from llsrbm.motion.plan import Plan
+from llsrbm.motion.whole_body import WholeBodyMotion, whole_body_motion
 from llsrbm.robots import Robot
 
 Array = NDArray[np.float64]
@@ -30,7 +29,7 @@ class Replay:
     """
 
     plan: Plan
-    motion: Plan
+    motion: WholeBodyMotion
     frames: Frames
     rigid_axes: Array
     rigid_wxyz: Array
@@ -44,38 +43,10 @@ def presentable(plan: Plan) -> bool:
 
 def bake(plan: Plan, robot: Robot) -> Replay:
     """All frames of a plan; takes some milliseconds."""
-    motion = resample(plan, with_events(plan, FRAME_RATE))
-    foot_force, pressed_at = resultants(motion.contact_point, motion.contact_force, len(robot.legs))
-    frames = make_frames(
-        robot,
-        time=motion.time,
-        com=motion.com,
-        base_position=motion.base_position,
-        base_quat=motion.base_quat,
-        joint_position=motion.joint_position,
-        inertia=motion.inertia,
-        foot_position=motion.foot_position,
-        flight=motion.phase == Phase.FLIGHT,
-        foot_force=foot_force,
-        pressed_at=pressed_at,
-    )
+    motion = whole_body_motion(plan, FRAME_RATE, events=True)
     base = Rotation.from_quat(motion.base_quat, scalar_first=True)
     rigid_axes, rigid_turn = ellipsoid(robot.inertia[None], robot.mass, np.eye(3)[None])
     rigid = base * Rotation.from_quat(rigid_turn[0], scalar_first=True)
-    return Replay(plan, motion, frames, rigid_axes[0], rigid.as_quat(scalar_first=True))
-
-
-def resultants(points: Array, forces: Array, feet: int) -> tuple[Array, Array]:
-    """Forces on feet, (F, L, 3) N, and where they act, (F, L, 3) m: the centres of pressure.
-
-    Args:
-        points: (F, C, 3) m, feet x contacts of a foot.
-        forces: (F, C, 3) N, at the points.
-        feet: L.
-    """
-    points, forces = (values.reshape(len(values), feet, -1, 3) for values in (points, forces))
-    total = forces.sum(axis=2)
-    vertical = forces[..., 2:]
-    pushed = total[..., 2:] > 0
-    weighted = (vertical * points).sum(axis=2) / np.where(pushed, total[..., 2:], 1.0)
-    return total, np.where(pushed, weighted, points.mean(axis=2))
+    return Replay(
+        plan, motion, make_frames(motion), rigid_axes[0], rigid.as_quat(scalar_first=True)
+    )

@@ -13,6 +13,7 @@ from types import FrameType
 
 import viser
 
+from app.opened_file import OpenedFile
 from app.opening import Opening, example
 from app.protocol import Failed, PlanJump, Planned, Prepare, Prepared, Progress, Report
 from app.robot_nodes import meshes
@@ -39,6 +40,7 @@ class Designer:
         *,
         allowed_hosts: Collection[str] = (),
         pool: WorkerPool | None = None,
+        file: OpenedFile | None = None,
     ) -> None:
         """Bind and let tabs in.
 
@@ -47,6 +49,7 @@ class Designer:
             port: 1 to 65535, or 0 for any free one.
             allowed_hosts: further names under which browsers may reach the page.
             pool: computes, and is closed with the server; None: one that uses the library.
+            file: with which every tab begins.
 
         Raises:
             InputError: the address cannot be bound, or the port is in use.
@@ -62,7 +65,7 @@ class Designer:
         self._sessions: dict[int, Session] = {}
         self._lock = threading.Lock()
         self.pool = pool or WorkerPool()
-        self.opening = Opening(self.pool.planner)
+        self.opening = Opening(self.pool.planner, file)
         _configure(self._server)
         self._server.on_client_connect(self._connected)
         self._server.on_client_disconnect(self._disconnected)
@@ -133,6 +136,7 @@ def serve(
     *,
     allowed_hosts: Collection[str] = (),
     pool: WorkerPool | None = None,
+    file: OpenedFile | None = None,
 ) -> None:
     """Serve the page until SIGINT or SIGTERM; prints one line with its URL.
 
@@ -140,7 +144,7 @@ def serve(
         InputError: the address cannot be bound, or the port is in use.
     """
     with _stop_on_signal() as stop:
-        designer = Designer(host, port, allowed_hosts=allowed_hosts, pool=pool)
+        designer = Designer(host, port, allowed_hosts=allowed_hosts, pool=pool, file=file)
         try:
             print(f"llsrbm designer: {designer.url}", flush=True)
             designer.warm_up(Jump().robot)

@@ -18,8 +18,10 @@ import viser
 
 from app.bridge import Bridge, PageEvent
 from app.desk import Desk
-from app.files import Files
-from app.opening import Opening
+from app.files import FileReport, Files, forget_files
+from app.foreign import bake_foreign
+from app.opened_file import OpenedFile, States
+from app.opening import Opening, example
 from app.panel import Action, Chosen, Panel, Uploaded
 from app.protocol import Report
 from app.stage import Stage
@@ -31,8 +33,10 @@ from llsrbm.examples import examples
 from llsrbm.jump import Jump
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
+from llsrbm.motion.whole_body import WholeBodyMotion
 from llsrbm.robots import Robot, load_robot, read_robot_file
 from llsrbm.robots.assets import robot_files
+from llsrbm.scenario import Scenario
 
 _RECALL = 1.5  # s to wait for what the browser kept; it answers as soon as it shows the panel
 
@@ -41,7 +45,7 @@ class _Stop(Enum):
     STOP = 0
 
 
-Event = Action | Chosen | Uploaded | PageEvent | Report | _Stop
+Event = Action | Chosen | Uploaded | PageEvent | FileReport | Report | _Stop
 
 
 class Session:
@@ -90,6 +94,7 @@ class Session:
     def close(self) -> None:
         """The tab has gone, or the server ends."""
         self._pool.forget(self._client.client_id)
+        forget_files(self._pool, self._client.client_id)
         self._inbox.put(_Stop.STOP)
         self._thread.join()
 
@@ -102,7 +107,7 @@ class Session:
         kept = beside.submit(recall, self._client, _RECALL, complaints)
         beside.shutdown(wait=False)
         self._panel = Panel(self._client, self.design, self._file, examples(), self._inbox.put)
-        self._files = Files(self._client, self._panel)
+        self._files = Files(self._client, self._panel, self._pool, self._inbox.put)
         bridge = Bridge(self._client, self._inbox.put)
         moved = partial(self._inbox.put, Action.TARGET)
         try:
@@ -134,9 +139,11 @@ class Session:
                     case Chosen(design):
                         self._take_up(design)
                     case Uploaded():
-                        opened = self._files.opened(event)
+                        self._files.open(event, self.jump.robot)
+                    case FileReport(report):
+                        opened = self._files.hear(report)
                         if opened is not None:
-                            self._take_up(opened)
+                            self._show_opened(opened)
                     case _Stop():
                         pass
                     case _ if isinstance(event, PageEvent):
@@ -176,6 +183,7 @@ class Session:
                 self._simulate()
             case Action.CANCEL:
                 self._simulate_next = False
+                self._files.cancel()
                 self._desk.cancel()
             case Action.NEAREST:
                 self._take_nearest()
@@ -199,18 +207,30 @@ class Session:
                 self._stage.unpin()
             case Action.TAKE_UP:
                 pin = self._stage.chosen_pin
-                if pin is not None:
+                if pin is not None and pin.design is not None:
                     self._take_up(pin.design)
+                elif pin is not None:
+                    self._panel.notify(
+                        "Not taken up",
+                        "A motion of another tool is for looking: nothing says what was asked for.",
+                    )
             case Action.SAVE:
                 self._files.save(self.design)
             case Action.EXPORT:
-                # What is drawn solid.
-                self._files.export(self.rollout or self.plan)
+                self._files.export(self.plan, self.rollout)
+            case Action.STOP_EXPORT:
+                self._files.cancel()
 
     # ---- asking
 
     def _open(self, kept: Future[Design | None], complaints: list[str]) -> None:
         """Show a jump at once: the one this browser kept, or the example of the first robot."""
+        file = self._opening.file
+        if file is not None:
+            if file.is_alone:  # beside the example of its robot
+                self._take_up(Design(example(file.robot)))
+            self._show_opened(file)
+            return
         if self._opening.plan(self.jump.robot) is not None:
             self._show_robot(self.jump.robot)
         design = kept.result()
@@ -237,6 +257,61 @@ class Session:
             self._panel.tuning.show_robot(self._robot)
         self._panel.tuning.show(design.tuning)
         self._request()
+
+    def _show_opened(self, file: OpenedFile) -> None:
+        """What a file holds: a design is planned, a plan or a simulation of one shown as it is.
+
+        Any other motion becomes a pin: it is for looking and comparing.
+        """
+        match file.holds:
+            case Design() as design:
+                self._take_up(design)
+            case Plan() as plan:
+                self._take_up_motion(file, Design(plan.jump, plan.tuning, self._scenario()), plan)
+            case Rollout(plan=Plan() as plan) as rollout:
+                design = Design(plan.jump, plan.tuning, rollout.scenario)
+                self._take_up_motion(file, design, plan, rollout)
+            case Rollout() as rollout:
+                self._pin(file, rollout, Design(rollout.jump, scenario=rollout.scenario))
+            case States() as states:
+                self._pin(file, states.motion(), None)
+
+    def _take_up_motion(
+        self, file: OpenedFile, design: Design, plan: Plan, rollout: Rollout | None = None
+    ) -> None:
+        """Put the controls where a motion has them, and show it without planning it again."""
+        self._simulate_next = False
+        self._use_robot(design.jump.robot)
+        self.design = design
+        if self._robot is None:  # it was prepared when the file was opened
+            self._show_robot(design.jump.robot)
+        if self._robot is None:
+            return  # the panel says why
+        self._panel.jump.show(design.jump)
+        self._panel.simulation.show(design.scenario)
+        self._panel.tuning.show(design.tuning)
+        self._panel.designs.show("", " ".join((f"Opened {file.name}.", *file.remarks)))
+        self._stage.show_target(design.jump)
+        self._desk.show(plan, rollout, f"from file {file.name}")
+        remember(self._client, design)
+
+    def _pin(
+        self, file: OpenedFile, motion: Rollout | WholeBodyMotion, design: Design | None
+    ) -> None:
+        """Keep a motion beside the one that is shown."""
+        if self._stage.pin_foreign(bake_foreign(file.name, motion), design):
+            told = f"{file.name} is pinned, for looking and comparing."
+            self._panel.designs.show("", " ".join((told, *file.remarks)))
+        else:
+            self._panel.notify(
+                "Not opened", f"{file.name}: unpin something first; all colours are taken"
+            )
+        if self.plan is None:
+            self._request()
+
+    def _scenario(self) -> Scenario:
+        """As the panel has it."""
+        return self._panel.simulation.read(self.design.scenario)[0]
 
     def _use_robot(self, name: str) -> None:
         """Ranges, drawing and numbers of this robot from now on."""

@@ -12,6 +12,7 @@ from app.bridge import Bridge, PaceChosen, PageEvent, PageReady, PlayerMoved
 from app.clip import Clip
 from app.comparison import Column
 from app.curves import Layer, shown_layers
+from app.foreign import ForeignReplay
 from app.pace import Pace
 from app.panel import Panel
 from app.pins import Pin, Pins
@@ -138,7 +139,7 @@ class Stage:
         """Show a simulation of the plan that is shown, beside it."""
         assert self._robot is not None
         assert self._replay is not None
-        self._simulated = bake_rollout(rollout, self._robot)
+        self._simulated = bake_rollout(rollout)
         around = surroundings(self._robot, self._replay.plan, rollout.scenario)
         with self._client.atomic():
             self._scene.show_motion(self._replay, self._simulated.frames, around.blocks)
@@ -171,8 +172,21 @@ class Stage:
             return
         plan = self._replay.plan
         design = Design(plan.jump, plan.tuning, _scenario(self.rollout) or scenario)
-        self._pins.add(design, self._robot, self._replay, self._simulated)
+        self._pins.add(self._replay, self._simulated, design)
         self._show_pins()
+
+    def pin_foreign(self, motion: ForeignReplay, design: Design | None) -> bool:
+        """Keep a motion from a file; False if there is no colour left.
+
+        Args:
+            motion: to be looked at beside the one that is shown.
+            design: what was asked for, if that is known.
+        """
+        if self._pins.full:
+            return False
+        self._pins.add(motion, None, design)
+        self._show_pins()
+        return True
 
     def unpin(self) -> None:
         """Let go of the pin that is chosen in the panel."""
@@ -197,16 +211,15 @@ class Stage:
         assert self._robot is not None
         assert self._replay is not None
         replay, rollout = self._replay, self.rollout
-        decisions = [
-            (pin.replay.plan.jump, pin.replay.plan.tuning, _scenario(pin.rollout))
-            for pin in self._pins
-        ]
         current = (replay.plan.jump, replay.plan.tuning, _scenario(rollout))
-        title, *titles = titles_of([current, *decisions])
+        decisions = [pin.decisions for pin in self._pins]
+        title, *titles = titles_of([current, *(d for d in decisions if d is not None)])
+        told = iter(titles)
         layers = [*shown_layers(replay, rollout)]
         columns = []
-        for pin, name in zip(self._pins, titles, strict=True):
-            layers.append(Layer(name, pin.colour, pin.replay, pin.rollout, pinned=True))
+        for pin in self._pins:
+            name = pin.motion.name if isinstance(pin.motion, ForeignReplay) else next(told)
+            layers.append(Layer(name, pin.colour, pin.motion, pin.rollout, pinned=True))
             columns.append(Column(name, pin.colour, pin.figures))
         figures_now = figures_of_plan(replay.plan, rollout)
         self._panel.show_figures(replay.plan, rollout, layers)

@@ -2,8 +2,8 @@
 
 1. Tabs take turns in the order in which they asked. A tab has one job waiting; a newer one takes
    its place in the queue, so that a slider dragged in one tab cannot starve another.
-2. Of each kind (planning, searching, simulating) a tab has at most one job running, besides those
-   that were asked to stop.
+2. Of each kind (planning, searching, simulating, files) a tab has at most one job running, besides
+   those that were asked to stop.
 3. One process is reserved: it takes nothing that lasts seconds, so that no plan has to wait for
    another tab's simulation.
 4. What no process has done yet (a solver that may have to be built, a robot that may have to be
@@ -18,7 +18,17 @@ from dataclasses import dataclass, field
 from enum import Enum
 from typing import TypeVar
 
-from app.protocol import FindNearest, Job, PlanJump, Prepare, Report, SimulateJump, Task
+from app.protocol import (
+    ExportMotion,
+    FindNearest,
+    Job,
+    OpenFile,
+    PlanJump,
+    Prepare,
+    Report,
+    SimulateJump,
+    Task,
+)
 
 _log = logging.getLogger(__name__)
 
@@ -32,18 +42,27 @@ class Kind(Enum):
     PLAN = 0
     SEARCH = 1
     SIMULATE = 2
+    EXPORT = 3
+    FILE = 4  # opened, or written quickly
 
     @staticmethod
     def of(task: Task) -> Kind:
         """A task's; preparing a robot comes before its plan, and counts as such."""
-        if isinstance(task, FindNearest):
-            return Kind.SEARCH
-        return Kind.SIMULATE if isinstance(task, SimulateJump) else Kind.PLAN
+        match task:
+            case FindNearest():
+                return Kind.SEARCH
+            case SimulateJump():
+                return Kind.SIMULATE
+            case ExportMotion():
+                return Kind.FILE if task.quick else Kind.EXPORT
+            case OpenFile():
+                return Kind.FILE
+        return Kind.PLAN
 
     @property
     def long(self) -> bool:
         """Whether it lasts seconds."""
-        return self is not Kind.PLAN
+        return self in (Kind.SEARCH, Kind.SIMULATE, Kind.EXPORT)
 
 
 @dataclass(eq=False)
@@ -146,7 +165,8 @@ class Turns:
 
     def is_new(self, task: Task) -> bool:
         """Whether it may take long for the sake of what it needs first."""
-        return _needs(task) not in self._done and not isinstance(task, SimulateJump)
+        needed = _needs(task)
+        return needed is not None and needed not in self._done
 
     def may_run(self, task: Task, members: Sequence[Member]) -> bool:
         """Whether it needs nothing new while another member works on something new."""
@@ -165,9 +185,9 @@ def _claim(entry: Entry) -> tuple[Hashable, Kind]:
 
 
 def _needs(task: Task) -> Hashable:
-    """What has to be there first: a robot, or a solver."""
+    """What has to be there first: a robot, or a solver; None where nothing has."""
     if isinstance(task, Prepare):
         return task.robot
-    if isinstance(task, SimulateJump):
+    if isinstance(task, SimulateJump | OpenFile | ExportMotion):
         return None
     return task.jump.robot, task.jump.model

@@ -12,6 +12,7 @@ import contextlib
 import io
 import ipaddress
 import logging
+import math
 import traceback
 import warnings
 from collections.abc import Collection, Iterator
@@ -34,8 +35,14 @@ from app.page_html import page_gzip, page_html
 MAX_CONNECTIONS = 50
 """Tabs at a time; each costs a thread and some megabytes."""
 
-MAX_UPLOAD = 512 * 1024
-"""Bytes of an uploaded file: one part, as viser's page sends them."""
+UPLOAD_PART = 512 * 1024
+"""Bytes of an uploaded file that come at once, as viser's page sends them."""
+
+MAX_UPLOAD = 40 * UPLOAD_PART
+"""Bytes of an uploaded file; a simulation of some seconds takes a twentieth of it."""
+
+_ALL_UPLOADS = 3 * MAX_UPLOAD  # bytes that all tabs together may be sending
+_TOO_LARGE = "application/x-too-large"  # the type by which the page says so, of nothing
 
 _MAX_MESSAGE = 1 << 20  # bytes a browser may send at once; sliders and clicks are far smaller
 _LONGEST_NAME = 255  # characters of an uploaded file's name, or of an identifier
@@ -70,7 +77,9 @@ class DesignerServer(viser.ViserServer):
         self._websock_server.on_client_connect(_tell_nonsense_briefly)
         for kind in _UPLOADS:  # to controls that all tabs share: there are none
             self._websock_server.unregister_handler(kind)
-        self.on_client_connect(_guard_uploads)
+        uploads = _Uploads()
+        self.on_client_connect(uploads.guard)
+        self.on_client_disconnect(uploads.forget)
 
     def request_share_url(self, verbose: bool = True) -> str | None:
         """Refuse: a tunnel to an outside host is nothing a visitor may open."""
@@ -105,57 +114,95 @@ def run_javascript(client: viser.ClientHandle, source: str) -> None:
 _UPLOADS = (messages.FileTransferStartUpload, messages.FileTransferPart)
 
 
-async def _guard_uploads(client: viser.ClientHandle) -> None:
-    """Before a tab has any control: let only small files through to upload buttons.
+class _Uploads:
+    """What all tabs are sending; on the server's event loop alone.
 
     viser would keep the parts of any number of files of any size, sent to any control.
     """
-    connection, gui = client._websock_connection, client.gui
 
-    # What a message holds is of any type, whatever its class says.
-    async def start(client_id: Any, message: Any) -> None:
-        button = gui._gui_input_handle_from_uuid.get(str(message.source_component_uuid))
-        names = (message.transfer_uuid, message.filename, message.mime_type)
-        if not isinstance(button, viser.GuiUploadButtonHandle) or not all(
-            isinstance(name, str) and len(name) <= _LONGEST_NAME for name in names
-        ):
-            return
-        gui._drop_uploads_from_client(client_id)  # one at a time
-        size = message.size_bytes
-        if 0 <= size <= MAX_UPLOAD and message.part_count == (size > 0):
-            gui._handle_file_transfer_start(client_id, message)
-        else:
-            await _refuse_upload(client, message)
+    def __init__(self) -> None:
+        self._announced: dict[int, int] = {}  # tab -> bytes of the file that it is sending
 
-    def part(client_id: Any, message: Any) -> None:
-        if not isinstance(message.transfer_uuid, str) or not isinstance(message.content, bytes):
-            return
-        state = gui._current_file_upload_states.get(message.transfer_uuid)
-        if state is not None and len(message.content) == state["total_bytes"]:
-            gui._handle_file_transfer_part(client_id, message)
+    async def guard(self, client: viser.ClientHandle) -> None:
+        """Before a tab has any control: let only files through that are not too large."""
+        connection, gui = client._websock_connection, client.gui
 
-    for kind in _UPLOADS:
-        connection.unregister_handler(kind)
-    connection.register_handler(messages.FileTransferStartUpload, start)
-    connection.register_handler(messages.FileTransferPart, part)
+        # What a message holds is of any type, whatever its class says.
+        async def start(client_id: Any, message: Any) -> None:
+            button = gui._gui_input_handle_from_uuid.get(str(message.source_component_uuid))
+            names = (message.transfer_uuid, message.filename, message.mime_type)
+            if not isinstance(button, viser.GuiUploadButtonHandle) or not all(
+                isinstance(name, str) and len(name) <= _LONGEST_NAME for name in names
+            ):
+                return
+            gui._drop_uploads_from_client(client_id)  # one at a time
+            self._announced.pop(client.client_id, None)
+            size, parts = message.size_bytes, message.part_count
+            right = isinstance(size, int) and parts == math.ceil(size / UPLOAD_PART)
+            if not right or not 0 <= size <= MAX_UPLOAD or message.mime_type == _TOO_LARGE:
+                await _refuse_upload(
+                    client, message, f"too large; expected at most {MAX_UPLOAD >> 20} MB"
+                )
+            elif size + sum(self._announced.values()) > _ALL_UPLOADS:
+                await _refuse_upload(
+                    client, message, "too much is being sent by others; try again in a moment"
+                )
+            else:
+                self._announced[client.client_id] = size
+                gui._handle_file_transfer_start(client_id, message)
+                self._look_whether_done(client)
+
+        def part(client_id: Any, message: Any) -> None:
+            if not isinstance(message.transfer_uuid, str) or not isinstance(message.content, bytes):
+                return
+            state = gui._current_file_upload_states.get(message.transfer_uuid)
+            index = message.part_index
+            if state is None or not isinstance(index, int) or index < 0:
+                return
+            left = state["total_bytes"] - index * UPLOAD_PART
+            if len(message.content) == min(left, UPLOAD_PART):
+                gui._handle_file_transfer_part(client_id, message)
+                self._look_whether_done(client)
+
+        for kind in _UPLOADS:
+            connection.unregister_handler(kind)
+        connection.register_handler(messages.FileTransferStartUpload, start)
+        connection.register_handler(messages.FileTransferPart, part)
+
+    async def forget(self, client: viser.ClientHandle) -> None:
+        """The tab has gone."""
+        self._announced.pop(client.client_id, None)
+
+    def _look_whether_done(self, client: viser.ClientHandle) -> None:
+        if not client.gui._current_file_upload_states:
+            self._announced.pop(client.client_id, None)
 
 
-async def _refuse_upload(client: viser.ClientHandle, message: Any) -> None:
+_NO_FILE = viser.UploadedFile("", b"")
+
+
+def take_upload(button: viser.GuiUploadButtonHandle) -> viser.UploadedFile | None:
+    """The file that came last, if it was not taken before.
+
+    The button lets go of it: viser would keep it as long as the tab is open.
+    """
+    file = button.value
+    button._impl.value = _NO_FILE
+    return None if file is _NO_FILE or not isinstance(file, viser.UploadedFile) else file
+
+
+async def _refuse_upload(client: viser.ClientHandle, message: Any, why: str) -> None:
     """Say so, and end the page's progress bar: it goes on sending, and nothing is kept."""
-    size = max(message.size_bytes, 0)
+    size = message.size_bytes if isinstance(message.size_bytes, int) else 0
     client._websock_connection.queue_message(
         messages.FileTransferPartAck(
             source_component_uuid=message.source_component_uuid,
             transfer_uuid=message.transfer_uuid,
-            transferred_bytes=size,
-            total_bytes=size,
+            transferred_bytes=max(size, 0),
+            total_bytes=max(size, 0),
         )
     )
-    client.add_notification(
-        "Not opened",
-        f"{message.filename}: too large; expected at most {MAX_UPLOAD // 1024} kB",
-        color="orange",
-    )
+    client.add_notification("Not opened", f"{message.filename}: {why}", color="orange")
     # The page announces a success at the end of every upload.
     await asyncio.sleep(_SETTLING)
     client._websock_connection.queue_message(

@@ -3,18 +3,26 @@
 from __future__ import annotations
 
 import signal
+import tempfile
 from collections.abc import Callable
+from functools import partial
 from multiprocessing.connection import Connection
+from pathlib import Path
 from typing import Protocol
 
 import llsrbm
+from app.opened_file import OpenedFile
 from app.protocol import (
     Cancelled,
+    Exported,
+    ExportMotion,
     Failed,
     FindNearest,
     Found,
     Job,
     Nearest,
+    Opened,
+    OpenFile,
     PlanJump,
     Planned,
     Planner,
@@ -67,15 +75,23 @@ class LibraryPlanner:
         near = task.near
         if near is not None and (near.solution is None or _solver(near.jump) != _solver(task.jump)):
             near = None
-        return llsrbm.plan(
+        plan = partial(
+            llsrbm.plan,
             task.jump,
             weights=task.tuning.weights,
             limits=task.tuning.limits,
-            near=near,
             patient=task.patient,
             progress=lambda p: tell(p.text, iteration=p.iteration, residual=p.residual),
             cancelled=cancelled,
         )
+        if near is not None:
+            try:
+                return plan(near=near)
+            except errors.InputError:
+                # A file of another version of the planner, or made up; a request that cannot be
+                # planned is refused without it, too.
+                pass
+        return plan(near=None)
 
     def nearest(self, task: FindNearest, tell: Tell, cancelled: Callable[[], bool]) -> Nearest:
         """See `app.protocol.Planner.nearest`."""
@@ -102,6 +118,20 @@ class LibraryPlanner:
 
         return llsrbm.simulate(task.plan, task.scenario, progress=percent, cancelled=cancelled)
 
+    def open(self, task: OpenFile, tell: Tell) -> OpenedFile:
+        """See `app.protocol.Planner.open`."""
+        from app.opened_file import open_file
+
+        tell(f"opening {task.name}")
+        opened = open_file(task.name, task.content, task.robot, task.fps)
+        self.prepare(opened.robot, tell)
+        return opened
+
+    def export(self, task: ExportMotion, tell: Tell) -> tuple[str, bytes]:
+        """See `app.protocol.Planner.export`."""
+        tell(f"writing {', '.join(task.formats)}")
+        return exported(task)
+
     def _announce(self, robot: str, model: str, tell: Tell) -> None:
         if (robot, model) not in self._solvers:
             tell(f"building the solver of {model} for {robot}: half a minute, the first time")
@@ -110,6 +140,23 @@ class LibraryPlanner:
 
 def _solver(jump: Jump) -> tuple[str, str]:
     return jump.robot, jump.model
+
+
+def exported(task: ExportMotion) -> tuple[str, bytes]:
+    """Name and content of the one file that an export makes.
+
+    Raises:
+        llsrbm.errors.Error: as `llsrbm.export`.
+    """
+    from llsrbm.formats.exporting import file_name, stem
+
+    name = (
+        f"{stem(task.trajectory)}.zip" if task.zipped else file_name(task.trajectory, task.formats)
+    )
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / name
+        llsrbm.export(task.trajectory, path, format=task.formats, **task.options)
+        return name, path.read_bytes()
 
 
 def main(connection: Connection, stop: SharedNumber, factory: PlannerFactory) -> None:
@@ -157,6 +204,10 @@ def _work(planner: Planner, job: Job, connection: Connection, stop: SharedNumber
             return Simulated(job.number, planner.simulate(task, tell, cancelled))
         if isinstance(task, FindNearest):
             return Found(job.number, planner.nearest(task, tell, cancelled))
+        if isinstance(task, OpenFile):
+            return Opened(job.number, planner.open(task, tell))
+        if isinstance(task, ExportMotion):
+            return Exported(job.number, *planner.export(task, tell))
         return Planned(job.number, planner.plan(task, tell, cancelled))
     except errors.Cancelled:
         return Cancelled(job.number)

@@ -2,7 +2,8 @@
 
 A plan tells what was planned; with the rollout that followed it, also how that went. A rollout
 alone tells the same figures as the simulated whole body made them: its flight is that without any
-contact, its forces hold impacts, and the time to solve it is not known.
+contact, its forces hold impacts, and the time to solve it is not known. Any other motion has the
+figures that follow from how it moves.
 """
 
 from __future__ import annotations
@@ -18,7 +19,8 @@ from llsrbm.analysis.peak_loads import planned_peak_load
 from llsrbm.analysis.summary import peak_yaw_rate
 from llsrbm.motion.plan import Phase, Plan
 from llsrbm.motion.rollout import Rollout
-from llsrbm.motion.rotation import rotation_matrices
+from llsrbm.motion.rotation import rotation_matrices, yaw
+from llsrbm.motion.whole_body import WholeBodyMotion
 
 Array = NDArray[np.float64]
 
@@ -31,8 +33,12 @@ class DesignFigures:
     """One row; None for what is not known.
 
     Attributes:
-        status: "planned" or "not converged"; with a simulation "landed" or "fell".
+        status: "planned" or "not converged"; with a simulation "landed" or "fell"; "motion" of one
+            that is neither.
+        duration_s: s, with all that a simulation stands at its end.
         flight_time_s: s.
+        apex: of the CoM above where it starts, m.
+        final_yaw: of the base at the end, whole turns counted, rad.
         peak_yaw_rate: largest |angular velocity about z| of the base, rad/s.
         feet_radius: the feet's mean horizontal distance from the CoM, where it is smallest in
             flight, m.
@@ -46,11 +52,14 @@ class DesignFigures:
     """
 
     status: str
+    duration_s: float
     flight_time_s: float | None
+    apex: float
+    final_yaw: float
     peak_yaw_rate: float
     feet_radius: float | None
     smallest_Izz: float | None
-    peak_force: float
+    peak_force: float | None
     peak_force_in_weights: float | None
     planned_torque_ratio: float | None
     peak_torque_ratio: float | None
@@ -75,6 +84,9 @@ def figures_of_plan(plan: Plan, rollout: Rollout | None = None) -> DesignFigures
     status = "planned" if plan.solved else "not converged"
     return DesignFigures(
         status=status if outcome is None else outcome.status,
+        duration_s=plan.duration,
+        apex=_apex(plan.com),
+        final_yaw=float(yaw(plan.base_quat)[-1]),
         flight_time_s=float(plan.phase_start[2] - plan.phase_start[1]),
         peak_yaw_rate=peak_yaw_rate(plan),
         feet_radius=_feet_radius(plan.com, plan.foot_position, flight),
@@ -100,6 +112,9 @@ def figures_of_rollout(rollout: Rollout) -> DesignFigures:
     mass = rollout.robot_parameters.get("mass")
     return DesignFigures(
         status=outcome.status,
+        duration_s=rollout.duration,
+        apex=_apex(rollout.com[:count]),
+        final_yaw=float(yaw(rollout.base_quat[:count])[-1]),
         flight_time_s=flight_time,
         peak_yaw_rate=float(np.abs((turn * rollout.qvel[:count, 3:6]).sum(axis=1)).max()),
         feet_radius=_feet_radius(rollout.com[:count], rollout.foot_position[:count], flight),
@@ -109,6 +124,28 @@ def figures_of_rollout(rollout: Rollout) -> DesignFigures:
         planned_torque_ratio=None,
         peak_torque_ratio=outcome.peak_torque_ratio,
         yaw_error_at_touchdown=outcome.yaw_error_at_touchdown,
+        solve_time_s=None,
+    )
+
+
+def figures_of_motion(motion: WholeBodyMotion) -> DesignFigures:
+    """The figures that follow from a motion itself; its flight is the longest time in the air."""
+    flight_time, flight = _longest_flight(motion)
+    force = None if motion.foot_force is None else _peak(motion.foot_force)
+    return DesignFigures(
+        status="motion",
+        duration_s=float(motion.time[-1] - motion.time[0]),
+        apex=_apex(motion.com),
+        final_yaw=float(yaw(motion.base_quat)[-1]),
+        flight_time_s=flight_time,
+        peak_yaw_rate=float(np.abs(motion.angular_velocity[:, 2]).max()),
+        feet_radius=_feet_radius(motion.com, motion.foot_position, flight),
+        smallest_Izz=_smallest_Izz(motion.inertia, flight),
+        peak_force=force,
+        peak_force_in_weights=None if force is None else force / (motion.robot.mass * _GRAVITY),
+        planned_torque_ratio=None,
+        peak_torque_ratio=None,
+        yaw_error_at_touchdown=None,
         solve_time_s=None,
     )
 
@@ -170,7 +207,10 @@ class Figure:
 
 
 FIGURES = (
+    Figure("duration_s", "Duration", "duration", "s", 1, 2),
     Figure("flight_time_s", "Flight time", "flight", "s", 1, 3),
+    Figure("apex", "CoM rises", "apex", "m", 1, 3),
+    Figure("final_yaw", "Yaw at the end", "yaw", "°", math.degrees(1), 1, signed=True),
     Figure("peak_yaw_rate", "Peak yaw rate", "yaw rate", "rad/s", 1, 2),
     Figure("feet_radius", "Feet radius", "feet", "m", 1, 3),
     Figure("smallest_Izz", "Least Izz", "Izz", "kg m²", 1, 2),
@@ -215,6 +255,25 @@ def _flight(rollout: Rollout) -> tuple[float | None, NDArray[np.bool_]]:
     left = np.flatnonzero(contact & before)
     lift_off = float(rollout.time[left[-1]]) + tick if len(left) else float(rollout.time[0])
     return touchdown - lift_off, before & (rollout.time >= lift_off - _SAME_INSTANT)
+
+
+def _longest_flight(motion: WholeBodyMotion) -> tuple[float | None, NDArray[np.bool_]]:
+    """How long, s, and (K,) when; None where no foot ever leaves the ground or none comes back."""
+    standing = np.flatnonzero(motion.contact.any(axis=1))
+    apart = np.diff(motion.time[standing])
+    jumps = np.diff(standing) > 1
+    flight = np.zeros(len(motion.time), dtype=bool)
+    if not jumps.any():
+        return None, flight
+    longest = int(np.argmax(np.where(jumps, apart, 0.0)))
+    flight[standing[longest] + 1 : standing[longest + 1]] = True
+    # It begins after the last instant with a contact.
+    first = standing[longest] + 1
+    return float(motion.time[standing[longest + 1]] - motion.time[first]), flight
+
+
+def _apex(com: Array) -> float:
+    return float(com[:, 2].max() - com[0, 2])
 
 
 def _feet_radius(com: Array, feet: Array, flight: NDArray[np.bool_]) -> float | None:

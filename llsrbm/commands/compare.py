@@ -16,50 +16,83 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from llsrbm.analysis.figures import DesignFigures
+    from llsrbm.motion.files import Trajectory
+    from llsrbm.motion.whole_body import WholeBodyMotion
 
 _WIDEST = 10_000  # characters of a line
 
 
 def compare_command(
-    files: Annotated[list[Path], typer.Argument(metavar="FILE.npz...", help="Native files.")],
+    files: Annotated[
+        list[Path],
+        typer.Argument(metavar="FILE...", help="Native files, or other tools' (`llsrbm formats`)."),
+    ],
+    robot: Annotated[
+        str, typer.Option(metavar="R", help="Whose motion is in other tools' files.")
+    ] = "anymal",
+    fps: Annotated[
+        float | None, typer.Option(help="Frames per second of files that do not say.")
+    ] = None,
     as_json: options.AsJson = False,
 ) -> int:
-    """Print the figures of plans and simulations beside each other, a row a file.
+    """Print the figures of plans, simulations and other motions beside each other, a row a file.
 
-    A plan's file tells what was planned, a simulation's what the whole body did. Where all are of
-    one kind, the best of a column has an asterisk; what fell or did not converge has none.
+    A plan's file tells what was planned, a simulation's what the whole body did; another tool's has
+    the figures that follow from how the robot moves. Where all are of one kind, the best of a
+    column has an asterisk; what fell or did not converge has none.
     """
     with console.result_stream(as_json=as_json) as stdout:
-        from llsrbm.analysis.figures import figures_of_plan, figures_of_rollout
+        from llsrbm.formats.reading import load_any
         from llsrbm.motion.description import json_value
-        from llsrbm.motion.files import load
-        from llsrbm.motion.plan import Plan
-        from llsrbm.titles import titles_of
-        from llsrbm.tuning import Tuning
 
-        trajectories = [load(file) for file in files]
-        rows = [
-            figures_of_plan(t) if isinstance(t, Plan) else figures_of_rollout(t)
-            for t in trajectories
-        ]
-        titles = titles_of(
-            [
-                (t.jump, t.tuning, None) if isinstance(t, Plan) else (t.jump, Tuning(), t.scenario)
-                for t in trajectories
-            ]
-        )
+        motions = [load_any(file, robot, fps) for file in files]
+        rows, titles = [_row(motion) for motion in motions], _titles(motions)
         if as_json:
             designs: list[dict[str, Any]] = [
-                {"file": str(file), "title": title, "request": t.jump.as_dict(), **asdict(row)}
-                for file, title, t, row in zip(files, titles, trajectories, rows, strict=True)
+                {"file": str(file), "title": title, "request": _request(motion), **asdict(row)}
+                for file, title, motion, row in zip(files, titles, motions, rows, strict=True)
             ]
             print(json.dumps({"designs": json_value(designs)}, allow_nan=False), file=stdout)
         else:
-            of_one_kind = len({type(t) for t in trajectories}) == 1
+            of_one_kind = len({type(motion) for motion in motions}) == 1
             for line in _table([str(file) for file in files], titles, rows, mark=of_one_kind):
                 # A stranger's file may hold what would control the terminal.
                 print(printable(line, _WIDEST), file=stdout)
     return console.DONE
+
+
+def _row(motion: Trajectory | WholeBodyMotion) -> DesignFigures:
+    from llsrbm.analysis.figures import figures_of_motion, figures_of_plan, figures_of_rollout
+    from llsrbm.motion.plan import Plan
+    from llsrbm.motion.rollout import Rollout
+
+    if isinstance(motion, Plan):
+        return figures_of_plan(motion)
+    return figures_of_rollout(motion) if isinstance(motion, Rollout) else figures_of_motion(motion)
+
+
+def _titles(motions: Sequence[Trajectory | WholeBodyMotion]) -> list[str]:
+    """Of designs what tells them apart; of other tools' motions what kind of file they are from."""
+    from llsrbm.motion.plan import Plan
+    from llsrbm.motion.rollout import Rollout
+    from llsrbm.titles import Decisions, titles_of
+    from llsrbm.tuning import Tuning
+
+    designs: list[Decisions] = []
+    for motion in motions:
+        if isinstance(motion, Plan):
+            designs.append((motion.jump, motion.tuning, None))
+        elif isinstance(motion, Rollout):
+            tuning = Tuning() if motion.plan is None else motion.plan.tuning
+            designs.append((motion.jump, tuning, motion.scenario))
+    told = iter(titles_of(designs))
+    return [next(told) if isinstance(m, Plan | Rollout) else m.origin for m in motions]
+
+
+def _request(motion: Trajectory | WholeBodyMotion) -> dict[str, Any] | None:
+    from llsrbm.motion.whole_body import WholeBodyMotion
+
+    return None if isinstance(motion, WholeBodyMotion) else motion.jump.as_dict()
 
 
 def _table(

@@ -5,6 +5,7 @@ from __future__ import annotations
 from llsrbm.errors import InputError
 from llsrbm.formats.base import Format
 from llsrbm.formats.csv_table import CSV
+from llsrbm.formats.design_file import DESIGN
 from llsrbm.formats.gif import GIF
 from llsrbm.formats.gmr_pkl import GMR_PKL
 from llsrbm.formats.html_replay import HTML
@@ -35,6 +36,7 @@ FORMATS: dict[str, Format] = {
         HTML,
         MP4,
         GIF,
+        DESIGN,
     )
 }
 

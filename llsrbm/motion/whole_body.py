@@ -5,7 +5,7 @@ Formats of other tools are written from it, foreign files are read into it, and 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from llsrbm.errors import InputError
 from llsrbm.motion.instants import evenly, with_events
 from llsrbm.motion.plan import Phase, Plan
+from llsrbm.motion.quantity import TIME, quantities
 from llsrbm.motion.resample import resample
 from llsrbm.motion.rollout import Rollout
 from llsrbm.motion.rotation import rotation_matrices, sign_continuous
@@ -99,6 +100,31 @@ def whole_body_motion(
         RobotFileError: the robot is not there.
     """
     times = with_events(trajectory, fps) if events else evenly(trajectory, fps, pad)
+    robot, order = _robot_and_order(trajectory)
+    rest = None if events else fps
+    if isinstance(trajectory, Plan):
+        return _of_plan(trajectory, robot, times, order, rest)
+    return _of_rollout(resample(trajectory, times), robot, times, order, rest)
+
+
+def motion_at_ticks(rollout: Rollout, ticks: NDArray[np.int64]) -> WholeBodyMotion:
+    """A rollout at some of its own ticks (K,), increasing, or at all of them.
+
+    Raises:
+        InputError: the robot has other joints by now.
+        RobotFileError: the robot is not there.
+    """
+    robot, order = _robot_and_order(rollout)
+    values = {
+        name: getattr(rollout, name)[ticks]
+        for name, quantity in quantities(Rollout).items()
+        if TIME in quantity.axes
+    }
+    return _of_rollout(replace(rollout, **values), robot, values["time"], order, None)
+
+
+def _robot_and_order(trajectory: Plan | Rollout) -> tuple[Robot, list[int]]:
+    """The robot as it is now, and where its joints are among the trajectory's."""
     robot = load_robot(trajectory.jump.robot)
     if sorted(trajectory.joint_names) != sorted(robot.joint_names):
         raise InputError(
@@ -111,11 +137,7 @@ def whole_body_motion(
             f"the motion has {feet} feet, but {robot.path} has {len(robot.legs)}; expected the "
             "robot that the motion was made with"
         )
-    order = [trajectory.joint_names.index(name) for name in robot.joint_names]
-    rest = None if events else fps
-    if isinstance(trajectory, Plan):
-        return _of_plan(trajectory, robot, times, order, rest)
-    return _of_rollout(trajectory, robot, times, order, rest)
+    return robot, [trajectory.joint_names.index(name) for name in robot.joint_names]
 
 
 def _of_plan(
@@ -156,16 +178,15 @@ def _of_plan(
 
 
 def _of_rollout(
-    rollout: Rollout, robot: Robot, times: Array, order: list[int], fps: float | None
+    sampled: Rollout, robot: Robot, times: Array, order: list[int], fps: float | None
 ) -> WholeBodyMotion:
-    sampled = resample(rollout, times)
     return WholeBodyMotion(
         robot=robot,
         origin="rollout",
         time=times - times[0],
         fps=fps,
         base_position=sampled.base_position,
-        base_quat=sampled.base_quat,
+        base_quat=sign_continuous(sampled.base_quat),
         base_velocity=sampled.base_velocity,
         angular_velocity=sampled.angular_velocity,
         joint_position=sampled.joint_position[:, order],

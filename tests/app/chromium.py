@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import contextlib
 import io
 import shutil
@@ -122,3 +123,19 @@ def status(page, word, timeout=20_000):
     text = line.inner_text()
     assert text.startswith(word)
     return text
+
+
+_DROP = """([name, content, where, letGo]) => {
+  const bytes = Uint8Array.from(atob(content), (c) => c.charCodeAt(0));
+  const dataTransfer = new DataTransfer();
+  dataTransfer.items.add(new File([bytes], name));
+  const at = document.querySelector(where);
+  const options = { dataTransfer, bubbles: true, cancelable: true };
+  at.dispatchEvent(new DragEvent("dragover", options));
+  if (letGo) at.dispatchEvent(new DragEvent("drop", options));
+}"""
+
+
+def drop(page, name, content, where="canvas", let_go=True):
+    """Drag a file over the page and let go of it, as far as a script can."""
+    page.evaluate(_DROP, [name, base64.b64encode(content).decode(), where, let_go])

@@ -8,10 +8,17 @@ import time
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from app.opened_file import OpenedFile, States, open_file
+from app.worker import exported
 from llsrbm import errors
 from llsrbm.errors import InputError
 from llsrbm.jump import Jump
 from llsrbm.motion.plan import Plan
+from llsrbm.motion.whole_body import motion_of_states
+from llsrbm.robots import load_robot
 from tests.app.synthetic_plan import synthetic_plan
 from tests.llsrbm.synthetic_rollout import synthetic_rollout
 
@@ -32,6 +39,8 @@ STUBBORNLY = 52  # takes a minute and never asks
 FALLING = 53  # the robot falls
 IMPOSSIBLE = 54  # InputError
 TRIPPING = 55  # the robot falls before it has left the ground
+
+SLOW_PAD = 9.9  # s before and after, of an export that takes a minute and never asks
 
 
 @dataclass(frozen=True)
@@ -109,6 +118,32 @@ class SyntheticPlanner:
         fell_at = {FALLING: 1.1, TRIPPING: 0.2}.get(seed)
         rollout = synthetic_rollout(task.plan, fell_at=fell_at, seed=seed)
         return replace(rollout, scenario=task.scenario)
+
+    def open(self, task, tell):
+        tell(f"opening {task.name}")
+        if task.name == "foreign.csv":
+            return OpenedFile(task.name, turning_states(task.robot))
+        return open_file(task.name, task.content, task.robot, task.fps)
+
+    def export(self, task, tell):
+        tell(f"writing {task.formats}")
+        if task.options.get("pad") == SLOW_PAD:
+            time.sleep(60)
+        return exported(task)
+
+
+def turning_states(robot, seconds=2.0, fps=50.0):
+    """The robot in its default posture, turning and rising above the ground and back."""
+    loaded = load_robot(robot)
+    t = np.arange(round(seconds * fps) + 1) / fps
+    share = np.clip((t - 0.5) / 0.5, 0, 1)
+    qpos = np.tile(loaded.posture, (len(t), 1))
+    qpos[:, 2] += 0.8 * share * (1 - share)
+    qpos[:, 3:7] = Rotation.from_euler("z", (np.pi * share)[:, None]).as_quat(scalar_first=True)
+    qvel = np.zeros((len(t), 6 + len(loaded.joint_names)))
+    qvel[:, 2] = np.gradient(qpos[:, 2], t)
+    qvel[:, 5] = np.gradient(np.pi * share, t)
+    return States.of(motion_of_states(loaded, "unitree-csv", t, qpos, qvel, fps), robot)
 
 
 def is_(jump, way):

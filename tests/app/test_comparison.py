@@ -10,7 +10,9 @@ from app.comparison import Column, comparison_table
 from llsrbm.analysis.figures import DesignFigures
 
 BLUE, GREEN = (44, 123, 229), (10, 160, 90)
-PLANNED = DesignFigures("planned", 0.412, 1.88, 0.242, 1.86, 177.0, 0.592, 0.71, None, None, 0.1771)
+PLANNED = DesignFigures(
+    "planned", 1.3, 0.412, 0.21, 1.57, 1.88, 0.242, 1.86, 177.0, 0.592, 0.71, None, None, 0.1771
+)
 LANDED = replace(
     PLANNED,
     status="landed",

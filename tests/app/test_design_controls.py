@@ -5,7 +5,8 @@ from __future__ import annotations
 import pytest
 
 from app.upload import uploaded_design
-from llsrbm.design import LARGEST, Design, dump_design
+from app.viser_private import MAX_UPLOAD
+from llsrbm.design import Design, dump_design
 from llsrbm.errors import InputError
 from llsrbm.examples import examples
 from llsrbm.jump import Jump
@@ -15,7 +16,8 @@ from tests.app.raw_tab import RawTab
 EXAMPLES = examples()
 CONTRACT = (
     "Robot", "Model", "Twist [deg]", "Forward [m]", "Lateral [m]", "Landing height [m]", "Simulate",
-    "Cancel", "Play", "Pause", "Export", "Format", "Inertia ellipsoids",
+    "Cancel", "Play", "Pause", "Export", "Format", "Inertia ellipsoids", "Open", "Share", "Replan",
+    "Jump type",
 )  # fmt: skip
 
 
@@ -51,14 +53,14 @@ def test_no_example_is_nothing(page, tab, value):
 
 
 def test_a_file_is_handed_over_as_it_is(page, tab):
-    tab.upload("Open design", "mine.json", b"\x00{")
+    tab.upload("Open", "mine.json", b"\x00{")
     assert page.next() == ("upload", "mine.json", b"\x00{")
-    tab.upload("Open design", "empty.json", b"", transfer="second")
+    tab.upload("Open", "empty.json", b"", transfer="second")
     assert page.next() == ("upload", "empty.json", b"")
 
 
 def test_a_value_that_is_no_file_is_nothing(page, tab):
-    tab.set("Open design", "no file")
+    tab.set("Open", "no file")
     tab.press("Save design")
     assert page.next() == ("save",)
 
@@ -77,14 +79,20 @@ def test_what_is_shown_is_named_with_its_note(tab):
 def test_labels_are_not_taken_for_those_of_the_contract(tab):
     own = [m["props"]["label"] for m in tab.controls.values() if "label" in m["props"]]
     own.remove("Twist [deg]")
-    assert sorted(own) == ["Example", "Open design", "Save design"]
+    assert sorted(own) == ["Example", "Open", "Rate of the file [1/s]", "Save design"]
+    own.remove("Open")
     for label in own:
         assert not any(fixed.lower() in label.lower() for fixed in CONTRACT)
 
 
-def test_a_tab_is_told_to_cut_files_at_the_limit_that_is_checked(tab):
+def test_a_tab_is_told_to_send_no_files_that_are_refused(tab):
     (script,) = tab.scripts
-    assert f"file.slice(0, {LARGEST + 1})" in script
+    assert script.startswith(f"window.llsrbmLargestFile = {MAX_UPLOAD};")
+
+
+def test_a_browser_offers_what_can_be_opened(tab):
+    offered = tab.control("Open")["props"]["mime_type"].split(",")
+    assert {".json", ".npz", ".csv"} <= set(offered)
 
 
 def test_an_uploaded_design_is_read():

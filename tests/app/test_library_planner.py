@@ -7,8 +7,10 @@ from dataclasses import replace
 import pytest
 
 import llsrbm
-from app.protocol import FindNearest, PlanJump, SimulateJump
+from app.protocol import ExportMotion, FindNearest, OpenFile, PlanJump, SimulateJump
 from app.worker import LibraryPlanner
+from llsrbm.design import Design, dump_design
+from llsrbm.errors import InputError
 from llsrbm.jump import Jump
 from llsrbm.motion.plan import Solution
 from llsrbm.scenario import Scenario
@@ -71,6 +73,41 @@ def test_a_plan_gets_its_tuning_and_the_plan_to_start_from(called):
 def test_what_is_of_no_use_to_start_from_is_left_out(called, changes):
     LibraryPlanner().plan(PlanJump(JUMP, near=planned(**changes)), silent, never)
     assert called["plan"][1]["near"] is None
+
+
+def test_a_plan_that_the_planner_cannot_start_from_is_left_out(monkeypatch):
+    """From a file of another version, or made up: only the planner can tell."""
+    asked = []
+
+    def plan(jump, *, near, **_):
+        asked.append(near)
+        if near is not None:
+            raise InputError("near: the plan is of another version of the planner")
+        return synthetic_plan(jump)
+
+    monkeypatch.setattr(llsrbm, "plan", plan)
+    near = planned()
+    assert LibraryPlanner().plan(PlanJump(JUMP, near=near), silent, never).jump == JUMP
+    assert asked == [near, None]
+
+
+def test_a_file_is_opened_and_its_robot_prepared(monkeypatch):
+    prepared = []
+    monkeypatch.setattr(LibraryPlanner, "prepare", lambda _, robot, tell: prepared.append(robot))
+    design = dump_design(Design(Jump(robot="go2")))
+    task = OpenFile("mine.jump.json", design.encode(), "anymal")
+    assert LibraryPlanner().open(task, silent).holds.jump.robot == "go2"
+    assert prepared == ["go2"]
+
+
+def test_an_export_is_one_file_whatever_it_is_of():
+    task = ExportMotion(synthetic_plan(JUMP), ("csv",), options={"fps": 10.0})
+    name, table = LibraryPlanner().export(task, silent)
+    assert name == "anymal-llsrbm-plus-plan.csv"
+    assert table.startswith(b"time [s]")
+    name, folder = LibraryPlanner().export(ExportMotion(synthetic_plan(JUMP), ("mujoco",)), silent)
+    assert name == "anymal-llsrbm-plus-plan.zip"
+    assert folder.startswith(b"PK")
 
 
 def test_a_search_gets_its_tuning(called):

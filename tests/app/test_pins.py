@@ -26,11 +26,11 @@ def replay(robot):
 
 
 @pytest.fixture
-def pins(robot, replay):
+def pins(replay):
     made = Pins()
     for _ in colours.PINNED:
         assert not made.full
-        made.add(Design(JUMP), robot, replay, None)
+        made.add(replay, None, Design(JUMP))
     return made
 
 
@@ -39,11 +39,11 @@ def test_each_pin_has_a_colour_of_its_own_until_there_is_none_left(pins):
     assert pins.full
 
 
-def test_a_colour_that_is_let_go_is_given_again_and_the_others_stay(pins, robot, replay):
+def test_a_colour_that_is_let_go_is_given_again_and_the_others_stay(pins, replay):
     middle = pins.at(1)
     pins.remove(middle)
     assert [pin.colour for pin in pins] == [colours.PINNED[0], colours.PINNED[2]]
-    pins.add(Design(JUMP), robot, replay, None)
+    pins.add(replay, None, Design(JUMP))
     assert pins.at(2).colour == middle.colour
     assert pins.full
 
@@ -53,11 +53,11 @@ def test_there_is_no_such_pin(pins, index):
     assert pins.at(index) is None
 
 
-def test_a_simulation_is_drawn_in_place_of_its_plan(robot, replay):
-    simulated = bake_rollout(synthetic_rollout(replay.plan), robot)
+def test_a_simulation_is_drawn_in_place_of_its_plan(replay):
+    simulated = bake_rollout(synthetic_rollout(replay.plan))
     pins = Pins()
-    pins.add(Design(JUMP), robot, replay, simulated)
-    pins.add(Design(JUMP), robot, replay, None)
+    pins.add(replay, simulated, Design(JUMP))
+    pins.add(replay, None, Design(JUMP))
     with_it, without = pins
     assert with_it.ghost.frames is simulated.frames
     assert without.ghost.frames is replay.frames

@@ -7,7 +7,7 @@ import pinocchio as pin
 import pytest
 from scipy.spatial.transform import Rotation
 
-from app.replay import bake, presentable, resultants
+from app.replay import bake, presentable
 from llsrbm.jump import Jump
 from llsrbm.robots import load_robot
 from tests.app.synthetic_plan import synthetic_plan
@@ -66,19 +66,3 @@ def test_a_plan_whose_time_stands_still_is_not_drawn():
     time = plan.time.copy()
     time[4] = time[3]
     assert not presentable(replace(plan, time=time))
-
-
-def test_the_force_on_a_sole_acts_at_its_centre_of_pressure():
-    """It turns the sole about no horizontal axis there, as the corners' forces together do not."""
-    corners = np.array([[0.07, 0.04, 0], [0.07, -0.04, 0], [-0.07, 0.04, 0], [-0.07, -0.04, 0.0]])
-    points = (np.array([[0.0, 0.2, 0.3], [0.1, -0.2, 0.3]])[:, None] + corners).reshape(1, 8, 3)
-    forces = np.random.default_rng(3).uniform([-9, -9, 1], [9, 9, 90], (1, 8, 3))
-    total, at = resultants(points, forces, 2)
-    for foot in range(2):
-        own = slice(4 * foot, 4 * foot + 4)
-        assert total[0, foot] == pytest.approx(forces[0, own].sum(axis=0))
-        moment = np.cross(points[0, own] - at[0, foot], forces[0, own]).sum(axis=0)
-        assert moment[:2] == pytest.approx([0, 0], abs=1e-9)
-    total, at = resultants(points, np.zeros_like(forces), 2)
-    assert total == pytest.approx(0)
-    assert at[0] == pytest.approx(np.array([[0.0, 0.2, 0.3], [0.1, -0.2, 0.3]]))

@@ -150,7 +150,7 @@ def test_the_seed_counts_only_when_disturbed(tab, session):
 
 def test_a_designs_noise_outlives_a_simulation_without_disturbance(tab, session):
     design = replace(session.design, scenario=llsrbm.Scenario(seed=9, noise=2.0))
-    tab.upload("Open design", "noisy.json", llsrbm.dump_design(design).encode())
+    tab.upload("Open", "noisy.json", llsrbm.dump_design(design).encode())
     tab.wait(lambda: tab.value("Disturb"), "the design")
     tab.wait_for_status("Planned")
     for disturb, noise in ((False, None), (True, 2.0)):

@@ -35,8 +35,8 @@ def rollout():
 
 
 @pytest.fixture(scope="module")
-def replay(rollout, robot):
-    return bake_rollout(rollout, robot)
+def replay(rollout):
+    return bake_rollout(rollout)
 
 
 def test_bodies_are_where_pinocchio_puts_them(robot, rollout, replay):
@@ -78,11 +78,11 @@ def test_a_frame_shows_the_mean_force_until_the_next_one(rollout, replay):
 
 
 @pytest.mark.parametrize("ticks", [1, 2, 3, 4, 7])
-def test_however_short_it_is_drawn(rollout, robot, ticks):
+def test_however_short_it_is_drawn(rollout, ticks):
     arrays = ("time", "qpos", "com", "base_position", "base_quat", "inertia", "foot_position")
     arrays += ("phase", "contact_force")
     short = replace(rollout, **{name: getattr(rollout, name)[:ticks] for name in arrays})
-    frames = bake_rollout(short, robot).frames
+    frames = bake_rollout(short).frames
     assert frames.time[0] == rollout.time[0]
     assert frames.end == rollout.time[ticks - 1]
     assert Strand(frames.time, ()).frame_at(5.0) == len(frames.time) - 1

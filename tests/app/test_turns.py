@@ -7,7 +7,15 @@ import itertools
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.protocol import FindNearest, Job, PlanJump, Prepare, SimulateJump
+from app.protocol import (
+    ExportMotion,
+    FindNearest,
+    Job,
+    OpenFile,
+    PlanJump,
+    Prepare,
+    SimulateJump,
+)
 from app.turns import Entry, Kind, Member, Turns
 from llsrbm.jump import Jump
 from llsrbm.scenario import Scenario
@@ -16,7 +24,9 @@ PLAN = PlanJump(Jump())
 OTHER = PlanJump(Jump(model="srbm"))
 SEARCH = FindNearest(Jump())
 SIMULATION = SimulateJump(None, Scenario())  # which plan does not matter here
-TASKS = (PLAN, OTHER, SEARCH, SIMULATION, Prepare("anymal"))
+TABLE, LOG = (ExportMotion(None, (name,)) for name in ("csv", "mcap"))
+FILE = OpenFile("a.npz", b"", "anymal")
+TASKS = (PLAN, OTHER, SEARCH, SIMULATION, Prepare("anymal"), TABLE, LOG, FILE)
 
 numbers = itertools.count(1)
 
@@ -55,6 +65,24 @@ def test_a_simulation_leaves_the_reserved_process_alone():
     turns.put(entry("d"))
     assert give(turns, crew) == [("d", 1)]
     assert [item.tab for item in turns] == ["b", "c"]
+
+
+def test_what_is_quickly_written_or_read_may_go_anywhere_and_the_rest_not():
+    turns, crew = turns_that_know(), members()
+    for tab, task in (("a", LOG), ("b", LOG), ("c", TABLE)):
+        turns.put(entry(tab, task))
+    assert give(turns, crew) == [("a", 0), ("c", 1)]
+    crew[1].working_on = None
+    turns.put(entry("d", FILE))
+    assert give(turns, crew) == [("d", 1)]
+    assert not ExportMotion(None, ("csv", "mcap")).quick
+
+
+def test_files_need_nothing_that_has_to_be_built_first():
+    turns, crew = Turns(), members()
+    turns.put(entry("a", PLAN))  # builds a solver
+    turns.put(entry("b", TABLE))
+    assert give(turns, crew) == [("a", 0), ("b", 1)]
 
 
 def test_with_one_process_nothing_is_reserved():

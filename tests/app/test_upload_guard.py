@@ -2,21 +2,21 @@
 
 from __future__ import annotations
 
+import contextlib
 import gc
 import logging
 import random
 import re
+import time
 from pathlib import Path
 
 import msgspec
 import pytest
 import viser
 
-from app.viser_private import MAX_UPLOAD
+from app.viser_private import MAX_UPLOAD, UPLOAD_PART
 from tests.app.design_page import design_page
 from tests.app.raw_tab import CAMERA, RawTab
-
-PART = 512 * 1024
 
 
 @pytest.fixture(scope="module")
@@ -39,23 +39,79 @@ def kept(client):
     return sum(len(part) for state in states for part in state["parts"].values()), len(states)
 
 
-def test_a_file_of_one_part_comes_through(page, tab):
-    content = random.Random(0).randbytes(MAX_UPLOAD)
-    tab.upload("Open design", "largest.bin", content)
-    assert page.next() == ("upload", "largest.bin", content)
-    whole = (MAX_UPLOAD, MAX_UPLOAD)
-    tab.wait(lambda: tab.acknowledged.get("transfer") == whole, "the acknowledgement")
+@pytest.mark.parametrize("size", [0, 1, UPLOAD_PART, UPLOAD_PART + 1, MAX_UPLOAD])
+def test_a_file_comes_through_whole_and_is_not_kept(page, tab, size):
+    content = random.Random(0).randbytes(size)
+    tab.upload("Open", "one.bin", content)
+    kind, name, got = page.next()
+    assert (kind, name, got == content) == ("upload", "one.bin", True)
+    tab.wait(lambda: tab.acknowledged.get("transfer") == (size, size), "the acknowledgement")
+    (button,) = (
+        handle
+        for handle in tab.client.gui._gui_input_handle_from_uuid.values()
+        if isinstance(handle, viser.GuiUploadButtonHandle)
+    )
+    assert button.value.content == b""
+    assert kept(tab.client) == (0, 0)
 
 
 def test_a_larger_one_is_refused_at_its_start(page, tab):
-    tab.upload("Open design", "big.bin", bytes(10 * PART + 1))
+    size = MAX_UPLOAD + 1
+    tab.upload("Open", "big.bin", bytes(size))
     tab.press("Save design")
     assert page.next() == ("save",)
-    expected = ("Not opened", "big.bin: too large; expected at most 512 kB")
+    expected = ("Not opened", "big.bin: too large; expected at most 20 MB")
     tab.wait(lambda: expected in tab.notifications, "the refusal")
     tab.wait(lambda: "RemoveNotificationMessage" in tab.received, "the progress bar's end")
-    assert tab.acknowledged["transfer"] == (10 * PART + 1, 10 * PART + 1)  # ends the progress bar
+    assert tab.acknowledged["transfer"] == (size, size)  # ends the progress bar
     assert kept(tab.client) == (0, 0)
+
+
+def test_the_page_says_itself_what_is_too_large(page, tab):
+    tab.upload("Open", "big.bin", b"", mime_type="application/x-too-large")
+    expected = ("Not opened", "big.bin: too large; expected at most 20 MB")
+    tab.wait(lambda: expected in tab.notifications, "the refusal")
+    tab.press("Save design")
+    assert page.next() == ("save",)
+
+
+def begin(tab, size, transfer="begun"):
+    """Announce a file and send none of it."""
+    source = tab.control("Open")["uuid"]
+    start = {"source_component_uuid": source, "transfer_uuid": transfer, "filename": "a.bin"}
+    start |= {"mime_type": "", "part_count": -(-size // UPLOAD_PART), "size_bytes": size}
+    tab.send({"type": "FileTransferStartUpload", **start})
+
+
+def test_all_tabs_together_send_no_more_than_the_server_bears(page, tab):
+    with contextlib.ExitStack() as stack:
+        others = [stack.enter_context(RawTab(page.port)) for _ in range(3)]
+        for other in others:
+            other.client, _ = page.tabs.get(timeout=20)
+            begin(other, MAX_UPLOAD)
+            other.wait(lambda o=other: kept(o.client) == (0, 1), "its beginning")
+        tab.upload("Open", "one.bin", b"one")
+        busy = "one.bin: too much is being sent by others; try again in a moment"
+        tab.wait(lambda: ("Not opened", busy) in tab.notifications, "the refusal")
+        begin(others[0], 10)  # in place of the large one
+        others[0].wait(lambda: "begun" in others[0].client.gui._current_file_upload_states, "it")
+        deadline = time.monotonic() + 10
+        while page.told.empty() and time.monotonic() < deadline:
+            tab.upload("Open", "one.bin", b"one")
+            time.sleep(0.1)
+        assert page.next() == ("upload", "one.bin", b"one")
+    while not page.told.empty():
+        page.next()
+
+
+@pytest.mark.parametrize("index", [1, -1, 1.0])
+def test_a_part_that_does_not_belong_is_dropped(page, tab, index):
+    begin(tab, 4)
+    part = {"source_component_uuid": tab.control("Open")["uuid"], "transfer_uuid": "begun"}
+    for content in (b"more", b"m"):
+        tab.send({"type": "FileTransferPart", "part_index": index, "content": content, **part})
+    tab.send({"type": "FileTransferPart", "part_index": 0, "content": b"fine", **part})
+    assert page.next() == ("upload", "a.bin", b"fine")
 
 
 @pytest.mark.parametrize(
@@ -66,6 +122,9 @@ def test_a_larger_one_is_refused_at_its_start(page, tab):
         {"size_bytes": -1},
         {"part_count": 1 << 40},
         {"part_count": -1},
+        {"part_count": 2},
+        {"size_bytes": 100.0},
+        {"size_bytes": "100"},
         {"source_component_uuid": "nosuch"},
         {"source_component_uuid": ["nosuch"]},
         {"transfer_uuid": ["unhashable"]},
@@ -76,8 +135,8 @@ def test_a_larger_one_is_refused_at_its_start(page, tab):
     ],
 )
 def test_a_file_that_is_not_as_declared_is_dropped(page, tab, declared):
-    tab.upload("Open design", "a.json", bytes(100), **declared)
-    tab.upload("Open design", "b.json", b"fine", transfer="next")
+    tab.upload("Open", "a.json", bytes(100), **declared)
+    tab.upload("Open", "b.json", b"fine", transfer="next")
     assert page.next() == ("upload", "b.json", b"fine")
     assert kept(tab.client) == (0, 0)
 
@@ -89,11 +148,8 @@ def test_a_file_goes_to_upload_buttons_only(page, tab):
 
 
 def test_unfinished_uploads_do_not_pile_up(page, tab):
-    source = tab.control("Open design")["uuid"]
     for number in range(100):
-        start = {"source_component_uuid": source, "transfer_uuid": str(number), "filename": "a"}
-        start |= {"mime_type": "", "part_count": 1, "size_bytes": 5}
-        tab.send({"type": "FileTransferStartUpload", **start})
+        begin(tab, 5, str(number))
     tab.press("Save design")
     assert page.next() == ("save",)
     assert kept(tab.client) == (0, 1)
@@ -101,7 +157,7 @@ def test_unfinished_uploads_do_not_pile_up(page, tab):
 
 def test_parts_without_a_start_are_dropped(page, tab):
     part = {"source_component_uuid": None, "transfer_uuid": "nosuch", "part_index": 0}
-    for content in (b"", bytes(PART), "text", 7, None):
+    for content in (b"", bytes(UPLOAD_PART), "text", 7, None):
         tab.send({"type": "FileTransferPart", "content": content, **part})
     tab.press("Save design")
     assert page.next() == ("save",)
@@ -151,7 +207,7 @@ def test_garbage_closes_its_connection_and_no_other(page, tab, garbage, caplog):
         ("Twist [deg]", {"value": float("nan")}),
         ("Twist [deg]", {"value": None}),
         ("Twist [deg]", {"nosuch": 1}),
-        ("Open design", {"value": [1]}),
+        ("Open", {"value": [1]}),
         ("Example", [1, 2]),
         ("Save design", None),
     ],
@@ -187,4 +243,5 @@ def test_a_defect_of_the_page_is_told_in_full(page, tab, caplog):
 def test_the_page_sends_files_in_parts_of_the_size_that_is_let_through():
     client = Path(viser.__file__).parent / "client/src/components/UploadButton.tsx"
     assert "const chunkSize = 512 * 1024;" in client.read_text()
-    assert MAX_UPLOAD == PART
+    assert UPLOAD_PART == 512 * 1024
+    assert MAX_UPLOAD % UPLOAD_PART == 0

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import random
 import threading
 import time
 from pathlib import Path
@@ -11,10 +12,10 @@ import pytest
 
 from app.stored_design import recall, remember
 from app.upload import uploaded_design
-from llsrbm.design import LARGEST, dump_design
-from llsrbm.errors import InputError
+from app.viser_private import MAX_UPLOAD
+from llsrbm.design import dump_design
 from llsrbm.examples import examples
-from tests.app.chromium import PACE, VIEW, chromium, fill
+from tests.app.chromium import PACE, VIEW, chromium, drop, fill
 from tests.app.design_page import design_page
 
 pytestmark = pytest.mark.browser
@@ -114,26 +115,50 @@ def test_an_example_is_chosen_by_its_title(page, server):
     assert server.next() == ("example", examples()["go2-twist"])
 
 
-def test_100_mb_are_cut_by_the_browser(page, server, huge):
+def test_100_mb_are_not_even_sent(page, server, huge):
     with growth() as grown:
         page.locator("input[type=file]").set_input_files(huge)
-        _, name, content = server.next()
-    assert len(content) == LARGEST + 1
-    with pytest.raises(InputError, match=r"huge.json: too large for a design; expected at most 64"):
-        uploaded_design(name, content)
+        page.get_by_text("huge.json: too large; expected at most 20 MB").wait_for()
+        page.get_by_text("Uploading huge.json").wait_for(state="detached", timeout=5000)
     assert grown[0] < 20e6
     move_slider(page, server, 30)
+    assert page.get_by_role("button", name="Open").is_enabled()
 
 
 def test_100_mb_that_are_sent_all_the_same_are_dropped(browser, server, huge, monkeypatch):
-    monkeypatch.setattr("app.design_controls.cut_uploads", lambda client: None)
+    monkeypatch.setattr("app.design_controls.accept_drops", lambda client: None)
     with opened(browser, server) as page, growth() as grown:
         page.locator("input[type=file]").set_input_files(huge)
-        page.get_by_text("huge.json: too large; expected at most 512 kB").wait_for()
+        page.get_by_text("huge.json: too large; expected at most 20 MB").wait_for()
         page.get_by_text("Uploading huge.json").wait_for(state="detached", timeout=5000)
         move_slider(page, server, 31)
-        assert page.get_by_role("button", name="Open design").is_enabled()
+        assert page.get_by_role("button", name="Open").is_enabled()
     assert grown[0] < 50e6
+
+
+@pytest.mark.parametrize("size", [0, 3, MAX_UPLOAD])
+def test_a_file_of_any_size_up_to_the_limit_comes_whole(page, server, tmp_path, size):
+    path = tmp_path / "some.npz"
+    path.write_bytes(random.Random(1).randbytes(size))
+    page.locator("input[type=file]").set_input_files(path)
+    kind, name, content = server.next()
+    assert (kind, name, content == path.read_bytes()) == ("upload", "some.npz", True)
+    page.wait_for_timeout(PACE)
+
+
+def test_a_file_is_dropped_anywhere(page, server):
+    for where in ("canvas", "#root", "[role=slider]"):
+        drop(page, "dropped.json", b"{}", where)
+        assert server.next() == ("upload", "dropped.json", b"{}")
+        page.wait_for_timeout(PACE)
+    veil = page.locator("#llsrbm-drop")
+    drop(page, "held.json", b"{}", "canvas", let_go=False)
+    assert veil.is_visible()
+    page.evaluate("dispatchEvent(new DragEvent('dragleave', {relatedTarget: null}))")
+    assert not veil.is_visible()
+    # What is no file is the page's own business.
+    page.evaluate("dispatchEvent(new DragEvent('drop', {dataTransfer: new DataTransfer()}))")
+    move_slider(page, server, 35)
 
 
 def test_a_design_survives_a_reload(page, server):

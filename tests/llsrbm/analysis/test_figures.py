@@ -17,7 +17,9 @@ from tests.llsrbm.synthetic import GRAVITY, synthetic_plan
 from tests.llsrbm.synthetic_rollout import EARLY_TICKS, RATE, YAW_SHORTFALL, synthetic_rollout
 
 FIGURE = {figure.name: figure for figure in FIGURES}
-ROW = DesignFigures("planned", 0.4, 1.9, 0.24, 1.2, 230.0, 0.7, None, None, None, 0.12)
+ROW = DesignFigures(
+    "planned", 1.3, 0.4, 0.2, 1.5, 1.9, 0.24, 1.2, 230.0, 0.7, None, None, None, 0.12
+)
 
 
 @pytest.fixture(scope="module")

@@ -36,7 +36,7 @@ def compared(capfd, *arguments):
 def test_a_line_a_file_below_a_head_of_names_and_units(files, capfd):
     lines = compared(capfd, files["slow"], files["fast"]).splitlines()
     assert len(lines) == 4
-    assert lines[0].split()[:3] == ["file", "design", "flight"]
+    assert lines[0].split()[:3] == ["file", "design", "duration"]
     assert lines[1].split() == " ".join(figure.unit for figure in FIGURES).split()
     assert lines[2].startswith(files["slow"])
     assert " 90° + 30 cm forward llsrbm-plus " in lines[2]

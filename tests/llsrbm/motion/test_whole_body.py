@@ -12,7 +12,12 @@ from scipy.spatial.transform import Rotation
 
 from llsrbm.errors import InputError
 from llsrbm.motion.resample import resample
-from llsrbm.motion.whole_body import motion_of_states, resultants, whole_body_motion
+from llsrbm.motion.whole_body import (
+    motion_at_ticks,
+    motion_of_states,
+    resultants,
+    whole_body_motion,
+)
 from llsrbm.robots import load_robot
 from tests.llsrbm.formats.jumps import (
     ROBOTS,
@@ -155,3 +160,17 @@ def test_resultants_act_at_the_centre_of_pressure():
     np.testing.assert_allclose(at, [[[0.05, 0, 0]]])
     _, unloaded = resultants(points, np.zeros((1, 2, 3)), feet=1)
     np.testing.assert_allclose(unloaded, [[[0.1, 0, 0]]])
+
+
+def test_a_rollouts_own_ticks_are_taken_as_they_are():
+    rollout = simulated("anymal")
+    at = np.array([0, 3, 200, len(rollout.time) - 1])
+    motion = motion_at_ticks(rollout, at)
+    assert motion.fps is None
+    assert motion.time.tolist() == rollout.time[at].tolist()
+    assert motion.com.tolist() == rollout.com[at].tolist()
+    assert motion.foot_force.tolist() == rollout.contact_force[at].tolist()
+    joints = by_name(rollout.joint_names, motion.robot.joint_names, rollout.qpos[at, 7:])
+    assert motion.joint_position.tolist() == joints.tolist()
+    same_attitude(motion.base_quat, rollout.base_quat[at], atol=1e-12)
+    np.testing.assert_allclose(motion.qvel[:, :6], rollout.qvel[at, :6], atol=1e-9)

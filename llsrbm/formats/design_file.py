@@ -1,0 +1,48 @@
+"""All that was asked for, as a small JSON file to start from again: no motion is in it.
+
+The request, the weights and limits that differ from the robot's own, and of a simulation its
+scenario: what `llsrbm plan --design`, `llsrbm simulate --design` and the page open. SI units,
+angles in rad; `llsrbm.design` says what stands where.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from llsrbm.design import SUFFIX, Design, dump_design
+from llsrbm.errors import InputError
+from llsrbm.formats.base import Format, Options
+from llsrbm.motion.files import Trajectory
+from llsrbm.motion.plan import Plan
+
+
+def write_design(trajectory: Trajectory, path: Path, options: Options) -> None:
+    """Write the design of a plan or of a rollout."""
+    del options  # it holds nothing that could be sampled
+    path.write_text(dump_design(design_of(trajectory)), encoding="utf-8")
+
+
+def design_of(trajectory: Trajectory) -> Design:
+    """What was asked for.
+
+    Raises:
+        InputError: a rollout of an old file, which does not say with which weights and limits the
+            plan was made.
+    """
+    if isinstance(trajectory, Plan):
+        return Design(trajectory.jump, trajectory.tuning)
+    if trajectory.plan is None:
+        raise InputError(
+            'format "design": the rollout\'s file has no plan, so its weights and limits are not '
+            "known; expected a rollout that was simulated with this version"
+        )
+    return Design(trajectory.jump, trajectory.plan.tuning, trajectory.scenario)
+
+
+DESIGN = Format(
+    name="design",
+    title="all that was asked for, to plan and simulate it again; no motion",
+    suffix=SUFFIX,
+    write=write_design,
+    conventions=__doc__,
+)

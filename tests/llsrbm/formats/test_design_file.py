@@ -1,0 +1,38 @@
+"""What a plan or a rollout was asked for, read back as a design."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from llsrbm.design import Design, load_design
+from llsrbm.errors import InputError
+from llsrbm.formats import export, file_name
+from llsrbm.scenario import Scenario
+from llsrbm.tuning import Tuning
+from tests.llsrbm.synthetic import synthetic_plan
+from tests.llsrbm.synthetic_rollout import synthetic_rollout
+
+TUNING = Tuning(weights={"time": 3.0}, limits={"friction": 0.4})
+SCENARIO = Scenario(board=0.02, half_board=True, seed=7, detector="norm", trunk_mass=-0.1)
+PLAN = replace(synthetic_plan(), tuning=TUNING)
+ROLLOUT = replace(synthetic_rollout(PLAN), scenario=SCENARIO)
+
+
+@pytest.mark.parametrize(
+    ("trajectory", "design"),
+    [(PLAN, Design(PLAN.jump, TUNING)), (ROLLOUT, Design(PLAN.jump, TUNING, SCENARIO))],
+    ids=["plan", "rollout"],
+)
+def test_it_says_what_was_asked_for(trajectory, design, tmp_path):
+    path = tmp_path / file_name(trajectory, ["design"])
+    assert path.name.endswith(".jump.json")
+    export(trajectory, path, format="design")
+    assert load_design(path) == design
+
+
+def test_of_an_old_rollout_it_is_not_known(tmp_path):
+    with pytest.raises(InputError, match="the rollout's file has no plan"):
+        export(replace(ROLLOUT, plan=None), tmp_path / "x.jump.json", format="design")
+    assert not list(tmp_path.iterdir())
