@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from llsrbm.cli import main
-from tests.llsrbm.formats.shown import motion_of
+from tests.llsrbm.formats.pictures.shown import motion_of
 
 
 @pytest.fixture(scope="module")

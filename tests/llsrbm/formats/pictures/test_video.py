@@ -17,11 +17,11 @@ from PIL import Image, ImageSequence
 from llsrbm.errors import Error, InputError
 from llsrbm.formats import export
 from llsrbm.formats.base import Options
-from llsrbm.formats.drawing import draw, view_of
-from llsrbm.formats.gif import durations
-from llsrbm.formats.pictures import pictures
+from llsrbm.formats.pictures.drawing import draw, view_of
+from llsrbm.formats.pictures.film import pictures
+from llsrbm.formats.pictures.gif import durations
 from llsrbm.robots import load_robot
-from tests.llsrbm.formats.shown import motion_of
+from tests.llsrbm.formats.pictures.shown import motion_of
 
 av = pytest.importorskip("av")
 

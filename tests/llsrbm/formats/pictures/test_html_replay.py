@@ -21,7 +21,7 @@ from llsrbm.motion.resample import resample
 from llsrbm.motion.whole_body import whole_body_motion
 from llsrbm.robots import load_robot
 from llsrbm.robots.visuals import link_visuals
-from tests.llsrbm.formats.shown import motion_of
+from tests.llsrbm.formats.pictures.shown import motion_of
 from tests.llsrbm.kinematics import link_poses
 
 HOSTILE = "<script>document.title='taken'<!--"

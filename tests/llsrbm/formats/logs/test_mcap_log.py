@@ -19,7 +19,7 @@ from llsrbm.motion.instants import events
 from llsrbm.motion.plan import Phase
 from llsrbm.robots import load_robot
 from llsrbm.robots.visuals import link_visuals
-from tests.llsrbm.formats.logs import (
+from tests.llsrbm.formats.logs.logs import (
     BOARD,
     ROBOTS,
     body_frames,

@@ -26,8 +26,13 @@ from numpy.typing import NDArray
 
 from llsrbm.errors import FileFormatError
 from llsrbm.formats.base import Format, Options
+from llsrbm.formats.references.states import (
+    MOST_FRAMES,
+    checked_motion,
+    checked_rate,
+    joint_columns,
+)
 from llsrbm.formats.sidecar import read_sidecar, write_sidecar
-from llsrbm.formats.states import MOST_FRAMES, checked_motion, checked_rate, joint_columns
 from llsrbm.motion.files import Trajectory
 from llsrbm.motion.whole_body import WholeBodyMotion, whole_body_motion
 from llsrbm.robots import Robot

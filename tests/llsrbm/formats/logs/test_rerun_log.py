@@ -20,7 +20,7 @@ from llsrbm.motion.instants import events
 from llsrbm.motion.plan import Phase
 from llsrbm.robots import load_robot
 from llsrbm.robots.visuals import link_visuals
-from tests.llsrbm.formats.logs import BOARD, ROBOTS, link_poses, plan_of, rollout, sampled
+from tests.llsrbm.formats.logs.logs import BOARD, ROBOTS, link_poses, plan_of, rollout, sampled
 
 FLOAT = 1e-6  # poses are floats: a robot is within some metres of the origin
 
@@ -250,7 +250,7 @@ def test_what_is_drawn_away(tmp_path):
     """The block under a robot that jumps down beside it."""
     import rerun as rr
 
-    from llsrbm.formats.rerun_log import _log_surroundings
+    from llsrbm.formats.logs.rerun_log import _log_surroundings
     from llsrbm.simulation.surroundings import Block, Surroundings
 
     stream = rr.RecordingStream("test", recording_id="drawn away")

@@ -11,7 +11,7 @@ import pytest
 import llsrbm
 from llsrbm.errors import FileFormatError
 from llsrbm.formats import FORMATS, export
-from llsrbm.formats.mujoco_motion import recognises
+from llsrbm.formats.mujoco.motion import recognises
 from llsrbm.motion.rollout import Disturbance
 from llsrbm.motion.whole_body import whole_body_motion
 from llsrbm.robots import load_robot

@@ -41,7 +41,7 @@ from numpy.typing import NDArray
 
 from llsrbm.errors import InputError
 from llsrbm.formats.base import Format, Options
-from llsrbm.formats.mujoco_motion import read_motion, recognises
+from llsrbm.formats.mujoco.motion import read_motion, recognises
 from llsrbm.formats.sidecar import described
 from llsrbm.motion.archive import write_archive
 from llsrbm.motion.files import Trajectory
@@ -53,7 +53,7 @@ from llsrbm.robots import Robot
 from llsrbm.scenario import Scenario
 
 if TYPE_CHECKING:
-    from llsrbm.formats.mujoco_scene import Keyframe
+    from llsrbm.formats.mujoco.scene import Keyframe
     from llsrbm.simulation.surroundings import Surroundings
 
 Array = NDArray[np.float64]
@@ -105,7 +105,7 @@ def write_mujoco(trajectory: Trajectory, path: Path, options: Options) -> None:
         RobotFileError: the robot cannot be simulated.
     """
     # MuJoCo takes its time to import.
-    from llsrbm.formats.mujoco_scene import exported_name, write_scene
+    from llsrbm.formats.mujoco.scene import exported_name, write_scene
     from llsrbm.simulation.scene import block_body, block_places, joints_in_model_order
     from llsrbm.simulation.world import steps_in
 
@@ -216,7 +216,7 @@ def _seen(motion: WholeBodyMotion) -> tuple[Array, float]:
 
 
 def _keyframes(trajectory: Trajectory, order: _Order, around: Surroundings) -> Iterator[Keyframe]:
-    from llsrbm.formats.mujoco_scene import Keyframe
+    from llsrbm.formats.mujoco.scene import Keyframe
     from llsrbm.simulation.scene import block_places
 
     # At a rate at which a plan's knots that count are there as events, and a rollout's ticks all.

@@ -34,7 +34,7 @@ from numpy.typing import NDArray
 from llsrbm.analysis.inertia_ellipsoid import ellipsoid
 from llsrbm.errors import InputError
 from llsrbm.formats.base import Extra, Format, Options
-from llsrbm.formats.logged import (
+from llsrbm.formats.logs.logged import (
     GHOST,
     GROUND_SIZE,
     Logged,

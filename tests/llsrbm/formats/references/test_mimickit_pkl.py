@@ -12,7 +12,7 @@ import pytest
 import llsrbm
 from llsrbm.errors import InputError
 from llsrbm.formats import export
-from llsrbm.formats.mimickit_pkl import exponential_map
+from llsrbm.formats.references.mimickit_pkl import exponential_map
 from tests.llsrbm.formats.jumps import (
     HALF_TURN,
     ROBOTS,

@@ -22,9 +22,9 @@ import numpy as np
 
 from llsrbm.errors import InputError
 from llsrbm.formats.base import Extra, Format, Options
-from llsrbm.formats.pictures import pictures
+from llsrbm.formats.pictures.film import pictures
+from llsrbm.formats.pictures.wording import title
 from llsrbm.formats.sidecar import described
-from llsrbm.formats.wording import title
 from llsrbm.motion.files import Trajectory
 
 FASTEST = 240.0  # pictures/s; players refuse more

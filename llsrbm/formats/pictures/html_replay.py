@@ -29,7 +29,7 @@ from numpy.typing import NDArray
 
 from llsrbm import palette
 from llsrbm.formats.base import Format, Options
-from llsrbm.formats.drawing import (
+from llsrbm.formats.pictures.drawing import (
     FIELD_OF_VIEW,
     LEAST_FORCE,
     Bodies,
@@ -251,7 +251,7 @@ def _share(colour: Rgb) -> list[float]:
 
 
 def _asset(name: str) -> str:
-    return files("llsrbm.formats").joinpath(_PAGE, name).read_text(encoding="utf-8")
+    return files("llsrbm.formats.pictures").joinpath(_PAGE, name).read_text(encoding="utf-8")
 
 
 HTML = Format(

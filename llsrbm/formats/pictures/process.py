@@ -1,10 +1,10 @@
 """A process that draws pictures with MuJoCo's renderer, without a screen.
 
-    python -m llsrbm.formats.picture_process FILM.npz
+    python -m llsrbm.formats.pictures.process FILM.npz
 
 A process of its own, because how MuJoCo reaches OpenGL is settled when it is first imported, and an
 OpenGL driver that crashes takes its process along. Pictures go to stdout, one after the other.
-`llsrbm.formats.pictures` starts it and says what a film is.
+`llsrbm.formats.pictures.film` starts it and says what a film is.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ def main(path: str) -> int:
     except Exception as error:  # noqa: BLE001
         print(f"{type(error).__name__}: {error}", file=sys.stderr)
         return NO_OPENGL
-    from llsrbm.formats.picture_drawing import draw_film
+    from llsrbm.formats.pictures.rendering import draw_film
 
     with np.load(path, allow_pickle=False) as stored:
         film = {name: stored[name] for name in stored.files}

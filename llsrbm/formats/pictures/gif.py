@@ -16,7 +16,7 @@ import numpy as np
 from llsrbm import palette
 from llsrbm.errors import InputError
 from llsrbm.formats.base import Format, Options
-from llsrbm.formats.pictures import Picture, pictures
+from llsrbm.formats.pictures.film import Picture, pictures
 from llsrbm.formats.sidecar import described
 from llsrbm.motion.files import Trajectory
 

@@ -33,7 +33,7 @@ from numpy.typing import NDArray
 
 from llsrbm.analysis.inertia_ellipsoid import ellipsoid
 from llsrbm.formats.base import Extra, Format, Options
-from llsrbm.formats.foxglove_messages import (
+from llsrbm.formats.logs.foxglove_messages import (
     colour,
     colours,
     nanoseconds,
@@ -44,7 +44,7 @@ from llsrbm.formats.foxglove_messages import (
     turned_x_to,
     vector,
 )
-from llsrbm.formats.logged import (
+from llsrbm.formats.logs.logged import (
     GHOST,
     GROUND_SIZE,
     Logged,

@@ -1,6 +1,6 @@
 """Reading motions in MuJoCo's coordinates out of npz files: numbers only, no MJCF, no pickles.
 
-See `llsrbm.formats.mujoco_folder` for what is read.
+See `llsrbm.formats.mujoco.folder` for what is read.
 """
 
 from __future__ import annotations

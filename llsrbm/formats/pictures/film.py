@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from llsrbm import palette
 from llsrbm.errors import Error, InputError
 from llsrbm.formats.base import Options
-from llsrbm.formats.drawing import (
+from llsrbm.formats.pictures.drawing import (
     FIELD_OF_VIEW,
     LEAST_FORCE,
     Bodies,
@@ -26,7 +26,7 @@ from llsrbm.formats.drawing import (
     draw,
     view_of,
 )
-from llsrbm.formats.picture_process import NO_OPENGL
+from llsrbm.formats.pictures.process import NO_OPENGL
 from llsrbm.motion.files import Trajectory
 from llsrbm.motion.timeline import phase_at
 from llsrbm.palette import Rgb
@@ -156,7 +156,7 @@ def _drawn_with(
 ) -> Any:  # a generator of pictures that returns exit status and stderr
     environment = {k: v for k, v in os.environ.items() if k != "PYOPENGL_PLATFORM"}
     environment["MUJOCO_GL"] = backend
-    command = [sys.executable, "-m", "llsrbm.formats.picture_process", str(path)]
+    command = [sys.executable, "-m", "llsrbm.formats.pictures.process", str(path)]
     with tempfile.TemporaryFile() as complaints:
         process = subprocess.Popen(
             command, stdout=subprocess.PIPE, stderr=complaints, env=environment

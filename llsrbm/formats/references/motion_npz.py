@@ -34,8 +34,8 @@ from numpy.typing import NDArray
 
 from llsrbm.errors import FileFormatError
 from llsrbm.formats.base import ORDERS, Format, Options
+from llsrbm.formats.references.states import checked_motion, checked_rate, joint_columns
 from llsrbm.formats.sidecar import described
-from llsrbm.formats.states import checked_motion, checked_rate, joint_columns
 from llsrbm.motion.archive import Arrays, checked, keys, read_archive, text, write_archive
 from llsrbm.motion.bodies import body_motion, body_order, root_com
 from llsrbm.motion.files import Trajectory

@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from llsrbm.formats.base import ORDERS, Format, Options
-from llsrbm.formats.plain_pickle import write_pickle
+from llsrbm.formats.references.plain_pickle import write_pickle
 from llsrbm.formats.sidecar import write_sidecar
 from llsrbm.motion.bodies import body_order
 from llsrbm.motion.files import Trajectory

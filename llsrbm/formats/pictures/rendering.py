@@ -28,7 +28,7 @@ def draw_film(film: dict[str, Any], drawn_by: str, write: Callable[[bytes], obje
     """Draw a film, picture after picture: rows of red, green, blue from the top.
 
     Args:
-        film: as `llsrbm.formats.pictures` makes it.
+        film: as `llsrbm.formats.pictures.film` makes it.
         drawn_by: what OpenGL calls what it draws with.
         write: takes each picture.
     """

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from llsrbm import palette
 from llsrbm.analysis.inertia_ellipsoid import ellipsoid
 from llsrbm.errors import InputError
-from llsrbm.formats.wording import title, told
+from llsrbm.formats.pictures.wording import title, told
 from llsrbm.motion.files import Trajectory
 from llsrbm.motion.instants import evenly, with_events
 from llsrbm.motion.plan import Plan

@@ -18,7 +18,7 @@ from pathlib import Path
 import numpy as np
 
 from llsrbm.formats.base import ORDERS, Format, Options
-from llsrbm.formats.plain_pickle import write_pickle
+from llsrbm.formats.references.plain_pickle import write_pickle
 from llsrbm.formats.sidecar import write_sidecar
 from llsrbm.motion.bodies import body_motion
 from llsrbm.motion.files import Trajectory

@@ -1,0 +1,1 @@
+"""Logs for viewers: Foxglove's and rerun's."""

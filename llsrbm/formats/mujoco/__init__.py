@@ -1,0 +1,1 @@
+"""A folder for MuJoCo, and motions in its coordinates."""

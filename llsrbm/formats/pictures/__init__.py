@@ -1,0 +1,1 @@
+"""A motion to look at: a page that plays from disk, videos."""

@@ -1,0 +1,1 @@
+"""Reference motions, as trainers and retargeters read them."""
