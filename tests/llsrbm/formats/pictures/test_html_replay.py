@@ -267,17 +267,17 @@ def test_a_browser_draws_what_was_recorded(chrome, replay, motion):
     tab.close()
 
 
+@pytest.fixture(scope="module")
+def tab(chrome, tmp_path_factory):
+    """A robot that is quickly drawn."""
+    path = tmp_path_factory.mktemp("slider") / "replay.html"
+    export(motion_of("slider").rollout, path, format="html")
+    return played(chrome, path)
+
+
 @pytest.mark.browser
 @browser
 class TestInABrowser:
-    """One tab, whose robot is quickly drawn."""
-
-    @pytest.fixture(scope="class")
-    def tab(self, chrome, tmp_path_factory):
-        path = tmp_path_factory.mktemp("slider") / "replay.html"
-        export(motion_of("slider").rollout, path, format="html")
-        return played(chrome, path)
-
     def test_time_goes_on_while_it_plays(self, tab):
         first = tab.evaluate("replay.player.time")
         tab.wait_for_function("t => replay.player.time > t + 0.05", arg=first)
