@@ -16,8 +16,8 @@ import viser
 
 from app import colours
 from app.clip import Clip
-from app.timeline import Timeline
 from app.viser_private import run_javascript, uuid_of
+from llsrbm.motion.timeline import Timeline
 
 _LONGEST = 1000  # characters of a message; the longest that the page sends has 80
 

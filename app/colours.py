@@ -1,32 +1,49 @@
-"""One colour a thing, the same in the picture, the plots, the timeline and the legend."""
+"""The page's colours: those of the library, and what only the page draws."""
 
 from __future__ import annotations
 
-Rgb = tuple[int, int, int]
+from llsrbm.palette import (
+    BLOCK,
+    COM,
+    FOOT,
+    FORCE,
+    INFEASIBLE,
+    PHASES,
+    PLANNED,
+    RIGID,
+    SIMULATED,
+    STANDING,
+    TARGET,
+    Rgb,
+    css,
+)
 
-PLANNED: Rgb = (44, 123, 229)
-SIMULATED: Rgb = (222, 96, 16)
+__all__ = [
+    "BLOCK",
+    "COM",
+    "CURSOR",
+    "DETECTION",
+    "FOOT",
+    "FORCE",
+    "INFEASIBLE",
+    "PHASES",
+    "PINNED",
+    "PLANNED",
+    "RIGID",
+    "SIMULATED",
+    "STANDING",
+    "TARGET",
+    "Rgb",
+    "css",
+    "linear",
+]
+
 PINNED: tuple[Rgb, ...] = ((140, 40, 255), (112, 112, 60), (214, 118, 168))
 """Of pinned designs: with the two above at least 20 apart in CIELAB, for colour-blind eyes too, and
 2.5 : 1 against white and against viser's dark panel."""
 
-RIGID: Rgb = (240, 140, 30)
-FORCE: Rgb = (214, 51, 108)
-COM: Rgb = (90, 60, 180)
-FOOT: Rgb = (110, 120, 130)
-TARGET: Rgb = (40, 160, 90)
-BLOCK: Rgb = (172, 132, 84)
-INFEASIBLE: Rgb = (220, 40, 40)
-
-PHASES: tuple[Rgb, ...] = ((227, 169, 59), (76, 143, 220), (87, 167, 115))
-STANDING: Rgb = (206, 211, 217)
 CURSOR: Rgb = (34, 34, 34)
 DETECTION: Rgb = (255, 255, 255)
-
-
-def css(colour: Rgb, opacity: float = 1.0) -> str:
-    """As style sheets write it."""
-    return f"rgba({colour[0]},{colour[1]},{colour[2]},{opacity:g})"
 
 
 def linear(colour: Rgb) -> list[float]:

@@ -22,7 +22,7 @@ from llsrbm.design import LARGEST as LARGEST_DESIGN
 from llsrbm.design import SUFFIX, Design
 from llsrbm.errors import Error, FileFormatError, printable
 from llsrbm.formats import load_motion, readable
-from llsrbm.formats.any_file import is_native
+from llsrbm.formats.reading import is_native
 from llsrbm.motion.files import load
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
@@ -301,8 +301,8 @@ def _show(plan: Plan, rollout: Rollout | None, robot: Robot) -> None:
     from app.figure import figure
     from app.replay import bake
     from app.simulated_replay import bake_rollout
-    from app.timeline import timeline
     from llsrbm.design import dump_design
+    from llsrbm.motion.timeline import timeline
     from llsrbm.scenario import Scenario
     from llsrbm.simulation.surroundings import surroundings
     from llsrbm.titles import titles_of

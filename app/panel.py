@@ -20,12 +20,13 @@ from app.jump_controls import JumpControls
 from app.player import SPEEDS
 from app.plots import Plots
 from app.simulation_controls import SimulationControls
-from app.timeline import Timeline, html
+from app.timeline import html
 from app.tuning_controls import TuningControls
 from app.view_controls import ViewControls
 from llsrbm.design import Design
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
+from llsrbm.motion.timeline import Timeline
 from llsrbm.robots import RobotFile
 
 _HELP = Path(__file__).parent / "static" / "help.md"

@@ -8,7 +8,7 @@ from collections.abc import Callable
 
 from app.bridge import Bridge, PlayerMoved
 from app.clip import Clip
-from app.timeline import Timeline
+from llsrbm.motion.timeline import Timeline
 
 SPEEDS = ("0.1×", "0.25×", "0.5×", "1×")
 

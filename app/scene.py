@@ -19,8 +19,8 @@ from app.frames import Frames
 from app.overlays import Blocks, Ellipsoid, Forces, Nodes, Target, Trails, tops_under
 from app.replay import Replay
 from app.robot_nodes import RobotNodes
-from app.viewpoint import viewpoint
 from llsrbm.robots import Robot
+from llsrbm.robots.viewpoint import viewpoint
 from llsrbm.simulation.surroundings import Block
 
 Array = NDArray[np.float64]

@@ -19,13 +19,13 @@ from app.protocol import Failed, PlanJump, Planned, Prepare, Prepared, Progress,
 from app.robot_nodes import meshes
 from app.session import Session
 from app.view_controls import configure_theme
-from app.viewpoint import viewpoint
 from app.viser_private import DesignerServer
 from app.worker_pool import WorkerPool
 from llsrbm import models
 from llsrbm.errors import InputError
 from llsrbm.jump import Jump
 from llsrbm.robots import load_robot
+from llsrbm.robots.viewpoint import viewpoint
 
 _LOOPBACK_NAMES = ("localhost",)
 

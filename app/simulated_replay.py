@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.frames import FRAME_RATE, Frames, make_frames
-from llsrbm.motion.rollout import Mode, Rollout
+from llsrbm.motion.rollout import Rollout
 from llsrbm.motion.whole_body import motion_at_ticks
 
 Array = NDArray[np.float64]
@@ -46,11 +46,3 @@ def means_from(values: Array, first: NDArray[np.int64]) -> Array:
     sums = np.add.reduceat(values, first, axis=0)
     means: Array = sums / counts.reshape(-1, *([1] * (values.ndim - 1)))
     return means
-
-
-def force_phases(rollout: Rollout) -> list[tuple[float, float]]:
-    """(start, end) s of each stretch of time in which forces were tracked."""
-    on = np.concatenate([[False], rollout.mode == Mode.FORCE, [False]])
-    edges = np.flatnonzero(np.diff(on.astype(int)))
-    times = np.append(rollout.time, rollout.time[-1])
-    return [(float(times[a]), float(times[b])) for a, b in edges.reshape(-1, 2)]

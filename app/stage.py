@@ -22,12 +22,12 @@ from app.replay import Replay, bake
 from app.scene import Scene
 from app.simulated_replay import SimulatedReplay, bake_rollout
 from app.target_handle import TargetHandle
-from app.timeline import Timeline, timeline
 from llsrbm.analysis.figures import figures_of_plan
 from llsrbm.design import Design
 from llsrbm.jump import Jump
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
+from llsrbm.motion.timeline import Timeline, timeline
 from llsrbm.robots import Robot
 from llsrbm.robots.schema import Task
 from llsrbm.scenario import Scenario

@@ -24,6 +24,7 @@ from llsrbm.commands.listing import (
     tuning_command,
 )
 from llsrbm.commands.plan import plan_command
+from llsrbm.commands.replay import replay_command
 from llsrbm.commands.simulate import simulate_command
 from llsrbm.errors import Error, InputError
 
@@ -75,6 +76,7 @@ def _llsrbm(
 app.command("plan")(plan_command)
 app.command("simulate")(simulate_command)
 app.command("export")(export_command)
+app.command("replay")(replay_command)
 app.command("robots")(robots_command)
 app.command("models")(models_command)
 app.command("tuning")(tuning_command)

@@ -63,7 +63,7 @@
     element("div", { class: "line" }, back, toggle, forth, clock, pace, repeat, events), track);
 
   let written = -Infinity;
-  let shown = null; // app/timeline.py, `Timeline`
+  let shown = null; // llsrbm/motion/timeline.py, `Timeline`
 
   function choose({ loop = player.loop, speed = player.speed }) {
     player.setLoop(loop);

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from llsrbm.formats.base import ORDERS, Format, Options
-from llsrbm.formats.export import export, file_name
+from llsrbm.formats.exporting import export, file_name
 from llsrbm.formats.reading import load_motion, readable
 from llsrbm.formats.registry import FORMATS, find
 

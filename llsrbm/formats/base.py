@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from importlib.util import find_spec
+from math import isfinite
 from pathlib import Path
+from typing import Any
 
 from llsrbm.errors import InputError
 from llsrbm.motion.files import Trajectory
@@ -13,6 +15,7 @@ from llsrbm.motion.whole_body import WholeBodyMotion
 from llsrbm.robots import Robot
 
 ORDERS = ("depth-first", "breadth-first")
+_SMALLEST, _LARGEST = 32, 4096  # pixels
 
 
 @dataclass(frozen=True)
@@ -26,6 +29,9 @@ class Options:
         size: width and height of a picture, pixels.
         camera: azimuth, elevation (deg) and distance (m) from which the robot is looked at; None:
             as the page does.
+
+    Raises:
+        InputError: an order, a size or a camera that makes no sense.
     """
 
     fps: float = 60.0
@@ -33,6 +39,27 @@ class Options:
     order: str = ORDERS[0]
     size: tuple[int, int] = (960, 540)
     camera: tuple[float, float, float] | None = None
+
+    def __post_init__(self) -> None:
+        """Check what is the same for every format; rates are checked where they are used."""
+        if self.order not in ORDERS:
+            raise InputError(f"order: expected {' or '.join(ORDERS)}, got {self.order!r}")
+        if not _numbers(self.size, 2, int) or not all(
+            _SMALLEST <= n <= _LARGEST for n in self.size
+        ):
+            raise InputError(
+                f"size: expected width and height, {_SMALLEST} to {_LARGEST} pixels, got "
+                f"{self.size!r}"
+            )
+        if self.camera is not None and (
+            not _numbers(self.camera, 3, float | int)
+            or not -90 <= self.camera[1] <= 90
+            or not self.camera[2] > 0
+        ):
+            raise InputError(
+                "camera: expected azimuth and elevation (-90 to 90) in deg and a distance > 0 in "
+                f"m, got {self.camera!r}"
+            )
 
 
 @dataclass(frozen=True)
@@ -94,3 +121,11 @@ class Format:
                 f'format "{self.name}" needs packages that are not installed; expected '
                 f'pip install "llsrbm[{self.extra.name}]"'
             )
+
+
+def _numbers(values: Any, count: int, kind: Any) -> bool:
+    return (
+        isinstance(values, Sequence)
+        and len(values) == count
+        and all(isinstance(n, kind) and isfinite(n) for n in values)
+    )

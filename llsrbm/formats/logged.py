@@ -20,16 +20,7 @@ from llsrbm.scenario import Scenario
 from llsrbm.simulation.surroundings import Surroundings, surroundings
 
 Array = NDArray[np.float64]
-Rgb = tuple[int, int, int]
 
-# As on the page.
-PLANNED: Rgb = (44, 123, 229)
-SIMULATED: Rgb = (222, 96, 16)
-FORCE: Rgb = (214, 51, 108)
-COM: Rgb = (90, 60, 180)
-FOOT: Rgb = (110, 120, 130)
-BLOCK: Rgb = (172, 132, 84)
-GROUND: Rgb = (206, 211, 217)
 GHOST = 0.3  # opacity of a plan beside what was made of it
 
 GROUND_SIZE = (4.0, 4.0, 0.01)  # m; its top is the ground

@@ -45,15 +45,9 @@ from llsrbm.formats.foxglove_messages import (
     vector,
 )
 from llsrbm.formats.logged import (
-    BLOCK,
-    COM,
-    FORCE,
     GHOST,
-    GROUND,
     GROUND_SIZE,
-    PLANNED,
     Logged,
-    Rgb,
     Series,
     ellipsoid_reference,
     logged,
@@ -65,6 +59,7 @@ from llsrbm.formats.sidecar import described
 from llsrbm.motion.files import Trajectory
 from llsrbm.motion.link_paths import link_paths
 from llsrbm.motion.rollout import Rollout
+from llsrbm.palette import BLOCK, COM, FORCE, GROUND, PLANNED, Rgb
 from llsrbm.robots.visuals import link_visuals
 from llsrbm.simulation.surroundings import Surroundings
 

@@ -6,11 +6,14 @@ from llsrbm.errors import InputError
 from llsrbm.formats.base import Format
 from llsrbm.formats.csv_table import CSV
 from llsrbm.formats.design_file import DESIGN
+from llsrbm.formats.gif import GIF
 from llsrbm.formats.gmr_pkl import GMR_PKL
+from llsrbm.formats.html_replay import HTML
 from llsrbm.formats.mcap_log import MCAP
 from llsrbm.formats.mimickit_pkl import MIMICKIT_PKL
 from llsrbm.formats.motion_imitation_json import MOTION_IMITATION_JSON
 from llsrbm.formats.motion_npz import MOTION_NPZ
+from llsrbm.formats.mp4 import MP4
 from llsrbm.formats.mujoco_folder import MUJOCO
 from llsrbm.formats.npz import NPZ
 from llsrbm.formats.rerun_log import RRD
@@ -30,6 +33,9 @@ FORMATS: dict[str, Format] = {
         MUJOCO,
         MCAP,
         RRD,
+        HTML,
+        MP4,
+        GIF,
         DESIGN,
     )
 }

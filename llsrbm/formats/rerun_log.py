@@ -35,16 +35,9 @@ from llsrbm.analysis.inertia_ellipsoid import ellipsoid
 from llsrbm.errors import InputError
 from llsrbm.formats.base import Extra, Format, Options
 from llsrbm.formats.logged import (
-    BLOCK,
-    COM,
-    FOOT,
-    FORCE,
     GHOST,
-    GROUND,
     GROUND_SIZE,
-    PLANNED,
     Logged,
-    Rgb,
     Series,
     ellipsoid_reference,
     logged,
@@ -55,6 +48,7 @@ from llsrbm.formats.logged import (
 from llsrbm.formats.sidecar import described
 from llsrbm.motion.files import Trajectory
 from llsrbm.motion.rollout import Rollout
+from llsrbm.palette import BLOCK, COM, FOOT, FORCE, GROUND, PLANNED, Rgb
 from llsrbm.robots.visuals import link_visuals
 from llsrbm.simulation.surroundings import Surroundings
 

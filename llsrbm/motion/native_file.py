@@ -94,7 +94,10 @@ def native_arrays(
         value = np.asarray(getattr(trajectory, key), dtype=_STORED[entry.kind])
         if value.dtype.kind == "f" and not (np.abs(value) <= LARGEST_NUMBER).all():
             what = type(trajectory).__name__.lower()
-            raise Error(f"{what}.{key} holds numbers that are not finite; it is not written")
+            raise Error(
+                f"{what}.{key} holds numbers that are not finite or "
+                f"beyond {LARGEST_NUMBER:g}; it is not written"
+            )
         arrays[key] = value
     return arrays
 

@@ -131,6 +131,12 @@ def _robot_and_order(trajectory: Plan | Rollout) -> tuple[Robot, list[int]]:
             f"the motion's joints are {', '.join(trajectory.joint_names)}, but {robot.path} has "
             f"{', '.join(robot.joint_names)}; expected the robot that the motion was made with"
         )
+    feet = trajectory.foot_position.shape[1]
+    if feet != len(robot.legs):
+        raise InputError(
+            f"the motion has {feet} feet, but {robot.path} has {len(robot.legs)}; expected the "
+            "robot that the motion was made with"
+        )
     return robot, [trajectory.joint_names.index(name) for name in robot.joint_names]
 
 

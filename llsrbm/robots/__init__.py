@@ -48,6 +48,8 @@ def load_robot(name_or_path: str) -> Robot:
 
 
 def _path(name_or_path: str) -> Path:
+    if "\0" in name_or_path:
+        raise InputError("robot: expected a name or a path, got one with a null character")
     if name_or_path.endswith(".toml") or os.sep in name_or_path:
         return Path(name_or_path)
     files = robot_files()

@@ -6,6 +6,7 @@ Mass properties and leg maps are not in it; they are computed from the URDF.
 from __future__ import annotations
 
 import difflib
+import stat
 import tomllib
 from collections.abc import Iterable
 from pathlib import Path
@@ -262,6 +263,9 @@ def choices(given: str, valid: Iterable[str], shown: int = 20) -> str:
     return (f'did you mean "{close[0]}"? ' if close else "") + f"valid: {listed}"
 
 
+_LARGEST = 1_000_000  # bytes; a robot file has a few thousand
+
+
 def read_robot_file(path: str | Path) -> RobotFile:
     """Read and check a robot file; the URDF itself is looked at by `llsrbm.robots.load_robot`.
 
@@ -270,7 +274,17 @@ def read_robot_file(path: str | Path) -> RobotFile:
     """
     path = Path(path)
     try:
-        table = tomllib.loads(path.read_bytes().decode())
+        # The path may come from a stranger's plan: no device is read, no pipe waited for.
+        kind = path.stat().st_mode
+        if not stat.S_ISREG(kind) and not stat.S_ISDIR(kind):
+            raise RobotFileError(f"{path}: cannot be read (not a regular file)")
+        with path.open("rb") as file:
+            content = file.read(_LARGEST + 1)
+        if len(content) > _LARGEST:
+            raise RobotFileError(f"{path}: too large for a robot file; at most {_LARGEST} bytes")
+        table = tomllib.loads(content.decode())
+    except RecursionError as error:
+        raise RobotFileError(f"{path}: not a TOML file: nested too deeply") from error
     except OSError as error:
         raise RobotFileError(f"{path}: cannot be read ({error.strerror})") from error
     except UnicodeDecodeError as error:

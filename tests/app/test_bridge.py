@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from app import bridge
 from app.bridge import Bridge, PaceChosen, PageReady, PlayerMoved, read_event
 from app.clip import Clip
-from app.timeline import Mark, Piece, Row, Timeline
+from llsrbm.motion.timeline import Mark, Piece, Row, Timeline
 from tests.app.page_script import call
 
 JSON = st.recursive(

@@ -7,7 +7,7 @@ import pytest
 from app.bridge import PlayerMoved
 from app.clip import Clip
 from app.player import BrowserPlayer, ServerPlayer
-from app.timeline import Timeline
+from llsrbm.motion.timeline import Timeline
 
 EVENTS = Timeline((), (), "", 2.0)
 

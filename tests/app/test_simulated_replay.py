@@ -11,9 +11,10 @@ from scipy.spatial.transform import Rotation
 
 from app.clip import Strand
 from app.frames import FRAME_RATE
-from app.simulated_replay import bake_rollout, force_phases, means_from
+from app.simulated_replay import bake_rollout, means_from
 from llsrbm.jump import Jump
 from llsrbm.motion.rollout import Mode
+from llsrbm.motion.timeline import force_phases
 from llsrbm.robots import load_robot
 from tests.app.synthetic_plan import synthetic_plan
 from tests.llsrbm.synthetic_rollout import synthetic_rollout

@@ -7,8 +7,9 @@ from html import unescape
 import pytest
 
 from app import colours
-from app.timeline import html, phase_at, timeline
+from app.timeline import html
 from llsrbm.jump import Jump
+from llsrbm.motion.timeline import phase_at, timeline
 from tests.app.synthetic_plan import FLY, STAND, synthetic_plan
 from tests.llsrbm.synthetic_rollout import FORCE_PHASE, STANDING, synthetic_rollout
 

@@ -10,6 +10,7 @@ import struct
 import warnings
 import zipfile
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 
@@ -18,7 +19,7 @@ import numpy as np
 from llsrbm.analysis.figures import figures_of_plan, figures_of_rollout
 from llsrbm.analysis.summary import plan_summary, worst_violation
 from llsrbm.design import Design, dump_design, load_design
-from llsrbm.errors import Error, FileFormatError
+from llsrbm.errors import Error, FileFormatError, InputError
 from llsrbm.formats import export
 from llsrbm.jump import Jump
 from llsrbm.motion.description import description
@@ -26,6 +27,7 @@ from llsrbm.motion.files import load
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.plan_file import FIRST_LAYOUT, FIRST_SCHEMA
 from llsrbm.motion.resample import resample
+from llsrbm.motion.whole_body import whole_body_motion
 from llsrbm.robots import load_robot
 from llsrbm.titles import title_of
 from tests.llsrbm.synthetic import synthetic_plan
@@ -478,6 +480,8 @@ def use(trajectory, folder: Path) -> None:
     else:
         figures_of_rollout(trajectory)
         title_of(trajectory.jump, None, trajectory.scenario)
+    with suppress(InputError):  # no such robot, or other joints
+        whole_body_motion(trajectory, 5.0, 0.2)
     json.dumps(description(trajectory), allow_nan=False).encode()
     export(trajectory, folder / "again.npz")
     export(trajectory, folder / "again.csv", format="csv", fps=5.0)

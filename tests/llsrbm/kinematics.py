@@ -16,3 +16,17 @@ def foot_positions(robot, base_position, base_quat, joint_position):
         pin.framesForwardKinematics(model, data, np.concatenate([p, np.roll(q, -1), angles]))
         feet[k] = [data.oMf[frame].translation for frame in frames]
     return feet
+
+
+def link_poses(robot, qpos):
+    """Link -> (3,) m and (3, 3) of the joint that moves it, for one posture in MuJoCo's order."""
+    model = pin.buildModelFromUrdf(str(robot.urdf_path), pin.JointModelFreeFlyer())
+    data = model.createData()
+    order = [robot.joint_names.index(name) for name in list(model.names)[2:]]
+    q = np.concatenate([qpos[:3], np.roll(qpos[3:7], -1), qpos[7:][order]])
+    pin.forwardKinematics(model, data, q)
+    bodies = (frame for frame in model.frames if frame.type == pin.FrameType.BODY)
+    return {
+        frame.name: (data.oMi[frame.parentJoint].translation, data.oMi[frame.parentJoint].rotation)
+        for frame in bodies
+    }

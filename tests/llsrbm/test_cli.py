@@ -49,7 +49,7 @@ class TestBadInput:
         [
             (
                 ["nosuch"],
-                'no command "nosuch"; the commands are plan, simulate, export, robots, models',
+                'no command "nosuch"; the commands are plan, simulate, export, replay, robots',
             ),
             (["plan", "--twist", "nan"], "finite number"),
             (["plan", "--model", "nosuch"], "srbm, llsrbm, llsrbm-plus"),

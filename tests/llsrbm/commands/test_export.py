@@ -134,8 +134,8 @@ def test_a_rate_that_makes_no_sense(saved, tmp_path, capfd, fps):
 
 
 def test_an_order_that_makes_no_sense(saved, tmp_path, capfd):
-    out = tmp_path / "x.csv"
-    said = refused(capfd, tmp_path, saved, "--out", out, "--format", "csv", "--order", "any")
+    out = tmp_path / "x.npz"
+    said = refused(capfd, tmp_path, saved, "--out", out, "--format", "motion-npz", "--order", "any")
     assert "order: expected depth-first or breadth-first, got 'any'" in said
 
 

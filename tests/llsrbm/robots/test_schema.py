@@ -1,12 +1,14 @@
 """A mistake in a robot file is one line that says where it is and what would be right."""
 
+import os
 from pathlib import Path
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from llsrbm.errors import RobotFileError
+from llsrbm.errors import InputError, RobotFileError
+from llsrbm.robots import load_robot
 from llsrbm.robots.assets import robot_files
 from llsrbm.robots.schema import RobotFile, choices, read_robot_file
 
@@ -175,3 +177,28 @@ def test_choices_show_the_nearest_of_many():
     assert message.startswith('did you mean "LF_FOOT"?')
     assert "181 more" in message
     assert len(message) < 400
+
+
+class TestPathsThatAStrangersFileMayName:
+    def test_a_device(self):
+        with pytest.raises(RobotFileError, match="not a regular file"):
+            read_robot_file("/dev/zero")
+
+    def test_a_pipe(self, tmp_path):
+        os.mkfifo(tmp_path / "x.toml")
+        with pytest.raises(RobotFileError, match="not a regular file"):
+            read_robot_file(tmp_path / "x.toml")
+
+    def test_a_large_file(self, tmp_path):
+        (tmp_path / "x.toml").write_bytes(b"#" * 1_000_001)
+        with pytest.raises(RobotFileError, match="too large for a robot file"):
+            read_robot_file(tmp_path / "x.toml")
+
+    def test_tables_without_end(self, tmp_path):
+        (tmp_path / "x.toml").write_text("x = " + "[" * 100_000)
+        with pytest.raises(RobotFileError, match="nested too deeply"):
+            read_robot_file(tmp_path / "x.toml")
+
+    def test_a_null_character(self):
+        with pytest.raises(InputError, match="null character"):
+            load_robot("a\0.toml")

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from llsrbm.robots import Robot
+from llsrbm.robots.robot import Robot
 from llsrbm.robots.visuals import forward_kinematics, link_visuals
 
 Array = NDArray[np.float64]

@@ -3,8 +3,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from app.viewpoint import viewpoint
 from llsrbm.robots import load_robot, names
+from llsrbm.robots.viewpoint import viewpoint
 
 
 @pytest.mark.parametrize("name", names())

@@ -6,18 +6,15 @@ import tempfile
 import zipfile
 from collections.abc import Sequence
 from dataclasses import replace
-from math import isfinite
 from pathlib import Path
 from typing import Any
 
 from llsrbm.errors import InputError
-from llsrbm.formats.base import ORDERS, Format, Options
+from llsrbm.formats.base import Format, Options
 from llsrbm.formats.registry import find
 from llsrbm.motion.files import Trajectory
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.writing import staged
-
-_MOST_PIXELS = 8192
 
 
 def export(
@@ -95,31 +92,10 @@ def _write_zip(
 def _options(format_: Format, given: dict[str, Any]) -> Options:
     """The format's own defaults, changed by what was given and is for it."""
     known = Options.__dataclass_fields__
-    for name, value in given.items():
+    for name in given:
         if name not in known:
             raise InputError(f"no option {name} of an export; expected {', '.join(known)}")
-        _check_value(name, value)
     return replace(format_.defaults, **{n: v for n, v in given.items() if n in format_.options})
-
-
-def _check_value(name: str, value: Any) -> None:
-    """Of options that are the same for every format; rates are checked where they are used."""
-    if name == "order" and value not in ORDERS:
-        raise InputError(f"order: expected {' or '.join(ORDERS)}, got {value!r}")
-    if name == "size":
-        whole = isinstance(value, Sequence) and all(isinstance(n, int) for n in value)
-        if not whole or len(value) != 2 or not all(1 <= n <= _MOST_PIXELS for n in value):
-            raise InputError(
-                f"size: expected width and height, whole numbers from 1 to {_MOST_PIXELS}, got "
-                f"{value!r}"
-            )
-    if name == "camera" and value is not None:
-        numbers = isinstance(value, Sequence) and all(isinstance(n, float | int) for n in value)
-        if not numbers or len(value) != 3 or not all(map(isfinite, value)) or value[2] <= 0:
-            raise InputError(
-                "camera: expected azimuth and elevation in deg and a distance in m that is "
-                f"positive, got {value!r}"
-            )
 
 
 def _check_used(formats: Sequence[Format], given: dict[str, Any]) -> None:

@@ -1,0 +1,265 @@
+"""A motion ready to be drawn by whatever draws: the replay in a browser, a video."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from llsrbm import palette
+from llsrbm.analysis.inertia_ellipsoid import ellipsoid
+from llsrbm.errors import InputError
+from llsrbm.formats.wording import title, told
+from llsrbm.motion.files import Trajectory
+from llsrbm.motion.instants import evenly, with_events
+from llsrbm.motion.plan import Plan
+from llsrbm.motion.resample import resample
+from llsrbm.motion.rollout import Rollout
+from llsrbm.motion.rotation import rotation_matrices
+from llsrbm.motion.timeline import Timeline, timeline
+from llsrbm.motion.whole_body import whole_body_motion
+from llsrbm.palette import Rgb
+from llsrbm.robots import Robot
+from llsrbm.robots.viewpoint import viewpoint
+from llsrbm.robots.visuals import LinkVisual, forward_kinematics, link_visuals
+from llsrbm.scenario import Scenario
+from llsrbm.simulation.surroundings import Surroundings, surroundings
+
+Array = NDArray[np.float64]
+
+FIELD_OF_VIEW = 36.0  # deg, upright
+LEAST_FORCE = 1.0  # N; smaller ones are not drawn
+_ROOM = 1.06  # a little more than what the robot needs
+
+
+@dataclass(frozen=True, eq=False)
+class Bodies:
+    """Where a robot's moving bodies are, in Pinocchio's order of joints.
+
+    Attributes:
+        position: (K, B, 3) m, world frame.
+        quat: (K, B, 4) w, x, y, z.
+        com: (K, 3) m.
+    """
+
+    position: Array
+    quat: Array
+    com: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Drawing:
+    """What is drawn at K instants, world frame: B bodies, L legs.
+
+    Attributes:
+        robot: that is drawn.
+        title: what was asked for, in words; told: what came of it.
+        time: (K,) s of the motion's own time.
+        solid: the robot that moves; ghost: the plan that it followed, if that is another motion
+            and known.
+        axes: (K, 3) m and axes_quat: (K, 4): ellipsoid of the inertia about the CoM.
+        foot: (K, L, 3) m; flight: (K,) whether in flight.
+        force: (K, L, 3) N and pressed_at: (K, L, 3) m; of a rollout means from frame to frame.
+        surroundings: ground and blocks, as far as they are known.
+        timeline: phases and events.
+        colour: of what is told about the solid one.
+    """
+
+    robot: Robot
+    title: str
+    told: str
+    time: Array
+    solid: Bodies
+    ghost: Bodies | None
+    axes: Array
+    axes_quat: Array
+    foot: Array
+    flight: NDArray[np.bool_]
+    force: Array
+    pressed_at: Array
+    surroundings: Surroundings
+    timeline: Timeline
+    colour: Rgb
+
+    @property
+    def visuals(self) -> tuple[LinkVisual, ...]:
+        """The robot's meshes."""
+        return link_visuals(self.robot)
+
+    @property
+    def coarse_visuals(self) -> tuple[LinkVisual, ...]:
+        """The same with fewer faces."""
+        return link_visuals(self.robot, coarse=True)
+
+    @property
+    def arrow_per_newton(self) -> float:
+        """m: a force as large as the weight is as long as the standing robot's CoM is high."""
+        gravity = float(np.linalg.norm(self.robot.model.gravity.linear))
+        return float(self.robot.com[2]) / (self.robot.mass * gravity)
+
+    @cached_property
+    def spheres(self) -> tuple[Array, Array]:
+        """(n, 3) m and (n,) m: spheres that hold all the places where the robot gets."""
+        centres, radii = [], []
+        for bodies in (self.solid, self.ghost):
+            for visual in self.visuals if bodies is not None else ():
+                assert bodies is not None
+                low, high = visual.vertices.min(axis=0), visual.vertices.max(axis=0)
+                body = visual.joint_id - 1
+                R = rotation_matrices(bodies.quat[:, body])
+                centres.append(bodies.position[:, body] + R @ ((low + high) / 2))
+                radii.append(np.full(len(R), np.linalg.norm(high - low) / 2))
+        if not centres:  # a robot without meshes
+            return self.solid.com, np.full(len(self.time), float(self.robot.com[2]))
+        return np.concatenate(centres), np.concatenate(radii)
+
+
+@dataclass(frozen=True)
+class View:
+    """A camera.
+
+    Attributes:
+        target: (3,) m, what it looks at.
+        azimuth: where it stands as seen from there, deg: 0 ahead (x), 90 to the left (y).
+        elevation: how high it stands above the target's horizon, deg.
+        distance: m.
+    """
+
+    target: Array
+    azimuth: float
+    elevation: float
+    distance: float
+
+    @property
+    def axes(self) -> Array:
+        """(3, 3) columns: right, up, and from what is seen to the camera."""
+        azimuth, elevation = math.radians(self.azimuth), math.radians(self.elevation)
+        right = np.array([-math.sin(azimuth), math.cos(azimuth), 0.0])
+        c, s = math.cos(elevation), math.sin(elevation)
+        back = np.array([c * math.cos(azimuth), c * math.sin(azimuth), s])
+        return np.column_stack([right, np.cross(back, right), back])
+
+
+def draw(
+    trajectory: Trajectory, fps: float, pad: float = 0.0, *, with_instants: bool = False
+) -> Drawing:
+    """Everything that is drawn of a plan or a rollout.
+
+    Args:
+        trajectory: what is drawn.
+        fps: instants/s.
+        pad: s of standing still before and after.
+        with_instants: have those as well at which contacts change; nothing is padded then.
+
+    Raises:
+        InputError: as `whole_body_motion` does, or the motion has numbers that are none.
+        RobotFileError: the robot is not there.
+    """
+    _check_finite(trajectory)
+    motion = whole_body_motion(trajectory, fps, pad, events=with_instants)
+    time = with_events(trajectory, fps) if with_instants else evenly(trajectory, fps, pad)
+    robot = motion.robot
+    rollout = trajectory if isinstance(trajectory, Rollout) else None
+    plan = trajectory if isinstance(trajectory, Plan) else trajectory.plan
+    position, quat = forward_kinematics(
+        robot, motion.base_position, motion.base_quat, motion.joint_position
+    )
+    reference = rotation_matrices(motion.base_quat)
+    axes, axes_quat = ellipsoid(motion.inertia, robot.mass, reference)
+    assert motion.foot_force is not None  # plans and rollouts have them
+    assert motion.pressed_at is not None
+    force = motion.foot_force
+    if rollout is not None:
+        force = _means(rollout.time, rollout.contact_force, time, force)
+    return Drawing(
+        robot=robot,
+        title=title(trajectory),
+        told=told(trajectory),
+        time=time,
+        solid=Bodies(position, quat, motion.com),
+        ghost=None if rollout is None or plan is None else _ghost(plan, robot, time),
+        axes=axes,
+        axes_quat=axes_quat,
+        foot=motion.foot_position,
+        flight=np.asarray(~motion.contact.any(axis=1)),
+        force=force,
+        pressed_at=motion.pressed_at,
+        surroundings=_surroundings(trajectory, plan, robot),
+        timeline=timeline(plan, rollout),
+        colour=palette.PLANNED if rollout is None else palette.SIMULATED,
+    )
+
+
+def view_of(
+    drawing: Drawing, aspect: float, camera: tuple[float, float, float] | None = None
+) -> View:
+    """A camera that does not move and sees the robot all the time, as large as that allows.
+
+    Args:
+        drawing: what is looked at.
+        aspect: width / height of the picture.
+        camera: azimuth and elevation, deg, and distance, m; None: from where the page looks, as far
+            away as it takes.
+    """
+    centres, radii = drawing.spheres
+    if camera is None:
+        place, target = viewpoint(drawing.robot)
+        x, y, z = place - target
+        turned = math.degrees(math.atan2(y, x)), math.degrees(math.atan2(z, math.hypot(x, y)))
+    else:
+        turned = camera[:2]
+    axes = View(np.zeros(3), *turned, 1.0).axes
+    seen = centres @ axes
+    upright = math.radians(FIELD_OF_VIEW) / 2
+    half = np.array([math.atan(aspect * math.tan(upright)), upright])
+    # From the middle x0 of the picture, spheres are seen whole from beyond
+    # z + (+-(x - x0) cos(a) + r) / sin(a), a to each side.
+    sides = np.array([1.0, -1.0])[:, None, None] * seen[:, :2]
+    least = seen[:, 2:] + (sides * np.cos(half) + radii[:, None]) / np.sin(half)
+    most = least.max(axis=1)  # (2 sides, 2 directions)
+    middle = (most[0] - most[1]) / 2 * np.tan(half)
+    # What is looked at is as far away as the robot, so that a camera may turn around it.
+    depth = float((seen[:, 2].min() + seen[:, 2].max()) / 2)
+    distance = (float(most.mean(axis=0).max()) - depth) * _ROOM
+    return View(axes @ [*middle, depth], *turned, distance if camera is None else float(camera[2]))
+
+
+def _check_finite(trajectory: Trajectory) -> None:
+    """A solver that diverged may leave anything."""
+    for name in ("time", "com", "base_position", "base_quat", "joint_position", "inertia"):
+        if not np.isfinite(getattr(trajectory, name)).all():
+            raise InputError(f"{name} is not finite everywhere; expected a motion to be drawn")
+
+
+def _ghost(plan: Plan, robot: Robot, time: Array) -> Bodies:
+    sampled = resample(plan, time)
+    order = [plan.joint_names.index(name) for name in robot.joint_names]
+    position, quat = forward_kinematics(
+        robot, sampled.base_position, sampled.base_quat, sampled.joint_position[:, order]
+    )
+    return Bodies(position, quat, sampled.com)
+
+
+def _surroundings(trajectory: Trajectory, plan: Plan | None, robot: Robot) -> Surroundings:
+    if plan is None:
+        return Surroundings(ground=min(trajectory.jump.height, 0.0), blocks=())
+    scenario = Scenario() if isinstance(trajectory, Plan) else trajectory.scenario
+    return surroundings(robot, plan, scenario)
+
+
+def _means(ticks: Array, values: Array, time: Array, sampled: Array) -> Array:
+    """Of `values` (T, ...), held from tick to tick, from each of `time` (K,) to the next.
+
+    `sampled` (K, ...) is taken where there is no next, or no tick.
+    """
+    flat = values.reshape(len(values), -1)
+    total = np.vstack([np.zeros(flat.shape[1]), np.cumsum(np.diff(ticks)[:, None] * flat[:-1], 0)])
+    sums = np.stack([np.interp(time, ticks, column) for column in total.T], axis=1)
+    means = np.diff(sums, axis=0) / np.diff(time)[:, None]
+    within = (time[:-1] >= ticks[0] - 1e-9) & (time[1:] <= ticks[-1] + 1e-9)
+    result = sampled.copy()
+    result[:-1][within] = means.reshape(len(means), *values.shape[1:])[within]
+    return result

@@ -1,0 +1,278 @@
+"""A robot in motion as MuJoCo's renderer draws it; in a process that has OpenGL."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from typing import Any
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+_HORIZON = [0.914, 0.929, 0.949, 1.0]
+_GHOST, _ELLIPSOID = 0.16, 0.13  # opacity
+_NO_SHADOW = mujoco.mjtCatBit.mjCAT_DECOR  # such things cast none
+_PALETTE_ROW = 64  # colours in a row of a texture
+_TILE, _PIXELS = 0.5, 250  # m and pixels of the ground's pattern
+_BEHIND = 0.012  # m by which a ghost is further away than what it would flicker through
+_SAMPLES, _SHADOW = 4, 2048  # of a pixel; pixels
+_PROCESSORS = ("llvmpipe", "softpipe", "swrast", "swr")  # what Mesa calls drawing without a card
+_FEW_PIXELS = 640 * 360  # a processor smooths edges in pictures up to that: it doubles the time
+_PIECE = 1 / 30  # s, of a trail
+
+
+def draw_film(film: dict[str, Any], drawn_by: str, write: Callable[[bytes], object]) -> None:
+    """Draw a film, picture after picture: rows of red, green, blue from the top.
+
+    Args:
+        film: as `llsrbm.formats.pictures` makes it.
+        drawn_by: what OpenGL calls what it draws with.
+        write: takes each picture.
+    """
+    facts = json.loads(str(film["facts"]))
+    width, height = facts["size"]
+    smooth = width * height <= _FEW_PIXELS or not drawn_by.startswith(_PROCESSORS)
+    model = _model(film, facts, _SAMPLES if smooth else 0)
+    with mujoco.Renderer(model, height, width, max_geom=3000) as renderer:
+        _draw(renderer, film, facts, write)
+
+
+def _draw(
+    renderer: mujoco.Renderer,
+    film: dict[str, Any],
+    facts: dict[str, Any],
+    write: Callable[[bytes], object],
+) -> None:
+    data = mujoco.MjData(renderer.model)
+    camera = mujoco.MjvCamera()
+    camera.lookat = facts["target"]
+    camera.distance = facts["distance"]
+    # MuJoCo's angles are those of where a camera looks.
+    camera.azimuth, camera.elevation = facts["azimuth"] + 180.0, -facts["elevation"]
+    bodies = film["solid"].shape[1]
+    eye = np.asarray(facts["eye"])
+    for k in range(len(film["time"])):
+        data.mocap_pos[:bodies] = film["solid"][k, :, :3]
+        data.mocap_quat[:bodies] = film["solid"][k, :, 3:]
+        if "ghost" in film:
+            away = film["ghost"][k, :, :3] - eye
+            away *= _BEHIND / np.linalg.norm(away, axis=1, keepdims=True)
+            data.mocap_pos[bodies:] = film["ghost"][k, :, :3] + away
+            data.mocap_quat[bodies:] = film["ghost"][k, :, 3:]
+        mujoco.mj_kinematics(renderer.model, data)
+        mujoco.mj_camlight(renderer.model, data)
+        renderer.update_scene(data, camera)
+        for geom in renderer.scene.geoms[: renderer.scene.ngeom]:
+            if geom.rgba[3] < 1:
+                geom.category = _NO_SHADOW
+        _Overlays(renderer.scene, film, facts, k).add()
+        for flag in (mujoco.mjtRndFlag.mjRND_HAZE, mujoco.mjtRndFlag.mjRND_SHADOW):
+            renderer.scene.flags[flag] = True
+        write(renderer.render().tobytes())
+
+
+class _Overlays:
+    """What is drawn besides the robot, of picture `k`."""
+
+    def __init__(
+        self, scene: mujoco.MjvScene, film: dict[str, Any], facts: dict[str, Any], k: int
+    ) -> None:
+        self._scene, self._film, self._facts, self._k = scene, film, facts, k
+
+    def add(self) -> None:
+        """Add all to the scene."""
+        film, facts, k = self._film, self._facts, self._k
+        colours = facts["colours"]
+        for centre, size, yaw, start, end in facts["blocks"]:
+            if start <= film["time"][k] < end:
+                c, s = np.cos(yaw), np.sin(yaw)
+                turn = np.array([c, -s, 0.0, s, c, 0.0, 0.0, 0.0, 1.0])
+                self._shape(
+                    mujoco.mjtGeom.mjGEOM_BOX,
+                    np.asarray(size) / 2,
+                    centre,
+                    turn,
+                    [*colours["block"], 1.0],
+                    mujoco.mjtCatBit.mjCAT_STATIC,
+                )
+        length = np.linalg.norm(film["force"][k], axis=1) * facts["arrow_per_newton"]
+        for start, force, long in zip(film["pressed_at"][k], film["force"][k], length, strict=True):
+            if long > facts["least_force"] * facts["arrow_per_newton"]:
+                end = start + force * facts["arrow_per_newton"]
+                self._line(
+                    mujoco.mjtGeom.mjGEOM_ARROW,
+                    facts["thickness"],
+                    start,
+                    end,
+                    [*colours["force"], 1.0],
+                )
+        self._trails(k, [*colours["com"], 0.9], [*colours["foot"], 0.8])
+        turn = np.empty(9)
+        mujoco.mju_quat2Mat(turn, film["axes_quat"][k])
+        self._shape(
+            mujoco.mjtGeom.mjGEOM_ELLIPSOID,
+            film["axes"][k],
+            film["com"][k],
+            turn,
+            [*colours["ellipsoid"], _ELLIPSOID],
+        )
+
+    def _trails(self, k: int, com: list[float], foot: list[float]) -> None:
+        """As far as the robot has come."""
+        film, line = self._film, mujoco.mjtGeom.mjGEOM_LINE
+        # Few pieces: each costs as much as a body.
+        stride = max(1, round(_PIECE / max(float(np.diff(film["time"][:2]).sum()), 1e-3)))
+        for a in range(0, k, stride):
+            b = min(a + stride, k)
+            self._line(line, 3.0, film["com"][a], film["com"][b], com)
+            if film["flight"][a] and film["flight"][b]:
+                for start, end in zip(film["foot"][a], film["foot"][b], strict=True):
+                    self._line(line, 2.0, start, end, foot)
+
+    def _shape(
+        self,
+        kind: Any,
+        size: Any,
+        place: Any,
+        turn: Array,
+        rgba: list[float],
+        category: Any = _NO_SHADOW,
+    ) -> None:
+        if (geom := self._next()) is not None:
+            mujoco.mjv_initGeom(
+                geom, kind, np.asarray(size, float), np.asarray(place, float), turn, rgba
+            )
+            geom.specular, geom.shininess = 0.2, 0.3
+            geom.category = category
+
+    def _line(self, kind: Any, width: float, start: Array, end: Array, rgba: list[float]) -> None:
+        if (geom := self._next()) is not None:
+            mujoco.mjv_initGeom(geom, kind, np.zeros(3), np.zeros(3), np.eye(3).ravel(), rgba)
+            mujoco.mjv_connector(geom, kind, width, start, end)
+            geom.category = _NO_SHADOW
+
+    def _next(self) -> mujoco.MjvGeom | None:
+        if self._scene.ngeom >= self._scene.maxgeom:
+            return None
+        self._scene.ngeom += 1
+        return self._scene.geoms[self._scene.ngeom - 1]
+
+
+def _model(film: dict[str, Any], facts: dict[str, Any], samples: int) -> mujoco.MjModel:
+    """Bodies that are put where they are, ground, light; nothing that could move by itself."""
+    spec = mujoco.MjSpec()
+    spec.visual.global_.offwidth, spec.visual.global_.offheight = facts["size"]
+    spec.visual.global_.fovy = facts["field_of_view"]
+    spec.visual.quality.offsamples, spec.visual.quality.shadowsize = samples, _SHADOW
+    spec.visual.headlight.ambient = [0.42] * 3
+    spec.visual.headlight.diffuse = [0.32] * 3
+    spec.visual.headlight.specular = [0.05] * 3
+    spec.visual.rgba.haze = _HORIZON
+    spec.visual.map.haze = 0.45
+    spec.visual.map.znear = 0.02
+    spec.visual.map.zfar = 40.0
+    spec.visual.map.shadowclip = 1.0
+    spec.stat.extent, spec.stat.center = facts["extent"], facts["target"]
+    spec.add_texture(
+        name="sky",
+        type=mujoco.mjtTexture.mjTEXTURE_SKYBOX,
+        builtin=mujoco.mjtBuiltin.mjBUILTIN_FLAT,
+        rgb1=_HORIZON[:3],
+        rgb2=_HORIZON[:3],
+        width=16,
+        height=96,
+    )
+    target, extent = np.asarray(facts["target"]), facts["extent"]
+    to_light = np.array([0.35, -0.55, 1.0])
+    spec.worldbody.add_light(
+        type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL,
+        pos=target + 2 * extent * to_light / np.linalg.norm(to_light),
+        dir=-to_light,
+        diffuse=[0.55] * 3,
+        specular=[0.15] * 3,
+        castshadow=True,
+    )
+    _add_ground(spec, facts["ground"])
+    for layer in ("solid", "ghost"):
+        for i in range(facts["meshes"] if layer in film else 0):
+            if layer == "solid":
+                _add_painted_mesh(spec, film, i)
+            else:
+                _add_mesh(spec, film, f"coarse{i}")
+            body = spec.worldbody.add_body(mocap=True)
+            look: dict[str, Any] = {"meshname": f"mesh{i}", "material": f"paint{i}"}
+            if layer == "ghost":
+                colour = [*facts["colours"]["planned"], _GHOST]
+                look = {"meshname": f"coarse{i}", "rgba": colour}
+            body.add_geom(
+                type=mujoco.mjtGeom.mjGEOM_MESH,
+                contype=0,
+                conaffinity=0,
+                **look,
+            )
+    return spec.compile()
+
+
+def _add_ground(spec: mujoco.MjSpec, height: float) -> None:
+    n = _PIXELS
+    tile = np.empty((n, n, 3))
+    tile[:] = [0.93, 0.94, 0.952]
+    for every, width, colour in ((n // 5, 1, [0.84, 0.86, 0.89]), (n, 3, [0.66, 0.70, 0.76])):
+        on = (np.arange(n) + width // 2) % every < width
+        tile[on], tile[:, on] = colour, colour
+    material = _add_material(spec, "grid", tile)
+    material.texuniform, material.texrepeat = True, [1 / _TILE, 1 / _TILE]
+    material.specular = 0.0
+    spec.worldbody.add_geom(
+        type=mujoco.mjtGeom.mjGEOM_PLANE,
+        size=[0, 0, 0.05],
+        pos=[0, 0, height],
+        material="grid",
+    )
+
+
+def _add_mesh(spec: mujoco.MjSpec, film: dict[str, Any], name: str) -> mujoco.MjsMesh:
+    faces = film[f"{name}_faces"].ravel().astype(np.int32)
+    return spec.add_mesh(
+        name=name,
+        uservert=film[f"{name}_vertices"].ravel(),
+        userface=faces,
+        usernormal=film[f"{name}_normals"].ravel(),
+        userfacenormal=faces,
+        inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL,  # of any form
+    )
+
+
+def _add_painted_mesh(spec: mujoco.MjSpec, film: dict[str, Any], i: int) -> None:
+    """A mesh and its paint: a texture of colours, of which each face has that of its vertices."""
+    faces, rgb = film[f"mesh{i}_faces"], film[f"mesh{i}_rgb"]
+    of_faces = rgb[faces].astype(float).mean(axis=1).round().astype(np.uint8)
+    colours, index = np.unique(of_faces, axis=0, return_inverse=True)
+    rows = -(-len(colours) // _PALETTE_ROW)
+    texture = np.zeros((rows * _PALETTE_ROW, 3))
+    texture[: len(colours)] = colours / 255
+    at = np.arange(len(colours))
+    places = (np.column_stack([at % _PALETTE_ROW, at // _PALETTE_ROW]) + 0.5) / (_PALETTE_ROW, rows)
+    mesh = _add_mesh(spec, film, f"mesh{i}")
+    mesh.usertexcoord = places.ravel()
+    mesh.userfacetexcoord = np.repeat(np.ravel(index), 3).astype(np.int32)
+    material = _add_material(spec, f"paint{i}", texture.reshape(rows, _PALETTE_ROW, 3))
+    material.specular, material.shininess = 0.3, 0.4
+
+
+def _add_material(spec: mujoco.MjSpec, name: str, picture: Array) -> mujoco.MjsMaterial:
+    """A material with a texture, (height, width, 3) from 0 to 1."""
+    texture = spec.add_texture(
+        name=name,
+        type=mujoco.mjtTexture.mjTEXTURE_2D,
+        height=picture.shape[0],
+        width=picture.shape[1],
+        nchannel=3,
+    )
+    texture.data = (picture * 255).round().astype(np.uint8).tobytes()
+    material = spec.add_material(name=name)
+    material.textures[mujoco.mjtTextureRole.mjTEXROLE_RGB] = name
+    return material

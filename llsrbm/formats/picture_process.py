@@ -1,0 +1,50 @@
+"""A process that draws pictures with MuJoCo's renderer, without a screen.
+
+    python -m llsrbm.formats.picture_process FILM.npz
+
+A process of its own, because how MuJoCo reaches OpenGL is settled when it is first imported, and an
+OpenGL driver that crashes takes its process along. Pictures go to stdout, one after the other.
+`llsrbm.formats.pictures` starts it and says what a film is.
+"""
+
+from __future__ import annotations
+
+import sys
+
+import numpy as np
+
+NO_OPENGL = 3  # exit status
+
+
+def main(path: str) -> int:
+    """Draw a film; the exit status is `NO_OPENGL` where there is none."""
+    try:
+        drawn_by = _drawn_by()
+    # Whatever a driver or its absence leads to: PyOpenGL's errors, attributes of None.
+    except Exception as error:  # noqa: BLE001
+        print(f"{type(error).__name__}: {error}", file=sys.stderr)
+        return NO_OPENGL
+    from llsrbm.formats.picture_drawing import draw_film
+
+    with np.load(path, allow_pickle=False) as stored:
+        film = {name: stored[name] for name in stored.files}
+    draw_film(film, drawn_by, sys.stdout.buffer.write)
+    sys.stdout.buffer.flush()
+    return 0
+
+
+def _drawn_by() -> str:
+    """What OpenGL calls what it draws with; importing MuJoCo fails where its OpenGL is not."""
+    import mujoco
+
+    context = mujoco.GLContext(8, 8)
+    context.make_current()
+    from OpenGL import GL  # once MuJoCo has chosen the platform
+
+    name = bytes(GL.glGetString(GL.GL_RENDERER)).decode(errors="replace")
+    context.free()
+    return name
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1]))

@@ -1,0 +1,40 @@
+"""A plan or a rollout in a few words, for pictures: what was asked for, what came of it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from pathlib import Path
+
+from llsrbm.analysis.diagnosis import fall_in_words
+from llsrbm.jump import Jump
+from llsrbm.motion.files import Trajectory
+from llsrbm.motion.plan import Plan
+from llsrbm.titles import title_of
+
+
+def title(trajectory: Trajectory) -> str:
+    """Robot, jump and model, whatever robot it is."""
+    jump = trajectory.jump
+    plan = trajectory if isinstance(trajectory, Plan) else trajectory.plan
+    task = title_of(
+        replace(jump, robot=Jump().robot),
+        None if plan is None else plan.tuning,
+        None if isinstance(trajectory, Plan) else trajectory.scenario,
+    )
+    return f"{Path(jump.robot).stem}: {task}"
+
+
+def told(trajectory: Trajectory) -> str:
+    """What came of it, the most important thing first."""
+    if isinstance(trajectory, Plan):
+        if trajectory.solved:
+            return f"planned in {1e3 * trajectory.report.solve_time_s:.0f} ms"
+        return "not a feasible plan: the solver did not converge"
+    outcome = trajectory.outcome
+    if not trajectory.landed:
+        return f"fell {fall_in_words(trajectory)}"
+    yaw = math.degrees(outcome.final_yaw_error)
+    away = 1e3 * outcome.final_position_error
+    loosely = "" if outcome.strict else ", though not by the strict measure"
+    return f"landed, {abs(yaw):.1f}° and {away:.0f} mm from the plan at the end{loosely}"
