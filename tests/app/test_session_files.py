@@ -197,7 +197,7 @@ def test_an_old_simulation_without_its_plan_becomes_a_pin(tab, session, tmp_path
     old = replace(rollout_of(plan_of()), plan=None)
     tab.upload("Open", "old.npz", content(old, tmp_path))
     tab.wait(lambda: len(ghosts(tab)) == 1, "a ghost")
-    tab.wait(lambda: "old.npz is pinned for looking and comparing." in tab.text(), "what became of it")
+    tab.wait(lambda: "old.npz is pinned for looking" in tab.text(), "its fate")
     assert session.plan is before
     assert tab.status().startswith("Planned in")
     assert tab.control("Pinned")["props"]["options"] == ["1. old.npz"]
