@@ -37,7 +37,6 @@ class CompareControls:
 
     def show(self, current: Column | None, pinned: Sequence[Column], *, full: bool) -> None:
         """Figures of the current design and of what is pinned."""
-        self.pin.disabled = current is None or full
         there = len(pinned) > 0
         self._table.content = (
             comparison_table([*([current] if current else []), *pinned]) if there else ""
@@ -49,3 +48,4 @@ class CompareControls:
             put(self._choice, titles[-1] if titles else _NONE)
         for handle in (self._table, self._choice, self.take_up, self.unpin):
             handle.visible = there
+        self.pin.disabled = current is None or full

@@ -145,7 +145,8 @@ class Files:
 
     def _hear_of_saving(self, report: Report) -> None:
         if isinstance(report, Progress):
-            self._panel.show_exporting(f"Exporting {self._saved} ({report.text}) ...")
+            waits = f" ({report.text})" if report.text.startswith("waiting") else ""
+            self._panel.show_exporting(f"Exporting {self._saved}{waits} ...")
             return
         self._saved_job = 0
         self._panel.show_exporting(None)

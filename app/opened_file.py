@@ -43,6 +43,7 @@ _LARGEST_VALUE = 1e7  # of any number that is drawn or plotted, in its SI unit
 _FARTHEST = 1000.0  # m
 _SAME = 1e-6  # relative; numbers of a robot that were computed anew differ in their last digits
 _SHOWN_NAME = 80  # characters
+_NEEDED = ("mass", "inertia")  # of a robot's numbers, for the panel's figures
 _SUFFIXES = {".json", ".zip"} | {each.suffix for each in readable()}
 
 _log = logging.getLogger(__name__)
@@ -163,6 +164,9 @@ def _check_native(motion: Plan | Rollout, shown: str) -> None:
         raise FileFormatError(
             f"{shown}: robot_parameters.name: expected {motion.jump.robot}, got {name!r:.80}"
         )
+    missing = [key for key in _NEEDED if key not in motion.robot_parameters]
+    if missing:
+        raise FileFormatError(f"{shown}: robot_parameters: {', '.join(missing)} missing")
     robot = load_robot(motion.jump.robot)
     joints, feet = sorted(motion.joint_names), motion.foot_position.shape[1]
     if joints != sorted(robot.joint_names) or feet != len(robot.legs):

@@ -300,7 +300,9 @@ class Session:
     ) -> None:
         """Keep a motion beside the one that is shown."""
         if self._stage.pin_foreign(bake_foreign(file.name, motion), design):
-            told = f"{file.name} is pinned, for looking and comparing."
+            rate = getattr(motion, "fps", None)
+            at = "" if rate is None else f", at {rate:g} frames/s"
+            told = f"{file.name} is pinned for looking and comparing{at}."
             self._panel.designs.show("", " ".join((told, *file.remarks)))
         else:
             self._panel.notify(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from dataclasses import replace
 
 import viser
 
@@ -232,9 +233,11 @@ class Stage:
     def _load(self) -> None:
         assert self._replay is not None
         self._frames = _FRAMES_A_PLOT
-        self._events = timeline(self._replay.plan, self.rollout)
+        clip, events = self._scene.clip(), timeline(self._replay.plan, self.rollout)
+        # What is pinned may go on when the motion that is shown stands.
+        self._events = replace(events, end=max(events.end, clip.end))
         self._panel.show_end(self._events.end)
-        self.player.load(self._scene.clip(), self._events)
+        self.player.load(clip, self._events)
         self.show_time()
 
     # ---- time

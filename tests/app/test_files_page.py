@@ -112,7 +112,7 @@ def test_another_tools_motion_stands_beside_the_plan(page, tmp_path):
     )
     np.savetxt(tmp_path / "turn.csv", rows, fmt="%.9f", delimiter=",")
     send(page, tmp_path / "turn.csv", "drop")
-    page.get_by_text("turn.csv is pinned, for looking and comparing.").wait_for()
+    page.get_by_text("turn.csv is pinned for looking and comparing, at 30 frames/s.").wait_for()
     number(page, "Rate of the file [1/s]").wait_for()
     assert page.locator("table").filter(has_text="motion").is_visible()
     wait_until(lambda: player(page, "clip.strands.length") == 3, "a clip with both")

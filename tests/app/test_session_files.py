@@ -197,7 +197,7 @@ def test_an_old_simulation_without_its_plan_becomes_a_pin(tab, session, tmp_path
     old = replace(rollout_of(plan_of()), plan=None)
     tab.upload("Open", "old.npz", content(old, tmp_path))
     tab.wait(lambda: len(ghosts(tab)) == 1, "a ghost")
-    tab.wait(lambda: "old.npz is pinned, for looking" in tab.text(), "what became of it")
+    tab.wait(lambda: "old.npz is pinned for looking" in tab.text(), "its fate")
     assert session.plan is before
     assert tab.status().startswith("Planned in")
     assert tab.control("Pinned")["props"]["options"] == ["1. old.npz"]
@@ -211,6 +211,9 @@ def test_another_tools_motion_becomes_a_pin_of_the_robot_that_is_shown(tab, sess
     tab.upload("Open", "foreign.csv", b"numbers")
     tab.wait(lambda: len(ghosts(tab)) == 1, "a ghost")
     tab.wait(lambda: "/pinned/1/base" in script.nodes(), "its motion")
+    # It goes on when the plan that is shown has ended.
+    tab.wait(lambda: script.events["end"] == pytest.approx(2.0), "all of it on the timeline")
+    assert tab.control("Time [s]")["props"]["max"] == pytest.approx(2.0)
     _, wxyz, _ = script.at("/pinned/1/base", 1.5)
     assert abs(wxyz[3]) == pytest.approx(1, abs=1e-3)  # half a turn
     tab.wait(lambda: "motion" in tab.text(), "its column")
