@@ -27,6 +27,7 @@ app: $(APP_STAMP)
 
 test: $(DEV_STAMP)
 	.ci/browser $(BIN)/python
+	.ci/drawing $(BIN)/python || true
 	$(BIN)/python -m pytest $(PYTEST_ARGS)
 
 check: $(DEV_STAMP)
@@ -66,14 +67,15 @@ $(DEV_STAMP): requirements-dev.lock $(APP_STAMP)
 	@touch $@
 
 # Keeps the pins that still satisfy pyproject.toml; `make lock UPGRADE=--upgrade` takes the newest.
+# The page offers every format but rerun's, whose package takes half a gigabyte.
 # One file for every Python from 3.11 on; checked on x86-64 Linux.
 COMPILE = build/lock/bin/uv pip compile --quiet $(UPGRADE) --universal --python-version 3.11 \
 	--generate-hashes --no-emit-index-url --no-annotate --no-header
 lock:
 	$(PYTHON) -m venv build/lock
 	build/lock/bin/python -m pip install --disable-pip-version-check --quiet uv
-	$(COMPILE) pyproject.toml -o requirements.lock
-	$(COMPILE) pyproject.toml --group dev -c requirements.lock -o requirements-dev.lock
+	$(COMPILE) pyproject.toml --extra mcap --extra video -o requirements.lock
+	$(COMPILE) pyproject.toml --all-extras --group dev -c requirements.lock -o requirements-dev.lock
 
 clean:
 	rm -rf $(VENV) build dist *.egg-info .pytest_cache .ruff_cache .mypy_cache .hypothesis

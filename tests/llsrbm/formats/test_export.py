@@ -169,3 +169,16 @@ def test_planar_feet_have_numbered_corners(plan, tmp_path):
 def test_a_file_that_cannot_be_written(plan, tmp_path):
     with pytest.raises(InputError, match="cannot write"):
         export(plan, tmp_path / "none" / "x.csv", format="csv")
+
+
+def test_pandas_reads_it(plan, tmp_path):
+    import pandas
+
+    export(plan, tmp_path / "x.csv", format="csv", fps=100)
+    table = pandas.read_csv(tmp_path / "x.csv", index_col="time [s]")
+    assert table.index.is_monotonic_increasing
+    assert not table.isna().any().any()
+    held = table[[f"com/{axis} [m]" for axis in "xyz"]]
+    at = [held.index.get_indexer([time], method="nearest")[0] for time in plan.phase_start]
+    knots = np.searchsorted(plan.time, plan.phase_start)
+    np.testing.assert_allclose(held.to_numpy()[at], plan.com[knots], atol=1e-9)
