@@ -133,14 +133,6 @@ def _designer(page: Page) -> None:
     fold(page, "Design", "Compare")
 
 
-def _slider(page: Page) -> None:
-    choose(page, "Robot", "slider")
-    status(page, "Planned", timeout=PATIENCE)
-    simulate(page)
-    hold(page, 0.62)  # above the box, about to land
-    fold(page, "Design", "Compare")
-
-
 def _compare(page: Page) -> None:
     choose(page, "Model", "srbm")
     page.wait_for_timeout(300)
@@ -207,7 +199,6 @@ def _simulating(page: Page) -> None:
 
 STATES: dict[str, Callable[[Page], None]] = {
     "designer": _designer,
-    "slider": _slider,
     "compare": _compare,
     "night": _night,
     "tablet": _tablet,

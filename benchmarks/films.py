@@ -1,0 +1,30 @@
+"""The README's moving pictures, by the exporter that anybody has: `python -m benchmarks.films`.
+
+Each is an example (`llsrbm designs`), planned, simulated and exported into `docs/`.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import llsrbm
+from llsrbm.examples import find_design
+
+FOLDER = Path(__file__).parents[1] / "docs"
+FILMS = {"half_turn": "anymal-half-turn", "box": "slider-box"}  # file -> example
+
+
+def main() -> None:
+    """Make them all."""
+    for name, example in FILMS.items():
+        design = find_design(example)
+        rollout = llsrbm.simulate(llsrbm.plan(design.jump), design.scenario)
+        assert rollout.landed
+        path = FOLDER / f"{name}.gif"
+        llsrbm.export(rollout, path, format="gif", size=(480, 270), fps=20)
+        path.with_name(path.name + ".meta.json").unlink(missing_ok=True)
+        print(f"{path.relative_to(FOLDER.parent)}  {path.stat().st_size / 1e3:.0f} kB", flush=True)
+
+
+if __name__ == "__main__":
+    main()
