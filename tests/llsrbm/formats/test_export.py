@@ -172,10 +172,10 @@ def test_a_file_that_cannot_be_written(plan, tmp_path):
 
 
 def test_pandas_reads_it(plan, tmp_path):
-    import pandas
+    import pandas as pd
 
     export(plan, tmp_path / "x.csv", format="csv", fps=100)
-    table = pandas.read_csv(tmp_path / "x.csv", index_col="time [s]")
+    table = pd.read_csv(tmp_path / "x.csv", index_col="time [s]")
     assert table.index.is_monotonic_increasing
     assert not table.isna().any().any()
     held = table[[f"com/{axis} [m]" for axis in "xyz"]]

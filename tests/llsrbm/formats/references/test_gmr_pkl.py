@@ -12,7 +12,6 @@ from scipy.spatial.transform import Rotation
 
 from llsrbm.formats import export
 from tests.llsrbm.formats.jumps import (
-    ROBOTS,
     by_name,
     mujoco_model,
     planned,
@@ -23,11 +22,6 @@ from tests.llsrbm.formats.jumps import (
 )
 
 FPS = 50
-
-
-@pytest.fixture(scope="module", params=ROBOTS)
-def name(request):
-    return request.param
 
 
 @pytest.fixture(scope="module")

@@ -15,7 +15,6 @@ from llsrbm.formats import export
 from llsrbm.formats.references.mimickit_pkl import exponential_map
 from tests.llsrbm.formats.jumps import (
     HALF_TURN,
-    ROBOTS,
     by_name,
     mujoco_model,
     planned,
@@ -25,11 +24,6 @@ from tests.llsrbm.formats.jumps import (
 )
 
 FPS = 50
-
-
-@pytest.fixture(scope="module", params=ROBOTS)
-def name(request):
-    return request.param
 
 
 @pytest.fixture(scope="module")

@@ -10,7 +10,6 @@ import pytest
 from llsrbm.formats import export
 from tests.llsrbm.formats.jumps import (
     HALF_TURN,
-    ROBOTS,
     by_name,
     mujoco_model,
     planned,
@@ -20,11 +19,6 @@ from tests.llsrbm.formats.jumps import (
 )
 
 FPS = 50
-
-
-@pytest.fixture(scope="module", params=ROBOTS)
-def name(request):
-    return request.param
 
 
 @pytest.fixture(scope="module")

@@ -14,7 +14,6 @@ from llsrbm.motion.whole_body import whole_body_motion
 from llsrbm.robots import load_robot
 from tests.llsrbm.formats.jumps import (
     HALF_TURN,
-    ROBOTS,
     by_name,
     mujoco_model,
     planned,
@@ -26,11 +25,6 @@ from tests.llsrbm.formats.jumps import (
 
 ORDERS = ("depth-first", "breadth-first")
 FPS = 40
-
-
-@pytest.fixture(scope="module", params=ROBOTS)
-def name(request):
-    return request.param
 
 
 @pytest.fixture(scope="module")

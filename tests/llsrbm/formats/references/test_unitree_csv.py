@@ -17,18 +17,12 @@ from llsrbm.motion.whole_body import whole_body_motion
 from llsrbm.robots import load_robot
 from tests.llsrbm.formats.jumps import (
     HALF_TURN,
-    ROBOTS,
     by_name,
     planned,
     same_attitude,
     simulated,
     ticks,
 )
-
-
-@pytest.fixture(scope="module", params=ROBOTS)
-def name(request):
-    return request.param
 
 
 @pytest.fixture(scope="module")

@@ -1,0 +1,13 @@
+"""What the tests of reference motions share."""
+
+from __future__ import annotations
+
+import pytest
+
+from tests.llsrbm.formats.jumps import ROBOTS
+
+
+@pytest.fixture(scope="module", params=ROBOTS)
+def name(request):
+    """Of the robot that has jumped."""
+    return request.param
