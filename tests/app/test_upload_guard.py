@@ -85,9 +85,11 @@ def begin(tab, size, transfer="begun"):
 
 def test_all_tabs_together_send_no_more_than_the_server_bears(page, tab):
     with contextlib.ExitStack() as stack:
-        others = [stack.enter_context(RawTab(page.port)) for _ in range(3)]
-        for other in others:
+        others = []
+        for _ in range(3):
+            other = stack.enter_context(RawTab(page.port))
             other.client, _ = page.tabs.get(timeout=20)
+            others.append(other)
             begin(other, MAX_UPLOAD)
             other.wait(lambda o=other: kept(o.client) == (0, 1), "its beginning")
         tab.upload("Open", "one.bin", b"one")
