@@ -125,7 +125,6 @@ def test_a_part_that_does_not_belong_is_dropped(page, tab, index):
         {"part_count": 1 << 40},
         {"part_count": -1},
         {"part_count": 2},
-        {"size_bytes": 100.0},
         {"source_component_uuid": "nosuch"},
         {"source_component_uuid": ["nosuch"]},
         {"transfer_uuid": ["unhashable"]},
