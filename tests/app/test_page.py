@@ -79,10 +79,11 @@ def test_a_slider_shows_a_new_plan(page, designer):
     session = designer.sessions[-1]
     wait_until(lambda: session.plan.jump.forward == 0.5, "the plan")
     status(page, "Planned")
-    page.wait_for_timeout(1000)
-    after = green(picture(page))
     # The camera looks along +y from the right: forward is to the right in the picture.
-    assert np.nonzero(after)[1].max() > np.nonzero(before)[1].max() + 60
+    right = np.nonzero(before)[1].max() + 60
+    wait_until(
+        lambda: np.nonzero(green(picture(page)))[1].max(initial=0) > right, "the marks there"
+    )
 
 
 def test_it_plays_pauses_and_plays(page):
