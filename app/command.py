@@ -10,7 +10,6 @@ import typer
 
 from llsrbm.errors import InputError
 from llsrbm.jump import Jump
-from llsrbm.robots import names
 
 if TYPE_CHECKING:
     from app.opened_file import OpenedFile
@@ -56,6 +55,7 @@ def _opened(path: Path, robot: str, fps: float | None) -> OpenedFile:
     """
     from app.protocol import OpenFile
     from app.worker import LibraryPlanner
+    from llsrbm.robots import names
 
     if robot not in names():
         raise InputError(f"--robot: expected one of {', '.join(names())}, got {robot!r:.80}")

@@ -116,7 +116,7 @@ def _take_places(folder: Path, target: Path) -> None:
 
 
 def _check_replaceable(place: Path, part: Path) -> None:
-    if part.is_dir() and place.exists() and not place.is_dir():
+    if part.is_dir() and place.is_file():
         raise NotADirectoryError(0, "it is a file, and a folder would be written")
     if part.is_file() and place.is_dir():
         raise IsADirectoryError(0, "it is a directory")
