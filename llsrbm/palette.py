@@ -1,4 +1,4 @@
-"""One colour a thing, the same in every picture, plot, timeline and legend, whoever draws it."""
+"""One colour a thing, the same in every picture, plot, timeline and legend."""
 
 from __future__ import annotations
 

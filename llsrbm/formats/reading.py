@@ -21,7 +21,7 @@ def load_motion(
     format: str | None = None,  # noqa: A002  # the word of the public interface
     fps: float | None = None,
 ) -> WholeBodyMotion:
-    """Open a file that shows how a robot moves, whoever wrote it.
+    """Open a file that holds a robot's motion, this project's or another tool's.
 
     Args:
         path: a native file of a plan or a rollout, or a file in a format that `llsrbm formats` says

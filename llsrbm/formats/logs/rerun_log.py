@@ -15,7 +15,7 @@ exactly at each lift-off and touchdown (of a rollout: at each change of contact,
 World frame, x forward, z up; SI units. Scalars are doubles; rerun stores poses, meshes and arrows
 as floats, so the base's pose and the joints are under /plots as well. Quaternions are x, y, z, w in
 Transform3D and w, x, y, z in /plots, without jumps of sign. There are meshes in place of the URDF:
-it names files of packages that whoever opens the recording does not have.
+it names files of packages that other machines may not have.
 """
 
 from __future__ import annotations

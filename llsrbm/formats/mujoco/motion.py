@@ -45,9 +45,13 @@ def recognises(path: Path) -> bool:
     try:
         if path.is_dir():
             return (path / _MOTION).is_file() and (path / "scene.xml").is_file()
-        with zipfile.ZipFile(path) as archive:
+        with (
+            path.open("rb") as file,
+            refusing_damage(path, _EXPECTED),
+            zipfile.ZipFile(file) as archive,
+        ):
             names = archive.namelist()
-    except (OSError, ValueError, NotImplementedError, RuntimeError, zipfile.BadZipFile):
+    except (OSError, FileFormatError):
         return False
     # Ours has the same key among others, under a schema.
     return ("qpos.npy" in names and "schema.npy" not in names) or bool(_members(names))

@@ -19,6 +19,7 @@ from llsrbm.errors import Error, FileFormatError, InputError
 from llsrbm.motion.files import load
 from llsrbm.motion.plan_file import LAYOUT, load_plan, save_plan
 from llsrbm.tuning import Tuning
+from tests.llsrbm.native_files import message, rewritten
 from tests.llsrbm.sameness import assert_same
 from tests.llsrbm.synthetic import synthetic_plan
 
@@ -33,23 +34,6 @@ def saved(plan, tmp_path):
     path = tmp_path / "plan.npz"
     save_plan(plan, path)
     return path
-
-
-def rewritten(path, out, **changes):
-    """The file with some keys replaced, or left out where the new value is None."""
-    with np.load(path) as archive:
-        arrays = {**archive, **changes}
-    np.savez(out, **{key: value for key, value in arrays.items() if value is not None})
-    return out
-
-
-def message(path):
-    with pytest.raises(FileFormatError) as caught:
-        load(path)
-    text = str(caught.value)
-    assert "\n" not in text
-    assert str(path) in text
-    return text
 
 
 def test_round_trip(plan, saved):

@@ -18,6 +18,7 @@ from llsrbm.motion.plan_file import load_plan
 from llsrbm.motion.rollout import Disturbance
 from llsrbm.motion.rollout_file import LAYOUT, load_rollout, save_rollout
 from llsrbm.scenario import Scenario
+from tests.llsrbm.native_files import message, rewritten
 from tests.llsrbm.sameness import assert_same
 from tests.llsrbm.synthetic import synthetic_plan
 from tests.llsrbm.synthetic_rollout import synthetic_rollout
@@ -33,23 +34,6 @@ def saved(rollout, tmp_path):
     path = tmp_path / "rollout.npz"
     save_rollout(rollout, path)
     return path
-
-
-def rewritten(path, out, **changes):
-    """The file with some keys replaced, or left out where the new value is None."""
-    with np.load(path) as archive:
-        arrays = {**archive, **changes}
-    np.savez(out, **{key: value for key, value in arrays.items() if value is not None})
-    return out
-
-
-def message(path):
-    with pytest.raises(FileFormatError) as caught:
-        load(path)
-    text = str(caught.value)
-    assert "\n" not in text
-    assert str(path) in text
-    return text
 
 
 def test_round_trip(rollout, saved):

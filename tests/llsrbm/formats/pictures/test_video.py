@@ -33,8 +33,8 @@ FPS = 8.0
 def opengl():
     """OpenGL without a screen."""
     code = "import mujoco.egl; mujoco.egl.GLContext(8, 8)"
-    if subprocess.run([sys.executable, "-c", code], capture_output=True).returncode != 0:
-        pytest.skip("no OpenGL")
+    tried = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert tried.returncode == 0, f"no OpenGL; `.ci/drawing` installs it: {tried.stderr}"
 
 
 needs_opengl = pytest.mark.usefixtures("opengl")
