@@ -8,9 +8,9 @@ velocities as differences of frames.
 
 The exponential map goes on past 180 deg, up to 360, instead of jumping to the opposite axis:
 MimicKit makes a quaternion of each frame, which is the same either way, and tools that interpolate
-the numbers themselves see no jump. A character of MimicKit has no joints that slide; their columns are in
-m. A JSON file beside it has request, robot, solver and the names of the columns. Files like this
-one are not opened here: a pickle can run anything.
+the numbers themselves see no jump. A character of MimicKit has no joints that slide; their columns
+are in m. A JSON file beside it has request, robot, solver and the names of the columns. Files like
+this one are not opened here: a pickle can run anything.
 """
 
 from __future__ import annotations
