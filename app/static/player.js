@@ -1,4 +1,4 @@
-// Plays clips (app/clip.py) without the server: it moves viser's nodes on every frame.
+// Plays clips (app/motion/clip.py) without the server: it moves viser's nodes on every frame.
 // Leans on what viser exposes to its own tests: __viserMutable and __viserTestpoints.
 (() => {
   const HOLD = 0.7; // s of rest at the end before a loop starts anew

@@ -2,8 +2,8 @@ from __future__ import annotations
 
 import pytest
 
-from app.server import Designer
-from app.worker_pool import WorkerPool
+from app.compute.pool import WorkerPool
+from app.server.server import Designer
 from tests.app.page_script import PageScript
 from tests.app.planners import SyntheticPlanner
 from tests.app.raw_tab import RawTab
@@ -27,7 +27,7 @@ def tab(designer):
 @pytest.fixture(autouse=True)
 def patience(monkeypatch):
     """A tab is waited for as long as its test takes to answer for its scripts."""
-    monkeypatch.setattr("app.stage._PATIENCE", 60.0)
+    monkeypatch.setattr("app.session.stage._PATIENCE", 60.0)
 
 
 @pytest.fixture

@@ -5,8 +5,8 @@ from __future__ import annotations
 import contextlib
 import queue
 
-from app.design_controls import DesignControls
-from app.viser_private import DesignerServer
+from app.panel.design_controls import DesignControls
+from app.viser_link.designer_server import DesignerServer
 from llsrbm.examples import examples
 
 

@@ -11,8 +11,8 @@ from pathlib import Path
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from app.opened_file import OpenedFile, States, open_file
-from app.worker import exported
+from app.compute.opened_file import OpenedFile, States, open_file
+from app.compute.worker import exported
 from llsrbm import errors
 from llsrbm.errors import InputError
 from llsrbm.jump import Jump

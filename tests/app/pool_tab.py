@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import queue
 
-from app.protocol import PlanJump, Progress, SimulateJump
+from app.compute.protocol import PlanJump, Progress, SimulateJump
 from llsrbm.jump import Jump
 from llsrbm.scenario import Scenario
 from tests.app.synthetic_plan import synthetic_plan

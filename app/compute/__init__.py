@@ -1,0 +1,1 @@
+"""The computing processes: what they are asked, which works on what, how they are kept alive."""

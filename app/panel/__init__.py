@@ -1,0 +1,1 @@
+"""The controls beside the picture, and what they say of the state."""

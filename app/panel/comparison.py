@@ -1,0 +1,85 @@
+"""Designs beside each other: the current one and those that are pinned, in a table of figures."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from html import escape
+
+from app.motion.colours import Rgb
+from app.panel.html import SMALL, swatch
+from llsrbm.analysis.figures import FIGURES, DesignFigures, Figure
+
+_CELL = "padding:0.1em 0 0.1em 0.6em;text-align:right;vertical-align:bottom"
+
+
+@dataclass(frozen=True)
+class Column:
+    """One design.
+
+    Attributes:
+        title: its name (`llsrbm.titles`).
+        colour: of its ghost in the picture and its curves in the plots.
+        figures: its row.
+    """
+
+    title: str
+    colour: Rgb
+    figures: DesignFigures
+
+
+def comparison_table(columns: Sequence[Column]) -> str:
+    """Figures as rows and designs as columns, the first the current one; "" for none.
+
+    The best of a row is bold, and a cell tells on hover how it differs from the current design.
+    Colours and fonts are inherited, so that it can be read in the dark, too; figures that no
+    design has are left out.
+    """
+    if not columns:
+        return ""
+    names = "".join(
+        f"<div>{swatch(column.colour)}{escape(column.title)}</div>" for column in columns
+    )
+    head = "".join(
+        f'<th scope="col" style="{_CELL}" title="{escape(column.title)}">'
+        f"{swatch(column.colour)}</th>"
+        for column in columns
+    )
+    status = "".join(
+        f'<td style="{_CELL}">{escape(column.figures.status)}</td>' for column in columns
+    )
+    rows = "".join(
+        _row(figure, columns)
+        for figure in FIGURES
+        if any(figure.value(column.figures) is not None for column in columns)
+    )
+    return (
+        f'<div style="{SMALL}">{names}'
+        '<table style="border-spacing:0;width:100%;margin-top:0.4em;line-height:1.3;'
+        'font-size:0.95em;color:inherit">'
+        f"<thead><tr><td></td>{head}</tr></thead>"
+        f"<tbody><tr>{_name('Status')}{status}</tr>{rows}</tbody></table></div>"
+    )
+
+
+def _row(figure: Figure, columns: Sequence[Column]) -> str:
+    designs = [column.figures for column in columns]
+    best = figure.best(designs)
+    cells = []
+    for index, design in enumerate(designs):
+        difference = figure.difference(design, designs[0]) if index else ""
+        hover = f' title="{escape(difference)} against the current design"' if difference else ""
+        weight = ";font-weight:bold" if index in best else ""
+        cells.append(
+            f'<td style="{_CELL};font-variant-numeric:tabular-nums{weight}"{hover}>'
+            f"{escape(figure.shown(design))}</td>"
+        )
+    return f"<tr>{_name(figure.title, figure.unit)}{''.join(cells)}</tr>"
+
+
+def _name(title: str, unit: str = "") -> str:
+    shown = f' <span style="white-space:nowrap">[{escape(unit)}]</span>' if unit else ""
+    return (
+        '<th scope="row" style="text-align:left;font-weight:normal;opacity:0.7">'
+        f"{escape(title)}{shown}</th>"
+    )

@@ -1,0 +1,78 @@
+"""The controls that say in what scenario a plan is followed."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import viser
+
+from app.panel.validation import number, put
+from llsrbm.robots import RobotFile
+from llsrbm.scenario import Scenario
+from llsrbm.simulation.surroundings import TO_SPARE
+
+_STEP = 5  # mm
+_LARGEST_SEED = 9999
+
+
+class SimulationControls:
+    """Board, disturbance and the button, added to the folder that is open."""
+
+    def __init__(self, gui: viser.GuiApi, robot_file: RobotFile) -> None:
+        """No board, nothing disturbed; boards that fit under the robot."""
+        self._thickest = _thickest(robot_file)
+        self._noise: float | None = None  # of what was shown; for when it is disturbed again
+        self._board = gui.add_slider(
+            "Board [mm]", 0, self._thickest, _STEP, 0, hint="Slid under the robot in mid-flight"
+        )
+        self._half = gui.add_checkbox(
+            "Half board",
+            initial_value=False,
+            hint="Under the front feet only, or under the front half of soles side by side",
+        )
+        self._disturb = gui.add_checkbox(
+            "Disturb",
+            initial_value=False,
+            hint="Trunk mass, friction, contacts, delay and noise that the controller ignores",
+        )
+        self._seed = gui.add_number(
+            "Seed", 0, min=0, max=_LARGEST_SEED, step=1, hint="Which disturbance is drawn"
+        )
+        self.button = gui.add_button("Simulate", hint="Follow the plan with the whole robot")
+
+    def read(self, current: Scenario) -> tuple[Scenario, list[str]]:
+        """The scenario as the controls stand, and what had to be corrected in them.
+
+        Args:
+            current: holds what has no control.
+        """
+        complaints: list[str] = []
+        board = number("Board [mm]", self._board.value, (0, self._thickest), complaints) / 1000
+        seed, noise = None, None
+        if self._disturb.value:
+            noise = self._noise
+            seed = round(number("Seed", self._seed.value, (0, _LARGEST_SEED), complaints))
+        # Half of no board is no board.
+        half = bool(self._half.value) and board > 0
+        return replace(current, board=board, half_board=half, seed=seed, noise=noise), complaints
+
+    def show_robot(self, robot_file: RobotFile) -> None:
+        """Boards that fit under another robot."""
+        self._noise = None
+        self._thickest = self._board.max = _thickest(robot_file)
+        put(self._board, min(self._board.value, self._thickest))
+
+    def show(self, scenario: Scenario) -> None:
+        """Put the controls where this scenario has them."""
+        self._noise = scenario.noise
+        put(self._board, round(1000 * scenario.board))
+        put(self._half, scenario.half_board)
+        put(self._disturb, scenario.seed is not None)
+        if scenario.seed is not None:
+            put(self._seed, scenario.seed)
+
+
+def _thickest(robot_file: RobotFile) -> int:
+    """What surely passes under the feet of a level jump, mm, in whole steps."""
+    room = 1000 * (robot_file.limits.clearance - TO_SPARE)
+    return max(_STEP, int(room / _STEP + 1e-6) * _STEP)

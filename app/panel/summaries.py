@@ -1,0 +1,192 @@
+"""Plans and rollouts in words and numbers, as the panel shows them."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from app.compute.protocol import Progress
+from app.panel.html import table
+from llsrbm.analysis.diagnosis import diagnose, fall_in_words
+from llsrbm.analysis.figures import figures_of_plan
+from llsrbm.analysis.peak_loads import planned_peak_load
+from llsrbm.motion.plan import Plan, Violation
+from llsrbm.motion.rollout import Disturbance, Outcome, Rollout
+from llsrbm.robots import load_robot
+from llsrbm.scenario import Scenario
+
+_TOLD_OF_A_FALL = 4  # events; what follows them is the fall itself
+
+
+def planned_line(plan: Plan) -> str:
+    """What follows "Planned"."""
+    report = plan.report
+    return (
+        f"in {1e3 * report.solve_time_s:.0f} ms, {report.iterations} iterations, "
+        f"largest violation {worst(plan.violations)}"
+    )
+
+
+def live_line(plan: Plan) -> str:
+    """What follows "Planning" while the request still moves."""
+    report = plan.report
+    return f"while you drag: {1e3 * report.total_time_s:.0f} ms, {report.iterations} iterations"
+
+
+def progress_line(report: Progress) -> str:
+    """What follows "Planning" while the solver works."""
+    parts = [report.text]
+    if report.iteration is not None:
+        parts.append(f"iteration {report.iteration}")
+    if report.residual is not None:
+        parts.append(f"residual {report.residual:.1e}")
+    return f"({', '.join(parts)}) ..."
+
+
+def simulated_line(rollout: Rollout) -> tuple[str, str]:
+    """The status line's word and what follows it."""
+    outcome = rollout.outcome
+    if not rollout.landed:
+        return "Fell", f"{fall_in_words(rollout)}."
+    parts = []
+    if outcome.yaw_error_at_touchdown is not None:
+        parts.append(f"yaw {_degrees(outcome.yaw_error_at_touchdown)} from the plan at touch-down")
+    parts.append(f"{_degrees(outcome.final_yaw_error)} at the end")
+    parts.append(f"{outcome.real_time_factor:.1f}× real time")
+    if outcome.unsolved_ticks:
+        parts.append(f"the controller's QP was unsolved in {outcome.unsolved_ticks} ticks")
+    loosely = "" if outcome.strict else "but not by the strict measure: "
+    return "Landed", loosely + ", ".join(parts)
+
+
+def worst(violations: dict[str, Violation]) -> str:
+    """The largest violation in words."""
+    if not violations:
+        return "none"
+    name, violation = max(violations.items(), key=lambda item: item[1].amount)
+    if violation.amount == 0:
+        return "0"
+    return f"{violation.amount:.1e} {violation.unit} ({name})"
+
+
+def plan_figures(plan: Plan) -> str:
+    """The plan's numbers."""
+    report, values = plan.report, figures_of_plan(plan)
+    phases = " + ".join(f"{seconds:.2f}" for seconds in np.diff(plan.phase_start))
+    load = planned_peak_load(plan)
+    sliding = load_robot(plan.jump.robot).sliding_joints
+    standing = plan.robot_parameters["inertia"][2][2]
+    return table(
+        [
+            ("Solve time", f"{1e3 * report.solve_time_s:.0f} ms ({report.solver})"),
+            ("Iterations", f"{report.iterations}" + _attempts(report.attempts)),
+            ("Duration", f"{plan.duration:.2f} s = {phases}"),
+            ("Peak yaw rate", f"{values.peak_yaw_rate:.2f} rad/s"),
+            (
+                "Smallest Izz in flight",
+                f"{values.smallest_Izz:.2f} kg m² ({standing:.2f} standing)",
+            ),
+            ("Feet drawn in to", f"{values.feet_radius:.3f} m from the CoM's axis"),
+            (
+                "Largest force on a foot",
+                f"{values.peak_force:.0f} N, {values.peak_force_in_weights:.2f} of the weight",
+            ),
+            *(
+                []
+                if load is None
+                else [("Most loaded joint", f"{load.joint} {load.in_words(sliding)}")]
+            ),
+        ],
+        "Plan",
+    )
+
+
+def rollout_figures(rollout: Rollout) -> str:
+    """The simulation's numbers."""
+    outcome = rollout.outcome
+    feet = (
+        f"{_millimetres(outcome.foot_error_at_touchdown)} at touch-down, "
+        f"{_millimetres(outcome.foot_error)} at the end"
+    )
+    rows = [
+        ("World", _scenario(rollout.scenario, rollout.disturbance)),
+        ("Yaw at touch-down", _against_plan(outcome.yaw_error_at_touchdown)),
+        ("Yaw at the end", _against_plan(outcome.final_yaw_error)),
+        ("Detection", _detection(outcome)),
+        ("Foot error", feet),
+        (
+            "Peak load",
+            f"{outcome.peak_torque_ratio:.0%} of torque, {outcome.peak_speed_ratio:.0%} of speed",
+        ),
+        ("Saturated ticks", f"{outcome.saturated_fraction:.1%}"),
+        (
+            "Controller tick",
+            f"{1e3 * outcome.tick_median_s:.2f} ms, p99 {1e3 * outcome.tick_p99_s:.2f} ms",
+        ),
+        ("Real-time factor", f"{outcome.real_time_factor:.1f}"),
+    ]
+    if not rollout.landed:
+        rows[:0] = [
+            (f"Wrong from {event.time:.2f} s", event.words)
+            for event in diagnose(rollout)[:_TOLD_OF_A_FALL]
+        ]
+    return table(rows, "Simulation")
+
+
+def residuals(violations: dict[str, Violation]) -> str:
+    """Every constraint's largest violation, recomputed without the solver."""
+    rows = (
+        (
+            name,
+            f"{v.amount:.1e} {v.unit}" + (f", {v.phase} {v.time:.2f} s" if v.amount else ""),
+        )
+        for name, v in sorted(violations.items(), key=lambda item: -item[1].amount)
+    )
+    return table(rows)
+
+
+def _scenario(scenario: Scenario, disturbance: Disturbance) -> str:
+    parts = []
+    if scenario.board > 0:
+        kind = "half board" if scenario.half_board else "board"
+        parts.append(f"{kind} of {1e3 * scenario.board:.0f} mm")
+    if scenario.seed is None:
+        trunk = scenario.trunk_mass
+        parts.append(f"trunk {trunk:+.1%}" if trunk else "undisturbed")
+    else:
+        parts.append(
+            f"seed {scenario.seed}: trunk {disturbance.trunk_mass_factor - 1:+.1%}, "
+            f"friction {disturbance.friction:.2f}, "
+            f"contacts {1e3 * disturbance.contact_time:.0f} ms, "
+            f"torque {disturbance.torque_delay_ticks} ticks late"
+        )
+    return ", ".join(parts)
+
+
+def _detection(outcome: Outcome) -> str:
+    true, detected = outcome.touchdown_true_s, outcome.touchdown_detected_s
+    if detected is None:
+        text = "missed" if true is not None else "no contact, none detected"
+    elif true is None:
+        text = "without a contact"
+    else:
+        text = f"{1e3 * (detected - true):+.1f} ms from the first contact"
+    false = outcome.false_touchdowns
+    return f"{text}, {false} false" if false else text
+
+
+def _against_plan(error: float | None) -> str:
+    return "none" if error is None else f"{_degrees(error)} from the plan"
+
+
+def _degrees(angle: float) -> str:
+    return f"{math.degrees(angle):+.1f}°"
+
+
+def _millimetres(length: float | None) -> str:
+    return "none" if length is None else f"{1e3 * length:.0f} mm"
+
+
+def _attempts(count: int) -> str:
+    return f" ({count} guesses)" if count > 1 else ""

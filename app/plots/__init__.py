@@ -1,0 +1,1 @@
+"""The charts: signals of the motions that are shown, over time."""

@@ -1,0 +1,124 @@
+"""A group of charts as numbers: common instants, shading, marks, and a row of values a line."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from app.motion import colours
+from app.motion.colours import Rgb
+from app.plots.charts import ALL_JOINTS, LANDING, Layer, charts
+from app.plots.time_grid import TimeGrid
+
+Array = NDArray[np.float64]
+
+AXIS_STEP = 0.25
+"""s. Time axes end at a multiple of it, or every plan of a dragged slider would stretch them."""
+
+_BEFORE, _AFTER, _LANDING_STEP = 0.1, 0.25, 0.05  # s around touchdowns
+
+
+@dataclass(frozen=True)
+class Stroke:
+    """How a line is drawn and what it is called."""
+
+    title: str
+    colour: Rgb
+    dashed: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class Rows:
+    """What a chart draws.
+
+    Attributes:
+        title: quantity and unit.
+        strokes: of the lines.
+        values: (P,) of each line.
+        least: as in `app.plots.charts.Chart`.
+    """
+
+    title: str
+    strokes: tuple[Stroke, ...]
+    values: tuple[Array, ...]
+    least: float
+
+
+@dataclass(frozen=True, eq=False)
+class Figure:
+    """Charts over the same P instants.
+
+    Attributes:
+        grid: the instants.
+        flight: (P,) high where the design that is shown plans to fly.
+        mark_strokes: of upright lines; marks: (P,) a step at each.
+        charts: from top to bottom.
+    """
+
+    grid: TimeGrid
+    flight: Array
+    mark_strokes: tuple[Stroke, ...]
+    marks: tuple[Array, ...]
+    charts: tuple[Rows, ...]
+
+
+def figure(group: str, layers: Sequence[Layer], end: float, joints: str = ALL_JOINTS) -> Figure:
+    """A group of charts.
+
+    Args:
+        group: one of `app.plots.charts.GROUPS`.
+        layers: what to draw, the first ones below; one of them at least is not pinned.
+        end: of the motion that is shown, s.
+        joints: see `app.plots.charts.charts`.
+    """
+    shown = [layer for layer in layers if not layer.pinned]
+    replay = shown[0].replay
+    assert replay is not None  # what is not pinned has a plan
+    lift_off, touchdown = replay.plan.phase_start[1:3].tolist()
+    marks = _marks(shown, touchdown, detailed=group == LANDING)
+    if group == LANDING:
+        start, end = _around([instant for _, instant in marks])
+    else:
+        start, end = 0.0, math.ceil(end / AXIS_STEP - 1e-9) * AXIS_STEP
+    grid = TimeGrid.over(start, end, [lift_off, touchdown, *(instant for _, instant in marks)])
+    return Figure(
+        grid=grid,
+        flight=grid.between(lift_off, touchdown),
+        mark_strokes=tuple(stroke for stroke, _ in marks),
+        marks=tuple(grid.step(instant) for _, instant in marks),
+        charts=tuple(
+            Rows(
+                chart.title,
+                tuple(Stroke(line.title, line.colour, line.dashed) for line in chart.lines),
+                tuple(grid.sample(line.time, line.values) for line in chart.lines),
+                chart.least,
+            )
+            for chart in charts(group, layers, joints)
+        ),
+    )
+
+
+def _marks(
+    shown: Sequence[Layer], touchdown: float, *, detailed: bool
+) -> list[tuple[Stroke, float]]:
+    """Touchdowns: the simulator's; in detail the planned one and its detection as well."""
+    marks = [(Stroke("touch-down planned", shown[0].colour), touchdown)] if detailed else []
+    for layer in shown:
+        outcome = None if layer.rollout is None else layer.rollout.outcome
+        if outcome is not None and outcome.touchdown_true_s is not None:
+            marks.append((Stroke("touch-down", layer.colour), outcome.touchdown_true_s))
+        if detailed and outcome is not None and outcome.touchdown_detected_s is not None:
+            stroke = Stroke("detected", colours.FORCE, dashed=True)
+            marks.append((stroke, outcome.touchdown_detected_s))
+    return marks
+
+
+def _around(instants: Sequence[float]) -> tuple[float, float]:
+    """Start and end of a time axis that shows these closely, s."""
+    step = _LANDING_STEP
+    start = math.floor((min(instants) - _BEFORE) / step) * step
+    return max(start, 0.0), math.ceil((max(instants) + _AFTER) / step) * step

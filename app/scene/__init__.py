@@ -1,0 +1,1 @@
+"""The picture: robots, ground and overlays of what the state holds."""

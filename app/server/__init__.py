@@ -1,0 +1,1 @@
+"""The command, the server, who may enter it, and the page it serves."""

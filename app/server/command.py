@@ -1,0 +1,68 @@
+"""`llsrbm serve`, found by the command line through the entry points "llsrbm.commands"."""
+
+from __future__ import annotations
+
+from contextlib import closing
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from llsrbm.errors import InputError
+from llsrbm.jump import Jump
+
+if TYPE_CHECKING:
+    from app.compute.opened_file import OpenedFile
+
+
+def serve(
+    host: Annotated[str, typer.Option(help="Address to listen on.")] = "127.0.0.1",
+    port: Annotated[int, typer.Option(help="Port; 0 takes any free one.")] = 8080,
+    allow_host: Annotated[
+        list[str] | None,
+        typer.Option(help="Further name under which browsers may reach the page; repeatable."),
+    ] = None,
+    open_: Annotated[
+        Path | None,
+        typer.Option(
+            "--open", metavar="FILE", help="A design, plan, simulation or motion to begin with."
+        ),
+    ] = None,
+    robot: Annotated[
+        str, typer.Option(metavar="R", help="Whose motion it is, if FILE is another tool's.")
+    ] = Jump().robot,
+    fps: Annotated[
+        float | None, typer.Option(help="Frames per second of such a file, if it does not say.")
+    ] = None,
+) -> None:
+    """Serve the designer, a page where jumps are planned and looked at, until Ctrl-C."""
+    file = None if open_ is None else _opened(open_, robot, fps)
+
+    from app.compute.pool import WorkerPool
+
+    # Its first process imports CasADi and loads a solver while this one imports the page.
+    with closing(WorkerPool()) as pool:
+        from app.server.server import serve as serve_designer
+
+        serve_designer(host, port, allowed_hosts=allow_host or (), pool=pool, file=file)
+
+
+def _opened(path: Path, robot: str, fps: float | None) -> OpenedFile:
+    """What a file holds, its robot ready to be drawn.
+
+    Raises:
+        InputError: it cannot be opened.
+    """
+    from app.compute.protocol import OpenFile
+    from app.compute.worker import LibraryPlanner
+    from llsrbm.robots import names
+
+    if robot not in names():
+        raise InputError(f"--robot: expected one of {', '.join(names())}, got {robot!r:.80}")
+    try:
+        if path.exists() and not path.is_file():
+            raise InputError(f"--open: {path}: expected a file")
+        content = path.read_bytes()
+    except OSError as error:
+        raise InputError(f"--open: {path}: cannot be read ({error.strerror})") from error
+    return LibraryPlanner().open(OpenFile(path.name, content, robot, fps), lambda *_, **__: None)

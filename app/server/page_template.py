@@ -1,0 +1,36 @@
+"""The page as it is served: viser's, with a title of its own and our scripts before all others."""
+
+from __future__ import annotations
+
+import gzip
+from functools import lru_cache
+from pathlib import Path
+
+import viser
+
+SCRIPTS = ("graphics.js", "player.js", "transport.js")
+"""In the order in which they need each other."""
+
+_TITLE = "<title>Viser</title>"
+_FOLDER = Path(__file__).parents[1] / "static"
+
+
+@lru_cache(maxsize=1)
+def page_html() -> bytes:
+    """Read once; scripts that a page of another viser has no place for are left out.
+
+    The server then plays motions itself, and says so (see `app.session.stage`).
+    """
+    page = (Path(viser.__file__).parent / "client" / "build" / "index.html").read_text("utf-8")
+    scripts = "".join(
+        f"<script>\n{(_FOLDER / name).read_text('utf-8')}</script>\n"
+        for name in SCRIPTS
+        if (_FOLDER / name).exists()
+    )
+    return page.replace(_TITLE, f"<title>Jump designer</title>\n{scripts}", 1).encode("utf-8")
+
+
+@lru_cache(maxsize=1)
+def page_gzip() -> bytes:
+    """The same, compressed once."""
+    return gzip.compress(page_html(), 6)

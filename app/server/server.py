@@ -1,0 +1,243 @@
+"""The server: binds where it was told or says why not, one session a tab, ends cleanly."""
+
+from __future__ import annotations
+
+import contextlib
+import errno
+import signal
+import socket
+import sys
+import threading
+from collections.abc import Collection, Iterator
+from types import FrameType
+
+import viser
+
+from app.compute.opened_file import OpenedFile
+from app.compute.pool import WorkerPool
+from app.compute.protocol import Failed, PlanJump, Planned, Prepare, Prepared, Progress, Report
+from app.panel.view_controls import configure_theme
+from app.scene.robot_nodes import meshes
+from app.session.initial_plan import InitialPlans, example
+from app.session.session import Session
+from app.viser_link.designer_server import DesignerServer
+from llsrbm import models
+from llsrbm.errors import InputError
+from llsrbm.jump import Jump
+from llsrbm.robots import load_robot
+from llsrbm.robots.viewpoint import viewpoint
+
+_LOOPBACK_NAMES = ("localhost",)
+
+
+class Designer:
+    """A running designer: the web server, the computing processes and the sessions of all tabs."""
+
+    def __init__(
+        self,
+        host: str = "127.0.0.1",
+        port: int = 8080,
+        *,
+        allowed_hosts: Collection[str] = (),
+        pool: WorkerPool | None = None,
+        file: OpenedFile | None = None,
+    ) -> None:
+        """Bind and let tabs in.
+
+        Args:
+            host: address or name of this machine to bind to.
+            port: 1 to 65535, or 0 for any free one.
+            allowed_hosts: further names under which browsers may reach the page.
+            pool: computes, and is closed with the server; None: one that uses the library.
+            file: with which every tab begins.
+
+        Raises:
+            InputError: the address cannot be bound, or the port is in use.
+        """
+        check_bindable(host, port)
+        names = {*_LOOPBACK_NAMES, socket.gethostname(), host, *allowed_hosts}
+        self._server = DesignerServer(host, port, names)
+        self.port: int = self._server.get_port()
+        if port not in (0, self.port):
+            self._server.stop()
+            raise _in_use(host, port)
+        self.host = host
+        self._sessions: dict[int, Session] = {}
+        self._lock = threading.Lock()
+        self.pool = pool or WorkerPool()
+        self.opening = InitialPlans(self.pool.planner, file)
+        _configure(self._server)
+        self._server.on_client_connect(self._connected)
+        self._server.on_client_disconnect(self._disconnected)
+
+    @property
+    def url(self) -> str:
+        """Where a browser on this machine finds the page."""
+        host = {"0.0.0.0": "127.0.0.1", "::": "[::1]"}.get(self.host, self.host)  # noqa: S104
+        return f"http://{host}:{self.port}"
+
+    @property
+    def sessions(self) -> tuple[Session, ...]:
+        """Of the tabs that are open."""
+        with self._lock:
+            return tuple(self._sessions.values())
+
+    def warm_up(self, robot: str) -> None:
+        """Prepare a robot and load the solver of every model before anybody asks.
+
+        Tells the terminal what is being done, and when all of it is.
+        """
+        first = example(robot)
+        others = [name for name in models.names() if name != first.model]
+        jumps = [first, *(Jump(robot=robot, model=name) for name in others)]
+        self.opening.recall(robot)
+
+        said = ""
+
+        def tell(report: Report) -> None:
+            nonlocal said
+            match report:
+                case Progress() if report.text != said:
+                    said = report.text
+                    _say(f"  {said} ...")
+                case Failed():
+                    _say(f"  {report.message}")
+                case Prepared():
+                    threading.Thread(target=_get_drawn, args=(robot,), daemon=True).start()
+                case Planned() if report.plan.jump == first:
+                    self.opening.keep(report.plan)
+
+        tasks: list[Prepare | PlanJump] = [Prepare(robot), *map(PlanJump, jumps)]
+        self.pool.warm_up(tasks, tell, lambda: _say("ready"))
+
+    def close(self) -> None:
+        """End the sessions, the server and the computing processes."""
+        for session in self.sessions:
+            session.close()
+        self._server.stop()
+        self.pool.close()
+
+    def _connected(self, client: viser.ClientHandle) -> None:
+        session = Session(client, self.pool, self.opening)
+        with self._lock:
+            self._sessions[client.client_id] = session
+        session.start()
+
+    def _disconnected(self, client: viser.ClientHandle) -> None:
+        with self._lock:
+            session = self._sessions.pop(client.client_id, None)
+        if session is not None:
+            session.close()
+
+
+def serve(
+    host: str = "127.0.0.1",
+    port: int = 8080,
+    *,
+    allowed_hosts: Collection[str] = (),
+    pool: WorkerPool | None = None,
+    file: OpenedFile | None = None,
+) -> None:
+    """Serve the page until SIGINT or SIGTERM; prints one line with its URL.
+
+    Raises:
+        InputError: the address cannot be bound, or the port is in use.
+    """
+    with _stop_on_signal() as stop:
+        designer = Designer(host, port, allowed_hosts=allowed_hosts, pool=pool, file=file)
+        try:
+            print(f"llsrbm designer: {designer.url}", flush=True)
+            designer.warm_up(Jump().robot)
+            stop.wait()
+        finally:
+            designer.close()
+
+
+def check_bindable(host: str, port: int) -> None:
+    """Find out by trying, because viser would take another port, or hang.
+
+    Raises:
+        InputError: which says why not.
+    """
+    if not 0 <= port <= 65535:
+        raise InputError(f"--port: expected 0 to 65535, got {port}")
+    try:
+        addresses = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE)
+    except (socket.gaierror, UnicodeError) as error:
+        raise InputError(f"--host: {host!r} is no address or name of this machine") from error
+    for family, kind, protocol, _, address in addresses:
+        with socket.socket(family, kind, protocol) as probe:
+            # As the server itself does: a port that merely lingers after a restart is free.
+            probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+            if family == socket.AF_INET6:
+                probe.setsockopt(socket.IPPROTO_IPV6, socket.IPV6_V6ONLY, 1)
+            try:
+                probe.bind(address)
+                probe.listen(1)
+            except PermissionError as error:
+                raise InputError(
+                    f"--port: {port} needs more rights than this user has; try 1024 or above"
+                ) from error
+            except OSError as error:
+                if error.errno == errno.EADDRINUSE:
+                    raise _in_use(host, port) from error
+                raise InputError(
+                    f"--host: cannot listen on {host!r} ({error.strerror}); "
+                    "expected an address of this machine, for example 127.0.0.1"
+                ) from error
+
+
+def _get_drawn(robot: str) -> None:
+    """Load what a tab draws of a robot, so that the first one need not wait for it."""
+    loaded = load_robot(robot)
+    meshes(loaded)
+    viewpoint(loaded)
+
+
+def _say(line: str) -> None:
+    """To the terminal, if it still listens: the server outlives `llsrbm serve 2>&1 | head`."""
+    with contextlib.suppress(OSError):
+        print(line, file=sys.stderr, flush=True)
+
+
+def _in_use(host: str, port: int) -> InputError:
+    return InputError(
+        f"--port: {port} on {host} is in use; choose another with --port, or 0 for any free one"
+    )
+
+
+def _configure(server: viser.ViserServer) -> None:
+    """The look that all tabs share."""
+    configure_theme(server.gui, dark=False)
+    # A browser without a graphics processor takes 4 s to start and a quarter of the frame rate
+    # with an environment map and shadows; three lamps do.
+    server.scene.configure_environment_map(None)
+    server.scene.configure_default_lights(enabled=False)
+    server.scene.add_light_hemisphere("/lamps/sky", ground_color=(150, 150, 155), intensity=1.6)
+    for name, position, intensity in (
+        ("key", (2.0, -3.0, 4.0), 2.4),
+        ("fill", (-3.0, 2.0, 2.0), 0.9),
+    ):
+        server.scene.add_light_directional(
+            f"/lamps/{name}", position=position, intensity=intensity, cast_shadow=False
+        )
+    server.gui.main_panel.dock_right()
+    server.gui.set_panel_label("Jump designer")
+    server.initial_camera.position = (1.25, -1.75, 0.95)
+    server.initial_camera.look_at = (0.12, 0.0, 0.42)
+
+
+@contextlib.contextmanager
+def _stop_on_signal() -> Iterator[threading.Event]:
+    """An event that SIGINT and SIGTERM set; the former handlers come back at the end."""
+    stop = threading.Event()
+
+    def handle(_number: int, _frame: FrameType | None) -> None:
+        stop.set()
+
+    former = {number: signal.signal(number, handle) for number in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        yield stop
+    finally:
+        for number, handler in former.items():
+            signal.signal(number, handler)

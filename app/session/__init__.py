@@ -1,0 +1,1 @@
+"""One tab: its state, how events change it, and what that has done outside of it."""

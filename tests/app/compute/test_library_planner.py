@@ -1,0 +1,141 @@
+"""The library as a computing process uses it: what reaches it, and what is left out."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+import llsrbm
+from app.compute.protocol import ExportMotion, FindNearest, OpenFile, PlanJump, SimulateJump
+from app.compute.worker import LibraryPlanner
+from llsrbm.design import Design, dump_design
+from llsrbm.errors import InputError
+from llsrbm.jump import Jump
+from llsrbm.motion.plan import Solution
+from llsrbm.scenario import Scenario
+from llsrbm.tuning import Tuning
+from tests.app.synthetic_plan import synthetic_plan
+
+JUMP = Jump(twist=0.5)
+TUNING = Tuning(weights={"force": 2.0}, limits={"friction": 0.4})
+
+
+def silent(text, **news):
+    pass
+
+
+def never():
+    return False
+
+
+@pytest.fixture
+def called(monkeypatch):
+    """What the library's functions were called with."""
+    calls = {}
+
+    def record(name):
+        def function(*arguments, **options):
+            calls[name] = (arguments, options)
+            return synthetic_plan(JUMP)
+
+        return function
+
+    for name in ("plan", "nearest", "simulate"):
+        monkeypatch.setattr(llsrbm, name, record(name))
+    return calls
+
+
+def planned(**changes):
+    solved = replace(synthetic_plan(JUMP), solution=Solution(None, None))
+    return replace(solved, **changes)
+
+
+def test_a_plan_gets_its_tuning_and_the_plan_to_start_from(called):
+    near = planned()
+    LibraryPlanner().plan(PlanJump(JUMP, TUNING, near, patient=False), silent, never)
+    (jump,), options = called["plan"]
+    assert jump == JUMP
+    assert (options["weights"], options["limits"]) == (TUNING.weights, TUNING.limits)
+    assert options["near"] is near
+    assert options["patient"] is False
+    assert options["cancelled"] is never
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"solution": None},
+        {"jump": replace(JUMP, model="srbm")},
+        {"jump": replace(JUMP, robot="go2")},
+    ],
+)
+def test_what_is_of_no_use_to_start_from_is_left_out(called, changes):
+    LibraryPlanner().plan(PlanJump(JUMP, near=planned(**changes)), silent, never)
+    assert called["plan"][1]["near"] is None
+
+
+def test_a_plan_that_the_planner_cannot_start_from_is_left_out(monkeypatch):
+    """From a file of another version, or made up: only the planner can tell."""
+    asked = []
+
+    def plan(jump, *, near, **_):
+        asked.append(near)
+        if near is not None:
+            raise InputError("near: the plan is of another version of the planner")
+        return synthetic_plan(jump)
+
+    monkeypatch.setattr(llsrbm, "plan", plan)
+    near = planned()
+    assert LibraryPlanner().plan(PlanJump(JUMP, near=near), silent, never).jump == JUMP
+    assert asked == [near, None]
+
+
+def test_a_file_is_opened_and_its_robot_prepared(monkeypatch):
+    prepared = []
+    monkeypatch.setattr(LibraryPlanner, "prepare", lambda _, robot, tell: prepared.append(robot))
+    design = dump_design(Design(Jump(robot="go2")))
+    task = OpenFile("mine.jump.json", design.encode(), "anymal")
+    assert LibraryPlanner().open(task, silent).holds.jump.robot == "go2"
+    assert prepared == ["go2"]
+
+
+def test_an_export_is_one_file_whatever_it_is_of():
+    task = ExportMotion(synthetic_plan(JUMP), ("csv",), options={"fps": 10.0})
+    name, table = LibraryPlanner().export(task, silent)
+    assert name == "anymal-llsrbm-plus-plan.csv"
+    assert table.startswith(b"time [s]")
+    name, folder = LibraryPlanner().export(ExportMotion(synthetic_plan(JUMP), ("mujoco",)), silent)
+    assert name == "anymal-llsrbm-plus-plan.zip"
+    assert folder.startswith(b"PK")
+
+
+def test_a_search_gets_its_tuning(called):
+    LibraryPlanner().nearest(FindNearest(JUMP, TUNING), silent, never)
+    (jump,), options = called["nearest"]
+    assert jump == JUMP
+    assert (options["weights"], options["limits"]) == (TUNING.weights, TUNING.limits)
+
+
+def test_a_simulation_gets_its_scenario_and_tells_whole_per_cents(called):
+    told = []
+
+    def tell(text, *, share):
+        told.append((text, share))
+
+    scenario = Scenario(0.02, True, 3, 0.5, "norm", "planned", "proxqp", 0.12)
+    LibraryPlanner().simulate(SimulateJump(planned(), scenario), tell, never)
+    (_, given), options = called["simulate"]
+    assert given == scenario
+    for k in range(1001):
+        options["progress"](k / 1000)
+    assert len(told) == 101
+    assert told[50] == ("simulating, 50 %", 0.5)
+
+
+def test_the_solver_is_announced_once_a_process(called):
+    told = []
+    planner = LibraryPlanner()
+    for _ in range(2):
+        planner.plan(PlanJump(JUMP), told.append, never)
+    assert told == ["building the solver of llsrbm-plus for anymal: half a minute, the first time"]

@@ -1,0 +1,55 @@
+from __future__ import annotations
+
+from itertools import combinations
+
+import numpy as np
+import pytest
+
+from app.motion import colours
+
+# Machado, Oliveira, Fernandes 2009, full severity, on linear RGB.
+SIGHT = {
+    "normal": np.eye(3),
+    "protanopia": [
+        [0.152286, 1.052583, -0.204868],
+        [0.114503, 0.786281, 0.099216],
+        [-0.003882, -0.048116, 1.051998],
+    ],
+    "deuteranopia": [
+        [0.367322, 0.860646, -0.227968],
+        [0.280085, 0.672501, 0.047413],
+        [-0.011820, 0.042940, 0.968881],
+    ],
+    "tritanopia": [
+        [1.255528, -0.076749, -0.178779],
+        [-0.078411, 0.930809, 0.147602],
+        [0.004733, 0.691367, 0.303900],
+    ],
+}
+XYZ = np.array([[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]])
+LAYERS = (colours.PLANNED, colours.SIMULATED, *colours.PINNED)
+DARK_PANEL = (0x24, 0x24, 0x24)
+
+
+def linear(rgb):
+    c = np.asarray(rgb) / 255
+    return np.where(c <= 0.04045, c / 12.92, ((c + 0.055) / 1.055) ** 2.4)
+
+
+def lab(rgb_linear):
+    xyz = XYZ @ np.clip(rgb_linear, 0, 1) / [0.9505, 1.0, 1.089]
+    x, y, z = np.where(xyz > 0.008856, np.cbrt(xyz), 7.787 * xyz + 16 / 116)
+    return np.array([116 * y - 16, 500 * (x - y), 200 * (y - z)])
+
+
+@pytest.mark.parametrize("sight", SIGHT)
+def test_layers_are_told_apart(sight):
+    seen = [lab(SIGHT[sight] @ linear(rgb)) for rgb in LAYERS]
+    assert min(np.linalg.norm(a - b) for a, b in combinations(seen, 2)) > 20
+
+
+@pytest.mark.parametrize("ground", [(255, 255, 255), DARK_PANEL])
+def test_layers_stand_out(ground):
+    luminances = [XYZ[1] @ linear(rgb) + 0.05 for rgb in (ground, *LAYERS)]
+    ratios = [max(L / luminances[0], luminances[0] / L) for L in luminances[1:]]
+    assert min(ratios) > 2.5

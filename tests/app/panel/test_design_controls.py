@@ -1,0 +1,119 @@
+"""What the design controls tell, whatever a tab sends."""
+
+from __future__ import annotations
+
+import pytest
+
+from app.compute.offered import uploaded_design
+from app.viser_link.designer_server import MAX_UPLOAD
+from llsrbm.design import Design, dump_design
+from llsrbm.errors import InputError
+from llsrbm.examples import examples
+from llsrbm.jump import Jump
+from tests.app.design_page import design_page
+from tests.app.raw_tab import RawTab
+
+EXAMPLES = examples()
+CONTRACT = (
+    "Robot", "Model", "Twist [deg]", "Forward [m]", "Lateral [m]", "Landing height [m]", "Simulate",
+    "Cancel", "Play", "Pause", "Export", "Format", "Inertia ellipsoids", "Open", "Share", "Replan",
+    "Jump type",
+)  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def page():
+    with design_page() as running:
+        yield running
+
+
+@pytest.fixture
+def tab(page):
+    with RawTab(page.port) as opened:
+        opened.client, opened.controls_of_page = page.tabs.get(timeout=20)
+        opened.control("Save design")
+        yield opened
+
+
+def html(tab):
+    return next(m["props"] for m in tab.controls.values() if m["type"] == "GuiHtmlMessage")
+
+
+def test_an_example_is_handed_over(page, tab):
+    box = EXAMPLES["slider-box"]
+    tab.set("Example", box.title)
+    assert page.next() == ("example", box)
+
+
+@pytest.mark.parametrize("value", ["choose ...", "nosuch", 3, None, {"a": []}])
+def test_no_example_is_nothing(page, tab, value):
+    tab.set("Example", value)
+    tab.press("Save design")
+    assert page.next() == ("save",)
+
+
+def test_a_file_is_handed_over_as_it_is(page, tab):
+    tab.upload("Open", "mine.json", b"\x00{")
+    assert page.next() == ("upload", "mine.json", b"\x00{")
+    tab.upload("Open", "empty.json", b"", transfer="second")
+    assert page.next() == ("upload", "empty.json", b"")
+
+
+def test_a_value_that_is_no_file_is_nothing(page, tab):
+    tab.set("Open", "no file")
+    tab.press("Save design")
+    assert page.next() == ("save",)
+
+
+def test_what_is_shown_is_named_with_its_note(tab):
+    design = EXAMPLES["anymal-board"]
+    tab.controls_of_page.show(design.title, "a <b> & note")
+    tab.wait(lambda: "a &lt;b&gt; &amp; note" in html(tab)["content"], "the note")
+    assert html(tab)["visible"]
+    assert tab.value("Example") == design.title
+    tab.controls_of_page.show("my own")
+    tab.wait(lambda: not html(tab)["visible"], "no note")
+    assert tab.value("Example") == "choose ..."
+
+
+def test_labels_are_not_taken_for_those_of_the_contract(tab):
+    own = [m["props"]["label"] for m in tab.controls.values() if "label" in m["props"]]
+    own.remove("Twist [deg]")
+    assert sorted(own) == ["Example", "Open", "Rate of the file [1/s]", "Save design"]
+    own.remove("Open")
+    for label in own:
+        assert not any(fixed.lower() in label.lower() for fixed in CONTRACT)
+
+
+def test_a_tab_is_told_to_send_no_files_that_are_refused(tab):
+    (script,) = tab.scripts
+    assert script.startswith(f"window.llsrbmLargestFile = {MAX_UPLOAD};")
+
+
+def test_a_browser_offers_what_can_be_opened(tab):
+    offered = tab.control("Open")["props"]["mime_type"].split(",")
+    assert {".json", ".npz", ".csv"} <= set(offered)
+
+
+def test_an_uploaded_design_is_read():
+    design = EXAMPLES["go2-twist"]
+    assert uploaded_design("a.json", dump_design(design).encode()) == design
+
+
+@pytest.mark.parametrize(
+    ("jump", "complaint"),
+    [
+        (Jump(robot="/tmp/mine.toml"), "a.json: jump.robot: expected one of anymal, go2, slider"),
+        (Jump(robot="nosuch"), "a.json: jump.robot: expected one of anymal, go2, slider, got 'nos"),
+        (Jump(model="nosuch"), "a.json: jump.model: expected one of srbm, llsrbm, llsrbm-plus,"),
+    ],
+)
+def test_only_what_the_page_has_can_be_uploaded(jump, complaint):
+    with pytest.raises(InputError) as refused:
+        uploaded_design("a.json", dump_design(Design(jump)).encode())
+    assert str(refused.value).startswith(complaint)
+
+
+def test_a_refusal_names_the_file():
+    with pytest.raises(InputError, match=r"^cat\?\.json: not a JSON file: Expecting value"):
+        uploaded_design("cat\n.json", b"meow")

@@ -1,0 +1,115 @@
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from app.panel.summaries import plan_figures, rollout_figures, simulated_line
+from llsrbm.analysis.diagnosis import diagnose
+from llsrbm.jump import Jump
+from llsrbm.robots import load_robot
+from llsrbm.scenario import Scenario
+from tests.app.synthetic_plan import FLY, GRAVITY, STAND, synthetic_plan
+from tests.llsrbm.synthetic_rollout import synthetic_rollout
+
+
+@pytest.fixture(scope="module")
+def plan():
+    return synthetic_plan(Jump(twist=1.0))
+
+
+@pytest.fixture(scope="module")
+def rollout(plan):
+    return synthetic_rollout(plan, seed=4)
+
+
+def changed(rollout, **outcome):
+    return replace(rollout, outcome=replace(rollout.outcome, **outcome))
+
+
+def test_the_most_loaded_joint_of_a_plan(plan):
+    torque = plan.joint_torque.copy()
+    torque[3, plan.joint_names.index("RH_KFE")] = 34.0
+    shown = plan_figures(replace(plan, joint_torque=torque))
+    assert "Most loaded joint" in shown
+    assert "RH_KFE 34 of 40 Nm in take-off at 0.09 s (85 %)" in shown
+    unknown = replace(plan, joint_torque=None, joint_torque_limit=None)
+    assert "Most loaded joint" not in plan_figures(unknown)
+
+
+def test_landed(rollout):
+    assert simulated_line(rollout) == (
+        "Landed",
+        "yaw -2.9° from the plan at touch-down, +0.1° at the end, 4.2× real time",
+    )
+
+
+def test_landed_badly(rollout):
+    _, rest = simulated_line(changed(rollout, strict=False))
+    assert rest.startswith("but not by the strict measure: yaw")
+
+
+def test_unsolved_ticks_are_told(rollout):
+    _, rest = simulated_line(changed(rollout, strict=False, unsolved_ticks=3))
+    assert rest.endswith("the controller's QP was unsolved in 3 ticks")
+
+
+def test_fell_says_when_and_why(plan):
+    rollout = synthetic_rollout(plan, fell_at=0.95)
+    first = diagnose(rollout)[0]
+    word, rest = simulated_line(rollout)
+    assert word == "Fell"
+    assert rest == (
+        f"at 0.95 s: first {first.words} ({first.time:.2f} s), "
+        "then the base touched the ground at 0.95 s."
+    )
+
+
+@pytest.mark.parametrize(
+    ("outcome", "told"),
+    [
+        ({}, "+5.0 ms from the first contact"),
+        ({"touchdown_detected_s": None}, "missed"),
+        ({"touchdown_true_s": None, "touchdown_detected_s": None}, "no contact, none detected"),
+        ({"false_touchdowns": 2}, "+5.0 ms from the first contact, 2 false"),
+        ({"foot_error_at_touchdown": None}, "none at touch-down, 13 mm at the end"),
+        ({"saturated_fraction": 0.0251}, "2.5%"),
+        ({"peak_torque_ratio": 0.98, "peak_speed_ratio": 1.02}, "98% of torque, 102% of speed"),
+    ],
+)
+def test_figures(rollout, outcome, told):
+    assert f">{told}<" in rollout_figures(changed(rollout, **outcome))
+
+
+def test_a_fall_is_told_event_by_event(plan, rollout):
+    fell = synthetic_rollout(plan, fell_at=0.95)
+    html = rollout_figures(fell)
+    places = [html.index(f">{event.words}<") for event in diagnose(fell)[:4]]
+    assert places == sorted(places)
+    assert f">Wrong from {diagnose(fell)[0].time:.2f} s<" in html
+    assert "Wrong" not in rollout_figures(rollout), "of what went well, near misses are not told"
+
+
+def test_a_plans_figures(plan):
+    robot = load_robot("anymal")
+    html = plan_figures(plan)
+    assert f">{2 * STAND + FLY:.2f} s = {STAND:.2f} + {FLY:.2f} + {STAND:.2f}<" in html
+    assert f">{1.0 / FLY:.2f} rad/s<" in html
+    Izz = f"{robot.inertia[2, 2]:.2f}"
+    assert f">{Izz} kg m² ({Izz} standing)<" in html
+    radius = np.linalg.norm((robot.feet - robot.com)[:, :2], axis=1).mean()
+    assert float(html.split("Feet drawn in to</td>")[1].split(">")[1].split()[0]) == (
+        pytest.approx(radius, rel=0.02)
+    )
+    assert f">{robot.mass * GRAVITY / 4:.0f} N, 0.25 of the weight<" in html
+
+
+def test_the_world_is_told(rollout):
+    world = rollout_figures(
+        replace(rollout, scenario=Scenario(board=0.025, half_board=True, seed=4))
+    )
+    assert "half board of 25 mm, seed 4: trunk +5.0%, friction 0.70" in world
+    assert "undisturbed" in rollout_figures(replace(rollout, scenario=Scenario()))
+    heavier = replace(rollout, scenario=Scenario(trunk_mass=0.12))
+    assert ">trunk +12.0%<" in rollout_figures(heavier)

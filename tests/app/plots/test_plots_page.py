@@ -1,0 +1,239 @@
+"""The plots in a real browser."""
+
+from __future__ import annotations
+
+import pytest
+
+from app.plots.charts import GROUPS, LANDING
+from tests.app.chromium import PACE, VIEW, chromium, fill, status, wait_until
+
+pytestmark = pytest.mark.browser
+
+CHARTS = """() => Object.values(window.__viserTestpoints.uplots).map(({chart, createCount}) => ({
+  title: chart.root.querySelector('.u-title').firstChild.textContent,
+  start: chart.scales.x.min,
+  end: chart.scales.x.max,
+  ticks: chart.axes.map(axis => (axis._values || []).length),
+  curves: chart.series.flatMap((series, i) => series.scale === 'y'
+    && chart.data[i].some(v => !Number.isNaN(v)) ? [series.label] : []),
+  aligned: chart.series.length === chart.data.length,
+  width: chart.over.clientWidth,
+  created: createCount,
+}))"""
+
+
+@pytest.fixture(scope="module")
+def browser():
+    with chromium() as started:
+        yield started
+
+
+@pytest.fixture(scope="module")
+def opened(browser, designer):
+    """One page for all tests, for it takes its time to open."""
+    context = browser.new_context(viewport=VIEW)
+    page = context.new_page()
+    faults = []
+    page.on("pageerror", lambda error: faults.append(str(error)))
+    page.goto(designer.url)
+    status(page, "Planned")
+    # A motion that plays takes the processor from all else.
+    page.get_by_role("button", name="Pause").click()
+    page.wait_for_timeout(PACE)
+    yield page
+    assert faults == []
+    context.close()
+
+
+@pytest.fixture
+def page(opened):
+    """With the overview in sight."""
+    if opened.get_by_label("Quantity").input_value() != "Overview":
+        choose(opened, "Quantity", "Overview")
+    opened.mouse.move(10, 10)
+    return opened
+
+
+def simulate(page):
+    page.get_by_role("button", name="Simulate").click()
+    status(page, "Landed")
+
+
+def choose(page, label, value):
+    page.get_by_label(label).click()
+    page.get_by_role("option", name=value, exact=True).click()
+    page.wait_for_timeout(PACE)
+
+
+def drawn(page, titles, timeout=10.0):
+    """The charts, once they have these titles."""
+    page.wait_for_function(
+        "titles => JSON.stringify(Object.values(window.__viserTestpoints.uplots).map(({chart}) =>"
+        " chart.root.querySelector('.u-title').firstChild.textContent)) === JSON.stringify(titles)",
+        arg=titles,
+        timeout=1e3 * timeout,
+    )
+    page.wait_for_timeout(300)
+    charts = page.evaluate(CHARTS)
+    for chart in charts:
+        assert chart["aligned"], chart
+        assert chart["width"] > 200, chart
+        assert min(chart["ticks"]) >= 2, chart
+    return charts
+
+
+OVERVIEW = [
+    "Base yaw [°]",
+    "Base yaw rate [rad/s]",
+    "CoM height [m]",
+    "Vertical force, all feet [N]",
+]
+
+
+def test_every_group_is_drawn_with_plan_and_simulation(page):
+    charts = drawn(page, OVERVIEW)
+    assert [chart["curves"] for chart in charts] == [["plan"]] * 4
+    assert {chart["end"] for chart in charts} == {1.5}
+    simulate(page)
+    charts = drawn(page, OVERVIEW)
+    assert [chart["curves"] for chart in charts] == [["plan", "simulation"]] * 4
+    assert {chart["end"] for chart in charts} == {2.5}
+    for group in GROUPS:
+        if group == "Overview":
+            continue
+        choose(page, "Quantity", group)
+        page.wait_for_timeout(300)
+        titles = [chart["title"] for chart in page.evaluate(CHARTS)]
+        assert not set(titles) & set(OVERVIEW) or group == "Contact forces"
+        charts = drawn(page, titles)
+        assert 3 <= len(charts) <= 5, titles
+        for chart in charts:
+            assert "simulation" in chart["curves"], chart
+            span = chart["end"] - chart["start"]
+            assert 0.3 < span < 0.5 if group == LANDING else span == 2.5, chart
+
+
+def test_joints_are_chosen(page):
+    simulate(page)
+    choose(page, "Quantity", "Joint torques and speeds")
+    choose(page, "Joints", "KFE")
+    titles = ["Torque / limit", "Torque / limit at its speed", "Joint speed / limit"]
+    charts = drawn(page, [*(f"{title}, KFE" for title in titles), "Power of the drives, KFE [W]"])
+    assert [chart["curves"] for chart in charts] == [
+        *[["limit", "plan", "simulation"]] * 3,
+        ["plan", "simulation"],
+    ]
+
+
+# ---- the cursor of plot_cursor.js
+
+CURSORS = """() => Object.values(window.__viserTestpoints.uplots).map(({chart}) => {
+  const cursors = chart.over.querySelectorAll('.llsrbm-cursor');
+  if (cursors.length !== 1 || cursors[0].style.display === 'none') return null;
+  const left = cursors[0].getBoundingClientRect().left - chart.over.getBoundingClientRect().left;
+  return chart.posToVal(left, 'x');
+})"""
+SEEK = "time => window.llsrbm.player.seek(time)"
+SHOW = "time => window.llsrbmPlots.show(time)"
+
+
+def wait_for_cursors(page, count, time):
+    page.wait_for_function(
+        f"([count, time]) => {{ const at = ({CURSORS})();"
+        " return at.length === count"
+        " && at.every(t => time === null ? t === null : t !== null && Math.abs(t - time) < 0.02) }",
+        arg=[count, time],
+        timeout=10_000,
+    )
+
+
+def test_the_cursor_is_where_the_motion_is(page):
+    page.evaluate(SHOW, 0.2)
+    assert page.evaluate(CURSORS) == [pytest.approx(0.2, abs=0.02)] * 4
+    page.evaluate(SHOW, 9.0)  # beyond the axis
+    wait_for_cursors(page, 4, None)
+    page.evaluate(SEEK, 0.65)
+    wait_for_cursors(page, 4, 0.65)
+    # It outlives charts that are built anew, and other data.
+    choose(page, "Quantity", "Base angles")
+    wait_for_cursors(page, 3, 0.65)
+    fill(page, "Twist [deg]", 30)
+    page.wait_for_function(
+        "() => Object.values(window.__viserTestpoints.uplots).some(({chart}) =>"
+        " Math.abs(Math.max(...chart.data[3].filter(Number.isFinite)) - 30) < 1)"
+    )
+    wait_for_cursors(page, 3, 0.65)
+
+
+VALUES = """() => Object.values(window.__viserTestpoints.uplots).map(({chart}) =>
+  [...chart.root.querySelectorAll('.llsrbm-values span')].map(span => Number(span.textContent)))"""
+DATA = """time => Object.values(window.__viserTestpoints.uplots).map(({chart}) =>
+  chart.series.flatMap((series, i) => series.scale === 'y' && !series.dash
+    ? [chart.data[i][chart.valToIdx(time)]] : []))"""
+
+
+def test_values_are_written_beside_the_titles(page):
+    simulate(page)
+    drawn(page, OVERVIEW)
+    page.evaluate(SHOW, 0.65)
+    page.wait_for_timeout(300)
+    values, data = page.evaluate(VALUES), page.evaluate(DATA, 0.65)
+    assert [len(row) for row in values] == [2] * 4
+    for written, true in zip(values, data, strict=True):
+        assert written == pytest.approx(true, rel=0.01, abs=0.01)
+    # Under the pointer, while it is there.
+    over = page.locator(".u-over").nth(1)
+    box = over.bounding_box()
+    over.hover(position={"x": 0.2 * box["width"], "y": 20})
+    page.wait_for_timeout(300)
+    pointed = page.evaluate(VALUES)
+    # The yaw turns by 2.5° from one instant of the chart to the next.
+    assert pointed[0] == pytest.approx(page.evaluate(DATA, 0.5)[0], abs=3.0)
+    assert pointed != values
+    page.mouse.move(10, 10)
+    page.wait_for_timeout(300)
+    assert page.evaluate(VALUES) == values
+
+
+def test_a_click_tells_its_time_and_a_drag_does_not(page):
+    end = drawn(page, OVERVIEW)[1]["end"]
+    page.evaluate("window.picked = []; window.llsrbmPlots.onPick(time => window.picked.push(time))")
+    over = page.locator(".u-over").nth(1)
+    over.scroll_into_view_if_needed()
+    box = over.bounding_box()
+    middle = box["y"] + box["height"] / 2
+    page.mouse.click(box["x"] + 0.4 * box["width"], middle)
+    assert page.evaluate("window.picked") == [pytest.approx(0.4 * end, abs=0.02 * end)]
+    page.mouse.move(box["x"] + 0.2 * box["width"], middle)
+    page.mouse.down()
+    page.mouse.move(box["x"] + 0.7 * box["width"], middle, steps=4)
+    page.mouse.up()
+    page.wait_for_timeout(300)
+    assert len(page.evaluate("window.picked")) == 1
+    # The drag has zoomed, and the cursor goes with the axis. The player, which the click has sent
+    # elsewhere, would take a cursor back that was moved without it.
+    page.evaluate(SEEK, 0.5 * end)
+    for zoomed in page.evaluate(CHARTS):
+        assert zoomed["start"] == pytest.approx(0.2 * end, abs=0.02 * end)
+        assert zoomed["end"] == pytest.approx(0.7 * end, abs=0.02 * end)
+    wait_for_cursors(page, 4, 0.5 * end)
+    # viser makes charts anew as it likes, and the script finds new ones every 0.3 s.
+    page.wait_for_timeout(500)
+
+    def unzoomed():
+        # A chart that is being made anew takes no clicks.
+        page.mouse.dblclick(box["x"] + 0.4 * box["width"], middle)
+        page.wait_for_timeout(500)
+        return page.evaluate(f"end => ({CHARTS})().every(c => c.end === end)", end)
+
+    wait_until(unzoomed, "the whole axis")
+
+
+def test_the_cursor_costs_next_to_nothing(page):
+    drawn(page, OVERVIEW)
+    each = page.evaluate(
+        """() => { const start = performance.now();
+        for (let i = 0; i < 500; i++) window.llsrbmPlots.show(i / 500);
+        return (performance.now() - start) / 500 }"""
+    )
+    assert each < 1.0, "ms; 0.05 on two cores with nothing else to do"

@@ -1,0 +1,89 @@
+"""`llsrbm serve --open FILE`: every tab begins with it, or nothing is served."""
+
+from __future__ import annotations
+
+import pytest
+
+from app.compute.opened_file import OpenedFile, open_file
+from app.compute.pool import WorkerPool
+from app.server.server import Designer
+from llsrbm import cli
+from llsrbm.design import Design, dump_design
+from llsrbm.jump import Jump
+from llsrbm.scenario import Scenario
+from tests.app.planners import SyntheticPlanner, turning_states
+from tests.app.raw_tab import RawTab, planned
+from tests.app.synthetic_plan import synthetic_plan
+from tests.llsrbm.synthetic_rollout import synthetic_rollout
+
+JUMP = Jump(robot="go2", model="srbm", twist=0.3)
+
+
+@pytest.fixture
+def served():
+    running = []
+
+    def serve(file):
+        running.append(Designer(port=0, pool=WorkerPool(SyntheticPlanner), file=file))
+        return running[-1]
+
+    yield serve
+    for designer in running:
+        designer.close()
+
+
+def test_every_tab_begins_with_the_simulation(served, tmp_path):
+    rollout = synthetic_rollout(synthetic_plan(JUMP))
+    rollout.save(tmp_path / "run.npz")
+    designer = served(open_file("run.npz", (tmp_path / "run.npz").read_bytes(), "anymal"))
+    for _ in range(2):
+        with RawTab(designer.port) as tab:
+            # What the browser kept is not asked for.
+            tab.storage["llsrbm.design"] = dump_design(Design(Jump(twist=1.0)))
+            tab.wait_for_status("Landed from file run.npz")
+            assert tab.value("Robot") == "go2"
+            session = designer.sessions[-1]
+            assert session.plan.jump == JUMP
+            tab.set("Twist [deg]", 10)
+            tab.wait_for_status("Planned")
+            assert session.rollout is None
+
+
+def test_a_design_is_planned(served):
+    design = Design(Jump(robot="slider", twist=0.2), scenario=Scenario(seed=3))
+    designer = served(open_file("mine.jump.json", dump_design(design).encode(), "anymal"))
+    with RawTab(designer.port) as tab:
+        tab.wait_for_status("Planned")
+        planned(tab, designer.sessions[-1], lambda jump: jump.robot == "slider", "its plan")
+        assert tab.value("Seed") == 3
+
+
+def test_another_tools_motion_is_pinned_beside_its_robots_example(served):
+    designer = served(OpenedFile("turn.csv", turning_states("go2")))
+    with RawTab(designer.port) as tab:
+        tab.wait_for_status("Planned")
+        tab.wait(lambda: any(name.startswith("/pinned/1/") for name in tab.nodes), "a ghost")
+        assert designer.sessions[-1].plan.jump.robot == "go2"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (["nosuch.npz"], "--open: nosuch.npz: cannot be read (No such file or directory)"),
+        (["/dev/null"], "--open: /dev/null: expected a file"),
+        (["bad.npz"], "bad.npz: not an npz file"),
+        (["bad.json"], "bad.json: not a JSON file"),
+        (["bad.npz", "--robot", "/dev/zero"], "--robot: expected one of anymal, go2, slider, got"),
+    ],
+)
+def test_a_bad_file_is_one_line_and_nothing_is_served(
+    tmp_path, monkeypatch, capfd, arguments, told
+):
+    monkeypatch.chdir(tmp_path)
+    for name in ("bad.npz", "bad.json"):
+        (tmp_path / name).write_bytes(b"bad")
+    monkeypatch.setattr("app.compute.pool.WorkerPool", None)  # is not reached
+    assert cli.main(["serve", "--open", *arguments]) == 2
+    out, err = capfd.readouterr()
+    assert (out, err.count("\n")) == ("", 1)
+    assert told in err
