@@ -6,7 +6,6 @@ The scene makes nodes and says how they move, as a clip; a player moves them.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 import viser
@@ -18,6 +17,7 @@ from app.motion.colours import Rgb
 from app.motion.frames import Frames
 from app.motion.planned_motion import PlannedMotion
 from app.scene.overlays import Blocks, Ellipsoid, Forces, Nodes, Target, Trails, tops_under
+from app.scene.picture import Ghost
 from app.scene.robot_nodes import RobotNodes
 from llsrbm.robots import Robot
 from llsrbm.robots.viewpoint import viewpoint
@@ -32,21 +32,6 @@ _GRID: dict[bool, tuple[Rgb, Rgb]] = {
 }
 """Dark or not -> colours of the ground's lines, of 0.1 m and 0.5 m."""
 _ABOVE_GROUND = 0.002  # m; the patch would flicker in the ground's own plane
-
-
-@dataclass(frozen=True, eq=False)
-class Ghost:
-    """A pinned motion, drawn translucent.
-
-    Attributes:
-        robot: whose.
-        frames: of its motion.
-        colour: of the ghost.
-    """
-
-    robot: Robot
-    frames: Frames
-    colour: Rgb
 
 
 class Scene:

@@ -11,7 +11,7 @@ from app.motion.colours import Rgb
 from app.motion.foreign_motion import ForeignMotion
 from app.motion.planned_motion import PlannedMotion
 from app.motion.simulated_motion import SimulatedMotion
-from app.scene.scene import Ghost
+from app.scene.picture import Ghost
 from llsrbm.analysis.figures import DesignFigures, figures_of_plan
 from llsrbm.design import Design
 from llsrbm.motion.rollout import Rollout

@@ -1,0 +1,55 @@
+"""What a picture shows, as a value: made from a tab's state, drawn by `app.scene.scene.Scene`."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from app.motion.colours import Rgb
+from app.motion.frames import Frames
+from app.motion.planned_motion import PlannedMotion
+from llsrbm.jump import Jump
+from llsrbm.robots import Robot
+from llsrbm.simulation.surroundings import Block
+
+
+@dataclass(frozen=True, eq=False)
+class Ghost:
+    """A pinned motion, drawn translucent.
+
+    Attributes:
+        robot: whose.
+        frames: of its motion.
+        colour: of the ghost.
+    """
+
+    robot: Robot
+    frames: Frames
+    colour: Rgb
+
+
+@dataclass(frozen=True, eq=False)
+class Picture:
+    """Everything that the scene draws of a tab's state; parts that stay are the same objects.
+
+    Attributes:
+        robot: that is shown; None: none yet.
+        planned: its plan; None: it stands in its default posture.
+        simulated: frames of the robot that follows the plan, as far as they are computed; it is
+            drawn solid then, and the plan as a ghost.
+        blocks: what stands around: of a plan alone, drawn as what it aims at.
+        ghosts: pinned motions.
+        layers: names of the overlays that are drawn.
+        target: where the landing handle stands.
+        night: a dark ground and dim light.
+        fine: with all triangles: the browser has a graphics processor.
+    """
+
+    robot: Robot | None = None
+    planned: PlannedMotion | None = None
+    simulated: Frames | None = None
+    blocks: tuple[Block, ...] = ()
+    ghosts: tuple[Ghost, ...] = ()
+    layers: frozenset[str] = frozenset()
+    target: Jump | None = None
+    night: bool = False
+    fine: bool = False
