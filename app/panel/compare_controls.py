@@ -7,7 +7,8 @@ from typing import Any
 
 import viser
 
-from app.panel.comparison import Column, comparison_table
+from app.panel.comparison_table import Column, comparison_table
+from app.panel.html import note
 from app.panel.validation import put
 
 _NONE = "nothing pinned"
@@ -18,11 +19,14 @@ class CompareControls:
 
     def __init__(self, gui: viser.GuiApi) -> None:
         """Nothing is pinned."""
+        self._empty = gui.add_html(
+            note("Pin a design: it stays as a ghost, and the next ones are compared with it.")
+        )
         self.pin = gui.add_button(
             "Pin", disabled=True, hint="Keep this design as a ghost and compare others with it"
         )
         self._table = gui.add_html("", visible=False)
-        self._choice = gui.add_dropdown("Pinned", (_NONE,), visible=False)
+        self.choice = gui.add_dropdown("Pinned", (_NONE,), visible=False)
         self.take_up = gui.add_button(
             "Take up", visible=False, hint="Make the pinned design the current one"
         )
@@ -32,11 +36,13 @@ class CompareControls:
     @property
     def chosen(self) -> int:
         """Number of the pin that is chosen; -1 for none."""
-        value: Any = self._choice.value
+        value: Any = self.choice.value
         return self._titles.index(value) if value in self._titles else -1
 
-    def show(self, current: Column | None, pinned: Sequence[Column], *, full: bool) -> None:
-        """Figures of the current design and of what is pinned."""
+    def show(
+        self, current: Column | None, pinned: Sequence[Column], chosen: int, *, full: bool
+    ) -> None:
+        """Figures of the current design and of what is pinned, and which pin is chosen."""
         there = len(pinned) > 0
         self._table.content = (
             comparison_table([*([current] if current else []), *pinned]) if there else ""
@@ -44,8 +50,9 @@ class CompareControls:
         titles = tuple(f"{index}. {column.title}" for index, column in enumerate(pinned, start=1))
         if titles != self._titles:
             self._titles = titles
-            self._choice.options = titles or (_NONE,)
-            put(self._choice, titles[-1] if titles else _NONE)
-        for handle in (self._table, self._choice, self.take_up, self.unpin):
+            self.choice.options = titles or (_NONE,)
+        put(self.choice, titles[chosen] if 0 <= chosen < len(titles) else (titles or (_NONE,))[0])
+        self._empty.visible = not there
+        for handle in (self._table, self.choice, self.take_up, self.unpin):
             handle.visible = there
         self.pin.disabled = current is None or full

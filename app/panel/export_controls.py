@@ -36,21 +36,51 @@ class Choice:
 
 
 class ExportControls:
-    """Added to the folder that is open.
+    """Format and button, in the container that is open; further options are in `ExportOptions`.
 
     Attributes:
         button: that saves.
         stop: that gives it up.
+        format: the format's dropdown.
     """
 
     def __init__(self, gui: viser.GuiApi) -> None:
         """Nothing to save yet."""
         self._there = False
-        self._missing = [name for name, each in FORMATS.items() if _missing(each)]
+        missing = [name for name, each in FORMATS.items() if _missing(each)]
+        hint = f"Not installed: {', '.join(missing)}" if missing else None
+        self.format = gui.add_dropdown("Format", tuple(FORMATS), hint=hint)
+        self.button = gui.add_button(
+            "Export", disabled=True, hint="Saves the simulation if there is one, else the plan"
+        )
+        self._busy = gui.add_html("", visible=False)
+        self.stop = gui.add_button("Stop", visible=False, hint="Stop writing this file")
+
+    @property
+    def chosen(self) -> str:
+        """Name of the format."""
+        return option("Format", self.format.value, tuple(FORMATS), next(iter(FORMATS)), [])
+
+    def show(self, *, there: bool, busy: str) -> None:
+        """Draw whether there is a motion to save, and what is being saved; "": nothing."""
+        self._busy.content = f'<div role="alert" style="{SMALL}">{escape(busy)}</div>'
+        self._busy.visible = self.stop.visible = bool(busy)
+        self.button.disabled = not there or bool(busy)
+
+
+class ExportOptions:
+    """Which motion, which further formats and how they are written, in the container that is open."""
+
+    def __init__(self, gui: viser.GuiApi, controls: ExportControls) -> None:
+        """Those of the format that is chosen.
+
+        Args:
+            gui: of the tab.
+            controls: where the format is chosen.
+        """
+        self._controls = controls
         self._of = gui.add_dropdown("Trajectory", (SIMULATION, PLAN), visible=False)
-        hint = f"Not installed: {', '.join(self._missing)}" if self._missing else None
-        self._format = gui.add_dropdown("Format", tuple(FORMATS), hint=hint)
-        self._told = gui.add_html("")
+        self._line = gui.add_html("")
         defaults = Options()
         self._fps = gui.add_number(
             "Frames per second", defaults.fps, min=1, max=_FASTEST, step=1, visible=False
@@ -72,15 +102,8 @@ class ExportControls:
                 )
                 for name, each in FORMATS.items()
             }
-        self.button = gui.add_button(
-            "Export",
-            disabled=True,
-            hint="Saves the simulation if there is one, else the plan",
-        )
-        self._busy = gui.add_html("", visible=False)
-        self.stop = gui.add_button("Stop", visible=False, hint="Give this file up")
         self._show_format()
-        self._format.on_update(self._chosen)
+        controls.format.on_update(self._chosen)
         for box in self._ticked.values():
             box.on_update(self._chosen)
 
@@ -89,7 +112,11 @@ class ExportControls:
         complaints: list[str] = []
         of = option("Trajectory", self._of.value, (SIMULATION, PLAN), SIMULATION, complaints)
         first = option(
-            "Format", self._format.value, tuple(FORMATS), next(iter(FORMATS)), complaints
+            "Format",
+            self._controls.format.value,
+            tuple(FORMATS),
+            next(iter(FORMATS)),
+            complaints,
         )
         also = self._also()
         names = tuple(dict.fromkeys((first, *also)))
@@ -107,27 +134,10 @@ class ExportControls:
         }
         return Choice(of, names, bool(also), given), complaints
 
-    def show_motion(self, *, simulated: bool) -> None:
-        """There is a motion to save: a plan, and a simulation of it or none."""
-        self._there = True
-        self._show_button()
+    def show(self, *, simulated: bool) -> None:
+        """Draw whether there is a simulation to choose besides the plan; it is chosen then."""
         self._of.visible = simulated
         put(self._of, SIMULATION)
-
-    def clear(self) -> None:
-        """There is nothing to save."""
-        self._there = False
-        self._show_button()
-        self._of.visible = False
-
-    def show_busy(self, told: str | None) -> None:
-        """What is being saved; None: nothing."""
-        self._busy.content = f'<div role="alert" style="{SMALL}">{escape(told or "")}</div>'
-        self._busy.visible = self.stop.visible = told is not None
-        self._show_button()
-
-    def _show_button(self) -> None:
-        self.button.disabled = not self._there or self._busy.visible
 
     def _also(self) -> tuple[str, ...]:
         return tuple(name for name, box in self._ticked.items() if box.value is True)
@@ -137,9 +147,9 @@ class ExportControls:
             self._show_format()
 
     def _show_format(self) -> None:
-        first = option("Format", self._format.value, tuple(FORMATS), next(iter(FORMATS)), [])
+        first = self._controls.chosen
         names = tuple(dict.fromkeys((first, *self._also())))
-        self._told.content = f'<div style="{SMALL}">{escape(_line(FORMATS[first]))}</div>'
+        self._line.content = f'<div style="{SMALL}">{escape(_line(FORMATS[first]))}</div>'
         for name, handle in (("fps", self._fps), ("pad", self._pad), ("order", self._order)):
             handle.visible = _take(names, name)
             # The first one's own, whenever another is chosen.

@@ -7,29 +7,36 @@ from html import escape
 
 from app.motion import colours
 from app.motion.colours import Rgb
+from app.panel.status import Status, Word
 from app.scene.overlays import ARROW_PER_WEIGHT
 
 PADDING = "padding:0.35em 0.9em"
 SMALL = f"{PADDING};font-size:0.8em;line-height:1.5"
 
 _STATUS_COLOURS = {
-    "Planning": "#8a94a0",
-    "Planned": "#2f9e62",
-    "Simulating": "#8a94a0",
-    "Landed": "#2f9e62",
-    "Fell": "#d6336c",
-    "Failed": "#d6336c",
-    "Cancelled": "#d08a1d",
+    Word.PLANNING: "#8a94a0",
+    Word.PLANNED: "#2f9e62",
+    Word.SIMULATING: "#8a94a0",
+    Word.LANDED: "#2f9e62",
+    Word.FELL: "#d6336c",
+    Word.FAILED: "#d6336c",
+    Word.CANCELLED: "#d08a1d",
 }
 
 
-def status(word: str, rest: str) -> str:
-    """One line that begins with `word`, one of the contract's."""
-    colour = _STATUS_COLOURS[word]
+def status(status: Status) -> str:
+    """One line that begins with one of the contract's words."""
+    colour = _STATUS_COLOURS[status.word]
     return (
         f'<div role="status" style="{PADDING};font-size:0.85em;line-height:1.4;'
-        f'border-left:4px solid {colour};margin:0.3em 0"><b>{escape(word)}</b> {escape(rest)}</div>'
+        f'border-left:4px solid {colour};margin:0.3em 0"><b>{escape(status.word.value)}</b> '
+        f"{escape(status.rest)}</div>"
     )
+
+
+def note(text: str) -> str:
+    """A sentence on what is there, or what to do."""
+    return f'<div style="{SMALL};opacity:0.8">{escape(text)}</div>'
 
 
 def table(rows: Iterable[tuple[str, str]], title: str = "") -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,7 +12,7 @@ import viser
 from app.panel.validation import number, option, put
 from llsrbm import models
 from llsrbm.jump import Jump
-from llsrbm.robots import RobotFile, names
+from llsrbm.robots import RobotFile
 from llsrbm.robots.schema import Task
 
 
@@ -34,14 +35,33 @@ _AXES = (
 )
 
 
-class JumpControls:
-    """Robot, model and sliders, added to the folder that is open."""
+_MODEL_TITLES = {"srbm": "SRBM", "llsrbm": "LL-SRBM", "llsrbm-plus": "LL-SRBM+"}
 
-    def __init__(self, gui: viser.GuiApi, jump: Jump, robot_file: RobotFile) -> None:
-        """Show a request and the ranges of its robot."""
-        self._task = robot_file.task
-        self._robot = gui.add_dropdown("Robot", names(), initial_value=jump.robot)
-        self._model = gui.add_dropdown("Model", models.names(), initial_value=jump.model)
+
+class JumpControls:
+    """Robot, model and sliders, added to the container that is open."""
+
+    def __init__(self, gui: viser.GuiApi, jump: Jump, robots: Mapping[str, RobotFile]) -> None:
+        """Show a request and the ranges of its robot.
+
+        Args:
+            gui: of the tab.
+            jump: to begin with.
+            robots: name -> file of each robot to choose from.
+        """
+        self._robots = robots
+        self._task = robots[jump.robot].task
+        self._robot_titles = {file.title: name for name, file in robots.items()}
+        self._model_titles = {_MODEL_TITLES.get(name, name): name for name in models.names()}
+        self._robot = gui.add_dropdown(
+            "Robot", tuple(self._robot_titles), initial_value=robots[jump.robot].title
+        )
+        self._model = gui.add_dropdown(
+            "Model",
+            tuple(self._model_titles),
+            initial_value=_MODEL_TITLES.get(jump.model, jump.model),
+            hint="Of the robot's inertia, with which the jump is planned",
+        )
         self._sliders = {axis.field: self._add_slider(gui, axis, jump) for axis in _AXES}
 
     @property
@@ -56,8 +76,8 @@ class JumpControls:
             current: what counts where a control holds nothing usable.
         """
         complaints: list[str] = []
-        robot = option("Robot", self._robot.value, names(), current.robot, complaints)
-        model = option("Model", self._model.value, models.names(), current.model, complaints)
+        robot = _named("Robot", self._robot.value, self._robot_titles, current.robot, complaints)
+        model = _named("Model", self._model.value, self._model_titles, current.model, complaints)
         amounts: dict[str, float] = {}
         for axis in _AXES:
             value = self._sliders[axis.field].value
@@ -65,19 +85,16 @@ class JumpControls:
             amounts[axis.field] = shown / axis.scale
         return Jump(robot=robot, model=model, **amounts), complaints
 
-    def show_robot(self, robot_file: RobotFile) -> None:
-        """The ranges of another robot, and its own example."""
-        self._task = robot_file.task
-        for axis in _AXES:
-            handle = self._sliders[axis.field]
-            handle.min, handle.max = _range(axis, robot_file.task)
-            shown = _rounded(axis, getattr(robot_file.example, axis.field))
-            put(handle, min(max(shown, handle.min), handle.max))
-
     def show(self, jump: Jump) -> None:
-        """Put the controls where a corrected request has them."""
-        put(self._robot, jump.robot)
-        put(self._model, jump.model)
+        """Put the controls where a request has them, with the ranges of its robot."""
+        task = self._robots[jump.robot].task
+        if task is not self._task:
+            self._task = task
+            for axis in _AXES:
+                handle = self._sliders[axis.field]
+                handle.min, handle.max = _range(axis, task)
+        put(self._robot, self._robots[jump.robot].title)
+        put(self._model, _MODEL_TITLES.get(jump.model, jump.model))
         for axis in _AXES:
             put(self._sliders[axis.field], _rounded(axis, getattr(jump, axis.field)))
 
@@ -107,3 +124,16 @@ def _range(axis: _Axis, task: Task) -> tuple[float, float]:
 
 def _rounded(axis: _Axis, value: float) -> float:
     return round(round(axis.scale * value / axis.step) * axis.step, 6)
+
+
+def _named(
+    label: str, value: Any, titles: Mapping[str, str], otherwise: str, complaints: list[str]
+) -> str:
+    """The name that belongs to a title; scripts may choose by the name itself."""
+    by_name = {name: name for name in titles.values()}
+    known = {**by_name, **titles}
+    chosen = value if isinstance(value, str) and value in known else None
+    if chosen is None:
+        option(label, value, tuple(titles), otherwise, complaints)
+        return otherwise
+    return known[chosen]

@@ -1,75 +1,38 @@
-"""One tab's controls and what they tell. Labels are part of the contract."""
+"""One tab's controls and what they show. Labels are part of the contract.
+
+What is used all the time stands above: the status, the jump, its simulation and its export. The
+rest is in tabs below. The panel holds no facts: it is read (`app.session.controls`) and drawn
+(`app.session.rendering`) by the session's thread.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Coroutine, Mapping, Sequence
-from dataclasses import dataclass
-from enum import Enum, auto
+from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any
 
 import viser
 
 from app.panel import html, summaries
-from app.panel import timeline as timeline_html
+from app.panel.actions import Act, Action, callback
 from app.panel.compare_controls import CompareControls
 from app.panel.design_controls import DesignControls
-from app.panel.export_controls import ExportControls
+from app.panel.export_controls import ExportControls, ExportOptions
 from app.panel.jump_controls import JumpControls
 from app.panel.simulation_controls import SimulationControls
+from app.panel.status import Status, Word
 from app.panel.tuning_controls import TuningControls
-from app.panel.validation import number, option, put
 from app.panel.view_controls import ViewControls
-from app.plots.charts import Layer
-from app.plots.plots import Plots
-from app.session.player import SPEEDS
 from llsrbm.design import Design
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
-from llsrbm.motion.timeline import Timeline
 from llsrbm.robots import RobotFile
 
 _HELP = Path(__file__).parents[1] / "static" / "help.md"
-
-
-class Action(Enum):
-    """What a user did; which value it led to is read from the panel afterwards."""
-
-    REQUEST = auto()
-    TARGET = auto()
-    SIMULATE = auto()
-    CANCEL = auto()
-    NEAREST = auto()
-    PLAY = auto()
-    PAUSE = auto()
-    SCRUB = auto()
-    PACE = auto()
-    LAYERS = auto()
-    PIN = auto()
-    UNPIN = auto()
-    TAKE_UP = auto()
-    SAVE = auto()
-    EXPORT = auto()
-    STOP_EXPORT = auto()
-
-
-@dataclass(frozen=True)
-class Chosen:
-    """An example was chosen."""
-
-    design: Design
-
-
-@dataclass(frozen=True)
-class Uploaded:
-    """A file was opened, whatever it is."""
-
-    name: str
-    content: bytes
+_UNDO, _REDO, _SHARE = "Undo", "Redo", "Share"
 
 
 class Panel:
-    """The controls; to be used by one thread, except for the callbacks viser makes.
+    """The controls of one tab; for the session's thread.
 
     Attributes:
         jump: the controls of the request.
@@ -85,200 +48,122 @@ class Panel:
         self,
         client: viser.ClientHandle,
         design: Design,
-        robot_file: RobotFile,
+        robots: Mapping[str, RobotFile],
         examples: Mapping[str, Design],
-        act: Callable[[Action | Chosen | Uploaded], None],
+        shown: frozenset[str],
+        *,
+        act: Act,
+        choose_example: Callable[[Design], None],
+        open_file: Callable[[str, bytes], None],
     ) -> None:
         """Build the controls.
 
         Args:
             client: whose tab.
             design: to start from.
-            robot_file: of its robot.
+            robots: name -> file of each robot to choose from.
             examples: to choose from.
-            act: told what the user did; called from viser's thread, must return at once.
+            shown: names of the overlays that are drawn.
+            act: called with what the visitor did.
+            choose_example: called with the one that was chosen.
+            open_file: called with the name and content of a file.
+
+        The callbacks are called on viser's event loop, and must return at once.
         """
-        self._client = client
-        self._act = act
-        self._end = 0.0
-        self._scrubbed = 0.0
-        self._busy = self._exporting = False
         gui = client.gui
-        self._status = gui.add_html(html.status("Planning", ""))
-        self._nearest = gui.add_button("Take the nearest", visible=False)
-        self._cancel = gui.add_button("Cancel", disabled=True, hint="Stop what is going on")
-        with gui.add_folder("Jump"):
-            self.jump = JumpControls(gui, design.jump, robot_file)
-        with gui.add_folder("Whole body"):
-            self.simulation = SimulationControls(gui, robot_file)
-        self._transport = gui.add_button_group("Motion", ("Play", "Pause"))
-        with gui.add_folder("Design"):
-            self.designs = DesignControls(
-                client,
-                examples,
-                on_example=lambda design: act(Chosen(design)),
-                on_upload=lambda name, content: act(Uploaded(name, content)),
-                on_save=lambda: act(Action.SAVE),
-            )
-        with gui.add_folder("Compare"):
-            self.compare = CompareControls(gui)
-        with gui.add_folder("Plots"):
-            self._plots = Plots(client)
-        with gui.add_folder("Figures"):
+        file = robots[design.jump.robot]
+        self._status = gui.add_html(html.status(Status(Word.PLANNING, "")))
+        self._progress = gui.add_progress_bar(0.0, visible=False)
+        self._cancel = gui.add_button("Cancel", visible=False, hint="Stop what is being computed")
+        self._nearest = gui.add_button("Use nearest feasible", visible=False)
+        self._history = gui.add_button_group("Design", (_UNDO, _REDO, _SHARE))
+        self.jump = JumpControls(gui, design.jump, robots)
+        self._simulate = gui.add_button(
+            "Simulate", hint="Follow the plan with the whole robot in MuJoCo"
+        )
+        self.export = ExportControls(gui)
+        self.designs = DesignControls(client, examples, choose_example, open_file)
+        tabs = gui.add_tab_group()
+        with tabs.add_tab("View"):
+            self.view = ViewControls(gui, shown)
+        with tabs.add_tab("Figures"):
             self._rollout_figures = gui.add_html("", visible=False)
-            self._plan_figures = gui.add_html("")
-        with gui.add_folder("Show"):
-            self.view = ViewControls(gui)
-        with gui.add_folder("File"):
-            self.export = ExportControls(gui)
-        with gui.add_folder("Weights and limits", expand_by_default=False):
-            self.tuning = TuningControls(client, lambda: act(Action.REQUEST))
-        with gui.add_folder("Residuals", expand_by_default=False):
-            self._residuals = gui.add_html("")
-        with gui.add_folder("Playback", expand_by_default=False):
-            self._time = gui.add_slider("Time [s]", 0.0, 1.0, 0.01, 0.0)
-            self._timeline = gui.add_html("", visible=False)
-            self._speed = gui.add_dropdown("Speed", SPEEDS, initial_value=SPEEDS[-1])
-            self._loop = gui.add_checkbox("Loop", initial_value=True)
-        with gui.add_folder("Help", expand_by_default=False):
+            self._plan_figures = gui.add_html(html.note("Figures appear with the first plan."))
+            with gui.add_folder("Residuals", expand_by_default=False):
+                self._residuals = gui.add_html("")
+        with tabs.add_tab("Scenario"):
+            self.simulation = SimulationControls(gui, file)
+        with tabs.add_tab("Compare"):
+            self.compare = CompareControls(gui)
+        with tabs.add_tab("Limits"):
+            self.tuning = TuningControls(client, callback(act, Action.JUMP))
+        with tabs.add_tab("Files"):
+            self.designs.add_examples()
+            self.export_options = ExportOptions(gui, self.export)
+        with tabs.add_tab("Help"):
             gui.add_markdown(_HELP.read_text(encoding="utf-8"))
-        self._listen()
+        self._listen(act)
 
-    # ---- what the user asks for
+    # ---- drawn from the state
 
-    def read_time(self) -> float:
-        """Where the user put the time slider, s."""
-        return number("Time [s]", self._scrubbed, (0.0, self._end), [])
+    def show_status(self, status: Status) -> None:
+        """One line on how it goes, and how much of it is done."""
+        self._status.content = html.status(status)
+        self._progress.visible = status.share is not None
+        if status.share is not None:
+            self._progress.value = 100.0 * status.share
 
-    def read_pace(self) -> tuple[float, bool]:
-        """Speed (seconds of motion a second) and whether to loop."""
-        speed = option("Speed", self._speed.value, SPEEDS, SPEEDS[-1], [])
-        return float(speed.removesuffix("×")), bool(self._loop.value)
-
-    def show_pace(self, speed: float, loop: bool) -> None:
-        """What was chosen in the page's own bar."""
-        name = f"{speed:g}×"
-        if name in SPEEDS:
-            put(self._speed, name)
-        put(self._loop, loop)
-
-    # ---- what the user is told
-
-    def show_status(self, word: str, rest: str, *, busy: bool = False) -> None:
-        """The status line; `busy` while there is something to cancel."""
-        self._status.content = html.status(word, rest)
-        self._busy = busy
-        self._show_cancel()
-
-    def show_exporting(self, told: str | None) -> None:
-        """What is being saved beside all the rest; None: nothing."""
-        self._exporting = told is not None
-        self.export.show_busy(told)
-        self._show_cancel()
+    def show_busy(self, busy: bool) -> None:
+        """Offer to cancel, while there is something to cancel."""
+        self._cancel.visible = busy
 
     def offer_nearest(self, changes: str | None) -> None:
         """A jump that can be planned, in place of one that cannot; None: no offer any more."""
         if changes is not None:
-            self._nearest.label = f"Take {changes}"
+            self._nearest.label = f"Use nearest feasible: {changes}"
         self._nearest.visible = changes is not None
 
-    def show_robot(self, robot_file: RobotFile) -> None:
-        """The ranges of another robot, and its example."""
-        self.jump.show_robot(robot_file)
-        self.simulation.show_robot(robot_file)
-
-    def show_figures(self, plan: Plan, rollout: Rollout | None, layers: Sequence[Layer]) -> None:
-        """A motion's numbers and curves."""
-        self._plan_figures.content = summaries.plan_figures(plan)
-        self._residuals.content = summaries.residuals(plan.violations)
-        self.export.show_motion(simulated=rollout is not None)
+    def show_figures(self, plan: Plan | None, rollout: Rollout | None) -> None:
+        """A motion's numbers."""
+        if plan is None:
+            self._plan_figures.content = html.note("Figures appear with the first plan.")
+            self._residuals.content = ""
+        else:
+            self._plan_figures.content = summaries.plan_figures(plan)
+            self._residuals.content = summaries.residuals(plan.violations)
         self._rollout_figures.visible = rollout is not None
         if rollout is not None:
             self._rollout_figures.content = summaries.rollout_figures(rollout)
-        self._plots.draw(layers, self._end)
-        self.view.show_legend(simulated=rollout is not None)
-
-    def clear_plan(self) -> None:
-        """No plan's numbers."""
-        for handle in (self._timeline, self._plan_figures, self._residuals):
-            handle.content = ""
-        self._plots.clear()
-        self._rollout_figures.visible = False
-        self.export.clear()
-
-    def show_end(self, end: float) -> None:
-        """How long the motion is, s."""
-        self._end = end
-        self._time.max = round(max(end, 0.01), 2)
-
-    def show_time(self, time: float, *, playing: bool) -> None:
-        """Where the motion is, s.
-
-        Nothing moves while it plays: a browser loses what a user enters into a control that is
-        being set.
-        """
-        if not playing:
-            put(self._time, round(min(time, self._end), 2))
-
-    def show_timeline(self, events: Timeline, time: float) -> None:
-        """The timeline, where the page does not draw its own."""
-        self._timeline.visible = True
-        self._timeline.content = timeline_html.html(events, time)
-
-    def hide_timeline(self) -> None:
-        """The page draws its own."""
-        self._timeline.visible = False
-
-    def show_plots_time(self, time: float) -> None:
-        """Where the motion is, s, in the plots, where the page does not do it itself."""
-        self._plots.show_time(time)
-
-    def notify(self, title: str, body: str) -> None:
-        """A passing remark."""
-        self._client.add_notification(title, body, auto_close_seconds=6.0, color="orange")
 
     # ---- inside
 
-    def _show_cancel(self) -> None:
-        self._cancel.disabled = not (self._busy or self._exporting)
-
-    def _listen(self) -> None:
+    def _listen(self, act: Act) -> None:
         for handle in self.jump.handles:
-            handle.on_update(self._told(Action.REQUEST))
-
-        @self._time.on_update
-        async def _(event: viser.GuiEvent[Any]) -> None:
-            if event.client_id is not None:
-                # Kept apart, because the session sets the same slider.
-                self._scrubbed = event.target.value
-                self._act(Action.SCRUB)
-
-        for handle in (self._speed, self._loop):
-            handle.on_update(self._told(Action.PACE))
+            handle.on_update(callback(act, Action.JUMP))
+        for handle in self.simulation.handles:
+            handle.on_update(callback(act, Action.SCENARIO))
         for handle in self.view.handles:
-            handle.on_update(self._told(Action.LAYERS))
+            handle.on_update(callback(act, Action.VIEW))
+        self.compare.choice.on_update(callback(act, Action.PIN_CHOSEN))
         for button, action in (
-            (self.simulation.button, Action.SIMULATE),
+            (self._simulate, Action.SIMULATE),
+            (self.simulation.seeds, Action.SEEDS),
+            (self.simulation.worst, Action.WORST),
             (self._cancel, Action.CANCEL),
             (self._nearest, Action.NEAREST),
             (self.export.button, Action.EXPORT),
             (self.export.stop, Action.STOP_EXPORT),
+            (self.designs.save, Action.SAVE),
             (self.compare.pin, Action.PIN),
             (self.compare.unpin, Action.UNPIN),
             (self.compare.take_up, Action.TAKE_UP),
         ):
-            button.on_click(self._told(action))
+            button.on_click(callback(act, action))
+        pressed = {_UNDO: Action.UNDO, _REDO: Action.REDO, _SHARE: Action.SHARE}
 
-        @self._transport.on_click
-        async def _(event: viser.GuiEvent[Any]) -> None:
-            self._act(Action.PAUSE if event.target.value == "Pause" else Action.PLAY)
-
-    def _told(self, action: Action) -> Callable[[viser.GuiEvent[Any]], Coroutine[Any, Any, None]]:
-        # Asynchronous, so that it runs on the event loop as soon as the value is there; viser would
-        # hand a plain function to one of 32 threads.
-        async def callback(event: viser.GuiEvent[Any]) -> None:
-            # Without a client, it was this panel that set the value.
-            if event.client_id is not None:
-                self._act(action)
-
-        return callback
+        @self._history.on_click
+        async def _(event: viser.GuiEvent[viser.GuiButtonGroupHandle[str]]) -> None:
+            # A script may send any value.
+            action = pressed.get(str(event.target.value))
+            if event.client_id is not None and action is not None:
+                act(action)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import viser
 
@@ -16,7 +17,7 @@ _LARGEST_SEED = 9999
 
 
 class SimulationControls:
-    """Board, disturbance and the button, added to the folder that is open."""
+    """Board, disturbance and several seeds, added to the container that is open."""
 
     def __init__(self, gui: viser.GuiApi, robot_file: RobotFile) -> None:
         """No board, nothing disturbed; boards that fit under the robot."""
@@ -38,7 +39,24 @@ class SimulationControls:
         self._seed = gui.add_number(
             "Seed", 0, min=0, max=_LARGEST_SEED, step=1, hint="Which disturbance is drawn"
         )
-        self.button = gui.add_button("Simulate", hint="Follow the plan with the whole robot")
+        self.seeds = gui.add_button(
+            "Simulate 20 seeds", hint="The same plan under 20 disturbances: how many land"
+        )
+        self._results = gui.add_html("", visible=False)
+        self.worst = gui.add_button(
+            "Open the worst", visible=False, hint="Show the simulation that fell first or erred most"
+        )
+
+    @property
+    def handles(self) -> list[Any]:
+        """Whose updates change the scenario."""
+        return [self._board, self._half, self._disturb, self._seed]
+
+    def show_seeds(self, results: str, *, worst: bool) -> None:
+        """How several seeds went, as HTML; whether the worst of them can be opened."""
+        self._results.content = results
+        self._results.visible = bool(results)
+        self.worst.visible = worst
 
     def read(self, current: Scenario) -> tuple[Scenario, list[str]]:
         """The scenario as the controls stand, and what had to be corrected in them.
@@ -56,14 +74,9 @@ class SimulationControls:
         half = bool(self._half.value) and board > 0
         return replace(current, board=board, half_board=half, seed=seed, noise=noise), complaints
 
-    def show_robot(self, robot_file: RobotFile) -> None:
-        """Boards that fit under another robot."""
-        self._noise = None
+    def show(self, scenario: Scenario, robot_file: RobotFile) -> None:
+        """Put the controls where this scenario has them, with boards that fit under the robot."""
         self._thickest = self._board.max = _thickest(robot_file)
-        put(self._board, min(self._board.value, self._thickest))
-
-    def show(self, scenario: Scenario) -> None:
-        """Put the controls where this scenario has them."""
         self._noise = scenario.noise
         put(self._board, round(1000 * scenario.board))
         put(self._half, scenario.half_board)

@@ -39,12 +39,12 @@ class _Entry:
 class TuningControls:
     """A number for each weight and limit of a robot, added to the folder that is open."""
 
-    def __init__(self, client: viser.ClientHandle, changed: Callable[[], None]) -> None:
+    def __init__(self, client: viser.ClientHandle, changed: Callable[..., Any]) -> None:
         """Empty until there is a robot.
 
         Args:
             client: whose tab.
-            changed: called from viser's thread when a number was changed, must return at once.
+            changed: viser's callback for a number that was changed.
         """
         self._gui = client.gui
         self._changed = changed
@@ -59,7 +59,7 @@ class TuningControls:
             if event.client_id is not None:
                 for entry in self._entries:
                     put(entry.handle, entry.default)
-                self._changed()
+                await self._changed(event)
 
     def show_robot(self, robot: Robot) -> None:
         """The weights and limits of this robot, none changed."""
@@ -132,11 +132,7 @@ class TuningControls:
             hint=f"{'Weight' if kind == 'weights' else 'Limit'}; raised: {effect}",
         )
 
-        @handle.on_update
-        async def _(event: viser.GuiEvent[Any]) -> None:
-            if event.client_id is not None:
-                self._changed()
-
+        handle.on_update(self._changed)
         return _Entry(name, kind, default, *ends, handle)
 
     def _tell(self) -> None:

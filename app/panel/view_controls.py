@@ -7,47 +7,48 @@ from typing import Any
 import viser
 
 from app.panel import html
+from app.panel.validation import put
+from app.scene.overlays import OVERLAYS
 
 BRAND = (38, 92, 150)
 
 
 class ViewControls:
-    """Boxes to tick and the legend, added to the folder that is open."""
+    """A box to tick for each overlay, and the legend, in the container that is open."""
 
-    def __init__(self, gui: viser.GuiApi) -> None:
-        """Everything is drawn, on a light ground."""
+    def __init__(self, gui: viser.GuiApi, shown: frozenset[str]) -> None:
+        """Tick what is drawn, by day.
+
+        Args:
+            gui: of the tab.
+            shown: names of the overlays that are drawn.
+        """
         self._gui = gui
-        self._ellipsoids = gui.add_checkbox("Inertia ellipsoids", initial_value=True)
-        self._forces = gui.add_checkbox("Forces", initial_value=True)
-        self._trails = gui.add_checkbox("Trails", initial_value=True)
-        self._ghost = gui.add_checkbox(
-            "Ghost", initial_value=True, hint="The plan beside its simulation, and what is pinned"
-        )
-        self._target = gui.add_checkbox(
-            "Landing handle", initial_value=True, hint="Drag it in the picture to move the landing"
-        )
-        self._dark = gui.add_checkbox("Night", initial_value=False, hint="A dark page")
+        self._boxes = {
+            name: gui.add_checkbox(
+                overlay.title, initial_value=name in shown, hint=overlay.hint
+            )
+            for name, overlay in OVERLAYS.items()
+        }
+        self._night = gui.add_checkbox("Night", initial_value=False, hint="A dark page")
         self._legend = gui.add_html(html.legend(simulated=False))
-
-        @self._dark.on_update
-        async def _(_: Any) -> None:
-            configure_theme(gui, dark=bool(self._dark.value))
 
     @property
     def handles(self) -> list[Any]:
         """Whose updates change what is drawn."""
-        return [self._ellipsoids, self._forces, self._trails, self._ghost, self._target, self._dark]
+        return [*self._boxes.values(), self._night]
 
-    def read(self) -> dict[str, bool]:
-        """What to draw, as arguments of `Stage.show_layers`."""
-        return {
-            "ellipsoids": bool(self._ellipsoids.value),
-            "forces": bool(self._forces.value),
-            "trails": bool(self._trails.value),
-            "ghost": bool(self._ghost.value),
-            "target": bool(self._target.value),
-            "dark": bool(self._dark.value),
-        }
+    def read(self) -> tuple[frozenset[str], bool]:
+        """Names of the overlays that are ticked, and whether it is night."""
+        ticked = frozenset(name for name, box in self._boxes.items() if box.value is True)
+        return ticked, self._night.value is True
+
+    def show(self, shown: frozenset[str], *, night: bool) -> None:
+        """Tick what is drawn, and darken the page or not."""
+        for name, box in self._boxes.items():
+            put(box, name in shown)
+        put(self._night, night)
+        configure_theme(self._gui, dark=night)
 
     def show_legend(self, *, simulated: bool) -> None:
         """What the colours mean."""

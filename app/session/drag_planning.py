@@ -1,4 +1,4 @@
-"""Planning while a slider moves: what to ask for next, and when.
+"""Planning while a slider moves: what to plan next, and from which plan to start.
 
 While a request changes, plans are sought quickly, each from the one before. When it has rested, it
 is planned once more from scratch: what is shown in the end does not depend on the way there, and is
@@ -8,8 +8,7 @@ what the command line finds for the same request.
 from __future__ import annotations
 
 import math
-import time
-from collections.abc import Callable
+from dataclasses import dataclass, replace
 
 from app.compute.protocol import PlanJump
 from llsrbm.jump import Jump
@@ -20,67 +19,62 @@ REST = 0.5
 """s without a change after which a request counts as made; twice what a hand takes between steps of
 a slider."""
 
-
 _NEAR_TWIST = math.radians(30)  # rad; a plan farther away is a worse start than none
 _NEAR_MOVE = 0.15  # m, likewise
 
 
+@dataclass(frozen=True)
 class DragPlanning:
-    """One tab's request on its way; for one thread."""
+    """One tab's request on its way.
 
-    def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
-        """Nothing is asked for."""
-        self._clock = clock
-        self._asked: tuple[Jump, Tuning] | None = None
-        self._rests_at: float | None = None
+    Attributes:
+        requested: what was planned last, or is being planned; None: nothing that counts.
+        rests: whether it has its quick answer, and rests until it is planned from scratch.
+        rest: number of rests so far, so that one that was broken off is not taken for a later one.
+    """
 
-    @property
-    def settled(self) -> bool:
-        """Whether nothing is going to be asked for by itself."""
-        return self._rests_at is None
+    requested: tuple[Jump, Tuning] | None = None
+    rests: bool = False
+    rest: int = 0
 
-    def ask(self, jump: Jump, tuning: Tuning, shown: Plan | None) -> PlanJump | None:
-        """What to plan for a request, or None if it has been asked for.
+    def request(
+        self, jump: Jump, tuning: Tuning, shown: Plan | None
+    ) -> tuple[DragPlanning, PlanJump | None]:
+        """The request on its way, and what to plan for it: None if that is under way.
 
         Args:
             jump: what is wanted.
             tuning: under which weights and limits.
             shown: the plan that is shown, to start from if it is a near one.
         """
-        if (jump, tuning) == self._asked:
-            return None
-        self._asked = (jump, tuning)
-        self._rests_at = None
+        if (jump, tuning) == self.requested:
+            return self, None
+        moved = replace(self, requested=(jump, tuning), rests=False)
         alike = shown is not None and (shown.jump.robot, shown.jump.model) == (
             jump.robot,
             jump.model,
         )
         if shown is None or not alike or not shown.solved:
-            return PlanJump(jump, tuning)
+            return moved, PlanJump(jump, tuning)
         # A plan from an old file has no solution.
         near = shown if shown.solution is not None and _near(shown.jump, jump) else None
-        return PlanJump(jump, tuning, near=near, patient=False)
+        return moved, PlanJump(jump, tuning, near=near, patient=False)
 
-    def answered(self, task: PlanJump) -> None:
-        """The newest request has its answer; a quick one will be looked at again."""
-        if not task.patient:
-            self._rests_at = self._clock() + REST
+    def answered(self, task: PlanJump) -> DragPlanning:
+        """The newest request has its answer; a quick one will be planned again."""
+        if task.patient:
+            return self
+        return replace(self, rests=True, rest=self.rest + 1)
 
-    def forget(self) -> None:
-        """Nothing was asked for: the same request counts as a new one."""
-        self._asked = self._rests_at = None
+    def forget(self) -> DragPlanning:
+        """Nothing was requested: the same request counts as a new one."""
+        return replace(self, requested=None, rests=False)
 
-    @property
-    def wait(self) -> float | None:
-        """Seconds until `due` has something, or None."""
-        return None if self._rests_at is None else max(0.0, self._rests_at - self._clock())
-
-    def due(self) -> PlanJump | None:
-        """What to plan now that the request has rested, or None."""
-        if self._asked is None or self._rests_at is None or self._clock() < self._rests_at:
-            return None
-        self._rests_at = None
-        return PlanJump(*self._asked)
+    def rested(self, number: int) -> tuple[DragPlanning, PlanJump | None]:
+        """What to plan now that the rest with this number is over; None: it was broken off."""
+        if not self.rests or number != self.rest or self.requested is None:
+            return self, None
+        return replace(self, rests=False), PlanJump(*self.requested)
 
 
 def _near(one: Jump, other: Jump) -> bool:

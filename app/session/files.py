@@ -1,14 +1,10 @@
-"""What one tab opens and saves: files go to the pool's processes and come back, beside all else."""
+"""Files that a tab opens and saves, beside all that it plans and simulates."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
-import viser
-
-from app.compute.opened_file import OpenedFile
-from app.compute.pool import WorkerPool
+from app.compute.opened_file import OpenedFile, States
 from app.compute.protocol import (
     Cancelled,
     Exported,
@@ -19,155 +15,160 @@ from app.compute.protocol import (
     Progress,
     Report,
 )
+from app.motion.foreign_motion import bake_foreign
 from app.panel.export_controls import PLAN
-from app.panel.panel import Panel, Uploaded
+from app.session.comparison import Pin, free_colour
+from app.session.effects import Download, Notify, ResetControls, Submit
+from app.session.events import ExportWanted, FileChosen, Reported
+from app.session.lanes import Lane
+from app.session.requests import plan_design, remember
+from app.session.known_motion import show_known
+from app.session.state import Known, TabState
+from app.session.steps import Step, also, joined, with_files
 from llsrbm.design import Design, dump_design, file_name
 from llsrbm.formats import FORMATS
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
+from llsrbm.motion.whole_body import WholeBodyMotion
+
+# ---- opening
 
 
-@dataclass(frozen=True)
-class FileReport:
-    """What the pool reports of a file.
+def open_file(state: TabState, event: FileChosen) -> Step:
+    """Have a file read."""
+    fps = None
+    if event.name.lower().endswith(".csv"):  # the others say their own
+        fps = event.rate
+        state = replace(state, csv_rate=True)
+    ticket = state.tickets + 1
+    task = OpenFile(event.name, event.content, state.design.jump.robot, fps)
+    state = with_files(replace(state, tickets=ticket), opening=ticket, opening_note="")
+    return state, (Submit(Lane.OPEN, ticket, task),)
 
-    Attributes:
-        report: the pool's.
+
+def take_opening(state: TabState, event: Reported) -> Step:
+    """What the reading of a file reports."""
+    if event.ticket != state.files.opening:
+        return state, ()
+    report: Report = event.report
+    if isinstance(report, Progress):
+        # That it is being opened goes without saying: it takes a tenth of a second.
+        if report.text.startswith("opening"):
+            return state, ()
+        return with_files(state, opening_note=report.text), ()
+    state = with_files(state, opening=0, opening_note="")
+    if isinstance(report, Opened):
+        return show_file(state, report.file)
+    if isinstance(report, Failed):
+        line = f"Not opened: {report.message}"
+        return replace(state, note=line), (Notify("Not opened", report.message),)
+    return state, ()
+
+
+def show_file(state: TabState, file: OpenedFile) -> Step:
+    """What a file holds: a design is planned, a plan or a simulation of one shown as it is.
+
+    Any other motion becomes a pin: it is for looking and comparing.
     """
-
-    report: Report
-
-
-class Files:
-    """One tab's; for one thread. What cannot be done is said on its panel.
-
-    The pool takes opening and saving for tabs of their own, so that they neither wait for the tab's
-    plans nor take their place.
-    """
-
-    def __init__(
-        self,
-        client: viser.ClientHandle,
-        panel: Panel,
-        pool: WorkerPool,
-        listener: Callable[[FileReport], None],
-    ) -> None:
-        """Nothing happens yet.
-
-        Args:
-            client: the tab.
-            panel: says what is to be saved, and what went wrong.
-            pool: reads and writes.
-            listener: called from the pool's thread with what `hear` shall hear.
-        """
-        self._client = client
-        self._panel = panel
-        self._pool = pool
-        self._listener = listener
-        self._opening, self._saving = _lanes(client.client_id)
-        self._opened_job = self._saved_job = 0  # the newest; 0 when nothing is awaited
-        self._saved = ""  # what is being saved
-        self._note: viser.NotificationHandle | None = None
-
-    def open(self, file: Uploaded, robot: str) -> None:
-        """Have a file read; `hear` returns what it holds.
-
-        Args:
-            file: as it came.
-            robot: whose motion it is, where the file does not say.
-        """
-        fps = None
-        if file.name.lower().endswith(".csv"):  # the others say their own
-            fps = self._panel.designs.read_rate()
-            self._panel.designs.show_rate()
-        task = OpenFile(file.name, file.content, robot, fps)
-        self._opened_job = self._submit(self._opening, task)
-
-    def save(self, design: Design) -> None:
-        """Send a design, with the scenario that the panel has."""
-        scenario, _ = self._panel.simulation.read(design.scenario)
-        content = dump_design(replace(design, scenario=scenario)).encode()
-        self._client.send_file_download(file_name(design), content, save_immediately=True)
-
-    def export(self, plan: Plan | None, rollout: Rollout | None) -> None:
-        """Have what is chosen of the motion that is shown written, and send it."""
-        choice, complaints = self._panel.export.read()
-        if complaints:
-            self._panel.notify("Corrected", "; ".join(complaints))
-        shown = plan if rollout is None or choice.of == PLAN else rollout
-        if shown is None:
-            self._panel.notify("Nothing to export", "There is no plan yet.")
-            return
-        for name in choice.formats:
-            extra = FORMATS[name].extra
-            if extra is not None and extra.missing:
-                self._panel.notify(
-                    "Not exported",
-                    f'format "{name}" needs packages that are not installed; expected pip install '
-                    f'"llsrbm[{extra.name}]"',
-                )
-                return
-        self._saved = ", ".join(choice.formats)
-        task = ExportMotion(shown, choice.formats, choice.zipped, choice.options)
-        self._saved_job = self._submit(self._saving, task)
-        self._panel.show_exporting(f"Exporting {self._saved} ...")
-
-    def cancel(self) -> None:
-        """Give up what is being saved."""
-        self._pool.cancel(self._saving)
-
-    def hear(self, report: Report) -> OpenedFile | None:
-        """Take what the pool reports; a file that was opened and is still wanted, or None."""
-        if report.job == self._opened_job:
-            return self._hear_of_opening(report)
-        if report.job == self._saved_job:
-            self._hear_of_saving(report)
-        return None
-
-    def _hear_of_opening(self, report: Report) -> OpenedFile | None:
-        if isinstance(report, Progress):
-            # That it is being opened goes without saying: it takes a tenth of a second.
-            if self._note is None and not report.text.startswith("opening"):
-                self._note = self._client.add_notification(
-                    "Opening", report.text, loading=True, with_close_button=False
-                )
-            return None
-        self._opened_job = 0
-        if self._note is not None:
-            self._note.remove()
-            self._note = None
-        if isinstance(report, Opened):
-            return report.file
-        if isinstance(report, Failed):
-            self._panel.notify("Not opened", report.message)
-            self._panel.designs.tell(f"Not opened: {report.message}")
-        return None
-
-    def _hear_of_saving(self, report: Report) -> None:
-        if isinstance(report, Progress):
-            waits = f" ({report.text})" if report.text.startswith("waiting") else ""
-            self._panel.show_exporting(f"Exporting {self._saved}{waits} ...")
-            return
-        self._saved_job = 0
-        self._panel.show_exporting(None)
-        match report:
-            case Exported(name=name, content=content):
-                self._client.send_file_download(name, content, save_immediately=True)
-            case Failed(message=message):
-                self._panel.notify("Not exported", message)
-            case Cancelled():
-                self._panel.notify("Not exported", f"Stopped: {self._saved}")
-
-    def _submit(self, lane: tuple[int, str], task: OpenFile | ExportMotion) -> int:
-        return self._pool.submit(lane, task, lambda report: self._listener(FileReport(report)))
+    match file.holds:
+        case Design() as design:
+            state = replace(state, note=design.note)
+            return plan_design(remember(state, design, settled=True))
+        case Plan() as plan:
+            design = Design(plan.jump, plan.tuning, state.design.scenario)
+            return _show_motion(state, file, design, plan)
+        case Rollout(plan=Plan() as plan) as rollout:
+            design = Design(plan.jump, plan.tuning, rollout.scenario)
+            return _show_motion(state, file, design, plan, rollout)
+        case Rollout() as rollout:
+            return _pin(state, file, rollout, Design(rollout.jump, scenario=rollout.scenario))
+        case States() as states:
+            return _pin(state, file, states.motion(), None)
 
 
-def forget_files(pool: WorkerPool, tab: int) -> None:
-    """Give up what a tab opens and saves: it has gone. From any thread."""
-    for lane in _lanes(tab):
-        pool.forget(lane)
+def _show_motion(
+    state: TabState, file: OpenedFile, design: Design, plan: Plan, rollout: Rollout | None = None
+) -> Step:
+    note = " ".join((f"Opened {file.name}.", *file.remarks))
+    known = Known(plan, rollout, f"from file {file.name}", note)
+    return show_known(remember(state, design, settled=True), known)
 
 
-def _lanes(tab: int) -> tuple[tuple[int, str], tuple[int, str]]:
-    """The pool's names for a tab that opens, and for one that saves."""
-    return (tab, "opens"), (tab, "saves")
+def _pin(
+    state: TabState, file: OpenedFile, motion: Rollout | WholeBodyMotion, design: Design | None
+) -> Step:
+    """Keep a motion beside the one that is shown."""
+    colour = free_colour(state.pins)
+    if colour is None:
+        body = f"{file.name}: unpin something first; all colours are taken"
+        return state, (Notify("Not opened", body),)
+    pin = Pin(bake_foreign(file.name, motion), None, design, colour)
+    rate = getattr(motion, "fps", None)
+    at = "" if rate is None else f", at {rate:g} frames/s"
+    note = f"{file.name} is pinned for looking and comparing{at}."
+    state = replace(
+        state,
+        pins=(*state.pins, pin),
+        pin_chosen=len(state.pins),
+        note=" ".join((note, *file.remarks)),
+    )
+    return plan_design(state) if state.plan is None else (state, ())
+
+
+# ---- saving
+
+
+def save_design(state: TabState) -> Step:
+    """Send the design as a file."""
+    design = state.design
+    return state, (Download(file_name(design), dump_design(design).encode()),)
+
+
+def export(state: TabState, event: ExportWanted) -> Step:
+    """Have what is chosen of the motion that is shown written."""
+    choice = event.choice
+    before = (
+        (Notify("Corrected", "; ".join(event.complaints)), ResetControls())
+        if event.complaints
+        else ()
+    )
+    rollout = state.rollout
+    motion = state.plan if rollout is None or choice.of == PLAN else rollout
+    if motion is None:
+        return joined(before, (state, (Notify("Nothing to export", "There is no plan yet."),)))
+    for name in choice.formats:
+        extra = FORMATS[name].extra
+        if extra is not None and extra.missing:
+            body = (
+                f'format "{name}" needs packages that are not installed; expected pip install '
+                f'"llsrbm[{extra.name}]"'
+            )
+            return joined(before, (state, (Notify("Not exported", body),)))
+    saved, ticket = ", ".join(choice.formats), state.tickets + 1
+    task = ExportMotion(motion, choice.formats, choice.zipped, choice.options)
+    state = with_files(
+        replace(state, tickets=ticket),
+        saving=ticket,
+        saved=saved,
+        saving_note=f"Exporting {saved} ...",
+    )
+    return also((state, before), Submit(Lane.SAVE, ticket, task))
+
+
+def take_saving(state: TabState, event: Reported) -> Step:
+    """What the writing of a file reports."""
+    files, report = state.files, event.report
+    if event.ticket != files.saving:
+        return state, ()
+    if isinstance(report, Progress):
+        waits = f" ({report.text})" if report.text.startswith("waiting") else ""
+        return with_files(state, saving_note=f"Exporting {files.saved}{waits} ..."), ()
+    state = with_files(state, saving=0, saved="", saving_note="")
+    match report:
+        case Exported(name=name, content=content):
+            return state, (Download(name, content),)
+        case Failed(message=message):
+            return state, (Notify("Not exported", message),)
+        case Cancelled():
+            return state, (Notify("Not exported", f"Stopped: {files.saved}"),)
+    return state, ()

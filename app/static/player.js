@@ -4,7 +4,7 @@
   const HOLD = 0.7; // s of rest at the end before a loop starts anew
   const LARGEST_STEP = 0.1; // s; a tab that was hidden goes on where it was
   const SETTLE = 1.5; // s; nodes may come after their clip
-  const TELL_EVERY = 100; // ms between messages to the server while scrubbing
+  const REPORT_EVERY = 100; // ms between messages to the server while scrubbing
   const SLOW = 1 / 33, FAST = 1 / 58; // s a frame, beyond which the resolution changes
   const FINEST = 1, COARSEST = 0.45; // pixels a CSS pixel without a graphics processor
   const WINDOW = 12; // frames between decisions about the resolution
@@ -17,9 +17,8 @@
   const listeners = new Set();
   let clip = null, time = 0, playing = false, speed = 1, loop = true, held = 0;
   let last = null, settleUntil = 0, requested = false;
-  let bridge = null, count = 0, told = -Infinity, tellLater = null;
+  let reportedAt = -Infinity, reportLater = null;
   let resolution = FINEST, frames = 0, spent = 0, drawn = 0;
-  let picking = false;
   let hurry = false, sparedAt = -Infinity;
   let loadedAt = -Infinity, applied = null, seen = null;
 
@@ -104,7 +103,7 @@
         if (held >= HOLD) time = held = 0;
       } else {
         playing = false;
-        tell();
+        report();
       }
       if (!hurry) adapt(step);
     }
@@ -178,42 +177,33 @@
     held = 0;
     playing = true;
     draw(resolution);
-    tell();
+    report();
     request();
   }
 
   function pause() {
     if (!playing) return;
     playing = false;
-    tell();
+    report();
     settle();
   }
 
   function seek(instant) {
     time = Math.min(Math.max(instant, 0), clip ? clip.end : 0);
     held = 0;
-    tell();
+    report();
     settle();
   }
 
   // ---- the server
 
-  function send(event) {
-    if (!bridge) return;
-    // A number makes every message a change, which is what viser passes on.
-    const value = JSON.stringify({ ...event, count: (count += 1) });
-    window.__viserMutable?.sendMessage({
-      type: "GuiUpdateMessage", uuid: bridge, updates: { value },
-    });
-  }
-
-  function tell() {
-    clearTimeout(tellLater);
-    const wait = told + TELL_EVERY - performance.now();
-    if (wait > 0) tellLater = setTimeout(tell, wait);
+  function report() {
+    clearTimeout(reportLater);
+    const wait = reportedAt + REPORT_EVERY - performance.now();
+    if (wait > 0) reportLater = setTimeout(report, wait);
     else {
-      told = performance.now();
-      send({ kind: "state", time, playing });
+      reportedAt = performance.now();
+      llsrbm.page.send({ kind: "state", time, playing });
     }
   }
 
@@ -222,23 +212,24 @@
     window.llsrbmPlots?.show(time);
   }
 
+  llsrbm.require(() => {
+    const viewer = window.__viserMutable, points = window.__viserTestpoints;
+    return [
+      ["__viserMutable.nodePoseData", viewer?.nodePoseData],
+      ["__viserMutable.nodeRefFromName", viewer?.nodeRefFromName],
+      ["__viserMutable.requestRender", viewer?.requestRender],
+      ["__viserTestpoints.rendererInfo", points?.rendererInfo],
+      ["__viserTestpoints.devSettings", points?.devSettings],
+    ].filter(([, value]) => !value).map(([name]) => name);
+  });
+
+  document.addEventListener("DOMContentLoaded", () => window.llsrbmPlots?.onPick((instant) => {
+    pause();
+    seek(instant);
+  }));
+
   llsrbm.player = {
-    connect(uuid) {
-      bridge = uuid;
-      clip = null;
-      time = 0;
-      playing = false;
-      resolution = FINEST;
-      if (!picking && window.llsrbmPlots) {
-        picking = true;
-        window.llsrbmPlots.onPick((instant) => {
-          pause();
-          seek(instant);
-        });
-      }
-      send({ kind: "ready", software: llsrbm.software });
-    },
-    load(header, blob) {
+    load(header, blob, number) {
       clip = decode(header, blob);
       time = Math.min(time, clip.end);
       const now = performance.now();
@@ -250,12 +241,13 @@
       notice(now);
       apply();
       settle();
+      llsrbm.page.send({ kind: "clip", number });
     },
     clear() {
       clip = null;
       changed();
     },
-    play, pause, seek, send,
+    play, pause, seek,
     toggle: () => (playing ? pause() : play()),
     // One step is a sixtieth of a second: the distance between a clip's instants.
     step(frames) {

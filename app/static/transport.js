@@ -1,13 +1,15 @@
 // The bar under the picture: phases, marks, time; drag to scrub. Keys: space, arrows, Home, End.
 (() => {
-  const { player } = window.llsrbm;
+  const { page, player } = window.llsrbm;
   const SPEEDS = [0.1, 0.25, 0.5, 1];
   const WRITTEN_EVERY = 100; // ms; numbers that change faster cannot be read
+  const LABEL_LINES = 2, LABEL_HEIGHT = 13, BETWEEN = 4; // lines above the strips; pixels
   const FAR = 6; // frames that an arrow key moves with Shift
+  const EMPTY = "no motion yet";
   const TYPED_INTO = "input, textarea, select, [contenteditable], [role=slider], [role=textbox]";
 
   const STYLE = `
-    #llsrbm-transport { position: fixed; z-index: 5; display: none; box-sizing: border-box;
+    #llsrbm-transport { position: fixed; z-index: 5; box-sizing: border-box;
       padding: 6px 10px 8px; font: 12px system-ui, sans-serif; user-select: none;
       color: var(--mantine-color-text); background: var(--mantine-color-body);
       border-top: 1px solid var(--mantine-color-default-border); touch-action: none; }
@@ -19,7 +21,7 @@
     #llsrbm-transport .time { font-variant-numeric: tabular-nums; min-width: 8.5em; }
     #llsrbm-transport .events { opacity: 0.75; flex: 1; min-width: 12em; white-space: nowrap;
       overflow: hidden; text-overflow: ellipsis; }
-    #llsrbm-transport .track { position: relative; margin-top: 6px; padding-top: 13px;
+    #llsrbm-transport .track { position: relative; margin-top: 4px; padding-top: 27px;
       cursor: ew-resize; }
     #llsrbm-transport .row { position: relative; height: 10px; margin-bottom: 2px;
       border-radius: 3px; overflow: hidden; background: var(--mantine-color-default); }
@@ -29,7 +31,7 @@
     #llsrbm-transport .mark span { position: absolute; top: 0; left: 4px; font-size: 10px;
       line-height: 12px; white-space: nowrap; }
     #llsrbm-transport .mark.left span { left: auto; right: 4px; }
-    #llsrbm-transport .cursor { position: absolute; top: 10px; bottom: -3px; left: 0; width: 100%;
+    #llsrbm-transport .cursor { position: absolute; top: 24px; bottom: -3px; left: 0; width: 100%;
       pointer-events: none; will-change: transform; }
     #llsrbm-transport .cursor::before { content: ""; position: absolute; left: -1.5px; top: 0;
       bottom: 0; width: 3px; background: var(--mantine-color-text); border-radius: 2px; }`;
@@ -44,23 +46,25 @@
     return made;
   }
 
-  const button = (label, sign, onclick) =>
-    element("button", { type: "button", "aria-label": label, title: label, onclick }, sign);
+  const button = (label, key, sign, onclick) => element("button",
+    { type: "button", "aria-label": label, title: key ? `${label} (${key})` : label, onclick }, sign);
 
-  const toggle = button("Toggle motion (space)", "", () => player.toggle());
-  const back = button("One frame back (left arrow)", "◂|", () => player.step(-1));
-  const forth = button("One frame on (right arrow)", "|▸", () => player.step(1));
-  const repeat = button("Repeat", "⟲", () => choose({ loop: !player.loop }));
-  const pace = element("select", { "aria-label": "Pace", title: "Seconds of motion a second" },
+  const play = button("Play", "space", "▶", () => player.play());
+  const pause = button("Pause", "space", "❚❚", () => player.pause());
+  const back = button("One frame back", "left arrow", "◂|", () => player.step(-1));
+  const forth = button("One frame on", "right arrow", "|▸", () => player.step(1));
+  const repeat = button("Loop", "", "⟲", () => choose({ loop: !player.loop }));
+  const rate = element("select", { "aria-label": "Speed", title: "Seconds of motion a second" },
     ...SPEEDS.map((speed) => element("option", { value: speed }, `${speed}×`)));
-  pace.addEventListener("change", () => choose({ speed: Number(pace.value) }));
-  const clock = element("span", { class: "time" });
+  rate.addEventListener("change", () => choose({ speed: Number(rate.value) }));
+  const clock = element("span", { class: "time" }, EMPTY);
   const events = element("span", { class: "events" });
   const rows = element("div");
   const cursor = element("div", { class: "cursor" });
   const track = element("div", { class: "track", role: "group", "aria-label": "Timeline" });
   const bar = element("div", { id: "llsrbm-transport" },
-    element("div", { class: "line" }, back, toggle, forth, clock, pace, repeat, events), track);
+    element("div", { class: "line" },
+      back, play, pause, forth, clock, rate, repeat, events), track);
 
   let written = -Infinity;
   let shown = null; // llsrbm/motion/timeline.py, `Timeline`
@@ -68,7 +72,7 @@
   function choose({ loop = player.loop, speed = player.speed }) {
     player.setLoop(loop);
     player.setSpeed(speed);
-    player.send({ kind: "pace", loop, speed });
+    page.send({ kind: "playback", loop, speed });
   }
 
   function show(timeline) {
@@ -94,21 +98,23 @@
     });
     track.replaceChildren(rows, ...marks, cursor);
     events.textContent = events.title = timeline.told;
-    bar.style.display = "block";
-    hideCrowded(marks);
+    placeLabels(marks);
     refresh();
   }
 
-  // Of labels that would lie over each other, the earlier stays; each has its title.
-  function hideCrowded(marks) {
-    const taken = [];
+  // Each label in the first line where it lies over no other one; where there is none, the mark's
+  // title has to do.
+  function placeLabels(marks) {
+    const lines = Array.from({ length: LABEL_LINES }, () => []);
     for (const mark of marks) {
       const label = mark.firstChild;
-      label.style.visibility = "visible";
-      const box = label.getBoundingClientRect();
-      const crowded = taken.some((other) => box.left < other.right + 4 && other.left < box.right + 4);
-      if (crowded) label.style.visibility = "hidden";
-      else taken.push(box);
+      const { left, right } = label.getBoundingClientRect();
+      const free = lines.findIndex((line) =>
+        line.every((other) => left > other.right + BETWEEN || other.left > right + BETWEEN));
+      label.style.visibility = free < 0 ? "hidden" : "visible";
+      if (free < 0) continue;
+      lines[free].push({ left, right });
+      label.style.top = `${LABEL_HEIGHT * free}px`;
     }
   }
 
@@ -120,10 +126,11 @@
     const now = performance.now();
     if (player.playing && now - written < WRITTEN_EVERY) return;
     written = now;
-    write(toggle, player.playing ? "❚❚" : "▶");
+    play.setAttribute("aria-pressed", player.playing);
+    pause.setAttribute("aria-pressed", !player.playing);
     if (repeat.getAttribute("aria-pressed") !== String(player.loop))
       repeat.setAttribute("aria-pressed", player.loop);
-    if (pace.value !== String(player.speed)) pace.value = String(player.speed);
+    if (rate.value !== String(player.speed)) rate.value = String(player.speed);
     const phase = shown.rows.at(-1)?.pieces
       .find(({ start, end, low }) => !low && player.time >= start && player.time < end);
     write(clock, `${player.time.toFixed(2)} / ${shown.end.toFixed(2)} s ${phase ? phase.name : ""}`);
@@ -149,7 +156,7 @@
   // Under the picture, however the panel is docked.
   function follow() {
     const canvas = window.__viserMutable?.canvas;
-    if (!canvas || !shown) return;
+    if (!canvas) return;
     const box = canvas.getBoundingClientRect();
     Object.assign(bar.style, {
       left: `${box.left}px`, width: `${box.width}px`,
@@ -182,7 +189,7 @@
     const typing = event.target instanceof Element && event.target.closest(TYPED_INTO);
     if (event.key === " " && player.clip && !typing) event.preventDefault();
   }, { capture: true });
-  window.addEventListener("resize", () => shown && hideCrowded([...track.querySelectorAll(".mark")]));
+  window.addEventListener("resize", () => shown && placeLabels([...track.querySelectorAll(".mark")]));
   document.addEventListener("DOMContentLoaded", () => {
     document.head.append(element("style", {}, STYLE));
     document.body.append(bar);
@@ -195,9 +202,12 @@
       show(timeline);
       follow();
     },
-    hide() {
+    clear() {
       shown = null;
-      bar.style.display = "none";
+      rows.replaceChildren();
+      track.replaceChildren(rows);
+      events.textContent = "";
+      write(clock, EMPTY);
     },
   };
 })();

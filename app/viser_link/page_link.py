@@ -1,13 +1,14 @@
-"""What the server and the scripts in the page (app/static) say to each other.
+"""The link between a tab's session and the scripts in its page (app/static).
 
-The server calls functions of `window.llsrbm`; the page answers through a text field that nobody
-sees. What it says is a visitor's word and checked here.
+The session calls functions of `window.llsrbm`; the page answers through a text field that nobody
+sees. What it answers is a visitor's word, and checked here.
 """
 
 from __future__ import annotations
 
 import json
 import math
+import re
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from typing import Any
@@ -19,7 +20,9 @@ from app.motion.clip import Clip
 from app.viser_link.designer_server import run_javascript, uuid_of
 from llsrbm.motion.timeline import Timeline
 
-_LONGEST = 1000  # characters of a message; the longest that the page sends has 80
+_LONGEST = 150_000  # characters of a message: a design that is kept and one that is shared
+_MOST_MISSING, _LONGEST_NAME = 20, 100
+_TOKEN = re.compile(r"[0-9a-f]{32}")
 
 
 @dataclass(frozen=True)
@@ -28,9 +31,20 @@ class PageReady:
 
     Attributes:
         software: the browser has no graphics processor.
+        missing: fields of viser's that they need and do not find.
+        tab: by which the page is known again when it comes back.
+        shared: the design in the address, as text; kept: the one that the browser kept.
+        time: s, where the page's motion is; playing: whether it moves. Of a page that has lost its
+            server, and comes to another one.
     """
 
     software: bool
+    missing: tuple[str, ...] = ()
+    tab: str | None = None
+    shared: str | None = None
+    kept: str | None = None
+    time: float = 0.0
+    playing: bool = False
 
 
 @dataclass(frozen=True)
@@ -47,7 +61,7 @@ class PlayerMoved:
 
 
 @dataclass(frozen=True)
-class PaceChosen:
+class PlaybackChosen:
     """Speed and repetition were chosen in the page.
 
     Attributes:
@@ -59,60 +73,90 @@ class PaceChosen:
     loop: bool
 
 
-PageEvent = PageReady | PlayerMoved | PaceChosen
+@dataclass(frozen=True)
+class ClipTaken:
+    """The page has a clip, and can be sent the next one.
+
+    Attributes:
+        number: of the clip.
+    """
+
+    number: int
+
+
+PageEvent = PageReady | PlayerMoved | PlaybackChosen | ClipTaken
 
 
 class PageLink:
-    """One tab's."""
+    """One tab's; for the session's thread, except for the callback that viser makes.
 
-    def __init__(self, client: viser.ClientHandle, hear: Callable[[PageEvent], None]) -> None:
+    A page that is slow to take a clip gets the newest one next, not all of them.
+    """
+
+    def __init__(
+        self, client: viser.ClientHandle, callback: Callable[[PageEvent], None]
+    ) -> None:
         """Ask the page whether its scripts run; it answers with `PageReady`.
 
         Args:
             client: the tab.
-            hear: called from viser's thread, must return at once.
+            callback: called on viser's event loop, must return at once.
         """
         self._client = client
         self._field = client.gui.add_text("", "", visible=False)
+        self._number = 0  # of the clip that was sent last
+        self._taken = 0  # of the clip that the page took last
+        self._waiting: tuple[Clip, Timeline] | None = None
 
         @self._field.on_update
         async def _(event: viser.GuiEvent[Any]) -> None:
-            told = read_event(event.target.value) if event.client_id is not None else None
-            if told is not None:
-                hear(told)
+            found = read_event(event.target.value) if event.client_id is not None else None
+            if found is not None:
+                callback(found)
 
-        self._call("player.connect", json.dumps(uuid_of(self._field)))
+        self._call("page.connect", json.dumps(uuid_of(self._field)))
 
     def load(self, clip: Clip, events: Timeline) -> None:
-        """Play another clip from now on, and show what happens in it."""
-        header, blob = clip.encoded
-        self._call("player.load", header, json.dumps(blob))
-        self._call("transport.show", json.dumps(_plain(events)))
+        """Play another clip from now on, and show what happens in it; time goes on."""
+        if self._number > self._taken:
+            self._waiting = clip, events
+        else:
+            self._send(clip, events)
+
+    def take(self, event: ClipTaken) -> None:
+        """The page has a clip: send the newest one, if there has been another since."""
+        self._taken = max(self._taken, min(event.number, self._number))
+        if self._waiting is not None and self._taken == self._number:
+            waiting, self._waiting = self._waiting, None
+            self._send(*waiting)
 
     def clear(self) -> None:
         """Nothing to play."""
+        self._waiting = None
         self._call("player.clear")
-        self._call("transport.hide")
+        self._call("transport.clear")
 
     def play(self) -> None:
-        """Go on."""
+        """Go on, from the start if at the end."""
         self._call("player.play")
-
-    def pause(self) -> None:
-        """Stop."""
-        self._call("player.pause")
 
     def seek(self, time: float) -> None:
         """Go to an instant, s."""
         self._call("player.seek", repr(float(time)))
 
-    def set_speed(self, speed: float) -> None:
-        """Seconds of motion a second."""
-        self._call("player.setSpeed", repr(float(speed)))
+    def keep(self, design: str) -> None:
+        """Have the browser keep a design, as text."""
+        self._call("page.keep", json.dumps(design))
 
-    def set_loop(self, loop: bool) -> None:
-        """Whether to start again at the end."""
-        self._call("player.setLoop", json.dumps(loop))
+    def share(self, design: str) -> None:
+        """Show a link that opens a design, given as text; it is made in the page."""
+        self._call("page.share", json.dumps(design))
+
+    def _send(self, clip: Clip, events: Timeline) -> None:
+        self._number += 1
+        header, blob = clip.encoded
+        self._call("transport.show", json.dumps(_plain(events)))
+        self._call("player.load", header, json.dumps(blob), str(self._number))
 
     def _call(self, function: str, *arguments: str) -> None:
         owner = function.split(".")[0]
@@ -123,21 +167,46 @@ class PageLink:
 
 
 def read_event(message: object) -> PageEvent | None:
-    """What a page says, or None for what it cannot have said."""
+    """What a page reports, or None for what it cannot have reported."""
     if not isinstance(message, str) or len(message) > _LONGEST:
         return None
     try:
-        told = json.loads(message, parse_int=float)
+        found = json.loads(message, parse_int=float)
     except (ValueError, RecursionError):
         return None
-    match told:
+    match found:
         case {"kind": "ready", "software": bool(software)}:
-            return PageReady(software)
+            return _ready(software, found)
         case {"kind": "state", "time": float(time), "playing": bool(playing)}:
-            return PlayerMoved(time, playing) if math.isfinite(time) else None
-        case {"kind": "pace", "speed": float(speed), "loop": bool(loop)}:
-            return PaceChosen(speed, loop) if math.isfinite(speed) else None
+            return PlayerMoved(time, playing) if _is_time(time) else None
+        case {"kind": "playback", "speed": float(speed), "loop": bool(loop)}:
+            return PlaybackChosen(speed, loop) if 0 < speed <= 1 else None
+        case {"kind": "clip", "number": float(number)}:
+            return ClipTaken(int(number)) if 0 <= number < 2**53 else None
     return None
+
+
+def _ready(software: bool, found: dict[str, Any]) -> PageReady:
+    missing = found.get("missing")
+    names = missing if isinstance(missing, list) else []
+    tab, time = found.get("tab"), found.get("time")
+    return PageReady(
+        software,
+        tuple(str(name)[:_LONGEST_NAME] for name in names[:_MOST_MISSING]),
+        tab if isinstance(tab, str) and _TOKEN.fullmatch(tab) else None,
+        _text(found.get("shared")),
+        _text(found.get("kept")),
+        time if isinstance(time, float) and _is_time(time) else 0.0,
+        found.get("playing") is True,
+    )
+
+
+def _is_time(time: float) -> bool:
+    return math.isfinite(time) and time >= 0
+
+
+def _text(value: object) -> str | None:
+    return value if isinstance(value, str) and value else None
 
 
 def _plain(events: Timeline) -> dict[str, Any]:

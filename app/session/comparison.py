@@ -1,8 +1,7 @@
-"""Designs and motions that are kept beside the current one, to be compared with it."""
+"""Designs and motions that are kept beside the present one, to be compared with it."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -45,7 +44,7 @@ class Pin:
         frames = self.motion.frames if self.simulated is None else self.simulated.frames
         return Ghost(self.motion.motion.robot, frames, self.colour)
 
-    @property
+    @cached_property
     def figures(self) -> DesignFigures:
         """Its row of numbers."""
         if isinstance(self.motion, ForeignMotion):
@@ -54,46 +53,14 @@ class Pin:
 
     @property
     def decisions(self) -> Decisions | None:
-        """What it is called after; None of a motion that is called after its file."""
+        """Which its title is made from; None of a motion that has its file's name."""
         if isinstance(self.motion, ForeignMotion):
             return None
         plan, rollout = self.motion.plan, self.rollout
         return plan.jump, plan.tuning, None if rollout is None else rollout.scenario
 
 
-class Pins:
-    """A tab's pins, as many as there are colours."""
-
-    def __init__(self) -> None:
-        """None."""
-        self._pins: list[Pin] = []
-
-    def __iter__(self) -> Iterator[Pin]:
-        return iter(self._pins)
-
-    def __len__(self) -> int:
-        return len(self._pins)
-
-    @property
-    def full(self) -> bool:
-        """Whether there is no colour left."""
-        return len(self._pins) >= len(colours.PINNED)
-
-    def add(
-        self,
-        motion: PlannedMotion | ForeignMotion,
-        simulated: SimulatedMotion | None,
-        design: Design | None,
-    ) -> None:
-        """Keep one more; there must be a colour left."""
-        taken = {pin.colour for pin in self._pins}
-        colour = next(colour for colour in colours.PINNED if colour not in taken)
-        self._pins.append(Pin(motion, simulated, design, colour))
-
-    def at(self, index: int) -> Pin | None:
-        """The pin with this number, from 0."""
-        return self._pins[index] if 0 <= index < len(self._pins) else None
-
-    def remove(self, pin: Pin) -> None:
-        """Keep it no longer."""
-        self._pins.remove(pin)
+def free_colour(pins: tuple[Pin, ...]) -> Rgb | None:
+    """A colour that none of the pins has; None: all are taken, and no more can be pinned."""
+    taken = {pin.colour for pin in pins}
+    return next((colour for colour in colours.PINNED if colour not in taken), None)
