@@ -1,401 +1,385 @@
-"""One tab: its design, its plan, its simulation. One thread does everything, in order.
+"""One tab's session: events in, effects out, and what has changed is drawn.
 
-viser calls back from threads of its own, and a browser may skip values, so callbacks only say that
-something happened; this thread then reads the controls as they stand. The latest counts.
+Two threads have to do with a tab:
+
+- viser's event loop, one for all tabs, on which callbacks of controls and of the page run, and
+  connections come and go. It only puts into `inbox`.
+- The session's own thread, one for each tab. It alone has the state, reads and sets controls, draws,
+  submits to the pool and loads robots. The pool's thread passes results by putting into `inbox`.
+
+A browser may skip values while a slider moves, so a callback only says what was done (`Action`);
+the thread reads the controls as they stand then. The latest counts.
 """
 
 from __future__ import annotations
 
+import logging
 import queue
 import threading
-from concurrent.futures import Future, ThreadPoolExecutor
-from contextlib import closing
-from dataclasses import replace
+import time
+from collections.abc import Callable, Mapping
 from enum import Enum
 from functools import partial
 
 import viser
 
-from app.compute.opened_file import OpenedFile, States
+from app.compute.offered import uploaded_design
 from app.compute.pool import WorkerPool
 from app.compute.protocol import Report
-from app.motion.foreign_motion import bake_foreign
-from app.panel.panel import Action, Chosen, Panel, Uploaded
-from app.session.desk import Desk
-from app.session.files import FileReport, Files, forget_files
-from app.session.initial_plan import InitialPlans, example
-from app.session.stage import Stage
-from app.session.stored_design import recall, remember
-from app.viser_link.page_link import PageEvent, PageLink
-from llsrbm.design import Design
-from llsrbm.errors import Error
+from app.panel.actions import Action
+from app.session.controls import event_of
+from app.session.effects import (
+    AFTER_DRAWING,
+    After,
+    Download,
+    Effect,
+    Keep,
+    LoadRobot,
+    Notify,
+    Play,
+    ResetControls,
+    Seek,
+    Share,
+    Stop,
+    Submit,
+)
+from app.session.events import (
+    DesignChosen,
+    Event,
+    FileChosen,
+    Opened,
+    PlotsChosen,
+    Reported,
+    RobotLoaded,
+    RobotMissing,
+)
+from app.session.initial_plan import InitialPlans
+from app.session.lanes import Lane
+from app.session.opening import first_state, left, resume
+from app.session.rendering import Rendering
+from app.session.results import with_robot
+from app.session.state import TabState
+from app.session.update import update
+from app.viser_link.page_link import ClipTaken, PageEvent, PageLink, PageReady
+from llsrbm.design import Design, dump_design
+from llsrbm.errors import Error, InputError
 from llsrbm.examples import examples
-from llsrbm.jump import Jump
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
-from llsrbm.motion.whole_body import WholeBodyMotion
-from llsrbm.robots import Robot, load_robot, read_robot_file
-from llsrbm.robots.assets import robot_files
-from llsrbm.scenario import Scenario
+from llsrbm.robots import RobotFile, load_robot
 
-_RECALL = 1.5  # s to wait for what the browser kept; it answers as soon as it shows the panel
+_PAGE_PATIENCE = 1.5  # s until a tab begins without its page's scripts; they answer as they are shown
 
-
-class _Stop(Enum):
-    STOP = 0
+_log = logging.getLogger(__name__)
 
 
-Event = Action | Chosen | Uploaded | PageEvent | FileReport | Report | _Stop
+class _End(Enum):
+    END = 0
+
+
+_Item = Event | Action | PageEvent | tuple[str, bytes] | _End
+"""What is put into the inbox: events, and what becomes one when it is taken out."""
 
 
 class Session:
-    """A tab's state; `start` runs its thread until `close`."""
+    """A tab's state and its thread.
 
-    def __init__(self, client: viser.ClientHandle, pool: WorkerPool, opening: InitialPlans) -> None:
+    Attributes:
+        token: by which the page is known again when it comes back; None: it has not said.
+    """
+
+    def __init__(
+        self,
+        client: viser.ClientHandle,
+        pool: WorkerPool,
+        initial: InitialPlans,
+        robots: Mapping[str, RobotFile],
+        *,
+        take_kept: Callable[[str], TabState | None] = lambda _: None,
+        ended: Callable[[Session], None] = lambda _: None,
+    ) -> None:
         """Nothing happens before `start`.
 
         Args:
             client: the tab.
             pool: plans and simulates for all tabs.
-            opening: plans that are there from the beginning.
+            initial: plans that are there from the beginning.
+            robots: name -> file of each robot to choose from.
+            take_kept: gives the state that a page with this token left; called by the session's
+                thread.
+            ended: called by the session's thread as the last thing it does.
         """
         self._client = client
         self._pool = pool
-        self._opening = opening
-        self._inbox: queue.SimpleQueue[Event] = queue.SimpleQueue()
+        self._initial = initial
+        self._take_kept = take_kept
+        self._ended = ended
+        self._inbox: queue.SimpleQueue[_Item] = queue.SimpleQueue()
         self._thread = threading.Thread(
             target=self._run, name=f"session-{client.client_id}", daemon=True
         )
-        file = read_robot_file(robot_files()[Jump().robot])
-        self.design = Design(Jump(robot=file.name, **file.example.model_dump()))
-        self._file = file
-        self._robot: Robot | None = None
-        self._simulate_next = False  # once the plan that is being made is there
+        self._due: tuple[float, Event] | None = None  # s (monotonic clock), what happens then
+        self._later: list[_Item] = []  # what came while the page was waited for
+        self.token: str | None = None
+        self.state = first_state(robots)
+        self._rendering: Rendering | None = None
 
     @property
-    def jump(self) -> Jump:
+    def design(self) -> Design:
         """What is asked for."""
-        return self.design.jump
+        return self.state.design
 
     @property
     def plan(self) -> Plan | None:
         """The plan that is shown."""
-        return self._stage.plan
+        return self.state.plan
 
     @property
     def rollout(self) -> Rollout | None:
         """The simulation that is shown."""
-        return self._stage.rollout
+        return self.state.rollout
+
+    @property
+    def left(self) -> TabState:
+        """What is to be kept of it, once its thread has ended."""
+        return left(self.state)
+
+    @property
+    def is_own_thread(self) -> bool:
+        """Whether the caller is the session itself."""
+        return threading.current_thread() is self._thread
+
+    # ---- from any thread
 
     def start(self) -> None:
         """Build the page and begin to plan."""
         self._thread.start()
 
     def close(self) -> None:
-        """The tab has gone, or the server ends."""
-        self._pool.forget(self._client.client_id)
-        forget_files(self._pool, self._client.client_id)
-        self._inbox.put(_Stop.STOP)
-        self._thread.join()
+        """The tab has gone, or the server ends; returns at once."""
+        self._inbox.put(_End.END)
+
+    def join(self, limit: float) -> bool:
+        """Wait for the thread's end, s at most; whether it has ended."""
+        if self._thread.is_alive() and not self.is_own_thread:
+            self._thread.join(limit)
+        return not self._thread.is_alive()
 
     # ---- the thread
 
     def _run(self) -> None:
-        complaints: list[str] = []
-        # Asked before anything is sent, so that the answer is there when the panel is.
-        beside = ThreadPoolExecutor(1)
-        kept = beside.submit(recall, self._client, _RECALL, complaints)
-        beside.shutdown(wait=False)
-        self._panel = Panel(self._client, self.design, self._file, examples(), self._inbox.put)
-        self._files = Files(self._client, self._panel, self._pool, self._inbox.put)
-        bridge = PageLink(self._client, self._inbox.put)
-        moved = partial(self._inbox.put, Action.TARGET)
         try:
-            with closing(Stage(self._client, self._panel, bridge, moved)) as self._stage:
-                self._desk = Desk(
-                    self._client.client_id,
-                    self._pool,
-                    self._panel,
-                    self._stage,
-                    listener=self._inbox.put,
-                    prepared=self._prepared,
-                    planned=self._planned,
-                )
-                self._open(kept, complaints)
-                self._loop()
-        except BaseException:
-            self._panel.show_status("Failed", "by a defect of this page; reload it, please.")
-            raise
+            self._build()
+            while self._step():
+                pass
+        except Exception:
+            _log.exception("the session of tab %d has failed", self._client.client_id)
+            self._client.add_notification(
+                "This page has failed",
+                "A defect of the designer; reload the page. The terminal has the details.",
+                color="red",
+            )
+        finally:
+            for lane in Lane:
+                self._pool.forget((self._client.client_id, lane))
+            self._ended(self)
 
-    def _loop(self) -> None:
-        while True:
-            events = self._next_events()
-            if _Stop.STOP in events:
-                return
-            for event in events:
-                match event:
-                    case Action():
-                        self._act(event)
-                    case Chosen(design):
-                        self._take_up(design)
-                    case Uploaded():
-                        self._files.open(event, self.jump.robot)
-                    case FileReport(report):
-                        opened = self._files.hear(report)
-                        if opened is not None:
-                            self._show_opened(opened)
-                    case _Stop():
-                        pass
-                    case _ if isinstance(event, PageEvent):
-                        self._stage.hear(event)
-                    case _:
-                        self._desk.hear(event)
-            self._desk.step()
-            self._stage.step()
+    def _build(self) -> None:
+        client, put = self._client, self._inbox.put
+        link = PageLink(client, put)  # first: the page answers while the rest is built and sent
+        self._link = link
+        self._rendering = Rendering(
+            client,
+            link,
+            self.state,
+            examples(),
+            act=put,
+            choose_example=lambda design: put(DesignChosen(design)),
+            open_file=lambda name, content: put((name, content)),
+            choose_plots=lambda choice: put(PlotsChosen(choice)),
+        )
+        name = self.state.design.jump.robot
+        if self._initial.file is None and self._initial.plan(name) is not None:
+            # Its meshes take longest to send.
+            self.state = with_robot(self.state, load_robot(name))
+        self._rendering.draw(self.state)
+        self._begin(self._wait_for_page())
 
-    def _next_events(self) -> list[Event]:
-        """What has happened, each kind of action once; waits until something has or is due."""
-        waits = [wait for wait in (self._stage.wait, self._desk.wait) if wait is not None]
-        try:
-            first = self._inbox.get(timeout=min(waits) if waits else None)
-        except queue.Empty:
-            return []
-        events = [first]
+    def _wait_for_page(self) -> PageReady | None:
+        """The page's answer; None if there is none. What else happens has to wait."""
+        until = time.monotonic() + _PAGE_PATIENCE
         while True:
             try:
-                event = self._inbox.get_nowait()
+                item = self._inbox.get(timeout=max(0.0, until - time.monotonic()))
             except queue.Empty:
-                return events
-            # The latest of its kind counts: play, pause, play is play.
-            if isinstance(event, Action) and event in events:
-                events.remove(event)
-            events.append(event)
+                return None
+            if isinstance(item, PageReady):
+                return item
+            self._later.append(item)
+            if item is _End.END:
+                return None
 
-    def _act(self, action: Action) -> None:
-        player = self._stage.player
-        match action:
-            case Action.REQUEST:
-                self._request()
-            case Action.TARGET:
-                self._panel.jump.show(self._stage.read_target(self.jump, self._file.task))
-                self._request()
-            case Action.SIMULATE:
-                self._simulate()
-            case Action.CANCEL:
-                self._simulate_next = False
-                self._files.cancel()
-                self._desk.cancel()
-            case Action.NEAREST:
-                self._take_nearest()
-            case Action.PLAY:
-                player.play()
-            case Action.PAUSE:
-                player.pause()
-                self._stage.show_time()
-            case Action.SCRUB:
-                player.pause()
-                player.seek(self._panel.read_time())
-            case Action.PACE:
-                speed, loop = self._panel.read_pace()
-                player.set_speed(speed)
-                player.set_loop(loop)
-            case Action.LAYERS:
-                self._stage.show_layers()
-            case Action.PIN:
-                self._stage.pin(self.design.scenario)
-            case Action.UNPIN:
-                self._stage.unpin()
-            case Action.TAKE_UP:
-                pin = self._stage.chosen_pin
-                if pin is not None and pin.design is not None:
-                    self._take_up(pin.design)
-                elif pin is not None:
-                    self._panel.notify(
-                        "Not taken up",
-                        "A motion of another tool is for looking: nothing says what was asked for.",
-                    )
-            case Action.SAVE:
-                self._files.save(self.design)
-            case Action.EXPORT:
-                self._files.export(self.plan, self.rollout)
-            case Action.STOP_EXPORT:
-                self._files.cancel()
-
-    # ---- asking
-
-    def _open(self, kept: Future[Design | None], complaints: list[str]) -> None:
-        """Show a jump at once: the one this browser kept, or the example of the first robot."""
-        file = self._opening.file
-        if file is not None:
-            if file.is_alone:  # beside the example of its robot
-                self._take_up(Design(example(file.robot)))
-            self._show_opened(file)
-            return
-        if self._opening.plan(self.jump.robot) is not None:
-            self._show_robot(self.jump.robot)
-        design = kept.result()
-        if complaints:
-            self._panel.notify("The last design was not opened", "; ".join(complaints))
-        if design is not None and design != self.design:
-            self._take_up(design)
-            return
-        plan = self._opening.plan(self.jump.robot)
-        if plan is None:
-            self._request()
-            return
-        self._stage.show_target(self.jump)
-        self._desk.show(plan)
-
-    def _take_up(self, design: Design) -> None:
-        """Put the controls where a design has them, and plan it."""
-        self._use_robot(design.jump.robot)
-        self._panel.jump.show(design.jump)
-        self._panel.simulation.show(design.scenario)
-        self._panel.designs.show(design.title, design.note)
-        self.design = design
-        if self._robot is not None:
-            self._panel.tuning.show_robot(self._robot)
-        self._panel.tuning.show(design.tuning)
-        self._request()
-
-    def _show_opened(self, file: OpenedFile) -> None:
-        """What a file holds: a design is planned, a plan or a simulation of one shown as it is.
-
-        Any other motion becomes a pin: it is for looking and comparing.
-        """
-        match file.holds:
-            case Design() as design:
-                self._take_up(design)
-            case Plan() as plan:
-                self._take_up_motion(file, Design(plan.jump, plan.tuning, self._scenario()), plan)
-            case Rollout(plan=Plan() as plan) as rollout:
-                design = Design(plan.jump, plan.tuning, rollout.scenario)
-                self._take_up_motion(file, design, plan, rollout)
-            case Rollout() as rollout:
-                self._pin(file, rollout, Design(rollout.jump, scenario=rollout.scenario))
-            case States() as states:
-                self._pin(file, states.motion(), None)
-
-    def _take_up_motion(
-        self, file: OpenedFile, design: Design, plan: Plan, rollout: Rollout | None = None
-    ) -> None:
-        """Put the controls where a motion has them, and show it without planning it again."""
-        self._simulate_next = False
-        self._use_robot(design.jump.robot)
-        self.design = design
-        if self._robot is None:  # it was prepared when the file was opened
-            self._show_robot(design.jump.robot)
-        if self._robot is None:
-            return  # the panel says why
-        self._panel.jump.show(design.jump)
-        self._panel.simulation.show(design.scenario)
-        self._panel.tuning.show(design.tuning)
-        self._panel.designs.show("", " ".join((f"Opened {file.name}.", *file.remarks)))
-        self._stage.show_target(design.jump)
-        self._desk.show(plan, rollout, f"from file {file.name}")
-        remember(self._client, design)
-
-    def _pin(
-        self, file: OpenedFile, motion: Rollout | WholeBodyMotion, design: Design | None
-    ) -> None:
-        """Keep a motion beside the one that is shown."""
-        if self._stage.pin_foreign(bake_foreign(file.name, motion), design):
-            rate = getattr(motion, "fps", None)
-            at = "" if rate is None else f", at {rate:g} frames/s"
-            told = f"{file.name} is pinned for looking and comparing{at}."
-            self._panel.designs.show("", " ".join((told, *file.remarks)))
+    def _begin(self, page: PageReady | None) -> None:
+        """Go on where the page was, or begin."""
+        kept = None
+        if page is not None:
+            self.token = page.tab
+            kept = None if page.tab is None else self._take_kept(page.tab)
+        if kept is not None and (page is None or page.shared is None):
+            self._take(resume(kept))
         else:
-            self._panel.notify(
-                "Not opened", f"{file.name}: unpin something first; all colours are taken"
+            self._take(update(self.state, self._opened(page)))
+        if page is not None:
+            self._meet(page)
+
+    def _opened(self, page: PageReady | None) -> Opened:
+        complaints: list[str] = []
+        design = None
+        for text, name in (
+            (page and page.shared, "the link"),
+            (page and page.kept, "the design that this browser kept"),
+        ):
+            if text and design is None:
+                try:
+                    design = uploaded_design(name, text.encode(errors="replace"))
+                except InputError as error:
+                    complaints.append(str(error))
+        plan = self._initial.plan(self.state.design.jump.robot)
+        return Opened(design, plan, self._initial.file, tuple(complaints))
+
+    def _meet(self, page: PageReady) -> None:
+        """The page's scripts run, or miss something."""
+        if page.missing:
+            names = ", ".join(page.missing)
+            self._notify(
+                "This page cannot play",
+                f"Its viewer lacks {names}; expected that of viser {viser.__version__}.",
             )
-        if self.plan is None:
-            self._request()
+        self._take(update(self.state, page))
 
-    def _scenario(self) -> Scenario:
-        """As the panel has it."""
-        return self._panel.simulation.read(self.design.scenario)[0]
+    def _step(self) -> bool:
+        """Take what has happened, draw what has changed; False at the end."""
+        assert self._rendering is not None
+        drawn_first: list[Effect] = []
+        for item in self._next_items():
+            if item is _End.END:
+                return False
+            event = self._event_of(item)
+            if event is None:
+                continue
+            self.state, effects = update(self.state, event)
+            drawn_first += self._do_now(effects)
+        self._rendering.draw(self.state)
+        for effect in drawn_first:
+            self._do(effect)
+        return True
 
-    def _use_robot(self, name: str) -> None:
-        """Ranges, drawing and numbers of this robot from now on."""
-        if name != self._file.name:
-            self._file = read_robot_file(robot_files()[name])
-            self._panel.show_robot(self._file)
-            self._robot = None
+    def _take(self, step: tuple[TabState, tuple[Effect, ...]]) -> None:
+        """Have a step's state, and draw it before what has to be done on what is drawn."""
+        assert self._rendering is not None
+        self.state, effects = step
+        later = self._do_now(effects)
+        self._rendering.draw(self.state)
+        for effect in later:
+            self._do(effect)
 
-    def _request(self) -> None:
-        jump, complaints = self._panel.jump.read(self.jump)
-        if jump.robot != self._file.name:
-            # What was asked of the other robot is not for this one.
-            self._use_robot(jump.robot)
-            jump, complaints = self._panel.jump.read(jump)
-            self.design = Design(jump)
-        tuning, wrong = self._panel.tuning.read()
-        if self._robot is None:
-            tuning = self.design.tuning
-        complaints += wrong
-        if complaints:
-            self._panel.notify("Corrected", "; ".join(complaints))
-            self._panel.jump.show(jump)
-            self._panel.tuning.show(tuning)
-        if (jump, tuning) != (self.design.jump, self.design.tuning):
-            self.design = replace(self.design, jump=jump, tuning=tuning, title="", note="")
-            self._panel.designs.show("")
-            self._simulate_next = False
-        self._stage.show_target(jump)
-        if self._robot is None:
-            self._desk.prepare(jump.robot)
-        else:
-            self._desk.plan(jump, tuning)
+    def _next_items(self) -> list[_Item]:
+        """What has happened, each kind of action once; waits until something has or is due."""
+        items, self._later = self._later, []
+        if not items:
+            wait = None if self._due is None else max(0.0, self._due[0] - time.monotonic())
+            try:
+                items = [self._inbox.get(timeout=wait)]
+            except queue.Empty:
+                assert self._due is not None
+                (_, event), self._due = self._due, None
+                return [event]
+        while True:
+            try:
+                item = self._inbox.get_nowait()
+            except queue.Empty:
+                return items
+            # The latest of its kind counts.
+            if isinstance(item, Action) and item in items:
+                items.remove(item)
+            items.append(item)
 
-    def _simulate(self) -> None:
-        plan = self.plan
-        if self._robot is not None and self._desk.planning:
-            self._simulate_next = True
-            return
-        if self._robot is None or plan is None:
-            self._panel.notify("Not simulated", "There is no plan yet.")
-            return
-        if not plan.solved:
-            self._panel.notify(
-                "Not simulated",
-                "The planner did not converge, so there is no motion to follow.",
-            )
-            return
-        scenario, complaints = self._panel.simulation.read(self.design.scenario)
-        if complaints:
-            self._panel.notify("Corrected", "; ".join(complaints))
-            self._panel.simulation.show(scenario)
-        self.design = replace(self.design, scenario=scenario)
-        remember(self._client, self.design)
-        self._desk.simulate(plan, scenario)
+    def _event_of(self, item: _Item) -> Event | None:
+        rendering = self._rendering
+        assert rendering is not None
+        match item:
+            case Action():
+                event = event_of(item, self.state, rendering.panel, rendering.scene.handle)
+                rendering.note(event)
+                return event
+            case ClipTaken():
+                self._link.take(item)
+                return None
+            case PageReady():  # its address has got another design, or it was slow to answer
+                self._greet_late(item)
+                return None
+            case (str(name), bytes(content)):
+                return FileChosen(name, content, rendering.panel.designs.read_rate())
+            case _End():
+                return None
+            case _:
+                return item
 
-    def _take_nearest(self) -> None:
-        nearest = self._desk.nearest
-        if nearest is not None:
-            self._desk.withdraw_nearest()
-            self._panel.jump.show(nearest.jump)
-            self._request()
+    def _greet_late(self, page: PageReady) -> None:
+        self.token = page.tab or self.token
+        if page.shared is not None:
+            try:
+                design = uploaded_design("the link", page.shared.encode(errors="replace"))
+            except InputError as error:
+                self._notify("Not opened", str(error))
+            else:
+                self._inbox.put(DesignChosen(design))
+        self._meet(page)
 
-    # ---- what has come
+    # ---- effects
 
-    def _prepared(self, robot: str) -> None:
-        self._show_robot(robot)
-        if self._robot is not None:
-            self._request()
+    def _do_now(self, effects: tuple[Effect, ...]) -> list[Effect]:
+        """Do what need not wait for the picture; the rest."""
+        for effect in effects:
+            if not isinstance(effect, AFTER_DRAWING):
+                self._do(effect)
+        return [effect for effect in effects if isinstance(effect, AFTER_DRAWING)]
 
-    def _planned(self) -> None:
-        remember(self._client, self.design)
-        if self._simulate_next:
-            self._simulate_next = False
-            self._simulate()
+    def _do(self, effect: Effect) -> None:
+        match effect:
+            case Submit(lane, ticket, task):
+                listener = partial(self._report, lane, ticket)
+                self._pool.submit((self._client.client_id, lane), task, listener)
+            case Stop(lane):
+                self._pool.cancel((self._client.client_id, lane))
+            case LoadRobot(name):
+                self._inbox.put(self._load(name))
+            case After(seconds, event):
+                self._due = time.monotonic() + seconds, event
+            case Keep(design):
+                self._link.keep(dump_design(design))
+            case Share(design):
+                self._link.share(dump_design(design))
+            case Download(name, content):
+                self._client.send_file_download(name, content, save_immediately=True)
+            case Notify(title, body):
+                self._notify(title, body)
+            case ResetControls():
+                assert self._rendering is not None
+                self._rendering.reset_controls(self.state)
+            case Play():
+                self._link.play()
+            case Seek(instant):
+                self._link.seek(instant)
 
-    def _show_robot(self, name: str) -> None:
+    def _report(self, lane: Lane, ticket: int, report: Report) -> None:
+        self._inbox.put(Reported(lane, ticket, report))
+
+    def _load(self, name: str) -> RobotLoaded | RobotMissing:
         try:
-            robot = load_robot(name)
+            return RobotLoaded(load_robot(name))
         except Error as error:
-            self._panel.show_status("Failed", str(error))
-            return
-        self._robot = robot
-        self._stage.show_robot(robot)
-        self._panel.tuning.show_robot(robot)
-        self._panel.tuning.show(self.design.tuning)
+            return RobotMissing(str(error))
+
+    def _notify(self, title: str, body: str) -> None:
+        self._client.add_notification(title, body, color="orange")

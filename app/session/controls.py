@@ -1,0 +1,78 @@
+"""From what a visitor did to an event: the controls are read as they stand now."""
+
+from __future__ import annotations
+
+from app.panel.actions import Action
+from app.panel.panel import Panel
+from app.scene.landing_handle import LandingHandle
+from app.session.events import (
+    CancelWanted,
+    Event,
+    ExportWanted,
+    JumpChosen,
+    NearestWanted,
+    PinChosen,
+    PinWanted,
+    RedoWanted,
+    SaveWanted,
+    ScenarioChosen,
+    ShareWanted,
+    SimulateWanted,
+    StopExportWanted,
+    TakeUpWanted,
+    TargetDragged,
+    UndoWanted,
+    UnpinWanted,
+    ViewChosen,
+    WorstWanted,
+)
+from app.session.requests import SEEDS
+from app.session.state import TabState
+
+_WITHOUT_VALUES: dict[Action, Event] = {
+    Action.SIMULATE: SimulateWanted(),
+    Action.SEEDS: SimulateWanted(SEEDS),
+    Action.WORST: WorstWanted(),
+    Action.CANCEL: CancelWanted(),
+    Action.NEAREST: NearestWanted(),
+    Action.UNDO: UndoWanted(),
+    Action.REDO: RedoWanted(),
+    Action.SHARE: ShareWanted(),
+    Action.PIN: PinWanted(),
+    Action.UNPIN: UnpinWanted(),
+    Action.TAKE_UP: TakeUpWanted(),
+    Action.SAVE: SaveWanted(),
+    Action.STOP_EXPORT: StopExportWanted(),
+}
+
+
+def event_of(action: Action, state: TabState, panel: Panel, handle: LandingHandle) -> Event:
+    """What an action means, given where the controls stand.
+
+    Args:
+        action: what was done.
+        state: that is drawn.
+        panel: to be read.
+        handle: in the picture, likewise.
+    """
+    match action:
+        case Action.JUMP:
+            jump, wrong = panel.jump.read(state.design.jump)
+            if not state.ready or jump.robot != state.design.jump.robot:
+                return JumpChosen(jump, None, tuple(wrong))
+            tuning, also = panel.tuning.read()
+            return JumpChosen(jump, tuning, (*wrong, *also))
+        case Action.TARGET:
+            return TargetDragged(handle.read(state.design.jump, state.file.task))
+        case Action.SCENARIO:
+            scenario, wrong = panel.simulation.read(state.design.scenario)
+            return ScenarioChosen(scenario, tuple(wrong))
+        case Action.VIEW:
+            return ViewChosen(*panel.view.read())
+        case Action.PIN_CHOSEN:
+            return PinChosen(panel.compare.chosen)
+        case Action.EXPORT:
+            choice, wrong = panel.export_options.read()
+            return ExportWanted(choice, tuple(wrong))
+        case _:
+            return _WITHOUT_VALUES[action]

@@ -1,0 +1,292 @@
+"""What happens to a tab, as values: what its visitor does, what its page and the pool report."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from app.compute.opened_file import OpenedFile
+from app.compute.protocol import Report
+from app.panel.export_controls import Choice
+from app.plots.plots import PlotChoice
+from app.session.lanes import Lane
+from app.viser_link.page_link import PageReady, PlaybackChosen, PlayerMoved
+from llsrbm.design import Design
+from llsrbm.jump import Jump
+from llsrbm.motion.plan import Plan
+from llsrbm.robots import Robot
+from llsrbm.scenario import Scenario
+from llsrbm.tuning import Tuning
+
+Complaints = tuple[str, ...]
+"""What had to be corrected in what a browser sent, in words."""
+
+
+# ---- the visitor asks for something
+
+
+@dataclass(frozen=True)
+class JumpChosen:
+    """The controls of the jump, or of weights and limits, were moved.
+
+    Attributes:
+        jump: as the controls stand.
+        tuning: likewise; None while they are not those of the jump's robot.
+        complaints: what was corrected.
+    """
+
+    jump: Jump
+    tuning: Tuning | None
+    complaints: Complaints = ()
+
+
+@dataclass(frozen=True)
+class TargetDragged:
+    """The landing handle was dragged.
+
+    Attributes:
+        jump: the request with the landing place where it stands now.
+    """
+
+    jump: Jump
+
+
+@dataclass(frozen=True)
+class ScenarioChosen:
+    """The controls of the scenario were moved.
+
+    Attributes:
+        scenario: as the controls stand.
+        complaints: what was corrected.
+    """
+
+    scenario: Scenario
+    complaints: Complaints = ()
+
+
+@dataclass(frozen=True)
+class DesignChosen:
+    """An example was chosen."""
+
+    design: Design
+
+
+@dataclass(frozen=True)
+class SimulateWanted:
+    """The plan shall be followed by the whole robot.
+
+    Attributes:
+        seeds: under so many disturbances in turn; 0: once, in the design's scenario.
+    """
+
+    seeds: int = 0
+
+
+@dataclass(frozen=True)
+class WorstWanted:
+    """Of several seeds the worst one shall be shown."""
+
+
+@dataclass(frozen=True)
+class CancelWanted:
+    """Everything that is being computed shall stop."""
+
+
+@dataclass(frozen=True)
+class NearestWanted:
+    """The jump on offer shall be taken."""
+
+
+@dataclass(frozen=True)
+class UndoWanted:
+    """Back to the design before."""
+
+
+@dataclass(frozen=True)
+class RedoWanted:
+    """Forth again."""
+
+
+@dataclass(frozen=True)
+class ViewChosen:
+    """What is drawn besides the robot was chosen.
+
+    Attributes:
+        layers: names of overlays.
+        night: a dark page.
+    """
+
+    layers: frozenset[str]
+    night: bool
+
+
+@dataclass(frozen=True)
+class PlotsChosen:
+    """What is plotted was chosen."""
+
+    choice: PlotChoice
+
+
+@dataclass(frozen=True)
+class PinWanted:
+    """The motion that is shown shall be kept beside the next ones."""
+
+
+@dataclass(frozen=True)
+class PinChosen:
+    """A pin was chosen.
+
+    Attributes:
+        index: its number, -1: none.
+    """
+
+    index: int
+
+
+@dataclass(frozen=True)
+class UnpinWanted:
+    """The chosen pin shall go."""
+
+
+@dataclass(frozen=True)
+class TakeUpWanted:
+    """The design of the chosen pin shall become the present one."""
+
+
+@dataclass(frozen=True, eq=False)
+class FileChosen:
+    """A file was opened, whatever it is.
+
+    Attributes:
+        name: as the browser has it.
+        content: of the file.
+        rate: frames/s, where the file does not say its own.
+    """
+
+    name: str
+    content: bytes
+    rate: float
+
+
+@dataclass(frozen=True)
+class SaveWanted:
+    """The design shall be saved."""
+
+
+@dataclass(frozen=True)
+class ShareWanted:
+    """A link that opens the design shall be made."""
+
+
+@dataclass(frozen=True)
+class ExportWanted:
+    """The motion shall be saved.
+
+    Attributes:
+        choice: of what, in which formats.
+        complaints: what was corrected.
+    """
+
+    choice: Choice
+    complaints: Complaints = ()
+
+
+@dataclass(frozen=True)
+class StopExportWanted:
+    """What is being saved is not wanted any more."""
+
+
+# ---- computing and loading
+
+
+@dataclass(frozen=True, eq=False)
+class Reported:
+    """A job has something to report.
+
+    Attributes:
+        lane: in which it runs.
+        ticket: by which the state knows it.
+        report: the pool's.
+    """
+
+    lane: Lane
+    ticket: int
+    report: Report
+
+
+@dataclass(frozen=True, eq=False)
+class RobotLoaded:
+    """A robot can be drawn."""
+
+    robot: Robot
+
+
+@dataclass(frozen=True)
+class RobotMissing:
+    """A robot cannot be drawn.
+
+    Attributes:
+        message: why not.
+    """
+
+    message: str
+
+
+@dataclass(frozen=True)
+class Rested:
+    """A request has rested for as long as was asked.
+
+    Attributes:
+        number: of the rest, see `DragPlanning`.
+    """
+
+    number: int
+
+
+@dataclass(frozen=True, eq=False)
+class Opened:
+    """The tab begins.
+
+    Attributes:
+        design: which the browser kept, or a link holds; None: the example of the first robot.
+        plan: the example's, if it is known.
+        file: with which every tab of this server begins.
+        complaints: what was wrong with the design that the browser kept.
+    """
+
+    design: Design | None = None
+    plan: Plan | None = None
+    file: OpenedFile | None = None
+    complaints: Complaints = ()
+
+
+Event = (
+    JumpChosen
+    | TargetDragged
+    | ScenarioChosen
+    | DesignChosen
+    | SimulateWanted
+    | WorstWanted
+    | CancelWanted
+    | NearestWanted
+    | UndoWanted
+    | RedoWanted
+    | ViewChosen
+    | PlotsChosen
+    | PinWanted
+    | PinChosen
+    | UnpinWanted
+    | TakeUpWanted
+    | FileChosen
+    | SaveWanted
+    | ShareWanted
+    | ExportWanted
+    | StopExportWanted
+    | Reported
+    | RobotLoaded
+    | RobotMissing
+    | Rested
+    | Opened
+    | PageReady
+    | PlayerMoved
+    | PlaybackChosen
+)

@@ -1,0 +1,75 @@
+"""How a tab begins: with a kept design, a shared one, a file, or the example of the first robot."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+from app.session import files
+from app.session.known_motion import show_known
+from app.session.effects import After, Effect, Notify, Play, Seek, Submit
+from app.session.events import Opened, Rested
+from app.session.drag_planning import REST
+from app.session.lanes import Lane
+from app.session.requests import plan_design
+from app.session.state import FileWork, Known, TabState
+from app.session.steps import Step, joined, with_work
+from llsrbm.design import Design
+from llsrbm.jump import Jump
+from llsrbm.robots import RobotFile
+
+
+def first_state(robots: Mapping[str, RobotFile]) -> TabState:
+    """A tab of which nothing is known yet: the example of the first robot is asked for."""
+    return TabState(robots, example_design(robots[Jump().robot]))
+
+
+def example_design(file: RobotFile) -> Design:
+    """The jump that shows what a robot can do."""
+    return Design(Jump(robot=file.name, **file.example.model_dump()))
+
+
+def open_tab(state: TabState, event: Opened) -> Step:
+    """Show a jump at once, and have planned what is asked for."""
+    before: tuple[Effect, ...] = ()
+    if event.complaints:
+        line = "; ".join(event.complaints)
+        before = (Notify("The last design was not opened", line),)
+    if event.file is not None:
+        if event.file.is_alone:  # beside the example of its robot
+            state = replace(state, design=example_design(state.robots[event.file.robot]))
+        return joined(before, files.show_file(state, event.file))
+    if event.design is not None and event.design != state.design:
+        return joined(before, plan_design(replace(state, design=event.design)))
+    if event.plan is None:
+        return joined(before, plan_design(state))
+    return joined(before, show_known(state, Known(event.plan)))
+
+
+# ---- coming back
+
+
+def left(state: TabState) -> TabState:
+    """What is kept of a tab whose connection has ended."""
+    shown = state.shown
+    if shown is not None:
+        shown = replace(shown, so_far=None)
+    return replace(state, shown=shown, files=FileWork(), page=False)
+
+
+def resume(state: TabState) -> Step:
+    """A tab that comes back: its running job is begun anew, its place on the timeline found."""
+    work, effects = state.work, []
+    if work.awaited is not None:
+        ticket = state.tickets + 1
+        state = with_work(replace(state, tickets=ticket), newest=ticket)
+        if state.seeds is not None:
+            state = replace(state, seeds=replace(state.seeds, results=()))
+        effects.append(Submit(Lane.MOTION, ticket, work.awaited))
+    elif work.dragging.rests:
+        effects.append(After(REST, Rested(work.dragging.rest)))
+    if state.shown is not None:
+        effects.append(Seek(state.playback.time))
+        if state.playback.playing:
+            effects.append(Play())
+    return state, tuple(effects)

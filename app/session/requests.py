@@ -1,0 +1,211 @@
+"""What a visitor asks for: another jump, weights, scenario or design; undone and done again."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import fields, replace
+from typing import Any
+
+from app.compute.protocol import PlanJump, Prepare, SimulateJump, SimulateSeeds
+from app.motion.planned_motion import bake_plan
+from app.panel import summaries
+from app.panel.status import Word
+from app.session.effects import After, Keep, Notify, ResetControls
+from app.session.events import (
+    DesignChosen,
+    JumpChosen,
+    Rested,
+    ScenarioChosen,
+    SimulateWanted,
+    TargetDragged,
+)
+from app.session.drag_planning import REST
+from app.session.state import Seeds, Shown, TabState
+from app.session.steps import Step, also, submit, with_status, with_work
+from llsrbm.design import Design
+from llsrbm.jump import Jump
+from llsrbm.motion.plan import Plan
+from llsrbm.robots import Robot, RobotFile
+from llsrbm.scenario import Scenario
+from llsrbm.simulation.surroundings import surroundings
+
+_UNDONE_AT_MOST = 100  # designs; a hundred bytes each
+
+SEEDS = 20
+"""Disturbances that are tried together; the robustness benchmark's number."""
+
+
+# ---- the design
+
+
+def choose_jump(state: TabState, event: JumpChosen) -> Step:
+    """Plan what the controls of the jump, the weights and the limits say."""
+    jump, design = event.jump, state.design
+    if jump.robot != design.jump.robot:
+        # What was asked of the other robot is not for this one.
+        example = state.robots[jump.robot].example.model_dump()
+        design = Design(Jump(robot=jump.robot, model=jump.model, **example))
+    else:
+        tuning = design.tuning if event.tuning is None else event.tuning
+        if (jump, tuning) != (design.jump, design.tuning):
+            design = replace(design, jump=jump, tuning=tuning, title="", note="")
+    step = plan_design(remember(state, design))
+    return _corrected(step, event.complaints)
+
+
+def drag_target(state: TabState, event: TargetDragged) -> Step:
+    """Plan a jump to where the landing handle was dragged."""
+    design = replace(state.design, jump=event.jump, title="", note="")
+    return plan_design(remember(state, design))
+
+
+def choose_scenario(state: TabState, event: ScenarioChosen) -> Step:
+    """Simulate in another scenario from now on."""
+    state = remember(state, replace(state.design, scenario=event.scenario))
+    return _corrected((state, (Keep(state.design),)), event.complaints)
+
+
+def choose_design(state: TabState, event: DesignChosen) -> Step:
+    """Plan an example."""
+    state = replace(state, note=event.design.note)
+    return plan_design(remember(state, event.design, settled=True))
+
+
+def take_nearest(state: TabState) -> Step:
+    """Plan the jump on offer."""
+    nearest = state.work.nearest
+    if nearest is None:
+        return state, ()
+    design = replace(state.design, jump=nearest.jump, title="", note="")
+    return plan_design(remember(state, design, settled=True))
+
+
+def undo(state: TabState) -> Step:
+    """Back to the design before."""
+    history = state.history
+    if not history.back:
+        return state, ()
+    design = history.back[-1]
+    history = replace(
+        history, back=history.back[:-1], forth=(*history.forth, state.design), changing=()
+    )
+    return plan_design(replace(state, design=design, history=history, note=design.note))
+
+
+def redo(state: TabState) -> Step:
+    """Forth to the design that was undone."""
+    history = state.history
+    if not history.forth:
+        return state, ()
+    design = history.forth[-1]
+    history = replace(
+        history, forth=history.forth[:-1], back=(*history.back, state.design), changing=()
+    )
+    return plan_design(replace(state, design=design, history=history, note=design.note))
+
+
+def remember(state: TabState, design: Design, *, settled: bool = False) -> TabState:
+    """The state with another design, and the one before to go back to.
+
+    Changes of the same numbers that follow each other are one step back.
+
+    Args:
+        state: with the design before.
+        design: the next one.
+        settled: it is one step, whatever comes next.
+    """
+    if design == state.design:
+        return state
+    history, changed = state.history, () if settled else _changes(state.design, design)
+    if not changed or changed != history.changing:
+        back = (*history.back, state.design)[-_UNDONE_AT_MOST:]
+        history = replace(history, back=back)
+    state = with_work(state, simulate_next=None)
+    return replace(state, design=design, history=replace(history, forth=(), changing=changed))
+
+
+def plan_design(state: TabState) -> Step:
+    """Plan what the design asks for, unless that is under way; its robot is prepared first."""
+    design = state.design
+    name = design.jump.robot
+    if not state.ready:
+        if state.work.awaited == Prepare(name):
+            return state, ()
+        state = with_work(state, dragging=state.work.dragging.forget(), nearest=None)
+        state = with_status(state, Word.PLANNING, "begins when the robot is ready.", busy=True)
+        return submit(state, Prepare(name))
+    dragging, task = state.work.dragging.request(design.jump, design.tuning, state.plan)
+    state = with_work(state, dragging=dragging)
+    if task is None:
+        return state, ()
+    return _submit_plan(with_work(state, nearest=None), task)
+
+
+def rest(state: TabState, event: Rested) -> Step:
+    """A request that has rested is planned from scratch."""
+    dragging, task = state.work.dragging.rested(event.number)
+    if task is None:
+        return state, ()
+    return _submit_plan(with_work(state, dragging=dragging), task)
+
+
+def wait_for_rest(state: TabState, task: PlanJump) -> Step:
+    """The newest request has its answer; a quick one is planned again when it has rested."""
+    dragging = state.work.dragging.answered(task)
+    state = with_work(state, dragging=dragging)
+    return state, (After(REST, Rested(dragging.rest)),) if dragging.rests else ()
+
+
+def _submit_plan(state: TabState, task: PlanJump) -> Step:
+    following = not task.patient and isinstance(state.work.awaited, PlanJump)
+    if not following:
+        state = with_status(state, Word.PLANNING, "...", busy=True)
+    return submit(state, task)
+
+
+def _changes(one: Design, other: Design) -> tuple[str, ...]:
+    """Names of the numbers in which two designs differ."""
+    pairs = ((one.jump, other.jump), (one.tuning, other.tuning), (one.scenario, other.scenario))
+    return tuple(
+        f"{type(a).__name__}.{field.name}"
+        for a, b in pairs
+        for field in fields(a)
+        if getattr(a, field.name) != getattr(b, field.name)
+    )
+
+
+def _corrected(step: Step, complaints: tuple[str, ...]) -> Step:
+    if not complaints:
+        return step
+    return also(step, Notify("Corrected", "; ".join(complaints)), ResetControls())
+
+
+# ---- its simulation
+
+
+def simulate(state: TabState, event: SimulateWanted) -> Step:
+    """Have the whole robot follow the plan that is shown, or the one that is awaited."""
+    plan = state.plan
+    if state.ready and state.planning:
+        return with_work(state, simulate_next=event.seeds), ()
+    if not state.ready or plan is None:
+        return state, (Notify("Not simulated", "There is no plan yet."),)
+    if not plan.solved:
+        reason = "The planner did not converge, so there is no motion to follow."
+        return state, (Notify("Not simulated", reason),)
+    scenario = state.design.scenario
+    if event.seeds:
+        state = replace(state, seeds=Seeds(plan, event.seeds))
+        state = with_status(state, Word.SIMULATING, f"{event.seeds} seeds ...", busy=True)
+        return submit(state, SimulateSeeds(plan, scenario, tuple(range(event.seeds))))
+    state = with_status(state, Word.SIMULATING, "...", busy=True)
+    return also(submit(state, SimulateJump(plan, scenario)), Keep(state.design))
+
+
+# ---- motions that are there already
+
+
+def show_plan(state: TabState, plan: Plan, robot: Robot, source: str = "") -> TabState:
+    """The state that shows a plan; a simulation of another plan goes."""
+    blocks = tuple(surroundings(robot, plan, Scenario()).blocks)
+    return replace(state, shown=Shown(bake_plan(plan, robot), blocks=blocks, source=source))

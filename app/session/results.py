@@ -1,0 +1,235 @@
+"""What comes of a tab's jobs on its motion: plans, simulations, and why there is none."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from app.compute.protocol import (
+    Cancelled,
+    Failed,
+    FindNearest,
+    Found,
+    PlanJump,
+    Planned,
+    Prepared,
+    Progress,
+    SeedDone,
+    Simulated,
+    SimulatedSeeds,
+    SimulatedSoFar,
+    SimulateJump,
+    SimulateSeeds,
+    Task,
+)
+from app.motion.planned_motion import presentable
+from app.motion.simulated_motion import bake_rollout, frames_so_far
+from app.panel import summaries
+from app.panel.status import Word
+from app.session.effects import Keep, LoadRobot, Play
+from app.session.events import Reported, RobotLoaded, RobotMissing, SimulateWanted
+from app.session.requests import plan_design, show_plan, simulate, wait_for_rest
+from app.session.state import Shown, TabState
+from app.session.steps import Step, also, joined, submit, with_status, with_work
+from llsrbm.motion.rollout import Rollout
+from llsrbm.robots import Robot
+from llsrbm.simulation.surroundings import surroundings
+
+
+def take_report(state: TabState, event: Reported) -> Step:
+    """What a job on the motion reports."""
+    report, work = event.report, state.work
+    if event.ticket <= work.dropped:
+        return state, ()
+    if event.ticket != work.newest:
+        # While a slider moves, a plan of an older request is worth showing.
+        return _show(state, report, event.ticket) if isinstance(report, Planned) else (state, ())
+    match report:
+        case Progress():
+            return _progress(state, report), ()
+        case SimulatedSoFar():
+            return _show_so_far(state, report), ()
+        case SeedDone():
+            return _count_seed(state, report), ()
+    task = work.awaited
+    state = with_work(state, awaited=None)
+    state, before = wait_for_rest(state, task) if isinstance(task, PlanJump) else (state, ())
+    return joined(before, _outcome(state, event, task))
+
+
+def _outcome(state: TabState, event: Reported, task: Task | None) -> Step:
+    match event.report:
+        case Prepared(robot=robot):
+            return state, (LoadRobot(robot),)
+        case Planned():
+            return _take_plan(state, event.report, event.ticket)
+        case Found(nearest=nearest):
+            state = with_work(state, nearest=nearest)
+            rest = f"{state.work.failure} It works with {nearest.changes}."
+            return with_status(state, Word.FAILED, rest), ()
+        case Simulated(rollout=rollout):
+            return show_rollout(state, rollout), ()
+        case SimulatedSeeds():
+            return _finish_seeds(state, event.report), ()
+        case Failed():
+            return _fail(state, event.report, task)
+        case Cancelled():
+            return _cancelled(state, task), ()
+    return state, ()
+
+
+def show_rollout(state: TabState, rollout: Rollout, source: str = "") -> TabState:
+    """The state that shows a simulation of the plan that is shown."""
+    shown, robot = state.shown, state.robot
+    if shown is None or robot is None:
+        return state
+    blocks = tuple(surroundings(robot, shown.plan, rollout.scenario).blocks)
+    shown = replace(shown, simulated=bake_rollout(rollout), so_far=None, blocks=blocks)
+    word, rest = summaries.simulated_line(rollout)
+    return with_status(replace(state, shown=shown), word, f"{source}{rest}")
+
+
+def show_worst(state: TabState) -> Step:
+    """The worst of several seeds, in place of the simulation that is shown."""
+    seeds = state.seeds
+    if seeds is None or seeds.worst is None or seeds.plan is not state.plan:
+        return state, ()
+    return show_rollout(state, seeds.worst, f"seed {seeds.worst.scenario.seed}: "), ()
+
+
+def take_robot(state: TabState, event: RobotLoaded) -> Step:
+    """A robot can be drawn; what is asked of it can be planned."""
+    state = with_robot(state, event.robot)
+    return plan_design(state) if state.ready else (state, ())
+
+
+def with_robot(state: TabState, robot: Robot) -> TabState:
+    """The state that draws this robot; nothing of another one's motion stays but the pins."""
+    if state.robot is robot:
+        return state
+    state = with_work(state, dragging=state.work.dragging.forget())
+    return replace(state, robot=robot, shown=None, seeds=None)
+
+
+def miss_robot(state: TabState, event: RobotMissing) -> Step:
+    """A robot cannot be drawn."""
+    return with_status(state, Word.FAILED, event.message), ()
+
+
+# ---- plans
+
+
+def _show(state: TabState, report: Planned, ticket: int) -> Step:
+    """Show a plan, unless a newer one is shown or it is another robot's."""
+    robot = state.robot
+    if ticket < state.work.shown or robot is None or report.plan.jump.robot != robot.name:
+        return state, ()
+    first = state.shown is None
+    state = show_plan(with_work(state, shown=ticket), report.plan, robot)
+    return state, (Play(),) if first else ()
+
+
+def _take_plan(state: TabState, report: Planned, ticket: int) -> Step:
+    step = _show(state, report, ticket)
+    state, _ = step
+    if state.plan is not report.plan:
+        return step
+    if state.work.dragging.rests:
+        line = summaries.live_line(report.plan)
+        return with_status(state, Word.PLANNING, line, busy=True), step[1]
+    state = with_status(state, Word.PLANNED, summaries.planned_line(report.plan))
+    state = replace(state, history=replace(state.history, changing=()))
+    step = also((state, step[1]), Keep(state.design))
+    seeds = state.work.simulate_next
+    if seeds is None:
+        return step
+    return joined(step[1], simulate(with_work(state, simulate_next=None), SimulateWanted(seeds)))
+
+
+def _fail(state: TabState, report: Failed, task: Task | None) -> Step:
+    match task:
+        case FindNearest():
+            # Beside what stopped the jump that was asked for.
+            line = f"{state.work.failure} {report.message}"
+            return with_status(state, Word.FAILED, line), ()
+        case PlanJump(patient=False):
+            # It rests before it is planned with patience; a hand may still be moving.
+            return with_status(state, Word.PLANNING, "nothing found quickly ...", busy=True), ()
+        case PlanJump(jump, tuning) if report.plan is not None:
+            failure = f"{report.message}."
+            if presentable(report.plan) and state.robot is not None:
+                state = show_plan(state, report.plan, state.robot)
+                failure += " The picture shows where the solver stopped, no feasible motion."
+            state = with_work(state, failure=failure, simulate_next=None)
+            line = f"{failure} Looking for the nearest jump ..."
+            return submit(
+                with_status(state, Word.FAILED, line, busy=True), FindNearest(jump, tuning)
+            )
+        case PlanJump():
+            state = with_work(state, dragging=state.work.dragging.forget(), simulate_next=None)
+    return with_status(_without_so_far(state), Word.FAILED, report.message), ()
+
+
+def _cancelled(state: TabState, task: Task | None) -> TabState:
+    state = _without_so_far(with_work(state, simulate_next=None))
+    match task:
+        case SimulateJump() | SimulateSeeds():
+            return with_status(state, Word.CANCELLED, "The plan is still there.")
+        case FindNearest():
+            return with_status(state, Word.CANCELLED, "The search for a feasible jump.")
+    state = with_work(state, dragging=state.work.dragging.forget())
+    return with_status(state, Word.CANCELLED, "Move a slider to plan again.")
+
+
+def _progress(state: TabState, report: Progress) -> TabState:
+    match state.work.awaited:
+        case SimulateJump():
+            line = f"({report.text}) ..." if report.share is None else f"{report.share:.0%}"
+            return with_status(state, Word.SIMULATING, line, busy=True, share=report.share)
+        case SimulateSeeds():
+            return state
+        case FindNearest():
+            line = f"{state.work.failure} ({report.text}) ..."
+            return with_status(state, Word.FAILED, line, busy=True)
+    return with_status(state, Word.PLANNING, summaries.progress_line(report), busy=True)
+
+
+# ---- simulations
+
+
+def _show_so_far(state: TabState, report: SimulatedSoFar) -> TabState:
+    task, shown, robot = state.work.awaited, state.shown, state.robot
+    if not isinstance(task, SimulateJump) or shown is None or robot is None:
+        return state
+    so_far = frames_so_far(robot, report.time, report.qpos)
+    blocks = tuple(surroundings(robot, shown.plan, task.scenario).blocks)
+    shown = Shown(shown.planned, so_far=so_far, blocks=blocks, source=shown.source)
+    return replace(state, shown=shown)
+
+
+def _without_so_far(state: TabState) -> TabState:
+    shown = state.shown
+    if shown is None or shown.so_far is None:
+        return state
+    return replace(state, shown=replace(shown, so_far=None))
+
+
+def _count_seed(state: TabState, report: SeedDone) -> TabState:
+    seeds = state.seeds
+    if seeds is None:
+        return state
+    seeds = replace(seeds, results=(*seeds.results, report.result))
+    line = f"{summaries.seeds_line(seeds.results)} so far, {len(seeds.results)} of {seeds.count}"
+    share = len(seeds.results) / seeds.count
+    return with_status(
+        replace(state, seeds=seeds), Word.SIMULATING, line, busy=True, share=share
+    )
+
+
+def _finish_seeds(state: TabState, report: SimulatedSeeds) -> TabState:
+    seeds = state.seeds
+    if seeds is None:
+        return state
+    seeds = replace(seeds, results=report.results, worst=report.worst)
+    landed = all(result.landed for result in report.results)
+    word = Word.LANDED if landed else Word.FELL
+    return with_status(replace(state, seeds=seeds), word, f"{summaries.seeds_line(report.results)}.")

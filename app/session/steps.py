@@ -1,0 +1,51 @@
+"""Small changes that several parts of `update` make: a job more, another status, a note."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+from app.compute.protocol import Task
+from app.panel.status import Status, Word
+from app.session.effects import Effect, Submit
+from app.session.lanes import Lane
+from app.session.state import TabState
+
+Step = tuple[TabState, tuple[Effect, ...]]
+"""A tab's next state, and what has to be done outside of it."""
+
+
+def with_work(state: TabState, **changes: Any) -> TabState:
+    """Other values of `Work`."""
+    return replace(state, work=replace(state.work, **changes))
+
+
+def with_files(state: TabState, **changes: Any) -> TabState:
+    """Other values of `FileWork`."""
+    return replace(state, files=replace(state.files, **changes))
+
+
+def with_status(
+    state: TabState, word: Word, rest: str, *, busy: bool = False, share: float | None = None
+) -> TabState:
+    """Another status line."""
+    return replace(state, status=Status(word, rest, busy, share))
+
+
+def submit(state: TabState, task: Task) -> Step:
+    """Have the pool work on the tab's motion, in place of what it was to do before."""
+    ticket = state.tickets + 1
+    state = with_work(replace(state, tickets=ticket), newest=ticket, awaited=task)
+    return state, (Submit(Lane.MOTION, ticket, task),)
+
+
+def also(step: Step, *effects: Effect) -> Step:
+    """A step with further effects."""
+    state, before = step
+    return state, (*before, *effects)
+
+
+def joined(before: tuple[Effect, ...], step: Step) -> Step:
+    """A step that follows another one, whose effects come first."""
+    state, after = step
+    return state, (*before, *after)

@@ -1,0 +1,169 @@
+"""How events change a tab: `update(state, event) -> (state, effects)`, a pure function.
+
+    request -> plan -> postures -> simulation -> replay -> file
+
+A visitor's request, and each result on this way, is an event (`events`); what it makes of the state
+is said here and in the modules that are named after what happens; what has to be done outside of
+the state comes out as effects (`effects`), which `session` carries out. Nothing here waits, reads a
+control, or knows of a browser.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from app.session import files, requests, results
+from app.session.comparison import Pin, free_colour
+from app.session.effects import Notify, Share, Stop
+from app.session.events import (
+    CancelWanted,
+    DesignChosen,
+    Event,
+    ExportWanted,
+    FileChosen,
+    JumpChosen,
+    NearestWanted,
+    Opened,
+    PinChosen,
+    PinWanted,
+    PlotsChosen,
+    RedoWanted,
+    Reported,
+    Rested,
+    RobotLoaded,
+    RobotMissing,
+    SaveWanted,
+    ScenarioChosen,
+    ShareWanted,
+    SimulateWanted,
+    StopExportWanted,
+    TakeUpWanted,
+    TargetDragged,
+    UndoWanted,
+    UnpinWanted,
+    ViewChosen,
+    WorstWanted,
+)
+from app.session.known_motion import show_known
+from app.session.lanes import Lane
+from app.session.opening import open_tab
+from app.session.state import TabState
+from app.session.steps import Step, with_work
+from app.viser_link.page_link import PageReady, PlaybackChosen, PlayerMoved
+from llsrbm.design import Design
+
+
+def update(state: TabState, event: Event) -> Step:
+    """A tab's state after an event, and what has to be done outside of it."""
+    match event:
+        case JumpChosen():
+            return requests.choose_jump(state, event)
+        case TargetDragged():
+            return requests.drag_target(state, event)
+        case ScenarioChosen():
+            return requests.choose_scenario(state, event)
+        case DesignChosen():
+            return requests.choose_design(state, event)
+        case NearestWanted():
+            return requests.take_nearest(state)
+        case UndoWanted():
+            return requests.undo(state)
+        case RedoWanted():
+            return requests.redo(state)
+        case Rested():
+            return requests.rest(state, event)
+        case SimulateWanted():
+            return requests.simulate(state, event)
+        case WorstWanted():
+            return results.show_worst(state)
+        case CancelWanted():
+            return with_work(state, simulate_next=None), (Stop(Lane.MOTION), Stop(Lane.SAVE))
+        case Reported(lane=Lane.MOTION):
+            return results.take_report(state, event)
+        case RobotLoaded():
+            return _robot_loaded(state, event)
+        case RobotMissing():
+            return results.miss_robot(state, event)
+        case Opened():
+            return open_tab(state, event)
+        case _:
+            return _update_beside(state, event)
+
+
+def _update_beside(state: TabState, event: Event) -> Step:
+    """Events that change neither the request nor what is computed of it."""
+    match event:
+        case FileChosen():
+            return files.open_file(state, event)
+        case Reported(lane=Lane.OPEN):
+            return files.take_opening(state, event)
+        case SaveWanted():
+            return files.save_design(state)
+        case ExportWanted():
+            return files.export(state, event)
+        case Reported(lane=Lane.SAVE):
+            return files.take_saving(state, event)
+        case StopExportWanted():
+            return state, (Stop(Lane.SAVE),)
+        case ShareWanted():
+            return state, (Share(state.design),)
+        case PinWanted():
+            return _pin(state), ()
+        case PinChosen(index):
+            return replace(state, pin_chosen=index if index < len(state.pins) else -1), ()
+        case UnpinWanted():
+            return _unpin(state), ()
+        case TakeUpWanted():
+            return _take_up(state)
+        case ViewChosen(layers, night):
+            return replace(state, view=replace(state.view, layers=layers, night=night)), ()
+        case PlotsChosen(choice):
+            return replace(state, plots=choice), ()
+        case PageReady(software=software):
+            return replace(state, page=True, view=replace(state.view, fine=not software)), ()
+        case PlayerMoved(time, playing):
+            return replace(state, playback=replace(state.playback, time=time, playing=playing)), ()
+        case PlaybackChosen(speed, loop):
+            return replace(state, playback=replace(state.playback, speed=speed, loop=loop)), ()
+    return state, ()
+
+
+def _robot_loaded(state: TabState, event: RobotLoaded) -> Step:
+    known = state.known
+    if known is None or known.plan.jump.robot != event.robot.name:
+        return results.take_robot(state, event)
+    return show_known(results.with_robot(state, event.robot), known)
+
+
+# ---- what is compared
+
+
+def _pin(state: TabState) -> TabState:
+    """Keep the motion that is shown."""
+    shown, colour = state.shown, free_colour(state.pins)
+    if shown is None or colour is None:
+        return state
+    plan, rollout = shown.plan, shown.rollout
+    scenario = state.design.scenario if rollout is None else rollout.scenario
+    design = Design(plan.jump, plan.tuning, scenario)
+    pin = Pin(shown.planned, shown.simulated, design, colour)
+    return replace(state, pins=(*state.pins, pin), pin_chosen=len(state.pins))
+
+
+def _unpin(state: TabState) -> TabState:
+    """Let go of the pin that is chosen."""
+    chosen = state.pin_chosen
+    pins = tuple(pin for index, pin in enumerate(state.pins) if index != chosen)
+    return replace(state, pins=pins, pin_chosen=len(pins) - 1)
+
+
+def _take_up(state: TabState) -> Step:
+    """Make the design of the chosen pin the present one."""
+    chosen = state.pin_chosen
+    if not 0 <= chosen < len(state.pins):
+        return state, ()
+    design = state.pins[chosen].design
+    if design is None:
+        body = "A motion of another tool is for looking: nothing says what was asked for."
+        return state, (Notify("Not taken up", body),)
+    return requests.choose_design(state, DesignChosen(design))

@@ -1,0 +1,45 @@
+// A small dialog of the page's own: a title, a sentence, and a line of text to copy.
+(() => {
+  const STYLE = `
+    #llsrbm-dialog { max-width: min(34rem, 90vw); border: 1px solid var(--mantine-color-default-border);
+      border-radius: 8px; padding: 1rem 1.2rem; font: 14px/1.5 system-ui, sans-serif;
+      color: var(--mantine-color-text); background: var(--mantine-color-body); }
+    #llsrbm-dialog::backdrop { background: rgba(0, 0, 0, 0.35); }
+    #llsrbm-dialog h2 { margin: 0 0 0.3rem; font-size: 1.05rem; }
+    #llsrbm-dialog input { box-sizing: border-box; width: 100%; font: inherit; padding: 0.3rem 0.5rem;
+      color: inherit; background: var(--mantine-color-default); border-radius: 4px;
+      border: 1px solid var(--mantine-color-default-border); }
+    #llsrbm-dialog button { font: inherit; color: inherit; margin-top: 0.8rem; padding: 0.25rem 0.9rem;
+      background: var(--mantine-color-default); border-radius: 4px; cursor: pointer;
+      border: 1px solid var(--mantine-color-default-border); }`;
+
+  function element(kind, attributes, ...children) {
+    const made = document.createElement(kind);
+    for (const [name, value] of Object.entries(attributes)) made.setAttribute(name, value);
+    made.append(...children);
+    return made;
+  }
+
+  const title = element("h2", { id: "llsrbm-dialog-title" });
+  const text = element("p", {});
+  const line = element("input", { readonly: "", "aria-label": "Link" });
+  const close = element("button", { type: "button" }, "Close");
+  const dialog = element("dialog",
+    { id: "llsrbm-dialog", "aria-labelledby": "llsrbm-dialog-title" }, title, text, line, close);
+  close.addEventListener("click", () => dialog.close());
+
+  document.addEventListener("DOMContentLoaded", () => {
+    document.head.append(element("style", {}, STYLE));
+    document.body.append(dialog);
+  });
+
+  window.llsrbm.dialog = {
+    open(heading, sentence, value) {
+      title.textContent = heading;
+      text.textContent = sentence;
+      line.value = value;
+      if (!dialog.open) dialog.showModal();
+      line.select();
+    },
+  };
+})();

@@ -1,0 +1,125 @@
+// The page's side of the link to its session (app/viser_link/page_link.py): it answers when the
+// session calls, keeps what shall outlive the connection, and makes links that open a design.
+// First of all, it checks every field of viser's that the scripts lean on.
+(() => {
+  const CHECKED_EVERY = 100, PATIENCE = 5000; // ms; viser fills some fields when it has drawn first
+  const TAB = "llsrbm.tab", DESIGN = "llsrbm.design"; // names in the browser's storage
+  const SHARED = "#design=";
+
+  const llsrbm = (window.llsrbm ??= { software: false });
+  const hidden = {}; // storage for a browser that forbids it
+  let field = null, count = 0;
+
+  const needs = []; // functions that return the names of missing fields
+  llsrbm.require = (check) => needs.push(check);
+  const missing = () => [...new Set(needs.flatMap((check) => check()))];
+
+  llsrbm.require(() => {
+    const viewer = window.__viserMutable;
+    return typeof viewer?.sendMessage === "function" ? [] : ["__viserMutable.sendMessage"];
+  });
+
+  function stored(kind, key) {
+    try {
+      return window[kind].getItem(key);
+    } catch {
+      return hidden[kind + key] ?? null;
+    }
+  }
+
+  function store(kind, key, value) {
+    try {
+      if (value === null) window[kind].removeItem(key);
+      else window[kind].setItem(key, value);
+    } catch {
+      hidden[kind + key] = value;
+    }
+  }
+
+  // By which the server knows this tab again. It is in the storage only while no page has it: a
+  // reload finds it there, a copy of the tab does not.
+  const tab = stored("sessionStorage", TAB) ??
+    [...crypto.getRandomValues(new Uint8Array(16))]
+      .map((byte) => byte.toString(16).padStart(2, "0")).join("");
+  store("sessionStorage", TAB, null);
+  window.addEventListener("pagehide", () => store("sessionStorage", TAB, tab));
+  window.addEventListener("pageshow", () => store("sessionStorage", TAB, null));
+
+  // The design in the address: opened once, so that a reload finds what came of it.
+  function takeShared() {
+    if (!location.hash.startsWith(SHARED)) return null;
+    const code = location.hash.slice(SHARED.length).replace(/-/g, "+").replace(/_/g, "/");
+    history.replaceState(null, "", location.pathname + location.search);
+    try {
+      const bytes = Uint8Array.from(atob(code), (character) => character.charCodeAt(0));
+      return new TextDecoder().decode(bytes);
+    } catch {
+      return "a link that was cut"; // the server's reader refuses it, and the refusal is shown
+    }
+  }
+  let shared = takeShared();
+  window.addEventListener("hashchange", () => {
+    shared = takeShared();
+    if (shared !== null) greet();
+  });
+
+  function link(design) {
+    const bytes = new TextEncoder().encode(design);
+    const code = btoa(String.fromCharCode(...bytes)).replace(/\+/g, "-").replace(/\//g, "_")
+      .replace(/=+$/, "");
+    return location.origin + location.pathname + SHARED + code;
+  }
+
+  function send(event) {
+    if (!field) return;
+    // A number makes every message a change, which is what viser passes on.
+    const value = JSON.stringify({ ...event, count: (count += 1) });
+    window.__viserMutable?.sendMessage({
+      type: "GuiUpdateMessage", uuid: field, updates: { value },
+    });
+  }
+
+  function greet() {
+    const { time = 0, playing = false } = llsrbm.player ?? {};
+    send({
+      kind: "ready", software: llsrbm.software, missing: missing(), tab, shared, time, playing,
+      kept: stored("sessionStorage", DESIGN) ?? stored("localStorage", DESIGN),
+    });
+    shared = null;
+  }
+
+  llsrbm.page = {
+    connect(uuid) {
+      field = uuid;
+      const since = performance.now();
+      const check = () => {
+        if (field !== uuid) return;
+        if (missing().length === 0 || performance.now() - since > PATIENCE) greet();
+        else setTimeout(check, CHECKED_EVERY);
+      };
+      check();
+    },
+    // This tab's own, and for tabs that are opened later.
+    keep(design) {
+      store("sessionStorage", DESIGN, design);
+      store("localStorage", DESIGN, design);
+    },
+    async share(design) {
+      const address = link(design);
+      let copied = true;
+      try {
+        await navigator.clipboard.writeText(address);
+      } catch {
+        copied = false; // not allowed, or not over http: it can be copied by hand
+      }
+      llsrbm.dialog.open(
+        "Share this design",
+        copied ? "The link is copied. It opens this design on this server; it holds all of it."
+          : "Copy this link. It opens this design on this server; it holds all of it.",
+        address,
+      );
+    },
+    send,
+    get missing() { return missing(); },
+  };
+})();
