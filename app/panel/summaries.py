@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
-from app.compute.protocol import Progress
+from app.compute.protocol import Progress, SeedResult
 from app.panel.html import table
+from app.panel.status import Word
 from llsrbm.analysis.diagnosis import diagnose, fall_in_words
 from llsrbm.analysis.figures import figures_of_plan
 from llsrbm.analysis.peak_loads import planned_peak_load
@@ -44,11 +46,11 @@ def progress_line(report: Progress) -> str:
     return f"({', '.join(parts)}) ..."
 
 
-def simulated_line(rollout: Rollout) -> tuple[str, str]:
+def simulated_line(rollout: Rollout) -> tuple[Word, str]:
     """The status line's word and what follows it."""
     outcome = rollout.outcome
     if not rollout.landed:
-        return "Fell", f"{fall_in_words(rollout)}."
+        return Word.FELL, f"{fall_in_words(rollout)}."
     parts = []
     if outcome.yaw_error_at_touchdown is not None:
         parts.append(f"yaw {_degrees(outcome.yaw_error_at_touchdown)} from the plan at touch-down")
@@ -56,8 +58,22 @@ def simulated_line(rollout: Rollout) -> tuple[str, str]:
     parts.append(f"{outcome.real_time_factor:.1f}× real time")
     if outcome.unsolved_ticks:
         parts.append(f"the controller's QP was unsolved in {outcome.unsolved_ticks} ticks")
-    loosely = "" if outcome.strict else "but not by the strict measure: "
-    return "Landed", loosely + ", ".join(parts)
+    loosely = "" if outcome.strict else "but failed the strict criterion: "
+    return Word.LANDED, loosely + ", ".join(parts)
+
+
+def seeds_line(results: Sequence[SeedResult]) -> str:
+    """How many seeds landed."""
+    landed = sum(result.landed for result in results)
+    return f"{landed} of {len(results)} seeds land"
+
+
+def seeds_table(results: Sequence[SeedResult]) -> str:
+    """How each seed ended, as HTML; "" for none."""
+    if not results:
+        return ""
+    rows = [(f"Seed {result.seed}", result.line) for result in results]
+    return table(rows, f"{seeds_line(results)}")
 
 
 def worst(violations: dict[str, Violation]) -> str:
@@ -87,7 +103,7 @@ def plan_figures(plan: Plan) -> str:
                 "Smallest Izz in flight",
                 f"{values.smallest_Izz:.2f} kg m² ({standing:.2f} standing)",
             ),
-            ("Feet drawn in to", f"{values.feet_radius:.3f} m from the CoM's axis"),
+            ("Minimum foot radius", f"{values.feet_radius:.3f} m from the CoM's axis"),
             (
                 "Largest force on a foot",
                 f"{values.peak_force:.0f} N, {values.peak_force_in_weights:.2f} of the weight",

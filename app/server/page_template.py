@@ -8,7 +8,17 @@ from pathlib import Path
 
 import viser
 
-SCRIPTS = ("graphics.js", "player.js", "transport.js")
+from llsrbm.errors import Error
+
+SCRIPTS = (
+    "graphics.js",
+    "page.js",
+    "dialog.js",
+    "player.js",
+    "transport.js",
+    "tour.js",
+    "plot_cursor.js",
+)
 """In the order in which they need each other."""
 
 _TITLE = "<title>Viser</title>"
@@ -17,15 +27,16 @@ _FOLDER = Path(__file__).parents[1] / "static"
 
 @lru_cache(maxsize=1)
 def page_html() -> bytes:
-    """Read once; scripts that a page of another viser has no place for are left out.
+    """Read once.
 
-    The server then plays motions itself, and says so (see `app.session.stage`).
+    Raises:
+        Error: viser's page has no place for our scripts.
     """
     page = (Path(viser.__file__).parent / "client" / "build" / "index.html").read_text("utf-8")
+    if _TITLE not in page:
+        raise Error(f"the page of viser {viser.__version__} has no place for our scripts")
     scripts = "".join(
-        f"<script>\n{(_FOLDER / name).read_text('utf-8')}</script>\n"
-        for name in SCRIPTS
-        if (_FOLDER / name).exists()
+        f"<script>\n{(_FOLDER / name).read_text('utf-8')}</script>\n" for name in SCRIPTS
     )
     return page.replace(_TITLE, f"<title>Jump designer</title>\n{scripts}", 1).encode("utf-8")
 

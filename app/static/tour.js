@@ -1,0 +1,133 @@
+// The first minute: four cards that point at what matters, once for each browser. It can be skipped
+// with a click or Escape, and opened again by `llsrbm.tour.start()` (the panel's Help tab).
+(() => {
+  const SEEN = "llsrbm.tour"; // name in the browser's storage
+  const AWAY = 12; // pixels between a card and what it points at
+
+  const STEPS = [
+    {
+      title: "Move a slider", at: () => control("Twist [deg]"),
+      text: "The jump is planned while you drag, and the robot replays it at once.",
+    },
+    {
+      title: "Read the ellipsoid", at: () => null,
+      text: "It is the uniform solid ellipsoid with the robot's mass and inertia: it shrinks when " +
+        "the legs are drawn in, and the robot turns faster.",
+    },
+    {
+      title: "Simulate", at: () => button("Simulate"),
+      text: "The whole robot follows the plan in MuJoCo; the plan stays beside it as a ghost.",
+    },
+    {
+      title: "Take it along", at: () => button("Export"),
+      text: "Export the motion for your own tools, share the design as a link, or open a file " +
+        "by dropping it on the page.",
+    },
+  ];
+
+  const STYLE = `
+    #llsrbm-tour { position: fixed; z-index: 20; display: none; width: 17rem; box-sizing: border-box;
+      padding: 0.8rem 1rem; border-radius: 8px; font: 14px/1.45 system-ui, sans-serif;
+      color: var(--mantine-color-text); background: var(--mantine-color-body);
+      border: 1px solid var(--mantine-color-default-border);
+      box-shadow: 0 6px 24px rgba(0, 0, 0, 0.22); }
+    #llsrbm-tour h2 { margin: 0 0 0.2rem; font-size: 1rem; }
+    #llsrbm-tour p { margin: 0 0 0.6rem; }
+    #llsrbm-tour .line { display: flex; gap: 0.5rem; align-items: center; }
+    #llsrbm-tour .line span { flex: 1; opacity: 0.75; }
+    #llsrbm-tour button { font: inherit; color: inherit; padding: 0.2rem 0.8rem; cursor: pointer;
+      background: var(--mantine-color-default); border-radius: 4px;
+      border: 1px solid var(--mantine-color-default-border); }
+    .llsrbm-pointed { outline: 2px solid var(--mantine-primary-color-filled); outline-offset: 3px;
+      border-radius: 4px; }`;
+
+  function element(kind, attributes, ...children) {
+    const made = document.createElement(kind);
+    for (const [name, value] of Object.entries(attributes)) made.setAttribute(name, value);
+    made.append(...children);
+    return made;
+  }
+
+  const control = (label) => [...document.querySelectorAll("label")]
+    .find((each) => each.textContent.trim() === label)?.parentElement ?? null;
+  const button = (label) => [...document.querySelectorAll("button")]
+    .find((each) => each.textContent.trim() === label) ?? null;
+
+  const title = element("h2", { id: "llsrbm-tour-title" });
+  const text = element("p", {});
+  const count = element("span", {});
+  const skip = element("button", { type: "button" }, "Skip");
+  const next = element("button", { type: "button" }, "Next");
+  const card = element("div",
+    { id: "llsrbm-tour", role: "dialog", "aria-labelledby": "llsrbm-tour-title", "aria-live": "polite" },
+    title, text, element("div", { class: "line" }, count, skip, next));
+
+  let at = -1, pointed = null;
+
+  function seen() {
+    try {
+      return localStorage.getItem(SEEN) !== null;
+    } catch {
+      return true; // a browser that keeps nothing would see it every time
+    }
+  }
+
+  function end() {
+    at = -1;
+    card.style.display = "none";
+    pointed?.classList.remove("llsrbm-pointed");
+    pointed = null;
+    try {
+      localStorage.setItem(SEEN, "seen");
+    } catch { /* it keeps nothing */ }
+  }
+
+  function show(index) {
+    if (index >= STEPS.length) return end();
+    at = index;
+    const step = STEPS[index];
+    title.textContent = step.title;
+    text.textContent = step.text;
+    count.textContent = `${index + 1} of ${STEPS.length}`;
+    next.textContent = index + 1 < STEPS.length ? "Next" : "Done";
+    skip.style.display = index + 1 < STEPS.length ? "" : "none";
+    pointed?.classList.remove("llsrbm-pointed");
+    pointed = step.at();
+    pointed?.classList.add("llsrbm-pointed");
+    card.style.display = "block";
+    place();
+  }
+
+  // Beside what it points at, towards the picture; else in the picture's lower corner.
+  function place() {
+    if (at < 0) return;
+    const { width, height } = card.getBoundingClientRect();
+    const bar = document.getElementById("llsrbm-transport")?.getBoundingClientRect();
+    const corner = { left: AWAY, top: (bar?.top ?? window.innerHeight) - height - AWAY };
+    const box = pointed?.getBoundingClientRect();
+    const beside = box && box.width > 0 && box.left > width + 2 * AWAY
+      ? { left: box.left - width - AWAY, top: Math.max(AWAY, box.top + (box.height - height) / 2) }
+      : corner;
+    card.style.left = `${beside.left}px`;
+    card.style.top = `${Math.max(0, Math.min(beside.top, window.innerHeight - height - AWAY))}px`;
+  }
+
+  skip.addEventListener("click", end);
+  next.addEventListener("click", () => show(at + 1));
+  window.addEventListener("resize", place);
+  window.addEventListener("keydown", (event) => {
+    if (event.key === "Escape" && at >= 0) end();
+  });
+  document.addEventListener("DOMContentLoaded", () => {
+    document.head.append(element("style", {}, STYLE));
+    document.body.append(card);
+  });
+
+  window.llsrbm.tour = {
+    start: () => show(0),
+    // When the first motion plays.
+    offer() {
+      if (at < 0 && !seen()) show(0);
+    },
+  };
+})();
