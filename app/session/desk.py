@@ -21,7 +21,9 @@ from app.compute.protocol import (
     Prepared,
     Progress,
     Report,
+    SeedDone,
     Simulated,
+    SimulatedSoFar,
     SimulateJump,
     Task,
 )
@@ -175,7 +177,7 @@ class Desk:
 
     def hear(self, report: Report) -> None:
         """Show what the pool reports."""
-        if report.job <= self._dropped:
+        if report.job <= self._dropped or isinstance(report, SimulatedSoFar | SeedDone):
             return
         newest = report.job == self._job
         if isinstance(report, Planned) and not newest:
