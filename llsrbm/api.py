@@ -7,6 +7,9 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from llsrbm.errors import InputError, NotConverged
 from llsrbm.jump import Jump
 from llsrbm.motion.plan import Plan
@@ -121,6 +124,7 @@ def simulate(
     *,
     cancelled: Callable[[], bool] | None = None,
     progress: Callable[[float], None] | None = None,
+    so_far: Callable[[NDArray[np.float64], NDArray[np.float64]], None] | None = None,
     **fields: Any,
 ) -> Rollout:
     """Let the whole robot follow a plan in MuJoCo, until a second after the plan's end.
@@ -134,6 +138,9 @@ def simulate(
             None: no board, nothing disturbed.
         cancelled: asked now and then; True ends with `Cancelled`.
         progress: told the share that is done, 0 to 1.
+        so_far: called five times a second with the motion until now: instants (K,) s, 60 to a
+            simulated second, and states (K, 7 + J) in MuJoCo's convention, joints in
+            `Robot.joint_names`' order.
         fields: those of a `Scenario` in place of one: `simulate(plan, board=0.025, seed=3)`.
 
     Raises:
@@ -152,7 +159,7 @@ def simulate(
     robot = load_robot(plan.jump.robot)
     checks.check_robot(plan, robot)
     checks.check_scenario(scenario, robot)
-    return run(plan, robot, scenario, cancelled=cancelled, progress=progress)
+    return run(plan, robot, scenario, cancelled=cancelled, progress=progress, so_far=so_far)
 
 
 def _scenario(scenario: Any, fields: Mapping[str, Any]) -> Scenario:

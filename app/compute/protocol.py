@@ -1,14 +1,20 @@
-"""What the server and its computing processes say to each other.
+"""Messages between the server and its computing processes: tasks one way, reports the other.
 
 Every job has a number of its own, and a process works on one job at a time, so "stop job n" is
 unambiguous and needs no reset.
+
+A job's reports are any number of partial ones (`Progress`, `SimulatedSoFar`, `SeedDone`), then one
+outcome, and nothing after it.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
 
 from app.compute.opened_file import OpenedFile
 from llsrbm.design import SUFFIX
@@ -66,6 +72,21 @@ class SimulateJump:
     scenario: Scenario
 
 
+@dataclass(frozen=True, eq=False)
+class SimulateSeeds:
+    """Follow a plan once with each seed's disturbance, to see how many land.
+
+    Attributes:
+        plan: a solved one.
+        scenario: board and noise; its own seed does not matter.
+        seeds: different ones, in the order in which they are simulated.
+    """
+
+    plan: Plan
+    scenario: Scenario
+    seeds: tuple[int, ...]
+
+
 @dataclass(frozen=True)
 class FindNearest:
     """Find the nearest jump that can be planned.
@@ -118,7 +139,7 @@ class ExportMotion:
         return all(find(name).suffix in _NUMBERS for name in self.formats)
 
 
-Task = Prepare | PlanJump | FindNearest | SimulateJump | OpenFile | ExportMotion
+Task = Prepare | PlanJump | FindNearest | SimulateJump | SimulateSeeds | OpenFile | ExportMotion
 
 
 @dataclass(frozen=True)
@@ -138,7 +159,7 @@ class Job:
 
 
 class Nearest(Protocol):
-    """What a search finds (`llsrbm.nearest`)."""
+    """Result of a search (`llsrbm.nearest`)."""
 
     @property
     def jump(self) -> Jump:
@@ -163,11 +184,11 @@ class Ready:
 
 @dataclass(frozen=True)
 class Progress:
-    """What a process is doing now.
+    """A job is under way, or waits.
 
     Attributes:
-        job: number of the job that waits for it.
-        text: one line to show.
+        job: its number.
+        text: one line to show: the work in hand, or the reason for waiting.
         share: done of this very job, 0 to 1; None where that is not known.
         iteration: of the solver in this job's running attempt; None where there is none.
         residual: the largest constraint violation there, in the solver's scaling.
@@ -178,6 +199,62 @@ class Progress:
     share: float | None = None
     iteration: int | None = None
     residual: float | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class SimulatedSoFar:
+    """The motion of a simulation that still runs, from its beginning: K instants at about 60 Hz.
+
+    Each report holds everything so far, so that older ones may be dropped.
+
+    Attributes:
+        job: number of the job.
+        share: done of it, 0 to 1.
+        time: (K,) s from 0 on.
+        qpos: (K, 7 + J) in MuJoCo's convention, joints in `Robot.joint_names`' order.
+    """
+
+    job: int
+    share: float
+    time: NDArray[np.float64]
+    qpos: NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class SeedResult:
+    """How the simulation of one seed ended.
+
+    Attributes:
+        seed: of its disturbance.
+        landed: whether the robot stands at the end.
+        strict: whether it landed by the strict measure (`llsrbm.simulation.verdict`).
+        fell_at_s: when it fell; None if it landed.
+        foot_error: largest horizontal distance of a foot from the plan's at the end, m.
+        line: the same in words.
+    """
+
+    seed: int
+    landed: bool
+    strict: bool
+    fell_at_s: float | None
+    foot_error: float
+    line: str
+
+
+@dataclass(frozen=True)
+class SeedDone:
+    """One more seed of several was simulated.
+
+    Attributes:
+        job: number of the job.
+        result: of that seed.
+        done, of: how many are done by now, of how many.
+    """
+
+    job: int
+    result: SeedResult
+    done: int
+    of: int
 
 
 @dataclass(frozen=True)
@@ -230,6 +307,22 @@ class Simulated:
 
     job: int
     rollout: Rollout
+
+
+@dataclass(frozen=True, eq=False)
+class SimulatedSeeds:
+    """A plan was followed once with each seed.
+
+    Attributes:
+        job: number of the job.
+        results: in the order of the task's seeds.
+        worst: rollout of the seed that ended worst (`app.compute.seeds.badness`); its scenario has
+            the seed.
+    """
+
+    job: int
+    results: tuple[SeedResult, ...]
+    worst: Rollout
 
 
 @dataclass(frozen=True, eq=False)
@@ -286,83 +379,8 @@ class Cancelled:
     job: int
 
 
-Report = Progress | Prepared | Planned | Found | Simulated | Opened | Exported | Failed | Cancelled
-
-
-# ---- what the process computes with
-
-
-class Tell(Protocol):
-    """Takes news of the job that is being worked on; see `Progress`."""
-
-    def __call__(
-        self,
-        text: str,
-        *,
-        share: float | None = None,
-        iteration: int | None = None,
-        residual: float | None = None,
-    ) -> None:
-        """Pass it on; cheap enough to be called often."""
-        ...
-
-
-class Planner(Protocol):
-    """The computing part, made once in each process and kept, its solvers warm.
-
-    `cancelled` is to be asked now and then.
-    """
-
-    def prepare(self, robot: str, tell: Tell) -> None:
-        """Compute or load what drawing `robot` needs.
-
-        Raises:
-            llsrbm.errors.Error: the robot cannot be used.
-        """
-        ...
-
-    def plan(self, task: PlanJump, tell: Tell, cancelled: Callable[[], bool]) -> Plan:
-        """Plan a jump.
-
-        Raises:
-            llsrbm.errors.Error: bad request, no convergence (`NotConverged`), or stopped
-                (`Cancelled`).
-        """
-        ...
-
-    def nearest(self, task: FindNearest, tell: Tell, cancelled: Callable[[], bool]) -> Nearest:
-        """Find the nearest jump that can be planned.
-
-        Raises:
-            llsrbm.errors.Error: bad request, there is none, or stopped (`Cancelled`).
-        """
-        ...
-
-    def simulate(self, task: SimulateJump, tell: Tell, cancelled: Callable[[], bool]) -> Rollout:
-        """Simulate a plan, telling the share done.
-
-        Raises:
-            llsrbm.errors.Error: the plan or the scenario cannot be used, or stopped
-                (`Cancelled`).
-        """
-        ...
-
-    def open(self, task: OpenFile, tell: Tell) -> OpenedFile:
-        """Read a file, and have what drawing its robot needs.
-
-        Raises:
-            llsrbm.errors.Error: one line that says why it cannot be opened.
-        """
-        ...
-
-    def export(self, task: ExportMotion, tell: Tell) -> tuple[str, bytes]:
-        """Name and content of the file that is made.
-
-        Raises:
-            llsrbm.errors.Error: a format cannot hold it, or its packages are missing.
-        """
-        ...
-
-
-PlannerFactory = Callable[[], Planner]
-"""Makes the planner inside a process; an importable function or class, found there by name."""
+Partial = Progress | SimulatedSoFar | SeedDone
+Outcome = (
+    Prepared | Planned | Found | Simulated | SimulatedSeeds | Opened | Exported | Failed | Cancelled
+)
+Report = Partial | Outcome

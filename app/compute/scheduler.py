@@ -1,18 +1,18 @@
-"""Whose job is next, and on which process: the rules by which tabs share the pool.
+"""The order of jobs, and the process that takes each: the rules by which tabs share the pool.
 
-1. Tabs take turns in the order in which they asked. A tab has one job waiting; a newer one takes
-   its place in the queue, so that a slider dragged in one tab cannot starve another.
+1. Tabs take turns in the order of their requests. A tab has one job waiting; a newer one takes its
+   place in the queue, so that a slider dragged in one tab cannot starve another.
 2. Of each kind (planning, searching, simulating, files) a tab has at most one job running, besides
    those that were asked to stop.
-3. One process is reserved: it takes nothing that lasts seconds, so that no plan has to wait for
+3. One process is reserved: it takes no job that lasts seconds, so that no plan has to wait for
    another tab's simulation.
-4. What no process has done yet (a solver that may have to be built, a robot that may have to be
-   prepared) runs on one process at a time: the others stay free, and nothing is built twice.
+4. A job that may have to build something first (a solver, a robot's meshes) runs on one process at
+   a time: the others stay free, and nothing is built twice.
+5. At most `MOST_WAITING` jobs wait; beyond that new tabs are refused until the queue is shorter.
 """
 
 from __future__ import annotations
 
-import logging
 from collections.abc import Callable, Hashable, Iterator, Sequence
 from dataclasses import dataclass, field
 from enum import Enum
@@ -27,17 +27,20 @@ from app.compute.protocol import (
     Prepare,
     Report,
     SimulateJump,
+    SimulateSeeds,
     Task,
 )
 
-_log = logging.getLogger(__name__)
+MOST_WAITING = 200
+"""Jobs in the queue: of some 60 tabs that plan, open and save at once; a job may hold a file of
+32 MB, so that the queue needs a bound."""
 
 Listener = Callable[[Report], None]
 Solver = tuple[str, str]  # robot, model
 
 
 class Kind(Enum):
-    """What a tab can have going on, one of each at a time."""
+    """Kinds of jobs; a tab has one of each running at a time."""
 
     PLAN = 0
     SEARCH = 1
@@ -47,11 +50,11 @@ class Kind(Enum):
 
     @staticmethod
     def of(task: Task) -> Kind:
-        """A task's; preparing a robot comes before its plan, and counts as such."""
+        """The task's kind; preparing a robot comes before its plan, and counts as such."""
         match task:
             case FindNearest():
                 return Kind.SEARCH
-            case SimulateJump():
+            case SimulateJump() | SimulateSeeds():
                 return Kind.SIMULATE
             case ExportMotion():
                 return Kind.FILE if task.quick else Kind.EXPORT
@@ -67,38 +70,31 @@ class Kind(Enum):
 
 @dataclass(eq=False)
 class Entry:
-    """A job and who asked for it.
+    """A job in the queue or on a process, and the tab that it is for.
 
     Attributes:
-        tab: who.
-        job: what.
-        listener: hears its reports.
-        tell_at: when it is to be told what it waits for, if it still does, s (monotonic clock).
+        tab: any name of it that can be a key.
+        job: the work.
+        listener: called with its reports.
+        notify_at: when its tab gets to know the reason for waiting, s (monotonic clock).
     """
 
     tab: Hashable
     job: Job
     listener: Listener
-    tell_at: float
-
-    def tell(self, report: Report) -> None:
-        """Have the listener hear; what goes wrong there must not stop other tabs' jobs."""
-        try:
-            self.listener(report)
-        except Exception:  # noqa: BLE001  # whatever it is
-            _log.exception("the listener of job %d failed", self.job.number)
+    notify_at: float
 
 
 @dataclass(eq=False)
 class Member:
-    """One process of the pool, as far as turns go.
+    """One process of the pool, as far as the order of jobs goes.
 
     Attributes:
-        reserved: takes nothing that lasts seconds.
-        loaded: the solvers it has at hand, each with a task that it has solved.
+        reserved: takes no job that lasts seconds.
+        loaded: the solvers in its memory, each with a task that it has solved.
         ready: it has started.
-        working_on: the job it has.
-        stopping: that was asked to stop, but may take its time.
+        working_on: its job, if it has one.
+        stopping: whether that job was asked to stop; it may go on for a while.
     """
 
     reserved: bool
@@ -120,7 +116,7 @@ class Scheduler:
     """The jobs that wait."""
 
     def __init__(self) -> None:
-        """Nobody waits, and nothing was done yet."""
+        """An empty queue; nothing is known to be built."""
         self._waiting: dict[Hashable, Entry] = {}
         self._done: set[Hashable] = set()
 
@@ -131,25 +127,29 @@ class Scheduler:
         return len(self._waiting)
 
     def put(self, entry: Entry) -> None:
-        """Queue it, or in place of the one of its tab that waits."""
+        """Queue it, or in place of its tab's waiting job; not if `is_full_for` its tab."""
         self._waiting[entry.tab] = entry
 
+    def is_full_for(self, tab: Hashable) -> bool:
+        """Whether no further job can wait, except in place of one of the same tab."""
+        return len(self._waiting) >= MOST_WAITING and tab not in self._waiting
+
     def withdraw(self, tab: Hashable) -> Entry | None:
-        """The tab's waiting job, which leaves the queue."""
+        """Take the tab's waiting job out of the queue."""
         return self._waiting.pop(tab, None)
 
     def note_done(self, task: Task) -> None:
-        """It has been worked on: what it needs is there, at least on the disk."""
+        """A job was worked on: its solver or meshes are built, at least on the disk."""
         self._done.add(_needs(task))
 
     def clear(self) -> list[Entry]:
-        """All waiting jobs, which leave the queue."""
+        """Take all waiting jobs out of the queue."""
         entries = list(self._waiting.values())
         self._waiting.clear()
         return entries
 
     def next(self, members: Sequence[AnyMember]) -> tuple[Entry, AnyMember] | None:
-        """The first waiting job that one of the members can take, and which; leaves the queue."""
+        """Take the first job out of the queue that a member can take; the job and the member."""
         running = {
             _claim(m.working_on) for m in members if m.working_on is not None and not m.stopping
         }
@@ -164,18 +164,18 @@ class Scheduler:
         return None
 
     def is_new(self, task: Task) -> bool:
-        """Whether it may take long for the sake of what it needs first."""
+        """Whether it may have to build something first, which may take long."""
         needed = _needs(task)
         return needed is not None and needed not in self._done
 
     def may_run(self, task: Task, members: Sequence[Member]) -> bool:
-        """Whether it needs nothing new while another member works on something new."""
+        """Whether it builds nothing, or no other member is building."""
         return not self.is_new(task) or not any(
             self.is_new(m.working_on.job.task) for m in members if m.working_on is not None
         )
 
     def _reluctance(self, member: Member, task: Task) -> tuple[bool, bool]:
-        """Sorts members: who has the solver; then the reserved one, unless it may take long."""
+        """Sorts members: with the solver first; then the reserved one, unless it may take long."""
         loaded = _needs(task) in member.loaded
         return not loaded, member.reserved == (self.is_new(task) or Kind.of(task).long)
 
@@ -185,9 +185,9 @@ def _claim(entry: Entry) -> tuple[Hashable, Kind]:
 
 
 def _needs(task: Task) -> Hashable:
-    """What has to be there first: a robot, or a solver; None where nothing has."""
+    """The robot or the solver that has to be built first; None where there is none."""
     if isinstance(task, Prepare):
         return task.robot
-    if isinstance(task, SimulateJump | OpenFile | ExportMotion):
+    if isinstance(task, SimulateJump | SimulateSeeds | OpenFile | ExportMotion):
         return None
     return task.jump.robot, task.jump.model

@@ -1,34 +1,38 @@
-"""What the computing processes load while nobody asks for anything: solvers, likeliest first."""
+"""Loading of solvers by the computing processes while there is no request, likeliest first."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
 from app.compute.process import WorkerProcess
-from app.compute.protocol import Failed, PlanJump, Prepare, Report, Task
+from app.compute.protocol import PlanJump, Prepare, Report, Task
 from app.compute.scheduler import Entry, Listener, Scheduler
 
 
 class Background:
-    """Takes what each process has `todo`, one process at a time so that the others stay free."""
+    """Takes the tasks in each process's `todo`, on one process at a time so that others are free.
+
+    Attributes:
+        listener: called with the reports of the first process.
+    """
 
     def __init__(self, members: Sequence[WorkerProcess], turns: Scheduler) -> None:
         """Nothing is to be loaded.
 
         Args:
             members: of the pool.
-            turns: know what may take long.
+            turns: know which task may take long.
         """
         self._members = members
         self._turns = turns
-        self._listener: Listener = _nobody
+        self.listener: Listener = _ignore
         self._done: Callable[[], None] | None = None
 
     def warm_up(
         self, tasks: Sequence[Prepare | PlanJump], listener: Listener, done: Callable[[], None]
     ) -> None:
         """See `WorkerPool.warm_up`."""
-        self._listener, self._done = listener, done
+        self.listener, self._done = listener, done
         for member in self._members:
             first = member is self._members[0]
             member.todo += [task for task in tasks if first or not isinstance(task, Prepare)]
@@ -38,7 +42,7 @@ class Background:
         return entry is not None and entry.tab is self
 
     def next(self) -> tuple[WorkerProcess, Task, Listener] | None:
-        """What a process can load now, and who hears of it; it leaves what is to be done."""
+        """A process with time, the task that it can load, and the listener; taken out of `todo`."""
         if any(self.owns(member.working_on) for member in self._members):
             return None
         able = [member for member in self._members if member.idle and self._may_take(member)]
@@ -46,17 +50,17 @@ class Background:
             return None
         # The first process is through first: from then on, whatever is likely is at hand.
         member = able[0]
-        heard = self._done is not None and member is self._members[0]
-        return member, member.todo.pop(0), self._listener if heard else _nobody
+        reported = self._done is not None and member is self._members[0]
+        return member, member.todo.pop(0), self.listener if reported else _ignore
 
-    def look_whether_done(self) -> None:
-        """Tell who asked for the warm-up when the first process is through; others go on."""
+    def take_done(self) -> Callable[[], None] | None:
+        """The call that is due, once, when the first process is through; others go on."""
         first = self._members[0]
         starting = first.may_start and not first.ready
         if self._done is None or first.todo or first.working_on is not None or starting:
-            return
+            return None
         done, self._done = self._done, None
-        done()
+        return done
 
     def wants_all_processes(self) -> bool:
         """Whether the first one has something likely at hand, so that the others may start.
@@ -67,10 +71,10 @@ class Background:
             self._done is not None and not self._members[0].todo
         )
 
-    def fail(self, message: str) -> None:
-        """No process starts."""
-        if self._done is not None:
-            self._listener(Failed(0, message))
+    @property
+    def awaited(self) -> bool:
+        """Whether the first process is not through yet."""
+        return self._done is not None
 
     def _may_take(self, member: WorkerProcess) -> bool:
         if not member.todo:
@@ -79,5 +83,5 @@ class Background:
         return not (new and member.reserved) and self._turns.may_run(member.todo[0], self._members)
 
 
-def _nobody(_report: Report) -> None:
-    """Hears what nobody asked for."""
+def _ignore(_report: Report) -> None:
+    """Of what loads without a request, nothing is reported."""

@@ -1,4 +1,4 @@
-"""A computing process: plans and simulates, one job at a time, and reports what comes of it."""
+"""A computing process: works on one job at a time and reports its progress and its outcome."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from typing import Protocol
 
 import llsrbm
 from app.compute.opened_file import OpenedFile
+from app.compute.planner import Array, Planner, PlannerFactory, ProgressListener, SoFarListener
 from app.compute.protocol import (
     Cancelled,
     Exported,
@@ -25,17 +26,20 @@ from app.compute.protocol import (
     OpenFile,
     PlanJump,
     Planned,
-    Planner,
-    PlannerFactory,
     Prepare,
     Prepared,
     Progress,
     Ready,
     Report,
+    SeedDone,
+    SeedResult,
     Simulated,
+    SimulatedSeeds,
+    SimulatedSoFar,
     SimulateJump,
-    Tell,
+    SimulateSeeds,
 )
+from app.compute.seeds import simulate_seeds
 from llsrbm import errors
 from llsrbm.jump import Jump
 from llsrbm.motion.plan import Plan
@@ -57,20 +61,22 @@ class LibraryPlanner:
 
         self._solvers: set[tuple[str, str]] = set()
 
-    def prepare(self, robot: str, tell: Tell) -> None:
-        """See `app.compute.protocol.Planner.prepare`."""
+    def prepare(self, robot: str, progress: ProgressListener) -> None:
+        """See `app.compute.planner.Planner.prepare`."""
         from llsrbm.robots import load_robot
         from llsrbm.robots.visuals import link_visuals
 
-        tell(f"fitting the legs of {robot}")
+        progress(f"fitting the legs of {robot}")
         loaded = load_robot(robot)
         loaded.fit  # noqa: B018  # computed on first use, then kept on disk
-        tell(f"simplifying the meshes of {robot}")
+        progress(f"simplifying the meshes of {robot}")
         link_visuals(loaded, coarse=True)
 
-    def plan(self, task: PlanJump, tell: Tell, cancelled: Callable[[], bool]) -> Plan:
-        """See `app.compute.protocol.Planner.plan`."""
-        self._announce(task.jump.robot, task.jump.model, tell)
+    def plan(
+        self, task: PlanJump, progress: ProgressListener, cancelled: Callable[[], bool]
+    ) -> Plan:
+        """See `app.compute.planner.Planner.plan`."""
+        self._announce(task.jump.robot, task.jump.model, progress)
         # What the page shows may be no plan to start from: of another model, or from a file.
         near = task.near
         if near is not None and (near.solution is None or _solver(near.jump) != _solver(task.jump)):
@@ -81,7 +87,7 @@ class LibraryPlanner:
             weights=task.tuning.weights,
             limits=task.tuning.limits,
             patient=task.patient,
-            progress=lambda p: tell(p.text, iteration=p.iteration, residual=p.residual),
+            progress=lambda p: progress(p.text, iteration=p.iteration, residual=p.residual),
             cancelled=cancelled,
         )
         if near is not None:
@@ -93,48 +99,64 @@ class LibraryPlanner:
                 pass
         return plan(near=None)
 
-    def nearest(self, task: FindNearest, tell: Tell, cancelled: Callable[[], bool]) -> Nearest:
-        """See `app.compute.protocol.Planner.nearest`."""
-        self._announce(task.jump.robot, task.jump.model, tell)
+    def nearest(
+        self, task: FindNearest, progress: ProgressListener, cancelled: Callable[[], bool]
+    ) -> Nearest:
+        """See `app.compute.planner.Planner.nearest`."""
+        self._announce(task.jump.robot, task.jump.model, progress)
         found: Nearest = llsrbm.nearest(
             task.jump,
             weights=task.tuning.weights,
             limits=task.tuning.limits,
-            progress=tell,
+            progress=progress,
             cancelled=cancelled,
         )
         return found
 
-    def simulate(self, task: SimulateJump, tell: Tell, cancelled: Callable[[], bool]) -> Rollout:
-        """See `app.compute.protocol.Planner.simulate`."""
-        told = -1
+    def simulate(
+        self,
+        task: SimulateJump,
+        progress: ProgressListener,
+        so_far: SoFarListener,
+        cancelled: Callable[[], bool],
+    ) -> Rollout:
+        """See `app.compute.planner.Planner.simulate`."""
+        shown = -1
+        reached = 0.0
 
         def percent(share: float) -> None:
-            # A simulation tells every few ticks; whoever looks at it reads whole per cents.
-            nonlocal told
-            if int(100 * share) > told:
-                told = int(100 * share)
-                tell(f"simulating, {told} %", share=share)
+            # A simulation reports every few ticks; readers want whole per cents.
+            nonlocal shown, reached
+            reached = share
+            if int(100 * share) > shown:
+                shown = int(100 * share)
+                progress(f"simulating, {shown} %", share=share)
 
-        return llsrbm.simulate(task.plan, task.scenario, progress=percent, cancelled=cancelled)
+        return llsrbm.simulate(
+            task.plan,
+            task.scenario,
+            cancelled=cancelled,
+            progress=percent,
+            so_far=lambda time, qpos: so_far(reached, time, qpos),
+        )
 
-    def open(self, task: OpenFile, tell: Tell) -> OpenedFile:
-        """See `app.compute.protocol.Planner.open`."""
+    def open(self, task: OpenFile, progress: ProgressListener) -> OpenedFile:
+        """See `app.compute.planner.Planner.open`."""
         from app.compute.opened_file import open_file
 
-        tell(f"opening {task.name}")
+        progress(f"opening {task.name}")
         opened = open_file(task.name, task.content, task.robot, task.fps)
-        self.prepare(opened.robot, tell)
+        self.prepare(opened.robot, progress)
         return opened
 
-    def export(self, task: ExportMotion, tell: Tell) -> tuple[str, bytes]:
-        """See `app.compute.protocol.Planner.export`."""
-        tell(f"writing {', '.join(task.formats)}")
+    def export(self, task: ExportMotion, progress: ProgressListener) -> tuple[str, bytes]:
+        """See `app.compute.planner.Planner.export`."""
+        progress(f"writing {', '.join(task.formats)}")
         return exported(task)
 
-    def _announce(self, robot: str, model: str, tell: Tell) -> None:
+    def _announce(self, robot: str, model: str, progress: ProgressListener) -> None:
         if (robot, model) not in self._solvers:
-            tell(f"building the solver of {model} for {robot}: half a minute, the first time")
+            progress(f"building the solver of {model} for {robot}: half a minute, the first time")
         self._solvers.add((robot, model))
 
 
@@ -163,11 +185,11 @@ def main(connection: Connection, stop: SharedNumber, factory: PlannerFactory) ->
     """Work until the server closes its end of the connection.
 
     An exception that is no `llsrbm.errors.Error` is a defect: it ends the process with a traceback
-    in the terminal, which the server notices and tells the user.
+    in the terminal, and the server reports that to the user.
 
     Args:
         connection: jobs come in, reports go out.
-        stop: number of the job that needs no result any more.
+        stop: number of the job whose result nobody needs any more.
         factory: makes the planner.
     """
     # Ctrl-C reaches every process of the terminal; the server decides when this one ends.
@@ -183,35 +205,47 @@ def main(connection: Connection, stop: SharedNumber, factory: PlannerFactory) ->
 
 
 def _work(planner: Planner, job: Job, connection: Connection, stop: SharedNumber) -> Report:
-    def tell(
+    number, task = job.number, job.task
+
+    def progress(
         text: str,
         *,
         share: float | None = None,
         iteration: int | None = None,
         residual: float | None = None,
     ) -> None:
-        connection.send(Progress(job.number, text, share, iteration, residual))
+        connection.send(Progress(number, text, share, iteration, residual))
+
+    def so_far(share: float, time: Array, qpos: Array) -> None:
+        connection.send(SimulatedSoFar(number, share, time, qpos))
+
+    def seed_done(result: SeedResult, done: int, of: int) -> None:
+        connection.send(SeedDone(number, result, done, of))
 
     def cancelled() -> bool:
-        return stop.value == job.number
+        return stop.value == number
 
-    task = job.task
     try:
-        if isinstance(task, Prepare):
-            planner.prepare(task.robot, tell)
-            return Prepared(job.number, task.robot)
-        if isinstance(task, SimulateJump):
-            return Simulated(job.number, planner.simulate(task, tell, cancelled))
-        if isinstance(task, FindNearest):
-            return Found(job.number, planner.nearest(task, tell, cancelled))
-        if isinstance(task, OpenFile):
-            return Opened(job.number, planner.open(task, tell))
-        if isinstance(task, ExportMotion):
-            return Exported(job.number, *planner.export(task, tell))
-        return Planned(job.number, planner.plan(task, tell, cancelled))
+        match task:
+            case Prepare(robot):
+                planner.prepare(robot, progress)
+                return Prepared(number, robot)
+            case PlanJump():
+                return Planned(number, planner.plan(task, progress, cancelled))
+            case FindNearest():
+                return Found(number, planner.nearest(task, progress, cancelled))
+            case SimulateJump():
+                return Simulated(number, planner.simulate(task, progress, so_far, cancelled))
+            case SimulateSeeds():
+                results, worst = simulate_seeds(planner, task, progress, seed_done, cancelled)
+                return SimulatedSeeds(number, results, worst)
+            case OpenFile():
+                return Opened(number, planner.open(task, progress))
+            case ExportMotion():
+                return Exported(number, *planner.export(task, progress))
     except errors.Cancelled:
-        return Cancelled(job.number)
+        return Cancelled(number)
     except errors.NotConverged as error:
-        return Failed(job.number, str(error), error.plan)
+        return Failed(number, str(error), error.plan)
     except errors.Error as error:
-        return Failed(job.number, str(error))
+        return Failed(number, str(error))

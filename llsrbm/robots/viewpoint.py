@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from llsrbm.robots.collision_visuals import visuals_at_once
 from llsrbm.robots.robot import Robot
 from llsrbm.robots.visuals import forward_kinematics, link_visuals
 
@@ -18,11 +19,17 @@ _AT = np.array([0.1, 0.0, 0.04])  # likewise, from its middle: it will jump, mos
 
 
 @lru_cache(maxsize=8)
-def viewpoint(robot: Robot) -> tuple[Array, Array]:
+def viewpoint(robot: Robot, *, at_once: bool = False) -> tuple[Array, Array]:
     """Where the camera is and where it looks at, (3,) m, for a robot in its default posture.
 
     The robot fills the same part of the picture whatever its size, with room for a jump.
+
+    Args:
+        robot: to look at.
+        at_once: do not wait for meshes that have to be prepared; the collision shapes are as large,
+            to some centimetres.
     """
+    visuals = visuals_at_once(robot) if at_once else link_visuals(robot)
     position, wxyz = forward_kinematics(
         robot, robot.base_position[None], [[1.0, 0.0, 0.0, 0.0]], robot.posture[None, 7:]
     )
@@ -30,7 +37,7 @@ def viewpoint(robot: Robot) -> tuple[Array, Array]:
     points = np.concatenate(
         [
             turn[visual.joint_id - 1].apply(visual.vertices) + position[0, visual.joint_id - 1]
-            for visual in link_visuals(robot)
+            for visual in visuals
         ]
     )
     low, high = points.min(axis=0), points.max(axis=0)

@@ -100,10 +100,7 @@ def link_visuals(
     """
     report = progress or _silent
     report(0.0)
-    urdf = robot.urdf_path.read_text()
-    kind = "coarse" if coarse else "visuals"
-    key = content_key(kind, VISUALS_VERSION, urdf, str(faces), *_mesh_stamps(robot, urdf))
-    path = cache_path(kind, key, ".npz")
+    path = _entry(robot, faces, coarse=coarse)
     stored = read_checked(path)
     if stored is not None:
         visuals = _decode(stored)
@@ -116,6 +113,18 @@ def link_visuals(
         write_checked(path, _encode(visuals))
     report(1.0)
     return visuals
+
+
+def link_visuals_at_hand(robot: Robot, *, coarse: bool = False) -> tuple[LinkVisual, ...] | None:
+    """As `link_visuals`, but None if they would have to be made first, which takes seconds."""
+    stored = read_checked(_entry(robot, FACES, coarse=coarse))
+    return None if stored is None else _decode(stored)
+
+
+def mesh_files(robot: Robot) -> list[str]:
+    """Names of the meshes in the URDF."""
+    urdf = robot.urdf_path.read_text()
+    return re.findall(r'filename\s*=\s*["\']([^"\']+)["\']', urdf)
 
 
 def forward_kinematics(
@@ -170,7 +179,7 @@ def _prepare(robot: Robot, faces: int, report: Callable[[float], None]) -> tuple
         first = np.cumsum([0, *(len(piece.vertices) for piece in body)])
         visuals.append(
             LinkVisual(
-                link=_link_name(robot.model, joint),
+                link=link_name(robot.model, joint),
                 joint_id=joint,
                 vertices=_rounded([piece.vertices for piece in body], _VERTEX_STEP),
                 normals=_rounded([piece.vertex_normals for piece in body], _NORMAL_STEP),
@@ -276,10 +285,18 @@ def _mesh_path(robot: Robot, name: str) -> Path | None:
     return next((candidate for candidate in candidates if candidate.is_file()), None)
 
 
-def _mesh_stamps(robot: Robot, urdf: str) -> list[str]:
+def _entry(robot: Robot, faces: int, *, coarse: bool) -> Path:
+    """Where the cache has the meshes, if it has them."""
+    kind = "coarse" if coarse else "visuals"
+    urdf = robot.urdf_path.read_text()
+    key = content_key(kind, VISUALS_VERSION, urdf, str(faces), *_mesh_stamps(robot))
+    return cache_path(kind, key, ".npz")
+
+
+def _mesh_stamps(robot: Robot) -> list[str]:
     """Size and date of each mesh, so that a changed mesh is prepared anew."""
     stamps = []
-    for name in re.findall(r'filename\s*=\s*["\']([^"\']+)["\']', urdf):
+    for name in mesh_files(robot):
         path = _mesh_path(robot, name)
         if path is not None:
             status = path.stat()
@@ -300,7 +317,7 @@ def _vertex_colours(mesh: trimesh.Trimesh) -> NDArray[np.uint8]:
     return np.asarray(visual.vertex_colors, dtype=np.uint8)[:, :3]
 
 
-def _link_name(model: pin.Model, joint: int) -> str:
+def link_name(model: pin.Model, joint: int) -> str:
     """First body of the URDF that the joint moves."""
     return next(
         frame.name

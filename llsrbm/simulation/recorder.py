@@ -56,6 +56,16 @@ class Recorder:
         self.tick_times.append(tick_time)
         self.results.append(result)
 
+    def so_far(self, tick: float, stride: int) -> tuple[Array, Array]:
+        """Instants (K,) s and states (K, 7 + J) of every `stride`-th tick that is recorded.
+
+        Quaternions w, x, y, z; joints in `Robot.joint_names`' order.
+        """
+        states = self.q[::stride]
+        q: Array = np.array(states).reshape(len(states), self._model.nq)
+        time: Array = stride * tick * np.arange(len(states), dtype=np.float64)
+        return time, np.concatenate([q[:, :3], q[:, 6:7], q[:, 3:6], q[:, 7:]], axis=1)
+
     def arrays(self, joint_order: NDArray[np.int64]) -> dict[str, Any]:
         """The columns, with joints in the simulator's order.
 

@@ -26,6 +26,8 @@ STANDING = 1.0  # s after the plan's end in which the robot has to stand
 LEAST_TICKS = 2  # of a rollout: where it diverges before, its last known state is repeated
 _AFTER_FALL = 0.3  # s that are still shown of a robot that has fallen
 _ASKED_EVERY = 20  # ticks between looking whether to stop and telling how far it is
+SO_FAR_INTERVAL = 0.2  # s of wall time between two reports of the motion so far
+SO_FAR_RATE = 60.0  # instants/s in them: as browsers draw
 
 
 def simulate(
@@ -35,6 +37,7 @@ def simulate(
     *,
     cancelled: Callable[[], bool] | None = None,
     progress: Callable[[float], None] | None = None,
+    so_far: Callable[[Array, Array], None] | None = None,
 ) -> Rollout:
     """Let the whole robot follow a plan.
 
@@ -46,6 +49,8 @@ def simulate(
         scenario: board, disturbance, and names of detector, landing strategy and QP solver.
         cancelled: asked now and then; True ends with `Cancelled`.
         progress: told the share that is done, 0 to 1.
+        so_far: called every `SO_FAR_INTERVAL` with the instants (K,) s and the states (K, 7 + J)
+            until now, from the start on, see `Recorder.so_far`.
 
     Raises:
         InputError: a name that is unknown, or a board that does not fit under the robot.
@@ -62,13 +67,17 @@ def simulate(
     ticks = round((plan.duration + STANDING) / tick) + 1
     torque: Array = np.zeros(len(robot.joint_names))
     fall: Fall | None = None
-    wall_start = wall_clock.perf_counter()
+    stride = max(1, round(1.0 / (tick * SO_FAR_RATE)))
+    wall_start = reported_at = wall_clock.perf_counter()
     for k in range(ticks):
         if k % _ASKED_EVERY == 0:
             if cancelled is not None and cancelled():
                 raise Cancelled("the simulation was cancelled")
             if progress is not None:
                 progress(k / ticks)
+            if so_far is not None and wall_clock.perf_counter() - reported_at >= SO_FAR_INTERVAL:
+                reported_at = wall_clock.perf_counter()
+                so_far(*recorder.so_far(tick, stride))
         state, mujoco_state = world.state(), (world.qpos, world.qvel)
         q, v = measure(*state)
         tick_start = wall_clock.perf_counter()

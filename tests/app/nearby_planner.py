@@ -14,7 +14,7 @@ NEAR = math.radians(50)
 class NearbyPlanner(SyntheticPlanner):
     """Finds 50 degrees where 55 cannot be planned."""
 
-    def nearest(self, task, tell, cancelled):
+    def nearest(self, task, progress, cancelled):
         assert is_(task.jump, UNSOLVABLE)
         jump = replace(task.jump, twist=NEAR)
         return Nearest(jump, synthetic_plan(jump), "twist 50 deg instead of 55")

@@ -53,19 +53,19 @@ class Nearest:
 class SyntheticPlanner:
     """Quick and made up; tells a file, if there is one at PLANNED_LOG, what it planned."""
 
-    def prepare(self, robot, tell):
-        tell(f"preparing {robot}")
+    def prepare(self, robot, progress):
+        progress(f"preparing {robot}")
         if robot == "nosuch":
             raise InputError('no robot "nosuch"')
 
-    def plan(self, task, tell, cancelled):
+    def plan(self, task, progress, cancelled):
         jump = task.jump
-        tell("solving")
+        progress("solving")
         if is_(jump, SLOW):
             work(1.0, cancelled)
         elif is_(jump, ITERATING):
             for i in range(100):
-                tell("solving", iteration=i, residual=10.0**-i)
+                progress("solving", iteration=i, residual=10.0**-i)
                 work(0.01, cancelled)
         elif is_(jump, STUBBORN):
             time.sleep(60)
@@ -85,9 +85,9 @@ class SyntheticPlanner:
                 file.write(f"{os.getpid()} {jump.model}\n")
         return replace(synthetic_plan(jump), tuning=task.tuning)
 
-    def nearest(self, task, tell, cancelled):
+    def nearest(self, task, progress, cancelled):
         jump = task.jump
-        tell("trying less of the twist")
+        progress("trying less of the twist")
         if is_(jump, SLOW):
             work(5.0, cancelled)
         elif is_(jump, STUBBORN):
@@ -98,11 +98,11 @@ class SyntheticPlanner:
         changes = f"twist {math.degrees(nearer.twist):g} deg instead"
         return Nearest(nearer, synthetic_plan(nearer), changes)
 
-    def simulate(self, task, tell, cancelled):
+    def simulate(self, task, progress, so_far, cancelled):
         seed = task.scenario.seed
 
         def percent(share):
-            tell(f"simulating, {share:.0%}", share=share)
+            progress(f"simulating, {share:.0%}", share=share)
 
         percent(0.0)
         if seed == SLOWLY:
@@ -119,14 +119,14 @@ class SyntheticPlanner:
         rollout = synthetic_rollout(task.plan, fell_at=fell_at, seed=seed)
         return replace(rollout, scenario=task.scenario)
 
-    def open(self, task, tell):
-        tell(f"opening {task.name}")
+    def open(self, task, progress):
+        progress(f"opening {task.name}")
         if task.name == "foreign.csv":
             return OpenedFile(task.name, turning_states(task.robot))
         return open_file(task.name, task.content, task.robot, task.fps)
 
-    def export(self, task, tell):
-        tell(f"writing {task.formats}")
+    def export(self, task, progress):
+        progress(f"writing {task.formats}")
         if task.options.get("pad") == SLOW_PAD:
             time.sleep(60)
         return exported(task)

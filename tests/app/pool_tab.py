@@ -1,10 +1,10 @@
-"""A tab as the pool of computing processes knows it: asks, and keeps what it hears."""
+"""A tab as the pool of computing processes knows it: submits jobs and keeps the reports."""
 
 from __future__ import annotations
 
 import queue
 
-from app.compute.protocol import PlanJump, Progress, SimulateJump
+from app.compute.protocol import Partial, PlanJump, Progress, SimulateJump
 from llsrbm.jump import Jump
 from llsrbm.scenario import Scenario
 from tests.app.synthetic_plan import synthetic_plan
@@ -24,7 +24,7 @@ class Tab:
         return self.submit(SimulateJump(synthetic_plan(Jump(twist=1.0)), Scenario(**scenario)))
 
     def outcome(self, timeout=20.0):
-        while isinstance(report := self.reports.get(timeout=timeout), Progress):
+        while isinstance(report := self.reports.get(timeout=timeout), Partial):
             pass
         return report
 

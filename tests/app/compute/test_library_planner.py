@@ -21,7 +21,7 @@ JUMP = Jump(twist=0.5)
 TUNING = Tuning(weights={"force": 2.0}, limits={"friction": 0.4})
 
 
-def silent(text, **news):
+def silent(text, **details):
     pass
 
 
@@ -93,7 +93,7 @@ def test_a_plan_that_the_planner_cannot_start_from_is_left_out(monkeypatch):
 
 def test_a_file_is_opened_and_its_robot_prepared(monkeypatch):
     prepared = []
-    monkeypatch.setattr(LibraryPlanner, "prepare", lambda _, robot, tell: prepared.append(robot))
+    monkeypatch.setattr(LibraryPlanner, "prepare", lambda _, robot, progress: prepared.append(robot))
     design = dump_design(Design(Jump(robot="go2")))
     task = OpenFile("mine.jump.json", design.encode(), "anymal")
     assert LibraryPlanner().open(task, silent).holds.jump.robot == "go2"
@@ -117,20 +117,26 @@ def test_a_search_gets_its_tuning(called):
     assert (options["weights"], options["limits"]) == (TUNING.weights, TUNING.limits)
 
 
-def test_a_simulation_gets_its_scenario_and_tells_whole_per_cents(called):
-    told = []
+def test_a_simulation_gets_its_scenario_and_reports_whole_per_cents_and_the_motion(called):
+    reported, motions = [], []
 
-    def tell(text, *, share):
-        told.append((text, share))
+    def progress(text, *, share):
+        reported.append((text, share))
+
+    def so_far(*motion):
+        motions.append(motion)
 
     scenario = Scenario(0.02, True, 3, 0.5, "norm", "planned", "proxqp", 0.12)
-    LibraryPlanner().simulate(SimulateJump(planned(), scenario), tell, never)
+    LibraryPlanner().simulate(SimulateJump(planned(), scenario), progress, so_far, never)
     (_, given), options = called["simulate"]
     assert given == scenario
     for k in range(1001):
         options["progress"](k / 1000)
-    assert len(told) == 101
-    assert told[50] == ("simulating, 50 %", 0.5)
+        if k == 500:
+            options["so_far"]("times", "states")
+    assert len(reported) == 101
+    assert reported[50] == ("simulating, 50 %", 0.5)
+    assert motions == [(0.5, "times", "states")]
 
 
 def test_the_solver_is_announced_once_a_process(called):

@@ -1,0 +1,108 @@
+"""A robot drawn by its collision shapes: there at once, while its meshes are being prepared."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from functools import lru_cache
+from typing import TYPE_CHECKING
+
+import coal
+import numpy as np
+from numpy.typing import NDArray
+
+from llsrbm.robots.foot_contact import collision_shapes
+from llsrbm.robots.robot import Robot
+from llsrbm.robots.visuals import (
+    LinkVisual,
+    link_name,
+    link_visuals,
+    link_visuals_at_hand,
+    mesh_files,
+)
+
+if TYPE_CHECKING:
+    import pinocchio as pin
+    import trimesh
+
+_GREY = (148, 156, 166)  # of all bodies: it is a stand-in, and shows it
+_ROUND = 20  # faces around a cylinder
+_CREASE = np.radians(40.0)  # edges sharper than this stay sharp under smooth shading
+
+
+def visuals_at_once(robot: Robot) -> tuple[LinkVisual, ...]:
+    """Something to draw the robot by, within some tenths of a second.
+
+    Its light meshes if they were prepared before, or need no preparation because the URDF's visuals
+    are boxes and the like; otherwise its collision shapes, until `link_visuals` has made the meshes
+    (`link_visuals_at_hand` then returns them).
+
+    Raises:
+        RobotFileError: the URDF's geometry cannot be read.
+    """
+    at_hand = link_visuals_at_hand(robot, coarse=True)
+    if at_hand is not None:
+        return at_hand
+    if not mesh_files(robot):
+        return link_visuals(robot, coarse=True)
+    return collision_visuals(robot)
+
+
+@lru_cache(maxsize=8)
+def collision_visuals(robot: Robot) -> tuple[LinkVisual, ...]:
+    """The URDF's collision shapes, one grey mesh a moving body that has any.
+
+    Raises:
+        RobotFileError: they cannot be read.
+    """
+    import trimesh
+
+    shapes: dict[int, list[trimesh.Trimesh]] = defaultdict(list)
+    for shape in collision_shapes(robot):
+        mesh = _mesh(shape)
+        if mesh is not None:
+            shapes[shape.parentJoint].append(mesh)
+    visuals = []
+    for joint, meshes in sorted(shapes.items()):
+        body = trimesh.util.concatenate(meshes)
+        count = len(body.vertices)
+        visuals.append(
+            LinkVisual(
+                link=link_name(robot.model, joint),
+                joint_id=joint,
+                vertices=np.asarray(body.vertices, dtype=np.float32),
+                normals=np.asarray(body.vertex_normals, dtype=np.float32),
+                faces=np.asarray(body.faces, dtype=np.uint32),
+                rgb=np.tile(np.array(_GREY, dtype=np.uint8), (count, 1)),
+            )
+        )
+    return tuple(visuals)
+
+
+def _mesh(shape: pin.GeometryObject) -> trimesh.Trimesh | None:
+    """In the frame of the joint, creased; None of a kind that is not drawn."""
+    import trimesh
+
+    geometry = shape.geometry
+    match geometry:
+        case coal.Sphere():
+            mesh = trimesh.creation.icosphere(subdivisions=2, radius=geometry.radius)
+        case coal.Box():
+            mesh = trimesh.creation.box(extents=2.0 * np.asarray(geometry.halfSide))
+        case coal.Cylinder():
+            mesh = trimesh.creation.cylinder(
+                radius=geometry.radius, height=2.0 * geometry.halfLength, sections=_ROUND
+            )
+        case coal.BVHModelBase():
+            mesh = trimesh.Trimesh(np.asarray(geometry.vertices()), _triangles(geometry))
+        case _:
+            return None
+    mesh = trimesh.graph.smooth_shade(mesh, angle=_CREASE, facet_minarea=None)
+    normals = np.asarray(mesh.vertex_normals)
+    moved = trimesh.Trimesh(mesh.vertices, mesh.faces, vertex_normals=normals, process=False)
+    moved.apply_transform(shape.placement.homogeneous)
+    return moved
+
+
+def _triangles(geometry: coal.BVHModelBase) -> NDArray[np.int64]:
+    triangles = (geometry.tri_indices(i) for i in range(geometry.num_tris))
+    return np.array([[triangle[k] for k in range(3)] for triangle in triangles], dtype=np.int64)
