@@ -7,47 +7,42 @@ from typing import Any
 import viser
 
 from app.panel import html
+from app.scene.overlays import OVERLAYS
 
 BRAND = (38, 92, 150)
 
 
 class ViewControls:
-    """Boxes to tick and the legend, added to the folder that is open."""
+    """A box for every overlay, one for the night, and the legend; added to the open folder."""
 
     def __init__(self, gui: viser.GuiApi) -> None:
-        """Everything is drawn, on a light ground."""
+        """By day, with the overlays that are drawn at first."""
         self._gui = gui
-        self._ellipsoids = gui.add_checkbox("Inertia ellipsoids", initial_value=True)
-        self._forces = gui.add_checkbox("Forces", initial_value=True)
-        self._trails = gui.add_checkbox("Trails", initial_value=True)
-        self._ghost = gui.add_checkbox(
-            "Ghost", initial_value=True, hint="The plan beside its simulation, and what is pinned"
-        )
-        self._target = gui.add_checkbox(
-            "Landing handle", initial_value=True, hint="Drag it in the picture to move the landing"
-        )
-        self._dark = gui.add_checkbox("Night", initial_value=False, hint="A dark page")
+        self._boxes = {
+            name: gui.add_checkbox(overlay.title, overlay.at_first, hint=overlay.hint)
+            for name, overlay in OVERLAYS.items()
+        }
+        self._night = gui.add_checkbox("Night", initial_value=False, hint="A dark page")
         self._legend = gui.add_html(html.legend(simulated=False))
 
-        @self._dark.on_update
+        @self._night.on_update
         async def _(_: Any) -> None:
-            configure_theme(gui, dark=bool(self._dark.value))
+            configure_theme(gui, dark=bool(self._night.value))
 
     @property
     def handles(self) -> list[Any]:
         """Whose updates change what is drawn."""
-        return [self._ellipsoids, self._forces, self._trails, self._ghost, self._target, self._dark]
+        return [*self._boxes.values(), self._night]
 
-    def read(self) -> dict[str, bool]:
-        """What to draw, as arguments of `Stage.show_layers`."""
-        return {
-            "ellipsoids": bool(self._ellipsoids.value),
-            "forces": bool(self._forces.value),
-            "trails": bool(self._trails.value),
-            "ghost": bool(self._ghost.value),
-            "target": bool(self._target.value),
-            "dark": bool(self._dark.value),
-        }
+    @property
+    def layers(self) -> frozenset[str]:
+        """Names of the overlays to draw."""
+        return frozenset(name for name, box in self._boxes.items() if box.value)
+
+    @property
+    def night(self) -> bool:
+        """Whether it is dark."""
+        return bool(self._night.value)
 
     def show_legend(self, *, simulated: bool) -> None:
         """What the colours mean."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import replace
+from typing import Any
 
 import viser
 
@@ -16,7 +17,8 @@ from app.motion.simulated_motion import SimulatedMotion, bake_rollout
 from app.panel.comparison import Column
 from app.panel.panel import Panel
 from app.plots.charts import Layer, shown_layers
-from app.scene.landing_handle import TargetHandle
+from app.scene.landing_handle import Grip, LandingHandle
+from app.scene.picture import Picture
 from app.scene.scene import Scene
 from app.session.pace import Pace
 from app.session.pins import Pin, Pins
@@ -67,7 +69,15 @@ class Stage:
         self._panel = panel
         self._bridge = bridge
         self._scene = Scene(client)
-        self._target = TargetHandle(client, target_moved)
+        self._picture = Picture(layers=panel.view.layers)
+        self._clip = Clip((), 0.0)
+        self._grip: Grip | None = None
+
+        def moved(grip: Grip) -> None:
+            self._grip = grip
+            target_moved()
+
+        self._target = LandingHandle(client, moved)
         self._pins = Pins()
         self.player: Player = BrowserPlayer(bridge)
         self._answered = False
@@ -110,8 +120,9 @@ class Stage:
         self._replay = self._simulated = self._events = None
         self._panel.clear_plan()
         self.player.clear()
-        self._scene.show_robot(robot)
-        self._target.show_robot(robot)
+        self._draw(robot=robot, planned=None, simulated=None, blocks=())
+        # No motion, but where the robot is and from where it is looked at.
+        self._bridge.load(self._clip, None)
 
     def show_plan(self, plan: Plan, *, moving: bool = False) -> None:
         """Show a plan of the robot that is shown; a simulation of another plan goes.
@@ -126,7 +137,7 @@ class Stage:
         around = surroundings(self._robot, plan, Scenario())
         self._replay, self._simulated = replay, None
         with self._client.atomic():
-            self._scene.show_motion(replay, blocks=around.blocks)
+            self._draw(planned=replay, simulated=None, blocks=around.blocks)
             self._load()
             if not moving:
                 self._tell()
@@ -143,23 +154,35 @@ class Stage:
         self._simulated = bake_rollout(rollout)
         around = surroundings(self._robot, self._replay.plan, rollout.scenario)
         with self._client.atomic():
-            self._scene.show_motion(self._replay, self._simulated.frames, around.blocks)
+            self._draw(simulated=self._simulated.frames, blocks=around.blocks)
             self._load()
             self._tell()
 
     def show_target(self, jump: Jump) -> None:
         """Put the landing handle where a jump shall land."""
-        self._target.show(jump)
+        self._draw(target=jump)
 
     def read_target(self, jump: Jump, task: Task) -> Jump:
         """The request with the landing place where the handle was dragged to."""
-        return self._target.read(jump, task)
+        return jump if self._grip is None else self._grip.applied_to(jump, task)
 
     def show_layers(self) -> None:
         """Draw what the panel's boxes say."""
-        layers = self._panel.view.read()
-        self._target.set_visible(layers.pop("target") and self._replay is not None)
-        self._scene.show_layers(**layers)
+        moves = self._draw(layers=self._panel.view.layers, night=self._panel.view.night)
+        if moves and self._replay is not None:
+            self._load()
+
+    def _draw(self, **changed: Any) -> bool:
+        """Draw the picture with these parts changed; whether there is another clip to be played."""
+        self._picture = replace(self._picture, **changed)
+        clip = self._scene.draw(self._picture)
+        self._clip = clip or self._clip
+        self._target.draw(
+            self._picture.target,
+            self._robot,
+            visible="landing" in self._picture.layers and self._replay is not None,
+        )
+        return clip is not None
 
     # ---- what is compared
 
@@ -202,7 +225,7 @@ class Stage:
         return self._pins.at(self._panel.compare.chosen)
 
     def _show_pins(self) -> None:
-        self._scene.show_ghosts([pin.ghost for pin in self._pins])
+        self._draw(ghosts=tuple(pin.ghost for pin in self._pins))
         if self._replay is not None:
             self._load()
             self._tell()
@@ -233,7 +256,7 @@ class Stage:
     def _load(self) -> None:
         assert self._replay is not None
         self._frames = _FRAMES_A_PLOT
-        clip, events = self._scene.clip(), timeline(self._replay.plan, self.rollout)
+        clip, events = self._clip, timeline(self._replay.plan, self.rollout)
         # What is pinned may go on when the motion that is shown stands.
         self._events = replace(events, end=max(events.end, clip.end))
         self._panel.show_end(self._events.end)
@@ -248,10 +271,10 @@ class Stage:
             case PageReady(software):
                 self._answered = True
                 if not software:
-                    self._scene.refine()
+                    self._draw(fine=True)
                     # New nodes stand where the robot stands; the clip moves them on.
                     if self._events is not None:
-                        self.player.load(self._scene.clip(), self._events)
+                        self.player.load(self._clip, self._events)
                 if isinstance(self.player, ServerPlayer):
                     self._play_there()
             case PlayerMoved():
@@ -314,7 +337,19 @@ class Stage:
             self.player.play()
 
     def _show_instant(self, clip: Clip, instant: float) -> None:
-        self._scene.show_instant(clip, instant)
+        nodes: dict[str, Any] = dict(
+            self._client.scene._handle_from_node_name
+        )  # goes with the server's player
+        with self._client.atomic():
+            for strand in clip.strands:
+                frame = strand.frame_at(instant)
+                for track in strand.tracks:
+                    for handle in (nodes[name] for name in track.nodes if name in nodes):
+                        handle.position = track.position[frame]
+                        if track.wxyz is not None:
+                            handle.wxyz = track.wxyz[frame]
+                        if track.scale is not None:
+                            handle.scale = tuple(map(float, track.scale[frame]))
         self._frames += 1
         if not self.player.playing or time.monotonic() - self._time_shown > _TIME_SHOWN_EVERY:
             self.show_time()

@@ -83,11 +83,14 @@ class PageLink:
 
         self._call("player.connect", json.dumps(uuid_of(self._field)))
 
-    def load(self, clip: Clip, events: Timeline) -> None:
-        """Play another clip from now on, and show what happens in it."""
+    def load(self, clip: Clip, events: Timeline | None) -> None:
+        """Play another clip from now on, and show what happens in it; None: nothing, it stands."""
         header, blob = clip.encoded
         self._call("player.load", header, json.dumps(blob))
-        self._call("transport.show", json.dumps(_plain(events)))
+        if events is None:
+            self._call("transport.hide")
+        else:
+            self._call("transport.show", json.dumps(_plain(events)))
 
     def clear(self) -> None:
         """Nothing to play."""
