@@ -53,6 +53,21 @@ class Strand:
 
 
 @dataclass(frozen=True, eq=False)
+class Sight:
+    """For a page's camera.
+
+    Attributes:
+        follow: name of the node that a camera follows: the base of the robot that is drawn solid.
+            Another node is another robot, and is looked at anew.
+        low, high: (3,) m, world frame: corners of a box around the robot in all of its motion.
+    """
+
+    follow: str
+    low: Array
+    high: Array
+
+
+@dataclass(frozen=True, eq=False)
 class Clip:
     """Everything that moves in a tab.
 
@@ -60,11 +75,13 @@ class Clip:
         strands: that are shown together.
         end: s, when the last of them ends.
         request: what the motion was asked for, so that a page can tell which one it draws.
+        sight: what a camera looks at; None: nothing.
     """
 
     strands: tuple[Strand, ...]
     end: float
     request: Mapping[str, Any] = field(default_factory=dict)
+    sight: Sight | None = None
 
     @cached_property
     def encoded(self) -> tuple[str, str]:
@@ -95,8 +112,18 @@ class Clip:
             strands.append({"frames": len(strand.time), "tracks": tracks})
         numbers = np.concatenate([np.ravel(a) for a in arrays]) if arrays else np.zeros(0)
         blob = base64.b64encode(numbers.astype("<f4").tobytes()).decode("ascii")
-        header = {"end": self.end, "request": dict(self.request), "strands": strands}
+        sight = None if self.sight is None else _plain(self.sight)
+        header = {
+            "end": self.end,
+            "request": dict(self.request),
+            "sight": sight,
+            "strands": strands,
+        }
         return json.dumps(header), blob
+
+
+def _plain(sight: Sight) -> dict[str, Any]:
+    return {"follow": sight.follow, "low": sight.low.tolist(), "high": sight.high.tolist()}
 
 
 def _continuous(wxyz: Array) -> Array:

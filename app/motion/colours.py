@@ -20,18 +20,22 @@ from llsrbm.palette import (
 
 __all__ = [
     "BLOCK",
+    "COLLISION",
     "COM",
     "CURSOR",
     "DETECTION",
     "FOOT",
     "FORCE",
+    "FRICTION",
     "INFEASIBLE",
     "PHASES",
     "PINNED",
     "PLANNED",
+    "REACH",
     "RIGID",
     "SIMULATED",
     "STANDING",
+    "SUPPORT",
     "TARGET",
     "Rgb",
     "css",
@@ -41,6 +45,11 @@ __all__ = [
 PINNED: tuple[Rgb, ...] = ((140, 40, 255), (112, 112, 60), (214, 118, 168))
 """Of pinned designs: with the two above at least 20 apart in CIELAB, for colour-blind eyes too, and
 2.5 : 1 against white and against viser's dark panel."""
+
+FRICTION: Rgb = (232, 150, 60)
+SUPPORT: Rgb = (22, 150, 160)
+REACH: Rgb = (70, 150, 200)
+COLLISION: Rgb = (200, 90, 150)
 
 CURSOR: Rgb = (34, 34, 34)
 DETECTION: Rgb = (255, 255, 255)

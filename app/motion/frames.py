@@ -10,6 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from llsrbm.analysis.inertia_ellipsoid import ellipsoid
 from llsrbm.motion.plan import Phase
+from llsrbm.motion.rotation import rotation_matrices
 from llsrbm.motion.whole_body import WholeBodyMotion
 from llsrbm.robots.visuals import forward_kinematics
 
@@ -21,7 +22,7 @@ FRAME_RATE = 60.0
 
 @dataclass(frozen=True, eq=False)
 class Frames:
-    """F instants of a robot in motion, world frame: B bodies, L feet.
+    """F instants of a robot in motion, world frame: B bodies, L feet with c contact points each.
 
     Attributes:
         time: (F,) s.
@@ -34,6 +35,9 @@ class Frames:
         foot_force: (F, L, 3) N: the sum over a foot's contacts.
         pressed_at: (F, L, 3) m: where it acts, a sole's centre of pressure.
         weight: of the robot, N.
+        contact: (F, L) whether a foot stands.
+        contact_point: (F, L, c, 3) m: of a point foot, the foot.
+        angular_momentum: (F, 3) kg m2/s about the CoM.
     """
 
     time: Array
@@ -48,6 +52,9 @@ class Frames:
     foot_force: Array
     pressed_at: Array
     weight: float
+    contact: NDArray[np.bool_]
+    contact_point: Array
+    angular_momentum: Array
 
     @property
     def end(self) -> float:
@@ -80,7 +87,25 @@ def make_frames(motion: WholeBodyMotion) -> Frames:
         foot_force=np.zeros_like(motion.foot_position) if force is None else force,
         pressed_at=motion.foot_position if pressed_at is None else pressed_at,
         weight=float(robot.mass * np.linalg.norm(robot.model.gravity.linear)),
+        contact=np.asarray(motion.contact, dtype=np.bool_),
+        contact_point=_contact_points(motion, body_position, body_wxyz),
+        angular_momentum=motion.angular_momentum,
     )
+
+
+def _contact_points(motion: WholeBodyMotion, body_position: Array, body_wxyz: Array) -> Array:
+    """(F, L, c, 3) m: corners of the soles as the feet stand, however they are tilted."""
+    robot = motion.robot
+    if robot.file.foot.is_point:
+        return motion.foot_position[:, :, None]
+    points = []
+    for leg in robot.legs:
+        placement = robot.model.frames[leg.foot_frame_id].placement
+        corners = robot.corners @ placement.rotation.T + placement.translation
+        body = leg.joint_ids[-1] - 1
+        turn = rotation_matrices(body_wxyz[:, body])
+        points.append(body_position[:, body, None] + corners @ turn.transpose(0, 2, 1))
+    return np.stack(points, axis=1)
 
 
 def _headings(attitude: Rotation) -> Array:

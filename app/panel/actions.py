@@ -1,4 +1,4 @@
-"""What a visitor does in the panel or in the picture; values are read from there afterwards.
+"""What a visitor does in the panel; values are read from it afterwards.
 
 A browser may skip values while a slider moves, and callbacks come on viser's event loop, so that an
 action only says which controls to read. The session's thread reads them as they stand then.
@@ -17,7 +17,6 @@ class Action(Enum):
     """What was done."""
 
     JUMP = auto()  # the jump's controls, weights or limits
-    TARGET = auto()  # the landing handle
     SCENARIO = auto()
     SIMULATE = auto()
     SEEDS = auto()

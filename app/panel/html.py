@@ -8,7 +8,7 @@ from html import escape
 from app.motion import colours
 from app.motion.colours import Rgb
 from app.panel.status import Status, Word
-from app.scene.overlays import ARROW_PER_WEIGHT
+from app.scene.overlays.forces import ARROW_PER_WEIGHT
 
 PADDING = "padding:0.35em 0.9em"
 SMALL = f"{PADDING};font-size:0.8em;line-height:1.5"

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
+from typing import Any
 
 from app.motion.colours import Rgb
 from app.motion.frames import Frames
@@ -53,3 +54,42 @@ class Picture:
     target: Jump | None = None
     night: bool = False
     fine: bool = False
+
+    @property
+    def solid(self) -> Frames | None:
+        """The motion of the robot that is drawn solid; None: it stands in its default posture."""
+        if self.planned is None:
+            return None
+        return self.simulated or self.planned.frames
+
+    @property
+    def ground(self) -> float:
+        """Height of the ground, m: a landing below the start moves it down."""
+        return 0.0 if self.planned is None else min(self.planned.plan.jump.height, 0.0)
+
+
+def changed_parts(before: Picture, after: Picture) -> frozenset[str]:
+    """Names of the fields in which two pictures differ: of large parts, which object it is."""
+    if before is after:
+        return frozenset()
+    names = (field.name for field in fields(Picture))
+    return frozenset(
+        name for name in names if not _same(getattr(before, name), getattr(after, name))
+    )
+
+
+_PLAIN = (bool, int, frozenset, Jump)
+
+
+def _same(before: Any, after: Any) -> bool:
+    if before is after:
+        return True
+    if isinstance(before, Ghost) and isinstance(after, Ghost):
+        parts = zip(vars(before).values(), vars(after).values(), strict=True)
+        return all(_same(one, other) for one, other in parts)
+    if isinstance(before, tuple) and isinstance(after, tuple):
+        pairs = zip(before, after, strict=False)
+        return len(before) == len(after) and all(_same(one, other) for one, other in pairs)
+    if isinstance(before, _PLAIN) and isinstance(after, _PLAIN):
+        return before == after
+    return False

@@ -1,17 +1,29 @@
-"""A robot's links as nodes of a scene: solid, or translucent as a ghost."""
+"""Robots' links as nodes of a scene: solid, or translucent as ghosts.
+
+Meshes are by far the largest that a tab is sent, so none is sent to it twice: a robot that is not
+shown any more is hidden, and found again when it is shown next.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Collection, Iterator
 from functools import lru_cache
-from typing import Any
 
+import numpy as np
 import viser
+from numpy.typing import NDArray
 
-from app.motion.clip import Track
+from app.motion.clip import Strand, Track
 from app.motion.colours import Rgb, linear
 from app.motion.frames import Frames
+from llsrbm.motion.rotation import rotation_matrices
 from llsrbm.robots import Robot
 from llsrbm.robots.visuals import LinkVisual, forward_kinematics, link_visuals
+
+Array = NDArray[np.float64]
+
+KEPT = 4
+"""Hidden robots that a tab keeps, the ones shown last: some MB of memory each in a browser."""
 
 _GHOST_OPACITY = 0.25
 
@@ -49,39 +61,62 @@ def meshes(
 
 
 class RobotNodes:
-    """One drawn robot, in its default posture until it is moved."""
+    """One drawn robot, in its default posture until it is moved.
+
+    Attributes:
+        robot: that is drawn.
+        base: name of the node of its first body.
+    """
 
     def __init__(
         self,
-        client: viser.ClientHandle,
+        scene: viser.SceneApi,
         robot: Robot,
         name: str,
         *,
         ghost: Rgb | None = None,
         fine: bool = False,
     ) -> None:
-        """Visible, unless a ghost.
+        """Visible.
 
         Args:
-            client: whose scene.
+            scene: a tab's.
             robot: what to draw.
             name: of the node above the links.
             ghost: translucent, in this colour.
             fine: with all triangles. A browser without a graphics processor draws the coarse ones
                 in half the time, and every page opens sooner with them; ghosts never need more.
         """
-        self._client = client
-        self._robot = robot
+        self.robot = robot
+        self._scene = scene
         self._name = name
         self._ghost = ghost
-        self._frame = client.scene.add_frame(name, show_axes=False, visible=ghost is None)
+        self._fine = fine
+        self._frame = scene.add_frame(name, show_axes=False)
+        self._nodes: dict[str, viser.GlbHandle] = {}
         self._bodies: dict[str, int] = {}
-        self.nodes: dict[str, Any] = {}
-        self._add(fine=fine)
+        position, wxyz = _default_pose(robot)
+        for link, body, glb in meshes(robot, fine=fine, ghost=ghost):
+            node = f"{name}/{link}"
+            self._bodies[node] = body
+            self._nodes[node] = scene.add_glb(
+                node,
+                glb,
+                position=position[body],
+                wxyz=wxyz[body],
+                # Where there are no lights that cast shadows, this costs nothing.
+                cast_shadow=ghost is None,
+                receive_shadow=ghost is None,
+            )
+        self.base = next(iter(self._nodes), name)
 
     def refine(self) -> None:
         """Draw all triangles from now on."""
-        self._add(fine=True)
+        if self._fine:
+            return
+        self._fine = True
+        for link, _, glb in meshes(self.robot, fine=True, ghost=self._ghost):
+            self._nodes[f"{self._name}/{link}"].glb_data = glb
 
     def track(self, frames: Frames) -> list[Track]:
         """Every body's way through a motion of this robot."""
@@ -89,6 +124,17 @@ class RobotNodes:
             Track((name,), frames.body_position[:, body], frames.body_wxyz[:, body])
             for name, body in self._bodies.items()
         ]
+
+    def still(self) -> Strand:
+        """Every body where it is in the default posture."""
+        position, wxyz = _default_pose(self.robot)
+        return Strand(
+            np.zeros(1),
+            tuple(
+                Track((name,), position[body, None], wxyz[body, None])
+                for name, body in self._bodies.items()
+            ),
+        )
 
     def show(self, *, visible: bool) -> None:
         """Show or hide."""
@@ -98,20 +144,93 @@ class RobotNodes:
         """Remove for good."""
         self._frame.remove()
 
-    def _add(self, *, fine: bool) -> None:
-        robot = self._robot
-        position, wxyz = forward_kinematics(
-            robot, robot.base_position[None], [[1.0, 0.0, 0.0, 0.0]], robot.posture[None, 7:]
+
+class RobotShelf:
+    """The robots of one kind that a tab has been sent: solid ones, or ghosts."""
+
+    def __init__(self, scene: viser.SceneApi, names: Iterator[str]) -> None:
+        """None.
+
+        Args:
+            scene: a tab's.
+            names: of their nodes.
+        """
+        self._scene = scene
+        self._names = names
+        # In the order in which they were taken last.
+        self._made: dict[tuple[Robot, Rgb | None], RobotNodes] = {}
+
+    def take(self, robot: Robot, *, ghost: Rgb | None = None, fine: bool = False) -> RobotNodes:
+        """The nodes of a robot: those of before, or new ones."""
+        key = (robot, ghost)
+        nodes = self._made.pop(key, None)
+        if nodes is None:
+            nodes = RobotNodes(self._scene, robot, next(self._names), ghost=ghost, fine=fine)
+        elif fine:
+            nodes.refine()
+        self._made[key] = nodes
+        return nodes
+
+    def show_only(self, shown: Collection[RobotNodes]) -> None:
+        """Show these and hide all others; of the others, remove those that were taken long ago."""
+        hidden = []
+        for key, nodes in self._made.items():
+            visible = nodes in shown
+            nodes.show(visible=visible)
+            if not visible:
+                hidden.append(key)
+        for key in hidden[: max(0, len(hidden) - KEPT)]:
+            self._made.pop(key).remove()
+
+
+@lru_cache(maxsize=8)
+def extents(robot: Robot) -> tuple[tuple[int, ...], Array]:
+    """Of every body that has a mesh: its index, and the corners (8, 3) m of a box around it."""
+    corners = []
+    visuals = link_visuals(robot, coarse=True)
+    for visual in visuals:
+        low, high = visual.vertices.min(axis=0), visual.vertices.max(axis=0)
+        corners.append(
+            [
+                [x, y, z]
+                for x in _ends(low, high, 0)
+                for y in _ends(low, high, 1)
+                for z in _ends(low, high, 2)
+            ]
         )
-        for link, body, glb in meshes(robot, fine=fine, ghost=self._ghost):
-            node = f"{self._name}/{link}"
-            before = self.nodes.get(node)
-            self._bodies[node] = body
-            self.nodes[node] = self._client.scene.add_glb(
-                node,
-                glb,
-                position=position[0, body] if before is None else before.position,
-                wxyz=wxyz[0, body] if before is None else before.wxyz,
-                cast_shadow=False,
-                receive_shadow=False,
-            )
+    return tuple(visual.joint_id - 1 for visual in visuals), np.reshape(corners, (-1, 8, 3))
+
+
+def around(robot: Robot, position: Array, wxyz: Array) -> tuple[Array, Array]:
+    """Corners `low` and `high`, (3,) m, of a box around a robot in all of its poses.
+
+    Args:
+        robot: with at least one mesh, or its bodies' origins count.
+        position: (F, B, 3) m of its bodies.
+        wxyz: (F, B, 4).
+    """
+    bodies, corners = extents(robot)
+    if not bodies:
+        return position.min(axis=(0, 1)), position.max(axis=(0, 1))
+    turn = rotation_matrices(wxyz[:, bodies])
+    points = position[:, bodies, None] + np.einsum("fbij,bcj->fbci", turn, corners)
+    return points.min(axis=(0, 1, 2)), points.max(axis=(0, 1, 2))
+
+
+def around_default(robot: Robot) -> tuple[Array, Array]:
+    """The same of a robot in its default posture."""
+    position, wxyz = _default_pose(robot)
+    return around(robot, position[None], wxyz[None])
+
+
+@lru_cache(maxsize=16)
+def _default_pose(robot: Robot) -> tuple[Array, Array]:
+    """(B, 3) m and (B, 4): of every body."""
+    position, wxyz = forward_kinematics(
+        robot, robot.base_position[None], [[1.0, 0.0, 0.0, 0.0]], robot.posture[None, 7:]
+    )
+    return position[0], wxyz[0]
+
+
+def _ends(low: Array, high: Array, axis: int) -> tuple[float, float]:
+    return float(low[axis]), float(high[axis])

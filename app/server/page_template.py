@@ -16,6 +16,7 @@ SCRIPTS = (
     "dialog.js",
     "player.js",
     "transport.js",
+    "camera.js",
     "tour.js",
     "plot_cursor.js",
 )

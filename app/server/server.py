@@ -17,7 +17,8 @@ from app.compute.opened_file import OpenedFile
 from app.compute.pool import WorkerPool
 from app.compute.protocol import Failed, PlanJump, Planned, Prepare, Prepared, Progress, Report
 from app.panel.view_controls import configure_theme
-from app.scene.robot_nodes import meshes
+from app.scene.lighting import configure_world
+from app.scene.robot_nodes import extents, meshes
 from app.session.initial_plan import InitialPlans, example
 from app.session.session import Session
 from app.viser_link.designer_server import DesignerServer
@@ -25,7 +26,6 @@ from llsrbm import models
 from llsrbm.errors import InputError
 from llsrbm.jump import Jump
 from llsrbm.robots import load_robot
-from llsrbm.robots.viewpoint import viewpoint
 
 _LOOPBACK_NAMES = ("localhost",)
 
@@ -191,7 +191,7 @@ def _get_drawn(robot: str) -> None:
     """Load what a tab draws of a robot, so that the first one need not wait for it."""
     loaded = load_robot(robot)
     meshes(loaded)
-    viewpoint(loaded)
+    extents(loaded)
 
 
 def _say(line: str) -> None:
@@ -209,22 +209,9 @@ def _in_use(host: str, port: int) -> InputError:
 def _configure(server: viser.ViserServer) -> None:
     """The look that all tabs share."""
     configure_theme(server.gui, dark=False)
-    # A browser without a graphics processor takes 4 s to start and a quarter of the frame rate
-    # with an environment map and shadows; three lamps do.
-    server.scene.configure_environment_map(None)
-    server.scene.configure_default_lights(enabled=False)
-    server.scene.add_light_hemisphere("/lamps/sky", ground_color=(150, 150, 155), intensity=1.6)
-    for name, position, intensity in (
-        ("key", (2.0, -3.0, 4.0), 2.4),
-        ("fill", (-3.0, 2.0, 2.0), 0.9),
-    ):
-        server.scene.add_light_directional(
-            f"/lamps/{name}", position=position, intensity=intensity, cast_shadow=False
-        )
+    configure_world(server)
     server.gui.main_panel.dock_right()
     server.gui.set_panel_label("Jump designer")
-    server.initial_camera.position = (1.25, -1.75, 0.95)
-    server.initial_camera.look_at = (0.12, 0.0, 0.42)
 
 
 @contextlib.contextmanager

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from app.panel.actions import Action
 from app.panel.panel import Panel
-from app.scene.landing_handle import LandingHandle
 from app.session.events import (
     CancelWanted,
     Event,
@@ -20,7 +19,6 @@ from app.session.events import (
     SimulateWanted,
     StopExportWanted,
     TakeUpWanted,
-    TargetDragged,
     UndoWanted,
     UnpinWanted,
     ViewChosen,
@@ -46,14 +44,13 @@ _WITHOUT_VALUES: dict[Action, Event] = {
 }
 
 
-def event_of(action: Action, state: TabState, panel: Panel, handle: LandingHandle) -> Event:
+def event_of(action: Action, state: TabState, panel: Panel) -> Event:
     """What an action means, given where the controls stand.
 
     Args:
         action: what was done.
         state: that is drawn.
         panel: to be read.
-        handle: in the picture, likewise.
     """
     match action:
         case Action.JUMP:
@@ -62,8 +59,6 @@ def event_of(action: Action, state: TabState, panel: Panel, handle: LandingHandl
                 return JumpChosen(jump, None, tuple(wrong))
             tuning, also = panel.tuning.read()
             return JumpChosen(jump, tuning, (*wrong, *also))
-        case Action.TARGET:
-            return TargetDragged(handle.read(state.design.jump, state.file.task))
         case Action.SCENARIO:
             scenario, wrong = panel.simulation.read(state.design.scenario)
             return ScenarioChosen(scenario, tuple(wrong))

@@ -9,12 +9,14 @@ import viser
 
 from app.motion import colours
 from app.motion.foreign_motion import ForeignMotion
-from app.panel.actions import Act, Action
+from app.panel.actions import Act
 from app.panel.comparison_table import Column
 from app.panel.panel import Panel
 from app.panel.summaries import seeds_table
 from app.plots.charts import Layer, shown_layers
 from app.plots.plots import PlotChoice, Plots
+from app.scene.landing_handle import Grip, LandingHandle
+from app.scene.overlays.landing_marks import LandingMarks
 from app.scene.picture import Picture
 from app.scene.scene import Scene
 from app.session.comparison import free_colour
@@ -34,7 +36,6 @@ class Rendering:
 
     Attributes:
         panel: the controls.
-        scene: the picture.
     """
 
     def __init__(
@@ -48,6 +49,7 @@ class Rendering:
         choose_example: Callable[[Design], None],
         open_file: Callable[[str, bytes], None],
         choose_plots: Callable[[PlotChoice], None],
+        drag_target: Callable[[Grip], None],
     ) -> None:
         """Build what every tab has, whatever its state.
 
@@ -56,7 +58,7 @@ class Rendering:
             link: to the scripts in its page.
             state: to begin with; it is drawn by `draw`.
             examples: to choose from.
-            act, choose_example, open_file, choose_plots: called on viser's event loop with what
+            act, choose_example, open_file, choose_plots, drag_target: called on viser's event loop with what
                 the visitor does; must return at once.
         """
         self._client = client
@@ -72,7 +74,8 @@ class Rendering:
             open_file=open_file,
         )
         self.plots = Plots(client, choose_plots)
-        self.scene = Scene(client, lambda: act(Action.TARGET))
+        self._scene = Scene(client)
+        self._handle = LandingHandle(client, drag_target)
         self._drawn: TabState | None = None
         # Where the controls stand, as far as they were read or set: what a hand is moving must not
         # be set to where it was a moment ago.
@@ -104,7 +107,7 @@ class Rendering:
         self._drawn = state
         with self._client.atomic():
             self._draw_panel(state, before)
-            self._draw_picture(state, before)
+            self._draw_picture(state)
             self._draw_numbers(state)
         # viser would gather messages for up to a sixtieth of a second.
         self._client.flush()
@@ -158,14 +161,16 @@ class Rendering:
 
     # ---- picture
 
-    def _draw_picture(self, state: TabState, before: TabState | None) -> None:
-        clip = self.scene.draw(picture_of(state))
-        if clip is not None and state.shown is not None:
-            events = timeline(state.shown.plan, state.rollout)
+    def _draw_picture(self, state: TabState) -> None:
+        clip = self._scene.draw(picture_of(state))
+        if clip is not None:
+            shown = state.shown
+            events = None if shown is None else timeline(shown.plan, state.rollout)
             # A motion that is pinned may go on when the one that is shown stands.
-            self._link.load(clip, replace(events, end=max(events.end, clip.end)))
-        elif state.shown is None and before is not None and before.shown is not None:
-            self._link.clear()
+            self._link.load(clip, events and replace(events, end=max(events.end, clip.end)))
+        robot = state.robot if state.ready else None
+        visible = LandingMarks.name in state.view.layers and state.shown is not None
+        self._handle.draw(state.design.jump, robot, visible=visible)
 
     # ---- numbers and curves
 

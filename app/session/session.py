@@ -27,6 +27,7 @@ from app.compute.offered import uploaded_design
 from app.compute.pool import WorkerPool
 from app.compute.protocol import Report
 from app.panel.actions import Action
+from app.scene.landing_handle import Grip
 from app.session.controls import event_of
 from app.session.effects import (
     AFTER_DRAWING,
@@ -52,6 +53,7 @@ from app.session.events import (
     Reported,
     RobotLoaded,
     RobotMissing,
+    TargetDragged,
 )
 from app.session.initial_plan import InitialPlans
 from app.session.lanes import Lane
@@ -77,7 +79,7 @@ class _End(Enum):
     END = 0
 
 
-_Item = Event | Action | PageEvent | tuple[str, bytes] | _End
+_Item = Event | Action | Grip | PageEvent | tuple[str, bytes] | _End
 """What is put into the inbox: events, and what becomes one when it is taken out."""
 
 
@@ -197,6 +199,7 @@ class Session:
             choose_example=lambda design: put(DesignChosen(design)),
             open_file=lambda name, content: put((name, content)),
             choose_plots=lambda choice: put(PlotsChosen(choice)),
+            drag_target=put,
         )
         name = self.state.design.jump.robot
         if self._initial.file is None and self._initial.plan(name) is not None:
@@ -302,6 +305,8 @@ class Session:
             # The latest of its kind counts.
             if isinstance(item, Action) and item in items:
                 items.remove(item)
+            elif isinstance(item, Grip) and isinstance(items[-1], Grip):
+                items.pop()
             items.append(item)
 
     def _event_of(self, item: _Item) -> Event | None:
@@ -309,9 +314,11 @@ class Session:
         assert rendering is not None
         match item:
             case Action():
-                event = event_of(item, self.state, rendering.panel, rendering.scene.handle)
+                event = event_of(item, self.state, rendering.panel)
                 rendering.note(event)
                 return event
+            case Grip():
+                return TargetDragged(item.applied_to(self.state.design.jump, self.state.file.task))
             case ClipTaken():
                 self._link.take(item)
                 return None

@@ -16,7 +16,7 @@ from app.motion.planned_motion import PlannedMotion
 from app.motion.simulated_motion import SimulatedMotion
 from app.panel.status import Status, Word
 from app.plots.plots import PlotChoice
-from app.scene.overlays import SHOWN_AT_FIRST
+from app.scene.overlays import AT_FIRST
 from app.session.comparison import Pin
 from app.session.drag_planning import DragPlanning
 from llsrbm.design import Design
@@ -24,10 +24,6 @@ from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
 from llsrbm.robots import Robot, RobotFile
 from llsrbm.simulation.surroundings import Block
-
-SPEEDS = (0.1, 0.25, 0.5, 1.0)
-"""Seconds of motion a second that can be chosen; the page is given these."""
-
 
 @dataclass(frozen=True, eq=False)
 class Shown:
@@ -167,7 +163,7 @@ class View:
         fine: with all triangles: the browser has a graphics processor.
     """
 
-    layers: frozenset[str] = SHOWN_AT_FIRST
+    layers: frozenset[str] = AT_FIRST
     night: bool = False
     fine: bool = False
 

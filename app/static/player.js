@@ -240,6 +240,7 @@
       // Loaded within a frame of viser's, before it moves its nodes: they are drawn in this frame.
       notice(now);
       apply();
+      window.llsrbm.camera?.show(header.sight);
       settle();
       llsrbm.page.send({ kind: "clip", number });
     },

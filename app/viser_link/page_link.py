@@ -106,7 +106,7 @@ class PageLink:
         self._field = client.gui.add_text("", "", visible=False)
         self._number = 0  # of the clip that was sent last
         self._taken = 0  # of the clip that the page took last
-        self._waiting: tuple[Clip, Timeline] | None = None
+        self._waiting: tuple[Clip, Timeline | None] | None = None
 
         @self._field.on_update
         async def _(event: viser.GuiEvent[Any]) -> None:
@@ -116,8 +116,13 @@ class PageLink:
 
         self._call("page.connect", json.dumps(uuid_of(self._field)))
 
-    def load(self, clip: Clip, events: Timeline) -> None:
-        """Play another clip from now on, and show what happens in it; time goes on."""
+    def load(self, clip: Clip, events: Timeline | None) -> None:
+        """Play another clip from now on, and show what happens in it; time goes on.
+
+        Args:
+            clip: how everything moves.
+            events: None: nothing happens, it stands.
+        """
         if self._number > self._taken:
             self._waiting = clip, events
         else:
@@ -129,12 +134,6 @@ class PageLink:
         if self._waiting is not None and self._taken == self._number:
             waiting, self._waiting = self._waiting, None
             self._send(*waiting)
-
-    def clear(self) -> None:
-        """Nothing to play."""
-        self._waiting = None
-        self._call("player.clear")
-        self._call("transport.clear")
 
     def play(self) -> None:
         """Go on, from the start if at the end."""
@@ -152,10 +151,13 @@ class PageLink:
         """Show a link that opens a design, given as text; it is made in the page."""
         self._call("page.share", json.dumps(design))
 
-    def _send(self, clip: Clip, events: Timeline) -> None:
+    def _send(self, clip: Clip, events: Timeline | None) -> None:
         self._number += 1
         header, blob = clip.encoded
-        self._call("transport.show", json.dumps(_plain(events)))
+        if events is None:
+            self._call("transport.clear")
+        else:
+            self._call("transport.show", json.dumps(_plain(events)))
         self._call("player.load", header, json.dumps(blob), str(self._number))
 
     def _call(self, function: str, *arguments: str) -> None:

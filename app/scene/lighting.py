@@ -1,0 +1,137 @@
+"""Light and floor, by day and by night."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import viser
+
+from app.motion.clip import Strand
+from app.motion.colours import Rgb
+from app.scene.drawing import Drawing
+from app.scene.picture import Picture
+
+
+@dataclass(frozen=True)
+class Look:
+    """Colours and strengths of one time of the day.
+
+    Attributes:
+        sky, ground: colours of the light from above and from below; sky_light: its strength.
+        key, key_light: colour and strength of the lamp that gives the robot its shape.
+        fill_light: strength of the lamp that lightens the other side.
+        floor: colour of the tiles; floor_opacity: how much of the backdrop they hide, nearby.
+        joints, tiles: colours of the lines of 0.1 m and of 0.5 m.
+        shadow: how dark a shadow is, 0 to 1.
+    """
+
+    sky: Rgb
+    ground: Rgb
+    sky_light: float
+    key: Rgb
+    key_light: float
+    fill_light: float
+    floor: Rgb
+    floor_opacity: float
+    joints: Rgb
+    tiles: Rgb
+    shadow: float
+
+
+# The backdrop behind both is in static/camera.js; the floor fades into it.
+DAY = Look(
+    sky=(255, 255, 255),
+    ground=(196, 190, 182),
+    sky_light=2.2,
+    key=(255, 247, 236),
+    key_light=2.6,
+    fill_light=1.1,
+    floor=(222, 227, 233),
+    floor_opacity=1.0,
+    joints=(204, 210, 217),
+    tiles=(172, 180, 190),
+    shadow=0.34,
+)
+NIGHT = Look(
+    sky=(176, 196, 232),
+    ground=(64, 66, 78),
+    sky_light=1.7,
+    key=(255, 240, 220),
+    key_light=2.3,
+    fill_light=1.3,
+    floor=(34, 40, 49),
+    floor_opacity=1.0,
+    joints=(46, 53, 63),
+    tiles=(72, 81, 94),
+    shadow=0.6,
+)
+
+_KEY, _FILL = (1.6, -2.4, 4.2), (-3.0, 2.0, 2.0)  # m; directions in which the lamps are
+_FADE = 7.0  # m from the camera at which the floor ends
+
+
+def configure_world(server: viser.ViserServer) -> None:
+    """Put out viser's own light for all tabs.
+
+    A browser without a graphics processor takes 4 s to start and a quarter of the frame rate with
+    an environment map and shadows; three lamps do.
+    """
+    server.scene.configure_environment_map(None)
+    server.scene.configure_default_lights(enabled=False)
+    # A narrow view: a wide one draws what is near too large. The page's script frames the robot
+    # as soon as there is one.
+    server.initial_camera.fov = 0.66  # rad
+    server.initial_camera.position = (1.7, -2.6, 1.35)
+    server.initial_camera.look_at = (0.05, 0.0, 0.4)
+
+
+class Lighting(Drawing):
+    """Lamps and floor of a tab; with a graphics processor the main lamp casts shadows."""
+
+    parts = frozenset({"planned", "night", "fine"})
+    needs_motion = False
+
+    def __init__(self, scene: viser.SceneApi) -> None:
+        """By day, without shadows."""
+        super().__init__(scene)
+        self._sky = scene.add_light_hemisphere(
+            "/lamps/sky", sky_color=DAY.sky, ground_color=DAY.ground, intensity=DAY.sky_light
+        )
+        self._key = scene.add_light_directional(
+            "/lamps/key", color=DAY.key, position=_KEY, intensity=DAY.key_light
+        )
+        self._fill = scene.add_light_directional(
+            "/lamps/fill", position=_FILL, intensity=DAY.fill_light
+        )
+        self._floor = scene.add_grid(
+            "/ground",
+            infinite_grid=True,
+            cell_size=0.1,
+            cell_color=DAY.joints,
+            cell_thickness=0.6,
+            section_size=0.5,
+            section_color=DAY.tiles,
+            fade_distance=_FADE,
+            fade_strength=1.4,
+            plane_color=DAY.floor,
+            plane_opacity=DAY.floor_opacity,
+            shadow_opacity=0.0,
+        )
+
+    def draw(self, picture: Picture) -> Sequence[Strand]:
+        """See `Drawing.draw`."""
+        look = NIGHT if picture.night else DAY
+        self._sky.sky_color, self._sky.ground_color = look.sky, look.ground
+        self._sky.intensity = look.sky_light
+        self._key.color, self._key.intensity = look.key, look.key_light
+        self._key.cast_shadow = picture.fine
+        self._fill.intensity = look.fill_light
+        self._floor.plane_color, self._floor.plane_opacity = look.floor, look.floor_opacity
+        self._floor.cell_color, self._floor.section_color = look.joints, look.tiles
+        self._floor.shadow_opacity = look.shadow if picture.fine else 0.0
+        self._floor.position = (0.0, 0.0, picture.ground)
+        return ()
+
+    def show(self, *, visible: bool) -> None:
+        """Light and floor stay."""
