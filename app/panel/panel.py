@@ -21,6 +21,7 @@ from app.panel.tuning_controls import TuningControls
 from app.panel.validation import number, option, put
 from app.panel.view_controls import ViewControls
 from app.plots.charts import Layer
+from app.plots.choice import DEFAULT, PlotChoice
 from app.plots.plots import Plots
 from app.session.player import SPEEDS
 from llsrbm.design import Design
@@ -123,7 +124,9 @@ class Panel:
         with gui.add_folder("Compare"):
             self.compare = CompareControls(gui)
         with gui.add_folder("Plots"):
-            self._plots = Plots(client)
+            self._plots = Plots(client, self._plots_chosen)
+        self._plot_choice: PlotChoice = DEFAULT
+        self._layers: tuple[Layer, ...] = ()
         with gui.add_folder("Figures"):
             self._rollout_figures = gui.add_html("", visible=False)
             self._plan_figures = gui.add_html("")
@@ -195,14 +198,16 @@ class Panel:
         self._rollout_figures.visible = rollout is not None
         if rollout is not None:
             self._rollout_figures.content = summaries.rollout_figures(rollout)
-        self._plots.draw(layers, self._end)
+        self._layers = tuple(layers)
+        self.show_plots()
         self.view.show_legend(simulated=rollout is not None)
 
     def clear_plan(self) -> None:
         """No plan's numbers."""
         for handle in (self._timeline, self._plan_figures, self._residuals):
             handle.content = ""
-        self._plots.clear()
+        self._layers = ()
+        self.show_plots()
         self._rollout_figures.visible = False
         self.export.clear()
 
@@ -229,9 +234,13 @@ class Panel:
         """The page draws its own."""
         self._timeline.visible = False
 
-    def show_plots_time(self, time: float) -> None:
-        """Where the motion is, s, in the plots, where the page does not do it itself."""
-        self._plots.show_time(time)
+    def show_plots(self) -> None:
+        """The curves that were chosen, of what is shown."""
+        self._plots.draw(self._layers, self._end, self._plot_choice, moving=False)
+
+    def _plots_chosen(self, choice: PlotChoice) -> None:
+        self._plot_choice = choice
+        self._act(Action.LAYERS)
 
     def notify(self, title: str, body: str) -> None:
         """A passing remark."""

@@ -36,7 +36,6 @@ from llsrbm.titles import titles_of
 
 _PATIENCE = 8.0  # s for the page to say that its scripts run; a slow one takes 3 s to open
 _TIME_SHOWN_EVERY = 0.1  # s; the timeline follows the picture more slowly, to spare the line
-_FRAMES_A_PLOT = 15  # the plots still more slowly, the more so in a browser that draws slowly
 
 
 class Stage:
@@ -78,7 +77,6 @@ class Stage:
         self._simulated: SimulatedMotion | None = None
         self._events: Timeline | None = None
         self._time_shown = 0.0
-        self._frames = 0  # since the plots were told the time
 
     def close(self) -> None:
         """Follow the browser's pace no longer."""
@@ -160,6 +158,7 @@ class Stage:
         layers = self._panel.view.read()
         self._target.set_visible(layers.pop("target") and self._replay is not None)
         self._scene.show_layers(**layers)
+        self._panel.show_plots()
 
     # ---- what is compared
 
@@ -232,7 +231,6 @@ class Stage:
 
     def _load(self) -> None:
         assert self._replay is not None
-        self._frames = _FRAMES_A_PLOT
         clip, events = self._scene.clip(), timeline(self._replay.plan, self.rollout)
         # What is pinned may go on when the motion that is shown stands.
         self._events = replace(events, end=max(events.end, clip.end))
@@ -281,9 +279,6 @@ class Stage:
         self._panel.show_time(self.player.time, playing=self.player.playing)
         if isinstance(self.player, ServerPlayer) and self._events is not None:
             self._panel.show_timeline(self._events, self.player.time)
-            if not self.player.playing or self._frames >= _FRAMES_A_PLOT:
-                self._frames = 0
-                self._panel.show_plots_time(self.player.time)
 
     def _play_from_here(self) -> None:
         """The page's scripts do not answer: send every frame."""
@@ -315,7 +310,6 @@ class Stage:
 
     def _show_instant(self, clip: Clip, instant: float) -> None:
         self._scene.show_instant(clip, instant)
-        self._frames += 1
         if not self.player.playing or time.monotonic() - self._time_shown > _TIME_SHOWN_EVERY:
             self.show_time()
 
