@@ -299,8 +299,9 @@ def _show(plan: Plan, rollout: Rollout | None, robot: Robot) -> None:
     from app.motion.planned_motion import bake_plan
     from app.motion.simulated_motion import bake_rollout
     from app.panel import summaries
-    from app.plots.charts import GROUPS, shown_layers
-    from app.plots.figure import figure
+    from app.plots.charts import shown_layers
+    from app.plots.choice import PRESETS
+    from app.plots.figure import everything, figure
     from llsrbm.design import dump_design
     from llsrbm.motion.timeline import timeline
     from llsrbm.scenario import Scenario
@@ -320,18 +321,19 @@ def _show(plan: Plan, rollout: Rollout | None, robot: Robot) -> None:
         summaries.simulated_line(rollout)
         summaries.rollout_figures(rollout)
     end = timeline(plan, rollout).end
-    for group in GROUPS:
-        figure(group, shown_layers(replay, rollout), end)
+    layers = shown_layers(replay, rollout)
+    for choice in (*PRESETS.values(), everything()):
+        figure(choice, layers, end)
 
 
 def _show_alone(name: str, motion: Rollout | WholeBodyMotion) -> None:
     from app.motion import colours
     from app.motion.foreign_motion import bake_foreign
-    from app.plots.charts import GROUPS, Layer, charts
+    from app.plots.charts import Layer, charts
+    from app.plots.figure import everything
 
     layer = Layer(name, colours.PINNED[0], bake_foreign(name, motion), None, pinned=True)
-    for group in GROUPS:
-        charts(group, [layer])
+    charts(everything(), [layer])
 
 
 def _line(text_: str) -> str:

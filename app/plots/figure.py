@@ -1,4 +1,4 @@
-"""A group of charts as numbers: common instants, shading, marks, and a row of values a line."""
+"""Chosen charts as numbers: common instants, shading, marks, and a row of values a line."""
 
 from __future__ import annotations
 
@@ -11,7 +11,9 @@ from numpy.typing import NDArray
 
 from app.motion import colours
 from app.motion.colours import Rgb
-from app.plots.charts import ALL_JOINTS, LANDING, Layer, charts
+from app.plots.charts import DASHED, SOLID, Chart, Layer, charts
+from app.plots.choice import ChartChoice, PlotChoice
+from app.plots.signals import SIGNALS
 from app.plots.time_grid import TimeGrid
 
 Array = NDArray[np.float64]
@@ -24,11 +26,23 @@ _BEFORE, _AFTER, _LANDING_STEP = 0.1, 0.25, 0.05  # s around touchdowns
 
 @dataclass(frozen=True)
 class Stroke:
-    """How a line is drawn and what it is called."""
+    """How a line is drawn and its name.
+
+    Attributes:
+        title: a layer's, a mark's.
+        colour: of the line; dash: pixels drawn and left out, in turn.
+        component: of several that share a chart.
+    """
 
     title: str
     colour: Rgb
-    dashed: bool = False
+    dash: tuple[float, ...] = SOLID
+    component: str = ""
+
+    @property
+    def name(self) -> str:
+        """Title and component."""
+        return f"{self.title} {self.component}".rstrip()
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,7 +53,7 @@ class Rows:
         title: quantity and unit.
         strokes: of the lines.
         values: (P,) of each line.
-        least: as in `app.plots.charts.Chart`.
+        least: as in `app.plots.signal.Signal`.
     """
 
     title: str
@@ -66,21 +80,20 @@ class Figure:
     charts: tuple[Rows, ...]
 
 
-def figure(group: str, layers: Sequence[Layer], end: float, joints: str = ALL_JOINTS) -> Figure:
-    """A group of charts.
+def figure(choice: PlotChoice, layers: Sequence[Layer], end: float) -> Figure:
+    """The chosen charts.
 
     Args:
-        group: one of `app.plots.charts.GROUPS`.
+        choice: of charts.
         layers: what to draw, the first ones below; one of them at least is not pinned.
         end: of the motion that is shown, s.
-        joints: see `app.plots.charts.charts`.
     """
     shown = [layer for layer in layers if not layer.pinned]
     replay = shown[0].replay
     assert replay is not None  # what is not pinned has a plan
     lift_off, touchdown = replay.plan.phase_start[1:3].tolist()
-    marks = _marks(shown, touchdown, detailed=group == LANDING)
-    if group == LANDING:
+    marks = _marks(shown, touchdown, detailed=choice.landing)
+    if choice.landing:
         start, end = _around([instant for _, instant in marks])
     else:
         start, end = 0.0, math.ceil(end / AXIS_STEP - 1e-9) * AXIS_STEP
@@ -90,15 +103,24 @@ def figure(group: str, layers: Sequence[Layer], end: float, joints: str = ALL_JO
         flight=grid.between(lift_off, touchdown),
         mark_strokes=tuple(stroke for stroke, _ in marks),
         marks=tuple(grid.step(instant) for _, instant in marks),
-        charts=tuple(
-            Rows(
-                chart.title,
-                tuple(Stroke(line.title, line.colour, line.dashed) for line in chart.lines),
-                tuple(grid.sample(line.time, line.values) for line in chart.lines),
-                chart.least,
-            )
-            for chart in charts(group, layers, joints)
+        charts=tuple(_rows(chart, grid) for chart in charts(choice, layers)),
+    )
+
+
+def everything() -> PlotChoice:
+    """Every chart that there is: what can be drawn of a motion at all."""
+    return PlotChoice(tuple(ChartChoice(key, each=True) for key in SIGNALS))
+
+
+def _rows(chart: Chart, grid: TimeGrid) -> Rows:
+    lines = chart.lines
+    return Rows(
+        chart.heading,
+        tuple(Stroke(line.title, line.colour, line.dash, line.component) for line in lines),
+        tuple(
+            grid.sample(line.time, np.clip(line.values, -chart.most, chart.most)) for line in lines
         ),
+        chart.least,
     )
 
 
@@ -112,7 +134,7 @@ def _marks(
         if outcome is not None and outcome.touchdown_true_s is not None:
             marks.append((Stroke("touch-down", layer.colour), outcome.touchdown_true_s))
         if detailed and outcome is not None and outcome.touchdown_detected_s is not None:
-            stroke = Stroke("detected", colours.FORCE, dashed=True)
+            stroke = Stroke("detected", colours.FORCE, DASHED)
             marks.append((stroke, outcome.touchdown_detected_s))
     return marks
 

@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-POINTS = 192
-"""Evenly spaced instants, in pairs: about one and a half pixels each in a chart of the panel."""
+POINTS = 384
+"""Evenly spaced instants, in pairs: one to two pixels each in a chart of the area."""
 
 ABOVE, BELOW = 2.0, -1.0
 """Values of steps, drawn on a scale from 0 to 1, so that only their upright part is in sight."""

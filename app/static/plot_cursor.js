@@ -1,6 +1,8 @@
-// The cursor of the plots, drawn in the page: window.llsrbmPlots.show(time) moves it in every chart
-// in sight and writes beside each title what the lines are there; onPick(callback) tells the time at
-// which a user clicked. While the pointer is in a chart, the values are those under it.
+// The cursor of the plots and their values, drawn in the page: window.llsrbmPlots.show(time) moves
+// the cursor in every chart in sight and writes beside each title the lines' values there;
+// onPick(callback) passes on the time at which a user clicked. While the pointer is in a chart, a
+// box beside it has all lines by name with their units, and all titles have the values there.
+// missing() names what this needs of viser and does not find.
 //
 // viser keeps its uPlot charts in window.__viserTestpoints.uplots and makes them anew as it likes,
 // so nothing is kept here but what hangs on a chart. What viser leaves undone is mended here as well.
@@ -10,14 +12,20 @@
   const VALUES_EVERY = 100; // ms; numbers that change faster cannot be read
   const DRESSED_EVERY = 300; // ms; until then a new chart may lack its cursor while nothing plays
   const CLICK = 4; // pixels; a longer way is a drag, by which uPlot zooms
-  const FIRST_LINE_SCALE = "y"; // of the series that are no marks
+  const LINES = "y"; // scale of the series that are no marks
+  const ASIDE = "4,4"; // dashes of limits and second curves: in the box alone
+  const MOST = 6; // values beside a title
+  const BESIDE = 14; // pixels from the pointer to the box
+  // What is used of a chart.
+  const CHART = ["axes", "bbox", "cursor", "data", "height", "hooks", "over", "posToVal", "redraw",
+    "root", "scales", "series", "setScale", "valToIdx", "valToPos", "width"];
 
   const dressings = new WeakMap(); // chart -> its elements
   const listeners = [];
   let shown = null; // s; null until somebody says what is shown
   let valuesAt = -Infinity; // performance.now() of the last numbers
   let pending = 0; // timer of the numbers that were put off
-  let pointed = false; // whether the pointer is in a chart
+  let pointed = null; // the chart that the pointer is in
 
   const style = document.createElement("style");
   style.textContent = `
@@ -29,8 +37,20 @@
     .uplot-container:hover .llsrbm-values { right: 30px; } /* viser: a button to expand the chart */
     .llsrbm-cursor { position: absolute; left: 0; top: 0; bottom: 0; width: 0; pointer-events: none;
       border-left: 1.5px solid var(--mantine-color-text); opacity: 0.75; z-index: 90;
-      will-change: transform; }`;
+      will-change: transform; }
+    .llsrbm-hover { position: fixed; left: 0; top: 0; z-index: 300; pointer-events: none; display: none;
+      padding: 4px 8px; border-radius: 4px; font: 11.5px/1.45 system-ui, sans-serif;
+      font-variant-numeric: tabular-nums; color: var(--mantine-color-text);
+      background: var(--mantine-color-body); border: 1px solid var(--mantine-color-default-border);
+      box-shadow: 0 2px 8px rgba(0, 0, 0, 0.2); }
+    .llsrbm-hover table { border-collapse: collapse; }
+    .llsrbm-hover td { padding: 0 0 0 0.8em; text-align: right; white-space: nowrap; }
+    .llsrbm-hover td:first-child { padding: 0; text-align: left; }
+    .llsrbm-hover td:last-child { padding-left: 0.3em; text-align: left; }`;
   document.head.appendChild(style);
+  const box = document.createElement("div");
+  box.className = "llsrbm-hover";
+  document.body.appendChild(box);
 
   function charts() {
     const known = window.__viserTestpoints?.uplots;
@@ -45,13 +65,17 @@
     values.className = "llsrbm-values";
     chart.root.querySelector(".u-title")?.appendChild(values);
     const lines = chart.series.flatMap((series, index) => {
-      if (series.scale !== FIRST_LINE_SCALE || series.dash) return [];
-      const value = document.createElement("span");
-      value.title = series.label;
-      value.style.color = typeof series.stroke === "function" ? series.stroke(chart, index) : series.stroke;
-      values.appendChild(value);
-      return [{ index, value }];
+      if (series.scale !== LINES) return [];
+      const colour = typeof series.stroke === "function" ? series.stroke(chart, index) : series.stroke;
+      return [{ index, colour, name: series.label, aside: String(series.dash) === ASIDE }];
     });
+    const beside = lines.filter((line) => !line.aside);
+    for (const line of beside.length > MOST ? [] : beside) {
+      line.value = document.createElement("span");
+      line.value.title = line.name;
+      line.value.style.color = line.colour;
+      values.appendChild(line.value);
+    }
     const dressing = { cursor, values, lines, pressedAt: null, mended: null };
     dressings.set(chart, dressing);
     chart.over.addEventListener("mousedown", (event) => {
@@ -68,8 +92,16 @@
       const times = other.data[0];
       other.setScale("x", { min: times[0], max: times[times.length - 1] });
     }));
-    chart.over.addEventListener("mousemove", () => { pointed = true; putOffValues(); });
-    chart.over.addEventListener("mouseleave", () => { pointed = false; putOffValues(); });
+    chart.over.addEventListener("mousemove", (event) => {
+      pointed = chart;
+      putOffValues();
+      hover(chart, dressing, event);
+    });
+    chart.over.addEventListener("mouseleave", () => {
+      pointed = null;
+      putOffValues();
+      box.style.display = "none";
+    });
     // Other data, another size, a zoom: whatever draws the chart moves the cursor as well.
     const drawn = () => {
       place(chart, dressing);
@@ -98,15 +130,57 @@
     if (inside) cursor.style.transform = `translateX(${chart.valToPos(shown, "x").toFixed(1)}px)`;
   }
 
+  function digitsOf({ scales }) {
+    const { min, max } = scales.y;
+    return min == null ? 2 : Math.min(Math.max(2 - Math.floor(Math.log10(max - min || 1)), 0), 4);
+  }
+
+  function written(number, digits) {
+    if (!Number.isFinite(number)) return "";
+    const text = number.toFixed(digits);
+    return Number(text) === 0 ? text.replace("-", "") : text;
+  }
+
   function write(chart, { lines }) {
     const pointedAt = pointed && chart.cursor.idx != null ? chart.cursor.idx : null;
     const index = pointedAt ?? (shown == null ? -1 : chart.valToIdx(shown));
-    const { min, max } = chart.scales.y;
-    const digits = min == null ? 2 : Math.min(Math.max(2 - Math.floor(Math.log10(max - min || 1)), 0), 4);
+    const digits = digitsOf(chart);
     for (const line of lines) {
-      const number = chart.data[line.index]?.[index];
-      line.value.textContent = Number.isFinite(number) ? number.toFixed(digits) : "";
+      if (line.value) line.value.textContent = written(chart.data[line.index]?.[index], digits);
     }
+  }
+
+  // All lines at the pointer, by name.
+  function hover(chart, { lines }, event) {
+    const index = chart.cursor.idx;
+    if (index == null) return;
+    const heading = chart.root.querySelector(".u-title")?.firstChild?.textContent ?? "";
+    const unit = /\[([^\]]*)\]$/.exec(heading)?.[1] ?? "";
+    const digits = digitsOf(chart);
+    const table = document.createElement("table");
+    const row = (name, value, units, colour) => {
+      const cells = [name, value, units].map((text) => {
+        const cell = document.createElement("td");
+        cell.textContent = text;
+        return cell;
+      });
+      if (colour) cells[0].style.color = colour;
+      const made = document.createElement("tr");
+      made.append(...cells);
+      table.append(made);
+    };
+    row("time", chart.data[0][index].toFixed(3), "s");
+    for (const { index: line, name, colour } of lines) {
+      const value = written(chart.data[line]?.[index], digits);
+      if (value) row(name, value, unit, colour);
+    }
+    box.replaceChildren(table);
+    box.style.display = "block";
+    const { offsetWidth: width, offsetHeight: height } = box;
+    const right = event.clientX + BESIDE + width < window.innerWidth;
+    const x = right ? event.clientX + BESIDE : event.clientX - BESIDE - width;
+    const y = Math.min(event.clientY + BESIDE, window.innerHeight - height - 4);
+    box.style.transform = `translate(${Math.max(x, 0)}px, ${Math.max(y, 0)}px)`;
   }
 
   function dressed() {
@@ -126,9 +200,31 @@
     pending ||= setTimeout(writeAll, Math.max(wait, 0));
   }
 
-  setInterval(dressed, DRESSED_EVERY);
+  setInterval(() => {
+    dressed();
+    // A chart that goes away under the pointer is not left by it.
+    if (pointed && !pointed.root.isConnected) {
+      pointed = null;
+      box.style.display = "none";
+    }
+  }, DRESSED_EVERY);
+
+  // Charts are known only as long as there are any: a page without one lacks nothing of them.
+  function missing() {
+    const viser = { canvas: window.__viserMutable?.canvas,
+      sendMessage: window.__viserMutable?.sendMessage };
+    const names = Object.keys(viser).filter((name) => viser[name] == null)
+      .map((name) => `__viserMutable.${name}`);
+    if (!window.__viserTestpoints) names.push("__viserTestpoints");
+    const known = window.__viserTestpoints?.uplots;
+    if (!known && document.querySelector(".uplot")) names.push("__viserTestpoints.uplots");
+    const lacking = Object.values(known ?? {}).flatMap((entry) =>
+      entry.chart ? CHART.filter((field) => entry.chart[field] == null) : ["chart"]);
+    return [...names, ...new Set(lacking.map((field) => `__viserTestpoints.uplots: ${field}`))];
+  }
 
   window.llsrbmPlots = {
+    missing,
     show(time) {
       shown = time;
       dressed().forEach(([chart, dressing]) => place(chart, dressing));

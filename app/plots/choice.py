@@ -1,0 +1,132 @@
+"""Which charts a tab shows, a pure value that is part of the tab's state; and the presets."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+ALL_JOINTS = "all joints"
+ALL = "all"
+EACH = "a chart each"
+
+OVERVIEW, TORQUES, LANDING = "Overview", "Joint torques and speeds", "Landing"
+OWN = "Own choice"
+"""Name of charts that are no preset."""
+
+MOST_CHARTS = 12
+"""Choices of charts in one tab; each may be as many charts as a robot has joints."""
+
+
+@dataclass(frozen=True)
+class ChartChoice:
+    """A chart, or several.
+
+    Attributes:
+        signal: key of one of `app.plots.signals.SIGNALS`.
+        components: names or tags of its components that are drawn, such as "z", "LF", "KFE";
+            none: all of them.
+        each: whether each component has a chart of its own.
+    """
+
+    signal: str
+    components: tuple[str, ...] = ()
+    each: bool = False
+
+
+@dataclass(frozen=True)
+class PlotChoice:
+    """What is plotted.
+
+    Attributes:
+        charts: in their order, no two alike.
+        landing: whether the time axis shows the touchdown closely.
+        open: whether the area with the charts is.
+        offered: the chart that would be added next.
+    """
+
+    charts: tuple[ChartChoice, ...]
+    landing: bool = False
+    open: bool = True
+    offered: ChartChoice = ChartChoice("com")
+
+    @property
+    def preset(self) -> str:
+        """One of `PRESETS`, or `OWN`."""
+        for name, preset in PRESETS.items():
+            if (preset.charts, preset.landing) == (self.charts, self.landing):
+                return name
+        # Loads of some joints are the same preset as those of all.
+        if tuple(map(_of_all_joints, self.charts)) == PRESETS[TORQUES].charts and not self.landing:
+            return TORQUES
+        return OWN
+
+    def with_preset(self, name: str) -> PlotChoice:
+        """With a preset's charts in place of those that are shown."""
+        preset = PRESETS[name]
+        return replace(self, charts=preset.charts, landing=preset.landing)
+
+    def with_offered(self) -> PlotChoice:
+        """With the offered chart too, once."""
+        if self.offered in self.charts or len(self.charts) >= MOST_CHARTS:
+            return self
+        return replace(self, charts=(*self.charts, self.offered))
+
+    def without(self, index: int) -> PlotChoice:
+        """Without one chart."""
+        return replace(self, charts=self.charts[:index] + self.charts[index + 1 :])
+
+    def with_joints(self, kind: str) -> PlotChoice:
+        """With the loads of one kind of joints, or of `ALL_JOINTS`."""
+        charts = (
+            replace(chart, components=(kind,)) if chart.signal in LOADS else chart
+            for chart in self.charts
+        )
+        return replace(self, charts=tuple(dict.fromkeys(charts)))
+
+    @property
+    def joints(self) -> str | None:
+        """The kind of joints whose loads are shown; None where no loads are."""
+        kinds = [chart.components for chart in self.charts if chart.signal in LOADS]
+        return (kinds[0] or (ALL_JOINTS,))[0] if kinds else None
+
+
+LOADS = ("largest_torque_share", "largest_saturation", "largest_speed_share", "power")
+"""Signals whose components are kinds of joints."""
+
+
+def _of_all_joints(chart: ChartChoice) -> ChartChoice:
+    return replace(chart, components=(ALL_JOINTS,)) if chart.signal in LOADS else chart
+
+
+def _each(signal: str, *components: str) -> PlotChoice:
+    return PlotChoice((ChartChoice(signal, components, each=True),))
+
+
+def _all(*charts: tuple[str, str], landing: bool = False) -> PlotChoice:
+    return PlotChoice(
+        tuple(ChartChoice(signal, (part,) if part else ()) for signal, part in charts), landing
+    )
+
+
+PRESETS: Mapping[str, PlotChoice] = {
+    OVERVIEW: _all(
+        ("base_angle", "yaw"), ("angular_velocity", "z"), ("com", "z"), ("vertical_force", "")
+    ),
+    "Base angles": _each("base_angle"),
+    "Base rates": _each("angular_velocity"),
+    "CoM position": _each("com"),
+    "CoM velocity": _each("com_velocity"),
+    "Linear momentum": _each("linear_momentum"),
+    "Angular momentum": _each("angular_momentum"),
+    "Principal inertias": _each("principal_inertia"),
+    "Contact forces": PlotChoice(
+        (ChartChoice("vertical_force"), ChartChoice("foot_force", ("z",), each=True))
+    ),
+    TORQUES: _all(*((signal, ALL_JOINTS) for signal in LOADS)),
+    LANDING: _all(
+        ("average_spatial_velocity_norm", ""), ("detection", ""), ("yaw_error", ""), landing=True
+    ),
+}
+"""What can be chosen at once, by name."""
+
+DEFAULT = PRESETS[OVERVIEW]

@@ -1,0 +1,162 @@
+"""One motion over time, planned, simulated or from a file, under the same names."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from llsrbm.analysis.inertia_ellipsoid import ellipsoid
+from llsrbm.motion.plan import Plan
+from llsrbm.motion.resample import resample
+from llsrbm.motion.rollout import Rollout
+from llsrbm.motion.rotation import rotation_matrices
+from llsrbm.motion.whole_body import WholeBodyMotion, motion_at_ticks
+from llsrbm.robots import Robot
+
+Array = NDArray[np.float64]
+
+_WHOLE_BODY_EVERY = 3  # frames; an inertia changes slowly, and each costs some 15 microseconds
+_COMMON = frozenset(field.name for field in fields(WholeBodyMotion))
+_RECORDED_AS = {"joint_torque": "torque", "joint_torque_limit": "torque_limit"}  # in a `Rollout`
+
+
+@dataclass(frozen=True, eq=False)
+class Course:
+    """A motion's quantities at its K own instants; world frame, SI units.
+
+    Attributes:
+        motion: what plans, simulations and files have in common.
+        recorded: where the rest is: a plan or a rollout; None of a motion from another tool.
+        planned: the plan that a simulation followed; None of all else.
+        mass: kg, that has the momenta.
+    """
+
+    motion: WholeBodyMotion
+    recorded: Plan | Rollout | None
+    planned: WholeBodyMotion | None
+    mass: float
+
+    @property
+    def robot(self) -> Robot:
+        """The robot that moves."""
+        return self.motion.robot
+
+    @property
+    def time(self) -> Array:
+        """(K,) s, increasing."""
+        return self.motion.time
+
+    @property
+    def rollout(self) -> Rollout | None:
+        """The simulation that this is."""
+        return self.recorded if isinstance(self.recorded, Rollout) else None
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        """Of the columns of quantities along the joints."""
+        return self.robot.joint_names
+
+    @property
+    def leg_names(self) -> tuple[str, ...]:
+        """Of the columns of quantities along the legs."""
+        return tuple(leg.name for leg in self.robot.legs)
+
+    @cached_property
+    def com_velocity(self) -> Array:
+        """(K, 3) m/s, by the linear momentum."""
+        return self.motion.linear_momentum / self.mass
+
+    @cached_property
+    def average_spatial_velocity_norm(self) -> Array:
+        """(K,) m/s and rad/s in one norm; of a simulation, as its controller measured it."""
+        if self.rollout is not None:
+            return self.rollout.average_spatial_velocity_norm
+        momentum = self.motion.angular_momentum[..., None]
+        turning = np.linalg.solve(self.motion.inertia, momentum)[..., 0]
+        norm: Array = np.linalg.norm(np.hstack([self.com_velocity, turning]), axis=1)
+        return norm
+
+    def quantity(self, name: str) -> Array | None:
+        """(K, ...) of a quantity by its name in `Plan`; None of what this motion does not have.
+
+        Joints are in the robot's order.
+        """
+        if name in ("com_velocity", "average_spatial_velocity_norm"):
+            found: Any = getattr(self, name)
+        elif name in _COMMON:
+            found = getattr(self.motion, name)
+        else:
+            found = getattr(self._sampled, name, None)
+        return None if found is None else np.asarray(found, dtype=np.float64)
+
+    @cached_property
+    def _sampled(self) -> Plan | Rollout | None:
+        """What was recorded, at this motion's instants."""
+        if isinstance(self.recorded, Plan):
+            return resample(self.recorded, self.recorded.time[0] + self.time)
+        return self.recorded
+
+
+def course_of_plan(plan: Plan, motion: WholeBodyMotion) -> Course:
+    """A plan's quantities at the instants of `motion`, which was made from it."""
+    return Course(motion, plan, None, motion.robot.mass)
+
+
+def course_of_motion(motion: WholeBodyMotion) -> Course:
+    """Those of a motion from a file."""
+    return Course(motion, None, None, motion.robot.mass)
+
+
+def course_of_rollout(rollout: Rollout, planned: WholeBodyMotion | None) -> Course:
+    """What the whole robot did, at every control tick.
+
+    Args:
+        rollout: the simulation.
+        planned: what it followed.
+    """
+    motion = motion_at_ticks(rollout, np.arange(len(rollout.time)))
+    # Momenta are those of the simulated masses.
+    trunk = motion.robot.model.inertias[1].mass
+    mass = motion.robot.mass + (rollout.disturbance.trunk_mass_factor - 1) * trunk
+    return Course(motion, rollout, planned, mass)
+
+
+def recorded_name(name: str) -> str:
+    """Under which name `Course.quantity` knows a rollout's quantity."""
+    return {recorded: ours for ours, recorded in _RECORDED_AS.items()}.get(name, name)
+
+
+def principal_moments(robot: Robot, inertia: Array, base_quat: Array) -> Array:
+    """Principal moments of inertia, (K, 3) kg m2: those nearest to the base's x, y, z axes.
+
+    Args:
+        robot: whose.
+        inertia: (K, 3, 3) kg m2 about the CoM.
+        base_quat: (K, 4) w, x, y, z.
+    """
+    axes, _ = ellipsoid(inertia, robot.mass, rotation_matrices(base_quat))
+    squares: Array = axes**2
+    return robot.mass / 5 * (squares.sum(axis=1, keepdims=True) - squares)
+
+
+def whole_body_inertia(motion: WholeBodyMotion) -> tuple[Array, Array, Array]:
+    """Inertia of the robot in its postures, whatever a planner's model says.
+
+    Returns:
+        time (K,) s, inertia about the CoM (K, 3, 3) kg m2, base_quat (K, 4) w, x, y, z.
+    """
+    robot = motion.robot
+    kept = np.arange(0, len(motion.time), _WHOLE_BODY_EVERY)
+    quat = motion.base_quat[kept]
+    q = np.hstack([motion.base_position[kept], quat[:, [1, 2, 3, 0]], motion.joint_position[kept]])
+    data, still = robot.model.createData(), np.zeros(robot.model.nv)
+    inertia = np.empty((len(kept), 3, 3))
+    for k, posture in enumerate(q):
+        pin.ccrba(robot.model, data, posture, still)
+        inertia[k] = data.Ig.inertia
+    return motion.time[kept], inertia, quat

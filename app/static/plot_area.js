@@ -1,0 +1,90 @@
+// Keeps the area of the plots, a floating panel of viser's, below the picture: as wide as it, the
+// picture above it, charts side by side where there is room. Dragged to a side of the page the panel
+// is docked there by viser, and the picture has its height back.
+// window.llsrbmPlots.watch(open, seen) begins: `open` is the server's checkbox by which the area is
+// opened, `seen` the one that learns whether it is.
+(() => {
+  if (!window.llsrbmPlots || window.llsrbmPlots.watch) return;
+
+  const MARKER = ".llsrbm-plot-area";
+  const FLOATING = "[data-floating-window]";
+  const PINNED = "data-llsrbm-pinned", GRID = "data-llsrbm-charts";
+  const LOOK_EVERY = 300; // ms; what is resized is followed at once
+  const SMALLEST = [1100, 700]; // pixels of a page in which the area is open at first
+
+  const style = document.createElement("style");
+  style.textContent = `
+    [${PINNED}] { left: var(--llsrbm-left) !important; width: var(--llsrbm-width) !important;
+      top: auto !important; bottom: 0 !important; border-radius: 0 !important; z-index: 4 !important;
+      box-shadow: none !important; border-top: 1px solid var(--mantine-color-default-border); }
+    [${PINNED}] [data-dock-strip] { display: none !important; }
+    [${PINNED}]:not([style*="height"]) .mantine-ScrollArea-viewport { max-height: 46vh; }
+    [${GRID}] { display: grid; align-items: start; padding-bottom: 4px;
+      grid-template-columns: repeat(auto-fit, minmax(min(100%, 340px), 1fr)); }
+    [${GRID}] > * { min-width: 0; }
+    [${GRID}] > :has(${MARKER}) { grid-column: 1 / -1; }
+    [${GRID}] .uplot-container { margin: 0 6px 6px; }`;
+  document.head.appendChild(style);
+
+  let boxes = null; // the server's checkboxes
+  let pinned = null; // viser's window of the area
+  let wrap = null; // the box of viser's that has the picture
+  let seen = null; // whether the area was seen; null: not yet
+
+  const resized = new ResizeObserver(() => place());
+
+  function send(box, value) {
+    window.__viserMutable?.sendMessage({ type: "GuiUpdateMessage", uuid: box, updates: { value } });
+  }
+
+  function look() {
+    const marker = document.querySelector(MARKER);
+    const found = marker ? marker.closest(FLOATING) : pinned?.isConnected ? pinned : null;
+    if (found !== pinned) {
+      pinned?.removeAttribute(PINNED);
+      if (pinned) resized.unobserve(pinned);
+      pinned = found;
+      pinned?.setAttribute(PINNED, "");
+      if (pinned) resized.observe(pinned);
+    }
+    const root = document.querySelector("[data-dock-root]");
+    const holder = [...(root?.children ?? [])].find((child) =>
+      child.contains(window.__viserMutable?.canvas ?? null)) ?? null;
+    if (holder !== wrap) {
+      if (wrap) resized.unobserve(wrap);
+      wrap = holder;
+      if (wrap) resized.observe(wrap);
+    }
+    arrange(marker);
+    place();
+    const visible = Boolean(marker?.getClientRects().length);
+    if (boxes && seen !== null && visible !== seen) send(boxes.seen, visible);
+    if (visible || seen !== null) seen = visible;
+  }
+
+  // Whatever holds the legend and the charts is a grid.
+  function arrange(marker) {
+    let holder = marker;
+    while (holder && !holder.querySelector(".uplot-container")) holder = holder.parentElement;
+    if (!holder || holder.contains(wrap)) return;
+    if (!holder.hasAttribute(GRID)) holder.setAttribute(GRID, "");
+  }
+
+  function place() {
+    if (!wrap) return;
+    const below = pinned ? `${pinned.offsetHeight}px` : "0px";
+    if (wrap.style.bottom !== below) wrap.style.bottom = below;
+    if (!pinned) return;
+    pinned.style.setProperty("--llsrbm-left", `${wrap.offsetLeft}px`);
+    pinned.style.setProperty("--llsrbm-width", `${wrap.offsetWidth}px`);
+  }
+
+  setInterval(look, LOOK_EVERY);
+
+  window.llsrbmPlots.watch = (open, shown) => {
+    boxes = { open, seen: shown };
+    seen = null;
+    look();
+    if (window.innerWidth < SMALLEST[0] || window.innerHeight < SMALLEST[1]) send(open, false);
+  };
+})();
