@@ -69,7 +69,7 @@ class ExportControls:
 
 
 class ExportOptions:
-    """Which motion, which further formats and how they are written, in the container that is open."""
+    """Which motion, further formats and how they are written, in the container that is open."""
 
     def __init__(self, gui: viser.GuiApi, controls: ExportControls) -> None:
         """Those of the format that is chosen.

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from pathlib import Path
+from typing import Any
 
 import viser
 
@@ -21,6 +22,7 @@ from app.panel.jump_controls import JumpControls
 from app.panel.simulation_controls import SimulationControls
 from app.panel.status import Status, Word
 from app.panel.tuning_controls import TuningControls
+from app.panel.validation import put
 from app.panel.view_controls import ViewControls
 from llsrbm.design import Design
 from llsrbm.motion.plan import Plan
@@ -41,7 +43,8 @@ class Panel:
         view: of what is drawn.
         compare: of what is pinned.
         designs: of examples and files.
-        export: of what is saved.
+        export, export_options: of what is saved.
+        plots_tab: the container for the controls of the plots.
     """
 
     def __init__(
@@ -95,6 +98,7 @@ class Panel:
             self.simulation = SimulationControls(gui, file)
         with tabs.add_tab("Compare"):
             self.compare = CompareControls(gui)
+        self.plots_tab = tabs.add_tab("Plots")
         with tabs.add_tab("Limits"):
             self.tuning = TuningControls(client, callback(act, Action.JUMP))
         with tabs.add_tab("Files"):
@@ -111,7 +115,7 @@ class Panel:
         self._status.content = html.status(status)
         self._progress.visible = status.share is not None
         if status.share is not None:
-            self._progress.value = 100.0 * status.share
+            put(self._progress, 100.0 * status.share)
 
     def show_busy(self, busy: bool) -> None:
         """Offer to cancel, while there is something to cancel."""
@@ -162,7 +166,7 @@ class Panel:
         pressed = {_UNDO: Action.UNDO, _REDO: Action.REDO, _SHARE: Action.SHARE}
 
         @self._history.on_click
-        async def _(event: viser.GuiEvent[viser.GuiButtonGroupHandle[str]]) -> None:
+        async def _(event: viser.GuiEvent[Any]) -> None:
             # A script may send any value.
             action = pressed.get(str(event.target.value))
             if event.client_id is not None and action is not None:

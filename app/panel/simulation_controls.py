@@ -44,7 +44,9 @@ class SimulationControls:
         )
         self._results = gui.add_html("", visible=False)
         self.worst = gui.add_button(
-            "Open the worst", visible=False, hint="Show the simulation that fell first or erred most"
+            "Open the worst",
+            visible=False,
+            hint="Show the simulation that fell first or erred most",
         )
 
     @property

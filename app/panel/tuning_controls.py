@@ -61,10 +61,10 @@ class TuningControls:
                     put(entry.handle, entry.default)
                 await self._changed(event)
 
-    def show_robot(self, robot: Robot) -> None:
-        """The weights and limits of this robot, none changed."""
+    def show_robot(self, robot: Robot) -> bool:
+        """The weights and limits of this robot, none changed; whether they were another one's."""
         if robot is self._robot:
-            return
+            return False
         for entry in self._entries:
             entry.handle.remove()
         self._robot = robot
@@ -92,6 +92,7 @@ class TuningControls:
                 for limit, default in limits_of(robot).values()
             ]
         self._tell()
+        return True
 
     def read(self) -> tuple[Tuning, list[str]]:
         """What is changed, and what had to be corrected."""

@@ -25,9 +25,7 @@ class ViewControls:
         """
         self._gui = gui
         self._boxes = {
-            name: gui.add_checkbox(
-                overlay.title, initial_value=name in shown, hint=overlay.hint
-            )
+            name: gui.add_checkbox(overlay.title, initial_value=name in shown, hint=overlay.hint)
             for name, overlay in OVERLAYS.items()
         }
         self._night = gui.add_checkbox("Night", initial_value=False, hint="A dark page")

@@ -18,7 +18,6 @@ SCRIPTS = (
     "transport.js",
     "camera.js",
     "tour.js",
-    "plot_cursor.js",
 )
 """In the order in which they need each other."""
 

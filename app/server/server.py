@@ -21,11 +21,13 @@ from app.scene.lighting import configure_world
 from app.scene.robot_nodes import extents, meshes
 from app.session.initial_plan import InitialPlans, example
 from app.session.session import Session
+from app.session.tabs import Tabs
 from app.viser_link.designer_server import DesignerServer
 from llsrbm import models
 from llsrbm.errors import InputError
 from llsrbm.jump import Jump
-from llsrbm.robots import load_robot
+from llsrbm.robots import load_robot, read_robot_file
+from llsrbm.robots.assets import robot_files
 
 _LOOPBACK_NAMES = ("localhost",)
 
@@ -62,13 +64,13 @@ class Designer:
             self._server.stop()
             raise _in_use(host, port)
         self.host = host
-        self._sessions: dict[int, Session] = {}
-        self._lock = threading.Lock()
         self.pool = pool or WorkerPool()
-        self.opening = InitialPlans(self.pool.planner, file)
+        self.initial = InitialPlans(self.pool.planner, file)
+        files = {name: read_robot_file(path) for name, path in robot_files().items()}
+        self.tabs = Tabs(self.pool, self.initial, files)
         _configure(self._server)
-        self._server.on_client_connect(self._connected)
-        self._server.on_client_disconnect(self._disconnected)
+        self._server.on_client_connect(self.tabs.connect)
+        self._server.on_client_disconnect(self.tabs.disconnect)
 
     @property
     def url(self) -> str:
@@ -79,8 +81,7 @@ class Designer:
     @property
     def sessions(self) -> tuple[Session, ...]:
         """Of the tabs that are open."""
-        with self._lock:
-            return tuple(self._sessions.values())
+        return self.tabs.sessions
 
     def warm_up(self, robot: str) -> None:
         """Prepare a robot and load the solver of every model before anybody asks.
@@ -90,7 +91,7 @@ class Designer:
         first = example(robot)
         others = [name for name in models.names() if name != first.model]
         jumps = [first, *(Jump(robot=robot, model=name) for name in others)]
-        self.opening.recall(robot)
+        self.initial.recall(robot)
 
         said = ""
 
@@ -105,29 +106,16 @@ class Designer:
                 case Prepared():
                     threading.Thread(target=_get_drawn, args=(robot,), daemon=True).start()
                 case Planned() if report.plan.jump == first:
-                    self.opening.keep(report.plan)
+                    self.initial.keep(report.plan)
 
         tasks: list[Prepare | PlanJump] = [Prepare(robot), *map(PlanJump, jumps)]
         self.pool.warm_up(tasks, tell, lambda: _say("ready"))
 
     def close(self) -> None:
         """End the sessions, the server and the computing processes."""
-        for session in self.sessions:
-            session.close()
+        self.tabs.close()
         self._server.stop()
         self.pool.close()
-
-    def _connected(self, client: viser.ClientHandle) -> None:
-        session = Session(client, self.pool, self.opening)
-        with self._lock:
-            self._sessions[client.client_id] = session
-        session.start()
-
-    def _disconnected(self, client: viser.ClientHandle) -> None:
-        with self._lock:
-            session = self._sessions.pop(client.client_id, None)
-        if session is not None:
-            session.close()
 
 
 def serve(

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from app.compute.opened_file import OpenedFile
 from app.compute.protocol import Report
 from app.panel.export_controls import Choice
-from app.plots.plots import PlotChoice
+from app.plots.choice import PlotChoice
 from app.session.lanes import Lane
 from app.viser_link.page_link import PageReady, PlaybackChosen, PlayerMoved
 from llsrbm.design import Design

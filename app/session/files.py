@@ -20,9 +20,9 @@ from app.panel.export_controls import PLAN
 from app.session.comparison import Pin, free_colour
 from app.session.effects import Download, Notify, ResetControls, Submit
 from app.session.events import ExportWanted, FileChosen, Reported
+from app.session.known_motion import show_known
 from app.session.lanes import Lane
 from app.session.requests import plan_design, remember
-from app.session.known_motion import show_known
 from app.session.state import Known, TabState
 from app.session.steps import Step, also, joined, with_files
 from llsrbm.design import Design, dump_design, file_name

@@ -6,10 +6,10 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from app.session import files
-from app.session.known_motion import show_known
+from app.session.drag_planning import REST
 from app.session.effects import After, Effect, Notify, Play, Seek, Submit
 from app.session.events import Opened, Rested
-from app.session.drag_planning import REST
+from app.session.known_motion import show_known
 from app.session.lanes import Lane
 from app.session.requests import plan_design
 from app.session.state import FileWork, Known, TabState
@@ -59,7 +59,8 @@ def left(state: TabState) -> TabState:
 
 def resume(state: TabState) -> Step:
     """A tab that comes back: its running job is begun anew, its place on the timeline found."""
-    work, effects = state.work, []
+    work = state.work
+    effects: list[Effect] = []
     if work.awaited is not None:
         ticket = state.tickets + 1
         state = with_work(replace(state, tickets=ticket), newest=ticket)

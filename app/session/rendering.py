@@ -58,8 +58,8 @@ class Rendering:
             link: to the scripts in its page.
             state: to begin with; it is drawn by `draw`.
             examples: to choose from.
-            act, choose_example, open_file, choose_plots, drag_target: called on viser's event loop with what
-                the visitor does; must return at once.
+            act, choose_example, open_file, choose_plots, drag_target: called on viser's event
+                loop with what the visitor does; must return at once.
         """
         self._client = client
         self._link = link
@@ -73,7 +73,8 @@ class Rendering:
             choose_example=choose_example,
             open_file=open_file,
         )
-        self.plots = Plots(client, choose_plots)
+        with self.panel.plots_tab:
+            self._plots = Plots(client, choose_plots)
         self._scene = Scene(client)
         self._handle = LandingHandle(client, drag_target)
         self._drawn: TabState | None = None
@@ -189,7 +190,7 @@ class Rendering:
         elif shown is not None and self.panel.compare.chosen != state.pin_chosen:
             self._compare(state, shown)
         end = 0.0 if shown is None else float(timeline(shown.plan, state.rollout).end)
-        self.plots.draw(self._layers, end, state.plots)
+        self._plots.draw(self._layers, end, state.plots, moving=False)
 
     def _compare(self, state: TabState, shown: Shown) -> None:
         rollout = shown.rollout

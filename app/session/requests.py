@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import fields, replace
-from typing import Any
 
 from app.compute.protocol import PlanJump, Prepare, SimulateJump, SimulateSeeds
 from app.motion.planned_motion import bake_plan
-from app.panel import summaries
 from app.panel.status import Word
+from app.session.drag_planning import REST
 from app.session.effects import After, Keep, Notify, ResetControls
 from app.session.events import (
     DesignChosen,
@@ -19,13 +17,12 @@ from app.session.events import (
     SimulateWanted,
     TargetDragged,
 )
-from app.session.drag_planning import REST
 from app.session.state import Seeds, Shown, TabState
 from app.session.steps import Step, also, submit, with_status, with_work
 from llsrbm.design import Design
 from llsrbm.jump import Jump
 from llsrbm.motion.plan import Plan
-from llsrbm.robots import Robot, RobotFile
+from llsrbm.robots import Robot
 from llsrbm.scenario import Scenario
 from llsrbm.simulation.surroundings import surroundings
 

@@ -22,7 +22,8 @@ from app.compute.protocol import (
     Task,
 )
 from app.motion.planned_motion import presentable
-from app.motion.simulated_motion import bake_rollout, frames_so_far
+from app.motion.simulated_motion import bake_rollout
+from app.motion.so_far import frames_so_far
 from app.panel import summaries
 from app.panel.status import Word
 from app.session.effects import Keep, LoadRobot, Play
@@ -220,9 +221,7 @@ def _count_seed(state: TabState, report: SeedDone) -> TabState:
     seeds = replace(seeds, results=(*seeds.results, report.result))
     line = f"{summaries.seeds_line(seeds.results)} so far, {len(seeds.results)} of {seeds.count}"
     share = len(seeds.results) / seeds.count
-    return with_status(
-        replace(state, seeds=seeds), Word.SIMULATING, line, busy=True, share=share
-    )
+    return with_status(replace(state, seeds=seeds), Word.SIMULATING, line, busy=True, share=share)
 
 
 def _finish_seeds(state: TabState, report: SimulatedSeeds) -> TabState:
@@ -232,4 +231,6 @@ def _finish_seeds(state: TabState, report: SimulatedSeeds) -> TabState:
     seeds = replace(seeds, results=report.results, worst=report.worst)
     landed = all(result.landed for result in report.results)
     word = Word.LANDED if landed else Word.FELL
-    return with_status(replace(state, seeds=seeds), word, f"{summaries.seeds_line(report.results)}.")
+    return with_status(
+        replace(state, seeds=seeds), word, f"{summaries.seeds_line(report.results)}."
+    )

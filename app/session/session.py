@@ -4,8 +4,8 @@ Two threads have to do with a tab:
 
 - viser's event loop, one for all tabs, on which callbacks of controls and of the page run, and
   connections come and go. It only puts into `inbox`.
-- The session's own thread, one for each tab. It alone has the state, reads and sets controls, draws,
-  submits to the pool and loads robots. The pool's thread passes results by putting into `inbox`.
+- The session's own thread, one for each tab. It alone has the state, reads and sets controls,
+  draws, submits to the pool and loads robots. The pool passes results by putting into `inbox`.
 
 A browser may skip values while a slider moves, so a callback only says what was done (`Action`);
 the thread reads the controls as they stand then. The latest counts.
@@ -70,7 +70,9 @@ from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
 from llsrbm.robots import RobotFile, load_robot
 
-_PAGE_PATIENCE = 1.5  # s until a tab begins without its page's scripts; they answer as they are shown
+_PAGE_PATIENCE = (
+    1.5  # s until a tab begins without its page's scripts; they answer as they are shown
+)
 
 _log = logging.getLogger(__name__)
 
@@ -174,7 +176,7 @@ class Session:
             self._build()
             while self._step():
                 pass
-        except Exception:
+        except Exception:  # noqa: BLE001  # whatever it is, the page says so
             _log.exception("the session of tab %d has failed", self._client.client_id)
             self._client.add_notification(
                 "This page has failed",

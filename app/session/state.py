@@ -15,7 +15,7 @@ from app.motion.frames import Frames
 from app.motion.planned_motion import PlannedMotion
 from app.motion.simulated_motion import SimulatedMotion
 from app.panel.status import Status, Word
-from app.plots.plots import PlotChoice
+from app.plots.choice import DEFAULT, PlotChoice
 from app.scene.overlays import AT_FIRST
 from app.session.comparison import Pin
 from app.session.drag_planning import DragPlanning
@@ -24,6 +24,7 @@ from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
 from llsrbm.robots import Robot, RobotFile
 from llsrbm.simulation.surroundings import Block
+
 
 @dataclass(frozen=True, eq=False)
 class Shown:
@@ -217,7 +218,7 @@ class TabState:
     pin_chosen: int = -1
     playback: Playback = field(default_factory=Playback)
     view: View = field(default_factory=View)
-    plots: PlotChoice = field(default_factory=PlotChoice)
+    plots: PlotChoice = DEFAULT
     history: History = field(default_factory=History)
     tickets: int = 0
     note: str = ""

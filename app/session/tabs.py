@@ -1,4 +1,4 @@
-"""The tabs of a server: their sessions while they are connected, their states for some minutes more.
+"""The tabs of a server: sessions while they are connected, states for some minutes more.
 
 A page that loses its connection, or is loaded anew, finds its state again by its token.
 """

@@ -12,7 +12,10 @@
 
   const needs = []; // functions that return the names of missing fields
   llsrbm.require = (check) => needs.push(check);
-  const missing = () => [...new Set(needs.flatMap((check) => check()))];
+  const missing = () => [...new Set([
+    ...needs.flatMap((check) => check()),
+    ...(llsrbm.camera?.missing() ?? []), ...(window.llsrbmPlots?.missing() ?? []),
+  ])];
 
   llsrbm.require(() => {
     const viewer = window.__viserMutable;

@@ -18,6 +18,7 @@
   let clip = null, time = 0, playing = false, speed = 1, loop = true, held = 0;
   let last = null, settleUntil = 0, requested = false;
   let reportedAt = -Infinity, reportLater = null;
+  let picking = false;
   let resolution = FINEST, frames = 0, spent = 0, drawn = 0;
   let hurry = false, sparedAt = -Infinity;
   let loadedAt = -Infinity, applied = null, seen = null;
@@ -223,10 +224,15 @@
     ].filter(([, value]) => !value).map(([name]) => name);
   });
 
-  document.addEventListener("DOMContentLoaded", () => window.llsrbmPlots?.onPick((instant) => {
-    pause();
-    seek(instant);
-  }));
+  // The plots' script comes with the panel.
+  function followClicks() {
+    if (picking || !window.llsrbmPlots) return;
+    picking = true;
+    window.llsrbmPlots.onPick((instant) => {
+      pause();
+      seek(instant);
+    });
+  }
 
   llsrbm.player = {
     load(header, blob, number) {
@@ -242,6 +248,7 @@
       apply();
       window.llsrbm.camera?.show(header.sight);
       settle();
+      followClicks();
       llsrbm.page.send({ kind: "clip", number });
     },
     clear() {

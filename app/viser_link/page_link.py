@@ -93,9 +93,7 @@ class PageLink:
     A page that is slow to take a clip gets the newest one next, not all of them.
     """
 
-    def __init__(
-        self, client: viser.ClientHandle, callback: Callable[[PageEvent], None]
-    ) -> None:
+    def __init__(self, client: viser.ClientHandle, callback: Callable[[PageEvent], None]) -> None:
         """Ask the page whether its scripts run; it answers with `PageReady`.
 
         Args:
