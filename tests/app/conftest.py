@@ -4,7 +4,6 @@ import pytest
 
 from app.compute.pool import WorkerPool
 from app.server.server import Designer
-from tests.app.page_script import PageScript
 from tests.app.planners import SyntheticPlanner
 from tests.app.raw_tab import RawTab
 
@@ -24,12 +23,6 @@ def tab(designer):
         yield opened
 
 
-@pytest.fixture(autouse=True)
-def patience(monkeypatch):
-    """A tab is waited for as long as its test takes to answer for its scripts."""
-    monkeypatch.setattr("app.session.stage._PATIENCE", 60.0)
-
-
 @pytest.fixture
 def session(designer, tab):
     """The server's side of `tab`."""
@@ -38,7 +31,5 @@ def session(designer, tab):
 
 @pytest.fixture
 def script(tab, session):
-    """The page's scripts; they answer."""
-    made = PageScript(tab)
-    made.answer()
-    return made
+    """The page's scripts."""
+    return tab.page

@@ -1,4 +1,4 @@
-"""The part of the page's scripts (app/static) in a tab without a browser: hear, decode, answer."""
+"""The part of the page's scripts (app/static) in a tab without a browser: take, decode, answer."""
 
 from __future__ import annotations
 
@@ -47,23 +47,41 @@ def decoded(header, blob):
 
 
 class PageScript:
-    """Answers for the scripts of a `RawTab`."""
+    """Answers for the scripts of a `RawTab`.
 
-    def __init__(self, tab):
+    Attributes: known: what it answers when it is greeted, besides what it keeps; None: nothing.
+    """
+
+    def __init__(self, tab, known):
         self._tab = tab
         self._count = itertools.count()
+        self.known = known
+        self.kept = None  # the design that the browser keeps
+
+    def take(self, source):
+        """Do what a page does by itself when it is sent a script."""
+        function, arguments = call(source)
+        if self.known is None:
+            return
+        if function == "page.connect":
+            self.greet(arguments[0])
+        elif function == "player.load":
+            self.say(kind="clip", number=arguments[2])
+        elif function == "page.keep":
+            (self.kept,) = arguments
+
+    def greet(self, field=None):
+        event = {"kind": "ready", "software": True, "kept": self.kept, **(self.known or {})}
+        self.say(field, **event)
 
     def calls(self, function):
         """Arguments of every call of a function so far."""
         told = [call(source) for source in list(self._tab.scripts)]
         return [arguments for name, arguments in told if name == function]
 
-    def answer(self, software=True):
-        """Say that the scripts run."""
-        self.say(kind="ready", software=software)
-
-    def say(self, **event):
-        ((field,),) = self.calls("player.connect")
+    def say(self, field=None, **event):
+        if field is None:
+            ((field,),) = self.calls("page.connect")
         value = json.dumps({**event, "count": next(self._count)})
         self._tab.send({"type": "GuiUpdateMessage", "uuid": field, "updates": {"value": value}})
 
@@ -88,5 +106,5 @@ class PageScript:
         return {name for _, tracks in self._clip()[0] for name in tracks}
 
     def _clip(self):
-        header, blob = self.calls("player.load")[-1]
+        header, blob, _ = self.calls("player.load")[-1]
         return decoded(header, blob)

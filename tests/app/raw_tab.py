@@ -7,6 +7,7 @@ import threading
 import time
 from collections import Counter
 from html import unescape
+from types import MappingProxyType
 
 import msgspec
 import numpy as np
@@ -14,6 +15,8 @@ import viser
 import zstandard
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
+
+from tests.app.page_script import PageScript
 
 CAMERA = {
     "type": "ViewerCameraMessage",
@@ -30,7 +33,8 @@ CAMERA = {
 
 
 class RawTab:
-    def __init__(self, port, **options):
+    def __init__(self, port, page=MappingProxyType({}), **options):
+        """A tab; `page` is what its scripts answer when they are greeted, None if none run."""
         self._connection = connect(
             f"ws://127.0.0.1:{port}",
             subprotocols=[f"viser-v{viser.__version__}"],
@@ -43,8 +47,7 @@ class RawTab:
         self.notifications = []
         self.downloads = []  # (file name, content), complete ones
         self.scripts = []  # JavaScript it was told to run
-        self.storage = {}  # what the page keeps in the browser
-        self.storage_error = None  # what reading it ends with instead
+        self.page = PageScript(self, page)
         self.acknowledged = {}  # transfer -> (bytes received, bytes in all) of uploads
         self._transfers = {}  # transfer -> [file name, size, content so far]
         self.received = Counter()  # message type -> count
@@ -188,13 +191,7 @@ class RawTab:
             self.notifications.append((message["props"]["title"], message["props"]["body"]))
         elif kind == "RunJavascriptMessage":
             self.scripts.append(message["source"])
-        elif kind == "LocalStorageGetItemRequestMessage":
-            error = self.storage_error
-            value = None if error else self.storage.get(message["key"])
-            answer = {"value": value, "error": error, "request_uuid": message["request_uuid"]}
-            self.send({"type": "LocalStorageGetItemResponseMessage", **answer})
-        elif kind == "LocalStorageSetItemMessage":
-            self.storage[message["key"]] = message["value"]
+            self.page.take(message["source"])
         elif kind == "FileTransferPartAck":
             received = message["transferred_bytes"], message["total_bytes"]
             self.acknowledged[message["transfer_uuid"]] = received
