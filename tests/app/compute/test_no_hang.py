@@ -1,4 +1,4 @@
-"""Nothing keeps the pool from answering: defects, stopped processes, full queues, slow listeners."""
+"""Nothing keeps the pool from answering: defects, stopped processes, full queues, bad listeners."""
 
 from __future__ import annotations
 
@@ -146,19 +146,31 @@ def test_a_log_that_nobody_reads_delays_no_job(pool, monkeypatch):
         logging.getLogger("app.compute.pool").removeHandler(handler)
 
 
-@pytest.mark.parametrize("task", [PLAN, LARGE], ids=["small", "large"])
-def test_a_stopped_process_delays_no_other_tab_and_is_replaced(task):
-    """It neither reads its job nor ends when it is told to: it has to be killed."""
+def with_both_processes(pool, tab, other):
+    """Wait until two jobs can run side by side."""
+    for each in (tab, other):
+        each.plan(planners.SLOW)
+    assert {type(each.outcome()) for each in (tab, other)} == {Planned}
+    while not all(member.idle for member in pool._workers):
+        time.sleep(0.01)
+
+
+@pytest.mark.parametrize("when", ["in mid-work", "before it reads a large job"])
+def test_a_stopped_process_delays_no_other_tab_and_is_replaced(when):
+    """It does not end when it is told to, either: it has to be killed."""
     with closing(WorkerPool(SyntheticPlanner, processes=2)) as pool:
         tab, other = Tab(pool), Tab(pool, "other")
-        for each in (tab, other):
-            each.plan(planners.SLOW)  # on both processes
-        assert {type(each.outcome()) for each in (tab, other)} == {Planned}
-        stopped = pool.process_ids[1]
-        os.kill(stopped, signal.SIGSTOP)
-        job = tab.submit(task)
-        time.sleep(0.2)
-        assert pool._workers[1].working_on is not None
+        with_both_processes(pool, tab, other)
+        if when == "in mid-work":
+            job = tab.plan(planners.STUBBORN)
+            tab.wait_until_running(job)
+            (working,) = (m for m in pool._workers if m.working_on is not None)
+            os.kill(stopped := working.id, signal.SIGSTOP)
+        else:
+            os.kill(stopped := pool.process_ids[1], signal.SIGSTOP)
+            job = tab.submit(LARGE)
+            time.sleep(0.1)
+            assert pool._workers[1].working_on.job.number == job
         other.plan()
         assert isinstance(other.outcome(timeout=5), Planned)
         pool.cancel("tab")
@@ -166,9 +178,7 @@ def test_a_stopped_process_delays_no_other_tab_and_is_replaced(task):
         other.plan()
         assert isinstance(other.outcome(timeout=5), Planned)
         assert gone(stopped, 5)
-        for each in (tab, other):
-            each.plan(planners.SLOW)
-        assert {type(each.outcome()) for each in (tab, other)} == {Planned}
+        with_both_processes(pool, tab, other)
         assert stopped not in pool.process_ids
 
 
