@@ -152,8 +152,8 @@ def main():
     if told:
         middle, late_ones, most = 1e3 * np.percentile(told, [50, 95, 100])
         print(
-            f"from the kill to the report            {middle:.0f} ms median, {late_ones:.0f} ms p95, "
-            f"{most:.0f} ms worst"
+            f"from the kill to the report            {middle:.0f} ms median, "
+            f"{late_ones:.0f} ms p95, {most:.0f} ms worst"
         )
     print(f"threads before and after               {threads_before} {threading.active_count()}")
     began = time.monotonic()
