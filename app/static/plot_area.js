@@ -15,7 +15,7 @@
   const style = document.createElement("style");
   style.textContent = `
     [${PINNED}] { left: var(--llsrbm-left) !important; width: var(--llsrbm-width) !important;
-      top: auto !important; bottom: 0 !important; border-radius: 0 !important; z-index: 4 !important;
+      top: auto !important; bottom: 0 !important; border-radius: 0 !important; z-index: 6 !important;
       box-shadow: none !important; border-top: 1px solid var(--mantine-color-default-border); }
     [${PINNED}] [data-dock-strip] { display: none !important; }
     [${PINNED}]:not([style*="height"]) .mantine-ScrollArea-viewport { max-height: 46vh; }
