@@ -34,3 +34,8 @@ def page_html() -> bytes:
 def page_gzip() -> bytes:
     """The same, compressed once."""
     return gzip.compress(page_html(), 6)
+
+
+def page(gzipped: bool) -> bytes:
+    """As the browser takes it."""
+    return page_gzip() if gzipped else page_html()

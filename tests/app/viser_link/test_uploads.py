@@ -14,7 +14,7 @@ import msgspec
 import pytest
 import viser
 
-from app.viser_link.designer_server import MAX_UPLOAD, UPLOAD_PART
+from app.viser_link.limits import MAX_UPLOAD, UPLOAD_PART
 from tests.app.design_page import design_page
 from tests.app.raw_tab import CAMERA, RawTab
 
