@@ -22,11 +22,8 @@ class Refusals:
 
     def __init__(self, limits: Limits, now: Callable[[], float]) -> None:
         self._limits, self._now = limits, now
-        self._known: set[tuple[str, str]] = set()
-        self._since: Counter[tuple[str, str]] = Counter()  # the last summary
-        self._summary_due = now() + limits.summary_s
-        self._lines = TokenBucket(Rate(limits.first_lines / 60.0, limits.first_lines), now)
         self._muted = False
+        self.forget()
 
     @contextlib.contextmanager
     def unlogged(self) -> Iterator[None]:
@@ -38,15 +35,16 @@ class Refusals:
             self._muted = False
 
     def note(self, peer: str, reason: str, detail: str = "") -> bool:
-        """Count a refusal; true, and a line of the log, if it is the first of its kind."""
+        """Count a refusal; true if it is the first of its kind, which is a line of the log."""
         if self._muted:
             return False
         key = (peer, reason)
-        first = key not in self._known and self._lines.take()
+        first = key not in self._known
         if first:
             if len(self._known) >= self._limits.refusals:
                 self._known.clear()
             self._known.add(key)
+        if first and self._lines.take():
             shown = repr(detail)[1:-1][:_LONGEST_DETAIL]
             _log.warning("refused %s: %s%s", peer, reason, f" ({shown})" if detail else "")
         else:
@@ -71,5 +69,8 @@ class Refusals:
 
     def forget(self) -> None:
         """Begin anew."""
-        self._known.clear()
-        self._since.clear()
+        self._known: set[tuple[str, str]] = set()
+        self._since: Counter[tuple[str, str]] = Counter()  # the last summary
+        self._summary_due = self._now() + self._limits.summary_s
+        lines = self._limits.first_lines
+        self._lines = TokenBucket(Rate(lines / 60.0, lines), self._now)

@@ -206,8 +206,8 @@ class Door:
                 reason = f"{record.getMessage()} ({type(error).__name__})"
                 self.gate.note(connection.peer, reason)
             return False
-        # A defect of ours; whoever can provoke it shall not fill the log.
-        return self.gate.note(connection.peer, f"{record.getMessage()} ({type(error).__name__})")
+        # A defect of ours, told in full once, whoever provokes it.
+        return self.gate.note("", f"{record.getMessage()} ({type(error).__name__})")
 
 
 class GuardedConnection(ServerConnection):

@@ -37,14 +37,13 @@ def ignore_nonsense(
         try:
             await handle(client_id, message)
         except Exception as error:
-            peer = peer_of(client_id)
+            kind, failure = type(message).__name__, type(error).__name__
             frames = traceback.extract_tb(error.__traceback__)[1:]
-            kinds = f"{type(message).__name__} that makes no sense ({type(error).__name__})"
-            if not all(frame.filename.startswith(_VISER) for frame in frames):
-                if gate.note(peer, f"a tab ran into a defect with a {type(message).__name__}"):
-                    raise  # a defect of this page, told in full once
-                return
-            gate.note(peer, f"a tab sent a {kinds}; ignored")
+            if all(frame.filename.startswith(_VISER) for frame in frames):
+                reason = f"a tab sent a {kind} that makes no sense ({failure}); ignored"
+                gate.note(peer_of(client_id), reason)
+            elif gate.note("", f"{kind} ran into a defect ({failure})"):
+                raise  # told in full once, whoever provokes it
 
     handler._handle_incoming_message = handle_briefly  # type: ignore[method-assign]
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import contextlib
 import logging
+import random
 import socket
 import time
 
 import msgspec
-import numpy as np
 import pytest
 import viser
 from websockets.exceptions import ConnectionClosed
@@ -17,6 +17,7 @@ from websockets.sync.client import connect
 
 from app.server.access import Access
 from app.server.guard import Guard
+from app.viser_link.designer_server import run_javascript
 from app.viser_link.limits import MAX_UPLOAD, Limits, Rate
 from tests.app.chromium import wait_until
 from tests.app.design_page import design_page
@@ -35,7 +36,7 @@ SMALL = Limits(
     flood_s=1.0,
     controls=Rate(1, 20),
     fragments=50,
-    backlog_bytes=8 << 20,
+    backlog_bytes=20 << 20,
     backlog_messages=2000,
     stalled_s=2.0,
 )
@@ -61,7 +62,8 @@ def opened(page, **options):
 
 
 def noted(caplog):
-    return [record.getMessage() for record in caplog.records]
+    """Lines of the server's log."""
+    return [record.getMessage() for record in caplog.records if record.name != "websockets.client"]
 
 
 def closing(socket):
@@ -238,33 +240,52 @@ def deaf_tab(page, stack):
     plain.sendall(camera.serialize(mask=True))
     wait_until(lambda: set(page.server.get_clients()) - known, "it")
     (number,) = set(page.server.get_clients()) - known
-    return page.server.get_clients()[number]
+    client = page.server.get_clients()[number]
+    client.plain = plain
+    return client
+
+
+def noise(size):
+    """Text that cannot be compressed to much less."""
+    return random.Random(0).randbytes(size // 2).hex()
 
 
 def test_a_tab_that_reads_nothing_is_closed(page, door, caplog):
     with contextlib.ExitStack() as stack:
         client = deaf_tab(page, stack)
-        for _ in range(40):
-            client.gui.add_image(np.random.default_rng(0).integers(0, 255, (400, 400, 3), np.uint8))
+        for _ in range(14):  # compressed to half; the kernel takes 4 MB
+            run_javascript(client, noise(1_000_000))
         wait_until(lambda: not door.tabs, "its end")
     assert noted(caplog) == ["refused 127.0.0.1: a tab took nothing for 2 s; closed"]
 
 
-def test_what_waits_for_a_tab_is_bounded(page, door, caplog):
+@pytest.mark.parametrize(("count", "size"), [(30, 1_000_000), (10_000, 10)])
+def test_what_waits_for_a_tab_is_bounded(page, door, caplog, count, size):
     with contextlib.ExitStack() as stack:
         client = deaf_tab(page, stack)
+        run_javascript(client, noise(14_000_000))  # is on its way
         queue = client._websock_connection.get_message_buffer()
-        for _ in range(20):
-            client.scene.add_image(
-                f"/{_}", np.random.default_rng(0).integers(0, 255, (900, 900, 3), np.uint8), 1, 1
-            )
+        wait_until(lambda: not queue.message_from_id, "its beginning")
+        for _ in range(count):
+            run_javascript(client, noise(size))
         wait_until(lambda: not door.tabs, "its end")
         wait_until(lambda: queue.done, "no more of it")
-    (line,) = noted(caplog)
-    assert line in (
-        "refused 127.0.0.1: too much waits for a tab; closed",
-        "refused 127.0.0.1: a tab took nothing for 2 s; closed",
-    )
+    assert noted(caplog) == ["refused 127.0.0.1: too much waits for a tab; closed"]
+
+
+def test_a_tab_that_reads_slowly_stays(page, door, caplog):
+    with contextlib.ExitStack() as stack:
+        stack.enter_context(opened(page))
+        client = deaf_tab(page, stack)
+        plain = client.plain
+        run_javascript(client, noise(14_000_000))
+        begun = time.monotonic()
+        while time.monotonic() - begun < 1.6 * SMALL.stalled_s:
+            plain.recv(20_000)
+            time.sleep(0.01)
+        assert client._websock_connection.get_message_buffer().done is False
+        assert len(door.tabs) == 2
+    assert noted(caplog) == []
 
 
 # ---- the log
