@@ -20,6 +20,7 @@ from websockets.datastructures import Headers
 from websockets.exceptions import WebSocketException
 from websockets.frames import CloseCode, Frame, Opcode
 from websockets.http11 import Request, Response
+from websockets.protocol import State
 from websockets.typing import Data
 
 from app.viser_link import entry
@@ -321,6 +322,8 @@ class GuardedConnection(ServerConnection):
             self._gate.note(self.peer, "too many messages; closed")
             await self.close(CloseCode.POLICY_VIOLATION, "too many messages")
         await asyncio.sleep(wait)
+        if self.state is State.CLOSED:  # thousands may have come before
+            raise self.protocol.close_exc
         return message
 
     async def send(self, message: Any, text: bool | None = None) -> None:
