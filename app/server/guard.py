@@ -36,10 +36,11 @@ _HOW_TO_ENTER = (
 )
 
 # A cookie of our kind is not sent with a request that another site's link has made, so that a
-# browser which has one would stand outside. This page asks again, of its own accord.
+# browser which has one would stand outside. This page asks again, of its own accord; without the
+# question mark its address could be the one it has, and nothing would be asked.
 _ASK_AGAIN = (
     "<!doctype html><title>Jump designer</title>"
-    '<script>location.replace("/" + location.hash)</script>\n'
+    '<script>location.replace("/?" + location.hash)</script>\n'
 )
 
 # viser's page unpacks itself into an inline script and an inline style, compiles WebAssembly, runs

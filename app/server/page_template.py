@@ -8,7 +8,7 @@ from pathlib import Path
 
 import viser
 
-SCRIPTS = ("graphics.js", "player.js", "transport.js")
+SCRIPTS = ("address.js", "graphics.js", "player.js", "transport.js")
 """In the order in which they need each other."""
 
 _TITLE = "<title>Viser</title>"
