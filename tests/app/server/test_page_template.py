@@ -12,7 +12,7 @@ import viser
 import app.server.page_template
 from app.server.page_template import SCRIPTS, page_gzip, page_html
 
-STATIC = Path(app.server.page_template.__file__).parent / "static"
+STATIC = Path(app.server.page_template.__file__).parents[1] / "static"
 
 
 def test_it_has_a_title_of_its_own():
