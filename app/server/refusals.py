@@ -45,7 +45,7 @@ class Refusals:
                 self._known.clear()
             self._known.add(key)
         if first and self._lines.take():
-            shown = repr(detail)[1:-1][:_LONGEST_DETAIL]
+            shown = ascii(detail)[1:-1][:_LONGEST_DETAIL]
             _log.warning("refused %s: %s%s", peer, reason, f" ({shown})" if detail else "")
         else:
             full = len(self._since) >= self._limits.refusals and key not in self._since

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
+import socket
 from collections import Counter
 from collections.abc import Awaitable, Callable
 from http import HTTPStatus
@@ -17,7 +18,7 @@ from typing import Any
 import viser
 from websockets.asyncio.server import ServerConnection
 from websockets.datastructures import Headers
-from websockets.exceptions import WebSocketException
+from websockets.exceptions import ConnectionClosed, WebSocketException
 from websockets.frames import CloseCode, Frame, Opcode
 from websockets.http11 import Request, Response
 from websockets.protocol import State
@@ -32,6 +33,7 @@ Handler = Callable[[ServerConnection], Awaitable[None]]
 
 _LONGEST_METHOD = 16  # bytes; those of HTTP have at most 7
 _VERSION = viser.__version__
+_LEFT = (ConnectionClosed, OSError, EOFError)  # by these websockets says that a peer went away
 
 
 class Door:
@@ -202,13 +204,13 @@ class Door:
         error = record.exc_info[1] if record.exc_info else None
         if not isinstance(connection, GuardedConnection) or error is None:
             return True
-        if isinstance(error, (WebSocketException, OSError, EOFError)):
-            if connection.began:  # browsers connect in advance, and may have nothing to ask
-                reason = f"{record.getMessage()} ({type(error).__name__})"
-                self.gate.note(connection.peer, reason)
+        reason = f"{record.getMessage()} ({type(error).__name__})"
+        if isinstance(error, _LEFT) or isinstance(error.__cause__, _LEFT):
+            return False  # as browsers do at any time
+        if isinstance(error, WebSocketException):
+            self.gate.note(connection.peer, reason)
             return False
-        # A defect of ours, told in full once, whoever provokes it.
-        return self.gate.note("", f"{record.getMessage()} ({type(error).__name__})")
+        return self.gate.note("", reason)  # a defect of ours, told in full once
 
 
 class GuardedConnection(ServerConnection):
@@ -245,6 +247,8 @@ class GuardedConnection(ServerConnection):
         if not self._door.enter(self):
             self.transport.abort()
             return
+        end = transport.get_extra_info("socket")
+        end.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, self._gate.limits.socket_bytes)
         self._deadline = self.loop.call_later(self._gate.limits.request_s, self._waited_enough)
 
     def connection_lost(self, exc: Exception | None) -> None:

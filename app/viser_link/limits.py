@@ -93,6 +93,10 @@ class Limits:
     backlog_messages: int = 20_000
     """Waiting for one tab: a page's beginning is some hundred."""
 
+    socket_bytes: int = 256 << 10
+    """That the system keeps for a connection (Linux takes twice as much). It would take 4 MB, and
+    not say for minutes that a slow peer reads; this is 2 MB/s at a round trip of 0.2 s."""
+
     stalled_s: float = 20.0
     """In which a tab takes nothing of what waits for it; then it is closed, and reconnects when it
     can. A poor wireless network pauses for some seconds."""

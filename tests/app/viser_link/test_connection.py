@@ -36,7 +36,7 @@ SMALL = Limits(
     flood_s=1.0,
     controls=Rate(1, 20),
     fragments=50,
-    backlog_bytes=20 << 20,
+    backlog_bytes=8 << 20,
     backlog_messages=2000,
     stalled_s=2.0,
 )
@@ -255,17 +255,17 @@ def noise(size):
 def test_a_tab_that_reads_nothing_is_closed(page, door, caplog):
     with contextlib.ExitStack() as stack:
         client = deaf_tab(page, stack)
-        for _ in range(14):  # compressed to half; the kernel takes 4 MB
+        for _ in range(4):  # compressed to half
             run_javascript(client, noise(1_000_000))
         wait_until(lambda: not door.tabs, "its end")
     assert noted(caplog) == ["refused 127.0.0.1: a tab took nothing for 2 s; closed"]
 
 
-@pytest.mark.parametrize(("count", "size"), [(30, 1_000_000), (10_000, 10)])
+@pytest.mark.parametrize(("count", "size"), [(12, 1_000_000), (10_000, 10)])
 def test_what_waits_for_a_tab_is_bounded(page, door, caplog, count, size):
     with contextlib.ExitStack() as stack:
         client = deaf_tab(page, stack)
-        run_javascript(client, noise(14_000_000))  # is on its way
+        run_javascript(client, noise(4_000_000))  # is on its way
         queue = client._websock_connection.get_message_buffer()
         wait_until(lambda: not queue.message_from_id, "its beginning")
         for _ in range(count):
@@ -280,7 +280,7 @@ def test_a_tab_that_reads_slowly_stays(page, door, caplog):
         stack.enter_context(opened(page))
         client = deaf_tab(page, stack)
         plain = client.plain
-        run_javascript(client, noise(14_000_000))
+        run_javascript(client, noise(10_000_000))
         begun = time.monotonic()
         while time.monotonic() - begun < 1.6 * SMALL.stalled_s:
             plain.recv(20_000)
