@@ -11,9 +11,10 @@ from contextlib import closing
 
 import pytest
 
+from app.compute import jobs, process, scheduler
 from app.compute import pool as pool_module
-from app.compute import process, scheduler
-from app.compute.pool import BROKEN, BUSY, CLOSED, DEFECT, WorkerPool
+from app.compute.dispatcher import BROKEN, DEFECT
+from app.compute.pool import BUSY, CLOSED, WorkerPool
 from app.compute.protocol import Cancelled, Failed, OpenFile, PlanJump, Planned, Progress
 from llsrbm.jump import Jump
 from tests.app import planners
@@ -32,7 +33,8 @@ def pool():
 
 def raising_once(monkeypatch, pool, times=1):
     """The pool's thread meets an exception that nothing foresees, the next time or times."""
-    hand_out, left = pool._hand_out, [times]
+    dispatcher = pool._dispatcher
+    hand_out, left = dispatcher._hand_out, [times]
 
     def raising():
         if left[0]:
@@ -40,7 +42,7 @@ def raising_once(monkeypatch, pool, times=1):
             raise ZeroDivisionError("a defect of the pool")
         hand_out()
 
-    monkeypatch.setattr(pool, "_hand_out", raising)
+    monkeypatch.setattr(dispatcher, "_hand_out", raising)
 
 
 def gone(pid, within):
@@ -56,13 +58,13 @@ def gone(pid, within):
 
 def test_after_a_defect_of_the_pool_all_are_answered_and_it_goes_on(monkeypatch, pool, caplog):
     tabs = [Tab(pool, name) for name in ("running", "waiting")]
-    jobs = [tabs[0].plan(planners.SLOW)]
-    tabs[0].wait_until_running(jobs[0])
-    jobs.append(tabs[1].plan())
+    asked = [tabs[0].plan(planners.SLOW)]
+    tabs[0].wait_until_running(asked[0])
+    asked.append(tabs[1].plan())
     process = pool.process_ids[0]
     raising_once(monkeypatch, pool)
     pool.cancel("nobody")  # wakes it
-    for tab, job in zip(tabs, jobs, strict=True):
+    for tab, job in zip(tabs, asked, strict=True):
         assert tab.outcome() == Failed(job, DEFECT)
     tabs[0].plan()
     assert isinstance(tabs[0].outcome(), Planned)
@@ -134,7 +136,7 @@ def test_a_log_that_nobody_reads_delays_no_job(pool, monkeypatch):
             blocked.wait(20)
 
     handler = Unread()
-    logging.getLogger("app.compute.pool").addHandler(handler)
+    logging.getLogger("app.compute.jobs").addHandler(handler)
     try:
         tab = Tab(pool)
         tab.plan(planners.CRASH)
@@ -143,7 +145,7 @@ def test_a_log_that_nobody_reads_delays_no_job(pool, monkeypatch):
         assert isinstance(tab.outcome(), Planned)
     finally:
         blocked.set()
-        logging.getLogger("app.compute.pool").removeHandler(handler)
+        logging.getLogger("app.compute.jobs").removeHandler(handler)
 
 
 def with_both_processes(pool, tab, other):
@@ -206,8 +208,8 @@ def test_a_full_queue_refuses_new_tabs_at_once_and_replaces_jobs_of_those_that_w
     busy = Tab(pool, "busy")
     busy.wait_until_running(busy.plan(planners.SLOW))
     tabs = [Tab(pool, number) for number in range(5)]
-    jobs = [tab.plan() for tab in tabs]
-    for tab, job in zip(tabs[3:], jobs[3:], strict=True):
+    asked = [tab.plan() for tab in tabs]
+    for tab, job in zip(tabs[3:], asked[3:], strict=True):
         assert tab.reports.get_nowait() == Failed(job, BUSY)
     newer = tabs[0].plan(forward=0.1)
     assert (report := tabs[0].outcome()).job == newer
@@ -230,7 +232,7 @@ def test_a_process_that_never_gets_ready_counts_as_one_that_does_not_start(monke
 
 
 def test_a_job_without_a_sign_of_life_is_given_up(monkeypatch):
-    for module in (process, pool_module):
+    for module in (process, jobs):
         monkeypatch.setattr(module, "SILENCE", 0.5)
     with closing(WorkerPool(SyntheticPlanner, processes=1)) as pool:
         tab = Tab(pool)
