@@ -42,33 +42,33 @@ class Look:
 # The backdrop behind both is in static/camera.js; the floor fades into it.
 DAY = Look(
     sky=(255, 255, 255),
-    ground=(196, 190, 182),
-    sky_light=2.2,
+    ground=(214, 208, 200),
+    sky_light=3.1,
     key=(255, 247, 236),
-    key_light=2.6,
-    fill_light=1.1,
-    floor=(222, 227, 233),
+    key_light=3.2,
+    fill_light=1.5,
+    floor=(240, 241, 243),
     floor_opacity=1.0,
-    joints=(204, 210, 217),
-    tiles=(172, 180, 190),
+    joints=(219, 222, 227),
+    tiles=(176, 183, 192),
     shadow=0.34,
 )
 NIGHT = Look(
     sky=(176, 196, 232),
-    ground=(64, 66, 78),
-    sky_light=1.7,
+    ground=(104, 106, 122),
+    sky_light=2.6,
     key=(255, 240, 220),
-    key_light=2.3,
-    fill_light=1.3,
-    floor=(34, 40, 49),
+    key_light=3.0,
+    fill_light=1.8,
+    floor=(38, 45, 55),
     floor_opacity=1.0,
-    joints=(46, 53, 63),
-    tiles=(72, 81, 94),
+    joints=(52, 60, 72),
+    tiles=(86, 96, 110),
     shadow=0.6,
 )
 
 _KEY, _FILL = (1.6, -2.4, 4.2), (-3.0, 2.0, 2.0)  # m; directions in which the lamps are
-_FADE = 7.0  # m from the camera at which the floor ends
+_FADE = 9.0  # m from the camera at which the floor ends
 
 
 def configure_world(server: viser.ViserServer) -> None:

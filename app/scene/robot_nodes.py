@@ -104,9 +104,10 @@ class RobotNodes:
                 glb,
                 position=position[body],
                 wxyz=wxyz[body],
-                # Where there are no lights that cast shadows, this costs nothing.
+                # Onto the floor, if a lamp casts any; robots that are black by themselves, as
+                # ANYmal is, have nothing to gain from shadows on them.
                 cast_shadow=ghost is None,
-                receive_shadow=ghost is None,
+                receive_shadow=False,
             )
         self.base = next(iter(self._nodes), name)
 

@@ -96,7 +96,7 @@ class _Ellipsoid:
                 1.0,
                 colour,
                 subdivisions=_SUBDIVISIONS,
-                opacity=0.22,
+                opacity=0.17,
                 cast_shadow=False,
                 receive_shadow=False,
             )
