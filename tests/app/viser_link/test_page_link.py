@@ -31,9 +31,23 @@ JSON = st.recursive(
 )
 LIKELY = st.fixed_dictionaries(
     {"kind": st.sampled_from(["ready", "state", "playback", "clip"]) | JSON},
-    optional=dict.fromkeys((
-        "software time playing speed loop number missing tab shared kept".split()
-    ), JSON),
+    optional=dict.fromkeys(
+        (
+            [
+                "software",
+                "time",
+                "playing",
+                "speed",
+                "loop",
+                "number",
+                "missing",
+                "tab",
+                "shared",
+                "kept",
+            ]
+        ),
+        JSON,
+    ),
 )
 
 
