@@ -18,7 +18,8 @@ import websockets.asyncio.server
 from viser.infra import WebsockClientConnection
 from websockets.asyncio.server import ServerConnection
 
-from app.viser_link.connection import Door, GuardedConnection
+from app.viser_link.connection import GuardedConnection
+from app.viser_link.door import Door
 from app.viser_link.entry import Gate
 from app.viser_link.messages import ignore_nonsense
 from app.viser_link.uploads import UPLOAD_MESSAGES, Uploads
