@@ -18,10 +18,13 @@ import websockets.asyncio.server
 from viser.infra import WebsockClientConnection
 from websockets.asyncio.server import ServerConnection
 
-from app.viser_link.connection import Door, GuardedConnection
+from app.viser_link.connection import GuardedConnection
+from app.viser_link.door import Door
 from app.viser_link.entry import Gate
 from app.viser_link.messages import ignore_nonsense
 from app.viser_link.uploads import UPLOAD_MESSAGES, Uploads
+
+_TUNNEL = (messages.ShareUrlRequest, messages.ShareUrlDisconnect)
 
 
 class DesignerServer(viser.ViserServer):
@@ -44,13 +47,15 @@ class DesignerServer(viser.ViserServer):
         self._websock_server.on_client_connect(self._ignore_nonsense)
         for kind in UPLOAD_MESSAGES:  # to controls that all tabs share: there are none
             self._websock_server.unregister_handler(kind)
+        for request in _TUNNEL:
+            self._websock_server.unregister_handler(request)
+            self._websock_server.register_handler(request, self._refuse_tunnel)
         uploads = Uploads(gate.limits.upload_bytes)
         self.on_client_connect(uploads.guard)
         self.on_client_disconnect(uploads.forget)
 
     def request_share_url(self, verbose: bool = True) -> str | None:
         """Refuse: a tunnel to an outside host is nothing a visitor may open."""
-        self.gate.note("a tab", "share URL")
         return None
 
     def stop(self) -> None:
@@ -64,6 +69,9 @@ class DesignerServer(viser.ViserServer):
     def _peer(self, client_id: int) -> str:
         connection = self._websock_server._live_connections.get(client_id)
         return connection.peer if isinstance(connection, GuardedConnection) else "a tab"
+
+    def _refuse_tunnel(self, client_id: int, _: Any) -> None:
+        self.gate.note(self._peer(client_id), "a tab asked for a tunnel")
 
     def _queue(self, connection: ServerConnection) -> Any:
         """viser's queue of messages for a connection; None before and after."""

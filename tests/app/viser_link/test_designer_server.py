@@ -206,9 +206,20 @@ def test_a_page_of_another_version_hears_so_and_stdout_does_not(served, capfd):
     assert capfd.readouterr().out == ""
 
 
-def test_no_client_can_open_a_tunnel(served):
+def test_no_client_can_open_a_tunnel(served, capfd, caplog):
     assert DesignerServer.request_share_url is not viser.ViserServer.request_share_url
     assert served.server.request_share_url() is None
+    served.page.guard.refusals.forget()
+    with RawTab(served.port, additional_headers=served.enter) as tab:
+        tab.control("Save design")
+        for _ in range(3):
+            tab.send({"type": "ShareUrlRequest"})
+            tab.send({"type": "ShareUrlDisconnect"})
+        tab.press("Save design")
+        assert served.page.next() == ("save",)
+    lines = [record.getMessage() for record in caplog.records]
+    assert lines == ["refused 127.0.0.1: a tab asked for a tunnel"]
+    assert capfd.readouterr().out == ""
 
 
 def test_a_script_reaches_its_tab_and_no_other(designer):
