@@ -38,7 +38,8 @@ STAGE = """() => {
     requestRender: () => {},
     sendMessage: (message) => window.sent.push(message),
   };
-  window.__viserTestpoints = { rendererInfo: { render: { frame: 0 } }, devSettings: { get: () => ({}), set() {} } };
+  const devSettings = { get: () => ({}), set() {} };
+  window.__viserTestpoints = { rendererInfo: { render: { frame: 0 } }, devSettings };
 }"""
 
 END = 2.0
