@@ -12,7 +12,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import llsrbm
-from app.scene.overlays import ARROW_PER_WEIGHT
+from app.scene.overlays.forces import ARROW_PER_WEIGHT
 from tests.app import planners
 
 

@@ -24,7 +24,7 @@ def test_titles_are_different_and_hints_are_sentences():
 
 def test_diagnostics_are_quiet_at_first():
     assert frozenset(OVERLAYS) > AT_FIRST
-    assert AT_FIRST == {"ellipsoids", "com", "forces", "trails", "ghost", "landing"}
+    assert {"ellipsoids", "com", "forces", "trails", "ghost", "landing"} == AT_FIRST
 
 
 @pytest.mark.parametrize("name", OVERLAYS)
