@@ -25,6 +25,7 @@ class Look:
         fill_light: strength of the lamp that lightens the other side.
         floor: colour of the tiles; floor_opacity: how much of the backdrop they hide, nearby.
         joints, tiles: colours of the lines of 0.1 m and of 0.5 m.
+        lines: colour of the lines where there are no tiles.
         backdrop: about what is behind the floor.
         shadow: how dark a shadow is, 0 to 1.
     """
@@ -39,6 +40,7 @@ class Look:
     floor_opacity: float
     joints: Rgb
     tiles: Rgb
+    lines: Rgb
     backdrop: Rgb
     shadow: float
 
@@ -55,6 +57,7 @@ DAY = Look(
     floor_opacity=1.0,
     joints=(219, 222, 227),
     tiles=(160, 169, 180),
+    lines=(118, 129, 142),
     backdrop=(221, 228, 234),
     shadow=0.34,
 )
@@ -69,6 +72,7 @@ NIGHT = Look(
     floor_opacity=1.0,
     joints=(52, 60, 72),
     tiles=(92, 103, 118),
+    lines=(98, 110, 127),
     backdrop=(29, 37, 48),
     shadow=0.6,
 )
@@ -160,7 +164,7 @@ class Lighting(Drawing):
 
     def _faded(self, look: Look) -> NDArray[np.uint8]:
         """Colours of the lines' ends: farther away, more like the backdrop."""
-        near, far = np.array(look.tiles), np.array(look.backdrop)
+        near, far = np.array(look.lines), np.array(look.backdrop)
         mixed = far + self._nearness[..., None] * (near - far)
         return np.round(mixed).astype(np.uint8)
 
@@ -175,4 +179,4 @@ def _tiles() -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     one = np.stack([np.stack([start, place, flat], 1), np.stack([end, place, flat], 1)], axis=1)
     points = np.concatenate([one, one[..., [1, 0, 2]]])
     share = np.linalg.norm(points, axis=2) / (_TILES * _TILE)
-    return points, np.clip(1.0 - share, 0.0, 1.0)
+    return points, np.clip(1.0 - share**2, 0.0, 1.0)
