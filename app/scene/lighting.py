@@ -57,7 +57,7 @@ DAY = Look(
     floor_opacity=1.0,
     joints=(219, 222, 227),
     tiles=(160, 169, 180),
-    lines=(118, 129, 142),
+    lines=(164, 172, 183),
     backdrop=(221, 228, 234),
     shadow=0.34,
 )
@@ -72,7 +72,7 @@ NIGHT = Look(
     floor_opacity=1.0,
     joints=(52, 60, 72),
     tiles=(92, 103, 118),
-    lines=(98, 110, 127),
+    lines=(84, 95, 110),
     backdrop=(29, 37, 48),
     shadow=0.6,
 )
@@ -166,7 +166,8 @@ class Lighting(Drawing):
         """Colours of the lines' ends: farther away, more like the backdrop."""
         near, far = np.array(look.lines), np.array(look.backdrop)
         mixed = far + self._nearness[..., None] * (near - far)
-        return np.round(mixed).astype(np.uint8)
+        # viser takes the colours of lines' ends for proportional to light.
+        return np.round(255 * (mixed / 255) ** 2.2).astype(np.uint8)
 
 
 def _tiles() -> tuple[NDArray[np.float64], NDArray[np.float64]]:
