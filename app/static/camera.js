@@ -32,7 +32,8 @@
     #llsrbm-camera button[aria-pressed=true] { background: var(--mantine-primary-color-light); }
     #llsrbm-camera svg { width: 18px; height: 18px; fill: none; stroke: currentColor;
       stroke-width: 1.5; stroke-linejoin: round; stroke-linecap: round; }
-    #llsrbm-transport { opacity: 0.999; }`;
+    #llsrbm-transport {
+      background: color-mix(in srgb, var(--mantine-color-body) 99.5%, transparent) !important; }`;
 
   // A cube with the side that is looked at filled, a frame, a robot held in sight, a camera.
   const CUBE = '<path d="M3 6.5 10 3l7 3.5v7L10 17l-7-3.5zM3 6.5l7 3.5 7-3.5M10 10v7"/>';

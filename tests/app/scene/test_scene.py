@@ -75,7 +75,7 @@ def test_nothing_new_is_found_out_within_a_millisecond():
 def test_an_empty_picture_is_a_floor():
     drawn = Drawn()
     assert drawn.scene.draw(Picture()) is None
-    assert {name.split("/")[1] for name in drawn.nodes} == {"lamps", "ground"}
+    assert {name.split("/")[1] for name in drawn.nodes} == {"lamps", "ground", "floor"}
 
 
 def test_a_robot_without_a_plan_stands_still_and_is_looked_at():
@@ -114,7 +114,7 @@ def test_a_new_plan_makes_no_nodes():
 
 def test_overlays_are_made_when_they_are_switched_on_first():
     drawn = Drawn(picture(layers=()))
-    always = {"lamps", "ground", "links", "below"}
+    always = {"lamps", "ground", "floor", "links", "below"}
     assert {name.split("/")[1] for name in drawn.nodes} == always
     for name in OVERLAYS:
         _, made, _ = drawn.changes(picture(layers={name}))
@@ -156,7 +156,7 @@ def test_night_changes_light_and_floor_only():
     drawn = Drawn(picture())
     clip, made, changes = drawn.changes(replace(picture(), night=True))
     assert (clip, made) == (None, [])
-    assert {name.split("/")[1] for name, _ in changes} == {"lamps", "ground"}
+    assert {name.split("/")[1] for name, _ in changes} == {"lamps", "ground", "floor"}
     assert max(drawn.nodes["/ground"].plane_color) < 80
     drawn.changes(picture())
     assert min(drawn.nodes["/ground"].plane_color) > 200
