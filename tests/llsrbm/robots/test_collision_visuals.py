@@ -12,7 +12,12 @@ from llsrbm.cache import ENVIRONMENT_VARIABLE
 from llsrbm.robots import load_robot, names
 from llsrbm.robots.collision_visuals import collision_visuals, visuals_at_once
 from llsrbm.robots.viewpoint import viewpoint
-from llsrbm.robots.visuals import forward_kinematics, link_visuals, link_visuals_at_hand
+from llsrbm.robots.visuals import (
+    forward_kinematics,
+    link_visuals,
+    link_visuals_at_hand,
+    needs_preparation,
+)
 
 
 @pytest.fixture
@@ -65,6 +70,7 @@ def test_with_an_empty_cache_the_shapes_stand_in_at_once(name):
     robot = load_robot(name)
     collision_visuals.cache_clear()
     assert link_visuals_at_hand(robot) is None
+    assert needs_preparation(robot)
     began = thread_time()
     visuals = visuals_at_once(robot)
     assert thread_time() - began < 1.0  # s of this thread alone, on a machine that is busy, too
@@ -74,6 +80,7 @@ def test_with_an_empty_cache_the_shapes_stand_in_at_once(name):
 @pytest.mark.usefixtures("empty_cache")
 def test_what_is_drawn_by_boxes_alone_needs_no_stand_in():
     robot = load_robot("slider")
+    assert not needs_preparation(robot)
     visuals = visuals_at_once(robot)
     assert len(visuals) > len(collision_visuals(robot))
     at_hand = link_visuals_at_hand(robot, coarse=True)
@@ -83,6 +90,7 @@ def test_what_is_drawn_by_boxes_alone_needs_no_stand_in():
 def test_meshes_that_were_prepared_are_at_hand():
     robot = load_robot("anymal")
     made = link_visuals(robot, coarse=True)
+    assert not needs_preparation(robot)
     for visuals in (link_visuals_at_hand(robot, coarse=True), visuals_at_once(robot)):
         for one, other in zip(visuals, made, strict=True):
             assert np.array_equal(one.vertices, other.vertices)
