@@ -225,9 +225,11 @@ class RobotMissing:
     """A robot cannot be drawn.
 
     Attributes:
+        robot: its name.
         message: why not.
     """
 
+    robot: str
     message: str
 
 

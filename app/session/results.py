@@ -99,8 +99,9 @@ def show_worst(state: TabState) -> Step:
 
 def take_robot(state: TabState, event: RobotLoaded) -> Step:
     """A robot can be drawn; what is asked of it can be planned."""
-    state = with_robot(state, event.robot)
-    return plan_design(state) if state.ready else (state, ())
+    if event.robot.name != state.design.jump.robot:
+        return state, ()  # another one was chosen while it was loaded
+    return plan_design(with_robot(state, event.robot))
 
 
 def with_robot(state: TabState, robot: Robot) -> TabState:
@@ -113,6 +114,9 @@ def with_robot(state: TabState, robot: Robot) -> TabState:
 
 def miss_robot(state: TabState, event: RobotMissing) -> Step:
     """A robot cannot be drawn."""
+    if event.robot != state.design.jump.robot:
+        return state, ()
+    state = replace(state, known=None)
     return with_status(state, Word.FAILED, event.message), ()
 
 
@@ -157,8 +161,11 @@ def _fail(state: TabState, report: Failed, task: Task | None) -> Step:
             return with_status(state, Word.PLANNING, "nothing found quickly ...", busy=True), ()
         case PlanJump(jump, tuning) if report.plan is not None:
             failure = f"{report.message}."
-            if presentable(report.plan) and state.robot is not None:
-                state = show_plan(state, report.plan, state.robot)
+            robot = state.robot
+            if presentable(report.plan) and robot is not None:
+                # Plans of older requests that are still under way do not replace it.
+                state = with_work(state, shown=state.work.newest)
+                state = show_plan(state, report.plan, robot)
                 failure += " The picture shows where the solver stopped, no feasible motion."
             state = with_work(state, failure=failure, simulate_next=None)
             line = f"{failure} Looking for the nearest jump ..."

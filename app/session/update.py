@@ -48,7 +48,7 @@ from app.session.known_motion import show_known
 from app.session.lanes import Lane
 from app.session.opening import open_tab
 from app.session.state import TabState
-from app.session.steps import Step, with_work
+from app.session.steps import Step
 from app.viser_link.page_link import PageReady, PlaybackChosen, PlayerMoved
 from llsrbm.design import Design
 
@@ -77,7 +77,7 @@ def update(state: TabState, event: Event) -> Step:
         case WorstWanted():
             return results.show_worst(state)
         case CancelWanted():
-            return with_work(state, simulate_next=None), (Stop(Lane.MOTION), Stop(Lane.SAVE))
+            return requests.cancel(state)
         case Reported(lane=Lane.MOTION):
             return results.take_report(state, event)
         case RobotLoaded():
