@@ -27,6 +27,7 @@ from app.compute.offered import uploaded_design
 from app.compute.pool import WorkerPool
 from app.compute.protocol import Report
 from app.panel.actions import Action
+from app.panel.notes import Notes
 from app.scene.landing_handle import Grip
 from app.session.controls import event_of
 from app.session.effects import (
@@ -126,6 +127,7 @@ class Session:
         self._later: list[_Item] = []  # what came while the page was waited for
         self.token: str | None = None
         self.state = first_state(robots)
+        self._notes = Notes(client)
         self._rendering: Rendering | None = None
 
     @property
@@ -391,4 +393,4 @@ class Session:
             return RobotMissing(str(error))
 
     def _notify(self, title: str, body: str) -> None:
-        self._client.add_notification(title, body, color="orange")
+        self._notes.show(title, body)
