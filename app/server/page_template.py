@@ -19,6 +19,9 @@ SCRIPTS = (
     "transport.js",
     "camera.js",
     "tour.js",
+    "panel.js",
+    "tuning.js",
+    "accessibility.js",
 )
 """In the order in which they need each other."""
 

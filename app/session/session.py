@@ -27,6 +27,7 @@ from app.compute.offered import uploaded_design
 from app.compute.pool import WorkerPool
 from app.compute.protocol import Report
 from app.panel.actions import Action
+from app.panel.notes import Notes
 from app.scene.landing_handle import Grip
 from app.session.controls import READ_ACTIONS, event_of
 from app.session.effects import (
@@ -128,6 +129,7 @@ class Session:
         self.token: str | None = None
         self.failed = False
         self.state = first_state(robots)
+        self._notes = Notes(client)
         self._rendering: Rendering | None = None
 
     @property
@@ -416,4 +418,4 @@ class Session:
             return RobotMissing(name, str(error))
 
     def _notify(self, title: str, body: str) -> None:
-        self._client.add_notification(title, body, color="orange")
+        self._notes.show(title, body)

@@ -39,6 +39,7 @@ from app.session.events import (
     StopExportWanted,
     TakeUpWanted,
     TargetDragged,
+    TuningReset,
     UndoWanted,
     UnpinWanted,
     ViewChosen,
@@ -49,7 +50,7 @@ from app.session.lanes import Lane
 from app.session.opening import open_tab
 from app.session.state import TabState
 from app.session.steps import Step
-from app.viser_link.page_link import PageReady, PlaybackChosen, PlayerMoved
+from app.viser_link.page_link import PageReady, PlaybackChosen, PlayerMoved, TuningChosen
 from llsrbm.design import Design
 
 
@@ -58,6 +59,10 @@ def update(state: TabState, event: Event) -> Step:
     match event:
         case JumpChosen():
             return requests.choose_jump(state, event)
+        case TuningChosen():
+            return requests.choose_tuning(state, event)
+        case TuningReset():
+            return requests.reset_tuning(state)
         case TargetDragged():
             return requests.drag_target(state, event)
         case ScenarioChosen():

@@ -11,7 +11,7 @@ import math
 import re
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
-from typing import Any
+from typing import Any, Literal
 
 import viser
 
@@ -19,6 +19,7 @@ from app.motion import colours
 from app.motion.clip import Clip
 from app.viser_link.designer_server import run_javascript, uuid_of
 from llsrbm.motion.timeline import Timeline
+from llsrbm.tuning import Tuning
 
 _LONGEST = 150_000  # characters of a message: a design that is kept and one that is shared
 _MOST_MISSING, _LONGEST_NAME = 20, 100
@@ -84,7 +85,22 @@ class ClipTaken:
     number: int
 
 
-PageEvent = PageReady | PlayerMoved | PlaybackChosen | ClipTaken
+@dataclass(frozen=True)
+class TuningChosen:
+    """A number of the table of weights and limits was changed.
+
+    Attributes:
+        group: "weights" or "limits".
+        name: of the number; there may be none of this name.
+        value: None: the robot's own.
+    """
+
+    group: Literal["weights", "limits"]
+    name: str
+    value: float | None
+
+
+PageEvent = PageReady | PlayerMoved | PlaybackChosen | ClipTaken | TuningChosen
 
 
 class PageLink:
@@ -145,6 +161,15 @@ class PageLink:
         """Have the browser keep a design, as text."""
         self._call("page.keep", json.dumps(design))
 
+    def show_tuning(self, tuning: Tuning) -> None:
+        """Put the numbers of the table of weights and limits where a design has them."""
+        changed = {"weights": dict(tuning.weights), "limits": dict(tuning.limits)}
+        self._call("tuning.show", json.dumps(changed))
+
+    def arrange(self, controls: dict[str, str | list[str]]) -> None:
+        """Say which controls are the panel's rows of buttons, by their uuids (static/panel.js)."""
+        self._call("panel.arrange", json.dumps(controls))
+
     def share(self, design: str) -> None:
         """Show a link that opens a design, given as text; it is made in the page."""
         self._call("page.share", json.dumps(design))
@@ -183,6 +208,14 @@ def read_event(message: object) -> PageEvent | None:
             return PlaybackChosen(speed, loop) if 0 < speed <= 1 else None
         case {"kind": "clip", "number": float(number)}:
             return ClipTaken(int(number)) if 0 <= number < 2**53 else None
+        case {
+            "kind": "tuning",
+            "group": "weights" | "limits" as group,
+            "name": str(name),
+            "value": float() | None as value,
+        }:
+            usable = len(name) <= _LONGEST_NAME and (value is None or math.isfinite(value))
+            return TuningChosen(group, name, value) if usable else None
     return None
 
 
