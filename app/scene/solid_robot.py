@@ -28,7 +28,7 @@ class SolidRobot(Drawing):
         sight: what a camera looks at; None: there is no robot.
     """
 
-    parts = frozenset({"robot", "planned", "simulated", "fine"})
+    parts = frozenset({"robot", "planned", "simulated", "fine", "prepared"})
     needs_motion = False
 
     def __init__(self, scene: viser.SceneApi) -> None:

@@ -220,9 +220,15 @@ class Reported:
 
 @dataclass(frozen=True, eq=False)
 class RobotLoaded:
-    """A robot can be drawn."""
+    """A robot can be drawn.
+
+    Attributes:
+        robot: that can be.
+        prepared: its meshes are there; else its collision shapes stand in for them.
+    """
 
     robot: Robot
+    prepared: bool = True
 
 
 @dataclass(frozen=True)

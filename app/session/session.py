@@ -60,7 +60,7 @@ from app.session.initial_plan import InitialPlans
 from app.session.lanes import Lane
 from app.session.opening import first_state, left, resume
 from app.session.rendering import Rendering
-from app.session.results import with_robot
+from app.session.results import draw_robot
 from app.session.state import TabState
 from app.session.update import update
 from app.viser_link.page_link import ClipTaken, PageEvent, PageLink, PageReady
@@ -70,6 +70,7 @@ from llsrbm.examples import examples
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
 from llsrbm.robots import RobotFile, load_robot
+from llsrbm.robots.visuals import needs_preparation
 
 _PAGE_PATIENCE = (
     1.5  # s until a tab begins without its page's scripts; they answer as they are shown
@@ -212,7 +213,9 @@ class Session:
         name = self.state.design.jump.robot
         if self._initial.file is None and self._initial.plan(name) is not None:
             # Its meshes take longest to send.
-            self.state = with_robot(self.state, load_robot(name))
+            loaded = self._load(name)
+            if isinstance(loaded, RobotLoaded):
+                self._take(draw_robot(self.state, loaded))
         self._rendering.draw(self.state)
         page = self._wait_for_page()
         if _End.END in self._later:
@@ -413,7 +416,8 @@ class Session:
 
     def _load(self, name: str) -> RobotLoaded | RobotMissing:
         try:
-            return RobotLoaded(load_robot(name))
+            robot = load_robot(name)
+            return RobotLoaded(robot, prepared=not needs_preparation(robot))
         except Error as error:
             return RobotMissing(name, str(error))
 
