@@ -14,6 +14,9 @@ from app.plots.charts import Layer, shown_layers
 from app.plots.choice import DEFAULT, LANDING, OVERVIEW, PRESETS, TORQUES, ChartChoice
 from app.plots.csv_file import csv_of
 from app.plots.plots import Plots
+from app.server.access import Access
+from app.server.guard import Guard
+from app.server.page_template import page as designer_page
 from app.viser_link.designer_server import DesignerServer
 from llsrbm.jump import Jump
 from llsrbm.robots import load_robot
@@ -48,7 +51,9 @@ class PlotPage:
 
 @pytest.fixture(scope="module")
 def served():
-    server = DesignerServer("127.0.0.1", 0, {"localhost"})
+    guard = Guard(Access(None), (), loopback=True)
+    server = DesignerServer("127.0.0.1", 0, guard, designer_page)
+    guard.access.port = server.get_port()
     yield server
     server.stop()
 

@@ -40,6 +40,7 @@ def opened(browser, designer):
     # A motion that plays takes the processor from all else.
     page.get_by_role("button", name="Pause").click()
     page.wait_for_timeout(PACE)
+    page.get_by_role("tab", name="Plots").first.click()
     yield page
     assert faults == []
     context.close()
