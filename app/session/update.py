@@ -12,9 +12,9 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from app.compute.protocol import Failed, Prepared
 from app.session import files, requests, results
 from app.session.comparison import Pin, free_colour
-from app.compute.protocol import Failed, Prepared
 from app.session.effects import LoadRobot, Notify, Share, Stop
 from app.session.events import (
     CancelWanted,
