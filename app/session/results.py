@@ -107,7 +107,7 @@ def take_robot(state: TabState, event: RobotLoaded) -> Step:
 
 
 def draw_robot(state: TabState, event: RobotLoaded) -> Step:
-    """Draw a robot, nothing of another one's motion but the pins; its meshes are made if need be."""
+    """Draw a robot and nothing of another one's motion but the pins; have its meshes made."""
     if state.robot is event.robot:
         return replace(state, prepared=event.prepared or state.prepared), ()
     state = with_work(state, dragging=state.work.dragging.forget())
