@@ -21,7 +21,6 @@ def tabs(designer):
     opened = [RawTab(designer.port) for _ in range(TABS)]
     for tab in opened:
         tab.wait_for_status("Planned", timeout=60)
-        tab.set("Motion", "Pause")
     yield opened
     for tab in opened:
         tab.close()
