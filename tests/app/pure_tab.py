@@ -1,4 +1,4 @@
-"""A tab without threads: events go into `update`, effects are kept; planning is answered by hand."""
+"""A tab without threads: events go into `update`, effects are kept, jobs are answered by hand."""
 
 from __future__ import annotations
 
@@ -10,7 +10,6 @@ import numpy as np
 from app.compute.protocol import Planned, Prepared, Simulated
 from app.session.effects import After, Keep, LoadRobot, Notify, Submit
 from app.session.events import JumpChosen, Reported, RobotLoaded
-from app.session.lanes import Lane
 from app.session.opening import first_state
 from app.session.results import with_robot
 from app.session.update import update
@@ -113,7 +112,3 @@ def planned_tab(**changes):
     tab.move(**{"forward": 0.01, **changes})
     tab.settle()
     return tab
-
-
-def is_motion(submit):
-    return submit.lane is Lane.MOTION

@@ -241,5 +241,7 @@ def choose(tab, session, robot):
 
 def pinned(tab):
     """Names of the ghosts of pins that are drawn; nodes of others are there for the next ones."""
-    names = [name for name in list(tab.nodes) if name.startswith("/pinned/") and name.count("/") == 2]
+    names = [
+        name for name in list(tab.nodes) if name.startswith("/pinned/") and name.count("/") == 2
+    ]
     return {name for name in names if tab.nodes[name].get("visible", True)}

@@ -209,9 +209,7 @@ def test_there_are_no_more_pins_than_colours(tab, states):
         opened(tab, states, "turn.csv")
     assert {pin.colour for pin in tab.state.pins} == set(PINNED)
     opened(tab, states, "turn.csv")
-    assert tab.notes() == [
-        ("Not opened", "turn.csv: unpin something first; all colours are taken")
-    ]
+    assert tab.notes() == [("Not opened", "turn.csv: unpin something first; all colours are taken")]
     assert len(tab.state.pins) == len(PINNED)
 
 

@@ -213,7 +213,7 @@ def test_another_tools_motion_becomes_a_pin_of_the_robot_that_is_shown(tab, sess
     for figure in ("Duration", "CoM rises", "Yaw at the end", "+180.0", "Flight time"):
         assert figure in tab.text()
     titles = {title for m in list(tab.controls.values()) if (title := m["props"].get("title"))}
-    assert "CoM height [m]" in titles
+    assert "CoM position, z [m]" in titles
     assert tab.control("Rate of the file [1/s]")["props"]["visible"]
     tab.press("Take up")
     tab.wait(lambda: tab.notifications, "a remark")

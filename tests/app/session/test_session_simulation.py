@@ -271,5 +271,5 @@ def test_plots_gain_a_curve(tab, session):
     planned = charts(tab)
     assert all(curves(chart) == ["plan"] for chart in planned.values())
     simulate(tab, session)
-    tab.wait(lambda: "simulation" in curves(charts(tab)["CoM height [m]"]), "a curve")
+    tab.wait(lambda: "simulation" in curves(charts(tab)["CoM position, z [m]"]), "a curve")
     assert charts(tab).keys() == planned.keys()

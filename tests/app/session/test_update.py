@@ -38,7 +38,6 @@ from app.panel.export_controls import Choice
 from app.plots.choice import PRESETS
 from app.session import events
 from app.session.effects import After, Effect, LoadRobot, Share, Stop, Submit
-from app.session.lanes import Lane
 from app.session.opening import first_state, left, resume
 from app.session.state import TabState
 from app.session.update import update
