@@ -1,7 +1,8 @@
 """Tabs that connect and close as fast as they go, and what they leave behind.
 
 `python -m benchmarks.connect_loops [--times 1000]`, from the checkout. Half of the tabs close
-when they have greeted with a token, as a page that has been there before; the others at once. The planner is made up.
+when they have greeted with a token, as a page that has been there before;
+the others at once. The planner is made up.
 Prints what the server holds before and after; exits with 1 if sessions or threads are left.
 """
 
