@@ -124,7 +124,7 @@ def test_another_tools_motion_stands_beside_the_plan(page, tmp_path):
     turn_to(page, "Compare")
     page.locator("table").filter(has_text="motion").wait_for()
     # It goes on when the plan has ended.
-    wait_until(lambda: player(page, "clip.end") == pytest.approx(2.0), "a clip with both")
+    wait_until(lambda: player(page, "clip.end") == pytest.approx(100 / 30), "a clip with both")
 
 
 def test_a_bad_file_is_one_line(page):

@@ -20,7 +20,7 @@ from tests.app.raw_tab import RawTab, choose, planned
 def test_the_first_plan_comes_by_itself_and_the_page_plays_it(tab, session, script):
     assert session.plan.jump == example("anymal")
     assert "12 ms, 7 iterations, largest violation 2.0e-07 N (friction)" in tab.status()
-    assert script.calls("player.play") == [[]]
+    tab.wait(lambda: script.calls("player.play") == [[]], "its motion")
     assert script.end == pytest.approx(session.plan.duration)
     assert {"/com", "/links/base", "/ellipsoid/srbm/wires", "/arrows/3"} < script.nodes()
     for time_shown in (0.0, 0.65, 1.3):
