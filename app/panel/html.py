@@ -38,9 +38,14 @@ def status(status: Status) -> str:
     return (
         f'<div class="llsrbm-status"><div role="status" style="{PADDING};font-size:0.8em;'
         f"line-height:1.35;min-height:{_STATUS_LINES * 1.35}em;box-sizing:content-box;"
-        f'border-left:4px solid {colour};margin:0.3em 0"><b>{escape(status.word.value)}</b> '
-        f"{escape(status.rest)}</div>{_progress(status.share)}</div>"
+        f'border-left:4px solid {colour};margin:0.3em 0"><b>{escape(status.word.value)}</b>'
+        f"{_joint(status.rest)}{escape(status.rest)}</div>{_progress(status.share)}</div>"
     )
+
+
+def _joint(rest: str) -> str:
+    """What stands between the word and the rest: "Landed, but ..."."""
+    return "" if rest.startswith((",", ".")) else " "
 
 
 def _progress(share: float | None) -> str:

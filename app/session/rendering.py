@@ -13,6 +13,7 @@ from app.panel.actions import Act
 from app.panel.comparison_table import Column
 from app.panel.panel import Panel
 from app.panel.summaries import seeds_table
+from app.panel.view_controls import configure_theme
 from app.plots.charts import Layer, shown_layers
 from app.plots.plots import PlotChoice, Plots
 from app.scene.landing_handle import Grip, LandingHandle
@@ -147,6 +148,8 @@ class Rendering:
             panel.simulation.show_seeds(
                 "" if seeds is None else seeds_table(seeds.results, worst), worst=worst is not None
             )
+        if state.view.night != (before is not None and before.view.night):
+            configure_theme(self._client.gui, dark=state.view.night)
         if (state.view.layers, state.view.night) != (self._view.layers, self._view.night):
             panel.view.show(state.view.layers, night=state.view.night)
             self._view = state.view

@@ -7,6 +7,8 @@
   const PAIRS = "div:has(> div > .llsrbm-pair)"; // a box whose buttons stand side by side
   const FIELD = ".mantine-Flex-root > div:first-child"; // the place of a label
 
+  const FILLED = "rgb(38 92 150)"; // the brand's, dark enough for white letters
+
   const STYLE = `
     :root[data-mantine-color-scheme=light] { --mantine-color-dimmed: #59616a !important; }
     :root[data-mantine-color-scheme=dark] { --mantine-color-dimmed: #b4bac2 !important; }
@@ -96,7 +98,8 @@
       ${row(format)} > div > .mantine-Flex-root > div:first-child { width: 4.2rem !important; }
       ${row(save)} { grid-column: span 4; }
       ${button(main)}, ${button(main)}:not([data-disabled]):hover {
-        background: var(--mantine-primary-color-filled); color: #fff; border-color: transparent; }`;
+        background: ${FILLED}; color: #fff; border-color: transparent; }
+      ${button(main)}[data-disabled] { opacity: 0.5; }`;
   }
 
   const fixed = document.createElement("style"), arranged = document.createElement("style");

@@ -6,6 +6,7 @@
 (() => {
   if (!window.llsrbmPlots || window.llsrbmPlots.watch) return;
 
+  const TITLE = "Plots"; // of the area (app/plots/plots.py)
   const MARKER = ".llsrbm-plot-area";
   const FLOATING = "[data-floating-window]";
   const PINNED = "data-llsrbm-pinned", GRID = "data-llsrbm-charts";
@@ -39,7 +40,7 @@
 
   function look() {
     const marker = document.querySelector(MARKER);
-    const found = marker ? marker.closest(FLOATING) : pinned?.isConnected ? pinned : null;
+    const found = marker ? marker.closest(FLOATING) : pinned?.isConnected ? pinned : folded();
     if (found !== pinned) {
       pinned?.removeAttribute(PINNED);
       if (pinned) resized.unobserve(pinned);
@@ -60,6 +61,12 @@
     const visible = Boolean(marker?.getClientRects().length);
     if (boxes && seen !== null && visible !== seen) send(boxes.seen, visible);
     if (visible || seen !== null) seen = visible;
+  }
+
+  // A page that is too small for the area has it folded to its title from the beginning.
+  function folded() {
+    return [...document.querySelectorAll(FLOATING)].find((each) =>
+      each.textContent.trim() === TITLE) ?? null;
   }
 
   // Whatever holds the legend and the charts is a grid.
