@@ -18,7 +18,9 @@ DESK, TABLET = {"width": 1280, "height": 800}, {"width": 820, "height": 1180}
 TABS = ("View", "Scenario", "Limits")
 
 RUN = """async () => {
-  const found = await axe.run(document, { runOnly: ["wcag2a", "wcag2aa"], resultTypes: ["violations"] });
+  const found = await axe.run(document, {
+    runOnly: ["wcag2a", "wcag2aa"], resultTypes: ["violations"],
+  });
   return found.violations
     .filter(({ id, impact }) => ["serious", "critical"].includes(impact))
     .flatMap(({ id, nodes }) => nodes.map(({ html, failureSummary: why }) =>
@@ -32,8 +34,7 @@ def page(designer):
     with chromium() as browser:
         page = opened(browser, designer.url, view=DESK)
         status(page, "Planned")
-        page.evaluate("llsrbm.player.pause()")
-        # Without a frame to draw, software rendering leaves the processor to axe.
+        page.evaluate("llsrbm.player.pause()")  # drawing in software would take axe's processor
         page.add_script_tag(content=(files(package) / "axe.min.js").read_text("utf-8"))
         yield page
         assert page.faults == []
