@@ -9,8 +9,8 @@ import viser
 
 from app.panel.html import note
 from app.panel.validation import number, put
-from app.viser_link.designer_server import take_upload
 from app.viser_link.file_drop import accept_drops
+from app.viser_link.uploads import take_upload
 from llsrbm.design import Design
 from llsrbm.formats import readable
 

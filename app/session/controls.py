@@ -45,6 +45,9 @@ _WITHOUT_VALUES: dict[Action, Event] = {
     Action.STOP_EXPORT: StopExportWanted(),
 }
 
+READ_ACTIONS = frozenset({Action.JUMP, Action.SCENARIO, Action.VIEW, Action.PIN_CHOSEN})
+"""Those that mean how controls stand, however often they were moved."""
+
 
 def event_of(action: Action, state: TabState, panel: Panel) -> Event:
     """What an action means, given where the controls stand.

@@ -220,9 +220,15 @@ class Reported:
 
 @dataclass(frozen=True, eq=False)
 class RobotLoaded:
-    """A robot can be drawn."""
+    """A robot can be drawn.
+
+    Attributes:
+        robot: that can be.
+        prepared: its meshes are there; else its collision shapes stand in for them.
+    """
 
     robot: Robot
+    prepared: bool = True
 
 
 @dataclass(frozen=True)
@@ -230,9 +236,11 @@ class RobotMissing:
     """A robot cannot be drawn.
 
     Attributes:
+        robot: its name.
         message: why not.
     """
 
+    robot: str
     message: str
 
 

@@ -26,6 +26,7 @@ from app.session.requests import plan_design, remember
 from app.session.state import Known, TabState
 from app.session.steps import Step, also, joined, with_files
 from llsrbm.design import Design, dump_design, file_name
+from llsrbm.errors import Error
 from llsrbm.formats import FORMATS
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
@@ -60,8 +61,7 @@ def take_opening(state: TabState, event: Reported) -> Step:
     if isinstance(report, Opened):
         return show_file(state, report.file)
     if isinstance(report, Failed):
-        line = f"Not opened: {report.message}"
-        return replace(state, note=line), (Notify("Not opened", report.message),)
+        return _refused(state, report.message)
     return state, ()
 
 
@@ -70,20 +70,43 @@ def show_file(state: TabState, file: OpenedFile) -> Step:
 
     Any other motion becomes a pin: it is for looking and comparing.
     """
-    match file.holds:
-        case Design() as design:
+    design = _design_in(state, file)
+    if design is not None:
+        try:
+            dump_design(design)  # as it is kept and shared: a file's numbers may be too large
+        except Error as error:
+            return _refused(state, f"{file.name}: {error}")
+    match file.holds, design:
+        case Design(), Design():
             state = replace(state, note=design.note)
             return plan_design(remember(state, design, settled=True))
-        case Plan() as plan:
-            design = Design(plan.jump, plan.tuning, state.design.scenario)
+        case Plan() as plan, Design():
             return _show_motion(state, file, design, plan)
-        case Rollout(plan=Plan() as plan) as rollout:
-            design = Design(plan.jump, plan.tuning, rollout.scenario)
+        case Rollout(plan=Plan() as plan) as rollout, Design():
             return _show_motion(state, file, design, plan, rollout)
-        case Rollout() as rollout:
-            return _pin(state, file, rollout, Design(rollout.jump, scenario=rollout.scenario))
-        case States() as states:
+        case Rollout() as rollout, _:
+            return _pin(state, file, rollout, design)
+        case States() as states, _:
             return _pin(state, file, states.motion(), None)
+    return state, ()
+
+
+def _design_in(state: TabState, file: OpenedFile) -> Design | None:
+    """The design that a file's motion came of, where the file says it."""
+    match file.holds:
+        case Design() as design:
+            return design
+        case Plan() as plan:
+            return Design(plan.jump, plan.tuning, state.design.scenario)
+        case Rollout(plan=Plan() as plan) as rollout:
+            return Design(plan.jump, plan.tuning, rollout.scenario)
+        case Rollout() as rollout:
+            return Design(rollout.jump, scenario=rollout.scenario)
+    return None
+
+
+def _refused(state: TabState, message: str) -> Step:
+    return replace(state, note=f"Not opened: {message}"), (Notify("Not opened", message),)
 
 
 def _show_motion(

@@ -5,15 +5,16 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 
+from app.compute.protocol import SimulateSeeds
 from app.session import files
 from app.session.drag_planning import REST
-from app.session.effects import After, Effect, Notify, Play, Seek, Submit
+from app.session.effects import After, Effect, LoadRobot, Notify, Play, Seek
 from app.session.events import Opened, Rested
 from app.session.known_motion import show_known
-from app.session.lanes import Lane
 from app.session.requests import plan_design
 from app.session.state import FileWork, Known, TabState
-from app.session.steps import Step, joined, with_work
+from app.session.steps import Step, joined, submit, with_work
+from app.viser_link.page_link import PageReady
 from llsrbm.design import Design
 from llsrbm.jump import Jump
 from llsrbm.robots import RobotFile
@@ -57,20 +58,32 @@ def left(state: TabState) -> TabState:
     return replace(state, shown=shown, files=FileWork(), page=False)
 
 
-def resume(state: TabState) -> Step:
-    """A tab that comes back: its running job is begun anew, its place on the timeline found."""
+def resume(state: TabState, page: PageReady, tickets: int = 0) -> Step:
+    """A tab that comes back: its running job is begun anew, its place on the timeline found.
+
+    Args:
+        state: that it left.
+        page: its greeting.
+        tickets: of jobs that were begun before the tab was known; they count for nothing.
+    """
+    if page.time > 0 or page.playing:  # it lost its connection only, and went on by itself
+        playback = replace(state.playback, time=page.time, playing=page.playing)
+        state = replace(state, playback=playback)
+    tickets = max(tickets, state.tickets)
+    state = with_work(replace(state, tickets=tickets), dropped=tickets)
     work = state.work
-    effects: list[Effect] = []
+    begun: tuple[Effect, ...] = ()
     if work.awaited is not None:
-        ticket = state.tickets + 1
-        state = with_work(replace(state, tickets=ticket), newest=ticket)
-        if state.seeds is not None:
+        if state.seeds is not None and isinstance(work.awaited, SimulateSeeds):
             state = replace(state, seeds=replace(state.seeds, results=()))
-        effects.append(Submit(Lane.MOTION, ticket, work.awaited))
+        state, begun = submit(state, work.awaited)
+    elif state.known is not None:
+        begun = (LoadRobot(state.known.plan.jump.robot),)
+    elif not state.ready:
+        state, begun = plan_design(state)
     elif work.dragging.rests:
-        effects.append(After(REST, Rested(work.dragging.rest)))
-    if state.shown is not None:
-        effects.append(Seek(state.playback.time))
-        if state.playback.playing:
-            effects.append(Play())
-    return state, tuple(effects)
+        begun = (After(REST, Rested(work.dragging.rest)),)
+    if state.shown is None:
+        return state, begun
+    play = (Play(),) if state.playback.playing else ()
+    return state, (*begun, Seek(state.playback.time), *play)

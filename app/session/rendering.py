@@ -240,4 +240,5 @@ def picture_of(state: TabState) -> Picture:
         target=state.design.jump,
         night=view.night,
         fine=view.fine,
+        prepared=state.prepared,
     )

@@ -11,7 +11,7 @@ from app.panel.status import Word
 from app.panel.tuning_table import entries_of
 from app.panel.validation import number
 from app.session.drag_planning import REST
-from app.session.effects import After, Keep, Notify, ResetControls
+from app.session.effects import After, Keep, Notify, ResetControls, Stop
 from app.session.events import (
     DesignChosen,
     JumpChosen,
@@ -20,7 +20,8 @@ from app.session.events import (
     SimulateWanted,
     TargetDragged,
 )
-from app.session.state import Seeds, Shown, TabState
+from app.session.lanes import Lane
+from app.session.state import History, Seeds, Shown, TabState
 from app.session.steps import Step, also, submit, with_status, with_work
 from app.viser_link.page_link import TuningChosen
 from llsrbm.design import Design
@@ -46,12 +47,12 @@ def choose_jump(state: TabState, event: JumpChosen) -> Step:
     jump, design = event.jump, state.design
     if jump.robot != design.jump.robot:
         # What was asked of the other robot is not for this one.
-        example = state.robots[jump.robot].example.model_dump()
+        state, example = replace(state, note=""), state.robots[jump.robot].example.model_dump()
         design = Design(Jump(robot=jump.robot, model=jump.model, **example))
     else:
         tuning = design.tuning if event.tuning is None else event.tuning
         if (jump, tuning) != (design.jump, design.tuning):
-            design = replace(design, jump=jump, tuning=tuning, title="", note="")
+            state, design = _untitled(state, jump, tuning)
     step = plan_design(remember(state, design))
     return _corrected(step, event.complaints)
 
@@ -83,7 +84,7 @@ def reset_tuning(state: TabState) -> Step:
 
 def drag_target(state: TabState, event: TargetDragged) -> Step:
     """Plan a jump to where the landing handle was dragged."""
-    design = replace(state.design, jump=event.jump, title="", note="")
+    state, design = _untitled(state, event.jump, state.design.tuning)
     return plan_design(remember(state, design))
 
 
@@ -104,7 +105,7 @@ def take_nearest(state: TabState) -> Step:
     nearest = state.work.nearest
     if nearest is None:
         return state, ()
-    design = replace(state.design, jump=nearest.jump, title="", note="")
+    state, design = _untitled(state, nearest.jump, state.design.tuning)
     return plan_design(remember(state, design, settled=True))
 
 
@@ -117,7 +118,7 @@ def undo(state: TabState) -> Step:
     history = replace(
         history, back=history.back[:-1], forth=(*history.forth, state.design), changing=()
     )
-    return plan_design(replace(state, design=design, history=history, note=design.note))
+    return _go(state, design, history)
 
 
 def redo(state: TabState) -> Step:
@@ -129,6 +130,11 @@ def redo(state: TabState) -> Step:
     history = replace(
         history, forth=history.forth[:-1], back=(*history.back, state.design), changing=()
     )
+    return _go(state, design, history)
+
+
+def _go(state: TabState, design: Design, history: History) -> Step:
+    state = with_work(state, simulate_next=None)
     return plan_design(replace(state, design=design, history=history, note=design.note))
 
 
@@ -153,8 +159,11 @@ def remember(state: TabState, design: Design, *, settled: bool = False) -> TabSt
 
 
 def plan_design(state: TabState) -> Step:
-    """Plan what the design asks for, unless that is under way; its robot is prepared first."""
-    design = state.design
+    """Plan what the design asks for, unless that is under way; its robot is prepared first.
+
+    A motion that waits for its robot is not waited for any more.
+    """
+    state, design = replace(state, known=None), state.design
     name = design.jump.robot
     if not state.ready:
         if state.work.awaited == Prepare(name):
@@ -184,11 +193,27 @@ def wait_for_rest(state: TabState, task: PlanJump) -> Step:
     return state, (After(REST, Rested(dragging.rest)),) if dragging.rests else ()
 
 
+def cancel(state: TabState) -> Step:
+    """Give up what is being computed; of a request that rests, planning it from scratch."""
+    work = state.work
+    state = with_work(state, simulate_next=None)
+    if work.awaited is None and work.dragging.rests:
+        state = with_work(state, dragging=work.dragging.forget())
+        state = with_status(state, Word.CANCELLED, "Move a slider to plan again.")
+    return state, (Stop(Lane.MOTION), Stop(Lane.SAVE))
+
+
 def _submit_plan(state: TabState, task: PlanJump) -> Step:
     following = not task.patient and isinstance(state.work.awaited, PlanJump)
     if not following:
         state = with_status(state, Word.PLANNING, "...", busy=True)
     return submit(state, task)
+
+
+def _untitled(state: TabState, jump: Jump, tuning: Tuning) -> tuple[TabState, Design]:
+    """Another design of the visitor's own: titles and notes are not of it."""
+    design = replace(state.design, jump=jump, tuning=tuning, title="", note="")
+    return replace(state, note=""), design
 
 
 def _changes(one: Design, other: Design) -> tuple[str, ...]:
@@ -234,6 +259,7 @@ def simulate(state: TabState, event: SimulateWanted) -> Step:
 
 
 def show_plan(state: TabState, plan: Plan, robot: Robot, source: str = "") -> TabState:
-    """The state that shows a plan; a simulation of another plan goes."""
+    """The state that shows a plan; simulations of another plan go."""
     blocks = tuple(surroundings(robot, plan, Scenario()).blocks)
-    return replace(state, shown=Shown(bake_plan(plan, robot), blocks=blocks, source=source))
+    shown = Shown(bake_plan(plan, robot), blocks=blocks, source=source)
+    return replace(state, shown=shown, seeds=None)

@@ -29,7 +29,7 @@ from app.compute.protocol import Report
 from app.panel.actions import Action
 from app.panel.notes import Notes
 from app.scene.landing_handle import Grip
-from app.session.controls import event_of
+from app.session.controls import READ_ACTIONS, event_of
 from app.session.effects import (
     AFTER_DRAWING,
     After,
@@ -60,7 +60,7 @@ from app.session.initial_plan import InitialPlans
 from app.session.lanes import Lane
 from app.session.opening import first_state, left, resume
 from app.session.rendering import Rendering
-from app.session.results import with_robot
+from app.session.results import draw_robot
 from app.session.state import TabState
 from app.session.update import update
 from app.viser_link.page_link import ClipTaken, PageEvent, PageLink, PageReady
@@ -70,6 +70,7 @@ from llsrbm.examples import examples
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
 from llsrbm.robots import RobotFile, load_robot
+from llsrbm.robots.visuals import needs_preparation
 
 _PAGE_PATIENCE = (
     1.5  # s until a tab begins without its page's scripts; they answer as they are shown
@@ -91,6 +92,7 @@ class Session:
 
     Attributes:
         token: by which the page is known again when it comes back; None: it has not said.
+        failed: a defect has ended it.
     """
 
     def __init__(
@@ -126,6 +128,7 @@ class Session:
         self._due: tuple[float, Event] | None = None  # s (monotonic clock), what happens then
         self._later: list[_Item] = []  # what came while the page was waited for
         self.token: str | None = None
+        self.failed = False
         self.state = first_state(robots)
         self._notes = Notes(client)
         self._rendering: Rendering | None = None
@@ -146,9 +149,9 @@ class Session:
         return self.state.rollout
 
     @property
-    def left(self) -> TabState:
-        """What is to be kept of it, once its thread has ended."""
-        return left(self.state)
+    def left(self) -> TabState | None:
+        """What is to be kept of it, once its thread has ended: nothing that has led to a defect."""
+        return left(self.state) if self.state.page and not self.failed else None
 
     @property
     def is_own_thread(self) -> bool:
@@ -175,10 +178,11 @@ class Session:
 
     def _run(self) -> None:
         try:
-            self._build()
-            while self._step():
-                pass
+            if self._build():
+                while self._step():
+                    pass
         except Exception:  # noqa: BLE001  # whatever it is, the page says so
+            self.failed = True
             _log.exception("the session of tab %d has failed", self._client.client_id)
             self._client.add_notification(
                 "This page has failed",
@@ -190,7 +194,8 @@ class Session:
                 self._pool.forget((self._client.client_id, lane))
             self._ended(self)
 
-    def _build(self) -> None:
+    def _build(self) -> bool:
+        """Draw what every tab begins with, then its own; False: it has gone meanwhile."""
         client, put = self._client, self._inbox.put
         link = PageLink(client, put)  # first: the page answers while the rest is built and sent
         self._link = link
@@ -208,9 +213,15 @@ class Session:
         name = self.state.design.jump.robot
         if self._initial.file is None and self._initial.plan(name) is not None:
             # Its meshes take longest to send.
-            self.state = with_robot(self.state, load_robot(name))
+            loaded = self._load(name)
+            if isinstance(loaded, RobotLoaded):
+                self._take(draw_robot(self.state, loaded))
         self._rendering.draw(self.state)
-        self._begin(self._wait_for_page())
+        page = self._wait_for_page()
+        if _End.END in self._later:
+            return False
+        self._begin(page)
+        return True
 
     def _wait_for_page(self) -> PageReady | None:
         """The page's answer; None if there is none. What else happens has to wait."""
@@ -228,16 +239,20 @@ class Session:
 
     def _begin(self, page: PageReady | None) -> None:
         """Go on where the page was, or begin."""
-        kept = None
-        if page is not None:
-            self.token = page.tab
-            kept = None if page.tab is None else self._take_kept(page.tab)
-        if kept is not None and (page is None or page.shared is None):
-            self._take(resume(kept))
-        else:
+        if page is None or not self._resume(page):
             self._take(update(self.state, self._opened(page)))
         if page is not None:
             self._meet(page)
+
+    def _resume(self, page: PageReady) -> bool:
+        """Go on where the page was; False: nothing is known of it."""
+        self.token = page.tab
+        kept = None if page.tab is None else self._take_kept(page.tab)
+        if kept is None:
+            return False
+        self._take(resume(kept, page, self.state.tickets))
+        self._open_shared(page)
+        return True
 
     def _opened(self, page: PageReady | None) -> Opened:
         complaints: list[str] = []
@@ -252,7 +267,9 @@ class Session:
                 except InputError as error:
                     complaints.append(str(error))
         plan = self._initial.plan(self.state.design.jump.robot)
-        return Opened(design, plan, self._initial.file, tuple(complaints))
+        # A link was chosen for what it holds.
+        file = None if page is not None and page.shared is not None else self._initial.file
+        return Opened(design, plan, file, tuple(complaints))
 
     def _meet(self, page: PageReady) -> None:
         """The page's scripts run, or miss something."""
@@ -291,7 +308,7 @@ class Session:
             self._do(effect)
 
     def _next_items(self) -> list[_Item]:
-        """What has happened, each kind of action once; waits until something has or is due."""
+        """What has happened, each reading of controls once; waits until something has or is due."""
         items, self._later = self._later, []
         if not items:
             wait = None if self._due is None else max(0.0, self._due[0] - time.monotonic())
@@ -306,8 +323,8 @@ class Session:
                 item = self._inbox.get_nowait()
             except queue.Empty:
                 return items
-            # The latest of its kind counts.
-            if isinstance(item, Action) and item in items:
+            # The latest of its kind counts; every press of a button does.
+            if isinstance(item, Action) and item in READ_ACTIONS and item in items:
                 items.remove(item)
             elif isinstance(item, Grip) and isinstance(items[-1], Grip):
                 items.pop()
@@ -337,7 +354,19 @@ class Session:
                 return item
 
     def _greet_late(self, page: PageReady) -> None:
-        self.token = page.tab or self.token
+        if self.state.page:
+            self._open_shared(page)
+        elif not self._resume(page):
+            # It has begun without the page's designs; a visitor may have gone on from there.
+            untouched = not self.state.history.back and self._initial.file is None
+            if page.shared is not None:
+                self._open_shared(page)
+            elif page.kept is not None and untouched:
+                self._take(update(self.state, self._opened(page)))
+        self._meet(page)
+
+    def _open_shared(self, page: PageReady) -> None:
+        """Open the design in the page's address, if there is one."""
         if page.shared is not None:
             try:
                 design = uploaded_design("the link", page.shared.encode(errors="replace"))
@@ -345,7 +374,6 @@ class Session:
                 self._notify("Not opened", str(error))
             else:
                 self._inbox.put(DesignChosen(design))
-        self._meet(page)
 
     # ---- effects
 
@@ -388,9 +416,10 @@ class Session:
 
     def _load(self, name: str) -> RobotLoaded | RobotMissing:
         try:
-            return RobotLoaded(load_robot(name))
+            robot = load_robot(name)
+            return RobotLoaded(robot, prepared=not needs_preparation(robot))
         except Error as error:
-            return RobotMissing(str(error))
+            return RobotMissing(name, str(error))
 
     def _notify(self, title: str, body: str) -> None:
         self._notes.show(title, body)

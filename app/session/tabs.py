@@ -113,7 +113,7 @@ class Tabs:
         return state
 
     def _session_ended(self, session: Session) -> None:
-        state = session.left if session.token is not None and session.state.page else None
+        state = session.left if session.token is not None else None
         with self._lock:
             self._sessions = {k: v for k, v in self._sessions.items() if v is not session}
             if session.token is not None and state is not None:

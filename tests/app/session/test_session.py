@@ -141,15 +141,17 @@ def test_soles_are_marked_and_their_corners_forces_drawn_as_one(tab, session, sc
     assert "/arrows/2" not in script.nodes()
 
 
-def test_the_camera_goes_back_for_a_larger_robot(tab, session):
-    def distance():
-        return float(np.linalg.norm(np.subtract(*tab.camera.values())))
+def test_the_page_is_told_where_to_look_and_what_to_follow(tab, session, script):
+    def sight():
+        return script.calls("player.load")[-1][0]["sight"]
 
     choose(tab, session, "go2")
-    small = distance()
+    small = sight()
     choose(tab, session, "slider")
-    assert distance() > 1.3 * small
-    assert tab.camera["look_at"][2] > 0.5
+    large = sight()
+    assert large["high"][2] > 1.3 * small["high"][2]
+    assert small["follow"] != large["follow"]
+    assert {small["follow"], large["follow"]} <= tab.nodes.keys()
 
 
 @pytest.mark.parametrize(

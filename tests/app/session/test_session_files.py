@@ -61,7 +61,9 @@ def submitted(session, monkeypatch):
 
 def ghosts(tab):
     return {
-        name for name in list(tab.nodes) if name.startswith("/pinned/") and name.count("/") == 2
+        name
+        for name, node in list(tab.nodes.items())
+        if name.startswith("/pinned/") and name.count("/") == 2 and node.get("visible", True)
     }
 
 

@@ -15,8 +15,12 @@ def pin_at(tab, session, forward):
 
 
 def pinned(tab):
-    """Names of the ghosts that are drawn."""
-    return {name for name in tab.nodes if name.startswith("/pinned/") and name.count("/") == 2}
+    """Names of the ghosts that are drawn; one that is let go of is only hidden."""
+    return {
+        name
+        for name, node in list(tab.nodes.items())
+        if name.startswith("/pinned/") and name.count("/") == 2 and node.get("visible", True)
+    }
 
 
 def test_pinned_designs_stay_until_they_are_let_go(tab, session, script):
