@@ -19,6 +19,9 @@ from llsrbm.numerals import decimal
 PADDING = "padding:0.35em 0.9em"
 SMALL = f"{PADDING};font-size:0.8em;line-height:1.5"
 DIM = "color:var(--mantine-color-dimmed)"
+_NAME = (
+    "text-align:left;font-weight:normal;padding-right:0.8em;vertical-align:top;white-space:nowrap"
+)
 _STATUS_LINES = 3  # that are always there: what stands below must not jump
 
 _STATUS_COLOURS = {
@@ -76,7 +79,7 @@ TOUR_BUTTON = (
 def table(rows: Iterable[tuple[str, str]], title: str = "") -> str:
     """Names and values."""
     body = "".join(
-        f'<tr><td style="{DIM};padding-right:1em;vertical-align:top">{escape(name)}</td>'
+        f'<tr><th scope="row" style="{_NAME};{DIM}">{escape(name)}</th>'
         f'<td style="font-variant-numeric:tabular-nums">{escape(value)}</td></tr>'
         for name, value in rows
     )

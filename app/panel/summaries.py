@@ -132,15 +132,15 @@ def plan_figures(plan: Plan) -> str:
             ("Duration", f"{decimal(plan.duration, 2)} s = {phases}"),
             ("Peak yaw rate", f"{decimal(values.peak_yaw_rate, 2)} rad/s"),
             (
-                "Smallest Izz in flight",
+                "Least Izz in flight",
                 f"{_known(values.smallest_Izz, 2)} kg m² ({decimal(standing, 2)} standing)",
             ),
             ("Minimum foot radius", f"{_known(values.feet_radius, 3)} m"),
             (
-                "Largest force on a foot",
+                "Peak foot force",
                 (
-                    f"{_known(values.peak_force)} N, {_known(values.peak_force_in_weights, 2)} of the "
-                    "weight"
+                    f"{_known(values.peak_force)} N, "
+                    f"{_known(values.peak_force_in_weights, 2)} of the weight"
                 ),
             ),
             *(

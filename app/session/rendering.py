@@ -11,6 +11,7 @@ from app.motion import colours
 from app.motion.foreign_motion import ForeignMotion
 from app.panel.actions import Act
 from app.panel.comparison_table import Column
+from app.panel.jump_controls import titled
 from app.panel.panel import Panel
 from app.panel.summaries import seeds_table
 from app.panel.view_controls import configure_theme
@@ -209,7 +210,10 @@ class Rendering:
             None if rollout is None else rollout.scenario,
         )
         decisions = [pin.decisions for pin in state.pins]
-        title, *titles = titles_of([current, *(d for d in decisions if d is not None)])
+        known = [current, *(each for each in decisions if each is not None)]
+        title, *titles = titles_of(
+            [(titled(jump, state.robots), tuning, scene) for jump, tuning, scene in known]
+        )
         next_title = iter(titles)
         layers, columns = [*shown_layers(shown.planned, rollout)], []
         for pin in state.pins:

@@ -37,6 +37,8 @@
     [data-dock-area^=gui-tabs] [role=tab] { flex: 1 1 auto !important; min-width: 0;
       justify-content: center; padding-inline: 3px !important; font-size: 0.74rem !important;
       letter-spacing: -0.3px; }
+    [data-dock-area^=gui-tabs] [role=tab][aria-selected=true] {
+      color: var(--mantine-color-text) !important; }
 
     ${BOXES} { display: grid; grid-template-columns: 1fr 1fr; column-gap: 4px; padding: 0 8px; }
     ${BOXES} > * { padding-inline: 0 !important; margin-inline: 0 !important;

@@ -99,7 +99,7 @@ def test_a_plans_figures(plan):
     Izz = f"{robot.inertia[2, 2]:.2f}"
     assert f">{Izz} kg m² ({Izz} standing)<" in html
     radius = np.linalg.norm((robot.feet - robot.com)[:, :2], axis=1).mean()
-    assert float(html.split("Minimum foot radius</td>")[1].split(">")[1].split()[0]) == (
+    assert float(html.split("Minimum foot radius</th>")[1].split(">")[1].split()[0]) == (
         pytest.approx(radius, rel=0.02)
     )
     assert f">{robot.mass * GRAVITY / 4:.0f} N, 0.25 of the weight<" in html
