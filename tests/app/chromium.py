@@ -28,6 +28,7 @@ VIEW = {"width": 1280, "height": 800}
 PANEL_LEFT = 940  # pixels; the picture is to the left of it
 NOTE = (330, 170)  # viser's note about software rendering covers this corner
 BASE = "/links/base"  # the node that is there as soon as a robot is
+COMPARE = "Figures"  # the tab with pins
 PACE = 80  # ms between inputs: the page sends at most one change every 50 ms
 
 
@@ -134,9 +135,9 @@ def green(pixels):
 
 
 def blue(pixels):
-    """Mask of the tint of the planned ellipsoid's surface."""
+    """Mask of the planned ellipsoid and of the ghost; the sky is paler."""
     r, _, b = np.moveaxis(pixels, -1, 0)
-    return b > r + 25
+    return b > r + 70
 
 
 def number(page, label):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from app.plots.choice import LANDING, OVERVIEW, PRESETS
-from tests.app.chromium import PACE, VIEW, chromium, fill, status, wait_until
+from tests.app.chromium import VIEW, choose, fill, press, status, tab, wait_until
 
 pytestmark = pytest.mark.browser
 
@@ -22,48 +22,16 @@ CHARTS = """() => Object.values(window.__viserTestpoints.uplots).map(({chart, cr
 }))"""
 
 
-@pytest.fixture(scope="module")
-def browser():
-    with chromium() as started:
-        yield started
-
-
-@pytest.fixture(scope="module")
-def opened(browser, designer):
-    """One page for all tests, for it takes its time to open."""
-    context = browser.new_context(viewport=VIEW)
-    page = context.new_page()
-    faults = []
-    page.on("pageerror", lambda error: faults.append(str(error)))
-    page.goto(designer.url)
-    status(page, "Planned")
-    # A motion that plays takes the processor from all else.
-    page.get_by_role("button", name="Pause").click()
-    page.wait_for_timeout(PACE)
-    page.get_by_role("tab", name="Plots").first.click()
-    yield page
-    assert faults == []
-    context.close()
-
-
 @pytest.fixture
-def page(opened):
-    """With the overview in sight."""
-    if opened.get_by_label("Preset").input_value() != OVERVIEW:
-        choose(opened, "Preset", OVERVIEW)
-    opened.mouse.move(10, 10)
-    return opened
+def page(page):
+    """With the controls of the plots, and the overview, in sight."""
+    tab(page, "Plots")
+    return page
 
 
 def simulate(page):
-    page.get_by_role("button", name="Simulate").click()
+    press(page, "Simulate")
     status(page, "Landed")
-
-
-def choose(page, label, value):
-    page.get_by_label(label, exact=True).click()
-    page.get_by_role("option", name=value, exact=True).click()
-    page.wait_for_timeout(PACE)
 
 
 def drawn(page, titles, timeout=10.0):

@@ -13,13 +13,13 @@ from app.motion import colours
 from app.server.server import Designer
 from tests.app import planners
 from tests.app.chromium import (
+    COMPARE,
     dark,
     fill,
     number,
     opened,
     paused_at,
     picture,
-    player,
     press,
     status,
     tab,
@@ -29,9 +29,6 @@ from tests.app.chromium import (
 from tests.app.nearby_planner import NEAR, NearbyPlanner
 
 pytestmark = pytest.mark.browser
-
-
-COMPARE = "Figures"  # the tab with pins
 
 
 def pose(page, node):
@@ -47,7 +44,8 @@ def test_a_pinned_design_stays_as_a_second_robot_beside_the_next_one(page):
     fill(page, "Forward [m]", 0.4)
     wait_until(lambda: page.session.plan.jump.forward == 0.4, "the next plan")
     status(page, "Planned")
-    wait_until(lambda: player(page, "clip.strands.length") == 3, "a clip with both")
+    both = "n => llsrbm.player.clip.strands.some(s => s.tracks.some(t => t.nodes.includes(n)))"
+    wait_until(lambda: page.evaluate(both, "/pinned/1/base"), "a clip with both")
     paused_at(page, 1.25)
     apart = np.subtract(pose(page, "/links/base"), pose(page, "/pinned/1/base"))
     assert apart == pytest.approx([0.4, 0, 0], abs=0.01)
@@ -59,7 +57,7 @@ def test_a_pinned_design_stays_as_a_second_robot_beside_the_next_one(page):
     ghost = colours.css(colours.PINNED[0]).split("(")[1].rsplit(",", 1)[0].replace(",", ", ")
     assert ghost in table.inner_html().replace(",", ", ").replace(",  ", ", ")
     press(page, "Unpin")
-    wait_until(lambda: player(page, "clip.strands.length") == 2, "a clip of one")
+    wait_until(lambda: not page.evaluate(both, "/pinned/1/base"), "a clip of one")
     wait_until(lambda: not page.get_by_role("button", name="Unpin").is_visible(), "no pins")
 
 
@@ -71,7 +69,8 @@ def test_a_pinned_design_is_taken_up_again(page):
     status(page, "Planned")
     press(page, "Take up")
     wait_until(lambda: page.session.plan.jump.forward == 0.0, "the pinned one")
-    assert float(number(page, "Forward [m]").input_value()) == 0.0
+    shown = number(page, "Forward [m]")
+    wait_until(lambda: float(shown.input_value()) == 0.0, "the slider there")
 
 
 def test_night_is_dark(page):
@@ -85,7 +84,7 @@ def test_night_is_dark(page):
     day, light = brightness(), panel()
     tick(page, "Night")
     wait_until(lambda: brightness() < day - 60, "a dark picture")
-    assert panel() != light
+    wait_until(lambda: panel() != light, "a dark panel")
     tick(page, "Night", ticked=False)
     wait_until(lambda: brightness() > day - 20, "the light picture")
 

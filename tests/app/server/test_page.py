@@ -73,6 +73,7 @@ def test_controls_are_found_by_the_contracts_labels(page):
 
 
 def test_a_slider_shows_a_new_plan(page):
+    tick(page, "Landing handle")
     paused_at(page, 0.0)
     wait_until(lambda: green(picture(page)).sum() > 200, "the marks")
     before = green(picture(page))
@@ -104,7 +105,7 @@ def test_it_plays_pauses_and_plays(page):
 def test_ellipsoids_come_and_go(page):
     paused_at(page, 0.0)
     tinted = blue(picture(page)).sum()
-    assert tinted > 5000
+    assert tinted > 1000
     tick(page, "Inertia ellipsoids", ticked=False)
     wait_until(lambda: blue(picture(page)).sum() < tinted / 3, "no ellipsoid")
     tick(page, "Inertia ellipsoids")
@@ -136,7 +137,8 @@ def test_robots_take_turns(page):
     # Its legs are black, and so is most of ANYmal.
     width, height = extent(page)
     assert height > max(200, 1.5 * width)
-    assert green(picture(page)).sum() > 200
+    tick(page, "Landing handle")
+    wait_until(lambda: green(picture(page)).sum() > 200, "the marks")
     press(page, "Simulate")
     status(page, "Landed")
     page.wait_for_timeout(PACE)
@@ -164,11 +166,11 @@ def test_simulate_shows_the_whole_robot_beside_the_plan(page):
     assert page.locator('[title="simulation: force control"]').is_visible()
     tinted = 0.95 * blue(picture(page)).sum()
     tick(page, "Inertia ellipsoids", ticked=False)
-    wait_until(lambda: 10_000 < blue(picture(page)).sum() < tinted, "the ghost, no ellipsoid")
+    wait_until(lambda: 2500 < blue(picture(page)).sum() < tinted, "the ghost, no ellipsoid")
     tick(page, "Ghost", ticked=False)
-    wait_until(lambda: blue(picture(page)).sum() < 6000, "no ghost")
+    wait_until(lambda: blue(picture(page)).sum() < 1000, "no ghost")
     tick(page, "Ghost")
-    wait_until(lambda: blue(picture(page)).sum() > 10_000, "the ghost again")
+    wait_until(lambda: blue(picture(page)).sum() > 2500, "the ghost again")
 
 
 def test_cancel_ends_a_simulation(page):
