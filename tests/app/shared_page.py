@@ -14,10 +14,28 @@ def visit(browser, designer, view=VIEW, **options):
     """A page of a new visitor with the first motion in it; `session` is the server's side of it."""
     before = designer.sessions
     page = opened(browser, designer.url, view, **options)
+    shows_motion(page)
+    (page.session,) = [each for each in designer.sessions if each not in before]
+    page.designer = designer
+    return page
+
+
+def shows_motion(page):
+    """Wait until there is a robot that can be played."""
     status(page, "Planned")
     page.wait_for_function(f"window.__viserMutable?.nodePoseData?.['{BASE}'] && llsrbm.player.clip")
-    (page.session,) = [each for each in designer.sessions if each not in before]
-    return page
+
+
+def find_session(page):
+    """The server's side of a page that has got another connection meanwhile."""
+    token = page.session.token
+
+    def found():
+        return [s for s in page.designer.sessions if s.token == token and s is not page.session]
+
+    wait_until(found, "the page's next session")
+    (page.session,) = found()
+    return page.session
 
 
 _AT_REST = """() => {
@@ -40,6 +58,8 @@ def fresh(page):
     back to are left, and what is chosen for an export.
     """
     session = page.session
+    if session not in page.designer.sessions:  # the connection was lost in another test
+        session = find_session(page)
     design = first_state(session.state.robots).design
     plan = synthetic_plan(design.jump)
     for event in (

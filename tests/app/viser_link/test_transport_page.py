@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.app.chromium import BASE, number, player, wait_until
+from tests.app.chromium import BASE, number, player, press, status, wait_until
 
 pytestmark = pytest.mark.browser
 
@@ -167,3 +167,37 @@ def test_the_bar_lies_under_the_picture_and_not_under_the_panel(page):
     assert bar["x"] + bar["width"] == pytest.approx(canvas["right"], abs=2)
     assert bar["y"] + bar["height"] == pytest.approx(canvas["bottom"], abs=2)
     assert page.get_by_role("button", name="Pause").is_visible()
+
+
+LABELS = """() => [...document.querySelectorAll("#llsrbm-transport .mark span")]
+  .filter(label => getComputedStyle(label).visibility === "visible")
+  .map(label => {
+    const { left, right, top, bottom } = label.getBoundingClientRect();
+    return { text: label.textContent, left, right, top, bottom };
+  })"""
+
+
+@pytest.mark.parametrize("width", [1280, 820])
+def test_labels_of_the_timeline_lie_over_nothing(page, width):
+    press(page, "Simulate")
+    status(page, "Landed")
+    page.set_viewport_size({"width": width, "height": 800})
+    page.wait_for_timeout(600)  # the bar follows the picture
+    marks = page.locator("#llsrbm-transport .mark")
+    titles = [mark.get_attribute("title") for mark in marks.all()]
+    assert len(titles) >= 4  # take-off, apex, touch-down planned, first contact ...
+    labels = page.evaluate(LABELS)
+    assert len(labels) >= 3
+    track = page.get_by_role("group", name="Timeline").bounding_box()
+    line = page.locator("#llsrbm-transport .line").bounding_box()
+    rows = page.locator("#llsrbm-transport .row").first.bounding_box()
+    for i, one in enumerate(labels):
+        assert one["left"] >= track["x"] - 1
+        assert one["right"] <= track["x"] + track["width"] + 1
+        assert one["top"] >= line["y"] + line["height"] - 1
+        assert one["bottom"] <= rows["y"] + 1
+        for other in labels[:i]:
+            apart = one["right"] <= other["left"] or other["right"] <= one["left"]
+            assert apart or one["bottom"] <= other["top"] or other["bottom"] <= one["top"]
+    # Without a label, the mark's own title has to do.
+    assert {label["text"] for label in labels} <= set(titles)
