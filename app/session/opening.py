@@ -53,7 +53,7 @@ def open_tab(state: TabState, event: Opened) -> Step:
 def left(state: TabState) -> TabState:
     """What is kept of a tab whose connection has ended."""
     shown = state.shown
-    if shown is not None:
+    if shown is not None and shown.so_far is not None:
         shown = replace(shown, so_far=None)
     return replace(state, shown=shown, files=FileWork(), page=False)
 

@@ -121,6 +121,7 @@ class PageLink:
         self._number = 0  # of the clip that was sent last
         self._taken = 0  # of the clip that the page took last
         self._waiting: tuple[Clip, Timeline | None] | None = None
+        self._commands: list[tuple[str, ...]] = []  # that are about the waiting clip
 
         @self._field.on_update
         async def _(event: viser.GuiEvent[Any]) -> None:
@@ -148,14 +149,17 @@ class PageLink:
         if self._waiting is not None and self._taken == self._number:
             waiting, self._waiting = self._waiting, None
             self._send(*waiting)
+            commands, self._commands = self._commands, []
+            for command in commands:
+                self._call(*command)
 
     def play(self) -> None:
         """Go on, from the start if at the end."""
-        self._call("player.play")
+        self._command("player.play")
 
     def seek(self, time: float) -> None:
         """Go to an instant, s."""
-        self._call("player.seek", repr(float(time)))
+        self._command("player.seek", repr(float(time)))
 
     def keep(self, design: str) -> None:
         """Have the browser keep a design, as text."""
@@ -182,6 +186,13 @@ class PageLink:
         else:
             self._call("transport.show", json.dumps(_plain(events)))
         self._call("player.load", header, json.dumps(blob), str(self._number))
+
+    def _command(self, function: str, *arguments: str) -> None:
+        """Call a function of the player, when it has the clip that was loaded last."""
+        if self._waiting is None:
+            self._call(function, *arguments)
+        else:
+            self._commands.append((function, *arguments))
 
     def _call(self, function: str, *arguments: str) -> None:
         owner = function.split(".")[0]

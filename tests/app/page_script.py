@@ -91,6 +91,11 @@ class PageScript:
         return self._clip()[1]
 
     @property
+    def sight(self):
+        """What the camera is to look at, of the clip that is loaded."""
+        return self.calls("player.load")[-1][0]["sight"]
+
+    @property
     def events(self):
         """The timeline that is shown."""
         return self.calls("transport.show")[-1][0]

@@ -237,3 +237,11 @@ def choose(tab, session, robot):
     tab.set("Robot", robot)
     planned(tab, session, lambda jump: jump.robot == robot, f"a plan of {robot}")
     tab.wait_for_status("Planned")
+
+
+def pinned(tab):
+    """Names of the ghosts of pins that are drawn; nodes of others are there for the next ones."""
+    names = [
+        name for name in list(tab.nodes) if name.startswith("/pinned/") and name.count("/") == 2
+    ]
+    return {name for name in names if tab.nodes[name].get("visible", True)}

@@ -69,6 +69,11 @@ def press(page, name):
     page.wait_for_timeout(PACE)
 
 
+def turn_to(page, tab):
+    page.get_by_role("tab", name=tab, exact=True).click()
+    page.wait_for_timeout(PACE)
+
+
 @pytest.mark.parametrize("way", ["button", "drop"])
 def test_a_plan_is_opened_changed_and_simulated(page, files, way):
     send(page, files / "plan.npz", way)
@@ -91,6 +96,7 @@ def test_a_simulation_is_opened_saved_and_simulated_again(page, files, tmp_path,
     send(page, files / "run.npz", way)
     page.get_by_role("status").filter(has_text="Landed from file run.npz").wait_for()
     wait_until(lambda: player(page, "clip.end") == pytest.approx(2.3), "its motion")
+    turn_to(page, "Files")
     page.get_by_text("Several in one zip", exact=True).click()
     for name in ("csv", "design"):
         page.get_by_label(name, exact=True).check()
@@ -113,9 +119,12 @@ def test_another_tools_motion_stands_beside_the_plan(page, tmp_path):
     np.savetxt(tmp_path / "turn.csv", rows, fmt="%.9f", delimiter=",")
     send(page, tmp_path / "turn.csv", "drop")
     page.get_by_text("turn.csv is pinned for looking and comparing, at 30 frames/s.").wait_for()
+    turn_to(page, "Files")
     number(page, "Rate of the file [1/s]").wait_for()
-    assert page.locator("table").filter(has_text="motion").is_visible()
-    wait_until(lambda: player(page, "clip.strands.length") == 3, "a clip with both")
+    turn_to(page, "Compare")
+    page.locator("table").filter(has_text="motion").wait_for()
+    # It goes on when the plan has ended.
+    wait_until(lambda: player(page, "clip.end") == pytest.approx(100 / 30), "a clip with both")
 
 
 def test_a_bad_file_is_one_line(page):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from tests.app.raw_tab import choose, planned
+from tests.app.raw_tab import choose, pinned, planned
 
 
 def pin_at(tab, session, forward):
@@ -12,15 +12,6 @@ def pin_at(tab, session, forward):
     planned(tab, session, lambda jump: jump.forward == forward, "the plan to pin")
     tab.wait_for_status("Planned")
     tab.press("Pin")
-
-
-def pinned(tab):
-    """Names of the ghosts that are drawn; one that is let go of is only hidden."""
-    return {
-        name
-        for name, node in list(tab.nodes.items())
-        if name.startswith("/pinned/") and name.count("/") == 2 and node.get("visible", True)
-    }
 
 
 def test_pinned_designs_stay_until_they_are_let_go(tab, session, script):
@@ -53,7 +44,7 @@ def test_a_pin_survives_a_change_of_robot_and_is_taken_up_again(tab, session, sc
     tab.press("Take up")
     planned(tab, session, lambda jump: jump.robot == "anymal", "the pinned design")
     assert session.plan.jump.forward == 0.2
-    assert tab.value("Robot") == "anymal"
+    assert tab.value("Robot") == "ANYmal B"
 
 
 def test_ghosts_can_be_hidden(tab, session):

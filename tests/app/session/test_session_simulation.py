@@ -115,7 +115,6 @@ def test_a_new_plan_drops_the_simulation(tab, session, script):
     assert visible(tab, "/ellipsoid/srbm")
     assert script.end == pytest.approx(1.3)
     assert "/shade/base" not in script.nodes()
-    assert tab.control("Time [s]")["props"]["max"] == pytest.approx(1.3)
     assert {curve for chart in charts(tab).values() for curve in curves(chart)} == {"plan"}
 
 
@@ -162,7 +161,7 @@ def test_a_designs_noise_outlives_a_simulation_without_disturbance(tab, session)
 def test_progress_is_told_and_cancel_keeps_the_plan(tab, session):
     simulate(tab, session, "Simulating", planners.SLOWLY)
     tab.wait(lambda: tab.status().startswith("Simulating 1"), "some percent")
-    assert not tab.control("Cancel")["props"]["disabled"]
+    assert tab.control("Cancel")["props"]["visible"]
     tab.press("Cancel")
     tab.wait_for_status("Cancelled")
     assert session.plan is not None

@@ -193,3 +193,16 @@ def test_a_slow_page_gets_the_newest_clip_next(link, sent):
     link.take(ClipTaken(1))  # said twice
     link.take(ClipTaken(77))  # never sent
     assert loaded(sent) == [(1.0, 1), (4.0, 2), (5.0, 3)]
+
+
+def test_commands_wait_for_the_clip_that_they_are_about(link, sent):
+    link.load(Clip((), 1.0), None)
+    link.load(Clip((), 2.0), TIMELINE)
+    link.seek(1.5)
+    link.play()
+    assert [call(source)[0] for source in sent][-1] == "player.load"
+    link.take(ClipTaken(1))
+    names = [call(source)[0] for source in sent]
+    assert names[-4:] == ["transport.show", "player.load", "player.seek", "player.play"]
+    link.take(ClipTaken(2))
+    assert len(sent) == len(names)

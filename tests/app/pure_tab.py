@@ -1,0 +1,114 @@
+"""A tab without threads: events go into `update`, effects are kept, jobs are answered by hand."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+
+from app.compute.protocol import Planned, Prepared, Simulated
+from app.session.effects import After, Keep, LoadRobot, Notify, Submit
+from app.session.events import JumpChosen, Reported, RobotLoaded
+from app.session.opening import first_state
+from app.session.results import with_robot
+from app.session.update import update
+from llsrbm.motion.plan import Solution
+from llsrbm.robots import load_robot, read_robot_file
+from llsrbm.robots.assets import robot_files
+from tests.app.synthetic_plan import synthetic_plan
+from tests.llsrbm.synthetic_rollout import synthetic_rollout
+
+ROBOTS = {name: read_robot_file(path) for name, path in robot_files().items()}
+
+
+@cache
+def plan_of(jump, status="solved"):
+    """With a solution, of which only its being there matters here."""
+    return replace(synthetic_plan(jump, status), solution=Solution(np.arange(5.0), np.arange(3.0)))
+
+
+@cache
+def rollout_of(plan, seed=None):
+    return synthetic_rollout(plan, seed=seed)
+
+
+class PureTab:
+    """Attributes: state; effects: of the last event; submits: all so far."""
+
+    def __init__(self, robot="anymal"):
+        self.state = first_state(ROBOTS)
+        self.effects, self.submits = (), []
+        if robot:
+            self.state = with_robot(self.state, load_robot(robot))
+
+    def take(self, event):
+        return self.have(update(self.state, event))
+
+    def have(self, step):
+        self.state, self.effects = step
+        self.submits += self.of(Submit)
+        return self.effects
+
+    def of(self, kind):
+        """Effects of one kind, of the last event."""
+        return [effect for effect in self.effects if isinstance(effect, kind)]
+
+    @property
+    def one(self):
+        """The only effect of the last event."""
+        (effect,) = self.effects
+        return effect
+
+    @property
+    def told(self):
+        """(word, rest) of the status line."""
+        return self.state.status.word, self.state.status.rest
+
+    def move(self, **changes):
+        """The controls of the jump."""
+        design = self.state.design
+        return self.take(JumpChosen(replace(design.jump, **changes), design.tuning))
+
+    def report(self, report, *, submit=None):
+        """A report of the last job, or of another one."""
+        submit = submit or self.submits[-1]
+        return self.take(Reported(submit.lane, submit.ticket, report))
+
+    def finish_plan(self, submit=None, status="solved"):
+        """The plan that was asked for last comes."""
+        submit = submit or self.submits[-1]
+        plan = replace(plan_of(submit.task.jump, status), tuning=submit.task.tuning)
+        return self.report(Planned(submit.ticket, plan), submit=submit)
+
+    def finish_simulation(self):
+        task = self.submits[-1].task
+        rollout = replace(rollout_of(plan_of(task.plan.jump)), plan=task.plan)
+        return self.report(Simulated(0, replace(rollout, scenario=task.scenario)))
+
+    def settle(self):
+        """Plan until the request has rested and was planned from scratch."""
+        while self.state.planning or not self.state.ready:
+            self.finish_robot() if not self.state.ready else self.finish_plan()
+            for after in self.of(After):
+                self.take(after.event)
+
+    def finish_robot(self):
+        """The robot that is awaited comes."""
+        self.report(Prepared(0, self.state.design.jump.robot))
+        (load,) = self.of(LoadRobot)
+        return self.take(RobotLoaded(load_robot(load.name)))
+
+    def notes(self):
+        return [(note.title, note.body) for note in self.of(Notify)]
+
+    def kept(self):
+        return [keep.design for keep in self.of(Keep)]
+
+
+def planned_tab(**changes):
+    """A tab that shows the plan of its request, which has rested."""
+    tab = PureTab()
+    tab.move(**{"forward": 0.01, **changes})
+    tab.settle()
+    return tab
