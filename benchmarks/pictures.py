@@ -18,9 +18,15 @@ from benchmarks.page import PROGRAM
 from tests.app.chromium import PACE, chromium, fill, status
 
 FOLDER = Path(__file__).parents[1] / "docs"
-VIEW = {"width": 1500, "height": 1000}
-TABLET = {"width": 1024, "height": 768}
+LAPTOP = {"width": 1280, "height": 800}
+DESKTOP = {"width": 1920, "height": 1080}
+TABLET = {"width": 820, "height": 1180}  # held upright
 PATIENCE = 300_000  # ms; a first start builds solvers
+# The page greets as with a graphics processor: all triangles, and shadows.
+WITH_GRAPHICS = """addEventListener('DOMContentLoaded', () => {
+  const { send } = llsrbm.page;
+  llsrbm.page.send = (event) => send(event.kind === 'ready' ? {...event, software: false} : event);
+});"""
 SETTLED = 3000  # ms until everything that was asked for is drawn
 
 
@@ -44,15 +50,17 @@ def main() -> None:
 
 def take(browser: Browser, address: str, name: str) -> None:
     """Open a tab, bring it into a state, and keep its picture."""
-    view = TABLET if name == "tablet" else VIEW
-    context = browser.new_context(viewport=view, has_touch=name == "tablet")
+    view, reach = STATES[name]
+    context = browser.new_context(viewport=view, has_touch=view is TABLET)
+    # As a browser with a graphics processor has it.
+    context.add_init_script(WITH_GRAPHICS)
+    if name != "tour":
+        context.add_init_script("localStorage.setItem('llsrbm.tour', 'seen')")
     page = context.new_page()
     page.goto(address)
     status(page, "Planned", timeout=PATIENCE)
     close_note(page)
-    # As a browser with a graphics processor has it.
-    page.evaluate("() => llsrbm.player.send({kind: 'ready', software: false})")
-    STATES[name](page)
+    reach(page)
     page.mouse.move(300, 300)
     page.wait_for_timeout(SETTLED)
     # Few colours are enough, and a fourth of the bytes.
@@ -112,16 +120,25 @@ def hold(page: Page, instant: float) -> None:
     page.evaluate("t => { llsrbm.player.pause(); llsrbm.player.seek(t); }", instant)
 
 
-def fold(page: Page, *folders: str) -> None:
-    """Close, or open, folders of the panel."""
-    for folder in folders:
-        page.get_by_text(folder, exact=True).click()
+def tab(page: Page, name: str) -> None:
+    """Choose one of the panel's tabs."""
+    page.get_by_role("tab", name=name, exact=True).click()
+    page.wait_for_timeout(PACE)
+
+
+def tick(page: Page, *labels: str) -> None:
+    """Tick boxes of the panel."""
+    for label in labels:
+        page.get_by_label(label, exact=True).check()
         page.wait_for_timeout(PACE)
 
 
-def to_the_top(page: Page) -> None:
-    """Scroll the panel to its status line."""
-    page.evaluate("() => document.querySelector('[role=status]').scrollIntoView()")
+def without_plots(page: Page) -> None:
+    """Close the area of the plots."""
+    tab(page, "Plots")
+    page.get_by_label("Plot area", exact=True).uncheck()
+    page.wait_for_timeout(PACE)
+    tab(page, "View")
 
 
 # ---- the states
@@ -130,27 +147,38 @@ def to_the_top(page: Page) -> None:
 def _designer(page: Page) -> None:
     simulate(page)
     hold(page, 0.62)  # late in flight, feet drawn in
-    fold(page, "Design", "Compare")
+
+
+def _large(page: Page) -> None:
+    simulate(page)
+    tab(page, "Figures")
+    hold(page, 0.62)
 
 
 def _compare(page: Page) -> None:
-    choose(page, "Model", "srbm")
+    choose(page, "Model", "SRBM")
     page.wait_for_timeout(300)
     status(page, "Planned", timeout=PATIENCE)
+    tab(page, "Compare")
     press(page, "Pin")
-    choose(page, "Model", "llsrbm-plus")
+    choose(page, "Model", "LL-SRBM+")
     page.wait_for_timeout(300)
     status(page, "Planned", timeout=PATIENCE)
     hold(page, 0.62)
-    fold(page, "Jump", "Whole body", "Design")
 
 
 def _night(page: Page) -> None:
+    without_plots(page)
     simulate(page)
-    page.get_by_label("Night", exact=True).check()
+    tick(page, "Night")
     hold(page, 0.62)
-    to_the_top(page)
-    fold(page, "Jump", "Design", "Compare")
+
+
+def _overlays(page: Page) -> None:
+    without_plots(page)
+    plan(page, twist=60, forward=0.3)
+    tick(page, "Friction cones", "Support polygon", "Centre of pressure", "Angular momentum")
+    hold(page, 0.3)
 
 
 def _tablet(page: Page) -> None:
@@ -159,37 +187,35 @@ def _tablet(page: Page) -> None:
 
 
 def _failed(page: Page) -> None:
-    fold(page, "Weights and limits")
-    page.get_by_label("contact force [N]").fill("160")
+    tab(page, "Limits")
+    page.get_by_label("contact force").first.fill("160")
     page.wait_for_timeout(PACE)
-    to_the_top(page)
     fill(page, "Landing height [m]", 0.3)
-    page.get_by_role("button", name="Take ").first.wait_for(timeout=PATIENCE)
+    page.get_by_role("button", name="Use nearest feasible").first.wait_for(timeout=PATIENCE)
     hold(page, 0.55)
 
 
 def _fell(page: Page) -> None:
-    choose(page, "Robot", "slider")
+    choose(page, "Robot", "SLIDER")
+    page.wait_for_timeout(300)
     status(page, "Planned", timeout=PATIENCE)
-    choose(page, "Model", "llsrbm")
+    choose(page, "Model", "LL-SRBM")
     page.wait_for_timeout(300)
     status(page, "Planned", timeout=PATIENCE)
     simulate(page, "Fell")
+    tab(page, "Figures")
     page.evaluate("() => llsrbm.player.seek(Infinity)")
     page.evaluate("() => llsrbm.player.pause()")
 
 
-def _weights(page: Page) -> None:
-    fold(page, "Jump", "Whole body", "Design", "Compare", "Plots", "Figures", "Show", "File")
-    fold(page, "Weights and limits")
-    page.get_by_label("foot movement [1/m^2]").fill("0.2")
-    page.wait_for_timeout(PACE)
-    page.get_by_label("friction [1]").fill("0.4")
+def _seeds(page: Page) -> None:
+    tab(page, "Scenario")
+    press(page, "Simulate 20 seeds")
+    page.get_by_role("status").filter(has_text="seeds land.").wait_for(timeout=PATIENCE)
 
 
-def _help(page: Page) -> None:
-    fold(page, "Jump", "Whole body", "Design", "Compare", "Plots", "Figures", "Show", "File")
-    fold(page, "Help")
+def _tour(page: Page) -> None:
+    page.locator("#llsrbm-tour").wait_for(timeout=PATIENCE)
 
 
 def _simulating(page: Page) -> None:
@@ -197,16 +223,18 @@ def _simulating(page: Page) -> None:
     page.get_by_role("status").filter(has_text="%").wait_for(timeout=PATIENCE)
 
 
-STATES: dict[str, Callable[[Page], None]] = {
-    "designer": _designer,
-    "compare": _compare,
-    "night": _night,
-    "tablet": _tablet,
-    "failed": _failed,
-    "fell": _fell,
-    "weights": _weights,
-    "help": _help,
-    "simulating": _simulating,
+STATES: dict[str, tuple[dict[str, int], Callable[[Page], None]]] = {
+    "designer": (LAPTOP, _designer),
+    "large": (DESKTOP, _large),
+    "compare": (DESKTOP, _compare),
+    "night": (LAPTOP, _night),
+    "overlays": (LAPTOP, _overlays),
+    "tablet": (TABLET, _tablet),
+    "failed": (LAPTOP, _failed),
+    "fell": (LAPTOP, _fell),
+    "seeds": (LAPTOP, _seeds),
+    "tour": (LAPTOP, _tour),
+    "simulating": (LAPTOP, _simulating),
 }
 
 

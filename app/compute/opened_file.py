@@ -1,7 +1,7 @@
-"""What a file holds that a visitor opens: a design, a plan, a simulation, or another tool's motion.
+"""Content of a visitor's file: a design, a plan, a simulation, or another tool's motion.
 
-Whatever it is, it is read, checked and shown for a trial here, in a process where it can do no harm
-to other tabs; what comes out can be shown by any tab, in some tens of milliseconds.
+Files are read, checked and drawn for a trial here, in a process where a bad one can do no harm to
+other tabs; any tab can then show the result, in some tens of milliseconds.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ LONGEST = 60.0  # s of motion
 MOST_INSTANTS = 20_000
 
 UNFORESEEN = "cannot be opened"
-"""In the line of a file that leads to what nothing checks."""
+"""In the message about a file with a fault that no check foresees."""
 
 _SHORTEST_STEP = 1e-6  # s
 _LARGEST_VALUE = 1e7  # of any number that is drawn or plotted, in its SI unit
@@ -104,8 +104,8 @@ def open_file(name: str, content: bytes, robot: str, fps: float | None = None) -
     Args:
         name: of the file, as the browser has it.
         content: of the file.
-        robot: name of whose motion it is, where the file does not say.
-        fps: frames/s, likewise; None: it has to say.
+        robot: name of the robot, for files that do not name one.
+        fps: frames/s, likewise; None: the file has to state it.
 
     Raises:
         llsrbm.errors.Error: one line that says why it cannot be opened.
@@ -272,7 +272,7 @@ def _agree(a: Any, b: Any) -> bool:
 
 
 def _without_solution(motion: Plan | Rollout) -> Plan | Rollout:
-    """Of another robot's planner, of which no solve can start."""
+    """The motion without its solver's iterate, which another robot's planner cannot start from."""
     if isinstance(motion, Plan):
         return replace(motion, solution=None)
     plan = motion.plan
@@ -283,7 +283,7 @@ def _without_solution(motion: Plan | Rollout) -> Plan | Rollout:
 
 
 def _rehearse(opened: OpenedFile) -> None:
-    """Do all that a tab will do with it, so that whatever goes wrong there goes wrong here."""
+    """Do all that a tab will do with it, so that anything that goes wrong goes wrong here."""
     match opened.holds:
         case Plan() as plan:
             _show(plan, None, load_robot(opened.robot))

@@ -32,7 +32,7 @@ _NUMBERS = {".npz", ".csv", ".json", ".pkl", SUFFIX}  # of files that hold nothi
 
 @dataclass(frozen=True)
 class Prepare:
-    """Compute or load whatever a robot needs before it can be drawn.
+    """Compute or load all that drawing a robot needs.
 
     Attributes:
         robot: its name.
@@ -102,13 +102,13 @@ class FindNearest:
 
 @dataclass(frozen=True, eq=False)
 class OpenFile:
-    """Read what a visitor sent, and get its robot ready to be drawn.
+    """Read a visitor's file, and prepare its robot.
 
     Attributes:
         name: of the file, as the browser has it.
         content: of the file.
-        robot: whose motion it is, where the file does not say.
-        fps: frames/s, likewise; None: it has to say.
+        robot: for files that do not name one.
+        fps: frames/s, likewise; None: the file has to state it.
     """
 
     name: str
@@ -122,9 +122,9 @@ class ExportMotion:
     """Write a plan or a rollout in other formats.
 
     Attributes:
-        trajectory: what to write.
+        trajectory: to be written.
         formats: their names.
-        zipped: into one zip, with what describes them; several are in any case.
+        zipped: into one zip, with a description; several are in any case.
         options: as `llsrbm.export` takes them.
     """
 
@@ -148,7 +148,7 @@ class Job:
 
     Attributes:
         number: of the job.
-        task: what to do.
+        task: the work.
     """
 
     number: int
@@ -327,11 +327,11 @@ class SimulatedSeeds:
 
 @dataclass(frozen=True, eq=False)
 class Opened:
-    """A file was read, and what it holds can be shown.
+    """A file was read, and its content can be shown.
 
     Attributes:
         job: number of the job.
-        file: what it holds.
+        file: its content.
     """
 
     job: int

@@ -16,7 +16,8 @@ import viser
 class Action(Enum):
     """What was done."""
 
-    JUMP = auto()  # the jump's controls, weights or limits
+    JUMP = auto()  # its controls
+    RESET_TUNING = auto()
     SCENARIO = auto()
     SIMULATE = auto()
     SEEDS = auto()

@@ -19,8 +19,9 @@ class CompareControls:
 
     def __init__(self, gui: viser.GuiApi) -> None:
         """Nothing is pinned."""
+        gui.add_html('<div class="llsrbm-pair"></div>')
         self._empty = gui.add_html(
-            note("Pin a design: it stays as a ghost, and the next ones are compared with it.")
+            note("Nothing pinned. Pin this design: it stays as a ghost beside the next ones.")
         )
         self.pin = gui.add_button(
             "Pin", disabled=True, hint="Keep this design as a ghost and compare others with it"

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from html import escape
 
 from app.motion.colours import Rgb
-from app.panel.html import SMALL, swatch
+from app.panel.html import DIM, SMALL, swatch
 from llsrbm.analysis.figures import FIGURES, DesignFigures, Figure
 
 _CELL = "padding:0.1em 0 0.1em 0.6em;text-align:right;vertical-align:bottom"
@@ -80,6 +80,6 @@ def _row(figure: Figure, columns: Sequence[Column]) -> str:
 def _name(title: str, unit: str = "") -> str:
     shown = f' <span style="white-space:nowrap">[{escape(unit)}]</span>' if unit else ""
     return (
-        '<th scope="row" style="text-align:left;font-weight:normal;opacity:0.7">'
+        f'<th scope="row" style="text-align:left;font-weight:normal;{DIM}">'
         f"{escape(title)}{shown}</th>"
     )

@@ -9,8 +9,8 @@ import viser
 
 from app.panel.html import note
 from app.panel.validation import number, put
-from app.viser_link.designer_server import take_upload
 from app.viser_link.file_drop import accept_drops
+from app.viser_link.uploads import take_upload
 from llsrbm.design import Design
 from llsrbm.formats import readable
 
@@ -23,6 +23,7 @@ class DesignControls:
     """Upload, examples and download, in the container that is open.
 
     Attributes:
+        open: the button that opens a file.
         save: the button that saves the design; there after `add_examples`.
     """
 
@@ -48,7 +49,7 @@ class DesignControls:
         self._gui = client.gui
         self._examples = {design.title: design for design in examples.values()}
         self._choose_example = choose_example
-        self._open = self._gui.add_upload_button(
+        self.open = self._gui.add_upload_button(
             "Open",
             mime_type=",".join(_suffixes()),
             hint="A design, a plan, a simulation or another tool's motion; or drop it on the page",
@@ -57,7 +58,7 @@ class DesignControls:
         accept_drops(client)
 
         # Asynchronous, so that it runs on the event loop, in order.
-        @self._open.on_upload
+        @self.open.on_upload
         async def _(event: viser.GuiEvent[Any]) -> None:
             file = take_upload(event.target)
             if file is not None:

@@ -8,10 +8,18 @@ from html import escape
 from app.motion import colours
 from app.motion.colours import Rgb
 from app.panel.status import Status, Word
-from app.scene.overlays.forces import ARROW_PER_WEIGHT
+from app.scene.overlays.centre_of_mass import CentreOfMass
+from app.scene.overlays.forces import ARROW_PER_WEIGHT, Forces
+from app.scene.overlays.ghosts import Ghosts
+from app.scene.overlays.inertia_ellipsoids import InertiaEllipsoids
+from app.scene.overlays.landing_marks import LandingMarks
+from app.scene.overlays.trails import Trails
+from llsrbm.numerals import decimal
 
 PADDING = "padding:0.35em 0.9em"
 SMALL = f"{PADDING};font-size:0.8em;line-height:1.5"
+DIM = "color:var(--mantine-color-dimmed)"
+_STATUS_LINES = 3  # that are always there: what stands below must not jump
 
 _STATUS_COLOURS = {
     Word.PLANNING: "#8a94a0",
@@ -28,21 +36,42 @@ def status(status: Status) -> str:
     """One line that begins with one of the contract's words."""
     colour = _STATUS_COLOURS[status.word]
     return (
-        f'<div role="status" style="{PADDING};font-size:0.85em;line-height:1.4;'
+        f'<div class="llsrbm-status"><div role="status" style="{PADDING};font-size:0.8em;'
+        f"line-height:1.35;min-height:{_STATUS_LINES * 1.35}em;box-sizing:content-box;"
         f'border-left:4px solid {colour};margin:0.3em 0"><b>{escape(status.word.value)}</b> '
-        f"{escape(status.rest)}</div>"
+        f"{escape(status.rest)}</div>{_progress(status.share)}</div>"
+    )
+
+
+def _progress(share: float | None) -> str:
+    """A bar that takes the same place when there is none."""
+    if share is None:
+        return '<div class="llsrbm-progress"></div>'
+    done = decimal(100 * min(max(share, 0.0), 1.0))
+    return (
+        '<div class="llsrbm-progress" role="progressbar" aria-label="Progress" aria-valuemin="0" '
+        f'aria-valuemax="100" aria-valuenow="{done}"><div style="width:{done}%"></div></div>'
     )
 
 
 def note(text: str) -> str:
     """A sentence on what is there, or what to do."""
-    return f'<div style="{SMALL};opacity:0.8">{escape(text)}</div>'
+    return f'<div style="{SMALL};{DIM}">{escape(text)}</div>'
+
+
+TOUR_BUTTON = (
+    f'<div style="{SMALL}"><button type="button" data-tour '
+    'style="font:inherit;color:inherit;padding:0.3em 0.9em;border-radius:4px;cursor:pointer;'
+    "background:var(--mantine-color-default);"
+    'border:1px solid var(--mantine-color-default-border)">Start the tour</button></div>'
+)
+"""Begins the tour of the page; handled in the page alone (static/tour.js)."""
 
 
 def table(rows: Iterable[tuple[str, str]], title: str = "") -> str:
     """Names and values."""
     body = "".join(
-        f'<tr><td style="opacity:0.7;padding-right:1em;vertical-align:top">{escape(name)}</td>'
+        f'<tr><td style="{DIM};padding-right:1em;vertical-align:top">{escape(name)}</td>'
         f'<td style="font-variant-numeric:tabular-nums">{escape(value)}</td></tr>'
         for name, value in rows
     )
@@ -50,27 +79,36 @@ def table(rows: Iterable[tuple[str, str]], title: str = "") -> str:
     return f'<div style="{SMALL}">{head}<table style="border-spacing:0">{body}</table></div>'
 
 
-def legend(*, simulated: bool) -> str:
-    """What the colours in the picture mean, with or without a simulation."""
-    rows: tuple[tuple[Rgb, str], ...] = (
-        (colours.PLANNED, "planned inertia: uniform solid ellipsoid of the robot's mass"),
-    )
-    if simulated:
-        rows += (
-            (colours.SIMULATED, "the same for the simulated whole body's inertia"),
-            (colours.PLANNED, "ghost: the plan; solid: the simulated robot"),
-            (colours.FORCE, f"forces measured; the robot's weight is {ARROW_PER_WEIGHT:g} m long"),
+def legend(layers: frozenset[str], *, simulated: bool) -> str:
+    """The colours of what is drawn.
+
+    Args:
+        layers: names of the overlays that are drawn.
+        simulated: whether there is a simulation.
+    """
+    rows: list[tuple[Rgb, str]] = []
+    if InertiaEllipsoids.name in layers:
+        rows += [
+            (colours.PLANNED, "ellipsoid: uniform solid of the robot's mass and planned inertia"),
+            (colours.SIMULATED, "the same of the simulated whole body's inertia")
+            if simulated
+            else (colours.RIGID, "the same of SRBM's inertia, which is constant"),
+        ]
+    if simulated and Ghosts.name in layers:
+        rows.append((colours.PLANNED, "the plan, a ghost beside the simulated robot"))
+    if Forces.name in layers:
+        kind = "measured" if simulated else "planned"
+        rows.append(
+            (
+                colours.FORCE,
+                f"contact forces, {kind}; the weight is {ARROW_PER_WEIGHT:g}\u00a0m long",
+            )
         )
-    else:
-        rows += (
-            (colours.RIGID, "the same for SRBM's constant inertia"),
-            (colours.FORCE, f"contact forces; the robot's weight is {ARROW_PER_WEIGHT:g} m long"),
-        )
-    rows += (
-        (colours.COM, "centre of mass; grey: feet in flight"),
-        (colours.TARGET, "landing"),
-    )
-    return _keys(rows)
+    if CentreOfMass.name in layers or Trails.name in layers:
+        rows.append((colours.COM, "centre of mass"))
+    if LandingMarks.name in layers:
+        rows.append((colours.TARGET, "landing place: drag it"))
+    return f'<div class="llsrbm-wide">{_keys(rows)}</div>' if rows else ""
 
 
 def _keys(rows: Iterable[tuple[Rgb, str]]) -> str:

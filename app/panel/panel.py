@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any
 
 import viser
 
@@ -22,15 +21,16 @@ from app.panel.jump_controls import JumpControls
 from app.panel.simulation_controls import SimulationControls
 from app.panel.status import Status, Word
 from app.panel.tuning_controls import TuningControls
-from app.panel.validation import put
 from app.panel.view_controls import ViewControls
+from app.viser_link.designer_server import uuid_of
 from llsrbm.design import Design
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
 from llsrbm.robots import RobotFile
 
 _HELP = Path(__file__).parents[1] / "static" / "help.md"
-_UNDO, _REDO, _SHARE = "Undo", "Redo", "Share"
+_NO_PLAN = "No plan yet: choose a robot, move a slider, and its figures appear here."
+_NO_RESIDUALS = "The largest violation of each constraint appears with the first plan."
 
 
 class Panel:
@@ -76,50 +76,65 @@ class Panel:
         gui = client.gui
         file = robots[design.jump.robot]
         self._status = gui.add_html(html.status(Status(Word.PLANNING, "")))
-        self._progress = gui.add_progress_bar(0.0, visible=False)
-        self._cancel = gui.add_button("Cancel", visible=False, hint="Stop what is being computed")
         self._nearest = gui.add_button("Use nearest feasible", visible=False)
-        self._history = gui.add_button_group("Design", (_UNDO, _REDO, _SHARE))
         self.jump = JumpControls(gui, design.jump, robots)
         self._simulate = gui.add_button(
             "Simulate", hint="Follow the plan with the whole robot in MuJoCo"
         )
+        self._cancel = gui.add_button("Cancel", visible=False, hint="Stop what is being computed")
         self.export = ExportControls(gui)
         self.designs = DesignControls(client, examples, choose_example, open_file)
+        self._undo = gui.add_button("Undo", disabled=True, hint="The design before the last change")
+        self._redo = gui.add_button("Redo", disabled=True, hint="The design that was undone")
+        self._share = gui.add_button("Share", hint="A link that opens this design")
         tabs = gui.add_tab_group()
         with tabs.add_tab("View"):
             self.view = ViewControls(gui, shown)
-        with tabs.add_tab("Figures"):
-            self._rollout_figures = gui.add_html("", visible=False)
-            self._plan_figures = gui.add_html(html.note("Figures appear with the first plan."))
-            with gui.add_folder("Residuals", expand_by_default=False):
-                self._residuals = gui.add_html("")
         with tabs.add_tab("Scenario"):
             self.simulation = SimulationControls(gui, file)
-        with tabs.add_tab("Compare"):
+        with tabs.add_tab("Figures"):
             self.compare = CompareControls(gui)
+            self._rollout_figures = gui.add_html("", visible=False)
+            self._plan_figures = gui.add_html(html.note(_NO_PLAN))
+            with gui.add_folder("Residuals", expand_by_default=False):
+                self._residuals = gui.add_html(html.note(_NO_RESIDUALS))
         self.plots_tab = tabs.add_tab("Plots")
         with tabs.add_tab("Limits"):
-            self.tuning = TuningControls(client, callback(act, Action.JUMP))
+            self.tuning = TuningControls(gui)
         with tabs.add_tab("Files"):
             self.designs.add_examples()
             self.export_options = ExportOptions(gui, self.export)
         with tabs.add_tab("Help"):
+            gui.add_html(html.TOUR_BUTTON)
             gui.add_markdown(_HELP.read_text(encoding="utf-8"))
         self._listen(act)
+
+    @property
+    def arrangement(self) -> dict[str, str | list[str]]:
+        """Which controls stand where, by their uuids (static/panel.js)."""
+        row = (self.designs.open, self._undo, self._redo, self._share)
+        return {
+            "quarters": [uuid_of(button) for button in row],
+            "main": uuid_of(self._simulate),
+            "cancel": uuid_of(self._cancel),
+            "format": uuid_of(self.export.format),
+            "save": uuid_of(self.export.button),
+        }
 
     # ---- drawn from the state
 
     def show_status(self, status: Status) -> None:
         """One line on how it goes, and how much of it is done."""
         self._status.content = html.status(status)
-        self._progress.visible = status.share is not None
-        if status.share is not None:
-            put(self._progress, 100.0 * status.share)
 
     def show_busy(self, busy: bool) -> None:
         """Offer to cancel, while there is something to cancel."""
         self._cancel.visible = busy
+
+    def show_history(self, *, back: bool, forth: bool) -> None:
+        """Whether there is a design to go back to, and one to go forth to."""
+        self._undo.disabled = not back
+        self._redo.disabled = not forth
 
     def offer_nearest(self, changes: str | None) -> None:
         """A jump that can be planned, in place of one that cannot; None: no offer any more."""
@@ -130,8 +145,8 @@ class Panel:
     def show_figures(self, plan: Plan | None, rollout: Rollout | None) -> None:
         """A motion's numbers."""
         if plan is None:
-            self._plan_figures.content = html.note("Figures appear with the first plan.")
-            self._residuals.content = ""
+            self._plan_figures.content = html.note(_NO_PLAN)
+            self._residuals.content = html.note(_NO_RESIDUALS)
         else:
             self._plan_figures.content = summaries.plan_figures(plan)
             self._residuals.content = summaries.residuals(plan.violations)
@@ -161,13 +176,9 @@ class Panel:
             (self.compare.pin, Action.PIN),
             (self.compare.unpin, Action.UNPIN),
             (self.compare.take_up, Action.TAKE_UP),
+            (self.tuning.reset, Action.RESET_TUNING),
+            (self._undo, Action.UNDO),
+            (self._redo, Action.REDO),
+            (self._share, Action.SHARE),
         ):
             button.on_click(callback(act, action))
-        pressed = {_UNDO: Action.UNDO, _REDO: Action.REDO, _SHARE: Action.SHARE}
-
-        @self._history.on_click
-        async def _(event: viser.GuiEvent[Any]) -> None:
-            # A script may send any value.
-            action = pressed.get(str(event.target.value))
-            if event.client_id is not None and action is not None:
-                act(action)

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from html import escape
 
 import numpy as np
 
 from app.compute.protocol import Progress, SeedResult
-from app.panel.html import table
+from app.panel.html import SMALL, table
 from app.panel.status import Word
 from llsrbm.analysis.diagnosis import diagnose, fall_in_words
 from llsrbm.analysis.figures import figures_of_plan
@@ -68,12 +69,31 @@ def seeds_line(results: Sequence[SeedResult]) -> str:
     return f"{landed} of {len(results)} seeds land"
 
 
-def seeds_table(results: Sequence[SeedResult]) -> str:
-    """How each seed ended, as HTML; "" for none."""
+def seeds_table(results: Sequence[SeedResult], worst_seed: int | None = None) -> str:
+    """How each seed ended, as HTML; "" for none.
+
+    Args:
+        results: of those that are done.
+        worst_seed: is marked.
+    """
     if not results:
         return ""
-    rows = [(f"Seed {result.seed}", result.line) for result in results]
-    return table(rows, f"{seeds_line(results)}")
+    cells = "".join(_seed_cell(result, worst=result.seed == worst_seed) for result in results)
+    marked = next((result for result in results if result.seed == worst_seed), None)
+    line = "" if marked is None else f"Worst, seed {marked.seed}: {marked.line}"
+    return (
+        f'<div style="{SMALL}"><b>{seeds_line(results)}</b>'
+        f'<ul class="llsrbm-seeds" aria-label="Results by seed">{cells}</ul>{escape(line)}</div>'
+    )
+
+
+def _seed_cell(result: SeedResult, *, worst: bool) -> str:
+    state = "landed" if result.landed else "fell"
+    sign = "✓" if result.landed else "✗"
+    return (
+        f'<li class="{state}{" worst" if worst else ""}" title="{escape(result.line)}" '
+        f'aria-label="Seed {result.seed}: {state}">{result.seed} {sign}</li>'
+    )
 
 
 def worst(violations: dict[str, Violation]) -> str:

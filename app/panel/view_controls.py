@@ -24,12 +24,13 @@ class ViewControls:
             shown: names of the overlays that are drawn.
         """
         self._gui = gui
+        gui.add_html('<div class="llsrbm-boxes"></div>')
         self._boxes = {
             name: gui.add_checkbox(overlay.title, initial_value=name in shown, hint=overlay.hint)
             for name, overlay in OVERLAYS.items()
         }
         self._night = gui.add_checkbox("Night", initial_value=False, hint="A dark page")
-        self._legend = gui.add_html(html.legend(simulated=False))
+        self._legend = gui.add_html(html.legend(shown, simulated=False))
 
     @property
     def handles(self) -> list[Any]:
@@ -48,9 +49,9 @@ class ViewControls:
         put(self._night, night)
         configure_theme(self._gui, dark=night)
 
-    def show_legend(self, *, simulated: bool) -> None:
-        """What the colours mean."""
-        self._legend.content = html.legend(simulated=simulated)
+    def show_legend(self, shown: frozenset[str], *, simulated: bool) -> None:
+        """What the colours mean of what is drawn."""
+        self._legend.content = html.legend(shown, simulated=simulated)
 
 
 def configure_theme(gui: viser.GuiApi, *, dark: bool) -> None:

@@ -36,6 +36,7 @@ _MOST_DRAWN = 24  # charts; a browser draws each anew for every plan
 _PIXELS = ((2, 190), (4, 105))  # up to so many charts -> height of each
 _PIXELS_OF_MANY = 95
 
+_TITLE = "Plots"
 _MARKER = "llsrbm-plot-area"  # by which plot_area.js finds the area
 
 # Where the area floats in a page whose script does not run, pixels.
@@ -56,14 +57,14 @@ class Plots:
         self._controls = PlotControls(client.gui, chosen)
         self._controls.download.on_click(self._download)
         self._panel = client.gui.add_panel()
-        self._area = self._panel.add_tab("Plots")
+        self._area = self._panel.add_tab(_TITLE)
         with self._area:
             self._legend = client.gui.add_html(_marked(note(_EMPTY)))
         self._panel.float(**_FLOATING)
         for script in _SCRIPTS:
             run_javascript(client, (_STATIC / script).read_text(encoding="utf-8"))
-        watched = (json.dumps(uuid_of(box)) for box in (self._controls.open, self._controls.seen))
-        run_javascript(client, f"window.llsrbmPlots?.watch({','.join(watched)})")
+        watched = (_TITLE, uuid_of(self._controls.open), uuid_of(self._controls.seen))
+        run_javascript(client, f"window.llsrbmPlots?.watch(...{json.dumps(watched)})")
         self._charts: list[UplotChart] = []
         self._layers: tuple[Layer, ...] = ()
         self._end = 0.0
@@ -136,7 +137,9 @@ class Plots:
         # In one of viser's threads: what was drawn is read once, and is not changed.
         layers, choice = self._layers, self._choice
         if layers and choice is not None:
-            self._client.send_file_download("plots.csv", csv_of(layers, choice))
+            self._client.send_file_download(
+                "plots.csv", csv_of(layers, choice), save_immediately=True
+            )
 
 
 _EMPTY = "Charts appear here as soon as there is a motion."

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from functools import lru_cache
-from typing import TYPE_CHECKING
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +18,7 @@ Array = NDArray[np.float64]
 
 _HEAD = 0.2  # of an arrow, share of its length
 _SHAFT = 0.008  # m, radius of an arrow's shaft; its head is 2.5 times as wide
+_DARKEST = 0.55  # opacity of the middle of a soft disc
 _AXIS = 0.06  # share of an axis' length that it is thick
 
 
@@ -128,12 +130,20 @@ def soft_disc(rings: int = 5, sections: int = 24) -> bytes:
     step = np.arange(sections)
     after = (step + 1) % sections
     faces = [np.stack([np.zeros(sections, int), 1 + step, 1 + after], axis=1)]
-    for inner, outer in zip(first[:-1], first[1:], strict=True):
+    for inner, outer in pairwise(first):
         faces.append(np.stack([inner + step, outer + step, outer + after], axis=1))
         faces.append(np.stack([inner + step, outer + after, inner + after], axis=1))
     rgba = np.zeros((len(vertices), 4), dtype=np.uint8)
-    rgba[:, 3] = np.round(255 * alpha)
+    rgba[:, 3] = np.round(255 * _DARKEST * alpha)
     mesh = trimesh.Trimesh(vertices, np.concatenate(faces), vertex_colors=rgba, process=False)
-    mesh.visual.vertex_colors = rgba
-    glb: bytes = mesh.export(file_type="glb", include_normals=True)
+    glb: bytes = mesh.export(file_type="glb", tree_postprocessor=_blended)
     return glb
+
+
+def _blended(tree: dict[str, Any]) -> None:
+    """Have a mesh's vertices give its opacity, too; whatever the light, it is as dark."""
+    tree["materials"] = [{"alphaMode": "BLEND", "extensions": {"KHR_materials_unlit": {}}}]
+    tree["extensionsUsed"] = ["KHR_materials_unlit"]
+    for mesh in tree["meshes"]:
+        for primitive in mesh["primitives"]:
+            primitive["material"] = 0

@@ -43,6 +43,7 @@ class Picture:
         target: where the landing handle stands.
         night: a dark ground and dim light.
         fine: with all triangles: the browser has a graphics processor.
+        prepared: the robot's meshes are there; else its collision shapes stand in for them.
     """
 
     robot: Robot | None = None
@@ -54,6 +55,7 @@ class Picture:
     target: Jump | None = None
     night: bool = False
     fine: bool = False
+    prepared: bool = True
 
     @property
     def solid(self) -> Frames | None:

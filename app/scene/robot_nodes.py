@@ -18,7 +18,13 @@ from app.motion.colours import Rgb, linear
 from app.motion.frames import Frames
 from llsrbm.motion.rotation import rotation_matrices
 from llsrbm.robots import Robot
-from llsrbm.robots.visuals import LinkVisual, forward_kinematics, link_visuals
+from llsrbm.robots.collision_visuals import collision_visuals, visuals_at_once
+from llsrbm.robots.visuals import (
+    LinkVisual,
+    forward_kinematics,
+    link_visuals,
+    needs_preparation,
+)
 
 Array = NDArray[np.float64]
 
@@ -30,9 +36,12 @@ _GHOST_OPACITY = 0.25
 
 @lru_cache(maxsize=16)
 def meshes(
-    robot: Robot, *, fine: bool = False, ghost: Rgb | None = None
+    robot: Robot, *, fine: bool = False, ghost: Rgb | None = None, stand_in: bool = False
 ) -> tuple[tuple[str, int, bytes], ...]:
-    """(link, body index, glTF) of each body, made once for all tabs; ghosts in one colour."""
+    """(link, body index, glTF) of each body, made once for all tabs; ghosts in one colour.
+
+    With `stand_in`, collision shapes in place of meshes.
+    """
     from trimesh import Trimesh
     from trimesh.visual import TextureVisuals
     from trimesh.visual.material import PBRMaterial
@@ -56,7 +65,7 @@ def meshes(
         ).export(file_type="glb")
         return translucent
 
-    visuals = link_visuals(robot, coarse=not fine)
+    visuals = collision_visuals(robot) if stand_in else link_visuals(robot, coarse=not fine)
     return tuple((visual.link, visual.joint_id - 1, glb(visual)) for visual in visuals)
 
 
@@ -92,31 +101,57 @@ class RobotNodes:
         self._name = name
         self._ghost = ghost
         self._fine = fine
+        self._stand_in = needs_preparation(robot)
         self._frame = scene.add_frame(name, show_axes=False)
         self._nodes: dict[str, viser.GlbHandle] = {}
         self._bodies: dict[str, int] = {}
-        position, wxyz = _default_pose(robot)
-        for link, body, glb in meshes(robot, fine=fine, ghost=ghost):
-            node = f"{name}/{link}"
-            self._bodies[node] = body
-            self._nodes[node] = scene.add_glb(
-                node,
-                glb,
-                position=position[body],
-                wxyz=wxyz[body],
-                # Where there are no lights that cast shadows, this costs nothing.
-                cast_shadow=ghost is None,
-                receive_shadow=ghost is None,
-            )
+        self._draw()
         self.base = next(iter(self._nodes), name)
 
     def refine(self) -> None:
         """Draw all triangles from now on."""
-        if self._fine:
-            return
-        self._fine = True
-        for link, _, glb in meshes(self.robot, fine=True, ghost=self._ghost):
-            self._nodes[f"{self._name}/{link}"].glb_data = glb
+        if not self._fine:
+            self._fine = True
+            self._draw()
+
+    def complete(self) -> None:
+        """Draw the meshes, if collision shapes stood in for them and they are prepared by now.
+
+        Bodies may be added and removed: a clip has to be sent anew after it.
+        """
+        if self._stand_in and not needs_preparation(self.robot):
+            self._stand_in = False
+            self._draw()
+
+    def _draw(self) -> None:
+        """Have a node for each body; those of before keep their poses."""
+        position, wxyz = _default_pose(self.robot)
+        bodies = meshes(
+            self.robot,
+            fine=self._fine and not self._stand_in,
+            ghost=self._ghost,
+            stand_in=self._stand_in,
+        )
+        before, self._bodies = self._nodes, {}
+        self._nodes = {}
+        for link, body, glb in bodies:
+            node = f"{self._name}/{link}"
+            self._bodies[node] = body
+            handle = before.pop(node, None)
+            if handle is not None:
+                handle.glb_data = glb
+            self._nodes[node] = handle or self._scene.add_glb(
+                node,
+                glb,
+                position=position[body],
+                wxyz=wxyz[body],
+                # Onto the floor, if a lamp casts any; robots that are black by themselves, as
+                # ANYmal is, have nothing to gain from shadows on them.
+                cast_shadow=self._ghost is None,
+                receive_shadow=False,
+            )
+        for handle in before.values():
+            handle.remove()
 
     def track(self, frames: Frames) -> list[Track]:
         """Every body's way through a motion of this robot."""
@@ -161,13 +196,15 @@ class RobotShelf:
         self._made: dict[tuple[Robot, Rgb | None], RobotNodes] = {}
 
     def take(self, robot: Robot, *, ghost: Rgb | None = None, fine: bool = False) -> RobotNodes:
-        """The nodes of a robot: those of before, or new ones."""
+        """The nodes of a robot: those of before, with meshes prepared meanwhile, or new ones."""
         key = (robot, ghost)
         nodes = self._made.pop(key, None)
         if nodes is None:
             nodes = RobotNodes(self._scene, robot, next(self._names), ghost=ghost, fine=fine)
-        elif fine:
-            nodes.refine()
+        else:
+            nodes.complete()
+            if fine:
+                nodes.refine()
         self._made[key] = nodes
         return nodes
 
@@ -187,7 +224,7 @@ class RobotShelf:
 def extents(robot: Robot) -> tuple[tuple[int, ...], Array]:
     """Of every body that has a mesh: its index, and the corners (8, 3) m of a box around it."""
     corners = []
-    visuals = link_visuals(robot, coarse=True)
+    visuals = visuals_at_once(robot)  # collision shapes are as large, to some centimetres
     for visual in visuals:
         low, high = visual.vertices.min(axis=0), visual.vertices.max(axis=0)
         corners.append(

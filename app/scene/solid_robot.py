@@ -28,7 +28,7 @@ class SolidRobot(Drawing):
         sight: what a camera looks at; None: there is no robot.
     """
 
-    parts = frozenset({"robot", "planned", "simulated", "fine"})
+    parts = frozenset({"robot", "planned", "simulated", "fine", "prepared"})
     needs_motion = False
 
     def __init__(self, scene: viser.SceneApi) -> None:
@@ -78,8 +78,7 @@ class ContactShadow(Drawing):
             self._disc = self.scene.add_glb(
                 "/below", gltf.soft_disc(), cast_shadow=False, receive_shadow=False
             )
-        blocks = () if picture.simulated is None else picture.blocks
-        below = tops_under(blocks, frames.com, frames.time, picture.ground)
+        below = tops_under(picture.blocks, frames.com, frames.time, picture.ground)
         low, high = around_default(robot)
         half = (high - low)[:2] / 2 * [_LONG, _WIDE] * 2
         larger = 1 + _SPREADS * np.maximum(frames.com[:, 2] - below - robot.com[2], 0.0)

@@ -22,6 +22,14 @@ def serve(
         list[str] | None,
         typer.Option(help="Further name under which browsers may reach the page; repeatable."),
     ] = None,
+    token: Annotated[
+        str | None,
+        typer.Option(
+            metavar="TOKEN|none",
+            help="Without which nobody enters. By default none is needed on this machine alone, "
+            "and for all other addresses one is made at each start.",
+        ),
+    ] = None,
     open_: Annotated[
         Path | None,
         typer.Option(
@@ -44,7 +52,9 @@ def serve(
     with closing(WorkerPool()) as pool:
         from app.server.server import serve as serve_designer
 
-        serve_designer(host, port, allowed_hosts=allow_host or (), pool=pool, file=file)
+        serve_designer(
+            host, port, allowed_hosts=allow_host or (), token=token, pool=pool, file=file
+        )
 
 
 def _opened(path: Path, robot: str, fps: float | None) -> OpenedFile:

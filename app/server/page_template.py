@@ -11,6 +11,7 @@ import viser
 from llsrbm.errors import Error
 
 SCRIPTS = (
+    "address.js",
     "graphics.js",
     "page.js",
     "dialog.js",
@@ -18,6 +19,9 @@ SCRIPTS = (
     "transport.js",
     "camera.js",
     "tour.js",
+    "panel.js",
+    "tuning.js",
+    "accessibility.js",
 )
 """In the order in which they need each other."""
 
@@ -45,3 +49,8 @@ def page_html() -> bytes:
 def page_gzip() -> bytes:
     """The same, compressed once."""
     return gzip.compress(page_html(), 6)
+
+
+def page(gzipped: bool) -> bytes:
+    """As the browser takes it."""
+    return page_gzip() if gzipped else page_html()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import errno
+import ipaddress
 import signal
 import socket
 import sys
@@ -19,17 +20,20 @@ from app.compute.protocol import Failed, PlanJump, Planned, Prepare, Prepared, P
 from app.panel.view_controls import configure_theme
 from app.scene.lighting import configure_world
 from app.scene.robot_nodes import extents, meshes
+from app.server.access import NONE, Access
+from app.server.guard import Guard
+from app.server.page_template import page
+from app.server.self_check import check
 from app.session.initial_plan import InitialPlans, example
 from app.session.session import Session
 from app.session.tabs import Tabs
 from app.viser_link.designer_server import DesignerServer
+from app.viser_link.limits import Limits
 from llsrbm import models
 from llsrbm.errors import InputError
 from llsrbm.jump import Jump
 from llsrbm.robots import load_robot, read_robot_file
 from llsrbm.robots.assets import robot_files
-
-_LOOPBACK_NAMES = ("localhost",)
 
 
 class Designer:
@@ -41,6 +45,8 @@ class Designer:
         port: int = 8080,
         *,
         allowed_hosts: Collection[str] = (),
+        token: str | None = None,
+        limits: Limits | None = None,
         pool: WorkerPool | None = None,
         file: OpenedFile | None = None,
     ) -> None:
@@ -50,20 +56,34 @@ class Designer:
             host: address or name of this machine to bind to.
             port: 1 to 65535, or 0 for any free one.
             allowed_hosts: further names under which browsers may reach the page.
+            token: without which nobody enters; "none": anybody does; None: none on loopback, and
+                else one that is made now.
+            limits: of all that visitors may do.
             pool: computes, and is closed with the server; None: one that uses the library.
             file: with which every tab begins.
 
         Raises:
-            InputError: the address cannot be bound, or the port is in use.
+            InputError: the address cannot be bound, the port is in use, or no such token can be.
+            GuardMissing: the server would let in what it must refuse.
         """
         check_bindable(host, port)
-        names = {*_LOOPBACK_NAMES, socket.gethostname(), host, *allowed_hosts}
-        self._server = DesignerServer(host, port, names)
+        loopback = is_loopback(host)
+        self._access = Access.chosen(token, loopback=loopback)
+        names = {socket.gethostname(), host, *allowed_hosts}
+        self._guard = Guard(self._access, names, loopback=loopback, limits=limits)
+        self._server = DesignerServer(host, port, self._guard, page)
         self.port: int = self._server.get_port()
-        if port not in (0, self.port):
+        self._access.port = self.port
+        try:
+            if port not in (0, self.port):
+                raise _in_use(host, port)
+            with self._guard.refusals.unlogged():
+                check(host, self.port, token=self._access.required)
+        except BaseException:
             self._server.stop()
-            raise _in_use(host, port)
+            raise
         self.host = host
+        self.open_to_all = not loopback and not self._access.required
         self.pool = pool or WorkerPool()
         self.initial = InitialPlans(self.pool.planner, file)
         files = {name: read_robot_file(path) for name, path in robot_files().items()}
@@ -74,9 +94,11 @@ class Designer:
 
     @property
     def url(self) -> str:
-        """Where a browser on this machine finds the page."""
+        """Where a browser on this machine finds the page, with the token that opens it."""
         host = {"0.0.0.0": "127.0.0.1", "::": "[::1]"}.get(self.host, self.host)  # noqa: S104
-        return f"http://{host}:{self.port}"
+        if ":" in host and not host.startswith("["):
+            host = f"[{host}]"
+        return f"http://{host}:{self.port}{self._access.query}"
 
     @property
     def sessions(self) -> tuple[Session, ...]:
@@ -115,6 +137,7 @@ class Designer:
         """End the sessions, the server and the computing processes."""
         self.tabs.close()
         self._server.stop()
+        self._guard.refusals.summarise()
         self.pool.close()
 
 
@@ -123,18 +146,24 @@ def serve(
     port: int = 8080,
     *,
     allowed_hosts: Collection[str] = (),
+    token: str | None = None,
     pool: WorkerPool | None = None,
     file: OpenedFile | None = None,
 ) -> None:
     """Serve the page until SIGINT or SIGTERM; prints one line with its URL.
 
     Raises:
-        InputError: the address cannot be bound, or the port is in use.
+        InputError: the address cannot be bound, the port is in use, or no such token can be.
+        GuardMissing: the server would let in what it must refuse.
     """
     with _stop_on_signal() as stop:
-        designer = Designer(host, port, allowed_hosts=allowed_hosts, pool=pool, file=file)
+        designer = Designer(
+            host, port, allowed_hosts=allowed_hosts, token=token, pool=pool, file=file
+        )
         try:
             print(f"llsrbm designer: {designer.url}", flush=True)
+            if designer.open_to_all:
+                _say(f"warning: --token {NONE}: anybody who reaches this address may use it")
             designer.warm_up(Jump().robot)
             stop.wait()
         finally:
@@ -173,6 +202,13 @@ def check_bindable(host: str, port: int) -> None:
                     f"--host: cannot listen on {host!r} ({error.strerror}); "
                     "expected an address of this machine, for example 127.0.0.1"
                 ) from error
+
+
+def is_loopback(host: str) -> bool:
+    """Whether nobody but this machine reaches an address, or any that a name stands for."""
+    found = socket.getaddrinfo(host, None, type=socket.SOCK_STREAM)
+    addresses = (str(address[0]).partition("%")[0] for *_, address in found)
+    return all(ipaddress.ip_address(address).is_loopback for address in addresses)
 
 
 def _get_drawn(robot: str) -> None:

@@ -19,6 +19,7 @@ from app.session.events import (
     SimulateWanted,
     StopExportWanted,
     TakeUpWanted,
+    TuningReset,
     UndoWanted,
     UnpinWanted,
     ViewChosen,
@@ -33,6 +34,7 @@ _WITHOUT_VALUES: dict[Action, Event] = {
     Action.WORST: WorstWanted(),
     Action.CANCEL: CancelWanted(),
     Action.NEAREST: NearestWanted(),
+    Action.RESET_TUNING: TuningReset(),
     Action.UNDO: UndoWanted(),
     Action.REDO: RedoWanted(),
     Action.SHARE: ShareWanted(),
@@ -58,10 +60,7 @@ def event_of(action: Action, state: TabState, panel: Panel) -> Event:
     match action:
         case Action.JUMP:
             jump, wrong = panel.jump.read(state.design.jump)
-            if not state.ready or jump.robot != state.design.jump.robot:
-                return JumpChosen(jump, None, tuple(wrong))
-            tuning, also = panel.tuning.read()
-            return JumpChosen(jump, tuning, (*wrong, *also))
+            return JumpChosen(jump, None, tuple(wrong))
         case Action.SCENARIO:
             scenario, wrong = panel.simulation.read(state.design.scenario)
             return ScenarioChosen(scenario, tuple(wrong))

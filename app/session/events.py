@@ -9,7 +9,7 @@ from app.compute.protocol import Report
 from app.panel.export_controls import Choice
 from app.plots.choice import PlotChoice
 from app.session.lanes import Lane
-from app.viser_link.page_link import PageReady, PlaybackChosen, PlayerMoved
+from app.viser_link.page_link import PageReady, PlaybackChosen, PlayerMoved, TuningChosen
 from llsrbm.design import Design
 from llsrbm.jump import Jump
 from llsrbm.motion.plan import Plan
@@ -26,17 +26,22 @@ Complaints = tuple[str, ...]
 
 @dataclass(frozen=True)
 class JumpChosen:
-    """The controls of the jump, or of weights and limits, were moved.
+    """The controls of the jump were moved.
 
     Attributes:
         jump: as the controls stand.
-        tuning: likewise; None while they are not those of the jump's robot.
+        tuning: under other weights and limits; None: they stay.
         complaints: what was corrected.
     """
 
     jump: Jump
     tuning: Tuning | None
     complaints: Complaints = ()
+
+
+@dataclass(frozen=True)
+class TuningReset:
+    """All weights and limits shall be the robot's own."""
 
 
 @dataclass(frozen=True)
@@ -215,9 +220,15 @@ class Reported:
 
 @dataclass(frozen=True, eq=False)
 class RobotLoaded:
-    """A robot can be drawn."""
+    """A robot can be drawn.
+
+    Attributes:
+        robot: that can be.
+        prepared: its meshes are there; else its collision shapes stand in for them.
+    """
 
     robot: Robot
+    prepared: bool = True
 
 
 @dataclass(frozen=True)
@@ -263,6 +274,7 @@ class Opened:
 
 Event = (
     JumpChosen
+    | TuningReset
     | TargetDragged
     | ScenarioChosen
     | DesignChosen
@@ -291,4 +303,5 @@ Event = (
     | PageReady
     | PlayerMoved
     | PlaybackChosen
+    | TuningChosen
 )

@@ -9,5 +9,6 @@ class Lane(Enum):
     """Jobs of one lane replace each other; those of different lanes do not wait for each other."""
 
     MOTION = "motion"
+    ROBOT = "robot"
     OPEN = "open"
     SAVE = "save"

@@ -73,6 +73,7 @@ class Rendering:
             choose_example=choose_example,
             open_file=open_file,
         )
+        link.arrange(self.panel.arrangement)
         with self.panel.plots_tab:
             self._plots = Plots(client, choose_plots)
         self._scene = Scene(client)
@@ -120,6 +121,8 @@ class Rendering:
         if before is None or state.status is not before.status:
             panel.show_status(state.status)
         panel.show_busy(state.status.busy or state.files.saving > 0)
+        if before is None or state.history is not before.history:
+            panel.show_history(back=bool(state.history.back), forth=bool(state.history.forth))
         nearest = state.work.nearest
         if before is None or nearest is not before.work.nearest:
             panel.offer_nearest(None if nearest is None else nearest.changes)
@@ -135,12 +138,14 @@ class Rendering:
             panel.export.show(there=state.shown is not None, busy=busy)
         if before is None or (state.rollout is None) != (before.rollout is None):
             panel.export_options.show(simulated=state.rollout is not None)
-            panel.view.show_legend(simulated=state.rollout is not None)
+        legend = (state.view.layers, state.rollout is not None)
+        if before is None or legend != (before.view.layers, before.rollout is not None):
+            panel.view.show_legend(legend[0], simulated=legend[1])
         if before is None or state.seeds is not before.seeds:
             seeds = state.seeds
+            worst = None if seeds is None or seeds.worst is None else seeds.worst.scenario.seed
             panel.simulation.show_seeds(
-                "" if seeds is None else seeds_table(seeds.results),
-                worst=seeds is not None and seeds.worst is not None,
+                "" if seeds is None else seeds_table(seeds.results, worst), worst=worst is not None
             )
         if (state.view.layers, state.view.night) != (self._view.layers, self._view.night):
             panel.view.show(state.view.layers, night=state.view.night)
@@ -158,6 +163,7 @@ class Rendering:
             anew = True
         if robot is not None and (anew or design.tuning != controls.tuning):
             panel.tuning.show(design.tuning)
+            self._link.show_tuning(design.tuning)
         self._controls = design
 
     # ---- picture
@@ -231,4 +237,5 @@ def picture_of(state: TabState) -> Picture:
         target=state.design.jump,
         night=view.night,
         fine=view.fine,
+        prepared=state.prepared,
     )

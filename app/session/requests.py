@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import fields, replace
 
 from app.compute.protocol import PlanJump, Prepare, SimulateJump, SimulateSeeds
 from app.motion.planned_motion import bake_plan
 from app.panel.status import Word
+from app.panel.tuning_table import entries_of
+from app.panel.validation import number
 from app.session.drag_planning import REST
 from app.session.effects import After, Keep, Notify, ResetControls, Stop
 from app.session.events import (
@@ -20,6 +23,7 @@ from app.session.events import (
 from app.session.lanes import Lane
 from app.session.state import History, Seeds, Shown, TabState
 from app.session.steps import Step, also, submit, with_status, with_work
+from app.viser_link.page_link import TuningChosen
 from llsrbm.design import Design
 from llsrbm.jump import Jump
 from llsrbm.motion.plan import Plan
@@ -28,6 +32,7 @@ from llsrbm.scenario import Scenario
 from llsrbm.simulation.surroundings import surroundings
 from llsrbm.tuning import Tuning
 
+_SAME = 1e-6  # relative; defaults are shown with six digits
 _UNDONE_AT_MOST = 100  # designs; a hundred bytes each
 
 SEEDS = 20
@@ -50,6 +55,31 @@ def choose_jump(state: TabState, event: JumpChosen) -> Step:
             state, design = _untitled(state, jump, tuning)
     step = plan_design(remember(state, design))
     return _corrected(step, event.complaints)
+
+
+def choose_tuning(state: TabState, event: TuningChosen) -> Step:
+    """Plan with another weight or limit, or with the robot's own again."""
+    robot = state.robot
+    if robot is None or not state.ready:
+        return state, ()
+    entries = {(entry.group, entry.name): entry for entry in entries_of(robot)}
+    entry = entries.get((event.group, event.name))
+    if entry is None:
+        return state, (Notify("Not changed", f"{robot.file.title} has no such number."),)
+    tuning = state.design.tuning
+    wrong: list[str] = []
+    given = {"weights": dict(tuning.weights), "limits": dict(tuning.limits)}
+    given[entry.group].pop(entry.name, None)
+    if event.value is not None:
+        value = number(entry.title, event.value, (entry.lowest, entry.highest), wrong)
+        if not math.isclose(value, entry.default, rel_tol=_SAME, abs_tol=_SAME):
+            given[entry.group][entry.name] = value
+    return choose_jump(state, JumpChosen(state.design.jump, Tuning(**given), tuple(wrong)))
+
+
+def reset_tuning(state: TabState) -> Step:
+    """Plan with the robot's own weights and limits."""
+    return choose_jump(state, JumpChosen(state.design.jump, Tuning()))
 
 
 def drag_target(state: TabState, event: TargetDragged) -> Step:

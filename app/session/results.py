@@ -11,6 +11,7 @@ from app.compute.protocol import (
     Found,
     PlanJump,
     Planned,
+    Prepare,
     Prepared,
     Progress,
     SeedDone,
@@ -26,13 +27,13 @@ from app.motion.simulated_motion import bake_rollout
 from app.motion.so_far import frames_so_far
 from app.panel import summaries
 from app.panel.status import Word
-from app.session.effects import Keep, LoadRobot, Play
+from app.session.effects import Keep, LoadRobot, Play, Submit
 from app.session.events import Reported, RobotLoaded, RobotMissing, SimulateWanted
+from app.session.lanes import Lane
 from app.session.requests import plan_design, show_plan, simulate, wait_for_rest
 from app.session.state import Shown, TabState
 from app.session.steps import Step, also, joined, submit, with_status, with_work
 from llsrbm.motion.rollout import Rollout
-from llsrbm.robots import Robot
 from llsrbm.simulation.surroundings import surroundings
 
 
@@ -101,15 +102,21 @@ def take_robot(state: TabState, event: RobotLoaded) -> Step:
     """A robot can be drawn; what is asked of it can be planned."""
     if event.robot.name != state.design.jump.robot:
         return state, ()  # another one was chosen while it was loaded
-    return plan_design(with_robot(state, event.robot))
+    state, effects = draw_robot(state, event)
+    return joined(effects, plan_design(state))
 
 
-def with_robot(state: TabState, robot: Robot) -> TabState:
-    """The state that draws this robot; nothing of another one's motion stays but the pins."""
-    if state.robot is robot:
-        return state
+def draw_robot(state: TabState, event: RobotLoaded) -> Step:
+    """Draw a robot and nothing of another one's motion but the pins; have its meshes made."""
+    if state.robot is event.robot:
+        return replace(state, prepared=event.prepared or state.prepared), ()
     state = with_work(state, dragging=state.work.dragging.forget())
-    return replace(state, robot=robot, shown=None, seeds=None)
+    state = replace(state, robot=event.robot, prepared=event.prepared, shown=None, seeds=None)
+    if event.prepared:
+        return state, ()
+    ticket = state.tickets + 1
+    task = Prepare(event.robot.name)
+    return replace(state, tickets=ticket), (Submit(Lane.ROBOT, ticket, task),)
 
 
 def miss_robot(state: TabState, event: RobotMissing) -> Step:

@@ -27,6 +27,7 @@ from app.compute.offered import uploaded_design
 from app.compute.pool import WorkerPool
 from app.compute.protocol import Report
 from app.panel.actions import Action
+from app.panel.notes import Notes
 from app.scene.landing_handle import Grip
 from app.session.controls import READ_ACTIONS, event_of
 from app.session.effects import (
@@ -59,7 +60,7 @@ from app.session.initial_plan import InitialPlans
 from app.session.lanes import Lane
 from app.session.opening import first_state, left, resume
 from app.session.rendering import Rendering
-from app.session.results import with_robot
+from app.session.results import draw_robot
 from app.session.state import TabState
 from app.session.update import update
 from app.viser_link.page_link import ClipTaken, PageEvent, PageLink, PageReady
@@ -69,6 +70,7 @@ from llsrbm.examples import examples
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
 from llsrbm.robots import RobotFile, load_robot
+from llsrbm.robots.visuals import needs_preparation
 
 _PAGE_PATIENCE = (
     1.5  # s until a tab begins without its page's scripts; they answer as they are shown
@@ -128,6 +130,7 @@ class Session:
         self.token: str | None = None
         self.failed = False
         self.state = first_state(robots)
+        self._notes = Notes(client)
         self._rendering: Rendering | None = None
 
     @property
@@ -210,7 +213,9 @@ class Session:
         name = self.state.design.jump.robot
         if self._initial.file is None and self._initial.plan(name) is not None:
             # Its meshes take longest to send.
-            self.state = with_robot(self.state, load_robot(name))
+            loaded = self._load(name)
+            if isinstance(loaded, RobotLoaded):
+                self._take(draw_robot(self.state, loaded))
         self._rendering.draw(self.state)
         page = self._wait_for_page()
         if _End.END in self._later:
@@ -411,9 +416,10 @@ class Session:
 
     def _load(self, name: str) -> RobotLoaded | RobotMissing:
         try:
-            return RobotLoaded(load_robot(name))
+            robot = load_robot(name)
+            return RobotLoaded(robot, prepared=not needs_preparation(robot))
         except Error as error:
             return RobotMissing(name, str(error))
 
     def _notify(self, title: str, body: str) -> None:
-        self._client.add_notification(title, body, color="orange")
+        self._notes.show(title, body)

@@ -192,6 +192,7 @@ class TabState:
         robots: name -> file of each robot that can be chosen.
         design: what is asked for.
         robot: that is drawn; the design's, once it can be drawn.
+        prepared: whether by its meshes; its collision shapes stand in for them until they are made.
         shown: the motion that is shown; None: there is none yet.
         known: the motion that is shown as soon as the robot is drawn.
         status: one line on how it goes.
@@ -208,6 +209,7 @@ class TabState:
     robots: Mapping[str, RobotFile]
     design: Design
     robot: Robot | None = None
+    prepared: bool = True
     shown: Shown | None = None
     known: Known | None = None
     status: Status = field(default_factory=lambda: Status(Word.PLANNING, ""))

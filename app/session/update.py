@@ -12,9 +12,10 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from app.compute.protocol import Failed, Prepared
 from app.session import files, requests, results
 from app.session.comparison import Pin, free_colour
-from app.session.effects import Notify, Share, Stop
+from app.session.effects import LoadRobot, Notify, Share, Stop
 from app.session.events import (
     CancelWanted,
     DesignChosen,
@@ -39,6 +40,7 @@ from app.session.events import (
     StopExportWanted,
     TakeUpWanted,
     TargetDragged,
+    TuningReset,
     UndoWanted,
     UnpinWanted,
     ViewChosen,
@@ -48,8 +50,8 @@ from app.session.known_motion import show_known
 from app.session.lanes import Lane
 from app.session.opening import open_tab
 from app.session.state import TabState
-from app.session.steps import Step
-from app.viser_link.page_link import PageReady, PlaybackChosen, PlayerMoved
+from app.session.steps import Step, joined
+from app.viser_link.page_link import PageReady, PlaybackChosen, PlayerMoved, TuningChosen
 from llsrbm.design import Design
 
 
@@ -58,6 +60,10 @@ def update(state: TabState, event: Event) -> Step:
     match event:
         case JumpChosen():
             return requests.choose_jump(state, event)
+        case TuningChosen():
+            return requests.choose_tuning(state, event)
+        case TuningReset():
+            return requests.reset_tuning(state)
         case TargetDragged():
             return requests.drag_target(state, event)
         case ScenarioChosen():
@@ -82,6 +88,8 @@ def update(state: TabState, event: Event) -> Step:
             return results.take_report(state, event)
         case RobotLoaded():
             return _robot_loaded(state, event)
+        case Reported(lane=Lane.ROBOT):
+            return _prepared(state, event)
         case RobotMissing():
             return results.miss_robot(state, event)
         case Opened():
@@ -129,10 +137,23 @@ def _update_beside(state: TabState, event: Event) -> Step:
 
 
 def _robot_loaded(state: TabState, event: RobotLoaded) -> Step:
+    if event.robot is state.robot and event.prepared and not state.prepared:
+        return replace(state, prepared=True), ()  # its meshes have been made
     known = state.known
     if known is None or known.plan.jump.robot != event.robot.name:
         return results.take_robot(state, event)
-    return show_known(results.with_robot(state, event.robot), known)
+    state, effects = results.draw_robot(state, event)
+    return joined(effects, show_known(state, known))
+
+
+def _prepared(state: TabState, event: Reported) -> Step:
+    """The meshes of a robot that is drawn by its collision shapes have been made."""
+    match event.report:
+        case Prepared(robot=name) if state.robot is not None and state.robot.name == name:
+            return state, (LoadRobot(name),)
+        case Failed(message=message):
+            return state, (Notify("The robot's meshes are missing", message),)
+    return state, ()
 
 
 # ---- what is compared

@@ -15,8 +15,10 @@
     "nodePoseData", "nodeRefFromName", "requestRender",
   ];
 
+  // The last rule: without a graphics processor Chromium cuts off a canvas at its top by as much as
+  // something opaque covers at its bottom.
   const STYLE = `
-    canvas[data-engine] { background: linear-gradient(#b9c9da 0%, #dfe7ee 38%, #eef1f4 60%); }
+    canvas[data-engine] { background: linear-gradient(#a9bccf 0%, #d3dde6 40%, #dde4ea 60%); }
     [data-mantine-color-scheme=dark] canvas[data-engine] {
       background: linear-gradient(#0b0f15 0%, #141b25 38%, #1d2530 60%); }
     #llsrbm-camera { position: fixed; z-index: 4; display: none; gap: 2px; padding: 3px;
@@ -29,7 +31,9 @@
     #llsrbm-camera button:focus-visible { outline: 2px solid var(--mantine-primary-color-filled); }
     #llsrbm-camera button[aria-pressed=true] { background: var(--mantine-primary-color-light); }
     #llsrbm-camera svg { width: 18px; height: 18px; fill: none; stroke: currentColor;
-      stroke-width: 1.5; stroke-linejoin: round; stroke-linecap: round; }`;
+      stroke-width: 1.5; stroke-linejoin: round; stroke-linecap: round; }
+    #llsrbm-transport {
+      background: color-mix(in srgb, var(--mantine-color-body) 99.5%, transparent) !important; }`;
 
   // A cube with the side that is looked at filled, a frame, a robot held in sight, a camera.
   const CUBE = '<path d="M3 6.5 10 3l7 3.5v7L10 17l-7-3.5zM3 6.5l7 3.5 7-3.5M10 10v7"/>';
@@ -197,6 +201,10 @@
   // moved the camera, so is a motion that leaves the picture.
   function show(next) {
     sight = next ?? null;
+    attend();
+  }
+
+  function attend() {
     if (!sight || missing().length) return;
     if (listensTo !== viewer().cameraControl) {
       listensTo = viewer().cameraControl;
@@ -241,6 +249,7 @@
     Object.assign(bar.style, {
       display: "flex", left: `${box.left + 10}px`, top: `${box.top + 10}px`,
     });
+    if (sight.follow !== framed?.follow) attend();
     const now = [box.width, box.height, JSON.stringify(free())].join();
     if (size && size !== now && !moved && !follows) look("all", false);
     size = now;

@@ -49,10 +49,9 @@
   window.addEventListener("pageshow", () => store("sessionStorage", TAB, null));
 
   // The design in the address: opened once, so that a reload finds what came of it.
-  function takeShared() {
-    if (!location.hash.startsWith(SHARED)) return null;
-    const code = location.hash.slice(SHARED.length).replace(/-/g, "+").replace(/_/g, "/");
-    history.replaceState(null, "", location.pathname + location.search);
+  function designIn(fragment) {
+    if (!fragment.startsWith(SHARED)) return null;
+    const code = fragment.slice(SHARED.length).replace(/-/g, "+").replace(/_/g, "/");
     try {
       const bytes = Uint8Array.from(atob(code), (character) => character.charCodeAt(0));
       return new TextDecoder().decode(bytes);
@@ -60,10 +59,13 @@
       return "a link that was cut"; // the server's reader refuses it, and the refusal is shown
     }
   }
-  let shared = takeShared();
+  let shared = designIn(window.llsrbmFragment ?? ""); // address.js took it out of the address
   window.addEventListener("hashchange", () => {
-    shared = takeShared();
-    if (shared !== null) greet();
+    const design = designIn(location.hash);
+    if (design === null) return;
+    history.replaceState(null, "", location.pathname + location.search);
+    shared = design;
+    greet();
   });
 
   function link(design) {

@@ -177,6 +177,7 @@
     if (time >= clip.end) time = 0;
     held = 0;
     playing = true;
+    window.llsrbm.tour?.offer();
     draw(resolution);
     report();
     request();

@@ -1,8 +1,8 @@
 // Keeps the area of the plots, a floating panel of viser's, below the picture: as wide as it, the
 // picture above it, charts side by side where there is room. Dragged to a side of the page the panel
 // is docked there by viser, and the picture has its height back.
-// window.llsrbmPlots.watch(open, seen) begins: `open` is the server's checkbox by which the area is
-// opened, `seen` the one that learns whether it is.
+// window.llsrbmPlots.watch(title, open, seen) begins: the panel's title, and two checkboxes of the
+// server's: by `open` the area is opened, by `seen` the server learns whether it is.
 (() => {
   if (!window.llsrbmPlots || window.llsrbmPlots.watch) return;
 
@@ -15,17 +15,19 @@
   const style = document.createElement("style");
   style.textContent = `
     [${PINNED}] { left: var(--llsrbm-left) !important; width: var(--llsrbm-width) !important;
-      top: auto !important; bottom: 0 !important; border-radius: 0 !important; z-index: 4 !important;
+      top: auto !important; bottom: 0 !important; border-radius: 0 !important; z-index: 6 !important;
       box-shadow: none !important; border-top: 1px solid var(--mantine-color-default-border); }
     [${PINNED}] [data-dock-strip] { display: none !important; }
     [${PINNED}]:not([style*="height"]) .mantine-ScrollArea-viewport { max-height: 46vh; }
     [${GRID}] { display: grid; align-items: start; padding-bottom: 4px;
       grid-template-columns: repeat(auto-fit, minmax(min(100%, 340px), 1fr)); }
     [${GRID}] > * { min-width: 0; }
-    [${GRID}] > :has(${MARKER}) { grid-column: 1 / -1; }
+    [${GRID}] > :has(${MARKER}) { grid-column: 1 / -1; position: sticky; top: 0; z-index: 110;
+      background: var(--mantine-color-body); }
     [${GRID}] .uplot-container { margin: 0 6px 6px; }`;
   document.head.appendChild(style);
 
+  let title = null; // of viser's panel
   let boxes = null; // the server's checkboxes
   let pinned = null; // viser's window of the area
   let wrap = null; // the box of viser's that has the picture
@@ -39,7 +41,7 @@
 
   function look() {
     const marker = document.querySelector(MARKER);
-    const found = marker ? marker.closest(FLOATING) : pinned?.isConnected ? pinned : null;
+    const found = marker ? marker.closest(FLOATING) : minimised();
     if (found !== pinned) {
       pinned?.removeAttribute(PINNED);
       if (pinned) resized.unobserve(pinned);
@@ -62,6 +64,12 @@
     if (visible || seen !== null) seen = visible;
   }
 
+  // A minimised panel has nothing but its title.
+  function minimised() {
+    const named = (panel) => panel.querySelector("[data-dock-tab]")?.textContent === title;
+    return [...document.querySelectorAll(FLOATING)].find(named) ?? null;
+  }
+
   // Whatever holds the legend and the charts is a grid.
   function arrange(marker) {
     let holder = marker;
@@ -81,7 +89,8 @@
 
   setInterval(look, LOOK_EVERY);
 
-  window.llsrbmPlots.watch = (open, shown) => {
+  window.llsrbmPlots.watch = (label, open, shown) => {
+    title = label;
     boxes = { open, seen: shown };
     seen = null;
     look();

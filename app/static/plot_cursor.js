@@ -179,7 +179,8 @@
     const { offsetWidth: width, offsetHeight: height } = box;
     const right = event.clientX + BESIDE + width < window.innerWidth;
     const x = right ? event.clientX + BESIDE : event.clientX - BESIDE - width;
-    const y = Math.min(event.clientY + BESIDE, window.innerHeight - height - 4);
+    const under = event.clientY + BESIDE + height < window.innerHeight;
+    const y = under ? event.clientY + BESIDE : event.clientY - BESIDE - height;
     box.style.transform = `translate(${Math.max(x, 0)}px, ${Math.max(y, 0)}px)`;
   }
 

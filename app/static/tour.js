@@ -114,6 +114,10 @@
 
   skip.addEventListener("click", end);
   next.addEventListener("click", () => show(at + 1));
+  // The panel's Help tab has a button for it (app/panel/html.py).
+  document.addEventListener("click", (event) => {
+    if (event.target instanceof Element && event.target.closest("[data-tour]")) show(0);
+  });
   window.addEventListener("resize", place);
   window.addEventListener("keydown", (event) => {
     if (event.key === "Escape" && at >= 0) end();

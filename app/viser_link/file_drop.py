@@ -6,7 +6,8 @@ from pathlib import Path
 
 import viser
 
-from app.viser_link.designer_server import MAX_UPLOAD, run_javascript
+from app.viser_link.designer_server import run_javascript
+from app.viser_link.limits import MAX_UPLOAD
 
 _SCRIPT = Path(__file__).parents[1] / "static" / "file_drop.js"
 

@@ -11,7 +11,7 @@ import math
 import re
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
-from typing import Any
+from typing import Any, Literal
 
 import viser
 
@@ -19,6 +19,7 @@ from app.motion import colours
 from app.motion.clip import Clip
 from app.viser_link.designer_server import run_javascript, uuid_of
 from llsrbm.motion.timeline import Timeline
+from llsrbm.tuning import Tuning
 
 _LONGEST = 150_000  # characters of a message: a design that is kept and one that is shared
 _MOST_MISSING, _LONGEST_NAME = 20, 100
@@ -84,7 +85,22 @@ class ClipTaken:
     number: int
 
 
-PageEvent = PageReady | PlayerMoved | PlaybackChosen | ClipTaken
+@dataclass(frozen=True)
+class TuningChosen:
+    """A number of the table of weights and limits was changed.
+
+    Attributes:
+        group: "weights" or "limits".
+        name: of the number; there may be none of this name.
+        value: None: the robot's own.
+    """
+
+    group: Literal["weights", "limits"]
+    name: str
+    value: float | None
+
+
+PageEvent = PageReady | PlayerMoved | PlaybackChosen | ClipTaken | TuningChosen
 
 
 class PageLink:
@@ -105,6 +121,7 @@ class PageLink:
         self._number = 0  # of the clip that was sent last
         self._taken = 0  # of the clip that the page took last
         self._waiting: tuple[Clip, Timeline | None] | None = None
+        self._commands: list[tuple[str, ...]] = []  # that are about the waiting clip
 
         @self._field.on_update
         async def _(event: viser.GuiEvent[Any]) -> None:
@@ -132,18 +149,30 @@ class PageLink:
         if self._waiting is not None and self._taken == self._number:
             waiting, self._waiting = self._waiting, None
             self._send(*waiting)
+            commands, self._commands = self._commands, []
+            for command in commands:
+                self._call(*command)
 
     def play(self) -> None:
         """Go on, from the start if at the end."""
-        self._call("player.play")
+        self._command("player.play")
 
     def seek(self, time: float) -> None:
         """Go to an instant, s."""
-        self._call("player.seek", repr(float(time)))
+        self._command("player.seek", repr(float(time)))
 
     def keep(self, design: str) -> None:
         """Have the browser keep a design, as text."""
         self._call("page.keep", json.dumps(design))
+
+    def show_tuning(self, tuning: Tuning) -> None:
+        """Put the numbers of the table of weights and limits where a design has them."""
+        changed = {"weights": dict(tuning.weights), "limits": dict(tuning.limits)}
+        self._call("tuning.show", json.dumps(changed))
+
+    def arrange(self, controls: dict[str, str | list[str]]) -> None:
+        """Say which controls are the panel's rows of buttons, by their uuids (static/panel.js)."""
+        self._call("panel.arrange", json.dumps(controls))
 
     def share(self, design: str) -> None:
         """Show a link that opens a design, given as text; it is made in the page."""
@@ -157,6 +186,13 @@ class PageLink:
         else:
             self._call("transport.show", json.dumps(_plain(events)))
         self._call("player.load", header, json.dumps(blob), str(self._number))
+
+    def _command(self, function: str, *arguments: str) -> None:
+        """Call a function of the player, when it has the clip that was loaded last."""
+        if self._waiting is None:
+            self._call(function, *arguments)
+        else:
+            self._commands.append((function, *arguments))
 
     def _call(self, function: str, *arguments: str) -> None:
         owner = function.split(".")[0]
@@ -183,6 +219,14 @@ def read_event(message: object) -> PageEvent | None:
             return PlaybackChosen(speed, loop) if 0 < speed <= 1 else None
         case {"kind": "clip", "number": float(number)}:
             return ClipTaken(int(number)) if 0 <= number < 2**53 else None
+        case {
+            "kind": "tuning",
+            "group": "weights" | "limits" as group,
+            "name": str(name),
+            "value": float() | None as value,
+        }:
+            usable = len(name) <= _LONGEST_NAME and (value is None or math.isfinite(value))
+            return TuningChosen(group, name, value) if usable else None
     return None
 
 

@@ -21,6 +21,7 @@ from llsrbm.motion.plan import Phase, Plan
 from llsrbm.motion.rollout import Rollout
 from llsrbm.motion.rotation import rotation_matrices, yaw
 from llsrbm.motion.whole_body import WholeBodyMotion
+from llsrbm.numerals import decimal
 
 Array = NDArray[np.float64]
 
@@ -201,9 +202,7 @@ class Figure:
         return frozenset(index for index, size in sizes.items() if size == smallest)
 
     def _text(self, value: float, *, signed: bool) -> str:
-        # Adding 0 takes the sign from a rounded zero.
-        shown = round(value * self.scale, self.decimals) + 0.0
-        return f"{shown:+.{self.decimals}f}" if signed else f"{shown:.{self.decimals}f}"
+        return decimal(value * self.scale, self.decimals, signed=signed)
 
 
 FIGURES = (

@@ -16,8 +16,7 @@ from llsrbm.robots.visuals import (
     LinkVisual,
     link_name,
     link_visuals,
-    link_visuals_at_hand,
-    mesh_files,
+    needs_preparation,
 )
 
 if TYPE_CHECKING:
@@ -33,18 +32,14 @@ def visuals_at_once(robot: Robot) -> tuple[LinkVisual, ...]:
     """Something to draw the robot by, within some tenths of a second.
 
     Its light meshes if they were prepared before, or need no preparation because the URDF's visuals
-    are boxes and the like; otherwise its collision shapes, until `link_visuals` has made the meshes
-    (`link_visuals_at_hand` then returns them).
+    are boxes and the like; otherwise its collision shapes, as long as it `needs_preparation`.
 
     Raises:
         RobotFileError: the URDF's geometry cannot be read.
     """
-    at_hand = link_visuals_at_hand(robot, coarse=True)
-    if at_hand is not None:
-        return at_hand
-    if not mesh_files(robot):
-        return link_visuals(robot, coarse=True)
-    return collision_visuals(robot)
+    if needs_preparation(robot):
+        return collision_visuals(robot)
+    return link_visuals(robot, coarse=True)
 
 
 @lru_cache(maxsize=8)

@@ -121,6 +121,11 @@ def link_visuals_at_hand(robot: Robot, *, coarse: bool = False) -> tuple[LinkVis
     return None if stored is None else _decode(stored)
 
 
+def needs_preparation(robot: Robot) -> bool:
+    """Whether `link_visuals` would take seconds: meshes that were not prepared on this machine."""
+    return bool(mesh_files(robot)) and not _entry(robot, FACES, coarse=True).exists()
+
+
 def mesh_files(robot: Robot) -> list[str]:
     """Names of the meshes in the URDF."""
     urdf = robot.urdf_path.read_text()

@@ -40,9 +40,14 @@ def chromium():
         browser.close()
 
 
-def opened(browser, url, view=VIEW):
-    """A page of a new visitor, who asks no other host; `faults` are what went wrong in it."""
-    context = browser.new_context(viewport=view, accept_downloads=True)
+def opened(browser, url, view=VIEW, *, tour=False, **options):
+    """A page of a new visitor, who asks no other host; `faults` are what went wrong in it.
+
+    The tour has been seen, unless it is what is tested.
+    """
+    context = browser.new_context(viewport=view, accept_downloads=True, **options)
+    if not tour:
+        context.add_init_script('localStorage.setItem("llsrbm.tour", "seen")')
     page = context.new_page()
     page.faults, page.heard = [], []
     page.on("pageerror", lambda error: page.faults.append(str(error)))

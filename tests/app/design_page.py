@@ -6,6 +6,9 @@ import contextlib
 import queue
 
 from app.panel.design_controls import DesignControls
+from app.server.access import Access
+from app.server.guard import Guard
+from app.server.page_template import page
 from app.viser_link.designer_server import DesignerServer
 from llsrbm.examples import examples
 
@@ -13,11 +16,13 @@ from llsrbm.examples import examples
 class DesignPage:
     """Attributes: port; told: what happened; clients, controls: by tab, in order of connection."""
 
-    def __init__(self):
+    def __init__(self, guard=None):
         self.told = queue.Queue()
         self.tabs = queue.Queue()
-        self.server = DesignerServer("127.0.0.1", 0, {"localhost"})
+        self.guard = guard or Guard(Access(None), (), loopback=True)
+        self.server = DesignerServer("127.0.0.1", 0, self.guard, page)
         self.port = self.server.get_port()
+        self.guard.access.port = self.port
         self.server.on_client_connect(self._connected)
 
     def next(self, timeout=20):
@@ -41,8 +46,8 @@ class DesignPage:
 
 
 @contextlib.contextmanager
-def design_page():
-    page = DesignPage()
+def design_page(guard=None):
+    page = DesignPage(guard)
     try:
         yield page
     finally:

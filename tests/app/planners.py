@@ -109,6 +109,8 @@ class SyntheticPlanner:
             for i in range(500):
                 work(0.01, cancelled)
                 percent(i / 500)
+                if i % 20 == 0:
+                    so_far(i / 500, *standing_motion(task.plan.jump.robot, i // 20 + 1))
         elif seed == STUBBORNLY:
             percent(0.01)
             time.sleep(60)
@@ -146,6 +148,14 @@ def turning_states(robot, seconds=2.0, fps=50.0):
     return States.of(motion_of_states(loaded, "unitree-csv", t, qpos, qvel, fps), robot)
 
 
+def standing_motion(robot, instants):
+    """Instants and states of a robot that stands, 60 to a second."""
+    loaded = load_robot(robot)
+    q = loaded.posture
+    qpos = np.concatenate([q[:3], q[6:7], q[3:6], q[7:]])
+    return np.arange(instants) / 60, np.tile(qpos, (instants, 1))
+
+
 def is_(jump, way):
     return math.isclose(jump.twist, way)
 
@@ -161,3 +171,7 @@ def work(seconds, cancelled):
 
 def broken_factory():
     raise ModuleNotFoundError("no planner here")
+
+
+def hanging_factory():
+    time.sleep(60)

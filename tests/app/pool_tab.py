@@ -28,6 +28,12 @@ class Tab:
             pass
         return report
 
+    def progress(self, timeout=20.0):
+        """The next report of that kind."""
+        while not isinstance(report := self.reports.get(timeout=timeout), Progress):
+            assert isinstance(report, Partial)
+        return report
+
     def wait_until_running(self, job):
         while (report := self.reports.get(timeout=20)).text.startswith("waiting: "):
             pass

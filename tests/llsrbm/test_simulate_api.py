@@ -38,7 +38,7 @@ def calls(monkeypatch):
     """What reached the simulator, which answers with a rollout made by hand."""
     calls = []
 
-    def simulate(plan, robot, scenario, *, cancelled, progress):
+    def simulate(plan, robot, scenario, *, cancelled, progress, so_far):
         calls.append(SimpleNamespace(**locals()))
         return replace(synthetic_rollout(plan), scenario=scenario)
 
@@ -68,12 +68,14 @@ def test_everything_reaches_the_simulator(plan, calls):
     llsrbm.simulate(
         plan, board=0.025, half_board=True, seed=np.int64(1004), noise=0.5, detector="norm",
         landing="planned", solver="quadprog", trunk_mass=-0.12, cancelled=cancelled, progress=print,
+        so_far=repr,
     )  # fmt: skip
     scenario = Scenario(0.025, True, 1004, 0.5, "norm", "planned", "quadprog", -0.12)
     assert calls[0].scenario == scenario
     assert type(calls[0].scenario.seed) is int
     assert calls[0].cancelled is cancelled
     assert calls[0].progress is print
+    assert calls[0].so_far is repr
 
 
 @pytest.mark.parametrize(

@@ -28,7 +28,7 @@ class AngularMomentum(RootedOverlay):
     name = "spin"
     title = "Angular momentum"
     hint = f"About the centre of mass; the arrow of 1 kg m²/s is {METRES_PER_UNIT:g} m long."
-    root = "/spin"
+    root = "/momentum"
 
     def __init__(self, scene: viser.SceneApi) -> None:
         """See `Drawing`."""

@@ -7,35 +7,40 @@ from collections.abc import Sequence
 import viser
 
 from app.motion import colours
-from app.motion.clip import Track
-from app.motion.frames import Frames
-from app.scene.drawing import RootedOverlay
+from app.motion.clip import Strand, Track
+from app.scene.drawing import Overlay
 from app.scene.picture import Picture
 
 _RADIUS = 0.018  # m
 
 
-class CentreOfMass(RootedOverlay):
+class CentreOfMass(Overlay):
     """A ball."""
 
     name = "com"
     title = "Centre of mass"
     hint = "Of the whole robot, as the model or the simulation has it."
     at_first = True
-    root = "/com-of-robot"
 
     def __init__(self, scene: viser.SceneApi) -> None:
         """See `Drawing`."""
         super().__init__(scene)
         self._ball: viser.IcosphereHandle | None = None
 
-    def tracks(self, picture: Picture, frames: Frames) -> Sequence[Track]:
-        """See `RootedOverlay.tracks`."""
+    def draw(self, picture: Picture) -> Sequence[Strand]:
+        """See `Drawing.draw`."""
+        frames = picture.solid
+        assert frames is not None
         if self._ball is None:
             self._ball = self.scene.add_icosphere(
-                "/com", _RADIUS, colours.COM, subdivisions=2, cast_shadow=False
+                "/com",
+                _RADIUS,
+                colours.COM,
+                subdivisions=1,
+                cast_shadow=False,
+                receive_shadow=False,
             )
-        return [Track((self._ball.name,), frames.com)]
+        return [Strand(frames.time, (Track((self._ball.name,), frames.com),))]
 
     def show(self, *, visible: bool) -> None:
         """See `Drawing.show`."""

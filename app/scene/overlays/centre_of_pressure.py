@@ -42,7 +42,7 @@ class CentreOfPressure(RootedOverlay):
         return [
             Track(
                 tuple(self._disc.names(1)),
-                place + [0.0, 0.0, _ABOVE],
+                place + np.array([0.0, 0.0, _ABOVE]),
                 None,
                 there[:, None] * np.array([_RADIUS, _RADIUS, _THICK]),
             )

@@ -21,7 +21,7 @@ class Ghosts(Overlay):
     title = "Ghost"
     hint = "The plan beside its simulation, and what is pinned."
     at_first = True
-    parts = frozenset({"robot", "planned", "simulated", "ghosts"})
+    parts = frozenset({"robot", "planned", "simulated", "ghosts", "prepared"})
     needs_motion = False
 
     def __init__(self, scene: viser.SceneApi) -> None:

@@ -96,7 +96,9 @@ class _Ellipsoid:
                 1.0,
                 colour,
                 subdivisions=_SUBDIVISIONS,
-                opacity=0.22,
+                opacity=0.17,
+                # Far cheaper than the usual one, and as good on what is all but clear.
+                material="toon3",
                 cast_shadow=False,
                 receive_shadow=False,
             )

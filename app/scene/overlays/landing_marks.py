@@ -59,14 +59,7 @@ class LandingMarks(Overlay):
         steps = picture.blocks if picture.simulated is None else ()
         self._stepping = len(steps) > 0
         for step in steps:
-            if self._step is None:
-                self._step = self.scene.add_box(
-                    "/target/step",
-                    colours.TARGET,
-                    opacity=0.22,
-                    cast_shadow=False,
-                    receive_shadow=False,
-                )
+            assert self._step is not None
             self._step.dimensions = (float(step.size[0]), float(step.size[1]), float(step.size[2]))
             self._step.position = step.centre
             self._step.wxyz = attitude(step)
@@ -86,6 +79,14 @@ class LandingMarks(Overlay):
         for mark in self._marks:
             mark.remove()
         self._robot = robot
+        if self._step is None:
+            self._step = self.scene.add_box(
+                "/target/step",
+                colours.TARGET,
+                opacity=0.22,
+                cast_shadow=False,
+                receive_shadow=False,
+            )
         self._marks = [self._add_mark(robot, f"/target/foot{i}") for i in range(len(robot.legs))]
 
     def _add_mark(self, robot: Robot, name: str) -> viser.CylinderHandle | viser.BoxHandle:

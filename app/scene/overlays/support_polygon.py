@@ -20,6 +20,7 @@ Array = NDArray[np.float64]
 
 _WIDE, _THICK = 0.012, 0.003  # m, of an edge
 _ABOVE = 0.004  # m; edges would flicker in the ground's own plane
+_STRAIGHT = 1e-8  # m2: twice the area of three points that count as one line
 
 
 class SupportPolygon(RootedOverlay):
@@ -89,7 +90,7 @@ def _hull(points: Array, among: NDArray[np.int64]) -> list[int]:
 
     def left_of(a: int, b: int, c: int) -> bool:
         (ax, ay), (bx, by), (cx, cy) = places[a], places[b], places[c]
-        return bool((bx - ax) * (cy - ay) - (by - ay) * (cx - ax) > 0)
+        return bool((bx - ax) * (cy - ay) - (by - ay) * (cx - ax) > _STRAIGHT)
 
     def chain(path: list[int]) -> list[int]:
         corners: list[int] = []

@@ -93,7 +93,9 @@ def test_a_plan_that_the_planner_cannot_start_from_is_left_out(monkeypatch):
 
 def test_a_file_is_opened_and_its_robot_prepared(monkeypatch):
     prepared = []
-    monkeypatch.setattr(LibraryPlanner, "prepare", lambda _, robot, progress: prepared.append(robot))
+    monkeypatch.setattr(
+        LibraryPlanner, "prepare", lambda _, robot, progress: prepared.append(robot)
+    )
     design = dump_design(Design(Jump(robot="go2")))
     task = OpenFile("mine.jump.json", design.encode(), "anymal")
     assert LibraryPlanner().open(task, silent).holds.jump.robot == "go2"

@@ -209,7 +209,7 @@ def test_a_simulation_tells_per_cents_to_its_tab_and_words_to_others(own_pool):
     job = tab.simulate(seed=planners.SLOWLY)
     tab.wait_until_running(job)
     other.plan()
-    shares = [tab.reports.get(timeout=20).share for _ in range(8)]
+    shares = [tab.progress().share for _ in range(8)]
     assert shares == sorted(set(shares))
     assert 0.05 < shares[-1] < 0.3
     own_pool.cancel("tab")

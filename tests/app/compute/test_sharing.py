@@ -234,7 +234,7 @@ def test_cancelling_one_job_leaves_those_with_smaller_numbers(pool):
     assert first.outcome() == Cancelled(latest)
     second.wait_until_running(later)
     time.sleep(0.2)
-    assert isinstance(second.reports.get(timeout=5), Progress)
+    assert second.progress(timeout=5).job == later
     pool.cancel("second")
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from app.compute.offered import uploaded_design
-from app.viser_link.designer_server import MAX_UPLOAD
+from app.viser_link.limits import MAX_UPLOAD
 from llsrbm.design import Design, dump_design
 from llsrbm.errors import InputError
 from llsrbm.examples import examples

@@ -9,9 +9,22 @@ from scipy.spatial.transform import Rotation
 
 from app.motion import colours
 from app.motion.planned_motion import bake_plan
-from app.plots.charts import GROUPS, LANDING, TORQUES, Layer, charts, joint_kinds, shown_layers
+from app.plots.charts import Layer, charts, components_offered, shown_layers
+from app.plots.choice import (
+    LANDING,
+    OVERVIEW,
+    PRESETS,
+    TORQUES,
+    ChartChoice,
+    PlotChoice,
+)
+from app.plots.figure import everything, figure
+from app.plots.signal import joint_kinds
+from app.plots.signals import SIGNALS
 from llsrbm.jump import Jump
-from llsrbm.motion.rollout import Disturbance
+from llsrbm.motion.plan import Plan
+from llsrbm.motion.quantity import TIME, derived, quantities
+from llsrbm.motion.rollout import Disturbance, Rollout
 from llsrbm.robots import load_robot
 from tests.app.synthetic_plan import FLY, GRAVITY, STAND, TORQUE_SHARE, synthetic_plan
 from tests.llsrbm.synthetic_rollout import THRESHOLD, YAW_SHORTFALL, synthetic_rollout
@@ -35,17 +48,22 @@ def rollout(planned):
     return synthetic_rollout(planned.plan)
 
 
-def drawn(group, planned, rollout=None, joints="all"):
+def chosen(name, joints="all joints"):
+    """A preset."""
+    return PRESETS[name].with_joints(joints)
+
+
+def drawn(group, planned, rollout=None, joints="all joints"):
     """Lines by chart and layer."""
-    found = charts(group, shown_layers(planned, rollout), joints)
-    return {chart.title: {line.title: line for line in chart.lines} for chart in found}
+    found = charts(chosen(group, joints), shown_layers(planned, rollout))
+    return {chart.heading: {line.title: line for line in chart.lines} for chart in found}
 
 
 def at(line, instant):
     return np.interp(instant, line.time, line.values)
 
 
-def simulated(group, planned, rollout, joints="all"):
+def simulated(group, planned, rollout, joints="all joints"):
     """(T, n) of the simulation's lines, in the charts' order."""
     lines = drawn(group, planned, rollout, joints).values()
     return np.stack([chart["simulation"].values for chart in lines], axis=1)
@@ -57,9 +75,9 @@ def simulated(group, planned, rollout, joints="all"):
 def test_planned_curves_in_mid_flight(planned, robot):
     plan = {title: chart["plan"] for title, chart in drawn("Overview", planned).items()}
     height = robot.com[2] + GRAVITY * FLY**2 / 8
-    assert at(plan["Base yaw [°]"], MIDDLE) == pytest.approx(np.degrees(TWIST / 2), abs=0.5)
-    assert at(plan["Base yaw rate [rad/s]"], MIDDLE) == pytest.approx(TWIST / FLY)
-    assert at(plan["CoM height [m]"], MIDDLE) == pytest.approx(height, abs=1e-3)
+    assert at(plan["Base angle, yaw [°]"], MIDDLE) == pytest.approx(np.degrees(TWIST / 2), abs=0.5)
+    assert at(plan["Angular velocity, z [rad/s]"], MIDDLE) == pytest.approx(TWIST / FLY)
+    assert at(plan["CoM position, z [m]"], MIDDLE) == pytest.approx(height, abs=1e-3)
     assert at(plan["Vertical force, all feet [N]"], MIDDLE) == 0
     norm = drawn(LANDING, planned)["Spatial velocity ‖v_G‖"]["plan"]
     # At the apex nothing moves but the turning body.
@@ -91,7 +109,11 @@ def test_inertias_of_stiff_legs_are_those_of_the_standing_robot(planned, robot):
 
 def test_planned_torques_lie_under_the_simulated_ones(planned, rollout):
     alone, both = drawn(TORQUES, planned), drawn(TORQUES, planned, rollout)
-    shares = ["Torque / limit", "Torque / limit at its speed", "Joint speed / limit"]
+    shares = [
+        "Largest torque / limit",
+        "Largest torque / limit at its speed",
+        "Largest joint speed / limit",
+    ]
     assert list(alone) == list(both) == [*shares, "Power of the drives [W]"]
     for title in shares:
         assert list(alone[title]) == ["limit", "plan"]
@@ -107,8 +129,11 @@ def test_planned_torques_lie_under_the_simulated_ones(planned, rollout):
 def test_a_plan_whose_torques_are_not_known(planned, rollout, robot):
     unknown = replace(planned.plan, joint_velocity=None, joint_torque=None, joint_torque_limit=None)
     replay = bake_plan(unknown, robot)
-    assert list(drawn(TORQUES, replay)) == ["Joint speed / limit"]
-    assert list(drawn(TORQUES, replay, rollout)["Torque / limit"]) == ["limit", "simulation"]
+    assert list(drawn(TORQUES, replay)) == ["Largest joint speed / limit"]
+    assert list(drawn(TORQUES, replay, rollout)["Largest torque / limit"]) == [
+        "limit",
+        "simulation",
+    ]
 
 
 def test_power_is_torque_times_speed(planned, rollout):
@@ -121,8 +146,8 @@ def test_power_is_torque_times_speed(planned, rollout):
 
 
 def test_every_group_has_both_layers(planned, rollout):
-    for group in GROUPS:
-        found = charts(group, shown_layers(planned, rollout))
+    for group, choice in PRESETS.items():
+        found = charts(choice, shown_layers(planned, rollout))
         assert 3 <= len(found) <= 5, group
         for chart in found:
             assert "simulation" in {line.title for line in chart.lines}, chart.title
@@ -207,9 +232,9 @@ def test_forces_of_the_feet_add_up(planned, rollout, robot):
 def test_torques_are_shares_of_the_robots_limits(planned, rollout, robot):
     found = drawn(TORQUES, planned, rollout, "KFE")
     assert list(found) == [
-        "Torque / limit, KFE",
-        "Torque / limit at its speed, KFE",
-        "Joint speed / limit, KFE",
+        "Largest torque / limit, KFE",
+        "Largest torque / limit at its speed, KFE",
+        "Largest joint speed / limit, KFE",
         "Power of the drives, KFE [W]",
     ]
     knees = [k for k, name in enumerate(rollout.joint_names) if name.endswith("KFE")]
@@ -228,29 +253,32 @@ def test_torques_are_shares_of_the_robots_limits(planned, rollout, robot):
     ):
         assert found[title]["simulation"].values == pytest.approx(expected.max(axis=1))
         assert found[title]["limit"].values.tolist() == [1.0, 1.0]
-    of_all = drawn(TORQUES, planned, rollout)["Torque / limit"]["simulation"].values
+    of_all = drawn(TORQUES, planned, rollout)["Largest torque / limit"]["simulation"].values
     assert of_all.max() == pytest.approx(np.abs(rollout.torque).max() / limits.torque)
 
 
 def test_a_drive_that_can_give_nothing(planned, rollout):
     """Is at no limit if it gives nothing, and beyond all of them where a plan asks for torque."""
-    title = "Torque / limit at its speed"
+    title = "Largest torque / limit at its speed"
     spent = replace(
         rollout, torque=np.zeros_like(rollout.torque), torque_limit=0 * rollout.torque_limit
     )
     assert (drawn(TORQUES, planned, spent)[title]["simulation"].values == 0).all()
     motion = replace(planned.motion, joint_torque_limit=0 * planned.motion.joint_torque_limit)
-    shares = drawn(TORQUES, replace(planned, motion=motion))[title]["plan"]
-    assert at(shares, STAND / 2) == 2.0
+    without = replace(planned, motion=motion)
+    shares = drawn(TORQUES, without)[title]["plan"]
+    assert at(shares, STAND / 2) == np.inf
     assert at(shares, MIDDLE) == 0
+    rows = figure(PRESETS[TORQUES], shown_layers(without, None), 1.3).charts[1]
+    assert np.nanmax(rows.values[1]) == 2.0, "what is drawn ends at twice the limit"
 
 
 @pytest.mark.parametrize(
     ("name", "kinds"),
     [
-        ("anymal", ("all", "HAA", "HFE", "KFE")),
-        ("go2", ("all", "hip", "thigh", "calf")),
-        ("slider", ("all", "roll", "pitch", "slide", "yaw", "ankle_pitch", "ankle_roll")),
+        ("anymal", ("all joints", "HAA", "HFE", "KFE")),
+        ("go2", ("all joints", "hip", "thigh", "calf")),
+        ("slider", ("all joints", "roll", "pitch", "slide", "yaw", "ankle_pitch", "ankle_roll")),
     ],
 )
 def test_joints_are_chosen_by_their_place_in_the_leg(name, kinds):
@@ -284,8 +312,8 @@ def test_detection_is_in_units_of_its_threshold(planned, rollout):
     highest = (rollout.detection_signal / THRESHOLD).max()
     assert found["simulation"].values.max() == pytest.approx(highest)
     hard = replace(rollout, detection_signal=rollout.detection_signal * 1e4)
-    clipped = drawn(LANDING, planned, hard)["Detection signal / |threshold|"]["simulation"]
-    assert clipped.values.max() == 3.0
+    rows = figure(PRESETS[LANDING], shown_layers(planned, hard), 2.3).charts[1]
+    assert np.nanmax(rows.values[-1]) == 3.0
     # The norm's signal is compared with a negative number.
     negative = replace(rollout, detection_threshold=-THRESHOLD)
     found = drawn(LANDING, planned, negative)["Detection signal / |threshold|"]
@@ -300,11 +328,107 @@ def test_pinned_designs_may_be_of_another_robot(planned, rollout):
     other = bake_plan(synthetic_plan(Jump(robot="slider", twist=0.5)), slider)
     pin_layer = Layer("pin", colours.PINNED[0], other, synthetic_rollout(other.plan), pinned=True)
     layers = (pin_layer, *shown_layers(planned, rollout))
-    forces = {chart.title: len(chart.lines) for chart in charts("Contact forces", layers)}
+    forces = {
+        chart.heading: len(chart.lines) for chart in charts(PRESETS["Contact forces"], layers)
+    }
     assert forces["Vertical force, all feet [N]"] == 3
-    assert forces["Vertical force, LF [N]"] == 2
-    assert forces["Vertical force, left [N]"] == 1
-    for group in GROUPS:
-        assert charts(group, layers)
-    lines = charts(TORQUES, layers, "KFE")[0].lines
+    assert forces["Foot force, LF z [N]"] == 2
+    assert forces["Foot force, left z [N]"] == 1
+    for choice in PRESETS.values():
+        assert charts(choice, layers)
+    lines = charts(chosen(TORQUES, "KFE"), layers)[0].lines
     assert [line.title for line in lines] == ["limit", "plan", "simulation"]
+
+
+# ---- any quantity
+
+
+def one(key, *components, each=False):
+    return PlotChoice((ChartChoice(key, components, each),))
+
+
+def test_what_plans_and_rollouts_declare_can_be_plotted(planned, rollout):
+    declared = {
+        name
+        for of in (Plan, Rollout)
+        for name, quantity in (quantities(of) | derived(of)).items()
+        if quantity.listed and quantity.axes[:1] == (TIME,)
+    }
+    renamed = {"torque": "joint_torque", "torque_limit": "joint_torque_limit"}
+    assert {renamed.get(name, name) for name in declared - {"time"}} <= set(SIGNALS)
+    layers = shown_layers(planned, rollout)
+    for key in SIGNALS:
+        assert charts(one(key), layers), key
+        assert len(charts(one(key), layers)) == 1
+
+
+def test_declared_quantities_are_the_recorded_ones(planned, rollout):
+    layers = shown_layers(planned, rollout)
+    for key, recorded in (
+        ("base_velocity", rollout.base_velocity),
+        ("foot_position", rollout.foot_position),
+        ("reference_com", rollout.reference_com),
+        ("mode", rollout.mode),
+        ("inertia", rollout.inertia[:, [0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]),
+    ):
+        (chart,) = charts(one(key), layers)
+        lines = [line.values for line in chart.lines if line.title == "simulation"]
+        assert np.array_equal(np.stack(lines, axis=1), recorded.reshape(len(rollout.time), -1)), key
+    # Those of the plan alone, at its knots.
+    (chart,) = charts(one("leg_com", "LF"), layers)
+    assert [line.name for line in chart.lines] == ["plan LF x", "plan LF y", "plan LF z"]
+    time, leg = planned.plan.time, planned.plan.leg_com[:, 0, 2]
+    middle = time[len(time) // 2]
+    assert at(chart.lines[2], middle) == pytest.approx(np.interp(middle, time, leg), abs=1e-3)
+
+
+def test_joints_by_name(planned, rollout):
+    layers = shown_layers(planned, rollout)
+    name = "LF_KFE"
+    (chart,) = charts(one("joint_torque", name), layers)
+    assert chart.heading == "Joint torque, LF_KFE [Nm]"
+    assert [line.name for line in chart.lines] == ["plan", "simulation"]
+    column = rollout.joint_names.index(name)
+    assert np.array_equal(chart.lines[1].values, rollout.torque[:, column])
+    (leg,) = charts(one("joint_torque", "LF"), layers)
+    assert leg.title == "Joint torque, LF"
+    assert len(leg.lines) == 6
+    # The same component has the same dashes in both motions, different ones differ.
+    dashes = {line.component: set() for line in leg.lines}
+    for line in leg.lines:
+        dashes[line.component].add(line.dash)
+    assert len({dash for of in dashes.values() for dash in of}) == len(dashes) == 3
+    each = charts(one("joint_torque", "LF", each=True), layers)
+    assert [chart.title for chart in each] == [
+        f"Joint torque, LF_{k}" for k in ("HAA", "HFE", "KFE")
+    ]
+
+
+def test_components_that_can_be_chosen(planned, rollout):
+    layers = shown_layers(planned, rollout)
+    assert components_offered("com", layers) == ("all", "a chart each", "x", "y", "z")
+    assert components_offered("mode", layers) == ("all",)
+    feet = components_offered("foot_force", layers)
+    assert feet[:6] == ("all", "a chart each", "LF", "x", "y", "z")
+    assert "RH z" in feet
+    joints = components_offered("joint_velocity", layers)
+    assert {"HAA", "LF", "RH_KFE"} <= set(joints)
+    assert components_offered("com", ()) == ("all",)
+
+
+def test_sliding_joints_have_their_own_unit():
+    robot = load_robot("slider")
+    layers = shown_layers(bake_plan(synthetic_plan(Jump(robot="slider")), robot), None)
+    (chart,) = charts(one("joint_position", "left"), layers)
+    units = {line.component: line.unit for line in chart.lines}
+    assert units["left_slide_joint" if "left_slide_joint" in units else "left_slide"] == "m"
+    assert chart.unit == "rad or m"
+
+
+def test_what_there_is_not_is_left_out(planned):
+    layers = shown_layers(planned, None)
+    assert charts(one("no such signal"), layers) == ()
+    assert charts(one("com", "no such axis"), layers) == ()
+    assert charts(one("mode"), layers) == ()  # of simulations alone
+    assert len(figure(everything(), layers, 1.3).charts) > 50
+    assert charts(PRESETS[OVERVIEW], ()) == ()

@@ -7,7 +7,8 @@ import pytest
 
 from app.motion import colours
 from app.motion.planned_motion import bake_plan
-from app.plots.charts import GROUPS, LANDING, Layer, charts, shown_layers
+from app.plots.charts import Layer, charts, shown_layers
+from app.plots.choice import LANDING, OVERVIEW, PRESETS
 from app.plots.figure import figure
 from app.plots.time_grid import ABOVE
 from llsrbm.jump import Jump
@@ -34,12 +35,12 @@ def layers(planned, rollout):
     return (*pinned, *shown_layers(planned, rollout))
 
 
-@pytest.mark.parametrize("group", GROUPS)
-def test_a_curve_has_at_most_200_points(group, layers, rollout):
-    drawn = figure(group, layers, rollout.time[-1])
+@pytest.mark.parametrize("group", PRESETS)
+def test_a_curve_has_at_most_400_points(group, layers, rollout):
+    drawn = figure(PRESETS[group], layers, rollout.time[-1])
     assert drawn.charts
     count = len(drawn.grid.time)
-    assert count <= 200
+    assert count <= 400
     assert (np.diff(drawn.grid.time) >= 0).all()
     for rows in drawn.charts:
         assert len(rows.strokes) == len(rows.values)
@@ -47,8 +48,8 @@ def test_a_curve_has_at_most_200_points(group, layers, rollout):
 
 
 def test_peaks_of_every_curve_are_drawn(layers, rollout):
-    drawn = figure("Contact forces", layers, rollout.time[-1])
-    for rows, chart in zip(drawn.charts, charts("Contact forces", layers), strict=True):
+    drawn = figure(PRESETS["Contact forces"], layers, rollout.time[-1])
+    for rows, chart in zip(drawn.charts, charts(PRESETS["Contact forces"], layers), strict=True):
         for stroke, values, line in zip(rows.strokes, rows.values, chart.lines, strict=True):
             assert (stroke.title, stroke.colour) == (line.title, line.colour)
             assert np.nanmax(values) == pytest.approx(line.values.max())
@@ -56,7 +57,7 @@ def test_peaks_of_every_curve_are_drawn(layers, rollout):
 
 
 def test_the_plan_ends_before_the_simulation(planned, rollout):
-    drawn = figure("CoM position", shown_layers(planned, rollout), rollout.time[-1])
+    drawn = figure(PRESETS["CoM position"], shown_layers(planned, rollout), rollout.time[-1])
     ends = {}
     for stroke, values in zip(drawn.charts[0].strokes, drawn.charts[0].values, strict=True):
         ends[stroke.title] = drawn.grid.time[np.isfinite(values)][-1]
@@ -67,19 +68,19 @@ def test_the_plan_ends_before_the_simulation(planned, rollout):
 
 @pytest.mark.parametrize(("end", "axis"), [(1.3, 1.5), (1.5, 1.5), (1.501, 1.75), (2.3, 2.5)])
 def test_time_axes_do_not_follow_every_plan(planned, end, axis):
-    drawn = figure("Overview", shown_layers(planned, None), end)
+    drawn = figure(PRESETS[OVERVIEW], shown_layers(planned, None), end)
     assert drawn.grid.time[[0, -1]].tolist() == [0.0, axis]
 
 
 def test_flight_is_shaded(planned):
-    drawn = figure("Overview", shown_layers(planned, None), planned.plan.duration)
+    drawn = figure(PRESETS[OVERVIEW], shown_layers(planned, None), planned.plan.duration)
     shaded = drawn.grid.time[drawn.flight == ABOVE]
     assert shaded[[0, -1]] == pytest.approx([STAND, STAND + FLY])
     assert drawn.marks == ()
 
 
 def test_touchdowns_are_marked(planned, rollout):
-    drawn = figure(LANDING, shown_layers(planned, rollout), rollout.time[-1])
+    drawn = figure(PRESETS[LANDING], shown_layers(planned, rollout), rollout.time[-1])
     marked = {
         stroke.title: drawn.grid.time[np.flatnonzero(np.diff(step))[0]]
         for stroke, step in zip(drawn.mark_strokes, drawn.marks, strict=True)
@@ -100,10 +101,10 @@ def test_a_robot_that_never_landed_has_no_such_mark(planned, rollout):
     outcome = replace(rollout.outcome, touchdown_true_s=None, touchdown_detected_s=None)
     flying = replace(rollout, outcome=outcome)
     for group, expected in ((LANDING, ["touch-down planned"]), ("Overview", [])):
-        drawn = figure(group, shown_layers(planned, flying), rollout.time[-1])
+        drawn = figure(PRESETS[group], shown_layers(planned, flying), rollout.time[-1])
         assert [stroke.title for stroke in drawn.mark_strokes] == expected
 
 
 def test_pinned_designs_have_no_marks(layers, rollout):
-    drawn = figure("Overview", layers, rollout.time[-1])
+    drawn = figure(PRESETS[OVERVIEW], layers, rollout.time[-1])
     assert [stroke.colour for stroke in drawn.mark_strokes] == [colours.SIMULATED]

@@ -2,16 +2,28 @@
 
 from __future__ import annotations
 
-import numpy as np
+import queue
+import time
+from dataclasses import replace
+
+import pytest
 
 from app.motion import colours
 from app.motion.planned_motion import bake_plan
-from app.plots.charts import GROUPS, TORQUES, Layer, shown_layers
+from app.plots.charts import Layer, shown_layers
+from app.plots.choice import DEFAULT, LANDING, OVERVIEW, PRESETS, TORQUES, ChartChoice
+from app.plots.csv_file import csv_of
 from app.plots.plots import Plots
-from app.plots.time_grid import ABOVE
+from app.server.access import Access
+from app.server.guard import Guard
+from app.server.page_template import page as designer_page
+from app.viser_link.designer_server import DesignerServer
 from llsrbm.jump import Jump
 from llsrbm.robots import load_robot
+from tests.app.raw_tab import RawTab
 from tests.app.synthetic_plan import synthetic_plan
+
+MINIMISED = "GuiSetPanelCollapsedMessage"
 
 
 def charts(tab):
@@ -24,112 +36,199 @@ def lines(props):
     return [series["label"] for series in props["series"] if series.get("scale") == "y"]
 
 
-def choose(tab, group):
-    tab.set("Quantity", group)
-    first = {
-        "Overview": "Base yaw [°]",
-        "CoM position": "CoM x [m]",
-        TORQUES: "Joint speed / limit",
-    }[group]
-    tab.wait(lambda: first in charts(tab), group)
+class PlotPage:
+    """Plots alone, which note what was chosen."""
+
+    def __init__(self, designer_server, tab):
+        self.tab = tab
+        self.chosen = queue.Queue()
+        client = max(designer_server.get_clients().items())[1]
+        self.plots = Plots(client, self.chosen.put)
+
+    def draw(self, layers, choice, moving=False):
+        self.plots.draw(layers, 1.3, choice, moving=moving)
 
 
-def test_only_the_chosen_group_is_sent(tab):
-    assert len(charts(tab)) == 4
-    choose(tab, "CoM position")
-    shown = charts(tab)
-    assert list(shown) == ["CoM x [m]", "CoM y [m]", "CoM z [m]"]
-    for props in shown.values():
+@pytest.fixture(scope="module")
+def served():
+    guard = Guard(Access(None), (), loopback=True)
+    server = DesignerServer("127.0.0.1", 0, guard, designer_page)
+    guard.access.port = server.get_port()
+    yield server
+    server.stop()
+
+
+@pytest.fixture
+def page(served):
+    with RawTab(served.get_port()) as tab:
+        tab.wait(lambda: served.get_clients(), "the connection")
+        made = PlotPage(served, tab)
+        tab.wait(lambda: len(tab.scripts) == 3, "the scripts")
+        yield made
+    deadline = time.monotonic() + 5
+    while served.get_clients() and time.monotonic() < deadline:
+        time.sleep(0.01)
+
+
+@pytest.fixture(scope="module")
+def planned():
+    return bake_plan(synthetic_plan(Jump(twist=1.0)), load_robot("anymal"))
+
+
+@pytest.fixture(scope="module")
+def layers(planned):
+    return shown_layers(planned, None)
+
+
+def test_only_chosen_charts_are_sent(page, layers):
+    page.draw(layers, DEFAULT)
+    page.tab.wait(lambda: len(charts(page.tab)) == 4, "the overview")
+    page.draw(layers, PRESETS["CoM position"])
+    titles = [f"CoM position, {axis} [m]" for axis in "xyz"]
+    page.tab.wait(lambda: list(charts(page.tab)) == titles, "three charts")
+    for props in charts(page.tab).values():
         assert lines(props) == ["plan"]
         assert len(props["series"]) == len(props["data"])
         assert {len(row) for row in props["data"]} == {len(props["data"][0])}
 
 
-def test_charts_are_in_the_folder(tab):
-    uuids = {m["props"].get("label"): m["uuid"] for m in tab.controls.values()}
-    containers = {
-        m["container_uuid"] for m in tab.controls.values() if m["type"] == "GuiUplotMessage"
-    }
-    (container,) = containers
-    assert tab.controls[container]["container_uuid"] == uuids["Plots"]
+def test_nothing_is_sent_while_a_slider_moves_or_nothing_changed(page, layers, planned):
+    page.draw(layers, DEFAULT)
+    page.tab.wait(lambda: len(charts(page.tab)) == 4, "the overview")
+    drawn = page.tab.received["GuiUpdateMessage"]
+    page.draw(layers, PRESETS[TORQUES], moving=True)
+    page.draw(layers, DEFAULT)
+    # Layers that were made anew of the same motions.
+    page.draw(shown_layers(planned, None), DEFAULT)
+    page.draw(layers, replace(DEFAULT, offered=ChartChoice("mode")))
+    page.tab.wait(lambda: page.tab.control("Quantity")["value"] == "Mode", "the offer")
+    later = page.tab.received["GuiUpdateMessage"] - drawn
+    assert later <= 3, "the controls alone"
+    assert next(iter(charts(page.tab))) == "Base angle, yaw [°]"
+
+
+def test_a_closed_area_gets_no_data(page, layers):
+    page.draw(layers, DEFAULT)
+    page.tab.wait(lambda: len(charts(page.tab)) == 4, "the overview")
+    before = page.tab.received[MINIMISED]
+    page.draw(layers, replace(DEFAULT, open=False))
+    page.tab.wait(lambda: page.tab.received[MINIMISED] == before + 1, "minimised")
+    assert charts(page.tab) == {}
+    page.tab.wait(lambda: page.tab.control("Plot area")["value"] is False, "the box")
+    page.draw(layers, DEFAULT)
+    page.tab.wait(lambda: len(charts(page.tab)) == 4, "the overview")
+    assert page.tab.received[MINIMISED] == before + 2
+
+
+def test_what_the_page_closed_is_not_closed_again(page, layers):
+    page.draw(layers, DEFAULT)
+    page.tab.wait(lambda: len(charts(page.tab)) == 4, "the overview")
+    before = page.tab.received[MINIMISED]
+    (seen,) = (m for m in page.tab.controls.values() if m["props"].get("label") == "")
+    message = {"type": "GuiUpdateMessage", "uuid": seen["uuid"], "updates": {"value": False}}
+    page.tab.send(message)
+    closed = page.chosen.get(timeout=5)
+    assert closed == replace(DEFAULT, open=False)
+    page.draw(layers, closed)
+    page.tab.wait(lambda: charts(page.tab) == {}, "no charts")
+    assert page.tab.received[MINIMISED] == before
+
+
+def test_choices_are_reported_and_not_drawn(page, layers):
+    page.draw(layers, DEFAULT)
+    page.tab.wait(lambda: len(charts(page.tab)) == 4, "the overview")
+    tab, next_ = page.tab, lambda: page.chosen.get(timeout=5)
+    tab.set("Quantity", "Foot force")
+    offered = next_()
+    assert offered.offered == ChartChoice("foot_force")
+    page.draw(layers, offered)
+    tab.wait(lambda: "RH z" in tab.control("Component")["props"]["options"], "the feet")
+    tab.set("Component", "RH z")
+    assert next_().offered == ChartChoice("foot_force", ("RH z",))
+    tab.press("Add chart")
+    added = next_()
+    assert added.charts == (*DEFAULT.charts, ChartChoice("foot_force", ("RH z",)))
+    assert len(charts(tab)) == 4
+    page.draw(layers, added)
+    tab.wait(lambda: "Foot force, RH z [N]" in charts(tab), "the fifth")
+    tab.wait(lambda: tab.control("Preset")["value"] == "Own choice", "no preset")
+    tab.set("Chart", "Foot force, RH z")
+    tab.press("Remove chart")
+    assert next_().charts == DEFAULT.charts
+    tab.set("Preset", TORQUES)
+    torques = next_()
+    assert torques.preset == TORQUES
+    page.draw(layers, torques)
+    kinds = ["all joints", "HAA", "HFE", "KFE"]
+    tab.wait(lambda: list(tab.control("Joints")["props"]["options"]) == kinds, "ANYmal's joints")
+    tab.set("Joints", "HFE")
+    hips = next_()
+    page.draw(layers, hips)
+    tab.wait(lambda: "Largest joint speed / limit, HFE" in charts(tab), "the hips")
+    tab.set("Landing zoom", True)
+    assert next_() == replace(hips, landing=True)
+
+
+@pytest.mark.parametrize("label", ["Preset", "Quantity", "Component", "Chart", "Joints"])
+def test_what_cannot_be_chosen_is_ignored(page, layers, label):
+    page.draw(layers, DEFAULT)
+    page.tab.set(label, ["no", "such"])
+    page.tab.press("Remove chart")
+    page.tab.set("Landing zoom", True)
+    while not (choice := page.chosen.get(timeout=5)).landing:
+        pass
+    page.draw(layers, choice)
+    page.tab.wait(lambda: charts(page.tab), "charts")
+
+
+def test_a_table_of_what_is_shown(page, layers):
+    page.draw(layers, PRESETS["CoM position"])
+    page.tab.wait(lambda: len(charts(page.tab)) == 3, "the charts")
+    page.tab.press("Download")
+    page.tab.wait(lambda: page.tab.downloads, "the file")
+    ((name, content),) = page.tab.downloads
+    assert name == "plots.csv"
+    assert content == csv_of(layers, PRESETS["CoM position"])
+
+
+def test_pinned_designs_lie_under_the_one_that_is_shown(page, layers):
+    slider = bake_plan(synthetic_plan(Jump(robot="slider")), load_robot("slider"))
+    pinned = Layer("pin", colours.PINNED[0], slider, None, pinned=True)
+    page.draw((*layers, pinned), PRESETS[TORQUES])
+    page.tab.wait(lambda: len(charts(page.tab)) == 4, "the charts")
+    shown = charts(page.tab)["Largest joint speed / limit"]
+    assert lines(shown) == ["limit", "pin", "plan"]
+    # The choice is of the shown robot's joints.
+    assert "KFE" in page.tab.control("Joints")["props"]["options"]
+    page.plots.clear()
+    page.tab.wait(lambda: charts(page.tab) == {}, "nothing")
 
 
 def test_a_simulation_joins_the_plan(tab):
+    """In the designer: the session draws what is chosen."""
     tab.press("Simulate")
     tab.wait_for_status("Landed")
-    tab.wait(lambda: lines(charts(tab)["CoM height [m]"]) == ["plan", "simulation"], "both")
-    props = charts(tab)["CoM height [m]"]
+    title = "CoM position, z [m]"
+    tab.wait(lambda: lines(charts(tab)[title]) == ["plan", "simulation"], "both")
+    props = charts(tab)[title]
     strokes = {series["label"]: series.get("stroke") for series in props["series"]}
     assert strokes["plan"] == colours.css(colours.PLANNED)
     assert strokes["simulation"] == colours.css(colours.SIMULATED)
     assert props["scales"]["x"] == {"time": False, "range": [0.0, 2.5]}
     assert "simulation" in tab.text()
+    tab.set("Preset", LANDING)
+    tab.wait(lambda: "Spatial velocity ‖v_G‖" in charts(tab), "the landing")
+    tab.set("Preset", OVERVIEW)
+    tab.wait(lambda: title in charts(tab), "the overview")
     # A new plan takes the simulation away.
     tab.set("Twist [deg]", 30)
-    tab.wait(lambda: lines(charts(tab)["CoM height [m]"]) == ["plan"], "the plan alone")
+    tab.wait(lambda: lines(charts(tab)[title]) == ["plan"], "the plan alone")
 
 
-def test_joints_are_chosen_where_there_are_torques(tab):
-    assert not tab.control("Joints")["props"]["visible"]
-    choose(tab, TORQUES)
-    assert tab.control("Joints")["props"]["visible"]
-    assert list(tab.control("Joints")["props"]["options"]) == ["all", "HAA", "HFE", "KFE"]
-    tab.set("Joints", "HFE")
-    tab.wait(lambda: "Joint speed / limit, HFE" in charts(tab), "the hips")
-    choose(tab, "Overview")
-    assert not tab.control("Joints")["props"]["visible"]
-
-
-def test_what_cannot_be_chosen_is_ignored(tab):
-    choose(tab, "CoM position")
-    tab.set("Quantity", ["no", "group"])
-    tab.wait(lambda: "Base yaw [°]" in charts(tab), "the first group instead")
-    tab.set("Twist [deg]", 30)
-    tab.wait(lambda: charts(tab)["Base yaw [°]"]["data"][-1][-60] > 29, "the next plan")
-
-
-def test_a_scrubbed_motion_has_a_cursor(tab, session, monkeypatch):
-    # A page whose scripts do not answer draws no cursor of its own.
-    monkeypatch.setattr(session._stage, "_give_up_at", 0.0)
-    tab.set("Time [s]", 0.7)
-
-    def cursor():
-        time, _, step = charts(tab)["CoM height [m]"]["data"][:3]
-        return time[step == ABOVE][0] if (step == ABOVE).any() else np.inf
-
-    tab.wait(lambda: abs(cursor() - 0.7) < 0.02, "the cursor")
-
-
-def test_pinned_designs_lie_under_the_one_that_is_shown(tab, designer):
-    client = max(designer._server.get_clients().items())[1]
-    slider, anymal = (
-        bake_plan(synthetic_plan(Jump(robot=name)), load_robot(name))
-        for name in ("slider", "anymal")
-    )
-    pinned = Layer("pin", colours.PINNED[0], slider, None, pinned=True)
-    plots = Plots(client)
-
-    def labelled(label):
-        return [m for m in tab.controls.values() if m["props"].get("label") == label]
-
-    # Beside those of the session, which stay as they are.
-    tab.wait(lambda: len(labelled("Joints")) == 2, "further plots")
-    choice = {"uuid": labelled("Quantity")[1]["uuid"], "updates": {"value": TORQUES}}
-    tab.send({"type": "GuiUpdateMessage"} | choice)
-    tab.wait(lambda: plots._group.value == TORQUES, "the choice")
-    plots.draw((*shown_layers(anymal, None), pinned), 1.3)
-
-    def joints():
-        return list(labelled("Joints")[1]["props"]["options"])
-
-    # The choice is of the shown robot's joints.
-    tab.wait(lambda: joints() == ["all", "HAA", "HFE", "KFE"], "ANYmal's joints")
-    assert lines(charts(tab)["Joint speed / limit"]) == ["limit", "pin", "plan"]
-
-
-def test_labels_are_none_of_the_contracts():
+def test_labels_are_none_of_the_contracts(page):
     """Tests find controls by parts of their labels."""
-    for label in ("Quantity", "Joints"):
-        for taken in ("Robot", "Model", "Format", "Inertia ellipsoids", "Seed", "Disturb"):
+    labels = {m["props"].get("label") or "" for m in page.tab.controls.values()}
+    assert {"Quantity", "Download"} <= labels
+    for label in labels:
+        for taken in ("Robot", "Model", "Format", "Inertia ellipsoids", "Seed", "Disturb", "Play"):
             assert taken.lower() not in label.lower()
-    assert next(iter(GROUPS)) == "Overview"

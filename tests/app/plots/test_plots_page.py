@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from app.plots.charts import GROUPS, LANDING
+from app.plots.choice import LANDING, OVERVIEW, PRESETS
 from tests.app.chromium import PACE, VIEW, chromium, fill, status, wait_until
 
 pytestmark = pytest.mark.browser
@@ -40,6 +40,7 @@ def opened(browser, designer):
     # A motion that plays takes the processor from all else.
     page.get_by_role("button", name="Pause").click()
     page.wait_for_timeout(PACE)
+    page.get_by_role("tab", name="Plots").first.click()
     yield page
     assert faults == []
     context.close()
@@ -48,8 +49,8 @@ def opened(browser, designer):
 @pytest.fixture
 def page(opened):
     """With the overview in sight."""
-    if opened.get_by_label("Quantity").input_value() != "Overview":
-        choose(opened, "Quantity", "Overview")
+    if opened.get_by_label("Preset").input_value() != OVERVIEW:
+        choose(opened, "Preset", OVERVIEW)
     opened.mouse.move(10, 10)
     return opened
 
@@ -60,7 +61,7 @@ def simulate(page):
 
 
 def choose(page, label, value):
-    page.get_by_label(label).click()
+    page.get_by_label(label, exact=True).click()
     page.get_by_role("option", name=value, exact=True).click()
     page.wait_for_timeout(PACE)
 
@@ -69,7 +70,10 @@ def drawn(page, titles, timeout=10.0):
     """The charts, once they have these titles."""
     page.wait_for_function(
         "titles => JSON.stringify(Object.values(window.__viserTestpoints.uplots).map(({chart}) =>"
-        " chart.root.querySelector('.u-title').firstChild.textContent)) === JSON.stringify(titles)",
+        " chart.root.querySelector('.u-title').firstChild.textContent)) === JSON.stringify(titles)"
+        # A chart that is new in the page is measured later.
+        " && Object.values(window.__viserTestpoints.uplots).every("
+        "({chart}) => chart.over.clientWidth > 200)",
         arg=titles,
         timeout=1e3 * timeout,
     )
@@ -82,29 +86,29 @@ def drawn(page, titles, timeout=10.0):
     return charts
 
 
-OVERVIEW = [
-    "Base yaw [°]",
-    "Base yaw rate [rad/s]",
-    "CoM height [m]",
+OVERVIEW_CHARTS = [
+    "Base angle, yaw [°]",
+    "Angular velocity, z [rad/s]",
+    "CoM position, z [m]",
     "Vertical force, all feet [N]",
 ]
 
 
 def test_every_group_is_drawn_with_plan_and_simulation(page):
-    charts = drawn(page, OVERVIEW)
+    charts = drawn(page, OVERVIEW_CHARTS)
     assert [chart["curves"] for chart in charts] == [["plan"]] * 4
     assert {chart["end"] for chart in charts} == {1.5}
     simulate(page)
-    charts = drawn(page, OVERVIEW)
+    charts = drawn(page, OVERVIEW_CHARTS)
     assert [chart["curves"] for chart in charts] == [["plan", "simulation"]] * 4
     assert {chart["end"] for chart in charts} == {2.5}
-    for group in GROUPS:
-        if group == "Overview":
+    for group in PRESETS:
+        if group == OVERVIEW:
             continue
-        choose(page, "Quantity", group)
+        choose(page, "Preset", group)
         page.wait_for_timeout(300)
         titles = [chart["title"] for chart in page.evaluate(CHARTS)]
-        assert not set(titles) & set(OVERVIEW) or group == "Contact forces"
+        assert titles != OVERVIEW_CHARTS
         charts = drawn(page, titles)
         assert 3 <= len(charts) <= 5, titles
         for chart in charts:
@@ -115,9 +119,13 @@ def test_every_group_is_drawn_with_plan_and_simulation(page):
 
 def test_joints_are_chosen(page):
     simulate(page)
-    choose(page, "Quantity", "Joint torques and speeds")
+    choose(page, "Preset", "Joint torques and speeds")
     choose(page, "Joints", "KFE")
-    titles = ["Torque / limit", "Torque / limit at its speed", "Joint speed / limit"]
+    titles = [
+        "Largest torque / limit",
+        "Largest torque / limit at its speed",
+        "Largest joint speed / limit",
+    ]
     charts = drawn(page, [*(f"{title}, KFE" for title in titles), "Power of the drives, KFE [W]"])
     assert [chart["curves"] for chart in charts] == [
         *[["limit", "plan", "simulation"]] * 3,
@@ -155,12 +163,12 @@ def test_the_cursor_is_where_the_motion_is(page):
     page.evaluate(SEEK, 0.65)
     wait_for_cursors(page, 4, 0.65)
     # It outlives charts that are built anew, and other data.
-    choose(page, "Quantity", "Base angles")
+    choose(page, "Preset", "Base angles")
     wait_for_cursors(page, 3, 0.65)
     fill(page, "Twist [deg]", 30)
     page.wait_for_function(
         "() => Object.values(window.__viserTestpoints.uplots).some(({chart}) =>"
-        " Math.abs(Math.max(...chart.data[3].filter(Number.isFinite)) - 30) < 1)"
+        " Math.abs(Math.max(...chart.data[2].filter(Number.isFinite)) - 30) < 1)"
     )
     wait_for_cursors(page, 3, 0.65)
 
@@ -174,7 +182,7 @@ DATA = """time => Object.values(window.__viserTestpoints.uplots).map(({chart}) =
 
 def test_values_are_written_beside_the_titles(page):
     simulate(page)
-    drawn(page, OVERVIEW)
+    drawn(page, OVERVIEW_CHARTS)
     page.evaluate(SHOW, 0.65)
     page.wait_for_timeout(300)
     values, data = page.evaluate(VALUES), page.evaluate(DATA, 0.65)
@@ -195,8 +203,99 @@ def test_values_are_written_beside_the_titles(page):
     assert page.evaluate(VALUES) == values
 
 
+BOX = """() => { const box = document.querySelector('.llsrbm-hover');
+  return box.style.display === 'block' ? [...box.querySelectorAll('tr')].map(row =>
+    [...row.children].map(cell => cell.textContent)) : null; }"""
+
+
+def test_the_box_has_all_lines_by_name(page):
+    simulate(page)
+    choose(page, "Preset", "Joint torques and speeds")
+    titles = [chart["title"] for chart in page.evaluate(CHARTS)]
+    page.wait_for_function("document.querySelector('.u-title').textContent.startsWith('Largest')")
+    titles = [chart["title"] for chart in page.evaluate(CHARTS)]
+    drawn(page, titles)
+    over = page.locator(".u-over").nth(3)
+    box = over.bounding_box()
+    over.hover(position={"x": 0.1 * box["width"], "y": 20})
+    page.wait_for_timeout(200)
+    found = page.evaluate(BOX)
+    assert [name for name, *_ in found] == ["time", "plan", "simulation"]
+    assert {unit for _, _, unit in found[1:]} == {"W"}
+    assert not any("-0" in value and float(value) == 0 for _, value, _ in found)
+    over = page.locator(".u-over").first
+    over.hover(position={"x": 0.1 * box["width"], "y": 20})
+    page.wait_for_timeout(200)
+    assert [row[:2] for row in page.evaluate(BOX)[1:2]] == [["limit", "1.00"]]
+    page.mouse.move(10, 10)
+    page.wait_for_timeout(200)
+    assert page.evaluate(BOX) is None
+
+
+# ---- the area of plot_area.js
+
+BOXES = """() => Object.fromEntries([['area', '[data-llsrbm-pinned]'], ['picture', 'canvas'],
+  ['bar', '#llsrbm-transport']].map(([name, where]) => {
+    const box = document.querySelector(where)?.getBoundingClientRect();
+    return [name, box && [box.left, box.top, box.right, box.bottom].map(Math.round)];
+  }))"""
+
+
+@pytest.mark.parametrize("view", [VIEW, {"width": 1920, "height": 1080}], ids=["small", "large"])
+def test_charts_are_as_wide_as_the_picture_and_cover_nothing(page, view):
+    page.set_viewport_size(view)
+    try:
+        page.wait_for_timeout(1500)
+        drawn(page, OVERVIEW_CHARTS)
+        boxes = page.evaluate(BOXES)
+        area, picture, bar = boxes["area"], boxes["picture"], boxes["bar"]
+        assert (area[0], area[2], area[3]) == (picture[0], picture[2], view["height"])
+        assert picture[3] <= area[1] + 1
+        assert bar[3] <= area[1] + 1
+        assert picture[3] - picture[1] > 0.45 * view["height"]
+        tops = page.evaluate(
+            "[...document.querySelectorAll('.uplot')].map(e => e.offsetParent"
+            " && Math.round(e.getBoundingClientRect().top))"
+        )
+        rows = len(set(tops))
+        assert rows == (2 if view is VIEW else 1), "side by side"
+    finally:
+        page.set_viewport_size(VIEW)
+        page.wait_for_timeout(1000)
+
+
+def test_the_area_is_minimised_and_opened(page):
+    drawn(page, OVERVIEW_CHARTS)
+    page.locator("[data-llsrbm-pinned] [data-dock-minimize]").first.click()
+    page.wait_for_function("document.querySelectorAll('.uplot').length === 0")
+    box = page.get_by_label("Plot area")
+    wait_until(lambda: not box.is_checked(), "the server's word")
+    page.wait_for_timeout(600)
+    boxes = page.evaluate(BOXES)
+    assert boxes["area"][3] - boxes["area"][1] < 40
+    assert boxes["picture"][3] <= boxes["area"][1] + 1
+    box.click()
+    drawn(page, OVERVIEW_CHARTS)
+
+
+def test_fields_of_viser_that_are_missing_are_named(page):
+    drawn(page, OVERVIEW_CHARTS)
+    assert page.evaluate("llsrbmPlots.missing()") == []
+    lost = """() => { const points = window.__viserTestpoints, uplots = points.uplots;
+      delete points.uplots;
+      const without = llsrbmPlots.missing();
+      points.uplots = { some: { chart: { over: document.body } } };
+      const lacking = llsrbmPlots.missing();
+      points.uplots = uplots;
+      return [without, lacking]; }"""
+    without, lacking = page.evaluate(lost)
+    assert without == ["__viserTestpoints.uplots"]
+    assert "__viserTestpoints.uplots: posToVal" in lacking
+    assert "__viserTestpoints.uplots: over" not in lacking
+
+
 def test_a_click_tells_its_time_and_a_drag_does_not(page):
-    end = drawn(page, OVERVIEW)[1]["end"]
+    end = drawn(page, OVERVIEW_CHARTS)[1]["end"]
     page.evaluate("window.picked = []; window.llsrbmPlots.onPick(time => window.picked.push(time))")
     over = page.locator(".u-over").nth(1)
     over.scroll_into_view_if_needed()
@@ -230,7 +329,7 @@ def test_a_click_tells_its_time_and_a_drag_does_not(page):
 
 
 def test_the_cursor_costs_next_to_nothing(page):
-    drawn(page, OVERVIEW)
+    drawn(page, OVERVIEW_CHARTS)
     each = page.evaluate(
         """() => { const start = performance.now();
         for (let i = 0; i < 500; i++) window.llsrbmPlots.show(i / 500);

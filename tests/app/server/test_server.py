@@ -11,17 +11,19 @@ import sys
 import threading
 import time
 import urllib.request
-from contextlib import closing
+from contextlib import closing, nullcontext
 
 import pytest
 
 from app.compute.pool import WorkerPool
-from app.server.server import Designer, check_bindable
+from app.server.server import Designer, check_bindable, serve
 from app.session.initial_plan import example
+from llsrbm import cli
 from llsrbm.errors import InputError
 from llsrbm.jump import Jump
 from tests.app import planners
 from tests.app.planners import SyntheticPlanner
+from tests.app.raw_http import asked
 
 PROGRAM = """
 import sys
@@ -110,6 +112,71 @@ def test_the_terminal_hears_of_steps_not_of_iterations(monkeypatch):
         designer.warm_up("anymal")
         assert ready.wait(30)
     assert lines == ["  preparing anymal ...", "  solving ...", "ready"]
+
+
+TOKEN = "a-token-of_32-characters-exactly"
+
+
+@pytest.mark.parametrize(
+    ("host", "token", "address", "needed", "open_to_all"),
+    [
+        ("127.0.0.1", None, "127.0.0.1", False, False),
+        ("localhost", None, "localhost", False, False),
+        ("::1", None, "[::1]", False, False),
+        ("127.0.0.1", "none", "127.0.0.1", False, False),
+        ("127.0.0.1", TOKEN, "127.0.0.1", True, False),
+        ("0.0.0.0", None, "127.0.0.1", True, False),
+        ("0.0.0.0", TOKEN, "127.0.0.1", True, False),
+        ("0.0.0.0", "none", "127.0.0.1", False, True),
+        ("::", None, "[::1]", True, False),
+    ],
+)
+def test_the_address_holds_the_token_where_one_is_needed(host, token, address, needed, open_to_all):
+    with closing(Designer(host, 0, token=token, pool=WorkerPool(SyntheticPlanner))) as designer:
+        base = f"http://{address}:{designer.port}"
+        found = re.fullmatch(re.escape(base) + r"(?:/\?token=([\w-]{16,}))?", designer.url)
+        assert bool(found[1]) is needed
+        assert designer.open_to_all is open_to_all
+        if token == TOKEN:
+            assert found[1] == TOKEN
+        family = "::1" if ":" in host else "127.0.0.1"
+        path = designer.url.removeprefix(base) or "/"
+        answer = asked(designer.port, path, address=family, host=f"{address}:{designer.port}")
+        assert answer.status == (303 if needed else 200)
+        assert asked(designer.port, address=family).status == (401 if needed else 200)
+
+
+def test_a_fixed_token_lets_a_page_come_back_after_a_restart():
+    with closing(Designer(port=0, token=TOKEN, pool=WorkerPool(SyntheticPlanner))) as designer:
+        port = designer.port
+        cookie = {"Cookie": asked(port, f"/?token={TOKEN}").cookie}
+    with closing(Designer(port=port, token=TOKEN, pool=WorkerPool(SyntheticPlanner))):
+        assert asked(port, headers=cookie).status == 200
+    with closing(Designer(port=port, token=TOKEN[::-1], pool=WorkerPool(SyntheticPlanner))):
+        assert asked(port, headers=cookie).status == 401
+
+
+@pytest.mark.parametrize(
+    ("host", "token", "warned"),
+    [("0.0.0.0", "none", True), ("127.0.0.1", "none", False), ("0.0.0.0", TOKEN, False)],
+)
+def test_only_a_server_for_everybody_warns(monkeypatch, capfd, host, token, warned):
+    monkeypatch.setattr("app.server.server.Designer.warm_up", lambda *_: None)
+    stopped = threading.Event()
+    stopped.set()
+    monkeypatch.setattr("app.server.server._stop_on_signal", lambda: nullcontext(stopped))
+    serve(host, 0, token=token, pool=WorkerPool(SyntheticPlanner))
+    out, err = capfd.readouterr()
+    assert out.startswith("llsrbm designer: http://127.0.0.1:")
+    assert (out.count("\n"), err.count("\n")) == (1, int(warned))
+    assert err.startswith("warning: --token none: anybody who reaches") is warned
+
+
+def test_a_bad_token_is_one_line_and_nothing_is_served(capfd):
+    assert cli.main(["serve", "--port", "0", "--token", "short"]) == 2
+    out, err = capfd.readouterr()
+    assert (out, err.count("\n")) == ("", 1)
+    assert "--token: expected 16 to 256 letters, digits, '-' or '_', or 'none'" in err
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])

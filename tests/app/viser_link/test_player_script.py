@@ -10,12 +10,12 @@ from scipy.spatial.transform import Rotation, Slerp
 
 import app.server.page_template
 from app.motion.clip import Clip, Strand, Track
-from app.viser_link.page_link import PageReady, PlayerMoved, read_event
+from app.viser_link.page_link import ClipTaken, PageReady, PlayerMoved, read_event
 from tests.app.chromium import chromium
 
 pytestmark = pytest.mark.browser
 
-SCRIPT = Path(app.server.page_template.__file__).parent / "static" / "player.js"
+STATIC = Path(app.server.page_template.__file__).parents[1] / "static"
 STAGE = """() => {
   let now = 1000, waiting = [];
   performance.now = () => now;
@@ -38,6 +38,8 @@ STAGE = """() => {
     requestRender: () => {},
     sendMessage: (message) => window.sent.push(message),
   };
+  const devSettings = { get: () => ({}), set() {} };
+  window.__viserTestpoints = { rendererInfo: { render: { frame: 0 } }, devSettings };
 }"""
 
 END = 2.0
@@ -67,8 +69,9 @@ def browser():
 def page(browser):
     opened = browser.new_page()
     opened.evaluate(STAGE)
-    opened.evaluate(SCRIPT.read_text("utf-8"))
-    opened.evaluate("llsrbm.player.connect('a field')")
+    for name in ("page.js", "player.js"):
+        opened.evaluate((STATIC / name).read_text("utf-8"))
+    opened.evaluate("llsrbm.page.connect('a field')")
     load(opened, CLIP)
     yield opened
     opened.close()
@@ -76,7 +79,7 @@ def page(browser):
 
 def load(page, clip):
     header, blob = clip.encoded
-    page.evaluate(f"blob => llsrbm.player.load({header}, blob)", blob)
+    page.evaluate(f"blob => llsrbm.player.load({header}, blob, 1)", blob)
 
 
 def passed(page, seconds, rate=60):
@@ -90,9 +93,13 @@ def does(page, what):
 
 
 def test_it_says_that_it_runs(page):
-    (message,) = page.evaluate("sent")
+    message, clip = page.evaluate("sent")
     assert (message["type"], message["uuid"]) == ("GuiUpdateMessage", "a field")
-    assert read_event(message["updates"]["value"]) == PageReady(software=False)
+    ready = read_event(message["updates"]["value"])
+    assert isinstance(ready, PageReady)
+    assert (ready.software, ready.missing) == (False, ())
+    assert len(ready.tab) == 32
+    assert read_event(clip["updates"]["value"]) == ClipTaken(1)
 
 
 @pytest.mark.parametrize("instant", [0.0, 0.13, 0.5, 0.75, 1.49, 1.5, 1.9, 2.0])

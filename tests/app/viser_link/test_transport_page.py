@@ -50,7 +50,7 @@ def stopped(page, instant):
 
 def expected(session, node, time):
     """(position, wxyz) of a node in the clip that was sent, mixed between its instants."""
-    for strand in session._stage._scene.clip().strands:
+    for strand in session._stage._clip.strands:
         for track in strand.tracks:
             if node in track.nodes:
                 position, wxyz = (

@@ -9,10 +9,10 @@ import time
 from pathlib import Path
 
 import pytest
+from app.session.stored_design import recall, remember
 
 from app.compute.offered import uploaded_design
-from app.session.stored_design import recall, remember
-from app.viser_link.designer_server import MAX_UPLOAD
+from app.viser_link.limits import MAX_UPLOAD
 from llsrbm.design import dump_design
 from llsrbm.examples import examples
 from tests.app.chromium import PACE, VIEW, chromium, drop, fill

@@ -14,7 +14,7 @@ import msgspec
 import pytest
 import viser
 
-from app.viser_link.designer_server import MAX_UPLOAD, UPLOAD_PART
+from app.viser_link.limits import MAX_UPLOAD, UPLOAD_PART
 from tests.app.design_page import design_page
 from tests.app.raw_tab import CAMERA, RawTab
 
@@ -27,6 +27,7 @@ def page():
 
 @pytest.fixture
 def tab(page):
+    page.guard.refusals.forget()
     with RawTab(page.port) as opened:
         opened.client, _ = page.tabs.get(timeout=20)
         opened.control("Save design")
@@ -189,8 +190,8 @@ def test_garbage_closes_its_connection_and_no_other(page, tab, garbage, caplog):
         bad._connection.send(garbage)
         assert bad.closed.wait(10)
     assert bad._connection.protocol.close_rcvd.code == 1007
-    (record,) = (r for r in caplog.records if r.name == "app.viser_link.designer_server")
-    assert record.getMessage().startswith("a tab sent what cannot be read (")
+    (record,) = (r for r in caplog.records if r.name == "app.server.refusals")
+    assert "a tab sent what cannot be read (" in record.getMessage()
     assert not any(r.exc_info for r in caplog.records)
     tab.set("Twist [deg]", 7)
     assert page.next() == ("slider", 7)
@@ -219,7 +220,9 @@ def test_a_message_that_makes_no_sense_is_ignored_in_one_line(page, tab, label, 
         tab.press("Save design")
         assert page.next() == ("save",)
         gc.collect()  # asyncio tells of a failed task when it is forgotten
-    expected = r"a tab sent a GuiUpdateMessage that makes no sense \(\w+Error\); ignored"
+    expected = (
+        r"refused \S+: a tab sent a GuiUpdateMessage that makes no sense \(\w+Error\); ignored"
+    )
     (record,) = caplog.records
     assert re.fullmatch(expected, record.getMessage())
     assert record.exc_info is None

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import fields, replace
+from time import perf_counter
 from typing import ClassVar
 
 import numpy as np
@@ -18,6 +19,7 @@ from llsrbm.motion.rollout import Mode, Rollout
 from llsrbm.motion.rollout_file import load_rollout
 from llsrbm.robots import load_robot
 from llsrbm.scenario import Scenario
+from llsrbm.simulation.recorder import Recorder
 from llsrbm.simulation.simulate import STANDING, simulate
 from llsrbm.simulation.world import Diverged, World
 from tests.llsrbm.planning.solved import solved
@@ -169,6 +171,40 @@ def test_tells_how_far_it_is():
     assert shares[-1] == 1.0
     assert shares == sorted(shares)
     assert len(shares) > 20
+
+
+def test_reports_the_motion_so_far_at_60_instants_a_second(monkeypatch, twist):
+    monkeypatch.setattr("llsrbm.simulation.simulate.SO_FAR_INTERVAL", 0.0)
+    motions = []
+    run(so_far=lambda time, qpos: motions.append((time, qpos)))
+    counts = [len(time) for time, _ in motions]
+    assert counts == sorted(counts)
+    assert counts[0] <= 1
+    time, qpos = motions[-1]
+    tick = twist.time[1]
+    assert np.diff(time) == pytest.approx(round(1 / (60 * tick)) * tick)
+    assert np.diff(time)[0] == pytest.approx(1 / 60, rel=0.1)
+    assert time[-1] > twist.time[-1] - 0.1
+    places = np.searchsorted(twist.time, time - tick / 2)
+    order = [twist.joint_names.index(name) for name in load_robot("anymal").joint_names]
+    np.testing.assert_allclose(qpos[:, :7], twist.qpos[places, :7], atol=1e-9)
+    np.testing.assert_allclose(qpos[:, 7:], twist.qpos[places, 7:][:, order], atol=1e-9)
+
+
+def test_reporting_the_motion_costs_next_to_nothing(monkeypatch):
+    spent, so_far = [], Recorder.so_far
+
+    def timed(*arguments):
+        began = perf_counter()
+        result = so_far(*arguments)
+        spent.append(perf_counter() - began)
+        return result
+
+    monkeypatch.setattr(Recorder, "so_far", timed)
+    began = perf_counter()
+    run(so_far=lambda *_: None)
+    assert spent
+    assert sum(spent) < 0.02 * (perf_counter() - began)
 
 
 def test_a_robot_that_slips_falls_and_says_why(monkeypatch):

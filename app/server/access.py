@@ -1,0 +1,121 @@
+"""The token that opens the page, and the cookie that stands for it afterwards."""
+
+from __future__ import annotations
+
+import hashlib
+import hmac
+import re
+import secrets
+import time
+from collections.abc import Callable, Iterable
+
+from llsrbm.errors import InputError
+
+NONE = "none"
+"""Said instead of a token: anybody may enter."""
+
+COOKIE_LIFE = 7 * 24 * 3600
+"""s until the address with the token has to be opened again."""
+
+_TOKEN = re.compile(r"[A-Za-z0-9_-]{16,256}")  # goes into an address as it is; 96 bits and more
+_BYTES = 32  # of a token that is made here: nobody finds it by trying
+_VALUE = re.compile(r"([0-9]{1,12})\.([0-9a-f]{64})")
+_MAX_COOKIES = 4  # of our name; browsers send one
+
+
+class Access:
+    """Whether a token is needed, which one, and the cookies it has given out.
+
+    A cookie is an expiry and a code that only holders of the token can make. It is bound to the
+    name of the cookie and to the host it was given to, so that it is worth nothing elsewhere; a
+    server that was started with another token does not know it.
+    """
+
+    def __init__(
+        self, token: str | None, port: int = 0, now: Callable[[], float] = time.time
+    ) -> None:
+        """Take a token.
+
+        Args:
+            token: at least 16 URL-safe characters; None: none is needed.
+            port: is part of the cookie's name: browsers keep those of all ports of a host together.
+            now: s since 1970.
+
+        Raises:
+            InputError: too short, or with characters that an address would have to escape.
+        """
+        if token is not None and not _TOKEN.fullmatch(token):
+            raise InputError(
+                "--token: expected 16 to 256 letters, digits, '-' or '_', or 'none' "
+                f"for no token at all; got {len(token)} characters"
+            )
+        self.token = token
+        self.port = port
+        self._now = now
+
+    @classmethod
+    def chosen(cls, token: str | None, *, loopback: bool) -> Access:
+        """As the user chose.
+
+        Args:
+            token: a token, "none", or None: one that is made now, or none at all on loopback.
+            loopback: whether only this machine can reach the server.
+        """
+        if token == NONE or (token is None and loopback):
+            return cls(None)
+        return cls(secrets.token_urlsafe(_BYTES) if token is None else token)
+
+    @property
+    def required(self) -> bool:
+        """Whether nobody enters without the token."""
+        return self.token is not None
+
+    @property
+    def query(self) -> str:
+        """What has to follow the page's address."""
+        return "" if self.token is None else f"/?token={self.token}"
+
+    def accepts_token(self, token: str) -> bool:
+        """Compare in a time that does not depend on where they differ."""
+        return self.token is not None and hmac.compare_digest(_bytes(token), _bytes(self.token))
+
+    def cookie(self, host: str) -> str:
+        """A new one as a Set-Cookie header."""
+        expiry = int(self._now()) + COOKIE_LIFE
+        return (
+            f"{self._name}={expiry}.{self._code(expiry, host)}; Max-Age={COOKIE_LIFE}; Path=/; "
+            "HttpOnly; SameSite=Strict"
+        )
+
+    def accepts_cookie(self, headers: Iterable[str], host: str) -> bool:
+        """Whether one of a request's cookies is ours, of this run's token, and still good.
+
+        Args:
+            headers: the Cookie headers.
+            host: the Host header, in lower case.
+        """
+        if self.token is None:
+            return False
+        pairs = (pair.strip().partition("=") for header in headers for pair in header.split(";"))
+        values = [value for name, _, value in pairs if name == self._name]
+        return any(self._is_good(value, host) for value in values[:_MAX_COOKIES])
+
+    @property
+    def _name(self) -> str:
+        return f"llsrbm-{self.port}"
+
+    def _is_good(self, value: str, host: str) -> bool:
+        found = _VALUE.fullmatch(value)
+        if found is None:
+            return False
+        expiry = int(found[1])
+        right = hmac.compare_digest(found[2].encode(), self._code(expiry, host).encode())
+        return right and self._now() < expiry
+
+    def _code(self, expiry: int, host: str) -> str:
+        message = f"{self._name}\n{host}\n{expiry}"
+        return hmac.new(_bytes(self.token or ""), _bytes(message), hashlib.sha256).hexdigest()
+
+
+def _bytes(text: str) -> bytes:
+    return text.encode("utf-8", "backslashreplace")

@@ -1,0 +1,60 @@
+// Names for what viser leaves nameless, so that a screen reader can say what a control is: sliders
+// and the numbers beside them, icons, and the button that folds the panel. Follows the page as viser
+// changes it, a few times a second at most.
+(() => {
+  const SETTLE = 250; // ms without a change until names are given
+  const LABELLED = ".mantine-Flex-root:has(label)"; // a row: a label, then its control
+  const NUMBERS = "input.mantine-NumberInput-input, input.mantine-TextInput-input";
+  const NAMED = "aria-label";
+
+  let later = null;
+
+  function name(thing, text) {
+    if (thing && text && thing.getAttribute(NAMED) !== text) thing.setAttribute(NAMED, text);
+  }
+
+  // The number has the label's own name; the thumb beside it is another way to the same value.
+  function nameSliders() {
+    for (const thumb of document.querySelectorAll("[role=slider].mantine-Slider-thumb")) {
+      const row = thumb.closest(LABELLED);
+      const label = row?.querySelector("label")?.textContent.trim();
+      if (!label) continue;
+      if (thumb.title !== label) thumb.title = label;
+      for (const number of row.querySelectorAll(NUMBERS)) name(number, label);
+    }
+  }
+
+  // Numbers and texts without a label that points at them: viser's own settings.
+  function nameFields() {
+    for (const field of document.querySelectorAll(NUMBERS)) {
+      if (field.labels?.length || field.getAttribute(NAMED)) continue;
+      const row = field.closest(LABELLED);
+      name(field, row?.querySelector("label")?.textContent.trim() || "Server");
+    }
+  }
+
+  function nameIcons() {
+    for (const icon of document.querySelectorAll("svg.tabler-icon[aria-label]")) {
+      if (!icon.hasAttribute("role")) icon.setAttribute("role", "img");
+    }
+    for (const button of document.querySelectorAll("button.mantine-ActionIcon-root, " +
+      "button.mantine-CloseButton-root, button.mantine-Notification-closeButton")) {
+      if (button.textContent.trim() || button.getAttribute(NAMED)) continue;
+      name(button, /close/i.test(button.className) ? "Close" : "Connection and scene tree");
+    }
+  }
+
+  function nameAll() {
+    later = null;
+    document.documentElement.lang ||= "en";
+    nameSliders();
+    nameFields();
+    nameIcons();
+  }
+
+  document.addEventListener("DOMContentLoaded", () => {
+    new MutationObserver(() => (later ??= setTimeout(nameAll, SETTLE)))
+      .observe(document.body, { childList: true, subtree: true });
+    nameAll();
+  });
+})();

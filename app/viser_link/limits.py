@@ -1,0 +1,139 @@
+"""Limits of all that visitors may do to the server, each with its unit and its reason."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+
+UPLOAD_PART = 512 * 1024
+"""Bytes of an uploaded file that come at once, as viser's page sends them."""
+
+MAX_UPLOAD = 40 * UPLOAD_PART
+"""Bytes of an uploaded file; a simulation of some seconds takes a twentieth of it."""
+
+
+@dataclass(frozen=True)
+class Rate:
+    """So many a second in the long run, and so many at once after a pause."""
+
+    per_second: float
+    burst: float
+
+
+@dataclass(frozen=True)
+class Limits:
+    """A peer is one IPv4 address, or one IPv6 network of 64 bits, which one customer gets.
+
+    Several people may share a peer (an office, a reverse proxy), so what a peer may do is enough
+    for all tabs to come back at once after a restart.
+    """
+
+    # ---- entering
+    tabs: int = 50
+    """Open at a time; each costs a thread and some megabytes."""
+
+    pending: int = 128
+    """Connections that are no tab (yet): asking, or being answered. A page takes 0.6 MB of memory
+    while it is being sent, so these take at most 80 MB."""
+
+    pending_per_peer: int = 64
+    """A browser opens at most six at a time; all tabs may reconnect at once."""
+
+    request_s: float = 5.0
+    """Until a request is complete; a browser's is one packet. Browsers open a connection in advance
+    and do without it when it has gone."""
+
+    answer_s: float = 30.0
+    """Until a request is complete and answered: the page is 0.6 MB, over 0.2 Mbit/s 25 s."""
+
+    close_s: float = 3.0
+    """For a peer to agree to the end of a connection; then it is cut."""
+
+    handshakes: Rate = Rate(50.0, 150.0)
+    """Tabs that are opened, in all. A tab that lost its connection tries about once a second."""
+
+    handshakes_per_peer: Rate = Rate(20.0, 100.0)
+    """Tabs that are opened by a peer: twice all tabs at once."""
+
+    pages: Rate = Rate(50.0, 150.0)
+    """Requests of the page, in all; one takes 1 ms and 0.6 MB."""
+
+    pages_per_peer: Rate = Rate(20.0, 100.0)
+    """Requests of the page by a peer."""
+
+    peers: int = 1000
+    """Of which rates are remembered; the one that was silent longest is forgotten first."""
+
+    # ---- what a tab sends
+    message_bytes: int = 1 << 20
+    """At once: a part of a file takes half of it, and sliders and clicks far less."""
+
+    fragments: int = 4096
+    """Of one message: a browser cuts a part of a file into at most some hundred."""
+
+    messages: Rate = Rate(200.0, 400.0)
+    """Faster ones wait unread, and the tab's network with them, in order. A page sends 20 changes
+    of its controls a second and 50 of its camera, and a file of 40 parts."""
+
+    flood_s: float = 5.0
+    """For which messages may have to wait without a pause; then the tab is closed. Pages that were
+    stopped for a while, a laptop's lid, come with some hundred messages and are through in 2 s."""
+
+    controls: Rate = Rate(10.0, 100.0)
+    """Pings and pongs of WebSocket itself; a browser only answers ours, three a minute."""
+
+    upload_bytes: int = 3 * MAX_UPLOAD
+    """Of files that all tabs together may be sending."""
+
+    # ---- what a tab does not read
+    backlog_bytes: int = 64 << 20
+    """Waiting for one tab: ten times all meshes of a robot with its motion."""
+
+    backlog_messages: int = 20_000
+    """Waiting for one tab: a page's beginning is some hundred."""
+
+    socket_bytes: int = 256 << 10
+    """That the system keeps for a connection (Linux takes twice as much). It would take 4 MB, and
+    not say for minutes that a slow peer reads; this is 2 MB/s at a round trip of 0.2 s."""
+
+    stalled_s: float = 20.0
+    """In which a tab takes nothing of what waits for it; then it is closed, and reconnects when it
+    can. A poor wireless network pauses for some seconds."""
+
+    # ---- the log
+    first_lines: int = 20
+    """Lines a minute about refusals of a new kind or a new peer; the others are counted."""
+
+    summary_s: float = 60.0
+    """Between two summaries of what was refused in the meantime."""
+
+    refusals: int = 500
+    """Peers and reasons that are counted apart, the others as one."""
+
+
+class TokenBucket:
+    """Counts what a `Rate` leaves: filled all the time, emptied by what happens."""
+
+    def __init__(self, rate: Rate, now: Callable[[], float] = time.monotonic) -> None:
+        self._rate, self._now = rate, now
+        self._left, self._at = rate.burst, now()
+
+    def take(self) -> bool:
+        """Take one if there is one."""
+        self._fill()
+        if self._left < 1.0:
+            return False
+        self._left -= 1.0
+        return True
+
+    def wait(self) -> float:
+        """Take one in any case, and return the seconds until there is one."""
+        self._fill()
+        self._left -= 1.0
+        return max(0.0, -self._left / self._rate.per_second)
+
+    def _fill(self) -> None:
+        now = self._now()
+        self._left = min(self._rate.burst, self._left + (now - self._at) * self._rate.per_second)
+        self._at = now
