@@ -88,7 +88,7 @@ def resume(state: TabState, page: PageReady, tickets: int = 0) -> Step:
     if robot is not None and not state.prepared:
         ticket = state.tickets + 1
         state = replace(state, tickets=ticket)
-        begun = (*begun, Submit(Lane.ROBOT, ticket, Prepare(state.robot.name)))
+        begun = (*begun, Submit(Lane.ROBOT, ticket, Prepare(robot.name)))
     if state.shown is None:
         return state, begun
     play = (Play(),) if state.playback.playing else ()
