@@ -4,10 +4,8 @@ from __future__ import annotations
 
 
 def decimal(value: float, places: int = 0, *, signed: bool = False) -> str:
-    """With so many digits after the point; `signed`: with its sign, unless it is shown as zero."""
-    text = f"{value:z.{places}f}"
-    positive = signed and value > 0 and float(text) != 0
-    return f"+{text}" if positive else text
+    """With so many digits after the point; `signed`: with a plus where there is no minus."""
+    return f"{value:+z.{places}f}" if signed else f"{value:z.{places}f}"
 
 
 def percent(share: float, places: int = 0, *, signed: bool = False) -> str:

@@ -19,6 +19,9 @@ from llsrbm.numerals import decimal
 PADDING = "padding:0.35em 0.9em"
 SMALL = f"{PADDING};font-size:0.8em;line-height:1.5"
 DIM = "color:var(--mantine-color-dimmed)"
+_NAME = (
+    "text-align:left;font-weight:normal;padding-right:0.8em;vertical-align:top;white-space:nowrap"
+)
 _STATUS_LINES = 3  # that are always there: what stands below must not jump
 
 _STATUS_COLOURS = {
@@ -38,9 +41,14 @@ def status(status: Status) -> str:
     return (
         f'<div class="llsrbm-status"><div role="status" style="{PADDING};font-size:0.8em;'
         f"line-height:1.35;min-height:{_STATUS_LINES * 1.35}em;box-sizing:content-box;"
-        f'border-left:4px solid {colour};margin:0.3em 0"><b>{escape(status.word.value)}</b> '
-        f"{escape(status.rest)}</div>{_progress(status.share)}</div>"
+        f'border-left:4px solid {colour};margin:0.3em 0"><b>{escape(status.word.value)}</b>'
+        f"{_joint(status.rest)}{escape(status.rest)}</div>{_progress(status.share)}</div>"
     )
+
+
+def _joint(rest: str) -> str:
+    """What stands between the word and the rest: "Landed, but ..."."""
+    return "" if rest.startswith((",", ".")) else " "
 
 
 def _progress(share: float | None) -> str:
@@ -71,7 +79,7 @@ TOUR_BUTTON = (
 def table(rows: Iterable[tuple[str, str]], title: str = "") -> str:
     """Names and values."""
     body = "".join(
-        f'<tr><td style="{DIM};padding-right:1em;vertical-align:top">{escape(name)}</td>'
+        f'<tr><th scope="row" style="{_NAME};{DIM}">{escape(name)}</th>'
         f'<td style="font-variant-numeric:tabular-nums">{escape(value)}</td></tr>'
         for name, value in rows
     )

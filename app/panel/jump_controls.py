@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import viser
@@ -110,6 +110,17 @@ class JumpControls:
             _rounded(axis, getattr(jump, axis.field)),
             hint=axis.hint,
         )
+
+
+def titled(jump: Jump, robots: Mapping[str, RobotFile]) -> Jump:
+    """The jump with the titles of its robot and model for their names, to be named by titles.
+
+    The first robot keeps its name: `llsrbm.titles` leaves it out.
+    """
+    robot = jump.robot
+    if robot != Jump().robot and robot in robots:
+        robot = robots[robot].title
+    return replace(jump, robot=robot, model=_MODEL_TITLES.get(jump.model, jump.model))
 
 
 def _range(axis: _Axis, task: Task) -> tuple[float, float]:

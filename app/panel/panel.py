@@ -30,6 +30,7 @@ from llsrbm.robots import RobotFile
 
 _HELP = Path(__file__).parents[1] / "static" / "help.md"
 _NO_PLAN = "No plan yet: choose a robot, move a slider, and its figures appear here."
+_NO_SIMULATION = "No simulation yet: Simulate has the whole robot follow the plan."
 _NO_RESIDUALS = "The largest violation of each constraint appears with the first plan."
 
 
@@ -94,7 +95,7 @@ class Panel:
             self.simulation = SimulationControls(gui, file)
         with tabs.add_tab("Figures"):
             self.compare = CompareControls(gui)
-            self._rollout_figures = gui.add_html("", visible=False)
+            self._rollout_figures = gui.add_html(html.note(_NO_SIMULATION))
             self._plan_figures = gui.add_html(html.note(_NO_PLAN))
             with gui.add_folder("Residuals", expand_by_default=False):
                 self._residuals = gui.add_html(html.note(_NO_RESIDUALS))
@@ -150,9 +151,9 @@ class Panel:
         else:
             self._plan_figures.content = summaries.plan_figures(plan)
             self._residuals.content = summaries.residuals(plan.violations)
-        self._rollout_figures.visible = rollout is not None
-        if rollout is not None:
-            self._rollout_figures.content = summaries.rollout_figures(rollout)
+        self._rollout_figures.content = (
+            html.note(_NO_SIMULATION) if rollout is None else summaries.rollout_figures(rollout)
+        )
 
     # ---- inside
 

@@ -7,11 +7,13 @@ from typing import Any
 
 import viser
 
+from app.panel.html import note
 from app.panel.validation import number, put
 from llsrbm.robots import RobotFile
 from llsrbm.scenario import Scenario
 from llsrbm.simulation.surroundings import TO_SPARE
 
+_NO_SEEDS = "No seeds tried yet: each one is another disturbance of the same plan."
 _STEP = 5  # mm
 _LARGEST_SEED = 9999
 
@@ -42,7 +44,7 @@ class SimulationControls:
         self.seeds = gui.add_button(
             "Simulate 20 seeds", hint="The same plan under 20 disturbances: how many land"
         )
-        self._results = gui.add_html("", visible=False)
+        self._results = gui.add_html(note(_NO_SEEDS))
         self.worst = gui.add_button(
             "Open the worst",
             visible=False,
@@ -56,8 +58,7 @@ class SimulationControls:
 
     def show_seeds(self, results: str, *, worst: bool) -> None:
         """How several seeds went, as HTML; whether the worst of them can be opened."""
-        self._results.content = results
-        self._results.visible = bool(results)
+        self._results.content = results or note(_NO_SEEDS)
         self.worst.visible = worst
 
     def read(self, current: Scenario) -> tuple[Scenario, list[str]]:

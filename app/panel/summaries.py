@@ -16,6 +16,7 @@ from llsrbm.analysis.figures import figures_of_plan
 from llsrbm.analysis.peak_loads import planned_peak_load
 from llsrbm.motion.plan import Plan, Violation
 from llsrbm.motion.rollout import Disturbance, Outcome, Rollout
+from llsrbm.numerals import decimal, percent, power
 from llsrbm.robots import load_robot
 from llsrbm.scenario import Scenario
 
@@ -26,7 +27,7 @@ def planned_line(plan: Plan) -> str:
     """What follows "Planned"."""
     report = plan.report
     return (
-        f"in {1e3 * report.solve_time_s:.0f} ms, {report.iterations} iterations, "
+        f"in {decimal(1e3 * report.solve_time_s)} ms, {report.iterations} iterations, "
         f"largest violation {worst(plan.violations)}"
     )
 
@@ -34,7 +35,9 @@ def planned_line(plan: Plan) -> str:
 def live_line(plan: Plan) -> str:
     """What follows "Planning" while the request still moves."""
     report = plan.report
-    return f"while you drag: {1e3 * report.total_time_s:.0f} ms, {report.iterations} iterations"
+    return (
+        f"while you drag: {decimal(1e3 * report.total_time_s)} ms, {report.iterations} iterations"
+    )
 
 
 def progress_line(report: Progress) -> str:
@@ -43,7 +46,7 @@ def progress_line(report: Progress) -> str:
     if report.iteration is not None:
         parts.append(f"iteration {report.iteration}")
     if report.residual is not None:
-        parts.append(f"residual {report.residual:.1e}")
+        parts.append(f"residual {power(report.residual)}")
     return f"({', '.join(parts)}) ..."
 
 
@@ -56,17 +59,18 @@ def simulated_line(rollout: Rollout) -> tuple[Word, str]:
     if outcome.yaw_error_at_touchdown is not None:
         parts.append(f"yaw {_degrees(outcome.yaw_error_at_touchdown)} from the plan at touch-down")
     parts.append(f"{_degrees(outcome.final_yaw_error)} at the end")
-    parts.append(f"{outcome.real_time_factor:.1f}× real time")
+    parts.append(f"{decimal(outcome.real_time_factor, 1)}× real time")
     if outcome.unsolved_ticks:
-        parts.append(f"the controller's QP was unsolved in {outcome.unsolved_ticks} ticks")
-    loosely = "" if outcome.strict else "but failed the strict criterion: "
+        ticks = "tick" if outcome.unsolved_ticks == 1 else "ticks"
+        parts.append(f"the controller's QP was unsolved in {outcome.unsolved_ticks} {ticks}")
+    loosely = "" if outcome.strict else ", but failed the strict criterion: "
     return Word.LANDED, loosely + ", ".join(parts)
 
 
 def seeds_line(results: Sequence[SeedResult]) -> str:
     """How many seeds landed."""
     landed = sum(result.landed for result in results)
-    return f"{landed} of {len(results)} seeds land"
+    return f"{landed} of {len(results)} seeds landed"
 
 
 def seeds_table(results: Sequence[SeedResult], worst_seed: int | None = None) -> str:
@@ -103,30 +107,41 @@ def worst(violations: dict[str, Violation]) -> str:
     name, violation = max(violations.items(), key=lambda item: item[1].amount)
     if violation.amount == 0:
         return "0"
-    return f"{violation.amount:.1e} {violation.unit} ({name})"
+    return f"{_amount(violation)} ({_spoken(name)})"
+
+
+def _amount(violation: Violation) -> str:
+    return f"{power(violation.amount)} {violation.unit.replace('m2', 'm²')}"
+
+
+def _spoken(name: str) -> str:
+    return name.replace("_", " ")
 
 
 def plan_figures(plan: Plan) -> str:
     """The plan's numbers."""
     report, values = plan.report, figures_of_plan(plan)
-    phases = " + ".join(f"{seconds:.2f}" for seconds in np.diff(plan.phase_start))
+    phases = " + ".join(decimal(seconds, 2) for seconds in np.diff(plan.phase_start))
     load = planned_peak_load(plan)
     sliding = load_robot(plan.jump.robot).sliding_joints
     standing = plan.robot_parameters["inertia"][2][2]
     return table(
         [
-            ("Solve time", f"{1e3 * report.solve_time_s:.0f} ms ({report.solver})"),
+            ("Solve time", f"{decimal(1e3 * report.solve_time_s)} ms ({report.solver})"),
             ("Iterations", f"{report.iterations}" + _attempts(report.attempts)),
-            ("Duration", f"{plan.duration:.2f} s = {phases}"),
-            ("Peak yaw rate", f"{values.peak_yaw_rate:.2f} rad/s"),
+            ("Duration", f"{decimal(plan.duration, 2)} s = {phases}"),
+            ("Peak yaw rate", f"{decimal(values.peak_yaw_rate, 2)} rad/s"),
             (
-                "Smallest Izz in flight",
-                f"{values.smallest_Izz:.2f} kg m² ({standing:.2f} standing)",
+                "Least Izz in flight",
+                f"{_known(values.smallest_Izz, 2)} kg m² ({decimal(standing, 2)} standing)",
             ),
-            ("Minimum foot radius", f"{values.feet_radius:.3f} m from the CoM's axis"),
+            ("Minimum foot radius", f"{_known(values.feet_radius, 3)} m"),
             (
-                "Largest force on a foot",
-                f"{values.peak_force:.0f} N, {values.peak_force_in_weights:.2f} of the weight",
+                "Peak foot force",
+                (
+                    f"{_known(values.peak_force)} N, "
+                    f"{_known(values.peak_force_in_weights, 2)} of the weight"
+                ),
             ),
             *(
                 []
@@ -153,18 +168,24 @@ def rollout_figures(rollout: Rollout) -> str:
         ("Foot error", feet),
         (
             "Peak load",
-            f"{outcome.peak_torque_ratio:.0%} of torque, {outcome.peak_speed_ratio:.0%} of speed",
+            (
+                f"{percent(outcome.peak_torque_ratio)} of torque, "
+                f"{percent(outcome.peak_speed_ratio)} of speed"
+            ),
         ),
-        ("Saturated ticks", f"{outcome.saturated_fraction:.1%}"),
+        ("Saturated ticks", percent(outcome.saturated_fraction, 1)),
         (
             "Controller tick",
-            f"{1e3 * outcome.tick_median_s:.2f} ms, p99 {1e3 * outcome.tick_p99_s:.2f} ms",
+            (
+                f"{decimal(1e3 * outcome.tick_median_s, 2)} ms, "
+                f"p99 {decimal(1e3 * outcome.tick_p99_s, 2)} ms"
+            ),
         ),
-        ("Real-time factor", f"{outcome.real_time_factor:.1f}"),
+        ("Real-time factor", decimal(outcome.real_time_factor, 1)),
     ]
     if not rollout.landed:
         rows[:0] = [
-            (f"Wrong from {event.time:.2f} s", event.words)
+            (f"Wrong from {decimal(event.time, 2)} s", event.words)
             for event in diagnose(rollout)[:_TOLD_OF_A_FALL]
         ]
     return table(rows, "Simulation")
@@ -174,8 +195,8 @@ def residuals(violations: dict[str, Violation]) -> str:
     """Every constraint's largest violation, recomputed without the solver."""
     rows = (
         (
-            name,
-            f"{v.amount:.1e} {v.unit}" + (f", {v.phase} {v.time:.2f} s" if v.amount else ""),
+            _spoken(name),
+            _amount(v) + (f", {v.phase} at {decimal(v.time, 2)} s" if v.amount else ""),
         )
         for name, v in sorted(violations.items(), key=lambda item: -item[1].amount)
     )
@@ -186,15 +207,16 @@ def _scenario(scenario: Scenario, disturbance: Disturbance) -> str:
     parts = []
     if scenario.board > 0:
         kind = "half board" if scenario.half_board else "board"
-        parts.append(f"{kind} of {1e3 * scenario.board:.0f} mm")
+        parts.append(f"{kind} of {decimal(1e3 * scenario.board)} mm")
     if scenario.seed is None:
         trunk = scenario.trunk_mass
-        parts.append(f"trunk {trunk:+.1%}" if trunk else "undisturbed")
+        parts.append(f"trunk {percent(trunk, 1, signed=True)}" if trunk else "undisturbed")
     else:
         parts.append(
-            f"seed {scenario.seed}: trunk {disturbance.trunk_mass_factor - 1:+.1%}, "
-            f"friction {disturbance.friction:.2f}, "
-            f"contacts {1e3 * disturbance.contact_time:.0f} ms, "
+            f"seed {scenario.seed}: "
+            f"trunk {percent(disturbance.trunk_mass_factor - 1, 1, signed=True)}, "
+            f"friction {decimal(disturbance.friction, 2)}, "
+            f"contacts {decimal(1e3 * disturbance.contact_time)} ms, "
             f"torque {disturbance.torque_delay_ticks} ticks late"
         )
     return ", ".join(parts)
@@ -207,7 +229,7 @@ def _detection(outcome: Outcome) -> str:
     elif true is None:
         text = "without a contact"
     else:
-        text = f"{1e3 * (detected - true):+.1f} ms from the first contact"
+        text = f"{decimal(1e3 * (detected - true), 1, signed=True)} ms from the first contact"
     false = outcome.false_touchdowns
     return f"{text}, {false} false" if false else text
 
@@ -217,11 +239,15 @@ def _against_plan(error: float | None) -> str:
 
 
 def _degrees(angle: float) -> str:
-    return f"{math.degrees(angle):+.1f}°"
+    return f"{decimal(math.degrees(angle), 1, signed=True)}°"
 
 
 def _millimetres(length: float | None) -> str:
-    return "none" if length is None else f"{1e3 * length:.0f} mm"
+    return "none" if length is None else f"{decimal(1e3 * length)} mm"
+
+
+def _known(value: float | None, places: int = 0) -> str:
+    return "–" if value is None else decimal(value, places)
 
 
 def _attempts(count: int) -> str:

@@ -23,7 +23,6 @@ class ViewControls:
             gui: of the tab.
             shown: names of the overlays that are drawn.
         """
-        self._gui = gui
         gui.add_html('<div class="llsrbm-boxes"></div>')
         self._boxes = {
             name: gui.add_checkbox(overlay.title, initial_value=name in shown, hint=overlay.hint)
@@ -43,11 +42,10 @@ class ViewControls:
         return ticked, self._night.value is True
 
     def show(self, shown: frozenset[str], *, night: bool) -> None:
-        """Tick what is drawn, and darken the page or not."""
+        """Tick what is drawn."""
         for name, box in self._boxes.items():
             put(box, name in shown)
         put(self._night, night)
-        configure_theme(self._gui, dark=night)
 
     def show_legend(self, shown: frozenset[str], *, simulated: bool) -> None:
         """What the colours mean of what is drawn."""

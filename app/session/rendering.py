@@ -11,8 +11,10 @@ from app.motion import colours
 from app.motion.foreign_motion import ForeignMotion
 from app.panel.actions import Act
 from app.panel.comparison_table import Column
+from app.panel.jump_controls import titled
 from app.panel.panel import Panel
 from app.panel.summaries import seeds_table
+from app.panel.view_controls import configure_theme
 from app.plots.charts import Layer, shown_layers
 from app.plots.plots import PlotChoice, Plots
 from app.scene.landing_handle import Grip, LandingHandle
@@ -147,6 +149,8 @@ class Rendering:
             panel.simulation.show_seeds(
                 "" if seeds is None else seeds_table(seeds.results, worst), worst=worst is not None
             )
+        if state.view.night != (before is not None and before.view.night):
+            configure_theme(self._client.gui, dark=state.view.night)
         if (state.view.layers, state.view.night) != (self._view.layers, self._view.night):
             panel.view.show(state.view.layers, night=state.view.night)
             self._view = state.view
@@ -206,7 +210,10 @@ class Rendering:
             None if rollout is None else rollout.scenario,
         )
         decisions = [pin.decisions for pin in state.pins]
-        title, *titles = titles_of([current, *(d for d in decisions if d is not None)])
+        known = [current, *(each for each in decisions if each is not None)]
+        title, *titles = titles_of(
+            [(titled(jump, state.robots), tuning, scene) for jump, tuning, scene in known]
+        )
         next_title = iter(titles)
         layers, columns = [*shown_layers(shown.planned, rollout)], []
         for pin in state.pins:

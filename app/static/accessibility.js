@@ -5,6 +5,7 @@
   const SETTLE = 250; // ms without a change until names are given
   const LABELLED = ".mantine-Flex-root:has(label)"; // a row: a label, then its control
   const NUMBERS = "input.mantine-NumberInput-input, input.mantine-TextInput-input";
+  const FOCUSABLE = "a, button, input, select, [tabindex]:not([tabindex='-1'])";
   const NAMED = "aria-label";
 
   let later = null;
@@ -44,9 +45,27 @@
     }
   }
 
+  // What scrolls and holds nothing to be focused can be scrolled with the keys, too.
+  function reachScrolling() {
+    for (const area of document.querySelectorAll("[data-scrollarea-viewport]")) {
+      const scrolls = area.scrollHeight > area.clientHeight + 1;
+      if (scrolls && !area.querySelector(FOCUSABLE)) area.tabIndex = 0;
+      else if (area.hasAttribute("tabindex")) area.removeAttribute("tabindex");
+    }
+  }
+
+  function nameParts() {
+    document.documentElement.lang ||= "en";
+    document.getElementById("root")?.setAttribute("role", "main");
+    const canvas = window.__viserMutable?.canvas;
+    if (canvas && !canvas.hasAttribute("role")) canvas.setAttribute("role", "img");
+    name(canvas, "The robot on its floor");
+  }
+
   function nameAll() {
     later = null;
-    document.documentElement.lang ||= "en";
+    nameParts();
+    reachScrolling();
     nameSliders();
     nameFields();
     nameIcons();

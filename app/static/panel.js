@@ -7,6 +7,8 @@
   const PAIRS = "div:has(> div > .llsrbm-pair)"; // a box whose buttons stand side by side
   const FIELD = ".mantine-Flex-root > div:first-child"; // the place of a label
 
+  const FILLED = "rgb(38 92 150)"; // the brand's, dark enough for white letters
+
   const STYLE = `
     :root[data-mantine-color-scheme=light] { --mantine-color-dimmed: #59616a !important; }
     :root[data-mantine-color-scheme=dark] { --mantine-color-dimmed: #b4bac2 !important; }
@@ -35,6 +37,8 @@
     [data-dock-area^=gui-tabs] [role=tab] { flex: 1 1 auto !important; min-width: 0;
       justify-content: center; padding-inline: 3px !important; font-size: 0.74rem !important;
       letter-spacing: -0.3px; }
+    [data-dock-area^=gui-tabs] [role=tab][aria-selected=true] {
+      color: var(--mantine-color-text) !important; }
 
     ${BOXES} { display: grid; grid-template-columns: 1fr 1fr; column-gap: 4px; padding: 0 8px; }
     ${BOXES} > * { padding-inline: 0 !important; margin-inline: 0 !important;
@@ -96,7 +100,8 @@
       ${row(format)} > div > .mantine-Flex-root > div:first-child { width: 4.2rem !important; }
       ${row(save)} { grid-column: span 4; }
       ${button(main)}, ${button(main)}:not([data-disabled]):hover {
-        background: var(--mantine-primary-color-filled); color: #fff; border-color: transparent; }`;
+        background: ${FILLED}; color: #fff; border-color: transparent; }
+      ${button(main)}[data-disabled] { opacity: 0.5; }`;
   }
 
   const fixed = document.createElement("style"), arranged = document.createElement("style");

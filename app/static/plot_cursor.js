@@ -57,6 +57,9 @@
     return known ? Object.values(known).map((entry) => entry.chart) : [];
   }
 
+  // A line's colour as that of letters, by day and by night.
+  const readable = (colour) => `color-mix(in srgb, ${colour} 60%, var(--mantine-color-text))`;
+
   function dress(chart) {
     const cursor = document.createElement("div");
     cursor.className = "llsrbm-cursor";
@@ -73,7 +76,7 @@
     for (const line of beside.length > MOST ? [] : beside) {
       line.value = document.createElement("span");
       line.value.title = line.name;
-      line.value.style.color = line.colour;
+      line.value.style.color = readable(line.colour);
       values.appendChild(line.value);
     }
     const dressing = { cursor, values, lines, pressedAt: null, mended: null };
@@ -164,7 +167,7 @@
         cell.textContent = text;
         return cell;
       });
-      if (colour) cells[0].style.color = colour;
+      if (colour) cells[0].style.color = readable(colour);
       const made = document.createElement("tr");
       made.append(...cells);
       table.append(made);

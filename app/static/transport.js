@@ -27,9 +27,10 @@
       border-radius: 3px; overflow: hidden; background: var(--mantine-color-default); }
     #llsrbm-transport .row > div { position: absolute; top: 0; bottom: 0; }
     #llsrbm-transport .mark { position: absolute; top: 0; bottom: 0; width: 2px; margin-left: -1px;
-      background: currentColor; opacity: 0.75; pointer-events: none; }
+      background: color-mix(in srgb, currentColor 75%, transparent); pointer-events: none; }
     #llsrbm-transport .mark span { position: absolute; top: 0; left: 4px; font-size: 10px;
-      line-height: 12px; white-space: nowrap; }
+      line-height: 12px; white-space: nowrap;
+      color: color-mix(in srgb, currentColor 50%, var(--mantine-color-text)); }
     #llsrbm-transport .mark.left span { left: auto; right: 4px; }
     #llsrbm-transport .cursor { position: absolute; top: 24px; bottom: -3px; left: 0; width: 100%;
       pointer-events: none; will-change: transform; }
@@ -62,7 +63,7 @@
   const rows = element("div");
   const cursor = element("div", { class: "cursor" });
   const track = element("div", { class: "track", role: "group", "aria-label": "Timeline" });
-  const bar = element("div", { id: "llsrbm-transport" },
+  const bar = element("div", { id: "llsrbm-transport", role: "region", "aria-label": "Playback" },
     element("div", { class: "line" },
       back, play, pause, forth, clock, rate, repeat, events), track);
 

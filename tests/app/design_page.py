@@ -38,10 +38,15 @@ class DesignPage:
         controls = DesignControls(
             client,
             examples(),
-            on_example=lambda design: self.told.put(("example", design)),
-            on_upload=lambda name, content: self.told.put(("upload", name, content)),
-            on_save=lambda: self.told.put(("save",)),
+            choose_example=lambda design: self.told.put(("example", design)),
+            open_file=lambda name, content: self.told.put(("upload", name, content)),
         )
+        controls.add_examples()
+
+        @controls.save.on_click
+        async def _(_):
+            self.told.put(("save",))
+
         self.tabs.put((client, controls))
 
 

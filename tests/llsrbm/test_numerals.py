@@ -14,7 +14,7 @@ MINUS_ZERO = re.compile(r"-0*\.?0*(e[+-]\d+)?%?$")
 
 
 @given(NUMBERS, st.integers(0, 6), st.booleans())
-def test_no_zero_has_a_sign(value, places, signed):
+def test_no_zero_has_a_minus(value, places, signed):
     texts = (
         decimal(value, places, signed=signed),
         percent(value, places, signed=signed),
@@ -23,7 +23,6 @@ def test_no_zero_has_a_sign(value, places, signed):
     )
     for text in texts:
         assert not MINUS_ZERO.match(text)
-        assert not re.match(r"\+0*\.?0*%?$", text)
 
 
 @given(NUMBERS, st.integers(0, 6), st.booleans())
@@ -33,7 +32,7 @@ def test_what_is_shown_is_the_number(value, places, signed):
     assert len(text.partition(".")[2]) == places
     rounded = float(text)
     assert text.startswith("-") == (rounded < 0)
-    assert text.startswith("+") == (signed and rounded > 0)
+    assert text.startswith("+") == (signed and rounded >= 0)
 
 
 @pytest.mark.parametrize(
@@ -44,7 +43,7 @@ def test_what_is_shown_is_the_number(value, places, signed):
         (decimal(2.94, 1, signed=True), "+2.9"),
         (decimal(-2.94, 1, signed=True), "-2.9"),
         (percent(0.126), "13%"),
-        (percent(-0.0004, 1, signed=True), "0.0%"),
+        (percent(-0.0004, 1, signed=True), "+0.0%"),
         (power(2.84e-7), "2.8e-07"),
         (short(-0.0), "0"),
         (short(0.35), "0.35"),

@@ -67,11 +67,11 @@ def test_a_value_that_is_no_file_is_nothing(page, tab):
 
 def test_what_is_shown_is_named_with_its_note(tab):
     design = EXAMPLES["anymal-board"]
-    tab.controls_of_page.show(design.title, "a <b> & note")
+    tab.controls_of_page.show(design.title, "a <b> & note", rate=False)
     tab.wait(lambda: "a &lt;b&gt; &amp; note" in html(tab)["content"], "the note")
     assert html(tab)["visible"]
     assert tab.value("Example") == design.title
-    tab.controls_of_page.show("my own")
+    tab.controls_of_page.show("my own", "", rate=True)
     tab.wait(lambda: not html(tab)["visible"], "no note")
     assert tab.value("Example") == "choose ..."
 

@@ -47,7 +47,7 @@ def test_landed(rollout):
 
 def test_landed_badly(rollout):
     _, rest = simulated_line(changed(rollout, strict=False))
-    assert rest.startswith("but not by the strict measure: yaw")
+    assert rest.startswith(", but failed the strict criterion: yaw")
 
 
 def test_unsolved_ticks_are_told(rollout):
@@ -99,7 +99,7 @@ def test_a_plans_figures(plan):
     Izz = f"{robot.inertia[2, 2]:.2f}"
     assert f">{Izz} kg m² ({Izz} standing)<" in html
     radius = np.linalg.norm((robot.feet - robot.com)[:, :2], axis=1).mean()
-    assert float(html.split("Feet drawn in to</td>")[1].split(">")[1].split()[0]) == (
+    assert float(html.split("Minimum foot radius</th>")[1].split(">")[1].split()[0]) == (
         pytest.approx(radius, rel=0.02)
     )
     assert f">{robot.mass * GRAVITY / 4:.0f} N, 0.25 of the weight<" in html

@@ -1,0 +1,63 @@
+"""axe-core over the page: by day and by night, in three tabs, on a desk and on an upright tablet.
+
+Nothing serious or critical is found, in viser's controls neither: static/accessibility.js and
+static/panel.js mend what viser leaves.
+"""
+
+from __future__ import annotations
+
+from importlib.resources import files
+
+import pytest
+
+from tests.app.chromium import PACE, chromium, opened, status
+
+pytestmark = pytest.mark.browser
+
+DESK, TABLET = {"width": 1280, "height": 800}, {"width": 820, "height": 1180}
+TABS = ("View", "Scenario", "Limits")
+
+RUN = """async () => {
+  const found = await axe.run(document, {
+    runOnly: ["wcag2a", "wcag2aa"], resultTypes: ["violations"],
+  });
+  return found.violations
+    .filter(({ id, impact }) => ["serious", "critical"].includes(impact))
+    .flatMap(({ id, nodes }) => nodes.map(({ html, failureSummary: why }) =>
+      `${id}: ${html.slice(0, 300)} | ${why.slice(0, 300)}`));
+}"""
+
+
+@pytest.fixture(scope="module")
+def page(designer):
+    package = pytest.importorskip("axe_playwright_python")
+    with chromium() as browser:
+        page = opened(browser, designer.url, view=DESK)
+        status(page, "Planned")
+        page.evaluate("llsrbm.player.pause()")  # drawing in software would take axe's processor
+        page.add_script_tag(content=(files(package) / "axe.min.js").read_text("utf-8"))
+        yield page
+        assert page.faults == []
+
+
+def findings(page):
+    found = {}
+    for tab in TABS:
+        page.get_by_role("tab", name=tab).click()
+        page.wait_for_timeout(600)
+        found |= dict.fromkeys((line, tab) for line in page.evaluate(RUN))
+    return list(found)
+
+
+@pytest.mark.parametrize("view", [DESK, TABLET], ids=["desk", "tablet"])
+@pytest.mark.parametrize("night", [False, True], ids=["day", "night"])
+def test_nothing_serious_is_found(page, view, night):
+    page.set_viewport_size(view)
+    page.get_by_role("tab", name="View").click()
+    box = page.get_by_label("Night", exact=True)
+    if box.is_checked() != night:
+        box.set_checked(night)
+        scheme = "dark" if night else "light"
+        page.locator(f":root[data-mantine-color-scheme={scheme}]").wait_for(state="attached")
+        page.wait_for_timeout(PACE)
+    assert findings(page) == []
