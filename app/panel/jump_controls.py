@@ -9,7 +9,7 @@ from typing import Any
 
 import viser
 
-from app.panel.validation import number, option, put
+from app.viser_link.validation import number, option, put
 from llsrbm import models
 from llsrbm.jump import Jump
 from llsrbm.robots import RobotFile

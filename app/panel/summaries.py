@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from html import escape
+from typing import Protocol
 
 import numpy as np
 
-from app.compute.protocol import Progress, SeedResult
 from app.panel.html import SMALL, table
 from app.panel.status import Word
 from llsrbm.analysis.diagnosis import diagnose, fall_in_words
@@ -21,6 +21,25 @@ from llsrbm.robots import load_robot
 from llsrbm.scenario import Scenario
 
 _TOLD_OF_A_FALL = 4  # events; what follows them is the fall itself
+
+
+class SeedOutcome(Protocol):
+    """How the simulation of one seed ended."""
+
+    @property
+    def seed(self) -> int:
+        """Of its disturbance."""
+        ...
+
+    @property
+    def landed(self) -> bool:
+        """Whether the robot stands at the end."""
+        ...
+
+    @property
+    def line(self) -> str:
+        """The same in words."""
+        ...
 
 
 def planned_line(plan: Plan) -> str:
@@ -40,13 +59,13 @@ def live_line(plan: Plan) -> str:
     )
 
 
-def progress_line(report: Progress) -> str:
+def progress_line(text: str, iteration: int | None, residual: float | None) -> str:
     """What follows "Planning" while the solver works."""
-    parts = [report.text]
-    if report.iteration is not None:
-        parts.append(f"iteration {report.iteration}")
-    if report.residual is not None:
-        parts.append(f"residual {power(report.residual)}")
+    parts = [text]
+    if iteration is not None:
+        parts.append(f"iteration {iteration}")
+    if residual is not None:
+        parts.append(f"residual {power(residual)}")
     return f"({', '.join(parts)}) ..."
 
 
@@ -67,13 +86,13 @@ def simulated_line(rollout: Rollout) -> tuple[Word, str]:
     return Word.LANDED, loosely + ", ".join(parts)
 
 
-def seeds_line(results: Sequence[SeedResult]) -> str:
+def seeds_line(results: Sequence[SeedOutcome]) -> str:
     """How many seeds landed."""
     landed = sum(result.landed for result in results)
     return f"{landed} of {len(results)} seeds landed"
 
 
-def seeds_table(results: Sequence[SeedResult], worst_seed: int | None = None) -> str:
+def seeds_table(results: Sequence[SeedOutcome], worst_seed: int | None = None) -> str:
     """How each seed ended, as HTML; "" for none.
 
     Args:
@@ -91,7 +110,7 @@ def seeds_table(results: Sequence[SeedResult], worst_seed: int | None = None) ->
     )
 
 
-def _seed_cell(result: SeedResult, *, worst: bool) -> str:
+def _seed_cell(result: SeedOutcome, *, worst: bool) -> str:
     state = "landed" if result.landed else "fell"
     sign = "✓" if result.landed else "✗"
     return (

@@ -205,7 +205,12 @@ def _progress(state: TabState, report: Progress) -> TabState:
         case FindNearest():
             line = f"{state.work.failure} ({report.text}) ..."
             return with_status(state, Word.FAILED, line, busy=True)
-    return with_status(state, Word.PLANNING, summaries.progress_line(report), busy=True)
+    return with_status(
+        state,
+        Word.PLANNING,
+        summaries.progress_line(report.text, report.iteration, report.residual),
+        busy=True,
+    )
 
 
 # ---- simulations
