@@ -19,6 +19,7 @@ from app.session.events import (
     SimulateWanted,
     WorstWanted,
 )
+from app.session.lanes import Lane
 from app.session.opening import example_design, left, resume
 from app.session.state import FileWork
 from app.viser_link.page_link import PageReady, PlayerMoved
@@ -223,3 +224,11 @@ def test_files_that_were_on_their_way_are_not_waited_for():
     tab = planned_tab()
     tab.state = replace(tab.state, files=FileWork(3, "waiting", 4, "npz", "Exporting"))
     assert vars(left(tab.state).files) == vars(FileWork())
+
+
+def test_meshes_that_were_being_made_are_made_again():
+    tab = planned_tab()
+    tab.state = replace(tab.state, prepared=False)
+    back(tab)
+    (submit,) = tab.of(Submit)
+    assert (submit.lane, submit.task) == (Lane.ROBOT, Prepare("anymal"))
