@@ -80,8 +80,8 @@ def simulated_line(rollout: Rollout) -> tuple[Word, str]:
     parts.append(f"{_degrees(outcome.final_yaw_error)} at the end")
     parts.append(f"{decimal(outcome.real_time_factor, 1)}× real time")
     if outcome.unsolved_ticks:
-        ticks = "tick" if outcome.unsolved_ticks == 1 else "ticks"
-        parts.append(f"the controller's QP was unsolved in {outcome.unsolved_ticks} {ticks}")
+        ticks = _counted(outcome.unsolved_ticks, "tick")
+        parts.append(f"the controller's QP was unsolved in {ticks}")
     loosely = "" if outcome.strict else ", but failed the strict criterion: "
     return Word.LANDED, loosely + ", ".join(parts)
 
@@ -236,7 +236,7 @@ def _scenario(scenario: Scenario, disturbance: Disturbance) -> str:
             f"trunk {percent(disturbance.trunk_mass_factor - 1, 1, signed=True)}, "
             f"friction {decimal(disturbance.friction, 2)}, "
             f"contacts {decimal(1e3 * disturbance.contact_time)} ms, "
-            f"torque {disturbance.torque_delay_ticks} ticks late"
+            f"torque delayed by {_counted(disturbance.torque_delay_ticks, 'tick')}"
         )
     return ", ".join(parts)
 
@@ -267,6 +267,10 @@ def _millimetres(length: float | None) -> str:
 
 def _known(value: float | None, places: int = 0) -> str:
     return "–" if value is None else decimal(value, places)
+
+
+def _counted(count: int, thing: str) -> str:
+    return f"{count} {thing}" if count == 1 else f"{count} {thing}s"
 
 
 def _attempts(count: int) -> str:

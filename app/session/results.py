@@ -238,8 +238,9 @@ def _count_seed(state: TabState, report: SeedDone) -> TabState:
     if seeds is None:
         return state
     seeds = replace(seeds, results=(*seeds.results, report.result))
-    line = f"{summaries.seeds_line(seeds.results)} so far, {len(seeds.results)} of {seeds.count}"
-    share = len(seeds.results) / seeds.count
+    done = len(seeds.results)
+    landed = sum(result.landed for result in seeds.results)
+    line, share = f"{done} of {seeds.count} seeds: {landed} landed so far", done / seeds.count
     return with_status(replace(state, seeds=seeds), Word.SIMULATING, line, busy=True, share=share)
 
 
