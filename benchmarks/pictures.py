@@ -211,7 +211,7 @@ def _fell(page: Page) -> None:
 def _seeds(page: Page) -> None:
     tab(page, "Scenario")
     press(page, "Simulate 20 seeds")
-    page.get_by_role("status").filter(has_text="seeds landed.").wait_for(timeout=PATIENCE)
+    page.get_by_role("status").filter(has_text=" seeds.").wait_for(timeout=PATIENCE)
 
 
 def _tour(page: Page) -> None:

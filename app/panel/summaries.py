@@ -92,6 +92,12 @@ def seeds_line(results: Sequence[SeedOutcome]) -> str:
     return f"{landed} of {len(results)} seeds landed"
 
 
+def seeds_share(results: Sequence[SeedOutcome]) -> str:
+    """In how many seeds the robot landed, or fell if it did in any: what follows that word."""
+    fell = sum(not result.landed for result in results)
+    return f"{fell or len(results)} of {len(results)} seeds"
+
+
 def seeds_table(results: Sequence[SeedOutcome], worst_seed: int | None = None) -> str:
     """How each seed ended, as HTML; "" for none.
 

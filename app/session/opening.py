@@ -8,7 +8,7 @@ from dataclasses import replace
 from app.compute.protocol import Prepare, SimulateSeeds
 from app.session import files
 from app.session.drag_planning import REST
-from app.session.effects import After, Effect, LoadRobot, Notify, Play, Seek, Submit
+from app.session.effects import After, Effect, LoadRobot, Notify, Play, Seek, SetPlayback, Submit
 from app.session.events import Opened, Rested
 from app.session.known_motion import show_known
 from app.session.lanes import Lane
@@ -92,4 +92,6 @@ def resume(state: TabState, page: PageReady, tickets: int = 0) -> Step:
     if state.shown is None:
         return state, begun
     play = (Play(),) if state.playback.playing else ()
-    return state, (*begun, Seek(state.playback.time), *play)
+    playback = state.playback
+    pace = SetPlayback(playback.speed, playback.loop)
+    return state, (*begun, pace, Seek(playback.time), *play)

@@ -252,5 +252,5 @@ def _finish_seeds(state: TabState, report: SimulatedSeeds) -> TabState:
     landed = all(result.landed for result in report.results)
     word = Word.LANDED if landed else Word.FELL
     return with_status(
-        replace(state, seeds=seeds), word, f"{summaries.seeds_line(report.results)}."
+        replace(state, seeds=seeds), word, f"in {summaries.seeds_share(report.results)}."
     )
