@@ -22,11 +22,9 @@ LAPTOP = {"width": 1280, "height": 800}
 DESKTOP = {"width": 1920, "height": 1080}
 TABLET = {"width": 820, "height": 1180}  # held upright
 PATIENCE = 300_000  # ms; a first start builds solvers
-# The page greets as with a graphics processor: all triangles, and shadows.
-WITH_GRAPHICS = """addEventListener('DOMContentLoaded', () => {
-  const { send } = llsrbm.page;
-  llsrbm.page.send = (event) => send(event.kind === 'ready' ? {...event, software: false} : event);
-});"""
+# The page takes itself for one with a graphics processor: all triangles, shadows, smooth edges.
+WITH_GRAPHICS = """addEventListener('DOMContentLoaded', () =>
+  Object.defineProperty(llsrbm, 'software', { get: () => false, set() {} }));"""
 SETTLED = 3000  # ms until everything that was asked for is drawn
 
 
@@ -211,7 +209,7 @@ def _fell(page: Page) -> None:
 def _seeds(page: Page) -> None:
     tab(page, "Scenario")
     press(page, "Simulate 20 seeds")
-    page.get_by_role("status").filter(has_text="seeds land.").wait_for(timeout=PATIENCE)
+    page.get_by_role("status").filter(has_text=" seeds.").wait_for(timeout=PATIENCE)
 
 
 def _tour(page: Page) -> None:

@@ -142,7 +142,7 @@ class LibraryPlanner:
 
     def open(self, task: OpenFile, progress: ProgressListener) -> OpenedFile:
         """See `app.compute.planner.Planner.open`."""
-        from app.compute.opened_file import open_file
+        from app.compute.file_reading import open_file
 
         progress(f"opening {task.name}")
         opened = open_file(task.name, task.content, task.robot, task.fps)

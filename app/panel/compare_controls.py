@@ -9,7 +9,7 @@ import viser
 
 from app.panel.comparison_table import Column, comparison_table
 from app.panel.html import note
-from app.panel.validation import put
+from app.viser_link.validation import put
 
 _NONE = "nothing pinned"
 

@@ -8,9 +8,9 @@ from typing import Any
 import viser
 
 from app.panel.html import note
-from app.panel.validation import number, put
 from app.viser_link.file_drop import accept_drops
 from app.viser_link.uploads import take_upload
+from app.viser_link.validation import number, put
 from llsrbm.design import Design
 from llsrbm.formats import readable
 

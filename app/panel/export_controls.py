@@ -9,7 +9,7 @@ from typing import Any
 import viser
 
 from app.panel.html import SMALL
-from app.panel.validation import number, option, put
+from app.viser_link.validation import number, option, put
 from llsrbm.formats import FORMATS, ORDERS, Format, Options
 
 SIMULATION, PLAN = "simulation", "plan"

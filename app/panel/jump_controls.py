@@ -9,7 +9,7 @@ from typing import Any
 
 import viser
 
-from app.panel.validation import number, option, put
+from app.viser_link.validation import number, option, put
 from llsrbm import models
 from llsrbm.jump import Jump
 from llsrbm.robots import RobotFile
@@ -82,7 +82,10 @@ class JumpControls:
         for axis in _AXES:
             value = self._sliders[axis.field].value
             shown = number(axis.label, value, _range(axis, self._task), complaints)
-            amounts[axis.field] = shown / axis.scale
+            now = getattr(current, axis.field)
+            # A number that nobody touched stays as it is, however it is rounded for show.
+            touched = not math.isclose(shown, _rounded(axis, now), abs_tol=1e-9)
+            amounts[axis.field] = shown / axis.scale if touched else now
         return Jump(robot=robot, model=model, **amounts), complaints
 
     def show(self, jump: Jump) -> None:

@@ -8,7 +8,7 @@ from typing import Any
 import viser
 
 from app.panel.html import note
-from app.panel.validation import number, put
+from app.viser_link.validation import number, put
 from llsrbm.robots import RobotFile
 from llsrbm.scenario import Scenario
 from llsrbm.simulation.surroundings import TO_SPARE

@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from html import escape
+from typing import Protocol
 
 import numpy as np
 
-from app.compute.protocol import Progress, SeedResult
 from app.panel.html import SMALL, table
 from app.panel.status import Word
 from llsrbm.analysis.diagnosis import diagnose, fall_in_words
@@ -21,6 +21,25 @@ from llsrbm.robots import load_robot
 from llsrbm.scenario import Scenario
 
 _TOLD_OF_A_FALL = 4  # events; what follows them is the fall itself
+
+
+class SeedOutcome(Protocol):
+    """How the simulation of one seed ended."""
+
+    @property
+    def seed(self) -> int:
+        """Of its disturbance."""
+        ...
+
+    @property
+    def landed(self) -> bool:
+        """Whether the robot stands at the end."""
+        ...
+
+    @property
+    def line(self) -> str:
+        """The same in words."""
+        ...
 
 
 def planned_line(plan: Plan) -> str:
@@ -40,13 +59,13 @@ def live_line(plan: Plan) -> str:
     )
 
 
-def progress_line(report: Progress) -> str:
+def progress_line(text: str, iteration: int | None, residual: float | None) -> str:
     """What follows "Planning" while the solver works."""
-    parts = [report.text]
-    if report.iteration is not None:
-        parts.append(f"iteration {report.iteration}")
-    if report.residual is not None:
-        parts.append(f"residual {power(report.residual)}")
+    parts = [text]
+    if iteration is not None:
+        parts.append(f"iteration {iteration}")
+    if residual is not None:
+        parts.append(f"residual {power(residual)}")
     return f"({', '.join(parts)}) ..."
 
 
@@ -61,19 +80,25 @@ def simulated_line(rollout: Rollout) -> tuple[Word, str]:
     parts.append(f"{_degrees(outcome.final_yaw_error)} at the end")
     parts.append(f"{decimal(outcome.real_time_factor, 1)}× real time")
     if outcome.unsolved_ticks:
-        ticks = "tick" if outcome.unsolved_ticks == 1 else "ticks"
-        parts.append(f"the controller's QP was unsolved in {outcome.unsolved_ticks} {ticks}")
+        ticks = _counted(outcome.unsolved_ticks, "tick")
+        parts.append(f"the controller's QP was unsolved in {ticks}")
     loosely = "" if outcome.strict else ", but failed the strict criterion: "
     return Word.LANDED, loosely + ", ".join(parts)
 
 
-def seeds_line(results: Sequence[SeedResult]) -> str:
+def seeds_line(results: Sequence[SeedOutcome]) -> str:
     """How many seeds landed."""
     landed = sum(result.landed for result in results)
     return f"{landed} of {len(results)} seeds landed"
 
 
-def seeds_table(results: Sequence[SeedResult], worst_seed: int | None = None) -> str:
+def seeds_share(results: Sequence[SeedOutcome]) -> str:
+    """In how many seeds the robot landed, or fell if it did in any: what follows that word."""
+    fell = sum(not result.landed for result in results)
+    return f"{fell or len(results)} of {len(results)} seeds"
+
+
+def seeds_table(results: Sequence[SeedOutcome], worst_seed: int | None = None) -> str:
     """How each seed ended, as HTML; "" for none.
 
     Args:
@@ -91,7 +116,7 @@ def seeds_table(results: Sequence[SeedResult], worst_seed: int | None = None) ->
     )
 
 
-def _seed_cell(result: SeedResult, *, worst: bool) -> str:
+def _seed_cell(result: SeedOutcome, *, worst: bool) -> str:
     state = "landed" if result.landed else "fell"
     sign = "✓" if result.landed else "✗"
     return (
@@ -217,7 +242,7 @@ def _scenario(scenario: Scenario, disturbance: Disturbance) -> str:
             f"trunk {percent(disturbance.trunk_mass_factor - 1, 1, signed=True)}, "
             f"friction {decimal(disturbance.friction, 2)}, "
             f"contacts {decimal(1e3 * disturbance.contact_time)} ms, "
-            f"torque {disturbance.torque_delay_ticks} ticks late"
+            f"torque delayed by {_counted(disturbance.torque_delay_ticks, 'tick')}"
         )
     return ", ".join(parts)
 
@@ -248,6 +273,10 @@ def _millimetres(length: float | None) -> str:
 
 def _known(value: float | None, places: int = 0) -> str:
     return "–" if value is None else decimal(value, places)
+
+
+def _counted(count: int, thing: str) -> str:
+    return f"{count} {thing}" if count == 1 else f"{count} {thing}s"
 
 
 def _attempts(count: int) -> str:

@@ -7,8 +7,8 @@ from typing import Any
 import viser
 
 from app.panel import html
-from app.panel.validation import put
 from app.scene.overlays import OVERLAYS
+from app.viser_link.validation import put
 
 BRAND = (38, 92, 150)
 

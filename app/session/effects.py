@@ -113,6 +113,19 @@ class Seek:
     time: float
 
 
+@dataclass(frozen=True)
+class SetPlayback:
+    """Play at another speed.
+
+    Attributes:
+        speed: seconds of motion a second.
+        loop: start again at the end.
+    """
+
+    speed: float
+    loop: bool
+
+
 Effect = (
     Submit
     | Stop
@@ -125,7 +138,8 @@ Effect = (
     | ResetControls
     | Play
     | Seek
+    | SetPlayback
 )
 
-AFTER_DRAWING = (Share, Play, Seek)
+AFTER_DRAWING = (Share, Play, Seek, SetPlayback)
 """Effects on the page that mean what it shows then, not what it showed before."""

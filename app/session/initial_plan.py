@@ -15,7 +15,8 @@ from importlib.metadata import version
 from pathlib import Path
 
 import llsrbm
-from app.compute.opened_file import OpenedFile, differing
+from app.compute.file_reading import differing
+from app.compute.opened_file import OpenedFile
 from llsrbm.cache import cache_path, content_key, read_checked, write_checked
 from llsrbm.errors import Error
 from llsrbm.jump import Jump

@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 
-from app.compute.protocol import SimulateSeeds
+from app.compute.protocol import Prepare, SimulateSeeds
 from app.session import files
 from app.session.drag_planning import REST
-from app.session.effects import After, Effect, LoadRobot, Notify, Play, Seek
+from app.session.effects import After, Effect, LoadRobot, Notify, Play, Seek, SetPlayback, Submit
 from app.session.events import Opened, Rested
 from app.session.known_motion import show_known
+from app.session.lanes import Lane
 from app.session.requests import plan_design
 from app.session.state import FileWork, Known, TabState
 from app.session.steps import Step, joined, submit, with_work
@@ -83,7 +84,14 @@ def resume(state: TabState, page: PageReady, tickets: int = 0) -> Step:
         state, begun = plan_design(state)
     elif work.dragging.rests:
         begun = (After(REST, Rested(work.dragging.rest)),)
+    robot = state.robot
+    if robot is not None and not state.prepared:
+        ticket = state.tickets + 1
+        state = replace(state, tickets=ticket)
+        begun = (*begun, Submit(Lane.ROBOT, ticket, Prepare(robot.name)))
     if state.shown is None:
         return state, begun
     play = (Play(),) if state.playback.playing else ()
-    return state, (*begun, Seek(state.playback.time), *play)
+    playback = state.playback
+    pace = SetPlayback(playback.speed, playback.loop)
+    return state, (*begun, pace, Seek(playback.time), *play)

@@ -9,7 +9,6 @@ from app.compute.protocol import PlanJump, Prepare, SimulateJump, SimulateSeeds
 from app.motion.planned_motion import bake_plan
 from app.panel.status import Word
 from app.panel.tuning_table import entries_of
-from app.panel.validation import number
 from app.session.drag_planning import REST
 from app.session.effects import After, Keep, Notify, ResetControls, Stop
 from app.session.events import (
@@ -24,6 +23,7 @@ from app.session.lanes import Lane
 from app.session.state import History, Seeds, Shown, TabState
 from app.session.steps import Step, also, submit, with_status, with_work
 from app.viser_link.page_link import TuningChosen
+from app.viser_link.validation import number
 from llsrbm.design import Design
 from llsrbm.jump import Jump
 from llsrbm.motion.plan import Plan

@@ -205,7 +205,12 @@ def _progress(state: TabState, report: Progress) -> TabState:
         case FindNearest():
             line = f"{state.work.failure} ({report.text}) ..."
             return with_status(state, Word.FAILED, line, busy=True)
-    return with_status(state, Word.PLANNING, summaries.progress_line(report), busy=True)
+    return with_status(
+        state,
+        Word.PLANNING,
+        summaries.progress_line(report.text, report.iteration, report.residual),
+        busy=True,
+    )
 
 
 # ---- simulations
@@ -233,8 +238,9 @@ def _count_seed(state: TabState, report: SeedDone) -> TabState:
     if seeds is None:
         return state
     seeds = replace(seeds, results=(*seeds.results, report.result))
-    line = f"{summaries.seeds_line(seeds.results)} so far, {len(seeds.results)} of {seeds.count}"
-    share = len(seeds.results) / seeds.count
+    done = len(seeds.results)
+    landed = sum(result.landed for result in seeds.results)
+    line, share = f"{done} of {seeds.count} seeds: {landed} landed so far", done / seeds.count
     return with_status(replace(state, seeds=seeds), Word.SIMULATING, line, busy=True, share=share)
 
 
@@ -246,5 +252,5 @@ def _finish_seeds(state: TabState, report: SimulatedSeeds) -> TabState:
     landed = all(result.landed for result in report.results)
     word = Word.LANDED if landed else Word.FELL
     return with_status(
-        replace(state, seeds=seeds), word, f"{summaries.seeds_line(report.results)}."
+        replace(state, seeds=seeds), word, f"in {summaries.seeds_share(report.results)}."
     )

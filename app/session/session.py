@@ -41,6 +41,7 @@ from app.session.effects import (
     Play,
     ResetControls,
     Seek,
+    SetPlayback,
     Share,
     Stop,
     Submit,
@@ -408,6 +409,8 @@ class Session:
                 self._rendering.reset_controls(self.state)
             case Play():
                 self._link.play()
+            case SetPlayback(speed, loop):
+                self._link.set_playback(speed, loop)
             case Seek(instant):
                 self._link.seek(instant)
 

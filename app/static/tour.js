@@ -26,7 +26,7 @@
   ];
 
   const STYLE = `
-    #llsrbm-tour { position: fixed; z-index: 20; display: none; width: 17rem; box-sizing: border-box;
+    #llsrbm-tour { position: fixed; z-index: 500; display: none; width: 17rem; box-sizing: border-box;
       padding: 0.8rem 1rem; border-radius: 8px; font: 14px/1.45 system-ui, sans-serif;
       color: var(--mantine-color-text); background: var(--mantine-color-body);
       border: 1px solid var(--mantine-color-default-border);
@@ -49,7 +49,7 @@
   }
 
   const control = (label) => [...document.querySelectorAll("label")]
-    .find((each) => each.textContent.trim() === label)?.parentElement ?? null;
+    .find((each) => each.textContent.trim() === label)?.closest(".mantine-Flex-root") ?? null;
   const button = (label) => [...document.querySelectorAll("button")]
     .find((each) => each.textContent.trim() === label) ?? null;
 

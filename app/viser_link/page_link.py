@@ -161,6 +161,11 @@ class PageLink:
         """Go to an instant, s."""
         self._command("player.seek", repr(float(time)))
 
+    def set_playback(self, speed: float, loop: bool) -> None:
+        """Play so many seconds of motion a second, and start again at the end or not."""
+        self._command("player.setSpeed", repr(float(speed)))
+        self._command("player.setLoop", json.dumps(loop))
+
     def keep(self, design: str) -> None:
         """Have the browser keep a design, as text."""
         self._call("page.keep", json.dumps(design))

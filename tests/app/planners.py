@@ -11,7 +11,8 @@ from pathlib import Path
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from app.compute.opened_file import OpenedFile, States, open_file
+from app.compute.file_reading import open_file
+from app.compute.opened_file import OpenedFile, States
 from app.compute.worker import exported
 from llsrbm import errors
 from llsrbm.errors import InputError

@@ -11,7 +11,7 @@ from app.compute.protocol import Planned, Prepared, Simulated
 from app.session.effects import After, Keep, LoadRobot, Notify, Submit
 from app.session.events import JumpChosen, Reported, RobotLoaded
 from app.session.opening import first_state
-from app.session.results import with_robot
+from app.session.results import draw_robot
 from app.session.update import update
 from llsrbm.motion.plan import Solution
 from llsrbm.robots import load_robot, read_robot_file
@@ -40,7 +40,7 @@ class PureTab:
         self.state = first_state(ROBOTS)
         self.effects, self.submits = (), []
         if robot:
-            self.state = with_robot(self.state, load_robot(robot))
+            self.state, _ = draw_robot(self.state, RobotLoaded(load_robot(robot)))
 
     def take(self, event):
         return self.have(update(self.state, event))

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from app.compute.opened_file import OpenedFile, open_file
+from app.compute.file_reading import open_file
+from app.compute.opened_file import OpenedFile
 from app.compute.pool import WorkerPool
 from app.server.server import Designer
 from llsrbm import cli

@@ -244,7 +244,7 @@ def test_every_press_of_undo_counts(tab, session):
         planned(tab, session, lambda jump, f=forward: jump.forward == f, "a plan")
         tab.wait_for_status("Planned")
     for _ in range(2):
-        tab.set("Design", "Undo")
+        tab.press("Undo")
     planned(tab, session, lambda jump: jump.forward == 0.0, "the first design's plan")
     tab.wait(lambda: tab.value("Forward [m]") == 0.0, "the slider")
 
@@ -257,7 +257,7 @@ def test_a_link_holds_the_design_and_opens_it(designer, tab, session, script):
     tab.set("Board [mm]", 20)
     planned(tab, session, lambda jump: jump.forward == 0.2, "a plan")
     wait_until(lambda: session.design.scenario.board == 0.02, "the board")
-    tab.set("Design", "Share")
+    tab.press("Share")
     tab.wait(lambda: script.calls("page.share"), "a link")
     ((text,),) = script.calls("page.share")
     assert load_design(text.encode()) == session.design

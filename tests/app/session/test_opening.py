@@ -10,7 +10,7 @@ from app.compute.opened_file import OpenedFile
 from app.compute.protocol import PlanJump, Prepare, Prepared, SeedDone, SeedResult, SimulatedSoFar
 from app.panel.status import Word
 from app.session.drag_planning import REST
-from app.session.effects import After, Keep, LoadRobot, Notify, Play, Seek, Submit
+from app.session.effects import After, Keep, LoadRobot, Notify, Play, Seek, SetPlayback, Submit
 from app.session.events import (
     Opened,
     PinWanted,
@@ -19,6 +19,7 @@ from app.session.events import (
     SimulateWanted,
     WorstWanted,
 )
+from app.session.lanes import Lane
 from app.session.opening import example_design, left, resume
 from app.session.state import FileWork
 from app.viser_link.page_link import PageReady, PlayerMoved
@@ -31,6 +32,9 @@ from tests.app.pure_tab import ROBOTS, PureTab, plan_of, planned_tab, rollout_of
 
 EXAMPLE = example_design(ROBOTS["anymal"])
 PAGE = PageReady(software=False)
+
+
+AS_BEFORE = SetPlayback(1.0, loop=True)
 
 
 def kinds(effects):
@@ -129,7 +133,7 @@ def test_everything_that_was_shown_is_there_again():
     tab.take(PinWanted())
     tab.take(PlayerMoved(0.7, playing=False))
     before = tab.state
-    assert back(tab).effects == (Seek(0.7),)
+    assert back(tab).effects == (AS_BEFORE, Seek(0.7))
     after = tab.state
     for name in ("design", "robot", "shown", "status", "pins", "view", "plots", "history"):
         assert getattr(after, name) is getattr(before, name)
@@ -139,7 +143,7 @@ def test_everything_that_was_shown_is_there_again():
 def test_a_motion_that_played_plays_on():
     tab = planned_tab()
     tab.take(PlayerMoved(0.4, playing=True))
-    assert back(tab).effects == (Seek(0.4), Play())
+    assert back(tab).effects == (AS_BEFORE, Seek(0.4), Play())
 
 
 @pytest.mark.parametrize("playing", [True, False])
@@ -147,7 +151,7 @@ def test_a_page_that_was_never_away_knows_best_where_it_is(playing):
     tab = planned_tab()
     tab.take(PlayerMoved(0.4, playing=not playing))
     back(tab, replace(PAGE, time=0.9, playing=playing))
-    assert tab.effects == (Seek(0.9), Play())[: 1 + playing]
+    assert tab.effects == (AS_BEFORE, Seek(0.9), Play())[: 2 + playing]
 
 
 def test_a_running_job_is_begun_again_under_another_ticket():
@@ -223,3 +227,11 @@ def test_files_that_were_on_their_way_are_not_waited_for():
     tab = planned_tab()
     tab.state = replace(tab.state, files=FileWork(3, "waiting", 4, "npz", "Exporting"))
     assert vars(left(tab.state).files) == vars(FileWork())
+
+
+def test_meshes_that_were_being_made_are_made_again():
+    tab = planned_tab()
+    tab.state = replace(tab.state, prepared=False)
+    back(tab)
+    (submit,) = tab.of(Submit)
+    assert (submit.lane, submit.task) == (Lane.ROBOT, Prepare("anymal"))

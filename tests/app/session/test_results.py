@@ -258,7 +258,7 @@ def test_seeds_are_counted_and_the_worst_is_shown_on_demand(tab):
     assert tab.state.rollout is None
     worst = replace(rollout_of(plan_of(tab.state.plan.jump), 1), plan=tab.state.plan)
     tab.report(SimulatedSeeds(0, results, worst))
-    assert tab.told == (Word.FELL, "2 of 3 seeds land.")
+    assert tab.told == (Word.FELL, "in 1 of 3 seeds.")
     tab.take(WorstWanted())
     assert tab.state.rollout is worst
     assert tab.told[1].startswith("seed 1: ")

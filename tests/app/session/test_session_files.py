@@ -72,7 +72,7 @@ def test_a_plan_is_shown_as_it_is(tab, session, script, submitted, tmp_path):
     assert script.end == pytest.approx(plan.duration)
     shown = {"Robot": "ANYmal B", "Model": "SRBM", "Twist [deg]": 71.0, "Forward [m]": 0.12}
     assert {label: tab.value(label) for label in shown} == shown
-    assert tab.value("friction [1]") == 0.45
+    assert tab.page.calls("tuning.show")[-1] == [{"weights": {}, "limits": {"friction": 0.45}}]
     assert "Opened mine.npz." in tab.text()
     time.sleep(0.8)  # longer than a request has to rest
     assert not any(isinstance(task, PlanJump) for task in submitted)

@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 
 from app.compute import opened_file
-from app.compute.opened_file import LARGEST_UNPACKED, States, differing, open_file
+from app.compute.file_reading import LARGEST_UNPACKED, differing, open_file
+from app.compute.opened_file import States
 from llsrbm.design import Design
 from llsrbm.errors import Error
 from llsrbm.jump import Jump
@@ -151,7 +152,7 @@ def test_another_tools_file_is_read_as_such(monkeypatch):
         asked.append((path.suffix, path.read_bytes(), robot, fps))
         return turning_states(robot).motion()
 
-    monkeypatch.setattr("app.compute.opened_file.load_motion", load_motion)
+    monkeypatch.setattr("app.compute.file_reading.load_motion", load_motion)
     opened = open_file("Dance 1.CSV", b"1,2", "slider", 50.0)
     assert asked == [(".csv", b"1,2", "slider", 50.0)]
     assert (opened.name, opened.robot) == ("Dance 1.CSV", "slider")
@@ -167,7 +168,7 @@ def test_another_tools_npz_is_told_from_ours(monkeypatch, tmp_path):
         asked.append(path.suffix)
         return turning_states(robot).motion()
 
-    monkeypatch.setattr("app.compute.opened_file.load_motion", load_motion)
+    monkeypatch.setattr("app.compute.file_reading.load_motion", load_motion)
     np.savez(tmp_path / "other.npz", qpos=np.zeros((3, 19)))
     for name, data in (
         ("other.npz", (tmp_path / "other.npz").read_bytes()),
@@ -180,7 +181,7 @@ def test_another_tools_npz_is_told_from_ours(monkeypatch, tmp_path):
 def test_a_foreign_motion_is_checked_too(monkeypatch):
     motion = turning_states("anymal").motion()
     far = replace(motion, base_position=motion.base_position + 1e5)
-    monkeypatch.setattr("app.compute.opened_file.load_motion", lambda *_, **__: far)
+    monkeypatch.setattr("app.compute.file_reading.load_motion", lambda *_, **__: far)
     assert refusal("far.csv", b"1").startswith("far.csv: base_position: expected numbers up to")
 
 
