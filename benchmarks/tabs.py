@@ -1,7 +1,8 @@
 """Twenty tabs on one server, and a hundred after each other: `python -m benchmarks.tabs`.
 
-Ten of twenty tabs change a slider for ten seconds, each as fast as its plans come; then all ten drag
-at once, a value every 50 ms, and every tab's plan is exported and compared with its own last value.
+Ten of twenty tabs change a slider for ten seconds, each as fast as its plans come; then all ten
+drag at once, a value every 50 ms, and every tab's plan is exported and compared with its own last
+value.
 After that a hundred tabs are opened and closed; memory of the server and its processes is printed
 after every tenth.
 """
