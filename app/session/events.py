@@ -264,12 +264,16 @@ class Opened:
         plan: the example's, if it is known.
         file: with which every tab of this server begins.
         complaints: what was wrong with the design that the browser kept.
+        time: s, where the page's motion was with another server; 0: it had none.
+        playing: whether it moved.
     """
 
     design: Design | None = None
     plan: Plan | None = None
     file: OpenedFile | None = None
     complaints: Complaints = ()
+    time: float = 0.0
+    playing: bool = False
 
 
 Event = (

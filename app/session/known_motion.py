@@ -6,11 +6,11 @@ from dataclasses import replace
 
 from app.panel import summaries
 from app.panel.status import Word
-from app.session.effects import Effect, Keep, LoadRobot, Play
+from app.session.effects import Keep, LoadRobot
 from app.session.requests import show_plan
 from app.session.results import show_rollout
 from app.session.state import Known, TabState
-from app.session.steps import Step, with_status, with_work
+from app.session.steps import Step, played_first, with_status, with_work
 
 
 def show_known(state: TabState, known: Known) -> Step:
@@ -23,7 +23,7 @@ def show_known(state: TabState, known: Known) -> Step:
     plan, robot = known.plan, state.robot
     if robot is None or robot.name != plan.jump.robot:
         return replace(state, known=known), (LoadRobot(plan.jump.robot),)
-    play: tuple[Effect, ...] = (Play(),) if state.shown is None else ()
+    play = played_first(state) if state.shown is None else ()
     work = state.work
     dragging, _ = work.dragging.forget().request(plan.jump, plan.tuning, None)
     state = with_work(

@@ -34,6 +34,8 @@ def example_design(file: RobotFile) -> Design:
 def open_tab(state: TabState, event: Opened) -> Step:
     """Show a jump at once, and have planned what is asked for."""
     before: tuple[Effect, ...] = ()
+    playback = replace(state.playback, time=event.time, playing=event.playing)
+    state = replace(state, playback=playback)
     if event.complaints:
         line = "; ".join(event.complaints)
         before = (Notify("The last design was not opened", line),)

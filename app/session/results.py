@@ -27,12 +27,12 @@ from app.motion.simulated_motion import bake_rollout
 from app.motion.so_far import frames_so_far
 from app.panel import summaries
 from app.panel.status import Word
-from app.session.effects import Keep, LoadRobot, Play, Submit
+from app.session.effects import Keep, LoadRobot, Submit
 from app.session.events import Reported, RobotLoaded, RobotMissing, SimulateWanted
 from app.session.lanes import Lane
 from app.session.requests import plan_design, show_plan, simulate, wait_for_rest
 from app.session.state import Shown, TabState
-from app.session.steps import Step, also, joined, submit, with_status, with_work
+from app.session.steps import Step, also, joined, played_first, submit, with_status, with_work
 from llsrbm.motion.rollout import Rollout
 from llsrbm.simulation.surroundings import surroundings
 
@@ -137,7 +137,7 @@ def _show(state: TabState, report: Planned, ticket: int) -> Step:
         return state, ()
     first = state.shown is None
     state = show_plan(with_work(state, shown=ticket), report.plan, robot)
-    return state, (Play(),) if first else ()
+    return state, played_first(state) if first else ()
 
 
 def _take_plan(state: TabState, report: Planned, ticket: int) -> Step:

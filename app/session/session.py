@@ -270,7 +270,8 @@ class Session:
         plan = self._initial.plan(self.state.design.jump.robot)
         # A link was chosen for what it holds.
         file = None if page is not None and page.shared is not None else self._initial.file
-        return Opened(design, plan, file, tuple(complaints))
+        time, playing = (0.0, False) if page is None else (page.time, page.playing)
+        return Opened(design, plan, file, tuple(complaints), time, playing)
 
     def _meet(self, page: PageReady) -> None:
         """The page's scripts run, or miss something."""

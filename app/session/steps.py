@@ -7,7 +7,7 @@ from typing import Any
 
 from app.compute.protocol import Task
 from app.panel.status import Status, Word
-from app.session.effects import Effect, Submit
+from app.session.effects import Effect, Play, Seek, Submit
 from app.session.lanes import Lane
 from app.session.state import TabState
 
@@ -37,6 +37,14 @@ def submit(state: TabState, task: Task) -> Step:
     ticket = state.tickets + 1
     state = with_work(replace(state, tickets=ticket), newest=ticket, awaited=task)
     return state, (Submit(Lane.MOTION, ticket, task),)
+
+
+def played_first(state: TabState) -> tuple[Effect, ...]:
+    """How a tab's first motion is played: from its start, or from where its page was before."""
+    time, playing = state.playback.time, state.playback.playing
+    if time == 0.0:
+        return (Play(),)
+    return (Seek(time), Play()) if playing else (Seek(time),)
 
 
 def also(step: Step, *effects: Effect) -> Step:

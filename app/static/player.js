@@ -23,6 +23,18 @@
   let hurry = false, sparedAt = -Infinity;
   let loadedAt = -Infinity, applied = null, seen = null;
 
+  // Names of the fields of viser's that are missing.
+  function lacks() {
+    const viewer = window.__viserMutable, points = window.__viserTestpoints;
+    return [
+      ["__viserMutable.nodePoseData", viewer?.nodePoseData],
+      ["__viserMutable.nodeRefFromName", viewer?.nodeRefFromName],
+      ["__viserMutable.requestRender", viewer?.requestRender],
+      ["__viserTestpoints.rendererInfo", points?.rendererInfo],
+      ["__viserTestpoints.devSettings", points?.devSettings],
+    ].filter(([, value]) => !value).map(([name]) => name);
+  }
+
   // ---- clips
 
   function decode(header, blob) {
@@ -69,7 +81,7 @@
 
   function apply() {
     const viewer = window.__viserMutable;
-    if (!viewer || !clip) return;
+    if (!clip || lacks().length) return;
     for (const strand of clip.strands) {
       const [index, share] = place(strand.time, time);
       for (const track of strand.tracks) {
@@ -214,16 +226,7 @@
     window.llsrbmPlots?.show(time);
   }
 
-  llsrbm.require(() => {
-    const viewer = window.__viserMutable, points = window.__viserTestpoints;
-    return [
-      ["__viserMutable.nodePoseData", viewer?.nodePoseData],
-      ["__viserMutable.nodeRefFromName", viewer?.nodeRefFromName],
-      ["__viserMutable.requestRender", viewer?.requestRender],
-      ["__viserTestpoints.rendererInfo", points?.rendererInfo],
-      ["__viserTestpoints.devSettings", points?.devSettings],
-    ].filter(([, value]) => !value).map(([name]) => name);
-  });
+  llsrbm.require(lacks);
 
   // The plots' script comes with the panel.
   function followClicks() {

@@ -27,6 +27,8 @@ FLAGS = (
 VIEW = {"width": 1280, "height": 800}
 PANEL_LEFT = 940  # pixels; the picture is to the left of it
 NOTE = (330, 170)  # viser's note about software rendering covers this corner
+BASE = "/links/base"  # the node that is there as soon as a robot is
+COMPARE = "Figures"  # the tab with pins
 PACE = 80  # ms between inputs: the page sends at most one change every 50 ms
 
 
@@ -63,6 +65,33 @@ def opened(browser, url, view=VIEW, *, tour=False, **options):
     page.on("websocket", lambda socket: socket.on("framereceived", hear))
     page.goto(url)
     return page
+
+
+def tab(page, name):
+    """Turn to a tab of the panel."""
+    found = page.locator("[data-dock-area^=gui-tabs]").get_by_role("tab", name=name, exact=True)
+    if found.get_attribute("aria-selected") != "true":
+        found.click()
+        page.wait_for_timeout(PACE)
+
+
+def press(page, name):
+    page.get_by_role("button", name=name, exact=True).click()
+    page.wait_for_timeout(PACE)
+
+
+def choose(page, label, value):
+    """Choose an option of a dropdown."""
+    page.get_by_label(label, exact=True).click()
+    page.get_by_role("option", name=value, exact=True).click()
+    page.wait_for_timeout(PACE)
+
+
+def tick(page, label, ticked=True):
+    """Tick a box of the tab View, or clear it."""
+    tab(page, "View")
+    page.get_by_label(label, exact=True).set_checked(ticked)
+    page.wait_for_timeout(PACE)
 
 
 def player(page, what):
@@ -106,9 +135,9 @@ def green(pixels):
 
 
 def blue(pixels):
-    """Mask of the tint of the planned ellipsoid's surface."""
+    """Mask of the planned ellipsoid and of the ghost; the sky is paler."""
     r, _, b = np.moveaxis(pixels, -1, 0)
-    return b > r + 25
+    return b > r + 70
 
 
 def number(page, label):

@@ -6,6 +6,7 @@ from app.compute.pool import WorkerPool
 from app.server.server import Designer
 from tests.app.planners import SyntheticPlanner
 from tests.app.raw_tab import RawTab
+from tests.app.shared_page import fresh, visit
 
 
 @pytest.fixture(scope="session")
@@ -33,3 +34,21 @@ def session(designer, tab):
 def script(tab, session):
     """The page's scripts."""
     return tab.page
+
+
+@pytest.fixture(scope="session")
+def shared_page(browser, designer):
+    """The page that tests share, for one takes seconds to open."""
+    page = visit(browser, designer)
+    yield page
+    page.context.close()
+
+
+@pytest.fixture
+def page(shared_page):
+    """The shared page as each test begins: the first example, paused; see `fresh`."""
+    fresh(shared_page)
+    yield shared_page
+    faults = shared_page.faults[:]
+    shared_page.faults.clear()
+    assert faults == []

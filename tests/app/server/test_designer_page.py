@@ -8,48 +8,27 @@ import numpy as np
 import pytest
 from PIL import Image
 
-import app.server.page_template
 from app.compute.pool import WorkerPool
 from app.motion import colours
 from app.server.server import Designer
 from tests.app import planners
 from tests.app.chromium import (
-    PACE,
-    chromium,
+    COMPARE,
     dark,
     fill,
     number,
     opened,
     paused_at,
     picture,
-    player,
+    press,
     status,
+    tab,
+    tick,
     wait_until,
 )
 from tests.app.nearby_planner import NEAR, NearbyPlanner
 
 pytestmark = pytest.mark.browser
-
-
-@pytest.fixture(scope="module")
-def browser():
-    with chromium() as started:
-        yield started
-
-
-@pytest.fixture
-def page(browser, designer):
-    page = opened(browser, designer.url)
-    status(page, "Planned")
-    page.session = designer.sessions[-1]
-    yield page
-    assert page.faults == []
-    page.context.close()
-
-
-def press(page, name):
-    page.get_by_role("button", name=name, exact=True).click()
-    page.wait_for_timeout(PACE)
 
 
 def pose(page, node):
@@ -59,12 +38,14 @@ def pose(page, node):
 
 
 def test_a_pinned_design_stays_as_a_second_robot_beside_the_next_one(page):
+    tab(page, COMPARE)
     press(page, "Pin")
     wait_until(lambda: pose(page, "/pinned/1/base"), "the ghost")
     fill(page, "Forward [m]", 0.4)
     wait_until(lambda: page.session.plan.jump.forward == 0.4, "the next plan")
     status(page, "Planned")
-    wait_until(lambda: player(page, "clip.strands.length") == 3, "a clip with both")
+    both = "n => llsrbm.player.clip.strands.some(s => s.tracks.some(t => t.nodes.includes(n)))"
+    wait_until(lambda: page.evaluate(both, "/pinned/1/base"), "a clip with both")
     paused_at(page, 1.25)
     apart = np.subtract(pose(page, "/links/base"), pose(page, "/pinned/1/base"))
     assert apart == pytest.approx([0.4, 0, 0], abs=0.01)
@@ -76,18 +57,20 @@ def test_a_pinned_design_stays_as_a_second_robot_beside_the_next_one(page):
     ghost = colours.css(colours.PINNED[0]).split("(")[1].rsplit(",", 1)[0].replace(",", ", ")
     assert ghost in table.inner_html().replace(",", ", ").replace(",  ", ", ")
     press(page, "Unpin")
-    wait_until(lambda: player(page, "clip.strands.length") == 2, "a clip of one")
+    wait_until(lambda: not page.evaluate(both, "/pinned/1/base"), "a clip of one")
     wait_until(lambda: not page.get_by_role("button", name="Unpin").is_visible(), "no pins")
 
 
 def test_a_pinned_design_is_taken_up_again(page):
+    tab(page, COMPARE)
     press(page, "Pin")
     fill(page, "Forward [m]", 0.4)
     wait_until(lambda: page.session.plan.jump.forward == 0.4, "the next plan")
     status(page, "Planned")
     press(page, "Take up")
     wait_until(lambda: page.session.plan.jump.forward == 0.0, "the pinned one")
-    assert float(number(page, "Forward [m]").input_value()) == 0.0
+    shown = number(page, "Forward [m]")
+    wait_until(lambda: float(shown.input_value()) == 0.0, "the slider there")
 
 
 def test_night_is_dark(page):
@@ -99,10 +82,10 @@ def test_night_is_dark(page):
         return page.evaluate("getComputedStyle(document.body).backgroundColor")
 
     day, light = brightness(), panel()
-    page.get_by_label("Night").check()
+    tick(page, "Night")
     wait_until(lambda: brightness() < day - 60, "a dark picture")
-    assert panel() != light
-    page.get_by_label("Night").uncheck()
+    wait_until(lambda: panel() != light, "a dark panel")
+    tick(page, "Night", ticked=False)
     wait_until(lambda: brightness() > day - 20, "the light picture")
 
 
@@ -156,27 +139,6 @@ def robot_pixels(page, box):
     return dark(np.asarray(shot).astype(int))
 
 
-def test_without_its_scripts_the_server_plays_and_says_so(browser, designer, monkeypatch):
-    monkeypatch.setattr("app.session.stage._PATIENCE", 1.0)
-    monkeypatch.setattr(app.server.page_template, "SCRIPTS", ())
-    caches = app.server.page_template.page_html, app.server.page_template.page_gzip
-    for cached in caches:
-        cached.cache_clear()
-    try:
-        page = opened(browser, designer.url)
-        status(page, "Planned")
-        assert page.evaluate("typeof window.llsrbm") == "undefined"
-        page.get_by_text("Played by the server").wait_for()
-        first = pose(page, "/links/base")
-        wait_until(lambda: pose(page, "/links/base") != first, "motion")
-        assert page.faults == []
-        page.context.close()
-    finally:
-        monkeypatch.undo()
-        for cached in caches:
-            cached.cache_clear()
-
-
 def test_the_handle_in_the_picture_moves_the_sliders_and_the_plan(page):
     page.evaluate(
         """owner => {
@@ -199,27 +161,13 @@ def test_the_handle_in_the_picture_moves_the_sliders_and_the_plan(page):
     wait_until(lambda: pose(page, "/goal") == pytest.approx([0.35, -0.12, 0.0]), "the handle there")
 
 
-def test_the_last_design_survives_a_reload(page, designer):
-    fill(page, "Forward [m]", 0.3)
-    wait_until(lambda: page.session.plan.jump.forward == 0.3, "the plan")
-    status(page, "Planned")
-    kept = "Object.values(localStorage).some(text => /forward\\W+0\\.3\\b/.test(text))"
-    wait_until(lambda: page.evaluate(kept), "the browser to keep it")
-    page.reload()
-    status(page, "Planned")
-    session = designer.sessions[-1]
-    assert session is not page.session
-    wait_until(lambda: session.plan is not None and session.plan.jump.forward == 0.3, "the plan")
-    assert float(number(page, "Forward [m]").input_value()) == 0.3
-
-
 def test_the_nearest_jump_is_offered_and_taken(browser):
     designer = Designer(port=0, pool=WorkerPool(NearbyPlanner))
     try:
         page = opened(browser, designer.url)
         status(page, "Planned")
         fill(page, "Twist [deg]", round(np.degrees(planners.UNSOLVABLE)))
-        offer = page.get_by_role("button", name="Take twist 50 deg instead of 55")
+        offer = page.get_by_role("button", name="Use nearest feasible: twist 50 deg")
         offer.wait_for()
         told = status(page, "Failed")
         assert "reach violated in flight by 0.02 m" in told

@@ -11,18 +11,12 @@ import pytest
 
 from app.compute.pool import WorkerPool
 from app.server.server import Designer
-from tests.app.chromium import VIEW, chromium, dark, picture, status, wait_until
+from tests.app.chromium import VIEW, dark, picture, status, wait_until
 from tests.app.planners import SyntheticPlanner
 
 pytestmark = pytest.mark.browser
 
 FRAGMENT = "#design=abc"
-
-
-@pytest.fixture(scope="module")
-def browser():
-    with chromium() as started:
-        yield started
 
 
 @pytest.fixture(scope="module")

@@ -11,6 +11,8 @@ from app.server.server import Designer
 from llsrbm import cli
 from llsrbm.design import Design, dump_design
 from llsrbm.jump import Jump
+from llsrbm.robots.assets import robot_files
+from llsrbm.robots.schema import read_robot_file
 from llsrbm.scenario import Scenario
 from tests.app.planners import SyntheticPlanner, turning_states
 from tests.app.raw_tab import RawTab, planned
@@ -38,11 +40,10 @@ def test_every_tab_begins_with_the_simulation(served, tmp_path):
     rollout.save(tmp_path / "run.npz")
     designer = served(open_file("run.npz", (tmp_path / "run.npz").read_bytes(), "anymal"))
     for _ in range(2):
-        with RawTab(designer.port) as tab:
-            # What the browser kept is not asked for.
-            tab.storage["llsrbm.design"] = dump_design(Design(Jump(twist=1.0)))
+        # What the browser kept is not asked for.
+        with RawTab(designer.port, {"kept": dump_design(Design(Jump(twist=1.0)))}) as tab:
             tab.wait_for_status("Landed from file run.npz")
-            assert tab.value("Robot") == "go2"
+            assert tab.value("Robot") == read_robot_file(robot_files()["go2"]).title
             session = designer.sessions[-1]
             assert session.plan.jump == JUMP
             tab.set("Twist [deg]", 10)

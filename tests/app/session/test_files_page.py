@@ -9,17 +9,18 @@ import pytest
 
 from llsrbm.jump import Jump
 from tests.app.chromium import (
+    COMPARE,
     PACE,
-    chromium,
     dark,
     drop,
     fill,
     number,
-    opened,
     paused_at,
     picture,
     player,
+    press,
     status,
+    tab,
     wait_until,
 )
 from tests.app.planners import turning_states
@@ -29,22 +30,6 @@ from tests.llsrbm.synthetic_rollout import synthetic_rollout
 pytestmark = pytest.mark.browser
 
 JUMP = Jump(robot="anymal", twist=1.0, forward=0.3)
-
-
-@pytest.fixture(scope="module")
-def browser():
-    with chromium() as started:
-        yield started
-
-
-@pytest.fixture
-def page(browser, designer):
-    page = opened(browser, designer.url)
-    status(page, "Planned")
-    page.session = designer.sessions[-1]
-    yield page
-    assert page.faults == []
-    page.context.close()
 
 
 @pytest.fixture(scope="module")
@@ -61,16 +46,6 @@ def send(page, path, way):
         drop(page, path.name, path.read_bytes())
     else:
         page.locator("input[type=file]").set_input_files(path)
-    page.wait_for_timeout(PACE)
-
-
-def press(page, name):
-    page.get_by_role("button", name=name, exact=True).click()
-    page.wait_for_timeout(PACE)
-
-
-def turn_to(page, tab):
-    page.get_by_role("tab", name=tab, exact=True).click()
     page.wait_for_timeout(PACE)
 
 
@@ -96,7 +71,7 @@ def test_a_simulation_is_opened_saved_and_simulated_again(page, files, tmp_path,
     send(page, files / "run.npz", way)
     page.get_by_role("status").filter(has_text="Landed from file run.npz").wait_for()
     wait_until(lambda: player(page, "clip.end") == pytest.approx(2.3), "its motion")
-    turn_to(page, "Files")
+    tab(page, "Files")
     page.get_by_text("Several in one zip", exact=True).click()
     for name in ("csv", "design"):
         page.get_by_label(name, exact=True).check()
@@ -119,9 +94,9 @@ def test_another_tools_motion_stands_beside_the_plan(page, tmp_path):
     np.savetxt(tmp_path / "turn.csv", rows, fmt="%.9f", delimiter=",")
     send(page, tmp_path / "turn.csv", "drop")
     page.get_by_text("turn.csv is pinned for looking and comparing, at 30 frames/s.").wait_for()
-    turn_to(page, "Files")
+    tab(page, "Files")
     number(page, "Rate of the file [1/s]").wait_for()
-    turn_to(page, "Compare")
+    tab(page, COMPARE)
     page.locator("table").filter(has_text="motion").wait_for()
     # It goes on when the plan has ended.
     wait_until(lambda: player(page, "clip.end") == pytest.approx(100 / 30), "a clip with both")

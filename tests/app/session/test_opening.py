@@ -80,6 +80,13 @@ def test_a_kept_design_is_planned_though_another_plan_is_known():
     assert tab.state.design == kept
 
 
+@pytest.mark.parametrize("playing", [False, True])
+def test_a_page_that_lost_its_server_goes_on_where_it_was(playing):
+    tab = PureTab()
+    tab.take(Opened(plan=plan_of(EXAMPLE.jump), time=0.65, playing=playing))
+    assert tab.effects[1:] == (Seek(0.65), *([Play()] if playing else []))
+
+
 def test_a_kept_design_of_another_robot_has_it_prepared():
     tab = PureTab()
     tab.take(Opened(Design(Jump(robot="go2")), plan_of(EXAMPLE.jump)))

@@ -9,11 +9,10 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from tests.app.chromium import chromium, fill, opened, player, status, wait_until
+from tests.app.chromium import BASE, fill, player, wait_until
 
 pytestmark = pytest.mark.browser
 
-BASE = "/links/base"
 SEEN = """names => {
   const { camera, nodeRefFromName } = window.__viserMutable;
   camera.updateMatrixWorld();
@@ -33,31 +32,11 @@ LOOKS = """() => {
 }"""
 
 
-@pytest.fixture(scope="module")
-def browser():
-    with chromium() as started:
-        yield started
-
-
-@pytest.fixture(scope="module")
-def shared(browser, designer):
-    page = opened(browser, designer.url)
-    status(page, "Planned")
-    page.wait_for_function(f"window.__viserMutable?.nodePoseData?.['{BASE}'] && llsrbm.player.clip")
-    page.locator(".mantine-Notification-closeButton").first.click()
-    yield page
-    page.context.close()
-
-
 @pytest.fixture
-def page(shared):
-    """Paused at the start, all in sight, nothing in focus."""
-    shared.evaluate("document.activeElement?.blur()")
-    shared.evaluate("llsrbm.camera.setFollows(false)")
-    shared.evaluate("llsrbm.player.pause(), llsrbm.player.seek(0), llsrbm.camera.look('all')")
-    still(shared)
-    yield shared
-    assert shared.faults == []
+def page(page):
+    """All in sight, at rest."""
+    still(page)
+    return page
 
 
 def looks(page):

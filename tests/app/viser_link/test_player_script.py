@@ -11,7 +11,6 @@ from scipy.spatial.transform import Rotation, Slerp
 import app.server.page_template
 from app.motion.clip import Clip, Strand, Track
 from app.viser_link.page_link import ClipTaken, PageReady, PlayerMoved, read_event
-from tests.app.chromium import chromium
 
 pytestmark = pytest.mark.browser
 
@@ -60,21 +59,21 @@ CLIP = Clip(
 
 
 @pytest.fixture(scope="module")
-def browser():
-    with chromium() as started:
-        yield started
+def empty(browser):
+    opened = browser.new_page()
+    yield opened
+    opened.close()
 
 
 @pytest.fixture
-def page(browser):
-    opened = browser.new_page()
-    opened.evaluate(STAGE)
+def page(empty):
+    empty.goto("about:blank")
+    empty.evaluate(STAGE)
     for name in ("page.js", "player.js"):
-        opened.evaluate((STATIC / name).read_text("utf-8"))
-    opened.evaluate("llsrbm.page.connect('a field')")
-    load(opened, CLIP)
-    yield opened
-    opened.close()
+        empty.evaluate((STATIC / name).read_text("utf-8"))
+    empty.evaluate("llsrbm.page.connect('a field')")
+    load(empty, CLIP)
+    return empty
 
 
 def load(page, clip):

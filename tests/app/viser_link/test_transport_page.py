@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.app.chromium import chromium, number, opened, player, status, wait_until
+from tests.app.chromium import BASE, number, player, press, status, wait_until
 
 pytestmark = pytest.mark.browser
 
-NODE = "/links/base"
+NODE = BASE
 FRAME = 1 / 60  # s
 POSE = """name => {
   const { position, wxyz } = window.__viserMutable.nodePoseData[name];
@@ -17,30 +17,11 @@ POSE = """name => {
 }"""
 
 
-@pytest.fixture(scope="module")
-def browser():
-    with chromium() as started:
-        yield started
-
-
-@pytest.fixture(scope="module")
-def shared(browser, designer):
-    """One page for all tests here: none changes the plan."""
-    page = opened(browser, designer.url)
-    status(page, "Planned")
-    page.wait_for_function(f"window.__viserMutable?.nodePoseData?.['{NODE}'] && llsrbm.player.clip")
-    page.session = designer.sessions[-1]
-    yield page
-    page.context.close()
-
-
 @pytest.fixture
-def page(shared):
-    """Paused at 0.5 s, nothing in focus."""
-    shared.evaluate("document.activeElement?.blur()")
-    stopped(shared, 0.5)
-    yield shared
-    assert shared.faults == []
+def page(page):
+    """Paused at 0.5 s."""
+    stopped(page, 0.5)
+    return page
 
 
 def stopped(page, instant):
@@ -50,7 +31,8 @@ def stopped(page, instant):
 
 def expected(session, node, time):
     """(position, wxyz) of a node in the clip that was sent, mixed between its instants."""
-    for strand in session._stage._clip.strands:
+    clip = session._rendering._scene._clip()
+    for strand in clip.strands:
         for track in strand.tracks:
             if node in track.nodes:
                 position, wxyz = (
@@ -80,13 +62,13 @@ def test_it_plays_in_real_time_and_the_server_says_nothing(page):
 
 
 def test_without_repeating_it_stops_at_the_end_and_says_so(page):
-    page.get_by_role("button", name="Repeat").click()
+    page.get_by_role("button", name="Loop", exact=True).click()
     assert player(page, "loop") is False
     stopped(page, player(page, "clip.end") - 0.1)
     player(page, "play()")
     wait_until(lambda: not player(page, "playing"), "the end", 5)
-    wait_until(lambda: not page.session._stage.player.playing, "the server to know", 5)
-    page.get_by_role("button", name="Repeat").click()
+    wait_until(lambda: not page.session.state.playback.playing, "the server to know", 5)
+    page.get_by_role("button", name="Loop", exact=True).click()
     assert player(page, "loop") is True
 
 
@@ -150,7 +132,7 @@ def test_the_bar_is_scrubbed(page):
     page.mouse.move(box["x"], middle)
     assert player(page, "time") == end
     # The server is told, and the panel with it.
-    wait_until(lambda: page.session._stage.player.time == pytest.approx(end), "the server", 5)
+    wait_until(lambda: page.session.state.playback.time == pytest.approx(end), "the server", 5)
 
 
 def test_phases_and_marks_are_where_they_happen(page):
@@ -185,3 +167,37 @@ def test_the_bar_lies_under_the_picture_and_not_under_the_panel(page):
     assert bar["x"] + bar["width"] == pytest.approx(canvas["right"], abs=2)
     assert bar["y"] + bar["height"] == pytest.approx(canvas["bottom"], abs=2)
     assert page.get_by_role("button", name="Pause").is_visible()
+
+
+LABELS = """() => [...document.querySelectorAll("#llsrbm-transport .mark span")]
+  .filter(label => getComputedStyle(label).visibility === "visible")
+  .map(label => {
+    const { left, right, top, bottom } = label.getBoundingClientRect();
+    return { text: label.textContent, left, right, top, bottom };
+  })"""
+
+
+@pytest.mark.parametrize("width", [1280, 820])
+def test_labels_of_the_timeline_lie_over_nothing(page, width):
+    press(page, "Simulate")
+    status(page, "Landed")
+    page.set_viewport_size({"width": width, "height": 800})
+    page.wait_for_timeout(600)  # the bar follows the picture
+    marks = page.locator("#llsrbm-transport .mark")
+    titles = [mark.get_attribute("title") for mark in marks.all()]
+    assert len(titles) >= 4  # take-off, apex, touch-down planned, first contact ...
+    labels = page.evaluate(LABELS)
+    assert len(labels) >= 3
+    track = page.get_by_role("group", name="Timeline").bounding_box()
+    line = page.locator("#llsrbm-transport .line").bounding_box()
+    rows = page.locator("#llsrbm-transport .row").first.bounding_box()
+    for i, one in enumerate(labels):
+        assert one["left"] >= track["x"] - 1
+        assert one["right"] <= track["x"] + track["width"] + 1
+        assert one["top"] >= line["y"] + line["height"] - 1
+        assert one["bottom"] <= rows["y"] + 1
+        for other in labels[:i]:
+            apart = one["right"] <= other["left"] or other["right"] <= one["left"]
+            assert apart or one["bottom"] <= other["top"] or other["bottom"] <= one["top"]
+    # Without a label, the mark's own title has to do.
+    assert {label["text"] for label in labels} <= set(titles)

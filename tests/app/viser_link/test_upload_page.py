@@ -9,24 +9,17 @@ import time
 from pathlib import Path
 
 import pytest
-from app.session.stored_design import recall, remember
 
 from app.compute.offered import uploaded_design
 from app.viser_link.limits import MAX_UPLOAD
 from llsrbm.design import dump_design
 from llsrbm.examples import examples
-from tests.app.chromium import PACE, VIEW, chromium, drop, fill
+from tests.app.chromium import PACE, VIEW, drop, fill
 from tests.app.design_page import design_page
 
 pytestmark = pytest.mark.browser
 
 HUGE = 100_000_000  # bytes
-
-
-@pytest.fixture(scope="module")
-def browser():
-    with chromium() as running:
-        yield running
 
 
 @pytest.fixture(scope="module")
@@ -44,17 +37,9 @@ def huge(tmp_path_factory):
     path.unlink()
 
 
-FORBIDS_STORAGE = """
-Object.defineProperty(window, "localStorage", {
-  get() { throw new DOMException("denied", "SecurityError"); },
-});
-"""
-
-
 @contextlib.contextmanager
-def opened(browser, server, script=""):
+def opened(browser, server):
     page = browser.new_page(viewport=VIEW)
-    page.add_init_script(script)
     page.goto(f"http://127.0.0.1:{server.port}")
     page.get_by_role("button", name="Save design").wait_for(timeout=20_000)
     yield page
@@ -159,30 +144,6 @@ def test_a_file_is_dropped_anywhere(page, server):
     # What is no file is the page's own business.
     page.evaluate("dispatchEvent(new DragEvent('drop', {dataTransfer: new DataTransfer()}))")
     move_slider(page, server, 35)
-
-
-def test_a_design_survives_a_reload(page, server):
-    for design in (examples()["go2-twist"], examples()["slider-box"]):
-        while not server.tabs.empty():
-            server.tabs.get()
-        page.reload()
-        client, _ = server.tabs.get(timeout=20)
-        kept = recall(client, 10, [])
-        remember(client, design)
-        page.wait_for_timeout(300)
-    assert kept == examples()["go2-twist"]
-
-
-def test_a_browser_that_forbids_storage_works_without(browser, server):
-    while not server.tabs.empty():
-        server.tabs.get()
-    with opened(browser, server, FORBIDS_STORAGE) as page:
-        client, _ = server.tabs.get(timeout=20)
-        remember(client, examples()["go2-twist"])
-        start = time.monotonic()
-        assert recall(client, 10, []) is None
-        assert time.monotonic() - start < 2
-        move_slider(page, server, 34)
 
 
 def test_a_tab_that_lost_its_connection_comes_back_by_itself(page, server):

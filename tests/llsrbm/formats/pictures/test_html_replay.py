@@ -218,22 +218,14 @@ def test_words_from_files_are_no_markup(hostile):
     assert page.texts["title"].startswith(HOSTILE)
 
 
-browser = pytest.mark.skipif(shutil.which("chromium") is None, reason="no Chromium")
+needs_chromium = pytest.mark.skipif(shutil.which("chromium") is None, reason="no Chromium")
 
 
-@pytest.fixture(scope="module")
-def chrome():
-    from tests.app.chromium import chromium
-
-    with chromium() as opened:
-        yield opened
-
-
-def played(chrome, path):
+def played(browser, path):
     """The page, opened from disk; `faults` has errors, its console's too, and requests."""
     from tests.app.chromium import opened
 
-    page = opened(chrome, path.as_uri(), {"width": 640, "height": 420})
+    page = opened(browser, path.as_uri(), {"width": 640, "height": 420})
     page.on("console", lambda said: page.faults.append(said.text) if said.type == "error" else None)
     page.wait_for_function("window.replay")
     return page
@@ -246,9 +238,9 @@ def drawn(tab):
 
 
 @pytest.mark.browser
-@browser
-def test_a_browser_draws_what_was_recorded(chrome, replay, motion):
-    tab = played(chrome, replay[0])
+@needs_chromium
+def test_a_browser_draws_what_was_recorded(browser, replay, motion):
+    tab = played(browser, replay[0])
     rollout = motion.rollout
     base = Page(replay[0].read_text(encoding="utf-8")).facts["bodies"][0]["name"]
     for tick in np.linspace(0, len(rollout.time) - 1, 7).astype(int):
@@ -268,15 +260,15 @@ def test_a_browser_draws_what_was_recorded(chrome, replay, motion):
 
 
 @pytest.fixture(scope="module")
-def tab(chrome, tmp_path_factory):
+def tab(browser, tmp_path_factory):
     """A robot that is quickly drawn."""
     path = tmp_path_factory.mktemp("slider") / "replay.html"
     export(motion_of("slider").rollout, path, format="html")
-    return played(chrome, path)
+    return played(browser, path)
 
 
 @pytest.mark.browser
-@browser
+@needs_chromium
 class TestInABrowser:
     def test_time_goes_on_while_it_plays(self, tab):
         first = tab.evaluate("replay.player.time")
@@ -337,12 +329,12 @@ class TestInABrowser:
 
 
 @pytest.mark.browser
-@browser
-def test_with_a_graphics_card_all_faces_are_drawn(chrome, tmp_path):
+@needs_chromium
+def test_with_a_graphics_card_all_faces_are_drawn(browser, tmp_path):
     """The browser keeps to itself that it has none."""
     path = tmp_path / "x.html"
     export(motion_of("go2").plan, path, format="html", fps=20)
-    tab = chrome.new_page(viewport={"width": 320, "height": 240})
+    tab = browser.new_page(viewport={"width": 320, "height": 240})
     tab.add_init_script(
         """const ask = WebGL2RenderingContext.prototype.getExtension;
         WebGL2RenderingContext.prototype.getExtension = function (name) {
@@ -360,9 +352,9 @@ def test_with_a_graphics_card_all_faces_are_drawn(chrome, tmp_path):
 
 
 @pytest.mark.browser
-@browser
-def test_words_from_files_do_nothing_in_a_browser(chrome, hostile):
-    tab = played(chrome, hostile)
+@needs_chromium
+def test_words_from_files_do_nothing_in_a_browser(browser, hostile):
+    tab = played(browser, hostile)
     assert tab.title().startswith(HOSTILE)
     assert tab.locator("h1").inner_text().startswith(HOSTILE)
     assert tab.locator("img").count() == 0

@@ -1,0 +1,15 @@
+"""A server with made-up plans, to be killed: `python -m tests.app.served PORT`."""
+
+from __future__ import annotations
+
+import sys
+import threading
+
+from app.compute.pool import WorkerPool
+from app.server.server import Designer
+from tests.app.planners import SyntheticPlanner
+
+if __name__ == "__main__":
+    running = Designer(port=int(sys.argv[1]), pool=WorkerPool(SyntheticPlanner))
+    print(running.port, flush=True)
+    threading.Event().wait()

@@ -1,0 +1,89 @@
+"""A page that tests share, and how it is brought back to where each of them begins."""
+
+from __future__ import annotations
+
+from app.plots.choice import DEFAULT
+from app.scene.overlays import AT_FIRST
+from app.session.events import DesignChosen, Opened, PlotsChosen, UnpinWanted, ViewChosen
+from app.session.opening import first_state
+from tests.app.chromium import BASE, VIEW, opened, status, tab, wait_until
+from tests.app.synthetic_plan import synthetic_plan
+
+
+def visit(browser, designer, view=VIEW, **options):
+    """A page of a new visitor with the first motion in it; `session` is the server's side of it."""
+    before = designer.sessions
+    page = opened(browser, designer.url, view, **options)
+    shows_motion(page)
+    (page.session,) = [each for each in designer.sessions if each not in before]
+    page.designer = designer
+    return page
+
+
+def shows_motion(page):
+    """Wait until there is a robot that can be played."""
+    status(page, "Planned")
+    page.wait_for_function(f"window.__viserMutable?.nodePoseData?.['{BASE}'] && llsrbm.player.clip")
+
+
+def find_session(page):
+    """The server's side of a page that has got another connection meanwhile."""
+    token = page.session.token
+
+    def found():
+        return [s for s in page.designer.sessions if s.token == token and s is not page.session]
+
+    wait_until(found, "the page's next session")
+    (page.session,) = found()
+    return page.session
+
+
+_AT_REST = """() => {
+  document.activeElement?.blur();
+  document.getElementById("llsrbm-dialog").close();
+  const { player, camera, transport } = llsrbm;
+  player.pause();
+  player.setLoop(true);
+  player.setSpeed(1);
+  player.seek(0);
+  camera.setFollows(false);
+  camera.look("all", false);
+}"""
+
+
+def fresh(page):
+    """Bring a page that tests share to where each of them begins, without opening it anew.
+
+    The example of the first robot is shown, paused at its start; nothing is pinned. Designs to go
+    back to are left, and what is chosen for an export.
+    """
+    session = page.session
+    if session not in page.designer.sessions:  # the connection was lost in another test
+        session = find_session(page)
+    design = first_state(session.state.robots).design
+    plan = synthetic_plan(design.jump)
+    for event in (
+        *[UnpinWanted()] * len(session.state.pins),
+        ViewChosen(AT_FIRST, night=False),
+        PlotsChosen(DEFAULT),
+        DesignChosen(design),
+        Opened(design, plan, None, ()),
+    ):
+        session._inbox.put(event)
+    if page.viewport_size != VIEW:
+        page.set_viewport_size(VIEW)
+    page.evaluate(_AT_REST)
+    tab(page, "View")
+    page.mouse.move(10, 10)
+    wait_until(lambda: session.plan is plan and session.rollout is None, "the example's plan")
+    status(page, "Planned")
+    clip = [design.jump.robot, design.jump.twist, plan.duration]
+    page.wait_for_function(
+        "([robot, twist, end]) => { const { request, end: last } = llsrbm.player.clip;"
+        " return request.robot === robot && Math.abs(request.twist - twist) < 1e-6"
+        " && Math.abs(last - end) < 1e-6; }",
+        arg=clip,
+    )
+    for note in page.locator(".mantine-Notification-closeButton").all():
+        note.click()
+    page.evaluate(_AT_REST)
