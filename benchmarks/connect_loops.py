@@ -19,8 +19,8 @@ from pathlib import Path
 
 from app.compute.pool import WorkerPool
 from app.server.server import Designer
-from app.viser_link.limits import Limits, Rate
 from app.session.tabs import MOST_KEPT
+from app.viser_link.limits import Limits, Rate
 from tests.app.planners import SyntheticPlanner
 from tests.app.raw_tab import RawTab
 

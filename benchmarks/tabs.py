@@ -1,7 +1,8 @@
-"""Ten tabs on one server, and a hundred after each other: `python -m benchmarks.tabs`.
+"""Twenty tabs on one server, and a hundred after each other: `python -m benchmarks.tabs`.
 
-Five of ten tabs change a slider for ten seconds, each as fast as its plans come; then all five drag
-at once, a value every 50 ms, and every tab's plan is exported and compared with its own last value.
+Ten of twenty tabs change a slider for ten seconds, each as fast as its plans come; then all ten
+drag at once, a value every 50 ms, and every tab's plan is exported and compared with its own last
+value.
 After that a hundred tabs are opened and closed; memory of the server and its processes is printed
 after every tenth.
 """
@@ -23,7 +24,7 @@ import numpy as np
 from tests.app.raw_tab import RawTab
 
 PROGRAM = [sys.executable, "-m", "llsrbm.cli", "serve", "--port", "0"]
-TABS, DRAGGING, DRAG_SECONDS = 10, 5, 10.0
+TABS, DRAGGING, DRAG_SECONDS = 20, 10, 10.0
 SHOWN = re.compile("Planned|Planning while you drag")  # the status line when a plan is on screen
 BURST, STEP_SECONDS = 30, 0.05  # values of the drag at the end, and the time between two
 PATIENCE = 20.0  # s for the last plan to come
@@ -39,7 +40,6 @@ class Tab(RawTab):
         self.twist = None
         self.latencies = []
         self.wait_for_status("Planned", timeout=60)
-        self.set("Motion", "Pause")
 
     def ask(self, twist):
         self.twist = twist
@@ -55,11 +55,11 @@ class Tab(RawTab):
         step = 0
         while time.monotonic() < until:
             step += 1
-            self.ask_and_wait(30 + 2 * abs(step % 60 - 30) - 5 * self.number)
+            self.ask_and_wait(30 + 2 * abs(step % 60 - 30) - 3 * self.number)
 
     def burst(self):
         for step in range(BURST):
-            self.ask(-step + 10 * self.number)
+            self.ask(-step + 5 * self.number)
             time.sleep(STEP_SECONDS)
 
     def exported_twist(self):
