@@ -13,7 +13,7 @@ HOST   ?= 127.0.0.1
 PORT   ?= 8080
 
 # Two processes: the tests wait as much as they work. `make test PROCESSES=` takes one.
-PROCESSES ?= -n 2 --dist loadgroup
+PROCESSES ?= -n 2 --dist loadscope
 
 BIN    := $(VENV)/bin
 PIP    := $(BIN)/python -m pip install --disable-pip-version-check --quiet

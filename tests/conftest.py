@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import pytest
 from hypothesis import settings
 
@@ -10,16 +12,27 @@ settings.register_profile("patient", deadline=None)
 settings.load_profile("patient")
 
 
-@pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items):
-    """A file's tests stay in one process, and all that drive the browser in one and the same.
-
-    They come last: Playwright leaves an event loop in the main thread.
-    """
-    for item in items:
-        browser = item.get_closest_marker("browser") is not None
-        item.add_marker(pytest.mark.xdist_group("browser" if browser else str(item.path)))
+    """Tests that drive the browser come last: Playwright leaves an event loop in the thread."""
     items.sort(key=lambda item: item.get_closest_marker("browser") is not None)
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config, log):
+    """With several processes, a file's tests share one, and all that drive the browser one too."""
+    from xdist.scheduler import LoadScopeScheduling
+
+    class Scheduler(LoadScopeScheduling):
+        def _split_scope(self, nodeid):
+            file = nodeid.partition("::")[0]
+            return "browser" if _drives_browser(config.rootpath / file) else file
+
+    return Scheduler(config, log)
+
+
+@cache
+def _drives_browser(path):
+    return "mark.browser" in path.read_text(encoding="utf-8")
 
 
 @pytest.fixture(scope="session")

@@ -84,6 +84,7 @@ def fresh(page):
         " && Math.abs(last - end) < 1e-6; }",
         arg=clip,
     )
-    for note in page.locator(".mantine-Notification-closeButton").all():
-        note.click()
+    page.evaluate(
+        "document.querySelectorAll('.mantine-Notification-closeButton').forEach(b => b.click())"
+    )
     page.evaluate(_AT_REST)
