@@ -12,6 +12,9 @@ VENV   ?= .venv
 HOST   ?= 127.0.0.1
 PORT   ?= 8080
 
+# Two processes: the tests wait as much as they work. `make test PROCESSES=` takes one.
+PROCESSES ?= -n 2 --dist loadgroup
+
 BIN    := $(VENV)/bin
 PIP    := $(BIN)/python -m pip install --disable-pip-version-check --quiet
 
@@ -28,7 +31,7 @@ app: $(APP_STAMP)
 test: $(DEV_STAMP)
 	.ci/browser $(BIN)/python
 	.ci/drawing $(BIN)/python || true
-	$(BIN)/python -m pytest $(PYTEST_ARGS)
+	$(BIN)/python -m pytest $(PROCESSES) $(PYTEST_ARGS)
 
 check: $(DEV_STAMP)
 	$(BIN)/ruff format --check .

@@ -1,14 +1,20 @@
-"""One browser for the whole run, and the order of tests that have to share a process."""
+"""One browser for the whole run, and which tests have to share a process."""
 
 from __future__ import annotations
 
 import pytest
+from hypothesis import settings
+
+# A busy machine is no fault.
+settings.register_profile("patient", deadline=None)
+settings.load_profile("patient")
 
 
+@pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items):
-    """A file's tests stay in one process; all that drive the browser share one, and come last.
+    """A file's tests stay in one process, and all that drive the browser in one and the same.
 
-    Playwright leaves an event loop in the main thread, in which `asyncio.run` does not work.
+    They come last: Playwright leaves an event loop in the main thread.
     """
     for item in items:
         browser = item.get_closest_marker("browser") is not None

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from tests.app.chromium import chromium, fill, number, opened, status, wait_until
+from tests.app.chromium import fill, number, status, wait_until
+from tests.app.shared_page import visit
 
 pytestmark = pytest.mark.browser
 
@@ -13,13 +14,12 @@ SLIDERS = ("Twist [deg]", "Forward [m]", "Lateral [m]", "Landing height [m]")
 
 
 @pytest.fixture(scope="module")
-def page(designer):
-    with chromium() as browser:
-        page = opened(browser, designer.url, tour=True)
-        status(page, "Planned")
-        page.session = designer.sessions[-1]
-        yield page
-        assert page.faults == []
+def page(browser, designer):
+    """Of a first visit: the tour is offered."""
+    page = visit(browser, designer, tour=True)
+    yield page
+    assert page.faults == []
+    page.context.close()
 
 
 def box(page, label):

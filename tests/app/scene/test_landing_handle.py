@@ -1,6 +1,6 @@
 from __future__ import annotations
 
-import asyncio
+import contextlib
 import math
 from dataclasses import replace
 from types import SimpleNamespace
@@ -26,7 +26,8 @@ class Gizmo(SimpleNamespace):
         self.callback = callback
 
     def drag(self, phase="update"):
-        asyncio.run(self.callback(SimpleNamespace(phase=phase)))
+        with contextlib.suppress(StopIteration):  # it waits for nothing
+            self.callback(SimpleNamespace(phase=phase)).send(None)
 
     def place(self, x, y, yaw):
         self.position = np.array([x, y, 0.0])

@@ -10,7 +10,8 @@ from importlib.resources import files
 
 import pytest
 
-from tests.app.chromium import PACE, chromium, opened, status
+from tests.app.chromium import PACE
+from tests.app.shared_page import visit
 
 pytestmark = pytest.mark.browser
 
@@ -29,15 +30,14 @@ RUN = """async () => {
 
 
 @pytest.fixture(scope="module")
-def page(designer):
+def page(browser, designer):
     package = pytest.importorskip("axe_playwright_python")
-    with chromium() as browser:
-        page = opened(browser, designer.url, view=DESK)
-        status(page, "Planned")
-        page.evaluate("llsrbm.player.pause()")  # drawing in software would take axe's processor
-        page.add_script_tag(content=(files(package) / "axe.min.js").read_text("utf-8"))
-        yield page
-        assert page.faults == []
+    page = visit(browser, designer, DESK)
+    page.evaluate("llsrbm.player.pause()")  # drawing in software would take axe's processor
+    page.add_script_tag(content=(files(package) / "axe.min.js").read_text("utf-8"))
+    yield page
+    assert page.faults == []
+    page.context.close()
 
 
 def findings(page):
