@@ -14,78 +14,46 @@ the thread reads the controls as they stand then. The latest counts.
 from __future__ import annotations
 
 import logging
-import queue
 import threading
-import time
 from collections.abc import Callable, Mapping
-from enum import Enum
-from functools import partial
 
 import viser
 
 from app.compute.offered import uploaded_design
 from app.compute.pool import WorkerPool
-from app.compute.protocol import Report
 from app.panel.actions import Action
-from app.panel.notes import Notes
 from app.scene.landing_handle import Grip
-from app.session.controls import READ_ACTIONS, event_of
-from app.session.effects import (
-    AFTER_DRAWING,
-    After,
-    Download,
-    Effect,
-    Keep,
-    LoadRobot,
-    Notify,
-    Play,
-    ResetControls,
-    Seek,
-    SetPlayback,
-    Share,
-    Stop,
-    Submit,
-)
+from app.session.controls import event_of
+from app.session.effects import AFTER_DRAWING, Effect, Notify, ResetControls
 from app.session.events import (
     DesignChosen,
     Event,
     FileChosen,
     Opened,
     PlotsChosen,
-    Reported,
     RobotLoaded,
-    RobotMissing,
     TargetDragged,
 )
+from app.session.inbox import End, Inbox, Item
 from app.session.initial_plan import InitialPlans
-from app.session.lanes import Lane
 from app.session.opening import first_state, left, resume
+from app.session.outside import Outside, loaded
 from app.session.rendering import Rendering
 from app.session.results import draw_robot
 from app.session.state import TabState
 from app.session.update import update
-from app.viser_link.page_link import ClipTaken, PageEvent, PageLink, PageReady
-from llsrbm.design import Design, dump_design
-from llsrbm.errors import Error, InputError
+from app.viser_link.page_link import ClipTaken, PageLink, PageReady
+from llsrbm.design import Design
+from llsrbm.errors import InputError
 from llsrbm.examples import examples
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
-from llsrbm.robots import RobotFile, load_robot
-from llsrbm.robots.visuals import needs_preparation
+from llsrbm.robots import RobotFile
 
-_PAGE_PATIENCE = (
-    1.5  # s until a tab begins without its page's scripts; they answer as they are shown
-)
+# Until a tab begins without its page's scripts, which answer when they are shown, s.
+_PAGE_PATIENCE = 1.5
 
 _log = logging.getLogger(__name__)
-
-
-class _End(Enum):
-    END = 0
-
-
-_Item = Event | Action | Grip | PageEvent | tuple[str, bytes] | _End
-"""What is put into the inbox: events, and what becomes one when it is taken out."""
 
 
 class Session:
@@ -122,16 +90,14 @@ class Session:
         self._initial = initial
         self._take_kept = take_kept
         self._ended = ended
-        self._inbox: queue.SimpleQueue[_Item] = queue.SimpleQueue()
+        self._inbox = Inbox()
         self._thread = threading.Thread(
             target=self._run, name=f"session-{client.client_id}", daemon=True
         )
-        self._due: tuple[float, Event] | None = None  # s (monotonic clock), what happens then
-        self._later: list[_Item] = []  # what came while the page was waited for
         self.token: str | None = None
         self.failed = False
         self.state = first_state(robots)
-        self._notes = Notes(client)
+        self._outside: Outside | None = None
         self._rendering: Rendering | None = None
 
     @property
@@ -167,7 +133,7 @@ class Session:
 
     def close(self) -> None:
         """The tab has gone, or the server ends; returns at once."""
-        self._inbox.put(_End.END)
+        self._inbox.put(End.END)
 
     def join(self, limit: float) -> bool:
         """Wait for the thread's end, s at most; whether it has ended."""
@@ -191,15 +157,15 @@ class Session:
                 color="red",
             )
         finally:
-            for lane in Lane:
-                self._pool.forget((self._client.client_id, lane))
+            if self._outside is not None:
+                self._outside.give_up()
             self._ended(self)
 
     def _build(self) -> bool:
         """Draw what every tab begins with, then its own; False: it has gone meanwhile."""
         client, put = self._client, self._inbox.put
         link = PageLink(client, put)  # first: the page answers while the rest is built and sent
-        self._link = link
+        self._outside = Outside(client, self._pool, link, self._inbox)
         self._rendering = Rendering(
             client,
             link,
@@ -214,29 +180,15 @@ class Session:
         name = self.state.design.jump.robot
         if self._initial.file is None and self._initial.plan(name) is not None:
             # Its meshes take longest to send.
-            loaded = self._load(name)
-            if isinstance(loaded, RobotLoaded):
-                self._take(draw_robot(self.state, loaded))
+            robot = loaded(name)
+            if isinstance(robot, RobotLoaded):
+                self._take(draw_robot(self.state, robot))
         self._rendering.draw(self.state)
-        page = self._wait_for_page()
-        if _End.END in self._later:
+        page = self._inbox.wait_for_page(_PAGE_PATIENCE)
+        if self._inbox.ended:
             return False
         self._begin(page)
         return True
-
-    def _wait_for_page(self) -> PageReady | None:
-        """The page's answer; None if there is none. What else happens has to wait."""
-        until = time.monotonic() + _PAGE_PATIENCE
-        while True:
-            try:
-                item = self._inbox.get(timeout=max(0.0, until - time.monotonic()))
-            except queue.Empty:
-                return None
-            if isinstance(item, PageReady):
-                return item
-            self._later.append(item)
-            if item is _End.END:
-                return None
 
     def _begin(self, page: PageReady | None) -> None:
         """Go on where the page was, or begin."""
@@ -277,18 +229,16 @@ class Session:
         """The page's scripts run, or miss something."""
         if page.missing:
             names = ", ".join(page.missing)
-            self._notify(
-                "This page cannot play",
-                f"Its viewer lacks {names}; expected that of viser {viser.__version__}.",
-            )
+            body = f"Its viewer lacks {names}; expected that of viser {viser.__version__}."
+            self._do(Notify("This page cannot play", body))
         self._take(update(self.state, page))
 
     def _step(self) -> bool:
         """Take what has happened, draw what has changed; False at the end."""
         assert self._rendering is not None
         drawn_first: list[Effect] = []
-        for item in self._next_items():
-            if item is _End.END:
+        for item in self._inbox.take():
+            if item is End.END:
                 return False
             event = self._event_of(item)
             if event is None:
@@ -309,30 +259,7 @@ class Session:
         for effect in later:
             self._do(effect)
 
-    def _next_items(self) -> list[_Item]:
-        """What has happened, each reading of controls once; waits until something has or is due."""
-        items, self._later = self._later, []
-        if not items:
-            wait = None if self._due is None else max(0.0, self._due[0] - time.monotonic())
-            try:
-                items = [self._inbox.get(timeout=wait)]
-            except queue.Empty:
-                assert self._due is not None
-                (_, event), self._due = self._due, None
-                return [event]
-        while True:
-            try:
-                item = self._inbox.get_nowait()
-            except queue.Empty:
-                return items
-            # The latest of its kind counts; every press of a button does.
-            if isinstance(item, Action) and item in READ_ACTIONS and item in items:
-                items.remove(item)
-            elif isinstance(item, Grip) and isinstance(items[-1], Grip):
-                items.pop()
-            items.append(item)
-
-    def _event_of(self, item: _Item) -> Event | None:
+    def _event_of(self, item: Item) -> Event | None:
         rendering = self._rendering
         assert rendering is not None
         match item:
@@ -343,14 +270,15 @@ class Session:
             case Grip():
                 return TargetDragged(item.applied_to(self.state.design.jump, self.state.file.task))
             case ClipTaken():
-                self._link.take(item)
+                assert self._outside is not None
+                self._outside.link.take(item)
                 return None
             case PageReady():  # its address has got another design, or it was slow to answer
                 self._greet_late(item)
                 return None
             case (str(name), bytes(content)):
                 return FileChosen(name, content, rendering.panel.designs.read_rate())
-            case _End():
+            case End():
                 return None
             case _:
                 return item
@@ -373,7 +301,7 @@ class Session:
             try:
                 design = uploaded_design("the link", page.shared.encode(errors="replace"))
             except InputError as error:
-                self._notify("Not opened", str(error))
+                self._do(Notify("Not opened", str(error)))
             else:
                 self._inbox.put(DesignChosen(design))
 
@@ -387,43 +315,9 @@ class Session:
         return [effect for effect in effects if isinstance(effect, AFTER_DRAWING)]
 
     def _do(self, effect: Effect) -> None:
-        match effect:
-            case Submit(lane, ticket, task):
-                listener = partial(self._report, lane, ticket)
-                self._pool.submit((self._client.client_id, lane), task, listener)
-            case Stop(lane):
-                self._pool.cancel((self._client.client_id, lane))
-            case LoadRobot(name):
-                self._inbox.put(self._load(name))
-            case After(seconds, event):
-                self._due = time.monotonic() + seconds, event
-            case Keep(design):
-                self._link.keep(dump_design(design))
-            case Share(design):
-                self._link.share(dump_design(design))
-            case Download(name, content):
-                self._client.send_file_download(name, content, save_immediately=True)
-            case Notify(title, body):
-                self._notify(title, body)
-            case ResetControls():
-                assert self._rendering is not None
-                self._rendering.reset_controls(self.state)
-            case Play():
-                self._link.play()
-            case SetPlayback(speed, loop):
-                self._link.set_playback(speed, loop)
-            case Seek(instant):
-                self._link.seek(instant)
-
-    def _report(self, lane: Lane, ticket: int, report: Report) -> None:
-        self._inbox.put(Reported(lane, ticket, report))
-
-    def _load(self, name: str) -> RobotLoaded | RobotMissing:
-        try:
-            robot = load_robot(name)
-            return RobotLoaded(robot, prepared=not needs_preparation(robot))
-        except Error as error:
-            return RobotMissing(name, str(error))
-
-    def _notify(self, title: str, body: str) -> None:
-        self._notes.show(title, body)
+        assert self._outside is not None
+        assert self._rendering is not None
+        if isinstance(effect, ResetControls):
+            self._rendering.reset_controls(self.state)
+        else:
+            self._outside.carry_out(effect)
