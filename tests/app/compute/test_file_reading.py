@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from app.compute import opened_file
+from app.compute import file_reading
 from app.compute.file_reading import LARGEST_UNPACKED, differing, open_file
 from app.compute.opened_file import States
 from llsrbm.design import Design
@@ -189,7 +189,7 @@ def test_what_nothing_foresaw_is_a_line_too(monkeypatch):
     def fail(*_, **__):
         raise ZeroDivisionError("of\nsomething")
 
-    monkeypatch.setattr(opened_file, "_show", fail)
+    monkeypatch.setattr(file_reading, "_show", fail)
     line = refusal(*DAMAGED.good[0])
     assert line == "plan.npz: cannot be opened (ZeroDivisionError: of something)"
 

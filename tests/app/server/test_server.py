@@ -85,15 +85,15 @@ def test_the_plan_that_tabs_begin_with_is_there_at_once_the_second_time(tmp_path
     ready = threading.Event()
     monkeypatch.setattr("builtins.print", lambda *words, **_: words == ("ready",) and ready.set())
     with closing(Designer(port=0, pool=WorkerPool(SyntheticPlanner))) as designer:
-        assert designer.opening.plan("anymal") is None
+        assert designer.initial.plan("anymal") is None
         designer.warm_up("anymal")
         assert ready.wait(20)
-        plan = designer.opening.plan("anymal")
+        plan = designer.initial.plan("anymal")
     assert plan.jump == example("anymal")
     with closing(Designer(port=0, pool=WorkerPool(SyntheticPlanner))) as designer:
         designer.warm_up("anymal")
-        assert designer.opening.plan("anymal").jump == plan.jump
-        assert designer.opening.plan("go2") is None
+        assert designer.initial.plan("anymal").jump == plan.jump
+        assert designer.initial.plan("go2") is None
 
 
 def test_the_terminal_hears_of_steps_not_of_iterations(monkeypatch):
