@@ -72,7 +72,7 @@ def fresh(page):
         session._inbox.put(event)
     if page.viewport_size != VIEW:
         page.set_viewport_size(VIEW)
-    page.evaluate(_AT_REST)
+    page.evaluate("llsrbm.player.pause(), document.getElementById('llsrbm-dialog').close()")
     tab(page, "View")
     page.mouse.move(10, 10)
     wait_until(lambda: session.plan is plan and session.rollout is None, "the example's plan")

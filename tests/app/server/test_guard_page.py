@@ -62,6 +62,8 @@ def page(browser, designer):
     page.console = []
     page.on("console", lambda message: page.console.append(message.text))
     page.goto(designer.url + FRAGMENT)
+    status(page, "Planned")
+    page.evaluate("llsrbm.player.pause()")  # drawing takes the processor from all else
     yield page
     context.close()
 
