@@ -1,4 +1,4 @@
-"""A motion ready to be played: where every node of the scene is over time, whoever moves it."""
+"""A motion ready to be played: where every node of the scene is over time."""
 
 from __future__ import annotations
 
