@@ -1,1 +1,1 @@
-"""What is played: a plan, a simulation or a file's motion as frames, and frames as a clip."""
+"""Motions that are played: a plan, a simulation or a file's as frames, and frames as a clip."""

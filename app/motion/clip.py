@@ -1,4 +1,4 @@
-"""A motion ready to be played: where every node of the scene is over time, whoever moves it."""
+"""A motion ready to be played: where every node of the scene is over time."""
 
 from __future__ import annotations
 
@@ -85,7 +85,7 @@ class Clip:
 
     @cached_property
     def encoded(self) -> tuple[str, str]:
-        """What a browser reads: JSON that says what there is, and the numbers.
+        """The form in which a browser reads it: JSON that lists its parts, and the numbers.
 
         The numbers are little-endian 32 bit floats in base64: of each strand the instants, then of
         each of its tracks positions, quaternions (each on the same side as the one before, so that

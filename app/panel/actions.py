@@ -1,4 +1,4 @@
-"""What a visitor does in the panel; values are read from it afterwards.
+"""A visitor's acts in the panel; values are read from it afterwards.
 
 A browser may skip values while a slider moves, and callbacks come on viser's event loop, so that an
 action only says which controls to read. The session's thread reads them as they stand then.
@@ -14,7 +14,7 @@ import viser
 
 
 class Action(Enum):
-    """What was done."""
+    """An act."""
 
     JUMP = auto()  # its controls
     RESET_TUNING = auto()

@@ -20,7 +20,7 @@ _LONGEST_PAD = 10.0  # s
 
 @dataclass(frozen=True)
 class Choice:
-    """What to save.
+    """A motion to save, and how.
 
     Attributes:
         of: `SIMULATION` or `PLAN`.
@@ -108,7 +108,7 @@ class ExportOptions:
             box.on_update(self._chosen)
 
     def read(self) -> tuple[Choice, list[str]]:
-        """What to save as the controls stand, and what had to be corrected in them."""
+        """The choice as the controls stand, and the corrections in them."""
         complaints: list[str] = []
         of = option("Trajectory", self._of.value, (SIMULATION, PLAN), SIMULATION, complaints)
         first = option(
@@ -161,7 +161,7 @@ def _missing(format_: Format) -> bool:
 
 
 def _line(format_: Format) -> str:
-    """What a format is, and what it would need."""
+    """A format's title, and the packages that it lacks."""
     needs = f'; not installed: pip install "llsrbm[{format_.extra.name}]"' if format_.extra else ""
     return f"{format_.title}{needs if _missing(format_) else ''}"
 

@@ -47,7 +47,7 @@ def status(status: Status) -> str:
 
 
 def _joint(rest: str) -> str:
-    """What stands between the word and the rest: "Landed, but ..."."""
+    """The words between the status word and the rest: "Landed, but ..."."""
     return "" if rest.startswith((",", ".")) else " "
 
 

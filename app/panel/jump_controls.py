@@ -66,7 +66,7 @@ class JumpControls:
 
     @property
     def handles(self) -> list[Any]:
-        """Whose updates are requests."""
+        """The controls whose updates are requests."""
         return [self._robot, self._model, *self._sliders.values()]
 
     def read(self, current: Jump) -> tuple[Jump, list[str]]:

@@ -53,7 +53,7 @@ class SimulationControls:
 
     @property
     def handles(self) -> list[Any]:
-        """Whose updates change the scenario."""
+        """The controls whose updates change the scenario."""
         return [self._board, self._half, self._disturb, self._seed]
 
     def show_seeds(self, results: str, *, worst: bool) -> None:
@@ -89,6 +89,6 @@ class SimulationControls:
 
 
 def _thickest(robot_file: RobotFile) -> int:
-    """What surely passes under the feet of a level jump, mm, in whole steps."""
+    """The thickest board that surely passes under the feet of a level jump, mm, in whole steps."""
     room = 1000 * (robot_file.limits.clearance - TO_SPARE)
     return max(_STEP, int(room / _STEP + 1e-6) * _STEP)

@@ -43,7 +43,7 @@ class SeedOutcome(Protocol):
 
 
 def planned_line(plan: Plan) -> str:
-    """What follows "Planned"."""
+    """The status line after "Planned"."""
     report = plan.report
     return (
         f"in {decimal(1e3 * report.solve_time_s)} ms, {report.iterations} iterations, "
@@ -52,7 +52,7 @@ def planned_line(plan: Plan) -> str:
 
 
 def live_line(plan: Plan) -> str:
-    """What follows "Planning" while the request still moves."""
+    """The status line after "Planning" while the request still moves."""
     report = plan.report
     return (
         f"while you drag: {decimal(1e3 * report.total_time_s)} ms, {report.iterations} iterations"
@@ -60,7 +60,7 @@ def live_line(plan: Plan) -> str:
 
 
 def progress_line(text: str, iteration: int | None, residual: float | None) -> str:
-    """What follows "Planning" while the solver works."""
+    """The status line after "Planning" while the solver works."""
     parts = [text]
     if iteration is not None:
         parts.append(f"iteration {iteration}")

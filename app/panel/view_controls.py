@@ -1,4 +1,4 @@
-"""What is drawn besides the robot, and in which light."""
+"""The controls of overlays and light."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ class ViewControls:
 
     @property
     def handles(self) -> list[Any]:
-        """Whose updates change what is drawn."""
+        """The controls whose updates change the picture."""
         return [*self._boxes.values(), self._night]
 
     def read(self) -> tuple[frozenset[str], bool]:
@@ -48,7 +48,7 @@ class ViewControls:
         put(self._night, night)
 
     def show_legend(self, shown: frozenset[str], *, simulated: bool) -> None:
-        """What the colours mean of what is drawn."""
+        """Meanings of the colours that are drawn."""
         self._legend.content = html.legend(shown, simulated=simulated)
 
 

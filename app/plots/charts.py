@@ -63,7 +63,7 @@ class Layer:
 
     @cached_property
     def course(self) -> Course:
-        """What is plotted; costs some milliseconds once."""
+        """Its plotted quantities; costs some milliseconds once."""
         replay = self.replay
         if self.rollout is not None:
             return course_of_rollout(self.rollout, replay.motion if replay else None)
@@ -158,7 +158,7 @@ def name_of(chosen: ChartChoice) -> str:
 
 
 def components_offered(key: str, layers: Sequence[Layer]) -> tuple[str, ...]:
-    """What can be chosen of a signal's components: all, a chart each, sets of them, single ones.
+    """Choices of a signal's components: all, a chart each, sets of them, single ones.
 
     Args:
         key: of the signal.

@@ -35,7 +35,7 @@ class ChartChoice:
 
 @dataclass(frozen=True)
 class PlotChoice:
-    """What is plotted.
+    """The charts that are plotted.
 
     Attributes:
         charts: in their order, no two alike.
@@ -127,6 +127,6 @@ PRESETS: Mapping[str, PlotChoice] = {
         ("average_spatial_velocity_norm", ""), ("detection", ""), ("yaw_error", ""), landing=True
     ),
 }
-"""What can be chosen at once, by name."""
+"""Choices of charts that have a name."""
 
 DEFAULT = PRESETS[OVERVIEW]

@@ -96,7 +96,7 @@ class Course:
 
     @cached_property
     def _sampled(self) -> Plan | Rollout | None:
-        """What was recorded, at this motion's instants."""
+        """The recorded quantity, at this motion's instants."""
         if isinstance(self.recorded, Plan):
             return resample(self.recorded, self.recorded.time[0] + self.time)
         return self.recorded
@@ -113,7 +113,7 @@ def course_of_motion(motion: WholeBodyMotion) -> Course:
 
 
 def course_of_rollout(rollout: Rollout, planned: WholeBodyMotion | None) -> Course:
-    """What the whole robot did, at every control tick.
+    """The whole robot's motion, at every control tick.
 
     Args:
         rollout: the simulation.

@@ -47,7 +47,7 @@ class Stroke:
 
 @dataclass(frozen=True, eq=False)
 class Rows:
-    """What a chart draws.
+    """The lines of a chart.
 
     Attributes:
         title: quantity and unit.

@@ -101,7 +101,7 @@ class Plots:
         self.draw((), 0.0, self._choice or DEFAULT, moving=False)
 
     def _known(self, layers: Sequence[Layer]) -> tuple[Layer, ...]:
-        """The layers of the last drawing in place of equal ones: their courses are known."""
+        """The layers of the last drawing in place of equal ones: their signals are known."""
         return tuple(
             next((known for known in self._layers if known.is_same_as(layer)), layer)
             for layer in layers

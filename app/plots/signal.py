@@ -1,4 +1,4 @@
-"""What can be plotted of a motion over time: a signal, its components, and samples of it."""
+"""Signals, which can be plotted of a motion over time: one, its components, and samples of it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a picture shows, as a value: made from a tab's state, drawn by `app.scene.scene.Scene`."""
+"""A picture, as a value: made from a tab's state, drawn by `app.scene.scene.Scene`."""
 
 from __future__ import annotations
 

@@ -72,7 +72,7 @@ class Access:
 
     @property
     def query(self) -> str:
-        """What has to follow the page's address."""
+        """The part that follows the page's address."""
         return "" if self.token is None else f"/?token={self.token}"
 
     def accepts_token(self, token: str) -> bool:

@@ -58,7 +58,7 @@ def serve(
 
 
 def _opened(path: Path, robot: str, fps: float | None) -> OpenedFile:
-    """What a file holds, its robot ready to be drawn.
+    """The content of a file, its robot ready to be drawn.
 
     Raises:
         InputError: it cannot be opened.

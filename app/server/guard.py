@@ -217,7 +217,7 @@ class _Rates:
 
 
 def network(peer: str) -> str:
-    """What counts as one peer: an IPv4 address, or an IPv6 network of 64 bits."""
+    """One peer: an IPv4 address, or an IPv6 network of 64 bits."""
     try:
         address = ipaddress.ip_address(peer.partition("%")[0])
     except ValueError:

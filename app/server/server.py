@@ -117,7 +117,7 @@ class Designer:
 
         said = ""
 
-        def tell(report: Report) -> None:
+        def announce(report: Report) -> None:
             nonlocal said
             match report:
                 case Progress() if report.text != said:
@@ -131,7 +131,7 @@ class Designer:
                     self.initial.keep(report.plan)
 
         tasks: list[Prepare | PlanJump] = [Prepare(robot), *map(PlanJump, jumps)]
-        self.pool.warm_up(tasks, tell, lambda: _say("ready"))
+        self.pool.warm_up(tasks, announce, lambda: _say("ready"))
 
     def close(self) -> None:
         """End the sessions, the server and the computing processes."""

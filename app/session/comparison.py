@@ -40,7 +40,7 @@ class Pin:
 
     @cached_property
     def ghost(self) -> Ghost:
-        """What is drawn of it: the simulated robot if there is one."""
+        """The robot that is drawn of it, the simulated one if there is one."""
         frames = self.motion.frames if self.simulated is None else self.simulated.frames
         return Ghost(self.motion.motion.robot, frames, self.colour)
 

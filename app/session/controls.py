@@ -50,7 +50,7 @@ READ_ACTIONS = frozenset({Action.JUMP, Action.SCENARIO, Action.VIEW, Action.PIN_
 
 
 def event_of(action: Action, state: TabState, panel: Panel) -> Event:
-    """What an action means, given where the controls stand.
+    """The event that an action means, given where the controls stand.
 
     Args:
         action: what was done.

@@ -71,7 +71,7 @@ class DragPlanning:
         return replace(self, requested=None, rests=False)
 
     def rested(self, number: int) -> tuple[DragPlanning, PlanJump | None]:
-        """What to plan now that the rest with this number is over; None: it was broken off."""
+        """The task now that the rest with this number is over; None: it was broken off."""
         if not self.rests or number != self.rest or self.requested is None:
             return self, None
         return replace(self, rests=False), PlanJump(*self.requested)

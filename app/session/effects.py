@@ -1,4 +1,4 @@
-"""What an event has done outside of the tab's state, as values; `app.session.session` does it."""
+"""Effects: what `app.session.outside` has to do for an event outside of the state, as values."""
 
 from __future__ import annotations
 

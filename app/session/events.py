@@ -1,4 +1,4 @@
-"""What happens to a tab, as values: what its visitor does, what its page and the pool report."""
+"""Events of a tab, as values: its visitor's acts, reports of its page and of the pool."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from llsrbm.scenario import Scenario
 from llsrbm.tuning import Tuning
 
 Complaints = tuple[str, ...]
-"""What had to be corrected in what a browser sent, in words."""
+"""Corrections of values that a browser sent, in words."""
 
 
 # ---- the visitor asks for something
@@ -113,7 +113,7 @@ class RedoWanted:
 
 @dataclass(frozen=True)
 class ViewChosen:
-    """What is drawn besides the robot was chosen.
+    """Overlays and light were chosen.
 
     Attributes:
         layers: names of overlays.
@@ -126,7 +126,7 @@ class ViewChosen:
 
 @dataclass(frozen=True)
 class PlotsChosen:
-    """What is plotted was chosen."""
+    """Charts were chosen."""
 
     choice: PlotChoice
 
@@ -197,7 +197,7 @@ class ExportWanted:
 
 @dataclass(frozen=True)
 class StopExportWanted:
-    """What is being saved is not wanted any more."""
+    """The file that is being saved is not wanted any more."""
 
 
 # ---- computing and loading

@@ -48,7 +48,7 @@ def open_file(state: TabState, event: FileChosen) -> Step:
 
 
 def take_opening(state: TabState, event: Reported) -> Step:
-    """What the reading of a file reports."""
+    """Take a report on the reading of a file."""
     if event.ticket != state.files.opening:
         return state, ()
     report: Report = event.report
@@ -66,7 +66,7 @@ def take_opening(state: TabState, event: Reported) -> Step:
 
 
 def show_file(state: TabState, file: OpenedFile) -> Step:
-    """What a file holds: a design is planned, a plan or a simulation of one shown as it is.
+    """Show a file's content: a design is planned, a plan or a simulation of one shown as it is.
 
     Any other motion becomes a pin: it is for looking and comparing.
     """
@@ -179,7 +179,7 @@ def export(state: TabState, event: ExportWanted) -> Step:
 
 
 def take_saving(state: TabState, event: Reported) -> Step:
-    """What the writing of a file reports."""
+    """Take a report on the writing of a file."""
     files, report = state.files, event.report
     if event.ticket != files.saving:
         return state, ()

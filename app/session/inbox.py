@@ -1,4 +1,4 @@
-"""What waits for a session's thread: what has happened, each reading of controls once."""
+"""Everything that waits for a session's thread, each reading of controls once."""
 
 from __future__ import annotations
 

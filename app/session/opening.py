@@ -54,7 +54,7 @@ def open_tab(state: TabState, event: Opened) -> Step:
 
 
 def left(state: TabState) -> TabState:
-    """What is kept of a tab whose connection has ended."""
+    """The part of a tab's state that is kept when its connection has ended."""
     shown = state.shown
     if shown is not None and shown.so_far is not None:
         shown = replace(shown, so_far=None)

@@ -1,4 +1,4 @@
-"""What a session does outside of its state: effects, carried out on pool, page and browser."""
+"""Effects carried out: on the pool, the page and the browser, outside of a session's state."""
 
 from __future__ import annotations
 

@@ -232,7 +232,7 @@ class Rendering:
 
 
 def picture_of(state: TabState) -> Picture:
-    """What the scene draws of a state."""
+    """The picture of a state."""
     shown, view = state.shown, state.view
     return Picture(
         robot=state.robot,

@@ -1,4 +1,4 @@
-"""What a visitor asks for: another jump, weights, scenario or design; undone and done again."""
+"""A visitor's requests: another jump, weights, scenario or design; undone and done again."""
 
 from __future__ import annotations
 

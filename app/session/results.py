@@ -1,4 +1,4 @@
-"""What comes of a tab's jobs on its motion: plans, simulations, and why there is none."""
+"""Results of a tab's jobs on its motion: plans, simulations, and why there is none."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ from llsrbm.simulation.surroundings import surroundings
 
 
 def take_report(state: TabState, event: Reported) -> Step:
-    """What a job on the motion reports."""
+    """Take the report of a job on the motion."""
     report, work = event.report, state.work
     if event.ticket <= work.dropped:
         return state, ()

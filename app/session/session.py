@@ -102,7 +102,7 @@ class Session:
 
     @property
     def design(self) -> Design:
-        """What is asked for."""
+        """The design that is asked for."""
         return self.state.design
 
     @property
@@ -117,7 +117,7 @@ class Session:
 
     @property
     def left(self) -> TabState | None:
-        """What is to be kept of it, once its thread has ended: nothing that has led to a defect."""
+        """The state to keep once its thread has ended; None of one that has led to a defect."""
         return left(self.state) if self.state.page and not self.failed else None
 
     @property

@@ -104,7 +104,7 @@ class Work:
 
 @dataclass(frozen=True, eq=False)
 class FileWork:
-    """What is being read and written, beside all else.
+    """Files that are being read and written, beside all else.
 
     Attributes:
         opening: ticket of the file that is being read; 0: none.
@@ -156,7 +156,7 @@ class Playback:
 
 @dataclass(frozen=True)
 class View:
-    """What is drawn besides the robot, and in which light.
+    """The overlays that are drawn, and in which light.
 
     Attributes:
         layers: names of overlays.

@@ -1,4 +1,4 @@
-"""What waits for a tab that does not read: bounded, and the tab closed if it takes nothing of it.
+"""Messages that wait for a tab that does not read: bounded, and the tab closed if it takes none.
 
 Two places grow: viser's queue of messages, which is not read while a message is on its way, and the
 buffer of the socket. A closed tab reconnects and is sent the present state.

@@ -149,7 +149,7 @@ class Door:
     def _complete(
         self, connection: ServerConnection, _: Request, answer: Response
     ) -> Response | None:
-        """Whatever is answered, by websockets itself too."""
+        """All answers, those of websockets itself too."""
         assert isinstance(connection, GuardedConnection)
         for name, value in self.gate.headers(connection.host):
             answer.headers[name] = value

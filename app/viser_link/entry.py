@@ -53,7 +53,7 @@ class Request:
 
 @dataclass(frozen=True)
 class Decision:
-    """What becomes of a request.
+    """The answer to a request.
 
     Attributes:
         status: 101 lets it in as a WebSocket, 200 with the page; all others are answered with

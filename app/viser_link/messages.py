@@ -43,7 +43,7 @@ def ignore_nonsense(
                 reason = f"a tab sent a {kind} that makes no sense ({failure}); ignored"
                 gate.note(peer_of(client_id), reason)
             elif gate.note("", f"{kind} ran into a defect ({failure})"):
-                raise  # told in full once, whoever provokes it
+                raise  # logged in full once
 
     handler._handle_incoming_message = handle_briefly  # type: ignore[method-assign]
 

@@ -208,7 +208,7 @@ class PageLink:
 
 
 def read_event(message: object) -> PageEvent | None:
-    """What a page reports, or None for what it cannot have reported."""
+    """The event that a page reports, or None for one that no page can have reported."""
     if not isinstance(message, str) or len(message) > _LONGEST:
         return None
     try:

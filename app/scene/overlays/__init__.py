@@ -1,4 +1,4 @@
-"""What can be drawn besides the robot, one file each; `OVERLAYS` names them for the page's boxes.
+"""Overlays, drawn besides the robot, one file each; `OVERLAYS` names them for the page's boxes.
 
 A new overlay is a class in a file of its own and its place in `OVERLAYS`.
 """
