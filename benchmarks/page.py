@@ -1,7 +1,8 @@
 """The page's figures in headless Chromium: `python -m benchmarks.page`, from the checkout.
 
 Times are taken inside the page. Chromium draws in software here, on the processor that also plans,
-so nothing else should run beside it. `--drag` and `--play` say for how long, s.
+so nothing else should run beside it. `--drag` and `--play` say for how long, s; `--reach` how far: with
+12 pixels the twist stays where every jump can be planned, with 30 it goes beyond.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ from tests.app.chromium import PACE, VIEW, chromium, status
 
 PROGRAM = [sys.executable, "-m", "llsrbm.cli", "serve", "--port", "0"]
 STEP = 0.1  # s between steps of the dragged slider
-REACH = 30  # pixels that the hand goes to either side: 90 degrees
+REACH = 30  # pixels that the hand goes to either side
 PERIOD = 10.0  # s, there and back
 TAKE_UP = 8_000  # ms for the last plan to settle
 
@@ -72,7 +73,7 @@ def resident(pid):
     return sum(int(line) for line in listed.stdout.split()) / 1024
 
 
-def drag(page, seconds):
+def drag(page, seconds, reach=REACH):
     """Draw the twist's slider to and fro; (latencies ms, steps, drawn values, settled)."""
     status(page, "Planned")
     page.evaluate(RECORD)
@@ -84,7 +85,7 @@ def drag(page, seconds):
     began, step = time.monotonic(), 0
     while time.monotonic() - began < seconds:
         step += 1
-        page.mouse.move(x + REACH * np.sin(2 * np.pi * step * STEP / PERIOD), y)
+        page.mouse.move(x + reach * np.sin(2 * np.pi * step * STEP / PERIOD), y)
         left = began + step * STEP - time.monotonic()
         if left > 0:
             page.wait_for_timeout(1000 * left)
@@ -121,6 +122,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--drag", type=float, default=10.0)
     parser.add_argument("--play", type=float, default=60.0)
+    parser.add_argument("--reach", type=float, default=REACH, help="pixels, to either side")
     options = parser.parse_args()
     began = time.monotonic()
     server = subprocess.Popen(PROGRAM, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
@@ -163,7 +165,7 @@ def main():
                 if mode == "paused":
                     page.get_by_role("button", name="Pause").click()
                     page.wait_for_timeout(PACE)
-                steps, drawn = drag(page, options.drag)
+                steps, drawn = drag(page, options.drag, options.reach)
                 found, order = latencies(steps, drawn)
                 stale = sum(b < a for a, b in itertools.pairwise(order))
                 last = drawn[-1][1] == steps[-1][1]
