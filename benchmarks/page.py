@@ -1,8 +1,8 @@
 """The page's figures in headless Chromium: `python -m benchmarks.page`, from the checkout.
 
 Times are taken inside the page. Chromium draws in software here, on the processor that also plans,
-so nothing else should run beside it. `--drag` and `--play` say for how long, s; `--reach` how far: with
-12 pixels the twist stays where every jump can be planned, with 30 it goes beyond.
+so nothing else should run beside it. `--drag` and `--play` say for how long, s; `--reach` how far:
+with 12 pixels the twist stays where every jump can be planned, with 30 it goes beyond.
 """
 
 from __future__ import annotations
