@@ -157,7 +157,7 @@ def _compare(page: Page) -> None:
     choose(page, "Model", "SRBM")
     page.wait_for_timeout(300)
     status(page, "Planned", timeout=PATIENCE)
-    tab(page, "Compare")
+    tab(page, "Figures")
     press(page, "Pin")
     choose(page, "Model", "LL-SRBM+")
     page.wait_for_timeout(300)
@@ -185,10 +185,8 @@ def _tablet(page: Page) -> None:
 
 
 def _failed(page: Page) -> None:
-    tab(page, "Limits")
-    page.get_by_label("contact force").first.fill("160")
-    page.wait_for_timeout(PACE)
-    fill(page, "Landing height [m]", 0.3)
+    for label, value in (("Twist [deg]", 180), ("Forward [m]", 0.6), ("Landing height [m]", 0.3)):
+        fill(page, label, value)
     page.get_by_role("button", name="Use nearest feasible").first.wait_for(timeout=PATIENCE)
     hold(page, 0.55)
 

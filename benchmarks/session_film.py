@@ -74,7 +74,7 @@ def story(page: Page) -> None:
     page.wait_for_timeout(3000)
     simulate(page)
     page.wait_for_timeout(6000)
-    tab(page, "Compare")
+    tab(page, "Figures")
     page.wait_for_timeout(1000)
     press(page, "Pin")
     choose(page, "Model", "SRBM")
