@@ -66,10 +66,10 @@ def drag(page: Page, label: str, there: float, seconds: float) -> None:
 def story(page: Page) -> None:
     """What a visitor does in the first minute."""
     page.wait_for_timeout(2500)
-    drag(page, "Twist [deg]", 0.1, 5.0)
+    drag(page, "Twist [deg]", -0.08, 5.0)
     status(page, "Planned", timeout=60_000)
     page.wait_for_timeout(2500)
-    drag(page, "Forward [m]", 0.12, 3.0)
+    drag(page, "Forward [m]", 0.06, 3.0)
     status(page, "Planned", timeout=60_000)
     page.wait_for_timeout(3000)
     simulate(page)
