@@ -181,7 +181,10 @@ def test_cancelling_reaches_waiting_jobs_and_no_other_tab(own_pool):
 
 
 def test_cancelling_nothing_is_silent(shared_pool):
+    tab = Tab(shared_pool)
+    tab.plan()
     shared_pool.cancel("tab of nobody")
+    assert isinstance(tab.outcome(), Planned)
 
 
 def test_a_long_job_makes_way_for_its_tabs_newer_request(own_pool):
