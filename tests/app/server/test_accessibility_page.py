@@ -1,7 +1,7 @@
 """axe-core over the page: by day and by night, in three tabs, on a desk and on an upright tablet.
 
 Nothing serious or critical is found, in viser's controls neither: static/accessibility.js and
-static/panel.js mend what viser leaves.
+static/panel.js supply the names and contrasts that viser lacks.
 """
 
 from __future__ import annotations
