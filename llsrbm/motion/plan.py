@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from enum import IntEnum
+from functools import cached_property
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -25,6 +26,7 @@ from llsrbm.motion.quantity import (
     Kind,
     Quantity,
 )
+from llsrbm.schedule import Schedule, together
 from llsrbm.tuning import Tuning
 
 
@@ -108,6 +110,8 @@ class Plan:
         report: solver status and times.
         violations: constraint name -> largest violation, recomputed with NumPy.
         tuning: weights and limits that were asked for in place of the robot's.
+        schedule: the phases and which feet stand in them; None, of files that have none, becomes
+            the schedule `together`.
         solution: for plans that start from this one; None of a plan that failed, and of one that
             was read from a file that was written before files held it.
 
@@ -276,6 +280,11 @@ class Plan:
     ] = None
     tuning: Tuning = field(default_factory=Tuning)
     solution: Solution | None = field(default=None, repr=False)
+    schedule: Schedule = None  # type: ignore[assignment]
+
+    def __post_init__(self) -> None:
+        if self.schedule is None:
+            object.__setattr__(self, "schedule", together(self.leg_names))
 
     @property
     def solved(self) -> bool:
@@ -297,11 +306,26 @@ class Plan:
         """As in the robot file, when the plan says which robot it is of."""
         return leg_names(self.robot_parameters, len(self.leg_mass))
 
-    @property
+    @cached_property
     def phase_start(self) -> Array:
-        """(4,) s: start of take-off, flight, landing, and the end."""
-        first = [int(np.argmax(self.phase == p)) for p in Phase]
+        """(P + 1,) s: start of each of the schedule's phases, and the end."""
+        first = [int(np.argmax(self.phase == p)) for p in range(len(self.schedule))]
         return np.append(self.time[first], self.time[-1])
+
+    @cached_property
+    def contact(self) -> NDArray[np.bool_]:
+        """(N+1, L) whether a foot stands over the interval that begins at a knot."""
+        return self.schedule.stands[self.phase]
+
+    @property
+    def lift_off(self) -> float:
+        """s: when the first flight begins: no foot stands any more."""
+        return float(self.phase_start[self.schedule.flights[0]])
+
+    @property
+    def touchdown(self) -> float:
+        """s: when the last flight ends, as the first foot lands."""
+        return float(self.phase_start[self.schedule.flights[-1] + 1])
 
     def save(self, path: str | Path) -> None:
         """Write the native npz file (schema llsrbm.plan/2); see `llsrbm.load`."""
