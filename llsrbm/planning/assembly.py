@@ -29,12 +29,15 @@ def assemble_plan(
     """
     R = knots.R_world_base
     _, inertia, leg_com = knots.evaluated
-    # Knot values of the interval rates: at rest at both ends, the mean in between.
+    # Knot values of the interval rates: the mean of both beside it, at rest at the ends.
     rate = np.zeros_like(knots.position)
+    for end in (0, -1):
+        if knots.velocity[end].any():  # of a run-up, or a landing that keeps some speed
+            rate[end] = knots.rotation_rate[end]
     rate[1:-1] = (knots.rotation_rate[:-1] + knots.rotation_rate[1:]) / 2
     arrays = {
         "time": knots.time,
-        "phase": knots.phase.astype(np.int64),
+        "phase": knots.phase,
         "com": knots.position,
         "com_velocity": knots.velocity,
         "base_quat": knots.quat,
@@ -61,6 +64,7 @@ def assemble_plan(
         base_mass=knots.model.base_mass,
         joint_names=robot.joint_names,
         solution=solution,
+        schedule=knots.task.schedule,
         report=report(),
         **arrays,
     )
