@@ -14,12 +14,12 @@ from llsrbm.errors import InputError, NotConverged
 from llsrbm.jump import Jump
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
+from llsrbm.ocp.progress import PlanningProgress
+from llsrbm.ocp.solvers import names as solver_names
 from llsrbm.planning.explanation import explained
 from llsrbm.planning.nearest import Nearest, find_nearest
 from llsrbm.planning.planner import INTERVALS, planner_for
-from llsrbm.planning.progress import PlanningProgress
 from llsrbm.planning.scout import Scout
-from llsrbm.planning.solvers import names as solver_names
 from llsrbm.planning.task import make_task
 from llsrbm.robots import load_robot
 from llsrbm.scenario import Scenario

@@ -20,16 +20,16 @@ from llsrbm.errors import Cancelled, InputError, NotConverged
 from llsrbm.jump import Jump
 from llsrbm.models import check_name, make_model
 from llsrbm.motion.plan import Plan, Solution, SolveReport, Violation
-from llsrbm.planning import solvers
+from llsrbm.ocp import solvers
+from llsrbm.ocp.progress import IterationTable, PlanningProgress, attended
+from llsrbm.ocp.solvers import Backend, Iterate
+from llsrbm.ocp.transcription import Problem, row_bounds
 from llsrbm.planning.assembly import assemble_plan
 from llsrbm.planning.guess import analytic_guess
 from llsrbm.planning.knots import Knots, rolled_out, unpack
 from llsrbm.planning.layout import Intervals, Layout
-from llsrbm.planning.progress import IterationTable, PlanningProgress, attended
 from llsrbm.planning.residuals import describe_worst, excess, satisfied, stops, violations
-from llsrbm.planning.solvers import Backend, Iterate
 from llsrbm.planning.task import Task, make_task, place_task
-from llsrbm.planning.transcription import Problem, row_bounds
 from llsrbm.robots import load_robot
 from llsrbm.robots.robot import Robot
 
@@ -333,7 +333,7 @@ def _cached_backend(kind: type[Backend], model: Any, layout: Layout, robot: Robo
 
     sources = sorted(
         path
-        for package in ("models", "planning")
+        for package in ("models", "ocp", "planning")
         for path in (Path(__file__).parents[1] / package).rglob("*.py")
     )
     key = content_key(

@@ -20,16 +20,16 @@ from numpy.typing import NDArray
 from llsrbm.errors import Cancelled
 from llsrbm.jump import Jump
 from llsrbm.motion.plan import Plan, Solution, SolveReport, Violation
+from llsrbm.ocp.progress import attended
+from llsrbm.ocp.solvers import HOPELESS, Fatrop
+from llsrbm.ocp.stage_functions import constraints_of
+from llsrbm.ocp.transcription import row_bounds
 from llsrbm.planning.assembly import assemble_plan
 from llsrbm.planning.guess import analytic_guess
 from llsrbm.planning.knots import Knots, rolled_out, unpack
 from llsrbm.planning.planner import HOMOTOPY, PATIENT_FLIGHT, Planner, scaled
-from llsrbm.planning.progress import attended
 from llsrbm.planning.residuals import satisfied, violations
-from llsrbm.planning.solvers import HOPELESS, Fatrop
-from llsrbm.planning.stage_functions import constraints_of
 from llsrbm.planning.task import Task, place_task
-from llsrbm.planning.transcription import row_bounds
 
 Array = NDArray[np.float64]
 

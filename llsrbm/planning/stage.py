@@ -9,9 +9,9 @@ import casadi as ca
 
 from llsrbm.models.base import CentroidalModel
 from llsrbm.motion.plan import Phase
+from llsrbm.ocp.lifting import Lifting
 from llsrbm.planning.headings import across, heading_rate, relative_yaw, relative_yaw_rate
 from llsrbm.planning.layout import STANDING, Layout, Role
-from llsrbm.planning.lifting import Lifting
 from llsrbm.planning.rotations import quat_exp, quat_product, rotation_matrix
 
 GRAVITY = 9.81  # m/s2

@@ -16,10 +16,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from llsrbm.models.base import CentroidalModel
-from llsrbm.planning.batch import over_stages
+from llsrbm.ocp.batch import over_stages
+from llsrbm.ocp.stage_functions import StageFunctions, constraints_of, make_stage_functions
 from llsrbm.planning.layout import Layout, Role
 from llsrbm.planning.stage import Stage
-from llsrbm.planning.stage_functions import StageFunctions, constraints_of, make_stage_functions
 from llsrbm.planning.task import Task, parameter_sizes
 
 Array = NDArray[np.float64]

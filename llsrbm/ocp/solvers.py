@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 
 from llsrbm.errors import InputError
 from llsrbm.motion.plan import Solution
-from llsrbm.planning.progress import IterationTable, printed_into
-from llsrbm.planning.transcription import Problem
+from llsrbm.ocp.progress import IterationTable, printed_into
+from llsrbm.ocp.transcription import Problem
 
 Array = NDArray[np.float64]
 
