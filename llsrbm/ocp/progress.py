@@ -14,7 +14,6 @@ import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
-from dataclasses import dataclass
 from typing import TextIO, TypeVar
 
 from llsrbm.errors import Cancelled
@@ -28,22 +27,24 @@ _ROW = re.compile(r"^ *(\d+)r? +[-+.\deE]+ +([-+.\deE]+) ")
 # CasADi counts references without locks: two solves at once would corrupt memory.
 _solving = threading.Lock()
 
+_CANCELLED = "planning was cancelled"
+
 Result = TypeVar("Result")
 
 
-@dataclass(frozen=True)
-class PlanningProgress:
-    """What the planner is doing.
+def when_idle(cancelled: Callable[[], bool] | None = None) -> None:
+    """Wait for the end of a solve that nobody waits for any more; then CasADi may be used.
 
-    Attributes:
-        text: one line for a person.
-        iteration: of the running solve; None before its first news.
-        residual: its largest constraint violation, in the solver's scaled units.
+    Args:
+        cancelled: whether to go on waiting, asked every `LOOK_EVERY`.
+
+    Raises:
+        Cancelled: not to.
     """
-
-    text: str
-    iteration: int | None = None
-    residual: float | None = None
+    while not _solving.acquire(timeout=LOOK_EVERY):
+        if cancelled is not None and cancelled():
+            raise Cancelled(_CANCELLED)
+    _solving.release()
 
 
 class IterationTable:
@@ -115,7 +116,8 @@ def attended(
     """What `solve` returns; meanwhile `tell` and `cancelled` are called, by the caller's thread.
 
     A solver cannot be stopped: when `cancelled` says so, this returns at once, and the solve runs
-    on unseen to its end; the next one waits for it.
+    on unseen to its end. The next one waits for it; anything else that uses CasADi has to, too
+    (`when_idle`). A solve that had not begun never does.
 
     Args:
         solve: runs in a thread of its own, alone of its kind in the process.
@@ -126,9 +128,12 @@ def attended(
     Raises:
         Cancelled: it was not.
     """
+    abandoned = threading.Event()
 
     def alone() -> Result:
         with _solving:
+            if abandoned.is_set():
+                raise Cancelled(_CANCELLED)
             return solve()
 
     if tell is None and cancelled is None:
@@ -142,7 +147,8 @@ def attended(
             return future.result(timeout=LOOK_EVERY)
         except TimeoutError:
             if cancelled is not None and cancelled():
-                raise Cancelled("planning was cancelled") from None
+                abandoned.set()
+                raise Cancelled(_CANCELLED) from None
         news = look()
         due = time.monotonic() - told_at >= TELL_EVERY
         if tell is not None and news is not None and news != told and due:

@@ -1,4 +1,7 @@
-"""Interior-point solvers through CasADi's nlpsol, chosen by name; adding one is one class here."""
+"""Problem in, solution out: interior-point solvers through CasADi's nlpsol, chosen by name.
+
+Adding one is one class here.
+"""
 
 from __future__ import annotations
 
@@ -15,29 +18,46 @@ import numpy as np
 from numpy.typing import NDArray
 
 from llsrbm.errors import InputError
-from llsrbm.motion.plan import Solution
+from llsrbm.ocp.problem import Iterate, Problem, Solution
 from llsrbm.ocp.progress import IterationTable, printed_into
-from llsrbm.ocp.transcription import Problem
+from llsrbm.ocp.transcription import Structure, Transcription
 
 Array = NDArray[np.float64]
 
-MAX_ITERATIONS = 150
-# Complementarity at which a solve starts from the analytic guess, which is far from the optimum.
-MU_COLD = 1e-2
-# How far a cold start is pushed inside of the bounds it touches; 15 % fewer iterations over ten
-# jumps and three models than with the solver's default of 0.01.
-BOUND_PUSH = 0.05
 
-# Where the cost is flat Fatrop creeps: the constraints are met, the cost changes in the fourth
-# digit, the gradient stays at some 1e-3. When that lasts, it is as good as solved.
-ACCEPTABLE = 5e-3
-ACCEPTABLE_ITERATIONS = 4
+@dataclass(frozen=True)
+class Patience:
+    """How a solve from a guess begins, and when it ends.
+
+    Attributes:
+        mu: complementarity at which it begins.
+        iterations: after so many it is given up.
+        tolerance: at which it has converged.
+        push: how far it begins inside of the bounds it touches; None: Fatrop's own 0.01.
+        acceptable: where the cost is flat Fatrop creeps: the constraints are met, the cost changes
+            in the fourth digit, the gradient stays at some 1e-3. At this tolerance, for so many
+            iterations, it is as good as solved; None: it creeps on.
+
+    Ipopt keeps its own ways with the last two.
+    """
+
+    mu: float
+    iterations: int
+    # Fatrop's default of 1e-8 stalls; at 1e-4 the cost agrees to 0.1 %.
+    tolerance: float = 1e-4
+    push: float | None = None
+    acceptable: tuple[float, int] | None = None
+
+
+# From a guess, which is far from the optimum. The push takes 15 % fewer iterations over ten jumps
+# and three models than with the solver's default.
+PATIENT = Patience(mu=1e-2, iterations=150, push=0.05, acceptable=(5e-3, 4))
 
 # A solve near a known solution stops at this tolerance: the cost is 0.02 % from that of a cold one.
 NEAR_TOLERANCE = 3e-4
 # The complementarity at which Fatrop ends for that tolerance; near a solution it begins there.
 NEAR_MU = NEAR_TOLERANCE / 11
-# Whoever is near is there in 2 to 10 iterations; a cold start is quicker than waiting for more.
+# Near starts converge in 2 to 10 iterations; a cold start is quicker than waiting for more.
 NEAR_ITERATIONS = 15
 # A solution that violates the rows of its neighbour by more, in their units of about 1, is none:
 # Fatrop may not come back from there. A slider that moves by 30 deg makes 0.3.
@@ -54,115 +74,130 @@ _STOPPED_ACCEPTABLE = 2  # Fatrop's return flag
 _SILENT, _TABLE = 0, 5  # Fatrop's print levels
 
 
-@dataclass(frozen=True, eq=False)
-class Iterate:
-    """Where a solver stopped.
-
-    Attributes:
-        w: all variables; multipliers: of all rows.
-        converged: the solver's own word.
-        iterations, cost, solve_time_s: of this solve.
-        message: the solver's status.
-    """
-
-    w: Array
-    multipliers: Array
-    converged: bool
-    iterations: int
-    cost: float
-    solve_time_s: float
-    message: str
-
-    @property
-    def solution(self) -> Solution:
-        """Where a next solve may start."""
-        return Solution(self.w, self.multipliers)
-
-
-class Backend(ABC):
-    """An nlpsol plugin with its options: one solver starts from a guess, one near a solution."""
+class Solver(ABC):
+    """Solves a transcription's problems with one of nlpsol's plugins."""
 
     name: ClassVar[str]
 
-    def __init__(self, cold: ca.Function, near: ca.Function) -> None:
-        self._cold, self._near = cold, near
+    def __init__(self, cold: ca.Function, near: ca.Function, structure: Structure) -> None:
+        self._near, self._structure = near, structure
+        self._cold = {PATIENT: cold}
 
     @property
     def sizes(self) -> tuple[int, int]:
-        """Of the problem: numbers of variables and of rows."""
-        return int(self._cold.numel_in("x0")), int(self._cold.numel_in("lbg"))
+        """Numbers of variables and of rows."""
+        cold = self._cold[PATIENT]
+        return int(cold.numel_in("x0")), int(cold.numel_in("lbg"))
 
     @classmethod
     @abstractmethod
-    def build(cls, problem: Problem) -> Backend:
-        """Build the solvers of a problem."""
+    def build(cls, transcription: Transcription) -> Solver:
+        """Build the solver of a transcription."""
 
-    @staticmethod
-    def converged(stats: dict[str, Any]) -> bool:
+    def serialize(self) -> str:
+        """The solver as text, for a cache."""
+        serializer = ca.StringSerializer()
+        structure = self._structure
+        serializer.pack([self._cold[PATIENT], self._near])
+        for sizes in (structure.states, structure.controls, structure.rows):
+            serializer.pack(sizes)
+        serializer.pack([int(equal) for equal in structure.equality])
+        return str(serializer.encode())
+
+    @classmethod
+    def deserialize(cls, text: str) -> Solver:
+        """The solver that `serialize` wrote."""
+        serializer = ca.StringDeserializer(text)
+        cold, near = serializer.unpack()
+        states, controls, rows, equality = (list(serializer.unpack()) for _ in range(4))
+        return cls(cold, near, Structure(states, controls, rows, [bool(e) for e in equality]))
+
+    def function(self, name: str) -> ca.Function:
+        """One of the problem's functions, as it is evaluated: nlp_f, nlp_g, ...; nlp: f and g."""
+        cold = self._cold[PATIENT]
+        return cold.oracle() if name == "nlp" else cold.get_function(name)
+
+    def solve(
+        self,
+        problem: Problem,
+        guess: Array,
+        patience: Patience = PATIENT,
+        read: Callable[[str], None] | None = None,
+    ) -> Solution:
+        """Solve from a guess.
+
+        Args:
+            problem: its numbers.
+            guess: all variables.
+            patience: how long to go on.
+            read: takes the table of iterations, of solvers that print one.
+        """
+        if self.miss(problem, guess) > HOPELESS:
+            return self._given_up(problem, Iterate(guess, np.zeros_like(problem.lower)))
+        if patience not in self._cold:
+            self._cold[patience] = self._another(patience)
+        arguments = {
+            "x0": guess,
+            "p": problem.parameters,
+            "lbg": problem.lower,
+            "ubg": problem.upper,
+        }
+        with nullcontext() if read is None else self._printing(read):
+            return self._run(self._cold[patience], arguments)
+
+    @abstractmethod
+    def follow(self, problem: Problem, start: Iterate) -> Solution:
+        """Solve from the solution of a problem whose numbers are a little off."""
+
+    def miss(self, problem: Problem, variables: Array) -> float:
+        """The largest violation of a row; infinite where a row is not finite."""
+        g = self._rows(problem, variables)
+        largest = np.maximum(problem.lower - g, g - problem.upper).max()
+        return float(largest) if np.isfinite(largest) else math.inf
+
+    def _rows(self, problem: Problem, variables: Array) -> Array:
+        return np.array(self.function("nlp_g")(variables, problem.parameters)).ravel()
+
+    def _given_up(self, problem: Problem, start: Iterate) -> Solution:
+        """A solve that was not begun."""
+        f = self._cold[PATIENT].get_function("nlp_f")
+        return Solution(
+            variables=start.variables,
+            multipliers=start.multipliers,
+            converged=False,
+            iterations=0,
+            cost=float(f(start.variables, problem.parameters)),
+            solve_time_s=0.0,
+            message="too far from a solution to begin",
+        )
+
+    @abstractmethod
+    def _another(self, patience: Patience) -> ca.Function:
+        """The solver from guesses with another patience; the functions are at hand."""
+
+    @abstractmethod
+    def _converged(self, stats: dict[str, Any]) -> bool:
         """From nlpsol's statistics."""
-        return bool(stats["success"])
 
     @abstractmethod
     def _iterations(self, stats: dict[str, Any]) -> int:
         """From nlpsol's statistics."""
 
-    def serialize(self) -> str:
-        """The solvers as text, for the cache."""
-        serializer = ca.StringSerializer()
-        serializer.pack([self._cold, self._near])
-        return str(serializer.encode())
-
-    @classmethod
-    def deserialize(cls, text: str) -> Backend:
-        """The solvers that `serialize` wrote."""
-        cold, near = ca.StringDeserializer(text).unpack()
-        return cls(cold, near)
-
-    def solve(
-        self,
-        guess: Array,
-        parameters: Array,
-        bounds: tuple[Array, Array],
-        read: Callable[[str], None] | None = None,
-    ) -> Iterate:
-        """Solve from a guess; `read` takes the table of iterations, of solvers that print one."""
-        if self.miss(guess, parameters, bounds) > HOPELESS:
-            return self._given_up(Solution(guess, np.zeros_like(bounds[0])), parameters)
-        arguments = {"x0": guess, "p": parameters, "lbg": bounds[0], "ubg": bounds[1]}
-        with nullcontext() if read is None else self._printing(read):
-            return self._run(self._cold, arguments)
-
-    def miss(self, variables: Array, parameters: Array, bounds: tuple[Array, Array]) -> float:
-        """The largest violation of a row; infinite where a row is not finite."""
-        g = np.array(self._cold.get_function("nlp_g")(variables, parameters)).ravel()
-        largest = np.maximum(bounds[0] - g, g - bounds[1]).max()
-        return float(largest) if np.isfinite(largest) else math.inf
-
-    def _given_up(self, start: Solution, parameters: Array) -> Iterate:
-        """A solve that was not begun."""
-        cost = float(self._cold.get_function("nlp_f")(start.variables, parameters))
-        message = "too far from a solution to begin"
-        return Iterate(start.variables, start.multipliers, False, 0, cost, 0.0, message)
-
     def _printing(self, read: Callable[[str], None]) -> AbstractContextManager[None]:
         """Meanwhile the solver prints its table into `read`; here it prints none."""
         return nullcontext()
 
-    @abstractmethod
-    def follow(self, start: Solution, parameters: Array, bounds: tuple[Array, Array]) -> Iterate:
-        """Solve from the solution of a problem whose parameters and bounds are a little off."""
-
-    def _run(self, solver: ca.Function, arguments: dict[str, Array]) -> Iterate:
+    def _run(self, solver: ca.Function, arguments: dict[str, Array]) -> Solution:
         if not np.isfinite(arguments["x0"]).all():  # Fatrop would never return
             raise ValueError("the initial guess is not finite")
         start = time.perf_counter()
         result = solver(**arguments)
         elapsed = time.perf_counter() - start
         stats = solver.stats()
-        return Iterate(
-            w=np.array(result["x"]).ravel(),
+        return Solution(
+            variables=np.array(result["x"]).ravel(),
             multipliers=np.array(result["lam_g"]).ravel(),
-            converged=self.converged(stats),
+            converged=self._converged(stats),
             iterations=self._iterations(stats),
             cost=float(result["f"]),
             solve_time_s=elapsed,
@@ -170,7 +205,7 @@ class Backend(ABC):
         )
 
 
-class Fatrop(Backend):
+class Fatrop(Solver):
     """Structure-exploiting interior point (Riccati recursion over the stages); the default.
 
     It takes no multipliers to start from: those of bounds begin at 1, the others follow from them
@@ -180,8 +215,8 @@ class Fatrop(Backend):
 
     name = "fatrop"
 
-    def __init__(self, cold: ca.Function, near: ca.Function) -> None:
-        super().__init__(cold, near)
+    def __init__(self, cold: ca.Function, near: ca.Function, structure: Structure) -> None:
+        super().__init__(cold, near, structure)
         _set_print_level(_SILENT)
 
     @contextmanager
@@ -194,19 +229,9 @@ class Fatrop(Backend):
             _set_print_level(_SILENT)
 
     @classmethod
-    def build(cls, problem: Problem) -> Backend:
-        """See `Backend.build`."""
-        functions = problem.functions
-        # Its default tolerance of 1e-8 stalls; at 1e-4 the cost agrees to 0.1 %.
-        cold = {
-            "mu_init": MU_COLD,
-            "tolerance": 1e-4,
-            "max_iter": MAX_ITERATIONS,
-            "bound_push": BOUND_PUSH,
-            "bound_frac": BOUND_PUSH,
-            "tol_acceptable": ACCEPTABLE,
-            "acceptable_iter": ACCEPTABLE_ITERATIONS,
-        }
+    def build(cls, transcription: Transcription) -> Solver:
+        """See `Solver.build`."""
+        functions, structure = transcription.functions, transcription.structure
         near = {
             "mu_init": NEAR_MU,
             "tolerance": NEAR_TOLERANCE,
@@ -214,59 +239,79 @@ class Fatrop(Backend):
             "bound_push": NEAR_MU,
         }
         return cls(
-            cls._nlpsol(problem, functions, cold),
-            cls._nlpsol(problem, _with_scaled_rows(functions), near),
+            _fatrop(functions, structure, _fatrop_options(PATIENT)),
+            _fatrop(_with_scaled_rows(functions), structure, near),
+            structure,
         )
 
-    @staticmethod
-    def _nlpsol(
-        problem: Problem, functions: dict[str, ca.Function], options: dict[str, Any]
-    ) -> ca.Function:
-        structure = {
-            "print_time": False,
-            "error_on_fail": False,
-            "structure_detection": "manual",
-            "N": problem.layout.intervals.total,
-            "nx": problem.state_sizes,
-            "nu": problem.control_sizes,
-            "ng": problem.row_counts,
-            "equality": problem.equality.tolist(),
-            "cache": {n: f for n, f in functions.items() if n != "nlp"},
-            "fatrop": options,
-        }
-        return ca.nlpsol("planner", "fatrop", functions["nlp"], structure)
+    def _another(self, patience: Patience) -> ca.Function:
+        available = self._cold[PATIENT].get_function()
+        functions = {n: self.function(n) for n in available if n.startswith("nlp_")}
+        functions["nlp"] = self.function("nlp")
+        options = _fatrop_options(patience) | {"print_level": _SILENT}
+        return _fatrop(functions, self._structure, options)
 
-    def follow(self, start: Solution, parameters: Array, bounds: tuple[Array, Array]) -> Iterate:
-        """See `Backend.follow`."""
-        lower, upper = bounds
+    def follow(self, problem: Problem, start: Iterate) -> Solution:
+        """See `Solver.follow`."""
+        lower, upper = problem.lower, problem.upper
         inequality = lower < upper
-        rows = self._cold.get_function("nlp_g")
-        g = np.array(rows(start.variables, parameters)).ravel()
-        if self.miss(start.variables, parameters, bounds) > TOO_FAR:
-            return self._given_up(start, parameters)
+        if self.miss(problem, start.variables) > TOO_FAR:
+            return self._given_up(problem, start)
+        g = self._rows(problem, start.variables)
         below, above = np.maximum(g - lower, 0.0), np.maximum(upper - g, 0.0)
         # A second bound far away would start at the multiplier 1 as well, far too much for it.
         lower = np.where(inequality & (above < NEARER * below), -np.inf, lower)
         upper = np.where(inequality & (below <= NEARER * above), np.inf, upper)
         scale = np.where(inequality, np.maximum(np.abs(start.multipliers), LEAST_SCALE), 1.0)
-        iterate = self._run(
+        solution = self._run(
             self._near,
             {
                 "x0": start.variables,
-                "p": np.concatenate([parameters, scale]),
+                "p": np.concatenate([problem.parameters, scale]),
                 "lbg": scale * lower,
                 "ubg": scale * upper,
             },
         )
-        return replace(iterate, multipliers=scale * iterate.multipliers)
+        return replace(solution, multipliers=scale * solution.multipliers)
 
-    @staticmethod
-    def converged(stats: dict[str, Any]) -> bool:
-        """Within the tolerance, or `ACCEPTABLE` for long enough, which nlpsol does not count."""
+    def _converged(self, stats: dict[str, Any]) -> bool:
+        """Within the tolerance, or acceptable for long enough, which nlpsol does not count."""
         return bool(stats["success"]) or stats["fatrop"]["return_flag"] == _STOPPED_ACCEPTABLE
 
     def _iterations(self, stats: dict[str, Any]) -> int:
         return int(stats["fatrop"]["iterations_count"])
+
+
+def _fatrop_options(patience: Patience) -> dict[str, Any]:
+    options: dict[str, Any] = {
+        "mu_init": patience.mu,
+        "tolerance": patience.tolerance,
+        "max_iter": patience.iterations,
+    }
+    if patience.push is not None:
+        options |= {"bound_push": patience.push, "bound_frac": patience.push}
+    if patience.acceptable is not None:
+        tolerance, iterations = patience.acceptable
+        options |= {"tol_acceptable": tolerance, "acceptable_iter": iterations}
+    return options
+
+
+def _fatrop(
+    functions: dict[str, ca.Function], structure: Structure, options: dict[str, Any]
+) -> ca.Function:
+    nlpsol_options = {
+        "print_time": False,
+        "error_on_fail": False,
+        "structure_detection": "manual",
+        "N": len(structure.states) - 1,
+        "nx": structure.states,
+        "nu": structure.controls,
+        "ng": structure.rows,
+        "equality": structure.equality,
+        "cache": {n: f for n, f in functions.items() if n != "nlp"},
+        "fatrop": options,
+    }
+    return ca.nlpsol("solver", "fatrop", functions["nlp"], nlpsol_options)
 
 
 def _set_print_level(level: int) -> None:
@@ -311,22 +356,15 @@ def _with_scaled_rows(functions: dict[str, ca.Function]) -> dict[str, ca.Functio
     }
 
 
-class Ipopt(Backend):
+class Ipopt(Solver):
     """General interior point; slower, and an independent second opinion."""
 
     name = "ipopt"
 
     @classmethod
-    def build(cls, problem: Problem) -> Backend:
-        """See `Backend.build`."""
-        return cls(
-            cls._nlpsol(problem, {"mu_init": MU_COLD}),
-            cls._nlpsol(problem, {"mu_init": NEAR_MU, "warm_start_init_point": "yes"}),
-        )
-
-    @staticmethod
-    def _nlpsol(problem: Problem, options: dict[str, Any]) -> ca.Function:
-        functions = problem.functions
+    def build(cls, transcription: Transcription) -> Solver:
+        """See `Solver.build`."""
+        functions = transcription.functions
         hessian = functions["nlp_hess_l"]
         arguments = [ca.MX.sym(hessian.name_in(i), hessian.sparsity_in(i)) for i in range(4)]
         upper = ca.Function(
@@ -339,46 +377,74 @@ class Ipopt(Backend):
         x, p = arguments[:2]
         f, df = functions["nlp_f"](x, p), functions["nlp_grad_f"](x, p)
         gradient = ca.Function("nlp_grad_f", [x, p], [f, df], ["x", "p"], ["f", "grad_f_x"])
-        oracle = {
-            "print_time": False,
-            "error_on_fail": False,
-            "hess_lag": upper,
-            "jac_g": functions["nlp_jac_g"],
-            "grad_f": gradient,
-            "ipopt": {
-                "print_level": 0,
-                "sb": "yes",
-                "max_iter": MAX_ITERATIONS,
-                "tol": 1e-4,
-                "constr_viol_tol": 1e-5,
-                **options,
-            },
-        }
-        return ca.nlpsol("planner", "ipopt", functions["nlp"], oracle)
+        derivatives = {"hess_lag": upper, "jac_g": functions["nlp_jac_g"], "grad_f": gradient}
+        near = replace(PATIENT, mu=NEAR_MU)
+        return cls(
+            _ipopt(functions["nlp"], derivatives, PATIENT, {}),
+            _ipopt(functions["nlp"], derivatives, near, {"warm_start_init_point": "yes"}),
+            transcription.structure,
+        )
 
-    def follow(self, start: Solution, parameters: Array, bounds: tuple[Array, Array]) -> Iterate:
-        """See `Backend.follow`."""
-        arguments = {"x0": start.variables, "lam_g0": start.multipliers, "p": parameters}
-        return self._run(self._near, arguments | {"lbg": bounds[0], "ubg": bounds[1]})
+    def _another(self, patience: Patience) -> ca.Function:
+        names = {"hess_lag": "nlp_hess_l", "jac_g": "nlp_jac_g", "grad_f": "nlp_grad_f"}
+        derivatives = {option: self.function(name) for option, name in names.items()}
+        return _ipopt(self.function("nlp"), derivatives, patience, {})
+
+    def follow(self, problem: Problem, start: Iterate) -> Solution:
+        """See `Solver.follow`."""
+        arguments = {
+            "x0": start.variables,
+            "lam_g0": start.multipliers,
+            "p": problem.parameters,
+            "lbg": problem.lower,
+            "ubg": problem.upper,
+        }
+        return self._run(self._near, arguments)
+
+    def _converged(self, stats: dict[str, Any]) -> bool:
+        return bool(stats["success"])
 
     def _iterations(self, stats: dict[str, Any]) -> int:
         return int(stats["iter_count"])
 
 
-_BACKENDS: dict[str, type[Backend]] = {backend.name: backend for backend in (Fatrop, Ipopt)}
+def _ipopt(
+    nlp: ca.Function,
+    derivatives: dict[str, ca.Function],
+    patience: Patience,
+    options: dict[str, Any],
+) -> ca.Function:
+    nlpsol_options = {
+        "print_time": False,
+        "error_on_fail": False,
+        **derivatives,
+        "ipopt": {
+            "print_level": 0,
+            "sb": "yes",
+            "max_iter": patience.iterations,
+            "tol": patience.tolerance,
+            "constr_viol_tol": 1e-5,
+            "mu_init": patience.mu,
+            **options,
+        },
+    }
+    return ca.nlpsol("solver", "ipopt", nlp, nlpsol_options)
+
+
+_SOLVERS: dict[str, type[Solver]] = {solver.name: solver for solver in (Fatrop, Ipopt)}
 
 
 def names() -> tuple[str, ...]:
     """The solvers' names, the default first."""
-    return tuple(_BACKENDS)
+    return tuple(_SOLVERS)
 
 
-def backend(name: str) -> type[Backend]:
+def by_name(name: str) -> type[Solver]:
     """The solver called `name`.
 
     Raises:
         InputError: no solver has that name.
     """
-    if name not in _BACKENDS:
-        raise InputError(f"unknown solver {name!r}; the solvers are {', '.join(_BACKENDS)}")
-    return _BACKENDS[name]
+    if name not in _SOLVERS:
+        raise InputError(f"unknown solver {name!r}; the solvers are {', '.join(_SOLVERS)}")
+    return _SOLVERS[name]
