@@ -257,6 +257,11 @@ class CentroidalModel(ABC):
             xdot[rows] = np.where(stands[:, None], self._mirrored(place, rates[rows]), rates[rows])
         return xdot
 
+    def _mirrored(self, place: Array, feet: Array) -> Array:
+        """Places (K, L, 3) in mirrored axes, with the feet's yaws if they have any, (K, L, d)."""
+        turn = self.turn_mirrors[:, None] * feet[..., 3:]
+        return np.concatenate([self.mirrors * place, turn], axis=-1)
+
     def offsets(self, feet_in_hip: Array, feet_in_hip_rate: Array) -> tuple[Array, Array]:
         """o (K, 3) m and its rate (K, 3) m/s of x and xdot, (K, L, d)."""
         maps = np.array(self._offset_x)

@@ -242,8 +242,7 @@ class Symmetry(Cost):
         pairs = [
             (i, j)
             for i, j in combinations(range(stage.layout.legs), 2)
-            if np.allclose(hips[i] * [1, -1, 1], hips[j])
-            and {i, j} <= set(stage.role.swinging)
+            if np.allclose(hips[i] * [1, -1, 1], hips[j]) and {i, j} <= set(stage.role.swinging)
         ]
         return sum(ca.sumsqr(x[:, i] - x[:, j]) for i, j in pairs) / stage.intervals
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,7 +45,8 @@ def analytic_guess(
         flight_time: s; None chooses by twist, distance and height.
     """
     path = _Path(task, flight_time)
-    knots = [path.body(role.phase, s) for role, s in zip(layout.roles, layout.progress, strict=True)]
+    at = zip(layout.phase.tolist(), layout.progress.tolist(), strict=True)
+    knots = [path.body(phase, s) for phase, s in at]
     feet = _feet(task, layout, model, path, knots)
     # xdot of the interval before each knot; at lift-off that of the first interval.
     rate = np.zeros_like(feet)
@@ -154,7 +156,7 @@ class _Path:
         self._run_of = np.zeros(len(phases), dtype=np.int64)
         self._start_in_run = np.zeros(len(phases))
         self._run_times = []
-        for run, (before, after) in enumerate(zip(edges[:-1], edges[1:], strict=True)):
+        for run, (before, after) in enumerate(pairwise(edges)):
             inside = range(before + 1, after)
             self._run_of[list(inside)] = run
             elapsed = np.cumsum([0.0, *self.times[list(inside)]])
@@ -197,11 +199,15 @@ class _Path:
         turn = FLIP_SHARE * over + [start.heading + yaw_rate * before * STANCE_SHARE, 0.0, 0.0]
         if index > 0:
             turn[1:] += task.jump.pitch, task.jump.roll
-        rate = over_rate + [yaw_rate, 0.0, 0.0]
+        rate = over_rate + np.array([yaw_rate, 0.0, 0.0])
         return _Flight(
             _Body(r_lift, v_lift, -fall, turn, rate),
             _Body(
-                r_lift + v_lift * T - fall * T**2 / 2, v_lift - fall * T, -fall, turn + rate * T, rate
+                r_lift + v_lift * T - fall * T**2 / 2,
+                v_lift - fall * T,
+                -fall,
+                turn + rate * T,
+                rate,
             ),
             T,
         )
@@ -223,9 +229,9 @@ class _Path:
         start = self._flights[run - 1].touchdown if run else self._start
         end = self._flights[run].lift_off if run < len(self._flights) else self._end
         T, t = self._run_times[run], t + self._start_in_run[phase]
-        linear = _hermite(start.position, start.velocity, end.position, end.velocity, T, t)
-        turn = _hermite(start.turn, start.turn_rate, end.turn, end.turn_rate, T, t)
-        return _Body(*linear, turn[0], turn[1])
+        r, v, a = _hermite(start.position, start.velocity, end.position, end.velocity, T, t)
+        turn, turn_rate, _ = _hermite(start.turn, start.turn_rate, end.turn, end.turn_rate, T, t)
+        return _Body(r, v, a, turn, turn_rate)
 
     @property
     def _start(self) -> _Body:
@@ -250,13 +256,15 @@ def _time(task: Task, phase: int) -> float:
 def _feet(
     task: Task, layout: Layout, model: CentroidalModel, path: _Path, knots: list[_Body]
 ) -> Array:
-    """(N+1, L, d) m, rad: x of feet in the air, lift-off and touchdown among it; zeros elsewhere."""
+    """(N+1, L, d) m, rad: x of feet in the air, lift-off and touchdown among it; else zeros."""
     feet = np.zeros((layout.knots, layout.legs, layout.foot_coordinates))
     for leg, lift, touch in layout.swings:
         for k in range(lift, touch + 1):
             s = (k - lift) / (touch - lift)
             # The knot of touchdown is the next phase's first; its body is where the flight ends.
-            feet[k, leg] = _flying_foot(task, model, path, int(layout.phase[lift]), leg, s, knots[k])
+            feet[k, leg] = _flying_foot(
+                task, model, path, int(layout.phase[lift]), leg, s, knots[k]
+            )
     return feet
 
 
@@ -293,7 +301,10 @@ def _flying_foot(
     return np.append(place, np.clip(x[3:], *task.foot.yaw))
 
 
-def _hermite(p0: Array, v0: Array, p1: Array, v1: Array, T: float, t: float) -> tuple[Array, ...]:
+def _hermite(
+    p0: Array, v0: Array, p1: Array, v1: Array, T: float, t: float
+) -> tuple[Array, Array, Array]:
+    """Place, velocity and acceleration at t of T, s, between two places with their velocities."""
     s = t / T
     position = (
         (2 * s**3 - 3 * s**2 + 1) * p0

@@ -115,26 +115,22 @@ class Knots:
     @cached_property
     def standing_feet(self) -> Array:
         """(N+1, L, 3) m: where the feet stand, or stood last."""
-        return self._footholds.feet
+        return self._stood("feet")
 
     @cached_property
     def standing_yaw(self) -> Array:
         """(N+1, L) rad: where standing feet look, or looked last."""
-        return self._footholds.yaw
+        return self._stood("yaw")
 
     @cached_property
     def standing_contacts(self) -> Array:
         """(N+1, C, 3) m: contact points of standing feet, or where they were last."""
-        return self._footholds.contacts
+        return self._stood("contacts")
 
-    @cached_property
-    def _footholds(self) -> _FootholdsAtKnots:
-        stood = [self.task.stood(p) for p in range(len(self.task.schedule))]
-        return _FootholdsAtKnots(
-            np.array([place.feet for place in stood])[self.phase],
-            np.array([place.yaw for place in stood])[self.phase],
-            np.array([place.contacts for place in stood])[self.phase],
-        )
+    def _stood(self, name: str) -> Array:
+        phases = range(len(self.task.schedule))
+        of_phases: Array = np.array([getattr(self.task.stood(p), name) for p in phases])
+        return of_phases[self.phase]
 
     @cached_property
     def feet_in_hip(self) -> Array:
@@ -336,14 +332,6 @@ def rolled_out(knots: Knots) -> Knots:
     moved = replace(knots, position=position, velocity=velocity)
     turns = np.cumsum(moved.momentum_step, axis=0)
     return replace(moved, momentum=knots.momentum[0] + np.vstack([np.zeros(3), turns]))
-
-
-class _FootholdsAtKnots(NamedTuple):
-    """Feet (N+1, L, 3) m, yaw (N+1, L) rad, contacts (N+1, C, 3) m."""
-
-    feet: Array
-    yaw: Array
-    contacts: Array
 
 
 def feet_from_com(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+
 from llsrbm.errors import InputError
 from llsrbm.planning.constraints import CONSTRAINTS
 from llsrbm.planning.constraints.base import Limit

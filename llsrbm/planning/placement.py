@@ -132,7 +132,7 @@ def _places(jump: Jump, kind: JumpType, robot: Robot, count: int) -> tuple[Footh
 
         c, s = np.cos(heading), np.sin(heading)
         ahead, aside = asked("forward"), asked("lateral")
-        shift = shift + [c * ahead - s * aside, s * ahead + c * aside, asked("height")]
+        shift = shift + np.array([c * ahead - s * aside, s * ahead + c * aside, asked("height")])
         heading += asked("twist")
         c, s = np.cos(heading), np.sin(heading)
         Rz = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])

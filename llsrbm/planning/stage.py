@@ -8,9 +8,9 @@ from typing import Any
 import casadi as ca
 
 from llsrbm.models.base import CentroidalModel
+from llsrbm.ocp.lifting import Lifting
 from llsrbm.planning.headings import across, heading_rate, relative_yaw, relative_yaw_rate
 from llsrbm.planning.layout import Layout, Role
-from llsrbm.planning.lifting import Lifting
 from llsrbm.planning.rotations import quat_exp, quat_product, rotation_matrix
 
 GRAVITY = 9.81  # m/s2
@@ -364,7 +364,10 @@ class Stage:
 
     @cached_property
     def foot_turn_at_knot(self) -> Any:
-        """How fast `edge_legs` turn in the world as the interval begins, (n, 1) rad/s; no points."""
+        """How fast `edge_legs` turn in the world as the interval begins, (n, 1) rad/s.
+
+        Empty for points.
+        """
         if self.layout.foot_coordinates == 3:
             return ca.SX(0, 1)
         up, x, xdot = self.R_world_base[2, :].T, self.feet_in_hip, self.feet_velocity

@@ -143,7 +143,8 @@ def spread(knots: Knots, amounts: Array, where: NDArray[np.bool_] | None = None)
     """
     out = np.zeros(len(knots.time))
     if where is not None:
-        shape = (*where.shape, *[1] * (amounts.ndim - 2))
-        amounts = np.where(where.reshape(shape), amounts, 0.0)
+        counts = where[: len(amounts)]
+        shape = (*counts.shape, *[1] * (amounts.ndim - 2))
+        amounts = np.where(counts.reshape(shape), amounts, 0.0)
     out[: len(amounts)] = amounts.reshape(len(amounts), -1).max(axis=1, initial=0.0)
     return out

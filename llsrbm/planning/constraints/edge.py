@@ -71,7 +71,7 @@ class Edge(Constraint):
         progress, step = (values[knot] for values in layout.swing_progress)
         flying = list(layout.roles[knot].flying)
         low, high = self._range(task, layout.roles[knot].phase, progress, step)
-        return tuple(np.repeat(bound[flying], layout.corners) for bound in (low, high))
+        return np.repeat(low[flying], layout.corners), np.repeat(high[flying], layout.corners)
 
     def violation(self, knots: Knots) -> Array:
         """Metres too near."""

@@ -14,7 +14,6 @@ from llsrbm.planning.layout import Layout, Role
 from llsrbm.planning.stage import Stage
 from llsrbm.planning.task import Task
 
-
 # The ranges of the box and of the distance stay near the robot file's: the maps of the legs are
 # fitted there, and the closed forms of the legs' drives hold there.
 _BOX = (

@@ -71,8 +71,7 @@ class Clearance(Constraint):
         """(flying, 1) m."""
         up_base = stage.lift(stage.R_world_base[2, :].T)
         heights = [
-            stage.position[2] + ca.dot(up_base, stage.foot_from_com(i))
-            for i in stage.role.flying
+            stage.position[2] + ca.dot(up_base, stage.foot_from_com(i)) for i in stage.role.flying
         ]
         return ca.vertcat(*heights)
 
