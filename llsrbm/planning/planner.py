@@ -9,7 +9,6 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from functools import lru_cache, partial
 from pathlib import Path
-from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -18,6 +17,7 @@ from llsrbm.cache import cached_bytes, content_key, program
 from llsrbm.errors import InputError, NotConverged
 from llsrbm.jump import Jump
 from llsrbm.models import check_name, make_model
+from llsrbm.models.base import CentroidalModel
 from llsrbm.motion.plan import Plan, SolveReport
 from llsrbm.ocp import solvers
 from llsrbm.ocp.problem import Iterate
@@ -87,6 +87,21 @@ class Planner:
         )
         self.last: Attempt | None = None
 
+    @property
+    def robot(self) -> Robot:
+        """Whose jumps are planned."""
+        return self.formulation.robot
+
+    @property
+    def model(self) -> CentroidalModel:
+        """With which they are."""
+        return self.formulation.model
+
+    @property
+    def layout(self) -> Layout:
+        """Of the solver's variables."""
+        return self.formulation.layout
+
     def plan(
         self,
         jump: Jump,
@@ -117,7 +132,7 @@ class Planner:
                 more seconds; else what the nearest one violates.
             Cancelled: `cancelled` said so.
         """
-        task = make_task(jump, self.formulation.robot, weights, limits)
+        task = make_task(jump, self.robot, weights, limits)
         watch = Watch(cancelled, progress)
         try:
             return self._planned(task, near, patient, watch)
@@ -152,7 +167,7 @@ class Planner:
                 cost=best.solution.cost,
             )
 
-        plan = assemble_plan(self.formulation.robot, best, report)
+        plan = assemble_plan(self.robot, best, report)
         if not best.solved:
             raise NotConverged(
                 f"no plan found in {len(tried)} attempts ({_describe(task.jump)}); the nearest, "
@@ -196,18 +211,13 @@ class Planner:
             InputError: it is not this planner's.
         """
         knots, of = len(near.time), near.jump
-        robot, model, layout = (
-            self.formulation.robot,
-            self.formulation.model,
-            self.formulation.layout,
-        )
-        if (of.model, knots) != (model.name, layout.knots) or (
-            near.robot_parameters != robot.parameters()
+        if (of.model, knots) != (self.model.name, self.layout.knots) or (
+            near.robot_parameters != self.robot.parameters()
         ):
             raise InputError(
                 f"near: a plan of {of.robot} with {of.model} and {knots - 1} intervals cannot be "
-                f"started from; expected {robot.name} as it is now with {model.name} "
-                f"and {layout.knots - 1} intervals"
+                f"started from; expected {self.robot.name} as it is now with {self.model.name} "
+                f"and {self.layout.knots - 1} intervals"
             )
         solution = near.solution
         if solution is None:
@@ -260,7 +270,9 @@ def _describe(jump: Jump) -> str:
     )
 
 
-def _cached_solver(kind: type[Solver], model: Any, layout: Layout, robot: Robot) -> Solver:
+def _cached_solver(
+    kind: type[Solver], model: CentroidalModel, layout: Layout, robot: Robot
+) -> Solver:
     def build() -> bytes:
         _log.info("building the %s solver of %s, once on this machine", model.name, robot.name)
         solver = kind.build(Transcription(make_horizon(model, layout)))
