@@ -4,16 +4,12 @@ from __future__ import annotations
 
 import logging
 import time
-import zlib
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from functools import lru_cache, partial
-from pathlib import Path
 
-import casadi as ca
 import numpy as np
 
-from llsrbm.cache import cached_bytes, content_key, program
 from llsrbm.errors import InputError, NotConverged
 from llsrbm.jump import Jump
 from llsrbm.models import check_name, make_model
@@ -22,17 +18,15 @@ from llsrbm.motion.plan import Plan, SolveReport
 from llsrbm.ocp import solvers
 from llsrbm.ocp.problem import Iterate
 from llsrbm.ocp.progress import when_idle
-from llsrbm.ocp.solvers import Solver
-from llsrbm.ocp.transcription import Transcription
 from llsrbm.planning.assembly import assemble_plan
 from llsrbm.planning.explanation import explained
 from llsrbm.planning.formulation import PATIENT_FLIGHT, Array, Attempt, Formulation
-from llsrbm.planning.horizon import make_horizon
 from llsrbm.planning.knots import Knots
 from llsrbm.planning.layout import Intervals, Layout
 from llsrbm.planning.progress import Progress, Watch
 from llsrbm.planning.residuals import describe_worst, excess, stops
 from llsrbm.planning.scout import Scout
+from llsrbm.planning.solver_cache import cached_solver
 from llsrbm.planning.task import Task, make_task
 from llsrbm.robots import load_robot
 from llsrbm.robots.robot import Robot
@@ -83,7 +77,7 @@ class Planner:
             foot_coordinates=robot.foot_coordinates,
         )
         self.formulation = Formulation(
-            robot, made, layout, _cached_solver(kind, made, layout, robot)
+            robot, made, layout, cached_solver(kind, made, layout, robot)
         )
         self.last: Attempt | None = None
 
@@ -268,34 +262,6 @@ def _describe(jump: Jump) -> str:
         f"twist {np.degrees(jump.twist):g} deg, forward {jump.forward:g} m, "
         f"lateral {jump.lateral:g} m, height {jump.height:g} m, {jump.model}"
     )
-
-
-def _cached_solver(
-    kind: type[Solver], model: CentroidalModel, layout: Layout, robot: Robot
-) -> Solver:
-    def build() -> bytes:
-        _log.info("building the %s solver of %s, once on this machine", model.name, robot.name)
-        solver = kind.build(Transcription(make_horizon(model, layout)))
-        return zlib.compress(solver.serialize().encode("ascii"), level=1)
-
-    key = content_key(
-        ca.__version__,
-        f"{kind.name} {model.name} {layout}",
-        repr(robot.parameters()),
-        repr(model.numbers()),
-        *_programs(),
-    )
-    name = f"solver-{robot.name}-{model.name}-{kind.name}"
-    stored = cached_bytes(name, key, ".casadi.z", build)
-    return kind.deserialize(zlib.decompress(stored).decode("ascii"))
-
-
-@lru_cache(maxsize=1)
-def _programs() -> tuple[str, ...]:
-    """Of all modules that a solver may depend on."""
-    package = Path(__file__).parents[1]
-    rooms = ("models", "ocp", "planning")
-    return tuple(program(p) for room in rooms for p in sorted((package / room).rglob("*.py")))
 
 
 def planner_for(
