@@ -69,7 +69,7 @@ def test_the_nearest_jump_that_the_drives_can_do():
 
 def test_a_jump_that_no_drive_limit_alone_allows_names_the_joints_first():
     planner = planner_for("anymal", "llsrbm-plus")
-    found = explain(Scout(planner), make_task(BEYOND, ANYMAL))
+    found = explain(Scout(planner.formulation), make_task(BEYOND, ANYMAL))
     assert len(found) > 1
     assert all(stop.together for stop in found)
     assert found[0].limit in ("torque_share", "speed_share")

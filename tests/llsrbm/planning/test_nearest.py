@@ -127,7 +127,7 @@ def test_the_named_limit_is_the_one():
     """Only that limit changed, as it says, makes the jump plannable; half of that does not."""
     planner = planner_for("anymal", HIGH.model)
     task = make_task(HIGH, ANYMAL, None, {"torque_share": 0.44, "friction": 0.45})
-    (stop,) = explain(Scout(planner), task)
+    (stop,) = explain(Scout(planner.formulation), task)
     assert (stop.constraint, stop.limit, stop.value) == ("joint_torque", "torque_share", 0.44)
     assert 0.44 < stop.needed < ANYMAL.file.limits.torque_share
     assert stop.amount == pytest.approx(stop.needed - 0.44)
