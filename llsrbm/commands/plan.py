@@ -5,9 +5,9 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
 import typer
 
 from llsrbm.commands import console, options
@@ -86,10 +86,10 @@ def _description(plan: Plan) -> dict[str, str]:
 def _phases(plan: Plan) -> str:
     """Name and duration, s, of each phase, with its feet where only some of them stand."""
     told = []
-    for phase, duration in zip(plan.schedule, np.diff(plan.phase_start), strict=True):
+    for phase, (start, end) in zip(plan.schedule, pairwise(plan.phase_start), strict=True):
         some = 0 < len(phase.feet) < len(plan.schedule.legs)
         feet = f" on {' and '.join(phase.feet)}" if some else ""
-        told.append(f"{phase.name}{feet} {duration:.2f}")
+        told.append(f"{phase.name}{feet} {end - start:.2f}")
     return ", ".join(told)
 
 
