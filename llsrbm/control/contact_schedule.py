@@ -137,17 +137,19 @@ class ContactSchedule:
 
     def follow_clock(self, time: float) -> bool:
         """Lift the feet whose time has come; whether a flight begins with it."""
+        if self.flying:
+            return False
         # Half a tick, so that rounding of times cannot shift a phase by a whole one.
         now = self.plan_time(time) + self._tick / 2
-        while not self.flying and self.phase + 1 < len(self._schedule):
-            if now < self._start[self.phase + 1]:
-                return False
-            self.phase += 1
-            if self.flying:
+        for phase in range(self.phase + 1, len(self._schedule)):
+            if now < self._start[phase]:
+                break
+            self.phase = phase
+            if self._schedule[phase].is_flight:
                 self._take_off()
                 return True
-            self.standing &= ~self._schedule.lifts(self.phase)
-            self._seek(self._schedule.lands(self.phase), time)
+            self.standing = self.standing & ~self._schedule.lifts(phase)
+            self._seek(self._schedule.lands(phase), time)
         return False
 
     def feel(self, time: float, torque: Array, *, hit: bool) -> None:

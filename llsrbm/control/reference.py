@@ -234,11 +234,11 @@ def _swing(plan: Plan, times: Array) -> tuple[tuple[Array, Array, Array], Array]
             turn = CubicSpline(plan.time[knots], headings, bc_type="clamped")
             inside = np.clip(times[now], plan.time[first], plan.time[last])
             moving = (inside == times[now])[:, None]
-            here = np.ix_(now, feet)
+            rows, columns = now[:, None], np.array(feet)
             for order in range(3):
-                factor = moving if order else 1.0
-                motion[order][here] = place(inside, order) * np.expand_dims(factor, -1)
-                heading[(*here, order)] = turn(inside, order) * factor
+                factor = moving if order else np.ones_like(moving)
+                motion[order, rows, columns] = place(inside, order) * factor[:, :, None]
+                heading[rows, columns, order] = turn(inside, order) * factor
     return (motion[0], motion[1], motion[2]), heading
 
 

@@ -69,7 +69,8 @@ def judge(
     flights = controller.flights
     contacts = [_touchdowns(recorder, flight, flights[k + 1 :]) for k, flight in enumerate(flights)]
     reached = len(flights) == len(plan.schedule.flights)
-    first_contacts = contacts[-1] if reached else [None] * len(robot.legs)
+    never: list[float | None] = [None] * len(robot.legs)
+    first_contacts = contacts[-1] if reached else never
     touchdown = _first(first_contacts)
     detected = flights[-1].detected if reached else None
     tilts = tilt(columns["base_quat"])
@@ -169,8 +170,8 @@ def _rebounds_on_feet(
     """Whether each flight but the last ended on all feet that stand before the next."""
     schedule = plan.schedule
     for here, after, touched in zip(flights, flights[1:], contacts, strict=False):
-        planned = schedule.stands[here.phase : after.phase].any(axis=0)
-        if any(time is None for time, stands in zip(touched, planned, strict=True) if stands):
+        planned = np.any(schedule.stands[here.phase : after.phase], axis=0)
+        if any(touched[foot] is None for foot in np.flatnonzero(planned)):
             return False
     return True
 
