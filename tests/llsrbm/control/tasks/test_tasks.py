@@ -114,7 +114,7 @@ def test_a_standing_sole_is_held_at_all_its_corners():
 
 @pytest.mark.parametrize("seed", range(3))
 def test_swing_foot_is_measured_from_the_com(seed):
-    """Its Jacobian is the foot's own; the task adds the CoM's acceleration, as the target has it."""
+    """Its Jacobian is the foot's own; the task adds the CoM's acceleration, the target's."""
     falling = np.array([0.5, 0.0, -9.81])
     target = replace(resting_target(), com_acceleration=falling)
     body = moved(seed, np.zeros(18), 0.0)
