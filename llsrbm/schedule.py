@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -187,7 +188,7 @@ def _check(schedule: Schedule) -> None:
             )
     if not schedule.flights:
         raise InputError("schedule: it has no flight; expected a phase in which no foot stands")
-    for k, (before, after) in enumerate(zip(phases, phases[1:], strict=False)):
+    for k, (before, after) in enumerate(pairwise(phases)):
         if set(before.feet) == set(after.feet):
             raise InputError(
                 f'schedule: phases {k + 1}, "{before.name}", and {k + 2}, "{after.name}", have '

@@ -11,7 +11,7 @@ from app.motion.planned_motion import bake_plan
 from app.scene.overlays.reach import surface
 from llsrbm.planning.constraints.reach import Reach
 from llsrbm.planning.layout import Intervals, Layout
-from llsrbm.planning.task import place_task
+from llsrbm.planning.placement import place_task
 from llsrbm.robots import load_robot
 from llsrbm.tuning import Tuning
 from tests.app.scene.overlays.drawn import DrawnOverlay
