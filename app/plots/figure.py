@@ -91,16 +91,20 @@ def figure(choice: PlotChoice, layers: Sequence[Layer], end: float) -> Figure:
     shown = [layer for layer in layers if not layer.pinned]
     replay = shown[0].replay
     assert replay is not None  # what is not pinned has a plan
-    lift_off, touchdown = replay.plan.phase_start[1:3].tolist()
-    marks = _marks(shown, touchdown, detailed=choice.landing)
+    plan = replay.plan
+    flights = [tuple(plan.phase_start[[k, k + 1]].tolist()) for k in plan.schedule.flights]
+    touchdowns = [touchdown for _, touchdown in flights]
+    marks = _marks(shown, touchdowns, detailed=choice.landing)
     if choice.landing:
-        start, end = _around([instant for _, instant in marks])
+        earlier = set(touchdowns[:-1])
+        start, end = _around([instant for _, instant in marks if instant not in earlier])
     else:
         start, end = 0.0, math.ceil(end / AXIS_STEP - 1e-9) * AXIS_STEP
-    grid = TimeGrid.over(start, end, [lift_off, touchdown, *(instant for _, instant in marks)])
+    instants = [*(edge for flight in flights for edge in flight), *(at for _, at in marks)]
+    grid = TimeGrid.over(start, end, instants)
     return Figure(
         grid=grid,
-        flight=grid.between(lift_off, touchdown),
+        flight=np.maximum.reduce([grid.between(*flight) for flight in flights]),
         mark_strokes=tuple(stroke for stroke, _ in marks),
         marks=tuple(grid.step(instant) for _, instant in marks),
         charts=tuple(_rows(chart, grid) for chart in charts(choice, layers)),
@@ -125,10 +129,11 @@ def _rows(chart: Chart, grid: TimeGrid) -> Rows:
 
 
 def _marks(
-    shown: Sequence[Layer], touchdown: float, *, detailed: bool
+    shown: Sequence[Layer], touchdowns: Sequence[float], *, detailed: bool
 ) -> list[tuple[Stroke, float]]:
-    """Touchdowns: the simulator's; in detail the planned one and its detection as well."""
-    marks = [(Stroke("touch-down planned", shown[0].colour), touchdown)] if detailed else []
+    """Touchdowns: the simulator's; in detail the planned ones and its detection as well."""
+    planned = Stroke("touch-down planned", shown[0].colour)
+    marks = [(planned, touchdown) for touchdown in touchdowns] if detailed else []
     for layer in shown:
         outcome = None if layer.rollout is None else layer.rollout.outcome
         if outcome is not None and outcome.touchdown_true_s is not None:
