@@ -6,16 +6,10 @@ import math
 from collections.abc import Sequence
 
 from llsrbm.jump import Jump
+from llsrbm.titles import TURNS
 
-_WHOLE = 2 * math.pi
-
-_TURNS: dict[str, tuple[str, float]] = {
-    "back flip": ("pitch", -_WHOLE),
-    "front flip": ("pitch", _WHOLE),
-    "roll left": ("roll", -_WHOLE),
-    "roll right": ("roll", _WHOLE),
-}
-"""Title -> field of `Jump` and rad, by the right-hand rule about x forward and y left."""
+_TURNS = {title: (field, turns * math.tau) for (field, turns), title in TURNS.items()}
+"""Title -> field of `Jump` and rad."""
 
 
 def turns_offered(asks: Sequence[str]) -> tuple[str, ...]:

@@ -22,6 +22,17 @@ TWIST = Jump(twist=math.pi / 2)
             (Jump("anymal", "srbm", -math.pi / 4, -0.3, -0.125, -0.1),),
         ),
         ("slider 35 cm up llsrbm", (Jump("slider", "llsrbm", height=0.35),)),
+        ("go2 back flip srbm", (Jump("go2", "srbm", type="flip", pitch=-math.tau),)),
+        (
+            "pitch 720° + roll right + 90° llsrbm-plus",
+            (Jump(twist=math.pi / 2, type="flip", pitch=2 * math.tau, roll=math.tau),),
+        ),
+        (
+            "run-up + 30 cm forward + 0.5 m/s at the start + 0.2 m/s at the end llsrbm-plus",
+            (Jump(type="run-up", forward=0.3, speed=0.5, end_speed=0.2),),
+        ),
+        ("2 hops + 20 cm forward llsrbm-plus", (Jump(type="hops", hops=2, forward=0.2),)),
+        ("mine llsrbm-plus", (Jump(type="/some/where/mine.toml"),)),
         ("my 20 cm forward srbm", (Jump("/some/where/my.toml", "srbm", forward=0.2),)),
         (
             "90° llsrbm-plus, swing 2, foot clearance 0.1",

@@ -38,6 +38,12 @@ def test_the_most_loaded_joint_of_a_plan(plan):
     assert "Most loaded joint" not in plan_figures(unknown)
 
 
+def test_phases_are_listed_by_name(plan):
+    assert "1.30 s = take-off 0.40 + flight 0.50 + landing 0.40" in plan_figures(plan)
+    rear = plan_figures(synthetic_plan(Jump(type="rear-last")))
+    assert "take-off 0.20 + rear push (LH, RH) 0.20 + flight 0.50 + landing 0.40" in rear
+
+
 def test_landed(rollout):
     assert simulated_line(rollout) == (
         "Landed",
