@@ -7,7 +7,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from llsrbm.motion.plan import Phase, Plan
+from llsrbm.motion.plan import Plan
+from llsrbm.schedule import Schedule
 
 Array = NDArray[np.float64]
 
@@ -24,13 +25,13 @@ class PeakLoad(NamedTuple):
 
     Attributes:
         joint: its name.
-        phase: of the interval; time: s, its middle; event: "lift-off" or "touchdown" where it
-            begins or ends with it, else "".
+        phase: name of the interval's; time: s, its middle; event: "lift-off" or "touchdown" where
+            it begins or ends with that of a foot, else "".
         torque: Nm or N, with its sign; available: what the drive can give in that direction.
     """
 
     joint: str
-    phase: Phase
+    phase: str
     time: float
     event: str
     torque: float
@@ -55,25 +56,36 @@ class PeakLoad(NamedTuple):
         return f"{load} ({100 * self.ratio:.0f} %)"
 
 
-def event_beside(phase: NDArray[np.int64], interval: int) -> str:
-    """Either "lift-off" or "touchdown" where an interval of (N,) begins or ends with it, or ""."""
-    around = [int(p) for p in phase[max(0, interval - 1) : interval + 2]]
-    if Phase.FLIGHT in around and Phase.TAKEOFF in around:
+def event_beside(contact: NDArray[np.bool_], interval: int) -> str:
+    """Either "lift-off" or "touchdown" where an interval begins or ends with that of a foot, or "".
+
+    Args:
+        contact: (N, L) whether a foot stands over an interval; interval: of the N.
+    """
+    around = contact[max(0, interval - 1) : interval + 2]
+    if (around[:-1] & ~around[1:]).any():
         return "lift-off"
-    if Phase.FLIGHT in around and Phase.LANDING in around:
+    if (~around[:-1] & around[1:]).any():
         return "touchdown"
     return ""
 
 
-def when_in_words(phase: Phase, time: float, event: str) -> str:
-    """For instance "at lift-off" or "in flight at 0.52 s"."""
-    return f"at {event}" if event else f"in {phase.label} at {time:.2f} s"
+def when_in_words(phase: str, time: float, event: str) -> str:
+    """For instance "at lift-off" or "in flight at 0.52 s".
+
+    Args:
+        phase: its name in the schedule.
+        time: s.
+        event: as `event_beside` has it.
+    """
+    return f"at {event}" if event else f"in {phase} at {time:.2f} s"
 
 
 def peak_load(
     names: tuple[str, ...],
     time: Array,
     phase: NDArray[np.int64],
+    schedule: Schedule,
     torque: Array,
     available: Array,
 ) -> PeakLoad:
@@ -81,15 +93,16 @@ def peak_load(
 
     Args:
         names: (J,).
-        time: (N+1,) s, their ends; phase: (N,) `Phase`.
+        time: (N+1,) s, their ends; phase: (N,) index into the schedule's phases.
+        schedule: which feet stand in them.
         torque, available: (N, J) Nm or N.
     """
     k, j = np.unravel_index(np.argmax(torque_share(torque, available)), torque.shape)
     return PeakLoad(
         joint=names[j],
-        phase=Phase(phase[k]),
+        phase=schedule[int(phase[k])].name,
         time=float(time[k] + time[k + 1]) / 2,
-        event=event_beside(phase, int(k)),
+        event=event_beside(schedule.stands[phase], int(k)),
         torque=float(torque[k, j]),
         available=float(available[k, j]),
     )
@@ -104,6 +117,7 @@ def planned_peak_load(plan: Plan) -> PeakLoad | None:
         plan.joint_names,
         plan.time,
         plan.phase[intervals],
+        plan.schedule,
         plan.joint_torque[intervals],
         plan.joint_torque_limit[intervals],
     )
