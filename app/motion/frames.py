@@ -59,8 +59,7 @@ class Frames:
     @property
     def flight(self) -> NDArray[np.bool_]:
         """(F,) whether no foot is to stand."""
-        flight: NDArray[np.bool_] = ~self.stands.any(axis=1)
-        return flight
+        return np.asarray(~self.stands.any(axis=1))
 
     @property
     def end(self) -> float:
@@ -81,8 +80,9 @@ def make_frames(motion: WholeBodyMotion, schedule: Schedule | None = None) -> Fr
     )
     base = Rotation.from_quat(motion.base_quat, scalar_first=True)
     inertia_axes, inertia_wxyz = ellipsoid(motion.inertia, robot.mass, base.as_matrix())
-    scheduled = schedule is not None and motion.phase is not None
-    stands = schedule.stands[motion.phase] if scheduled else motion.contact
+    stands = motion.contact
+    if schedule is not None and motion.phase is not None:
+        stands = schedule.stands[motion.phase]
     force, pressed_at = motion.foot_force, motion.pressed_at
     return Frames(
         time=motion.time,
