@@ -14,14 +14,6 @@ from llsrbm.tuning import Tuning
 Decisions = tuple[Jump, Tuning, Scenario | None]
 """What a title is made from; without a scenario where nothing is simulated."""
 
-TURNS = {
-    ("pitch", -1): "back flip",
-    ("pitch", 1): "front flip",
-    ("roll", -1): "roll left",
-    ("roll", 1): "roll right",
-}
-"""Names of one whole turn about an axis of the body, by the right-hand rule."""
-
 _ALWAYS = ("robot", "task", "model")
 
 
@@ -70,41 +62,41 @@ def _parts(jump: Jump, tuning: Tuning, scenario: Scenario | None) -> dict[str, s
 
 
 def _task(jump: Jump) -> str:
-    """The jump itself: "90° + 30 cm forward", "back flip", "2 hops + 20 cm forward"."""
+    """The jump itself: "90° + 30 cm forward", "back flip", "2 hops of 20 cm forward"."""
     moves = (
         (jump.forward, "forward", "back"),
         (jump.lateral, "left", "right"),
         (jump.height, "up", "down"),
     )
-    parts = _kind(jump)
-    if jump.twist:
-        parts.append(f"{round(math.degrees(jump.twist), 1):g}°")
+    turns = [
+        *_turns(jump.pitch, "front flip", "back flip"),
+        *_turns(jump.roll, "roll to the right", "roll to the left"),
+    ]
+    parts = [*turns, f"{round(math.degrees(jump.twist), 1):g}°"] if jump.twist else turns
     parts += [
         f"{round(100 * abs(length), 1):g} cm {onwards if length > 0 else backwards}"
         for length, onwards, backwards in moves
         if length
     ]
-    parts += [
-        f"{round(speed, 3):g} m/s {when}"
-        for speed, when in ((jump.speed, "at the start"), (jump.end_speed, "at the end"))
-        if speed
-    ]
-    return " + ".join(parts) or "on the spot"
+    task = " + ".join(parts) or "on the spot"
+    several = jump.hops > 1
+    if several:
+        task = f"{jump.hops} hops {'of ' if parts else ''}{task}"
+    # A type that its hops or turns tell of already is not named; one may be a file.
+    if jump.type not in {Jump.type, "hops" if several else "", "flip" if turns else ""}:
+        task = f"{Path(jump.type).stem} {task}"
+    if jump.speed:
+        task += f" from {jump.speed:g} m/s"
+    if jump.end_speed:
+        task += f" to {jump.end_speed:g} m/s"
+    return task
 
 
-def _kind(jump: Jump) -> list[str]:
-    """Its type, turns and hops; nothing of a jump of the default type."""
-    parts = [TURNS.get((name, turns), f"{name} {360 * turns}°") for name, turns in _turns(jump)]
-    if jump.hops > 1:
-        parts.append(f"{jump.hops} hops")
-    # A flip and hops are named already.
-    return parts or ([] if jump.type == Jump().type else [Path(jump.type).stem])
-
-
-def _turns(jump: Jump) -> list[tuple[str, int]]:
-    """Axis and number of whole turns about it, where there are any."""
-    counts = [(name, round(getattr(jump, name) / math.tau)) for name in ("pitch", "roll")]
-    return [(name, turns) for name, turns in counts if turns]
+def _turns(angle: float, onwards: str, backwards: str) -> list[str]:
+    """Whole turns in words, if there are any: "back flip", "2 x back flip"."""
+    count = round(abs(angle) / math.tau)
+    words = onwards if angle > 0 else backwards
+    return [words if count == 1 else f"{count} x {words}"] if count else []
 
 
 def _joined(parts: dict[str, str]) -> str:

@@ -6,10 +6,14 @@ import math
 from collections.abc import Sequence
 
 from llsrbm.jump import Jump
-from llsrbm.titles import TURNS
 
-_TURNS = {title: (field, turns * math.tau) for (field, turns), title in TURNS.items()}
-"""Title -> field of `Jump` and rad."""
+_TURNS: dict[str, tuple[str, float]] = {
+    "back flip": ("pitch", -math.tau),
+    "front flip": ("pitch", math.tau),
+    "roll left": ("roll", -math.tau),
+    "roll right": ("roll", math.tau),
+}
+"""Title -> field of `Jump` and rad, by the right-hand rule about x forward and y left."""
 
 
 def turns_offered(asks: Sequence[str]) -> tuple[str, ...]:

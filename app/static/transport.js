@@ -86,7 +86,8 @@
       const row = element("div", { class: "row", title: name });
       for (const { start, end, colour, name: phase, low, feet } of pieces) {
         const title = `${name}: ${phase}${feet ? ` (standing: ${feet})` : ""}`;
-        const piece = element("div", { title, class: low ? "low" : "phase" }, low ? "" : phase);
+        const label = low ? "" : feet ? `${phase} · ${feet}` : phase;
+        const piece = element("div", { title, class: low ? "low" : "phase" }, label);
         Object.assign(piece.style, {
           left: share(start), width: share(end - start), background: colour,
         });
