@@ -21,7 +21,7 @@ from opti_baseline import solve_baseline
 import llsrbm
 from llsrbm.motion.plan import SolveReport
 from llsrbm.planning.planner import Planner, planner_for
-from llsrbm.planning.task import make_task
+from llsrbm.planning.placement import make_task
 
 INTERVALS = 48
 TASKS = {"twist": {"twist": math.radians(90.0)}, "forward": {"forward": 0.3}}

@@ -10,17 +10,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from llsrbm.errors import InputError, NotConverged
+from llsrbm.errors import InputError
 from llsrbm.jump import Jump
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
-from llsrbm.planning.explanation import explained
+from llsrbm.ocp.solvers import names as solver_names
 from llsrbm.planning.nearest import Nearest, find_nearest
+from llsrbm.planning.placement import make_task
 from llsrbm.planning.planner import INTERVALS, planner_for
 from llsrbm.planning.progress import PlanningProgress
-from llsrbm.planning.scout import Scout
-from llsrbm.planning.solvers import names as solver_names
-from llsrbm.planning.task import make_task
 from llsrbm.robots import load_robot
 from llsrbm.scenario import Scenario
 
@@ -60,25 +58,21 @@ def plan(
             seconds; else what the last iterate violates.
     """
     # A request out of range builds no solver.
-    task = make_task(jump, load_robot(jump.robot), weights, limits)
+    make_task(jump, load_robot(jump.robot), weights, limits)
     start = time.perf_counter()
-    planner = planner_for(jump.robot, jump.model, solver, intervals)
+    planner = planner_for(
+        jump.robot, jump.model, solver, intervals, jump_type=jump.type, hops=jump.hops
+    )
     build_time = time.perf_counter() - start
-    try:
-        result = planner.plan(
-            jump,
-            weights=weights,
-            limits=limits,
-            near=near,
-            patient=patient,
-            cancelled=cancelled,
-            progress=progress,
-        )
-    except NotConverged as error:
-        if not patient or solver != solver_names()[0]:
-            raise
-        tell = None if progress is None else lambda text: progress(PlanningProgress(text))
-        raise explained(Scout(planner, tell, cancelled), error, task) from None
+    result = planner.plan(
+        jump,
+        weights=weights,
+        limits=limits,
+        near=near,
+        patient=patient,
+        cancelled=cancelled,
+        progress=progress,
+    )
     return replace(result, report=replace(result.report, build_time_s=build_time))
 
 
@@ -106,10 +100,10 @@ def nearest(
         RobotFileError: the robot file is wrong.
         Error: not even a jump on the spot can be planned; says which limit would have to change.
     """
-    on_the_spot = Jump(robot=jump.robot, model=jump.model)
+    on_the_spot = replace(jump, twist=0.0, forward=0.0, lateral=0.0, height=0.0)
     make_task(on_the_spot, load_robot(jump.robot), weights, limits)  # wrong names build no solver
     return find_nearest(
-        planner_for(jump.robot, jump.model),
+        planner_for(jump.robot, jump.model, jump_type=jump.type, hops=jump.hops),
         jump,
         weights=weights,
         limits=limits,

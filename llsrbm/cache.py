@@ -7,6 +7,7 @@ entries used last are kept.
 
 from __future__ import annotations
 
+import ast
 import hashlib
 import logging
 import os
@@ -45,6 +46,31 @@ def content_key(*parts: bytes | str | Path) -> bytes:
         digest.update(len(content).to_bytes(8, "little"))
         digest.update(content)
     return digest.digest()
+
+
+def program(path: Path) -> str:
+    """A module as text that stays the same when its comments, docstrings or line breaks change.
+
+    Part of the key of what the module computes.
+
+    Raises:
+        OSError: the file cannot be read.
+        SyntaxError: it is no Python.
+    """
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    for node in ast.walk(tree):
+        # A string in the place of a statement does nothing: a docstring is one, too.
+        if isinstance(body := getattr(node, "body", None), list):
+            node.body = [s for s in body if not _is_text(s)]  # type: ignore[attr-defined]
+    return ast.dump(tree)
+
+
+def _is_text(statement: ast.AST) -> bool:
+    return (
+        isinstance(statement, ast.Expr)
+        and isinstance(statement.value, ast.Constant)
+        and isinstance(statement.value.value, str)
+    )
 
 
 def cache_path(kind: str, key: bytes, suffix: str) -> Path:

@@ -11,7 +11,7 @@ from typing import Literal
 
 from llsrbm.numerals import short
 from llsrbm.planning.costs import COSTS, default_weights
-from llsrbm.planning.limits import limits_of
+from llsrbm.planning.placement import limits_of
 from llsrbm.robots import Robot
 
 Group = Literal["weights", "limits"]

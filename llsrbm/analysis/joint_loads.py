@@ -32,12 +32,13 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from llsrbm.analysis.peak_loads import PeakLoad, peak_load, torque_share
-from llsrbm.motion.plan import Phase, Plan
+from llsrbm.motion.plan import Plan
 from llsrbm.motion.rotation import slerp
 from llsrbm.postures import Postures, joint_speeds, solve_postures
 from llsrbm.robots.drives import torque_in_direction
 from llsrbm.robots.legs import apply, cross, rotation_matrices, skew
 from llsrbm.robots.robot import Robot
+from llsrbm.schedule import Schedule
 
 Array = NDArray[np.float64]
 
@@ -50,10 +51,12 @@ class KnotMotion:
     """What a plan says at N + 1 knots; arrays as in `llsrbm.motion.plan.Plan`.
 
     Attributes:
+        schedule: which feet stand in a phase.
         joint_position: (N+1, J) postures at the knots; None to have them solved.
     """
 
     time: Array
+    schedule: Schedule
     phase: NDArray[np.int64]
     com: Array
     com_velocity: Array
@@ -64,11 +67,17 @@ class KnotMotion:
     contact_force: Array
     joint_position: Array | None = None
 
+    @property
+    def standing(self) -> NDArray[np.bool_]:
+        """(N, L) whether a foot stands over an interval."""
+        return self.schedule.stands[self.phase[:-1]]
+
     @staticmethod
     def of_plan(plan: Plan) -> KnotMotion:
         """The knots of a plan, with its postures."""
         return KnotMotion(
             time=plan.time,
+            schedule=plan.schedule,
             phase=plan.phase,
             com=plan.com,
             com_velocity=plan.com_velocity,
@@ -86,7 +95,8 @@ class JointLoads:
     """Joint motion and torques in the middle of N intervals, J joints; SI units.
 
     Attributes:
-        time: (N,) s; phase: (N,) `Phase`; knot_time: (N+1,) s, where the intervals end.
+        time: (N,) s; phase: (N,) of the schedule; knot_time: (N+1,) s, where the intervals end.
+        schedule: which feet stand in a phase.
         joint_names: (J,).
         joint_position, joint_velocity, joint_acceleration: (N, J) rad or m, and per s, per s2.
         joint_torque: (N, J) Nm or N.
@@ -102,6 +112,7 @@ class JointLoads:
 
     time: Array
     knot_time: Array
+    schedule: Schedule
     phase: NDArray[np.int64]
     joint_names: tuple[str, ...]
     joint_position: Array
@@ -115,6 +126,11 @@ class JointLoads:
     knot_velocity: Array
     standing_torque: Array
     standing_limit: Array
+
+    @property
+    def contact(self) -> NDArray[np.bool_]:
+        """(N, L) whether a foot stands over an interval."""
+        return self.schedule.stands[self.phase]
 
     @property
     def torque_ratio(self) -> Array:
@@ -149,7 +165,12 @@ class JointLoads:
     def worst(self) -> PeakLoad:
         """The largest share of the available torque."""
         return peak_load(
-            self.joint_names, self.knot_time, self.phase, self.joint_torque, self.torque_available
+            self.joint_names,
+            self.knot_time,
+            self.phase,
+            self.schedule,
+            self.joint_torque,
+            self.torque_available,
         )
 
 
@@ -195,6 +216,7 @@ def _joint_loads(robot: Robot, motion: KnotMotion) -> JointLoads:
     return JointLoads(
         time=(motion.time[1:] + motion.time[:-1]) / 2,
         knot_time=motion.time,
+        schedule=motion.schedule,
         phase=motion.phase[:-1],
         joint_names=robot.joint_names,
         joint_position=position,
@@ -238,7 +260,7 @@ class _States:
 def _states(robot: Robot, motion: KnotMotion) -> tuple[_States, _States]:
     """The N + 1 knots and the middles of the N intervals."""
     dt = np.diff(motion.time)
-    standing = motion.phase[:-1] != Phase.FLIGHT
+    standing = motion.standing
     quat, v = motion.base_quat, motion.com_velocity
     R_knot = rotation_matrices(quat)
     middle_quat = slerp(quat[:-1], quat[1:], np.array(0.5))
@@ -255,7 +277,7 @@ def _states(robot: Robot, motion: KnotMotion) -> tuple[_States, _States]:
         + seen_rate @ np.swapaxes(R_middle, -1, -2)
         + cross(np.broadcast_to(rate[:, None], lever.shape), lever)
     )
-    rests = standing[:, None, None]
+    rests = standing[..., None]
     middles = _States(
         com=com,
         com_velocity=com_velocity,
@@ -268,6 +290,9 @@ def _states(robot: Robot, motion: KnotMotion) -> tuple[_States, _States]:
     )
 
     omega = _base_rates(rate, dt, standing)
+    for end in (0, -1):
+        if v[end].any():  # it does not start, or end, at rest
+            omega[end] = rate[end]
     lever = motion.foot_position - motion.com[:, None]
     seen_rate = _flying(_means(seen_rate, dt), standing)
     foot_velocity = (
@@ -317,20 +342,23 @@ def _means(rates: Array, dt: Array) -> Array:
 
 
 def _flying(values: Array, standing: NDArray[np.bool_]) -> Array:
-    """Values (N+1, ...), zero at knots at which a foot stands just before or just after."""
-    flying = np.zeros(len(values), dtype=bool)
+    """Values (N+1, L, 3), zero at knots at which the foot stands just before or just after."""
+    flying = np.zeros(values.shape[:2], dtype=bool)
     flying[1:-1] = ~standing[:-1] & ~standing[1:]
-    return np.where(flying.reshape(-1, *[1] * (values.ndim - 1)), values, 0.0)
+    return np.where(flying[..., None], values, 0.0)
 
 
 def _base_rates(rate: Array, dt: Array, standing: NDArray[np.bool_]) -> Array:
-    """(N+1, 3) rad/s at the knots, of (N, 3) over the intervals."""
+    """(N+1, 3) rad/s at the knots, of (N, 3) over the intervals.
+
+    Where feet leave or land, from the side on which more of them stand.
+    """
     values = _means(rate, dt)
-    for knot in np.flatnonzero(standing[1:] != standing[:-1]) + 1:
-        lift_off = bool(standing[knot - 1])
+    for knot in np.flatnonzero((standing[1:] != standing[:-1]).any(axis=1)) + 1:
+        lift_off = standing[knot - 1].sum() > standing[knot].sum()
         near, far = (knot - 1, knot - 2) if lift_off else (knot, knot + 1)
         values[knot] = rate[near]
-        if 0 <= far < len(rate) and standing[far]:
+        if 0 <= far < len(rate) and (standing[far] == standing[near]).all():
             share = dt[near] / (dt[near] + dt[far])
             values[knot] += (rate[near] - rate[far]) * share
     return values

@@ -27,7 +27,7 @@ def models_command() -> int:
 def tuning_command(robot: options.Robot = "anymal") -> int:
     """List the weights and limits that a request may change, with the robot's own values."""
     from llsrbm.planning.costs import COSTS, default_weights
-    from llsrbm.planning.limits import limits_of
+    from llsrbm.planning.placement import limits_of
     from llsrbm.robots import load_robot
 
     loaded = load_robot(robot)

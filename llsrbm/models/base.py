@@ -21,7 +21,8 @@ The matrices may be CasADi SX or DM: the same code builds the planner and evalua
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import casadi as ca
@@ -49,6 +50,37 @@ def point_inertia(d: Matrix) -> Matrix:
 def _sparse(matrix: Array) -> ca.DM:
     """Without the rounding errors that stand for zeros, so that they cost nothing."""
     return ca.sparsify(ca.DM(matrix), 1e-12)
+
+
+@dataclass(frozen=True, eq=False)
+class OffsetMap:
+    """o = constant + sum_i G_i y_i, y_i how foot i is given: beta_i or x_i.
+
+    Attributes:
+        constant: (3,) m.
+        maps: leg -> G_i, (3, d).
+    """
+
+    constant: Array
+    maps: dict[int, Array]
+
+    def __call__(self, feet: dict[int, Matrix]) -> Matrix:
+        """o, (3, 1) m, of feet (d, 1)."""
+        return ca.DM(self.constant) + self.rate(feet)
+
+    def rate(self, rates: dict[int, Matrix]) -> Matrix:
+        """Time derivative of o, (3, 1) m/s."""
+        return sum(ca.mtimes(_sparse(G), rates[i]) for i, G in self.maps.items())
+
+    def over(self, feet: Array) -> Array:
+        """o (K, 3) m of feet (K, L, d)."""
+        return self.constant + self.rate_over(feet)
+
+    def rate_over(self, rates: Array) -> Array:
+        """Time derivative of o, (K, 3) m/s."""
+        maps = np.array([self.maps[i] for i in range(len(self.maps))])
+        rate: Array = np.einsum("lij,klj->ki", maps, rates)
+        return rate
 
 
 class CentroidalModel(ABC):
@@ -138,15 +170,23 @@ class CentroidalModel(ABC):
             ca.mtimes(_sparse(G), feet_in_hip_rate[:, i]) for i, G in enumerate(self._offset_x)
         )
 
-    def base_offset_from_com(self, feet_from_com: Matrix) -> Matrix:
-        """o(beta), (3, 1) m, affine in the feet seen from the CoM, (d, L)."""
-        return ca.DM(self._offset_beta_0) + self.base_offset_rate_from_com(feet_from_com)
+    def offset_map(self, standing: tuple[int, ...]) -> OffsetMap:
+        """o where some feet are given as seen from the CoM, and the others in their hip frames.
 
-    def base_offset_rate_from_com(self, feet_from_com_rate: Matrix) -> Matrix:
-        """Time derivative of o(beta), (3, 1) m/s, linear in betadot (d, L)."""
-        return sum(
-            ca.mtimes(_sparse(G), feet_from_com_rate[:, i]) for i, G in enumerate(self._offset_beta)
-        )
+        The CoM's definition is solved for o with x_i = M_i (beta_i - o - h_i) of the standing feet.
+        """
+        if not standing:
+            return OffsetMap(self._offset_0, dict(enumerate(self._offset_x)))
+        if len(standing) == self.legs:
+            return OffsetMap(self._offset_beta_0, dict(enumerate(self._offset_beta)))
+        left, fixed, maps = np.eye(3), self._offset_0.copy(), dict(enumerate(self._offset_x))
+        for i in standing:
+            turned = maps[i][:, :3] * self.mirrors[i]
+            left += turned
+            fixed -= turned @ self.hips[i]
+            maps[i] = np.hstack([turned, self.turn_mirrors[i] * maps[i][:, 3:]])
+        inverse = np.linalg.inv(left)
+        return OffsetMap(inverse @ fixed, {i: inverse @ G for i, G in maps.items()})
 
     def foot_in_hip(self, leg: int, foot_from_com: Matrix, offset: Matrix) -> Matrix:
         """x_i of beta_i, (d, 1): M_i (beta_i - o - h_i) m, and a yaw mirrored, rad."""
@@ -194,17 +234,28 @@ class CentroidalModel(ABC):
 
     # ---- evaluation on a plan
 
-    def stance_feet(self, feet_from_com: Array) -> Array:
-        """x (K, L, d) of feet seen from the CoM, (K, L, d): m, rad, base axes."""
-        offset = self._offset_beta_0 + np.einsum(
-            "lij,klj->ki", np.array(self._offset_beta), feet_from_com
-        )
-        return self._mirrored(feet_from_com[..., :3] - offset[:, None] - self.hips, feet_from_com)
+    def feet_of(self, feet: Array, standing: NDArray[np.bool_]) -> Array:
+        """x (K, L, d), m, rad, of feet some of which are given as seen from the CoM.
 
-    def stance_rate(self, feet_from_com_rate: Array) -> Array:
-        """xdot (K, L, d) m/s, rad/s of betadot (K, L, d)."""
-        rate = np.einsum("lij,klj->ki", np.array(self._offset_beta), feet_from_com_rate)
-        return self._mirrored(feet_from_com_rate[..., :3] - rate[:, None], feet_from_com_rate)
+        Args:
+            feet: (K, L, d): beta_i where a foot stands, x_i elsewhere.
+            standing: (K, L).
+        """
+        x = feet.copy()
+        for stands, rows in _alike(standing):
+            offset = self.offset_map(tuple(np.flatnonzero(stands))).over(feet[rows])
+            place = feet[rows][..., :3] - offset[:, None] - self.hips
+            x[rows] = np.where(stands[:, None], self._mirrored(place, feet[rows]), feet[rows])
+        return x
+
+    def feet_rate_of(self, rates: Array, standing: NDArray[np.bool_]) -> Array:
+        """xdot (K, L, d), m/s, rad/s, likewise of betadot_i and xdot_i."""
+        xdot = rates.copy()
+        for stands, rows in _alike(standing):
+            offset = self.offset_map(tuple(np.flatnonzero(stands))).rate_over(rates[rows])
+            place = rates[rows][..., :3] - offset[:, None]
+            xdot[rows] = np.where(stands[:, None], self._mirrored(place, rates[rows]), rates[rows])
+        return xdot
 
     def _mirrored(self, place: Array, feet: Array) -> Array:
         """Places (K, L, 3) in mirrored axes, with the feet's yaws if they have any, (K, L, d)."""
@@ -269,3 +320,9 @@ class CentroidalModel(ABC):
                 function = ca.Function(name, [x], [ca.densify(ca.SX(r)) for r in results])
             self._functions[key] = function.map(count)
         return self._functions[key]
+
+
+def _alike(standing: NDArray[np.bool_]) -> Iterator[tuple[NDArray[np.bool_], NDArray[np.int64]]]:
+    """Each set of standing feet, (L,), and the rows of (K, L) that have it."""
+    for stands in np.unique(standing, axis=0):
+        yield stands, np.flatnonzero((standing == stands).all(axis=1))

@@ -26,6 +26,7 @@ from llsrbm.motion.quantity import (
     Kind,
     Quantity,
 )
+from llsrbm.ocp.problem import Iterate
 from llsrbm.schedule import Schedule, together
 from llsrbm.tuning import Tuning
 
@@ -86,19 +87,6 @@ class SolveReport:
 
 
 @dataclass(frozen=True, eq=False)
-class Solution:
-    """What the planner's solver found, in its own order and units: where a next solve may start.
-
-    Attributes:
-        variables: (n,).
-        multipliers: (rows,) of its constraints.
-    """
-
-    variables: Array
-    multipliers: Array
-
-
-@dataclass(frozen=True, eq=False)
 class Plan:
     """A planned jump at N + 1 knots: T = N + 1, L legs, C contacts, J joints.
 
@@ -112,8 +100,8 @@ class Plan:
         tuning: weights and limits that were asked for in place of the robot's.
         schedule: the phases and which feet stand in them; None, of files that have none, becomes
             the schedule `together`.
-        solution: for plans that start from this one; None of a plan that failed, and of one that
-            was read from a file that was written before files held it.
+        solution: of the solver, for plans that start from this one; None of a plan that failed, and
+            of one that was read from a file that was written before files held it.
 
     Velocities and torques of the joints are None where they are not known: in a plan of an old file
     whose robot is not there any more, and in one that failed so badly that its motion has none.
@@ -279,7 +267,7 @@ class Plan:
         ),
     ] = None
     tuning: Tuning = field(default_factory=Tuning)
-    solution: Solution | None = field(default=None, repr=False)
+    solution: Iterate | None = field(default=None, repr=False)
     schedule: Schedule = None  # type: ignore[assignment]
 
     def __post_init__(self) -> None:

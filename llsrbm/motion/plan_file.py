@@ -24,8 +24,9 @@ from llsrbm.motion.native_file import (
     native_arrays,
     read_meta,
 )
-from llsrbm.motion.plan import Plan, Solution, SolveReport, Violation, leg_names
+from llsrbm.motion.plan import Plan, SolveReport, Violation, leg_names
 from llsrbm.motion.quantity import ROW, VARIABLE, Quantity, quantities
+from llsrbm.ocp.problem import Iterate
 from llsrbm.schedule import Schedule, together
 from llsrbm.tuning import Tuning
 from llsrbm.version import package_version
@@ -134,11 +135,11 @@ def plan_from_arrays(arrays: Arrays, path: str | Path) -> Plan:
     return _with_loads(plan) if first else plan
 
 
-def _solution(arrays: Arrays, path: str | Path) -> Solution | None:
+def _solution(arrays: Arrays, path: str | Path) -> Iterate | None:
     if not any(key in arrays for key in _SOLUTION_LAYOUT):
         return None
     values = checked(arrays, _SOLUTION_LAYOUT, path)
-    return Solution(**{name: values[key] for name, key in _SOLUTION.items()})
+    return Iterate(**{name: values[key] for name, key in _SOLUTION.items()})
 
 
 def _with_loads(plan: Plan) -> Plan:

@@ -14,7 +14,6 @@ import casadi as ca
 import numpy as np
 
 from llsrbm.jump import Jump
-from llsrbm.motion.plan import Phase
 from llsrbm.planning.layout import Role
 from llsrbm.planning.stage import Stage
 
@@ -59,7 +58,7 @@ class ForceSmoothness(Cost):
 
     def applies(self, role: Role) -> bool:
         """Where a force follows a force."""
-        return role.in_contact and not role.last
+        return role.in_contact and (not role.last or (not role.final and bool(role.staying)))
 
     def term(self, stage: Stage) -> Any:
         """n |df|^2 / contacts."""
@@ -93,8 +92,8 @@ class FootMovement(Cost):
     effect = "feet move less in flight; inertia shaping fades above 0.02"
 
     def applies(self, role: Role) -> bool:
-        """In flight."""
-        return role.phase == Phase.FLIGHT
+        """While feet swing."""
+        return bool(role.swinging)
 
     def term(self, stage: Stage) -> Any:
         """n |dp|^2."""
@@ -114,13 +113,16 @@ class SwingEffort(Cost):
     effect = "legs swing more smoothly; feet draw in less"
 
     def applies(self, role: Role) -> bool:
-        """In flight."""
-        return role.phase == Phase.FLIGHT
+        """While feet swing."""
+        return bool(role.swinging)
 
     def term(self, stage: Stage) -> Any:
         """n |d xdot|^2."""
-        steps = (ca.sumsqr(step) for step, _ in stage.feet_steps)
-        return stage.intervals * sum(steps)
+        # The first of every leg, then those of legs that land.
+        steps = [steps[0][0] for steps in stage.feet_steps.values()]
+        stops = [steps[1][0] for steps in stage.feet_steps.values() if len(steps) > 1]
+        each = (ca.sumsqr(ca.vertcat(*group)) for group in (steps, stops) if group)
+        return stage.intervals * sum(each)
 
 
 class FootTurning(Cost):
@@ -132,8 +134,8 @@ class FootTurning(Cost):
     effect = "soles turn no more than the twist asks"
 
     def applies(self, role: Role) -> bool:
-        """In flight."""
-        return role.phase == Phase.FLIGHT
+        """While feet swing."""
+        return bool(role.swinging)
 
     def term(self, stage: Stage) -> Any:
         """n |dpsi|^2."""
@@ -175,7 +177,10 @@ class AngularMomentum(Cost):
 
 
 class Tilt(Cost):
-    """Roll and pitch of the base: a light base rests upright between heavy legs."""
+    """Turns of the base about axes that it should not turn about: roll and pitch, but of a flip.
+
+    A light base rests upright between heavy legs; a flip stays in its plane.
+    """
 
     name = "tilt"
     weight = 50.0
@@ -187,12 +192,13 @@ class Tilt(Cost):
         return not role.terminal
 
     def term(self, stage: Stage) -> Any:
-        """(qx^2 + qy^2) / n, the sine of half the tilt, squared."""
-        return ca.sumsqr(stage.quat[1:3]) / stage.intervals
+        """(qx^2 + qy^2) / n, the sine of half the tilt, squared; of a flip qz in place of one."""
+        axes = stage.parameters["upright_axes"]
+        return ca.dot(axes, stage.quat[1:] ** 2) / stage.intervals
 
 
 class TiltRate(Cost):
-    """The base's angular velocity about its own x and y."""
+    """The base's angular velocity about the axes of `Tilt`."""
 
     name = "tilt_rate"
     weight = 1.0
@@ -204,8 +210,9 @@ class TiltRate(Cost):
         return not role.terminal
 
     def term(self, stage: Stage) -> Any:
-        """(omega_x^2 + omega_y^2) / n."""
-        return ca.sumsqr(stage.rotation_rate[:2]) / stage.intervals
+        """(omega_x^2 + omega_y^2) / n; of a flip omega_z in place of one."""
+        axes = stage.parameters["upright_axes"]
+        return ca.dot(axes, stage.rotation_rate**2) / stage.intervals
 
 
 class Symmetry(Cost):
@@ -226,8 +233,8 @@ class Symmetry(Cost):
         return 1 / (1 + (jump.twist / FREE_TWIST) ** 2)
 
     def applies(self, role: Role) -> bool:
-        """In flight."""
-        return role.phase == Phase.FLIGHT
+        """While feet swing."""
+        return bool(role.swinging)
 
     def term(self, stage: Stage) -> Any:
         """|x_i - x_j|^2 / n of mirrored legs."""
@@ -235,7 +242,7 @@ class Symmetry(Cost):
         pairs = [
             (i, j)
             for i, j in combinations(range(stage.layout.legs), 2)
-            if np.allclose(hips[i] * [1, -1, 1], hips[j])
+            if np.allclose(hips[i] * [1, -1, 1], hips[j]) and {i, j} <= set(stage.role.swinging)
         ]
         return sum(ca.sumsqr(x[:, i] - x[:, j]) for i, j in pairs) / stage.intervals
 

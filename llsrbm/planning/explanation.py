@@ -14,10 +14,12 @@ from dataclasses import dataclass, replace
 from llsrbm.errors import NotConverged, Stop
 from llsrbm.motion.plan import Violation
 from llsrbm.planning.constraints import CONSTRAINTS, Constraint
+from llsrbm.planning.formulation import Attempt
 from llsrbm.planning.limits import Limit, limits_in, put_limits
+from llsrbm.planning.placement import place_task
 from llsrbm.planning.residuals import TOLERANCE, severity, stop, violation_with, with_demand
-from llsrbm.planning.scout import Found, OutOfTime, Scout
-from llsrbm.planning.task import Task, place_task
+from llsrbm.planning.scout import OutOfTime, Scout
+from llsrbm.planning.task import Task
 
 # A limit that would have to change is found to this share of the change that is known to do.
 RESOLUTION = 1 / 16
@@ -50,7 +52,7 @@ def explain(scout: Scout, task: Task) -> tuple[Stop, ...]:
     are none, those of the drives to the end of their range; then every limit. Where no limit alone
     does, those that have to be changed together are named. Empty: even all of them do not do.
     """
-    own = place_task(task.jump, scout.planner.robot)
+    own = place_task(task.jump, scout.formulation.robot)
     tightened = [s for s in _suspects(task, own) if s.limit.name in task.tuning.limits]
     every = _suspects(task, None)
     drives = [s for s in every if s.limit.name in DRIVE_LIMITS]
@@ -105,8 +107,8 @@ def _with(task: Task, suspects: Iterable[_Suspect], share: float) -> Task:
 
 
 def _exceeded(
-    scout: Scout, task: Task, suspects: list[_Suspect], free: Found
-) -> tuple[list[_Suspect], Found]:
+    scout: Scout, task: Task, suspects: list[_Suspect], free: Attempt
+) -> tuple[list[_Suspect], Attempt]:
     """Those that a plan still needs when all are relaxed as little as can be, the most first."""
     _, free = _march(scout, task, suspects, free)
     sizes = {s: severity(_worst(s, free)) for s in suspects}
@@ -114,7 +116,9 @@ def _exceeded(
     return sorted(needed, key=lambda s: -sizes[s])[:TRIED], free
 
 
-def _march(scout: Scout, task: Task, suspects: list[_Suspect], free: Found) -> tuple[float, Found]:
+def _march(
+    scout: Scout, task: Task, suspects: list[_Suspect], free: Attempt
+) -> tuple[float, Attempt]:
     """The smallest share of the way to the looser limits that does, and the plan there."""
     enough, too_little = 1.0, 0.0
     while enough - too_little > RESOLUTION:
@@ -128,12 +132,12 @@ def _march(scout: Scout, task: Task, suspects: list[_Suspect], free: Found) -> t
     return enough, free
 
 
-def _tightened(scout: Scout, task: Task, suspect: _Suspect, free: Found) -> Stop:
+def _tightened(scout: Scout, task: Task, suspect: _Suspect, free: Attempt) -> Stop:
     share, free = _march(scout, task, [suspect], free)
     return _stop(suspect, share, free)
 
 
-def _stop(suspect: _Suspect, share: float, free: Found) -> Stop:
+def _stop(suspect: _Suspect, share: float, free: Attempt) -> Stop:
     """What a plan under the looser limit does that the limit forbids."""
     constraint, limit, value = suspect.constraint, suspect.limit, suspect.value
     found = stop(constraint, limit, value, suspect.at(share), _worst(suspect, free))
@@ -141,7 +145,7 @@ def _stop(suspect: _Suspect, share: float, free: Found) -> Stop:
     return with_demand(found, constraint.demand(knots), knots)
 
 
-def _worst(suspect: _Suspect, free: Found) -> Violation:
+def _worst(suspect: _Suspect, free: Attempt) -> Violation:
     """The worst violation by a plan, were the limit as it is, of all constraints it is in."""
     limit = suspect.limit
     concerned = [suspect.constraint, *(c for c in CONSTRAINTS if limit.name in c.limited_by)]

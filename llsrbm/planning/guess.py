@@ -1,14 +1,22 @@
-"""The analytic initial guess: a ballistic hop, a slerp about the vertical, feet carried along."""
+"""The analytic initial guess: ballistic flights between smooth stances, feet carried along.
+
+The body turns about the vertical with every displacement, at one rate from shortly before lift-off
+to shortly after touchdown; a flip turns over in the first flight, a little of it before and after.
+"""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
 from llsrbm.models.base import CentroidalModel
-from llsrbm.motion.plan import Phase
 from llsrbm.planning.constraints.swing import ground_line
-from llsrbm.planning.knots import feet_in_stance
+from llsrbm.planning.knots import feet_from_com
 from llsrbm.planning.layout import Layout
 from llsrbm.planning.stage import GRAVITY
 from llsrbm.planning.task import Task
@@ -16,12 +24,287 @@ from llsrbm.planning.task import Task
 Array = NDArray[np.float64]
 
 STANCE_TIME = 0.48  # s, of take-off and landing
+OWN_TIME = 0.3  # of the way from shortest to longest, for phases with limits of their own
 LIFT_OFF_RISE = 0.03  # m above standing height at lift-off and touchdown
 LOADS = (0.1, 2.5)  # least and largest load, times the robot's weight
 STANCE_SHARE = 0.3  # share of the stance phases in the travel at flight speed
+FLIP_FLIGHT = 0.55  # s, flight time of a whole turn
+FLIP_SHARE = 0.1  # of a whole turn that is made before lift-off, and as much after touchdown
+TUCK = 0.3  # share by which the legs are shortened in mid-flip
 
 
-def _hermite(p0: Array, v0: Array, p1: Array, v1: Array, T: float, t: float) -> tuple[Array, ...]:
+def analytic_guess(
+    task: Task, layout: Layout, model: CentroidalModel, flight_time: float | None = None
+) -> Array:
+    """All variables, in the layout's order and units.
+
+    Args:
+        task: where from and where to.
+        layout: what to fill.
+        model: for the feet in their hip frames.
+        flight_time: s; None chooses by twist, distance and height.
+    """
+    path = _Path(task, flight_time)
+    at = zip(layout.phase.tolist(), layout.progress.tolist(), strict=True)
+    knots = [path.body(phase, s) for phase, s in at]
+    feet = _feet(task, layout, model, path, knots)
+    # xdot of the interval before each knot; at lift-off that of the first interval.
+    rate = np.zeros_like(feet)
+    for leg, lift, touch in layout.swings:
+        dt = [path.times[layout.phase[k]] / layout.roles[k].intervals for k in range(lift, touch)]
+        rates = np.diff(feet[lift : touch + 1, leg], axis=0) / np.array(dt)[:, None]
+        rate[lift, leg] = rates[0]
+        rate[lift + 1 : touch + 1, leg] = rates
+    first_flight = int(layout.first_knots[task.schedule.flights[0]])
+    lift_off = model.evaluate(feet[first_flight : first_flight + 1])[1][0]
+    w = np.zeros(layout.size_total)
+    for k, role in enumerate(layout.roles):
+        body = knots[k]
+        load = np.clip(body.acceleration[2] / GRAVITY + 1, *LOADS)
+        load = load * layout.legs / max(len(role.standing), 1)
+        following = min(k + 1, layout.total)
+
+        def of(name: str, values: Array, role: object = role) -> Array:
+            return np.ravel(values[list(layout.legs_of(name, role))])  # type: ignore[arg-type]
+
+        values = {
+            "position": body.position,
+            "velocity": body.velocity,
+            "quat": body.quat,
+            "momentum": body.R @ (np.diag(lift_off) * body.rotation_rate) / task.mass,
+            "rotation_rate": body.rotation_rate,
+            "duration": path.times[role.phase],
+            "next_duration": path.times[min(role.phase + 1, layout.phases - 1)],
+            "force": np.tile([0, 0, load], len(role.standing) * layout.corners),
+            "next_force": np.tile([0, 0, 1.5], len(role.settling) * layout.corners),
+            "feet": of("feet", feet[k]),
+            "feet_velocity": of("feet_velocity", rate[k]),
+            "feet_step": of("feet_step", rate[following] - rate[k]),
+            "next_feet": of("next_feet", feet[following]),
+            "next_feet_velocity": of("next_feet_velocity", rate[following]),
+        }
+        for name, place in layout.variables(k).items():
+            w[place] = values.get(name, 0.0)
+    return w
+
+
+@dataclass(frozen=True, eq=False)
+class _Body:
+    """CoM (3,) m, m/s, m/s2; turn (yaw, pitch, roll) rad and its rates, rad/s."""
+
+    position: Array
+    velocity: Array
+    acceleration: Array
+    turn: Array
+    turn_rate: Array
+
+    @cached_property
+    def quat(self) -> Array:
+        """(4,) w, x, y, z of Rz(yaw) Ry(pitch) Rx(roll), continuous through whole turns."""
+        q = np.array([1.0, 0.0, 0.0, 0.0])
+        for angle, axis in zip(self.turn, (3, 2, 1), strict=True):
+            half = np.zeros(4)
+            half[0], half[axis] = np.cos(angle / 2), np.sin(angle / 2)
+            w, x, y, z = q
+            product = np.array([[w, -x, -y, -z], [x, w, -z, y], [y, z, w, -x], [z, -y, x, w]])
+            q = product @ half
+        return q
+
+    @cached_property
+    def R(self) -> Array:
+        """(3, 3) R_world_base."""
+        return Rotation.from_quat(self.quat, scalar_first=True).as_matrix()
+
+    @cached_property
+    def rotation_rate(self) -> Array:
+        """(3,) rad/s, base axes."""
+        _, pitch, roll = self.turn
+        yaw_rate, pitch_rate, roll_rate = self.turn_rate
+        about_roll = Rotation.from_euler("x", roll).inv()
+        up = about_roll.apply(Rotation.from_euler("y", pitch).inv().apply([0.0, 0.0, 1.0]))
+        rate: Array = (
+            yaw_rate * up + pitch_rate * about_roll.apply([0.0, 1.0, 0.0]) + [roll_rate, 0.0, 0.0]
+        )
+        return rate
+
+
+@dataclass(frozen=True, eq=False)
+class _Flight:
+    """Body at lift-off and touchdown of one flight, and how long it takes, s."""
+
+    lift_off: _Body
+    touchdown: _Body
+    time: float
+
+
+class _Path:
+    """The body's path over the schedule: flights, and stances from one to the next.
+
+    Attributes:
+        times: (P,) s, of the phases.
+    """
+
+    def __init__(self, task: Task, flight_time: float | None) -> None:
+        self._task = task
+        phases = list(task.schedule)
+        self.times = np.array([_time(task, p) for p in range(len(phases))])
+        for p in task.schedule.flights:
+            wanted = flight_time or self._flight_time(phases[p].place)
+            self.times[p] = np.clip(wanted, *task.times(p))
+        # Runs of phases between flights, and where each phase begins in its run.
+        edges = [-1, *task.schedule.flights, len(phases)]
+        self._run_of = np.zeros(len(phases), dtype=np.int64)
+        self._start_in_run = np.zeros(len(phases))
+        self._run_times = []
+        for run, (before, after) in enumerate(pairwise(edges)):
+            inside = range(before + 1, after)
+            self._run_of[list(inside)] = run
+            elapsed = np.cumsum([0.0, *self.times[list(inside)]])
+            self._start_in_run[list(inside)] = elapsed[:-1]
+            self._run_times.append(float(elapsed[-1]))
+        self._flights = [self._flight(i, p) for i, p in enumerate(task.schedule.flights)]
+
+    def com(self, place: int) -> Array:
+        """Of the robot that stands in a place, (3,) m."""
+        task, here = self._task, self._task.places[place]
+        return here.origin + _about_vertical(here.heading) @ task.start_position
+
+    def _flight_time(self, place: int) -> float:
+        """By twist, distance and height of the displacement after a place."""
+        before, after = self._task.places[place], self._task.places[place + 1]
+        if self._task.turns and place == 0:
+            return FLIP_FLIGHT
+        shift = self.com(place + 1) - self.com(place)
+        return (
+            0.28
+            + 0.2 * abs(after.heading - before.heading) / np.pi
+            + 0.15 * float(np.hypot(*shift[:2]))
+            + 0.3 * max(shift[2], 0.0)
+        )
+
+    def _flight(self, index: int, phase: int) -> _Flight:
+        task, T = self._task, float(self.times[phase])
+        before, after = self._run_times[index], self._run_times[index + 1]
+        place = task.schedule[phase].place
+        start, goal = task.places[place], task.places[place + 1]
+        shift = self.com(place + 1) - self.com(place)
+        travel_time = T + STANCE_SHARE * (before + after)
+        v_lift = np.append(shift[:2] / travel_time, shift[2] / T + 0.5 * GRAVITY * T)
+        fall = np.array([0.0, 0.0, GRAVITY])
+        rise = np.append(v_lift[:2] * before * STANCE_SHARE, LIFT_OFF_RISE)
+        r_lift = self.com(place) + rise
+        yaw_rate = (goal.heading - start.heading) / travel_time
+        over = np.array([0.0, task.jump.pitch, task.jump.roll]) * (index == 0)
+        over_rate = (1 - 2 * FLIP_SHARE) * over / T
+        turn = FLIP_SHARE * over + [start.heading + yaw_rate * before * STANCE_SHARE, 0.0, 0.0]
+        if index > 0:
+            turn[1:] += task.jump.pitch, task.jump.roll
+        rate = over_rate + np.array([yaw_rate, 0.0, 0.0])
+        return _Flight(
+            _Body(r_lift, v_lift, -fall, turn, rate),
+            _Body(
+                r_lift + v_lift * T - fall * T**2 / 2,
+                v_lift - fall * T,
+                -fall,
+                turn + rate * T,
+                rate,
+            ),
+            T,
+        )
+
+    def body(self, phase: int, progress: float) -> _Body:
+        """At a share of a phase."""
+        t = progress * self.times[phase]
+        if phase in self._task.schedule.flights:
+            flight = self._flights[self._task.schedule.flights.index(phase)]
+            lift, fall = flight.lift_off, np.array([0.0, 0.0, GRAVITY])
+            return _Body(
+                lift.position + lift.velocity * t - fall * t**2 / 2,
+                lift.velocity - fall * t,
+                -fall,
+                lift.turn + lift.turn_rate * t,
+                lift.turn_rate,
+            )
+        run = int(self._run_of[phase])
+        start = self._flights[run - 1].touchdown if run else self._start
+        end = self._flights[run].lift_off if run < len(self._flights) else self._end
+        T, t = self._run_times[run], t + self._start_in_run[phase]
+        r, v, a = _hermite(start.position, start.velocity, end.position, end.velocity, T, t)
+        turn, turn_rate, _ = _hermite(start.turn, start.turn_rate, end.turn, end.turn_rate, T, t)
+        return _Body(r, v, a, turn, turn_rate)
+
+    @property
+    def _start(self) -> _Body:
+        task, none = self._task, np.zeros(3)
+        return _Body(task.start_position, task.start_velocity, none, none, none)
+
+    @property
+    def _end(self) -> _Body:
+        task, none = self._task, np.zeros(3)
+        turn = np.array([task.places[-1].heading, task.jump.pitch, task.jump.roll])
+        return _Body(task.goal_position, task.goal_velocity, none, turn, none)
+
+
+def _time(task: Task, phase: int) -> float:
+    """Of a phase on the ground, s."""
+    low, high = task.times(phase)
+    if isinstance(task.schedule[phase].time, str):
+        return float(np.clip(STANCE_TIME, low, high))
+    return low + OWN_TIME * (high - low)
+
+
+def _feet(
+    task: Task, layout: Layout, model: CentroidalModel, path: _Path, knots: list[_Body]
+) -> Array:
+    """(N+1, L, d) m, rad: x of feet in the air, lift-off and touchdown among it; else zeros."""
+    feet = np.zeros((layout.knots, layout.legs, layout.foot_coordinates))
+    for leg, lift, touch in layout.swings:
+        for k in range(lift, touch + 1):
+            s = (k - lift) / (touch - lift)
+            # The knot of touchdown is the next phase's first; its body is where the flight ends.
+            feet[k, leg] = _flying_foot(
+                task, model, path, int(layout.phase[lift]), leg, s, knots[k]
+            )
+    return feet
+
+
+def _flying_foot(
+    task: Task,
+    model: CentroidalModel,
+    path: _Path,
+    phase: int,
+    leg: int,
+    s: float,
+    body: _Body,
+) -> Array:
+    """(d,) m, rad: x of a foot at a share of the swing that begins with a phase."""
+    stood, lands = task.stood(phase), task.lands(phase)
+    a, b = task.schedule[phase].place, int(task.landing_place(phase, leg))
+    start, goal = task.places[a], task.places[b]
+    shift = path.com(b) - path.com(a)
+    carried = stood.feet - start.origin
+    carried = carried @ _about_vertical(s * (goal.heading - start.heading)).T + start.origin
+    carried[:, :2] += s * shift[:2]
+    arch = (4 * s * (1 - s)) ** 2 * task.limits.clearance * 1.3
+    carried[:, 2] = ground_line(stood.feet[:, 2], lands.feet[:, 2], np.array(s)) + arch
+    heading = (1 - s) * stood.yaw + s * lands.yaw
+    # A body that turns over carries its legs along as an upright one would.
+    R = _about_vertical(body.turn[0]) if task.turns else body.R
+    beta = feet_from_com(model, R[None], body.position[None], carried[None], heading[None])
+    x = model.feet_of(beta, np.ones((1, len(carried)), dtype=bool))[0, leg]
+    place = x[:3]
+    if task.turns:
+        place = place * [1.0, 1.0, 1.0 - TUCK * np.sin(np.pi * s)]
+    place = np.clip(place, task.reach.lower, task.reach.upper)
+    length = np.linalg.norm(place)
+    place = place * np.clip(length, *task.reach.distance) / length
+    return np.append(place, np.clip(x[3:], *task.foot.yaw))
+
+
+def _hermite(
+    p0: Array, v0: Array, p1: Array, v1: Array, T: float, t: float
+) -> tuple[Array, Array, Array]:
+    """Place, velocity and acceleration at t of T, s, between two places with their velocities."""
     s = t / T
     position = (
         (2 * s**3 - 3 * s**2 + 1) * p0
@@ -39,106 +322,3 @@ def _hermite(p0: Array, v0: Array, p1: Array, v1: Array, T: float, t: float) -> 
 def _about_vertical(angle: float) -> Array:
     c, s = np.cos(angle), np.sin(angle)
     return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
-
-
-def analytic_guess(
-    task: Task, layout: Layout, model: CentroidalModel, flight_time: float | None = None
-) -> Array:
-    """All variables, in the layout's order and units.
-
-    Args:
-        task: where from and where to.
-        layout: what to fill.
-        model: for the feet in their hip frames.
-        flight_time: s; None chooses by twist, distance and height.
-    """
-    twist = task.jump.twist
-    shift = task.goal_position - task.start_position
-    if flight_time is None:
-        flight_time = (
-            0.28
-            + 0.2 * abs(twist) / np.pi
-            + 0.15 * float(np.hypot(*shift[:2]))
-            + 0.3 * max(shift[2], 0.0)
-        )
-    T = np.array([STANCE_TIME, float(np.clip(flight_time, *task.timing.flight)), STANCE_TIME])
-    for phase in Phase:
-        T[phase] = np.clip(T[phase], *getattr(task.timing, phase.name.lower()))
-    travel_time = T[1] + STANCE_SHARE * (T[0] + T[2])
-    v_lift = np.append(shift[:2] / travel_time, shift[2] / T[1] + 0.5 * GRAVITY * T[1])
-    v_land = v_lift - [0.0, 0.0, GRAVITY * T[1]]
-    turn_rate = twist / travel_time
-    r_lift = task.start_position + np.append(v_lift[:2] * T[0] * STANCE_SHARE, LIFT_OFF_RISE)
-    r_land = r_lift + v_lift * T[1] - [0.0, 0.0, 0.5 * GRAVITY * T[1] ** 2]
-    yaw_lift = turn_rate * T[0] * STANCE_SHARE
-    rest = np.zeros(3)
-
-    def body(phase: Phase, s: float) -> tuple[Array, Array, Array, float, float]:
-        t = s * T[phase]
-        if phase == Phase.FLIGHT:
-            fall = np.array([0.0, 0.0, GRAVITY])
-            position = r_lift + v_lift * t - fall * t**2 / 2
-            return position, v_lift - fall * t, -fall, yaw_lift + turn_rate * t, turn_rate
-        if phase == Phase.TAKEOFF:
-            linear = _hermite(task.start_position, rest, r_lift, v_lift, T[0], t)
-            yaw = _hermite(rest[:1], rest[:1], rest[:1] + yaw_lift, rest[:1] + turn_rate, T[0], t)
-        else:
-            linear = _hermite(r_land, v_land, task.goal_position, rest, T[2], t)
-            start = rest[:1] + yaw_lift + turn_rate * T[1]
-            yaw = _hermite(start, rest[:1] + turn_rate, rest[:1] + twist, rest[:1], T[2], t)
-        position, velocity, acceleration = linear
-        return position, velocity, acceleration, float(yaw[0][0]), float(yaw[1][0])
-
-    def flying_feet(s: float) -> Array:
-        carried = task.start_feet @ _about_vertical(twist * s).T
-        carried[:, :2] += s * shift[:2]
-        arch = (4 * s * (1 - s)) ** 2 * task.limits.clearance * 1.3
-        carried[:, 2] = ground_line(task, np.array([s]))[0] + arch
-        return carried
-
-    def in_hips(s: float) -> Array:
-        position, _, _, yaw, _ = body(Phase.FLIGHT, s)
-        R = _about_vertical(yaw)[None]
-        headings = (1 - s) * task.start_yaw + s * task.goal_yaw
-        x = feet_in_stance(model, R, position[None], flying_feet(s)[None], headings[None])[0]
-        place = np.clip(x[:, :3], task.reach.lower, task.reach.upper)
-        length = np.linalg.norm(place, axis=1, keepdims=True)
-        place = place * np.clip(length, *task.reach.distance) / length
-        return np.hstack([place, np.clip(x[:, 3:], *task.foot.yaw)])
-
-    steps = layout.intervals.flight
-    feet = np.array([in_hips(k / steps) for k in range(steps + 1)])
-    rates = np.diff(feet, axis=0) * steps / T[1]
-    feet_velocity = np.concatenate([rates[:1], rates])
-    feet_step = np.diff(feet_velocity, axis=0)
-    inertia_zz = model.evaluate(feet[:1])[1][0, 2, 2]
-    w = np.zeros(layout.size_total)
-    for k, role in enumerate(layout.roles):
-        s = layout.progress[k]
-        position, velocity, acceleration, yaw, yaw_rate = body(role.phase, s)
-        load = np.clip(acceleration[2] / GRAVITY + 1, *LOADS)
-        flight_knot = k - layout.intervals.takeoff
-        in_flight = role.phase == Phase.FLIGHT
-        values = {
-            "position": position,
-            "velocity": velocity,
-            "quat": [np.cos(yaw / 2), 0, 0, np.sin(yaw / 2)],
-            "momentum": [0, 0, inertia_zz * yaw_rate / task.mass],
-            "rotation_rate": [0, 0, yaw_rate],
-            "duration": T[role.phase],
-            "next_duration": T[min(role.phase + 1, 2)],
-            "force": np.tile([0, 0, load], layout.contacts),
-            "force_step": np.zeros(3 * layout.contacts),
-            "next_force": np.tile([0, 0, 1.5], layout.contacts),
-            "next_feet": feet[0].ravel(),
-            "next_feet_velocity": feet_velocity[0].ravel(),
-            "feet_velocity": feet_velocity[-1].ravel(),
-            "feet": feet[flight_knot if in_flight else -1].ravel(),
-        }
-        if in_flight:
-            values["feet_velocity"] = feet_velocity[flight_knot].ravel()
-            values["feet_step"] = feet_step[flight_knot].ravel()
-            values["feet_stop"] = np.zeros(feet[0].size)
-        for name, place in layout.variables(k).items():
-            w[place] = values[name]
-    return w

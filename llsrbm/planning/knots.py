@@ -11,7 +11,6 @@ from scipy.spatial.transform import Rotation
 
 from llsrbm.analysis.joint_loads import JointLoads, KnotMotion, joint_loads
 from llsrbm.models.base import CentroidalModel
-from llsrbm.motion.plan import Phase
 from llsrbm.planning.headings import heading_rates, headings, relative_yaw_rates, relative_yaws
 from llsrbm.planning.layout import Layout
 from llsrbm.planning.stage import GRAVITY
@@ -31,31 +30,72 @@ class Knots:
     """N + 1 knots and the N intervals between them; world frame, SI units.
 
     Attributes:
-        durations: (3,) s.
-        time: (N+1,) s; phase: (N+1,).
+        layout: which feet stand where.
+        durations: (P,) s.
+        time: (N+1,) s.
         position, velocity: (N+1, 3) m, m/s, CoM; quat: (N+1, 4); momentum: (N+1, 3) kg m2/s.
         force: (N+1, C, 3) N.
         rotation_rate: (N, 3) rad/s, base axes.
-        flight_feet: (F+1, L, d) m, rad: x at the knots from lift-off to touchdown.
-        flight_feet_velocity: (F+2, L, d) m/s, rad/s: xdot at lift-off, at rest on the ground, over
-            each interval, and at touchdown, at rest again.
+        air_feet: (N+1, L, d) m, rad: x of feet in the air, lift-off and touchdown among it; NaN of
+            the others.
+        air_rate: (N, L, d) m/s, rad/s: xdot of swinging feet over the intervals; NaN of the others.
+        knot_rate: (N+1, L, d): xdot of feet in the air just before a knot, at lift-off and
+            touchdown that at rest on the ground; NaN of the others.
         near_angles: (N+1, J) joint angles close to the postures, where they are known.
     """
 
     task: Task
     model: CentroidalModel
+    layout: Layout
     durations: Array
     time: Array
-    phase: NDArray[np.int64]
     position: Array
     velocity: Array
     quat: Array
     momentum: Array
     force: Array
     rotation_rate: Array
-    flight_feet: Array
-    flight_feet_velocity: Array
+    air_feet: Array
+    air_rate: Array
+    knot_rate: Array
     near_angles: Array | None = None
+
+    @property
+    def phase(self) -> NDArray[np.int64]:
+        """(N+1,) of the schedule, of the interval that begins at a knot."""
+        return self.layout.phase
+
+    @cached_property
+    def in_air(self) -> NDArray[np.bool_]:
+        """(N+1, L) feet in the air, lift-off and touchdown among it."""
+        return self._legs("in_air")
+
+    @cached_property
+    def flying(self) -> NDArray[np.bool_]:
+        """(N+1, L) feet off the ground before and after a knot."""
+        return self._legs("flying")
+
+    @cached_property
+    def swinging(self) -> NDArray[np.bool_]:
+        """(N, L) feet that swing over an interval."""
+        return ~self.layout.standing[:-1]
+
+    @cached_property
+    def at_edge(self) -> NDArray[np.bool_]:
+        """(N+1, L) feet that leave or meet the ground at a knot."""
+        return self._legs("leaving") | self._legs("landing")
+
+    def _legs(self, name: str) -> NDArray[np.bool_]:
+        mask = np.zeros((self.layout.knots, self.layout.legs), dtype=bool)
+        for knot, role in enumerate(self.layout.roles):
+            mask[knot, list(getattr(role, name))] = True
+        return mask
+
+    @cached_property
+    def flights(self) -> tuple[slice, ...]:
+        """The intervals of each flight; `stop` is the knot of touchdown."""
+        first = self.layout.first_knots
+        return tuple(slice(int(first[p]), int(first[p + 1])) for p in self.task.schedule.flights)
 
     @cached_property
     def R_world_base(self) -> Array:
@@ -68,17 +108,6 @@ class Knots:
         return np.diff(self.time)
 
     @cached_property
-    def flight(self) -> slice:
-        """Knots from lift-off to touchdown, both included."""
-        first = int(np.argmax(self.phase == Phase.FLIGHT))
-        return slice(first, first + len(self.flight_feet))
-
-    @cached_property
-    def in_contact(self) -> NDArray[np.bool_]:
-        """(N,) whether forces act over the interval."""
-        return self.phase[:-1] != Phase.FLIGHT
-
-    @cached_property
     def acceleration(self) -> Array:
         """(N, 3) m/s2 of the CoM over each interval (eq. 1)."""
         return self.force[:-1].sum(axis=1) / self.task.mass - [0.0, 0.0, GRAVITY]
@@ -86,29 +115,31 @@ class Knots:
     @cached_property
     def standing_feet(self) -> Array:
         """(N+1, L, 3) m: where the feet stand, or stood last."""
-        landed = (self.phase == Phase.LANDING)[:, None, None]
-        return np.where(landed, self.task.goal_feet, self.task.start_feet)
+        return self._stood("feet")
 
     @cached_property
     def standing_yaw(self) -> Array:
         """(N+1, L) rad: where standing feet look, or looked last."""
-        landed = (self.phase == Phase.LANDING)[:, None]
-        return np.where(landed, self.task.goal_yaw, self.task.start_yaw)
+        return self._stood("yaw")
 
     @cached_property
     def standing_contacts(self) -> Array:
         """(N+1, C, 3) m: contact points of standing feet, or where they were last."""
-        landed = (self.phase == Phase.LANDING)[:, None, None]
-        return np.where(landed, self.task.goal_contacts, self.task.start_contacts)
+        return self._stood("contacts")
+
+    def _stood(self, name: str) -> Array:
+        phases = range(len(self.task.schedule))
+        of_phases: Array = np.array([getattr(self.task.stood(p), name) for p in phases])
+        return of_phases[self.phase]
 
     @cached_property
     def feet_in_hip(self) -> Array:
-        """(N+1, L, d) m, rad: x, from the variables in flight, from r and R in stance."""
-        x = feet_in_stance(
+        """(N+1, L, d) m, rad: x, variables in the air, from r and R on the ground."""
+        beta = feet_from_com(
             self.model, self.R_world_base, self.position, self.standing_feet, self.standing_yaw
         )
-        x[self.flight] = self.flight_feet
-        return x
+        given = np.where(self.in_air[..., None], self.air_feet, beta)
+        return self.model.feet_of(given, ~self.in_air)
 
     @cached_property
     def mid(self) -> tuple[Array, Array, Array]:
@@ -152,31 +183,28 @@ class Knots:
     def feet_mid(self) -> tuple[Array, Array]:
         """x and xdot (N, L, d) at the midpoints."""
         R, r, v = self.mid
-        x = feet_in_stance(self.model, R, r, self.standing_feet[:-1], self.standing_yaw[:-1])
-        beta_rate = -np.einsum("kji,kj->ki", R, v)[:, None] - np.cross(
-            self.rotation_rate[:, None],
-            np.einsum("kji,klj->kli", R, self.standing_feet[:-1] - r[:, None]),
-        )
-        if self.model.coordinates > 3:
-            turn = relative_yaw_rates(R, self.standing_yaw[:-1], self.rotation_rate)
-            beta_rate = np.concatenate([beta_rate, turn[..., None]], axis=-1)
-        xdot = self.model.stance_rate(beta_rate)
-        flight = slice(self.flight.start, self.flight.stop - 1)
-        x[flight] = (self.flight_feet[:-1] + self.flight_feet[1:]) / 2
-        xdot[flight] = self.flight_feet_rate
-        return x, xdot
-
-    @property
-    def flight_feet_rate(self) -> Array:
-        """(F, L, d) m/s, rad/s: xdot over the flight's intervals."""
-        return self.flight_feet_velocity[1:-1]
+        feet, yaw = self.standing_feet[:-1], self.standing_yaw[:-1]
+        swings = self.swinging[..., None]
+        beta = feet_from_com(self.model, R, r, feet, yaw)
+        middle = self.air_feet[:-1] + self.air_rate * self.dt[:, None, None] / 2
+        x = self.model.feet_of(np.where(swings, middle, beta), ~self.swinging)
+        seen = feet_rate_from_com(self.model, R, v, self.rotation_rate, feet - r[:, None], yaw)
+        rate = self.model.feet_rate_of(np.where(swings, self.air_rate, seen), ~self.swinging)
+        return x, rate
 
     @cached_property
-    def foot_velocity_at_rest(self) -> Array:
-        """(2, L, d) m/s, rad/s at lift-off and touchdown, base axes: zero, and so are turns."""
-        ends = [self.flight.start, self.flight.stop - 1]
-        R, v, omega = self.R_world_base[ends], self.velocity[ends], self.rotation_rate[ends]
-        x, xdot = self.flight_feet[[0, -1]], self.flight_feet_velocity[[0, -1]]
+    def foot_velocity_at_knots(self) -> Array:
+        """(N, L, d) m/s, rad/s, base axes: as an interval begins, at lift-off and touchdown zero.
+
+        Of feet that stand it means nothing.
+        """
+        R, v, omega = self.R_world_base[:-1], self.velocity[:-1], self.rotation_rate
+        arms = self.standing_feet[:-1] - self.position[:-1, None]
+        seen = feet_rate_from_com(self.model, R, v, omega, arms, self.standing_yaw[:-1])
+        in_air = self.in_air[:-1]
+        given = np.where(in_air[..., None], self.knot_rate[:-1], seen)
+        xdot = self.model.feet_rate_of(given, ~in_air)
+        x = self.feet_in_hip[:-1]
         velocity = self._foot_velocity(R, v, omega, x, xdot)
         if self.model.coordinates == 3:
             return velocity
@@ -204,35 +232,35 @@ class Knots:
     @cached_property
     def foot_position(self) -> Array:
         """(N+1, L, 3) m, as the model sees them in flight, where they stand in contact."""
-        feet = self.standing_feet.copy()
-        inner = slice(self.flight.start + 1, self.flight.stop - 1)
-        feet[inner] = self.flying_feet[1:-1]
-        return feet
+        return np.where(self.flying[..., None], self.model_feet, self.standing_feet)
 
     @cached_property
-    def flying_feet(self) -> Array:
-        """(F+1, L, 3) m: the feet's places from lift-off to touchdown, as the model sees them."""
-        at = self.flight
-        offset, x = self.evaluated[0][at], self.flight_feet[..., :3]
-        beta = offset[:, None] + self.model.hips + self.model.mirrors * x
-        return self.position[at, None] + np.einsum("kij,klj->kli", self.R_world_base[at], beta)
+    def model_feet(self) -> Array:
+        """(N+1, L, 3) m: the feet's places as the model sees them."""
+        beta = (
+            self.evaluated[0][:, None]
+            + self.model.hips
+            + self.model.mirrors * self.feet_in_hip[..., :3]
+        )
+        return self.position[:, None] + np.einsum("kij,klj->kli", self.R_world_base, beta)
 
     @cached_property
-    def flying_headings(self) -> Array:
-        """(F+1, L) rad: where the feet look from lift-off to touchdown, continuous in time."""
+    def model_headings(self) -> Array:
+        """(N+1, L) rad: where the feet look as the model sees them, in each swing continuous."""
         if self.model.coordinates == 3:
-            return np.zeros(self.flight_feet.shape[:2])
-        yaw = self.model.turn_mirrors * self.flight_feet[..., 3]
-        found = headings(self.R_world_base[self.flight], yaw)
-        # atan2 knows no whole turns, the start's heading does.
-        return found + 2 * np.pi * np.round((self.task.start_yaw - found[0]) / (2 * np.pi))
+            return np.zeros(self.air_feet.shape[:2])
+        yaw = self.model.turn_mirrors * self.feet_in_hip[..., 3]
+        found = headings(self.R_world_base, yaw)
+        for leg, lift, touch in self.layout.swings:
+            # atan2 knows no whole turns, the heading that it starts from does.
+            turns = (self.standing_yaw[lift, leg] - found[lift, leg]) / (2 * np.pi)
+            found[lift : touch + 1, leg] += 2 * np.pi * np.round(turns)
+        return found
 
     @cached_property
     def foot_heading(self) -> Array:
         """(N+1, L) rad: as the plan has them in flight, as they stand in contact."""
-        yaw = self.standing_yaw.copy()
-        yaw[self.flight.start + 1 : self.flight.stop - 1] = self.flying_headings[1:-1]
-        return yaw
+        return np.where(self.flying, self.model_headings, self.standing_yaw)
 
     @cached_property
     def contact_point(self) -> Array:
@@ -241,13 +269,9 @@ class Knots:
 
     @cached_property
     def foot_velocity_base(self) -> Array:
-        """(F, L, 3) m/s: the feet's velocity in the world over flight intervals, base axes."""
+        """(N, L, 3) m/s: the feet's velocity in the world over the intervals, base axes."""
         R, _, v = self.mid
-        x, xdot = self.feet_mid
-        flight = slice(self.flight.start, self.flight.stop - 1)
-        return self._foot_velocity(
-            R[flight], v[flight], self.rotation_rate[flight], x[flight], xdot[flight]
-        )
+        return self._foot_velocity(R, v, self.rotation_rate, *self.feet_mid)
 
     @cached_property
     def foot_quat(self) -> Array:
@@ -273,7 +297,8 @@ class Knots:
         """What the joints have to do in these postures, by Pinocchio."""
         motion = KnotMotion(
             time=self.time,
-            phase=self.phase.astype(np.int64),
+            schedule=self.task.schedule,
+            phase=self.phase,
             com=self.position,
             com_velocity=self.velocity,
             base_quat=self.quat,
@@ -309,26 +334,47 @@ def rolled_out(knots: Knots) -> Knots:
     return replace(moved, momentum=knots.momentum[0] + np.vstack([np.zeros(3), turns]))
 
 
-def feet_in_stance(
+def feet_from_com(
     model: CentroidalModel, R: Array, position: Array, feet: Array, yaw: Array
 ) -> Array:
-    """x (K, L, d) m, rad of feet (K, L, 3) with headings (K, L), from R (K, 3, 3), r (K, 3)."""
+    """beta (K, L, d) m, rad of feet (K, L, 3) with headings (K, L), from R (K, 3, 3), r (K, 3)."""
     beta = np.einsum("kji,klj->kli", R, feet - position[:, None])
-    if model.coordinates > 3:
-        beta = np.concatenate([beta, relative_yaws(R, yaw)[..., None]], axis=-1)
-    return model.stance_feet(beta)
+    if model.coordinates == 3:
+        return beta
+    return np.concatenate([beta, relative_yaws(R, yaw)[..., None]], axis=-1)
+
+
+def feet_rate_from_com(
+    model: CentroidalModel, R: Array, velocity: Array, omega: Array, arms: Array, yaw: Array
+) -> Array:
+    """betadot (K, L, d) m/s, rad/s of feet that stand.
+
+    Args:
+        model: how many coordinates a foot has.
+        R: (K, 3, 3); velocity: (K, 3) m/s of the CoM; omega: (K, 3) rad/s, base axes.
+        arms: (K, L, 3) m, from the CoM, world axes; yaw: (K, L) rad.
+    """
+    rate: Array = -np.einsum("kji,kj->ki", R, velocity)[:, None] - np.cross(
+        omega[:, None], np.einsum("kji,klj->kli", R, arms)
+    )
+    if model.coordinates == 3:
+        return rate
+    return np.concatenate([rate, relative_yaw_rates(R, yaw, omega)[..., None]], axis=-1)
 
 
 def unpack(w: Array, layout: Layout, task: Task, model: CentroidalModel) -> Knots:
     """The variables w, in the layout's order and units, as `Knots`."""
-    count = layout.knots
+    count, d = layout.knots, layout.foot_coordinates
     force_unit = task.mass * GRAVITY / layout.contacts
-    position, velocity = np.tile(task.start_position, (count, 1)), np.zeros((count, 3))
-    quat, momentum = np.tile([1.0, 0, 0, 0], (count, 1)), np.zeros((count, 3))
+    position, velocity = (
+        np.tile(start, (count, 1)) for start in (task.start_position, task.start_velocity)
+    )
+    quat, momentum = np.tile(task.start_quat, (count, 1)), np.zeros((count, 3))
     force = np.zeros((count, layout.contacts, 3))
     rate = np.zeros((count - 1, 3))
-    feet, feet_velocity = [], []
-    durations = np.zeros(3)
+    air_feet, knot_rate = np.full((2, count, layout.legs, d), np.nan)
+    air_rate = np.full((count - 1, layout.legs, d), np.nan)
+    durations = np.zeros(layout.phases)
     for k, role in enumerate(layout.roles):
         value = {name: w[place] for name, place in layout.variables(k).items()}
         position[k] = value.get("position", position[k])
@@ -336,32 +382,33 @@ def unpack(w: Array, layout: Layout, task: Task, model: CentroidalModel) -> Knot
         velocity[k] = value.get("velocity", velocity[k])
         momentum[k] = value.get("momentum", momentum[k]) * task.mass
         if role.in_contact:
-            force[k] = value["force"].reshape(-1, 3) * force_unit
+            of_legs = force[k].reshape(layout.legs, layout.corners, 3)
+            standing = list(role.standing)
+            of_legs[standing] = value["force"].reshape(-1, layout.corners, 3) * force_unit
         if "rotation_rate" in value:
             rate[k] = value["rotation_rate"]
-        if "feet" in value:
-            feet.append(value["feet"].reshape(layout.legs, -1))
-            # The first landing knot's, after the last of the flight.
-            if role.first:
-                feet_velocity.append(value["feet_velocity"])
-            if "feet_step" in value:
-                feet_velocity.append(value["feet_velocity"] + value["feet_step"])
+        if role.in_air and not role.terminal:
+            air_feet[k, list(role.in_air)] = value["feet"].reshape(-1, d)
+            knot_rate[k, list(role.in_air)] = value["feet_velocity"].reshape(-1, d)
+        if "feet_step" in value:
+            swinging = list(role.swinging)
+            air_rate[k, swinging] = knot_rate[k, swinging] + value["feet_step"].reshape(-1, d)
         if role.first:
             durations[role.phase] = value["duration"][0]
-    phase = np.array([role.phase for role in layout.roles])
     starts = np.concatenate([[0.0], np.cumsum(durations)])
     return Knots(
         task=task,
         model=model,
+        layout=layout,
         durations=durations,
-        time=starts[phase] + layout.progress * durations[phase],
-        phase=phase,
+        time=starts[layout.phase] + layout.progress * durations[layout.phase],
         position=position,
         velocity=velocity,
         quat=quat / np.linalg.norm(quat, axis=1, keepdims=True),
         momentum=momentum,
         force=force,
         rotation_rate=rate,
-        flight_feet=np.array(feet),
-        flight_feet_velocity=np.array(feet_velocity).reshape(len(feet_velocity), layout.legs, -1),
+        air_feet=air_feet,
+        air_rate=air_rate,
+        knot_rate=knot_rate,
     )

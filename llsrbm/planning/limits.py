@@ -4,17 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 from llsrbm.errors import InputError
 from llsrbm.planning.constraints import CONSTRAINTS
 from llsrbm.planning.constraints.base import Limit
+from llsrbm.planning.task import Task
 
-if TYPE_CHECKING:
-    from llsrbm.planning.task import Task
-    from llsrbm.robots.robot import Robot
-
-__all__ = ["Limit", "check_limits", "limit_unit", "limits_in", "limits_of", "put_limits"]
+__all__ = ["Limit", "check_limits", "limit_unit", "limits_in", "put_limits"]
 
 _LIMITS = {limit.name: limit for constraint in CONSTRAINTS for limit in constraint.limits}
 
@@ -28,16 +24,11 @@ def limit_unit(name: str) -> str | None:
     return _LIMITS[name].unit if name in _LIMITS else None
 
 
-def limits_of(robot: Robot) -> dict[str, tuple[Limit, float]]:
-    """Limit name -> the limit and the robot's own value; `lowest` and `highest` in its unit."""
-    from llsrbm.jump import Jump
-    from llsrbm.planning.task import place_task
-
-    return limits_in(place_task(Jump(robot=robot.name), robot))
-
-
 def limits_in(task: Task) -> dict[str, tuple[Limit, float]]:
-    """The same of a task; in one that changes no limits these are the robot's own values."""
+    """Limit name -> the limit and its value; `lowest` and `highest` in its unit.
+
+    Of a task that changes no limits these are the robot's own values.
+    """
     found = {}
     for limit in (x for c in CONSTRAINTS if c.concerns(task) for x in c.limits):
         value = limit.of(task)

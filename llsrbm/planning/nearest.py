@@ -11,9 +11,11 @@ from llsrbm.errors import Error
 from llsrbm.jump import Jump
 from llsrbm.motion.plan import Plan
 from llsrbm.planning.explanation import explain, in_words
+from llsrbm.planning.formulation import Attempt
+from llsrbm.planning.placement import make_task
 from llsrbm.planning.planner import Planner
-from llsrbm.planning.scout import Found, Scout
-from llsrbm.planning.task import make_task
+from llsrbm.planning.progress import PlanningProgress, Watch
+from llsrbm.planning.scout import Scout
 from llsrbm.robots.schema import Task as Ranges
 
 # The steps in which people ask, rad and m: what is found is whole steps of what was reduced.
@@ -98,18 +100,24 @@ def find_nearest(
         progress: told in words what is tried.
         cancelled: asked before and during every solve.
     """
-    ranges = planner.robot.file.task
+    robot = planner.formulation.robot
+    ranges = robot.file.task
     within = _within(jump, ranges)
-    on_the_spot = Jump(robot=jump.robot, model=jump.model)
+    on_the_spot = replace(jump, twist=0.0, forward=0.0, lateral=0.0, height=0.0)
+
+    def tell(news: PlanningProgress) -> None:
+        if progress is not None:
+            progress(news.text)
+
     search = _Search(
-        Scout(planner, progress, cancelled),
+        Scout(planner.formulation, Watch(cancelled, tell)),
         lambda other: _distance(other, within, ranges),
         weights,
         limits,
     )
     if search.found(on_the_spot) is None:
         search.scout.about = "what stops a jump on the spot"
-        stops = explain(search.scout, make_task(on_the_spot, planner.robot, weights, limits))
+        stops = explain(search.scout, make_task(on_the_spot, robot, weights, limits))
         raise Error(f"not even a jump on the spot can be planned: {in_words(stops)}")
     components = tuple(name for name in STEPS if getattr(within, name) != 0)
     ways = [(name,) for name in components] if len(components) > 1 else []
@@ -132,21 +140,21 @@ class _Search:
         self.scout = scout
         self._distance = distance
         self._weights, self._limits = weights, limits
-        self._known: list[Found] = []
+        self._known: list[Attempt] = []
 
     @property
-    def best(self) -> Found:
+    def best(self) -> Attempt:
         """The nearest so far."""
         return min(self._known, key=lambda found: self._distance(found.task.jump))
 
-    def found(self, jump: Jump) -> Found | None:
+    def found(self, jump: Jump) -> Attempt | None:
         """A jump's solution from the nearest that is known."""
         known = next((found for found in self._known if found.task.jump == jump), None)
         if known is not None:
             return known
         self.scout.about = f"looking for a jump that works: {_in_words(jump)}"
-        task = make_task(jump, self.scout.planner.robot, self._weights, self._limits)
-        ranges = self.scout.planner.robot.file.task
+        task = make_task(jump, self.scout.formulation.robot, self._weights, self._limits)
+        ranges = self.scout.formulation.robot.file.task
         near = min(
             self._known,
             key=lambda found: _distance(found.task.jump, jump, ranges),

@@ -6,69 +6,56 @@ import logging
 import time
 import zlib
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import lru_cache, partial
 from pathlib import Path
 from typing import Any
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
-from llsrbm.cache import cached_bytes, content_key
-from llsrbm.errors import Cancelled, InputError, NotConverged
+from llsrbm.cache import cached_bytes, content_key, program
+from llsrbm.errors import InputError, NotConverged
 from llsrbm.jump import Jump
+from llsrbm.jump_types import DEFAULT, schedule_of
 from llsrbm.models import check_name, make_model
-from llsrbm.motion.plan import Plan, Solution, SolveReport, Violation
-from llsrbm.planning import solvers
+from llsrbm.motion.plan import Plan, SolveReport
+from llsrbm.ocp import solvers
+from llsrbm.ocp.problem import Iterate
+from llsrbm.ocp.progress import when_idle
+from llsrbm.ocp.solvers import Solver
+from llsrbm.ocp.transcription import Transcription
 from llsrbm.planning.assembly import assemble_plan
-from llsrbm.planning.guess import analytic_guess
-from llsrbm.planning.knots import Knots, rolled_out, unpack
-from llsrbm.planning.layout import Intervals, Layout
-from llsrbm.planning.progress import IterationTable, PlanningProgress, attended
-from llsrbm.planning.residuals import describe_worst, excess, satisfied, stops, violations
-from llsrbm.planning.solvers import Backend, Iterate
-from llsrbm.planning.task import Task, make_task, place_task
-from llsrbm.planning.transcription import Problem, row_bounds
+from llsrbm.planning.explanation import explained
+from llsrbm.planning.formulation import PATIENT_FLIGHT, Array, Attempt, Formulation
+from llsrbm.planning.horizon import make_horizon
+from llsrbm.planning.knots import Knots
+from llsrbm.planning.layout import Layout
+from llsrbm.planning.placement import make_task
+from llsrbm.planning.progress import Progress, Watch
+from llsrbm.planning.residuals import describe_worst, excess, stops
+from llsrbm.planning.scout import Scout
+from llsrbm.planning.task import Task
 from llsrbm.robots import load_robot
 from llsrbm.robots.robot import Robot
-
-Array = NDArray[np.float64]
-Progress = Callable[[PlanningProgress], None]
 
 _log = logging.getLogger(__name__)
 
 INTERVALS = 48
 MIN_INTERVALS, MAX_INTERVALS = 9, 300  # 3 a phase; more than 300 take minutes to build
 
-# Flight time of the second attempt's guess, s: long flights leave room for what a short one cannot.
-PATIENT_FLIGHT = 0.45
-# Shares of the request that the last attempt solves one after another.
-HOMOTOPY = (0.34, 0.67, 1.0)
 # Solves from the last plan before it is given up: the second one mends what the first let slip, a
 # far bound that was passed or rows that Fatrop saw scaled.
 FOLLOWS = 2
 FOLLOWED = "from the last plan"
 
 
-@dataclass(frozen=True, eq=False)
-class _Attempt:
-    iterate: Iterate
-    knots: Knots
-    violations: dict[str, Violation]
-    label: str = ""
-
-    @property
-    def solved(self) -> bool:
-        return self.iterate.converged and satisfied(self.violations)
-
-
 class Planner:
-    """Plans jumps of one robot with one model.
+    """Plans jumps of one robot with one model, of types with the same feet in the same phases.
 
     Attributes:
-        robot, model, layout: what it plans with.
-        last: task and iterate of the last plan, for tests and studies; None when it failed.
+        formulation: what it solves, and with what.
+        last: the last plan's attempt, for tests and studies; None when it failed.
     """
 
     def __init__(
@@ -76,29 +63,27 @@ class Planner:
         robot: Robot,
         model: str,
         solver: str = solvers.names()[0],
-        intervals: int = INTERVALS,
+        layout: Layout | None = None,
     ) -> None:
         """Load the solver from the cache, or build and keep it.
 
+        Args:
+            robot, model: whose jumps, and what it believes of its inertia.
+            solver: its name.
+            layout: which feet stand in which phase; None: the jump type `together`.
+
         Raises:
-            InputError: an unknown model or solver, or a number of intervals that cannot be.
+            InputError: an unknown model or solver.
         """
         check_name(model)
-        kind = solvers.backend(solver)
-        if not MIN_INTERVALS <= intervals <= MAX_INTERVALS:
-            raise InputError(
-                f"intervals: {intervals} given; expected {MIN_INTERVALS} to {MAX_INTERVALS}"
-            )
-        self.robot = robot
-        self.model = make_model(model, robot)
-        self.layout = Layout(
-            legs=len(robot.legs),
-            contacts=len(robot.legs) * len(robot.corners),
-            intervals=Intervals.split(intervals),
-            foot_coordinates=robot.foot_coordinates,
+        kind = solvers.by_name(solver)
+        when_idle()
+        made = make_model(model, robot)
+        layout = layout or layout_of(Jump(robot=robot.name), robot)
+        self.formulation = Formulation(
+            robot, made, layout, _cached_solver(kind, made, layout, robot)
         )
-        self._backend = _cached_backend(kind, self.model, self.layout, robot)
-        self.last: tuple[Task, Iterate] | None = None
+        self.last: Attempt | None = None
 
     def plan(
         self,
@@ -125,13 +110,31 @@ class Planner:
 
         Raises:
             InputError: the request is out of the robot's range, or `near` is of no use for it.
-            NotConverged: no attempt satisfied every constraint; carries the nearest one.
+            NotConverged: no attempt satisfied every constraint; carries the nearest one. With
+                patience and the default solver it names the limits that stop the jump, after some
+                more seconds; else what the nearest one violates.
             Cancelled: `cancelled` said so.
         """
+        robot, layout = self.formulation.robot, self.formulation.layout
+        task = make_task(jump, robot, weights, limits)
+        if layout_of(jump, robot, layout.nominal).stands != layout.stands:
+            raise InputError(
+                f"this planner's feet stand as {layout.name}, those of the jump do not; expected "
+                "a jump of the same type (planner_for finds its planner)"
+            )
+        watch = Watch(cancelled, progress)
+        try:
+            return self._planned(task, near, patient, watch)
+        except NotConverged as error:
+            if not patient or self.formulation.solver.name != solvers.names()[0]:
+                raise
+            raise explained(Scout(self.formulation, watch), error, task) from None
+
+    def _planned(self, task: Task, near: Plan | None, patient: bool, watch: Watch) -> Plan:
+        """The best attempt's plan."""
         start = time.perf_counter()
-        task = make_task(jump, self.robot, weights, limits)
-        watch = _Watch(cancelled, progress)
-        tried: list[_Attempt] = []
+        watch.wait()
+        tried: list[Attempt] = []
         for label, solve in self._attempts(task, near, patient, watch):
             watch.begin(f"attempt {len(tried) + 1}: {label}")
             tried.append(replace(solve(), label=label))
@@ -139,25 +142,24 @@ class Planner:
                 break
             _log.info("attempt %d, %s, failed", len(tried), label)
         best = min(tried, key=lambda attempt: (not attempt.solved, excess(attempt.violations)))
-        self.last = (task, best.iterate) if best.solved else None
+        self.last = best if best.solved else None
 
         def report() -> SolveReport:
             return SolveReport(
                 status="solved" if best.solved else "not-converged",
-                solver=self._backend.name,
-                iterations=best.iterate.iterations,
+                solver=self.formulation.solver.name,
+                iterations=best.solution.iterations,
                 attempts=len(tried),
-                solve_time_s=sum(attempt.iterate.solve_time_s for attempt in tried),
+                solve_time_s=sum(attempt.solution.solve_time_s for attempt in tried),
                 total_time_s=time.perf_counter() - start,
                 build_time_s=0.0,
-                cost=best.iterate.cost,
+                cost=best.solution.cost,
             )
 
-        solution = best.iterate.solution if best.solved else None
-        plan = assemble_plan(jump, self.robot, best.knots, best.violations, report, solution)
+        plan = assemble_plan(self.formulation.robot, best, report)
         if not best.solved:
             raise NotConverged(
-                f"no plan found in {len(tried)} attempts ({_describe(jump)}); the nearest, "
+                f"no plan found in {len(tried)} attempts ({_describe(task.jump)}); the nearest, "
                 f"{best.label}: {describe_worst(best.violations, best.knots)}",
                 plan,
                 stops(best.knots),
@@ -165,55 +167,51 @@ class Planner:
         return plan
 
     def _attempts(
-        self, task: Task, near: Plan | None, patient: bool, watch: _Watch
-    ) -> Iterator[tuple[str, Callable[[], _Attempt]]]:
+        self, task: Task, near: Plan | None, patient: bool, watch: Watch
+    ) -> Iterator[tuple[str, Callable[[], Attempt]]]:
         """What is tried, in order, each only when the one before failed."""
+        guess = self.formulation.guess
         if near is not None:
-            solution = self._solution(near)
-            yield FOLLOWED, lambda: self._follow(solution, task, watch)
-        yield "from the analytic guess", lambda: self._solve(task, self._guess(task), watch)
+            start = self._start(near)
+            yield FOLLOWED, lambda: self._follow(start, task, watch)
+        yield "from the analytic guess", lambda: self._solve(task, guess(task), watch)
         if patient:
             yield (
                 "from a longer flight",
-                lambda: self._solve(task, self._guess(task, PATIENT_FLIGHT), watch),
+                lambda: self._solve(task, guess(task, PATIENT_FLIGHT), watch),
             )
             yield "by way of easier jumps", lambda: self._by_easier_jumps(task, watch)
 
-    def _by_easier_jumps(self, task: Task, watch: _Watch) -> _Attempt:
+    def _by_easier_jumps(self, task: Task, watch: Watch) -> Attempt:
         """Solve a share of the jump first, then larger ones, each from the one before."""
-        attempts: list[_Attempt] = []
-        guess = np.zeros(0)
-        for share in HOMOTOPY:
-            harder = place_task(scaled(task.jump, share), self.robot, task.tuning)
-            easier_guess, guess = guess, self._guess(harder)
-            if not attempts:
-                start = guess
-            else:  # the last solution, moved as the analytic guesses of the two differ
-                start = self._normalised(attempts[-1].iterate.w + guess - easier_guess)
-            attempts.append(self._solve(harder, start, watch))
+        attempts: list[Attempt] = []
+        for easier in self.formulation.easier(task):
+            if attempts:
+                guess = self.formulation.moved(attempts[-1], easier)
+            else:
+                guess = self.formulation.guess(easier)
+            attempts.append(self._solve(easier, guess, watch))
         return _with_all_time(attempts)
 
-    def _normalised(self, w: Array) -> Array:
-        for knot in range(self.layout.knots):
-            place = self.layout.variables(knot).get("quat")
-            if place is not None:
-                w[place] /= np.linalg.norm(w[place])
-        return w
-
-    def _solution(self, near: Plan) -> Solution:
+    def _start(self, near: Plan) -> Iterate:
         """What a plan holds for the next one.
 
         Raises:
             InputError: it is not this planner's.
         """
         knots, of = len(near.time), near.jump
-        if (of.model, knots) != (self.model.name, self.layout.knots) or (
-            near.robot_parameters != self.robot.parameters()
+        robot, model, layout = (
+            self.formulation.robot,
+            self.formulation.model,
+            self.formulation.layout,
+        )
+        if (of.model, knots) != (model.name, layout.knots) or (
+            near.robot_parameters != robot.parameters()
         ):
             raise InputError(
                 f"near: a plan of {of.robot} with {of.model} and {knots - 1} intervals cannot be "
-                f"started from; expected {self.robot.name} as it is now with {self.model.name} "
-                f"and {self.layout.knots - 1} intervals"
+                f"started from; expected {robot.name} as it is now with {model.name} "
+                f"and {layout.knots - 1} intervals"
             )
         solution = near.solution
         if solution is None:
@@ -222,7 +220,7 @@ class Planner:
                 "what that takes, cannot be started from; expected one that converged"
             )
         sizes = len(solution.variables), len(solution.multipliers)
-        expected = self._backend.sizes
+        expected = self.formulation.solver.sizes
         if sizes != expected:
             raise InputError(
                 f"near: the plan is of another version of the planner: {sizes[0]} variables and "
@@ -230,92 +228,33 @@ class Planner:
             )
         return solution
 
-    def _follow(self, solution: Solution, task: Task, watch: _Watch) -> _Attempt:
-        parameters, bounds = self._numbers(task)
-        attempts: list[_Attempt] = []
+    def _follow(self, start: Iterate, task: Task, watch: Watch) -> Attempt:
+        problem = self.formulation.problem(task)
+        attempts: list[Attempt] = []
         for _ in range(FOLLOWS):
-            follow = partial(self._backend.follow, solution, parameters, bounds)
-            attempts.append(self._judged(task, watch.over(follow)))
-            if attempts[-1].solved or not attempts[-1].iterate.converged:
+            follow = partial(self.formulation.solver.follow, problem, start)
+            attempts.append(self.formulation.judged(task, watch.over(follow)))
+            if attempts[-1].solved or not attempts[-1].solution.converged:
                 break
-            solution = attempts[-1].iterate.solution
+            start = attempts[-1].solution
         return _with_all_time(attempts)
 
-    def _solve(self, task: Task, guess: Array, watch: _Watch) -> _Attempt:
-        parameters, bounds = self._numbers(task)
-        solve = partial(self._backend.solve, guess, parameters, bounds, watch.read)
-        return self._judged(task, watch.over(solve))
-
-    def _numbers(self, task: Task) -> tuple[Array, tuple[Array, Array]]:
-        """Parameters of the solver, and bounds of its rows."""
-        return np.concatenate(list(task.parameters().values())), row_bounds(self.layout, task)
-
-    def _judged(self, task: Task, iterate: Iterate) -> _Attempt:
-        knots = rolled_out(unpack(iterate.w, self.layout, task, self.model))
-        return _Attempt(iterate, knots, violations(knots))
-
-    def _guess(self, task: Task, flight_time: float | None = None) -> Array:
-        return analytic_guess(task, self.layout, self.model, flight_time)
+    def _solve(self, task: Task, guess: Array, watch: Watch) -> Attempt:
+        problem = self.formulation.problem(task)
+        solve = partial(self.formulation.solver.solve, problem, guess, read=watch.read)
+        return self.formulation.judged(task, watch.over(solve))
 
     def last_knots(self) -> Knots:
         """The last solution in full, for tests and studies."""
         if self.last is None:
             raise InputError("this planner has no solution yet")
-        task, iterate = self.last
-        return rolled_out(unpack(iterate.w, self.layout, task, self.model))
+        return self.last.knots
 
 
-class _Watch:
-    """Whether to go on, and whom to tell how it goes."""
-
-    def __init__(self, cancelled: Callable[[], bool] | None, progress: Progress | None) -> None:
-        self._cancelled, self._progress = cancelled, progress
-        self._text = ""
-        self._table = IterationTable()
-
-    @property
-    def read(self) -> Callable[[str], None] | None:
-        """Takes what a solver prints; None when nobody wants to know."""
-        return None if self._progress is None else self._table.read
-
-    def begin(self, text: str) -> None:
-        """Tell what comes next.
-
-        Raises:
-            Cancelled: it is not wanted any more.
-        """
-        if self._cancelled is not None and self._cancelled():
-            raise Cancelled("planning was cancelled")
-        self._text = text
-        # A new one before anybody takes hold of its `read`.
-        self._table = IterationTable()
-        if self._progress is not None:
-            self._progress(PlanningProgress(text))
-
-    def over(self, solve: Callable[[], Iterate]) -> Iterate:
-        """What `solve` returns, watched over.
-
-        Raises:
-            Cancelled: it is not wanted any more.
-        """
-        tell = None if self._progress is None else self._tell
-        return attended(solve, lambda: self._table.last, tell, self._cancelled)
-
-    def _tell(self, iteration: int, residual: float) -> None:
-        if self._progress is not None:
-            self._progress(PlanningProgress(self._text, iteration, residual))
-
-
-def _with_all_time(attempts: list[_Attempt]) -> _Attempt:
+def _with_all_time(attempts: list[Attempt]) -> Attempt:
     """The last attempt, with the time that all of them took."""
-    seconds = sum(attempt.iterate.solve_time_s for attempt in attempts)
-    return replace(attempts[-1], iterate=replace(attempts[-1].iterate, solve_time_s=seconds))
-
-
-def scaled(jump: Jump, share: float) -> Jump:
-    """A share of what is asked."""
-    motion = {k: share * getattr(jump, k) for k in ("twist", "forward", "lateral", "height")}
-    return Jump(robot=jump.robot, model=jump.model, **motion)
+    last, seconds = attempts[-1], sum(attempt.solution.solve_time_s for attempt in attempts)
+    return replace(last, solution=replace(last.solution, solve_time_s=seconds))
 
 
 def _describe(jump: Jump) -> str:
@@ -325,40 +264,64 @@ def _describe(jump: Jump) -> str:
     )
 
 
-def _cached_backend(kind: type[Backend], model: Any, layout: Layout, robot: Robot) -> Backend:
+def _cached_solver(kind: type[Solver], model: Any, layout: Layout, robot: Robot) -> Solver:
     def build() -> bytes:
         _log.info("building the %s solver of %s, once on this machine", model.name, robot.name)
-        text = kind.build(Problem(model, layout)).serialize()
-        return zlib.compress(text.encode("ascii"), level=1)
+        solver = kind.build(Transcription(make_horizon(model, layout)))
+        return zlib.compress(solver.serialize().encode("ascii"), level=1)
 
-    sources = sorted(
-        path
-        for package in ("models", "planning")
-        for path in (Path(__file__).parents[1] / package).rglob("*.py")
-    )
     key = content_key(
         ca.__version__,
         f"{kind.name} {model.name} {layout}",
         repr(robot.parameters()),
         repr(model.numbers()),
-        *sources,
+        *_programs(),
     )
-    name = f"solver-{robot.name}-{model.name}-{kind.name}"
+    name = f"solver-{robot.name}-{model.name}-{kind.name}-{layout.name}"
     stored = cached_bytes(name, key, ".casadi.z", build)
     return kind.deserialize(zlib.decompress(stored).decode("ascii"))
 
 
-def planner_for(
-    robot: str, model: str, solver: str = solvers.names()[0], intervals: int = INTERVALS
-) -> Planner:
-    """The planner of a robot's name or file and a model's name, built once a process.
+@lru_cache(maxsize=1)
+def _programs() -> tuple[str, ...]:
+    """Of all modules that a solver may depend on."""
+    package = Path(__file__).parents[1]
+    rooms = ("models", "ocp", "planning")
+    return tuple(program(p) for room in rooms for p in sorted((package / room).rglob("*.py")))
 
-    It is built again when the robot's file has changed.
+
+def layout_of(jump: Jump, robot: Robot, intervals: int = INTERVALS) -> Layout:
+    """Which variables the plan of a jump has; `intervals` as for three phases.
+
+    Raises:
+        InputError: a number of intervals that cannot be, or a jump type that is none.
     """
-    return _kept(load_robot(robot), model, solver, intervals)
+    if not MIN_INTERVALS <= intervals <= MAX_INTERVALS:
+        raise InputError(
+            f"intervals: {intervals} given; expected {MIN_INTERVALS} to {MAX_INTERVALS}"
+        )
+    contacts = len(robot.legs) * len(robot.corners)
+    return Layout.of(schedule_of(jump, robot), contacts, intervals, robot.foot_coordinates)
 
 
-# Apart from `planner_for`: the cache tells a default that is given from one that is left out.
+def planner_for(
+    robot: str,
+    model: str,
+    solver: str = solvers.names()[0],
+    intervals: int = INTERVALS,
+    *,
+    jump_type: str = DEFAULT,
+    hops: int = 1,
+) -> Planner:
+    """The planner of a robot's name or file, a model's name and a jump type, built once a process.
+
+    It is built again when the robot's file, or that of the type, has changed.
+    """
+    loaded = load_robot(robot)
+    jump = Jump(robot=robot, model=model, type=jump_type, hops=hops)
+    return _kept(loaded, model, solver, layout_of(jump, loaded, intervals))
+
+
 @lru_cache(maxsize=12)
-def _kept(robot: Robot, model: str, solver: str, intervals: int) -> Planner:
-    return Planner(robot, model, solver, intervals)
+def _kept(robot: Robot, model: str, solver: str, layout: Layout) -> Planner:
+    return Planner(robot, model, solver, layout)

@@ -1,34 +1,13 @@
-"""News of a solve while it runs, and a way out of it.
-
-A solver tells of its iterations only by printing a table. Whoever asks for news gets the table's
-last line: a thread solves, the caller's thread waits, looks now and then, and calls back.
-"""
+"""News of planning while it runs."""
 
 from __future__ import annotations
 
-import io
-import re
-import sys
-import threading
-import time
-from collections.abc import Callable, Iterator
-from concurrent.futures import ThreadPoolExecutor
-from contextlib import contextmanager
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TextIO, TypeVar
 
 from llsrbm.errors import Cancelled
-
-LOOK_EVERY = 0.02  # s between questions whether to go on: a tenth of what a person notices
-TELL_EVERY = 0.1  # s between news of one solve
-
-# A row of Fatrop's or Ipopt's table: iteration, objective, constraint violation, ...
-_ROW = re.compile(r"^ *(\d+)r? +[-+.\deE]+ +([-+.\deE]+) ")
-
-# CasADi counts references without locks: two solves at once would corrupt memory.
-_solving = threading.Lock()
-
-Result = TypeVar("Result")
+from llsrbm.ocp.problem import Solution
+from llsrbm.ocp.progress import IterationTable, attended, when_idle
 
 
 @dataclass(frozen=True)
@@ -46,105 +25,55 @@ class PlanningProgress:
     residual: float | None = None
 
 
-class IterationTable:
-    """The last row of the table that a solver prints.
-
-    Attributes:
-        last: iteration and residual; None before the first row.
-    """
-
-    def __init__(self) -> None:
-        self.last: tuple[int, float] | None = None
-        self._line = ""
-
-    def read(self, text: str) -> None:
-        """Take a piece of what is printed; pieces end anywhere."""
-        *lines, self._line = (self._line + text).split("\n")
-        for line in lines:
-            if row := _ROW.match(line):
-                self.last = int(row[1]), float(row[2])
+Progress = Callable[[PlanningProgress], None]
 
 
-@contextmanager
-def printed_into(read: Callable[[str], None]) -> Iterator[None]:
-    """Hand what this thread prints to `read`; other threads go on printing as before."""
-    tap = _Tap(sys.stdout, read)
-    sys.stdout = tap
-    try:
-        yield
-    finally:
-        tap.close_tap()
-        # Whoever redirected the output meanwhile puts it back; the closed tap only passes on.
-        if sys.stdout is tap:
-            sys.stdout = tap.beyond
+class Watch:
+    """Whether to go on, and who is told how it goes."""
 
+    def __init__(
+        self, cancelled: Callable[[], bool] | None = None, progress: Progress | None = None
+    ) -> None:
+        self._cancelled, self._progress = cancelled, progress
+        self._text = ""
+        self._table = IterationTable()
 
-class _Tap(io.TextIOBase):
-    """Stands in for `sys.stdout`."""
+    @property
+    def read(self) -> Callable[[str], None] | None:
+        """Takes what a solver prints; None when nobody wants to know."""
+        return None if self._progress is None else self._table.read
 
-    def __init__(self, beyond: TextIO, read: Callable[[str], None]) -> None:
-        self.beyond, self._read = beyond, read
-        self._thread: int | None = threading.get_ident()
+    def wait(self) -> None:
+        """Until CasADi may be used.
 
-    def close_tap(self) -> None:
-        """Pass everything on from now on."""
-        self._thread = None
+        Raises:
+            Cancelled: it is not wanted any more.
+        """
+        when_idle(self._cancelled)
 
-    def write(self, text: str) -> int:
-        if threading.get_ident() == self._thread:
-            self._read(text)
-            return len(text)
-        return self.beyond.write(text)
+    def begin(self, text: str) -> None:
+        """Tell what comes next.
 
-    def flush(self) -> None:
-        self.beyond.flush()
+        Raises:
+            Cancelled: it is not wanted any more.
+        """
+        if self._cancelled is not None and self._cancelled():
+            raise Cancelled("planning was cancelled")
+        self._text = text
+        # A new one before anybody takes hold of its `read`.
+        self._table = IterationTable()
+        if self._progress is not None:
+            self._progress(PlanningProgress(text))
 
-    def isatty(self) -> bool:
-        return self.beyond.isatty()
+    def over(self, solve: Callable[[], Solution]) -> Solution:
+        """What `solve` returns, watched over.
 
-    def fileno(self) -> int:
-        return self.beyond.fileno()
+        Raises:
+            Cancelled: it is not wanted any more.
+        """
+        tell = None if self._progress is None else self._tell
+        return attended(solve, lambda: self._table.last, tell, self._cancelled)
 
-
-def attended(
-    solve: Callable[[], Result],
-    look: Callable[[], tuple[int, float] | None],
-    tell: Callable[[int, float], None] | None,
-    cancelled: Callable[[], bool] | None,
-) -> Result:
-    """What `solve` returns; meanwhile `tell` and `cancelled` are called, by the caller's thread.
-
-    A solver cannot be stopped: when `cancelled` says so, this returns at once, and the solve runs
-    on unseen to its end; the next one waits for it.
-
-    Args:
-        solve: runs in a thread of its own, alone of its kind in the process.
-        look: the newest iteration and residual.
-        tell: is told of them, at most every `TELL_EVERY`.
-        cancelled: whether the result is not wanted any more, asked every `LOOK_EVERY`.
-
-    Raises:
-        Cancelled: it was not.
-    """
-
-    def alone() -> Result:
-        with _solving:
-            return solve()
-
-    if tell is None and cancelled is None:
-        return alone()
-    executor = ThreadPoolExecutor(max_workers=1, thread_name_prefix="solve")
-    future = executor.submit(alone)
-    executor.shutdown(wait=False)
-    told, told_at = None, time.monotonic()
-    while True:
-        try:
-            return future.result(timeout=LOOK_EVERY)
-        except TimeoutError:
-            if cancelled is not None and cancelled():
-                raise Cancelled("planning was cancelled") from None
-        news = look()
-        due = time.monotonic() - told_at >= TELL_EVERY
-        if tell is not None and news is not None and news != told and due:
-            told, told_at = news, time.monotonic()
-            tell(*news)
+    def _tell(self, iteration: int, residual: float) -> None:
+        if self._progress is not None:
+            self._progress(PlanningProgress(self._text, iteration, residual))

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from llsrbm.errors import Stop
-from llsrbm.motion.plan import Phase, Violation
+from llsrbm.motion.plan import Violation
 from llsrbm.planning.constraints import CONSTRAINTS, Constraint
 from llsrbm.planning.constraints.base import Demand, Limit
 from llsrbm.planning.knots import Knots
@@ -33,8 +33,6 @@ SCALES = {
 
 # How far a limit is moved, times its value, to see whether it is the one that is exceeded.
 FAR = 20.0
-
-PHASE_NAMES = {Phase.TAKEOFF: "take-off", Phase.FLIGHT: "flight", Phase.LANDING: "landing"}
 
 
 def dynamics_defects(knots: Knots) -> dict[str, tuple[str, Array]]:
@@ -73,9 +71,14 @@ def _largest(knots: Knots, unit: str, amount: Array) -> Violation:
     return Violation(
         amount=float(amount[worst]),
         unit=unit,
-        phase=PHASE_NAMES[Phase(knots.phase[worst])],
+        phase=phase_name(knots, worst),
         time=float(knots.time[worst]),
     )
+
+
+def phase_name(knots: Knots, knot: int) -> str:
+    """Of the phase that a knot is in."""
+    return knots.task.schedule[int(knots.phase[knot])].name
 
 
 def satisfied(found: dict[str, Violation]) -> bool:
@@ -198,7 +201,7 @@ def with_demand(stop: Stop, demand: Demand | None, knots: Knots) -> Stop:
         return stop
     return replace(
         stop,
-        phase=PHASE_NAMES[Phase(knots.phase[demand.interval])],
+        phase=phase_name(knots, demand.interval),
         time=float(knots.time[demand.interval]),
         detail=demand.words,
     )

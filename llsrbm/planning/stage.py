@@ -8,10 +8,9 @@ from typing import Any
 import casadi as ca
 
 from llsrbm.models.base import CentroidalModel
-from llsrbm.motion.plan import Phase
+from llsrbm.ocp.lifting import Lifting
 from llsrbm.planning.headings import across, heading_rate, relative_yaw, relative_yaw_rate
-from llsrbm.planning.layout import STANDING, Layout, Role
-from llsrbm.planning.lifting import Lifting
+from llsrbm.planning.layout import Layout, Role
 from llsrbm.planning.rotations import quat_exp, quat_product, rotation_matrix
 
 GRAVITY = 9.81  # m/s2
@@ -29,9 +28,10 @@ class Stage:
         role, layout, model: what the stage is about.
         parameters: name -> symbols that stay fixed in a solve.
         symbols: name -> this stage's variables; variables: all of them, states first.
-        standing_feet: (3, L) m: where the feet stand in this phase (flight: where they left).
+        standing_feet: (3, L) m: where the feet stand in this phase, or stood last.
         standing_contacts: (3, C) m: their contact points; standing_yaw: (L,) rad, their headings.
-        standing: all three in one column.
+        towards: (2, L) directions across the edge that flying feet cross, see `Task.towards`.
+        local: all of these in one column: parameters of a phase.
         lift: collects the intermediates derivatives run through.
     """
 
@@ -40,17 +40,37 @@ class Stage:
     ) -> None:
         self.role, self.layout, self.model, self.parameters = role, layout, model, parameters
         names = (*layout.states(role), *layout.controls(role))
-        self.symbols = {name: ca.SX.sym(name, layout.size(name)) for name in names}
+        self.symbols = {name: ca.SX.sym(name, layout.size(name, role)) for name in names}
         self.variables = ca.vertcat(*self.symbols.values())
-        # Symbols of their own, so that take-off and landing can share their expressions.
+        # Symbols of their own, so that phases can share their expressions.
         self.standing_feet = ca.SX.sym("standing_feet", 3, layout.legs)
         self.standing_contacts = ca.SX.sym("standing_contacts", 3, layout.contacts)
         self.standing_yaw = ca.SX.sym("standing_yaw", layout.legs)
-        self.standing = ca.vertcat(
-            ca.vec(self.standing_feet), ca.vec(self.standing_contacts), self.standing_yaw
+        self.towards = ca.SX.sym("towards", 2, layout.legs)
+        self.local = ca.vertcat(
+            ca.vec(self.standing_feet),
+            ca.vec(self.standing_contacts),
+            self.standing_yaw,
+            ca.vec(self.towards),
         )
         self.lift = Lifting(self.variables)
-        self.intervals = layout.intervals_of(role.phase)
+        self.intervals = role.intervals
+
+    @staticmethod
+    def local_sizes(layout: Layout) -> dict[str, int]:
+        """Name -> number of scalars of a phase's parameters, in the order of `local`."""
+        legs = layout.legs
+        return {"feet": 3 * legs, "contacts": 3 * layout.contacts, "yaw": legs, "towards": 2 * legs}
+
+    def of_legs(self, name: str) -> dict[int, Any]:
+        """Leg -> its part of a variable, (d, 1), or of a force, (3 corners, 1)."""
+        legs = self.layout.legs_of(name, self.role)
+        if not legs:
+            return {}
+        return dict(zip(legs, ca.vertsplit(self.symbols[name], self._width(name)), strict=True))
+
+    def _width(self, name: str) -> int:
+        return 3 * self.layout.corners if "force" in name else self.layout.foot_coordinates
 
     # ---- at the knot
 
@@ -62,22 +82,17 @@ class Stage:
     @property
     def quat(self) -> Any:
         """q_world_base, (4, 1)."""
-        return self.symbols.get("quat", ca.SX([1, 0, 0, 0]))
+        return self.symbols.get("quat", self.parameters["start_quat"])
 
     @property
     def velocity(self) -> Any:
         """Of the CoM, (3, 1) m/s."""
-        return self.symbols.get("velocity", ca.SX.zeros(3))
+        return self.symbols.get("velocity", self.parameters["start_velocity"])
 
     @property
     def momentum(self) -> Any:
         """L / m, (3, 1) m2/s."""
         return self.symbols.get("momentum", ca.SX.zeros(3))
-
-    @staticmethod
-    def standing_parameters(role: Role) -> tuple[str, ...]:
-        """The parameters of `standing` in a role."""
-        return STANDING["goal" if role.phase == Phase.LANDING else "start"]
 
     @cached_property
     def R_world_base(self) -> Any:
@@ -86,59 +101,75 @@ class Stage:
 
     @cached_property
     def feet_in_hip(self) -> Any:
-        """x at the knot, (d, L): variables in flight, functions of r and R in stance."""
-        if "feet" in self.symbols:
+        """x at the knot, (d, L): variables in the air, functions of r and R on the ground."""
+        if len(self.role.in_air) == self.layout.legs:
             return ca.reshape(self.symbols["feet"], self.layout.foot_coordinates, -1)
-        return self._feet_in_stance(self.R_world_base, self.position)[0]
+        return self._placed_at_knot[0]
 
     @cached_property
     def offset(self) -> Any:
-        """o at the knot of a stage whose feet are variables, (3, 1) m."""
-        return self.lift(self.model.base_offset(self.feet_in_hip))
+        """o at the knot, (3, 1) m."""
+        if len(self.role.in_air) == self.layout.legs:
+            return self.lift(self.model.base_offset(self.feet_in_hip))
+        return self._placed_at_knot[1]
 
-    @property
-    def feet_velocity(self) -> Any:
-        """xdot just before the knot of a stage whose feet are variables, (d, L)."""
-        return ca.reshape(self.symbols["feet_velocity"], self.layout.foot_coordinates, -1)
+    @cached_property
+    def _placed_at_knot(self) -> tuple[Any, Any, dict[int, Any]]:
+        return self._placed(self.R_world_base, self.position, self.of_legs("feet"))
 
-    @property
-    def feet_steps(self) -> list[tuple[Any, Any]]:
-        """(d, L) changes of xdot in m/s, rad/s, and the times that they take, s.
+    @cached_property
+    def feet_velocity(self) -> dict[int, Any]:
+        """Leg -> xdot just before the knot, (d, 1), of feet in the air."""
+        return self.of_legs("feet_velocity")
+
+    @cached_property
+    def feet_steps(self) -> dict[int, list[tuple[Any, Any]]]:
+        """Swinging leg -> (d, 1) changes of xdot in m/s, rad/s, and the times that they take, s.
 
         From interval to interval it is one of them; from rest at lift-off to the first interval's
         middle, and from the last one's to rest at touchdown, half of one.
         """
-        shape = (self.layout.foot_coordinates, self.layout.legs)
-        steps = [(ca.reshape(self.symbols["feet_step"], *shape), self.dt)]
-        if self.role.first:
-            steps = [(steps[0][0], self.dt / 2)]
-        if self.role.last:
-            steps.append((ca.reshape(self.symbols["feet_stop"], *shape), self.dt / 2))
+        stops = self.of_legs("feet_stop")
+        steps: dict[int, list[tuple[Any, Any]]] = {}
+        for leg, step in self.of_legs("feet_step").items():
+            steps[leg] = [(step, self.dt / 2 if leg in self.role.leaving else self.dt)]
+            if leg in stops:
+                steps[leg].append((stops[leg], self.dt / 2))
         return steps
 
     def foot_from_com(self, leg: int) -> Any:
-        """beta_i at the knot of a stage whose feet are variables, (3, 1) m, base axes."""
+        """beta_i at the knot, (3, 1) m, base axes."""
         return self.model.foot_from_com(leg, self.feet_in_hip[:, leg], self.offset)
 
     def relative_yaw(self, leg: int) -> Any:
         """The foot's yaw against the base at the knot, rad, base axes."""
         return self.model.turn_mirrors[leg] * self.feet_in_hip[3, leg]
 
-    def _across(self, R: Any) -> list[Any]:
-        """The direction across each standing foot, (3, 1) in base axes; none for points."""
-        if self.layout.foot_coordinates == 3:
-            return []
-        return [self.lift(across(R, psi)) for psi in ca.vertsplit(self.standing_yaw)]
+    def _placed(self, R: Any, position: Any, in_air: dict[int, Any]) -> tuple[Any, Any, Any]:
+        """x (d, L), o (3, 1), and leg -> beta (d, 1) of the feet that stand.
 
-    def _feet_in_stance(self, R: Any, position: Any) -> tuple[Any, Any, Any]:
+        Args:
+            R, position: of base and CoM.
+            in_air: leg -> x_i of the feet that do not.
+        """
+        standing = [leg for leg in range(self.layout.legs) if leg not in in_air]
         r_base = self.lift(ca.mtimes(R.T, position))
-        beta = [ca.mtimes(R.T, self.standing_feet[:, i]) - r_base for i in range(self.layout.legs)]
-        if directions := self._across(R):
-            yaws = [self.lift(relative_yaw(nb)) for nb in directions]
-            beta = [ca.vertcat(b, yaw) for b, yaw in zip(beta, yaws, strict=True)]
-        o = self.lift(self.model.base_offset_from_com(ca.horzcat(*beta)))
-        feet = [self.lift(self.model.foot_in_hip(i, b, o)) for i, b in enumerate(beta)]
-        return ca.horzcat(*feet), o, ca.horzcat(*beta)
+        beta = {i: ca.mtimes(R.T, self.standing_feet[:, i]) - r_base for i in standing}
+        if self.layout.foot_coordinates > 3:
+            for i, direction in self._across(R, standing).items():
+                beta[i] = ca.vertcat(beta[i], self.lift(relative_yaw(direction)))
+        o = self.lift(self.model.offset_map(tuple(standing))(beta | in_air))
+        x = [
+            in_air[i] if i in in_air else self.lift(self.model.foot_in_hip(i, beta[i], o))
+            for i in range(self.layout.legs)
+        ]
+        return ca.horzcat(*x), o, beta
+
+    def _across(self, R: Any, legs: list[int]) -> dict[int, Any]:
+        """Leg -> the direction across its standing foot, (3, 1) in base axes; none of points."""
+        if self.layout.foot_coordinates == 3:
+            return {}
+        return {leg: self.lift(across(R, self.standing_yaw[leg])) for leg in legs}
 
     # ---- over the interval
 
@@ -154,8 +185,14 @@ class Stage:
 
     @property
     def force(self) -> Any:
-        """(3, contacts) in m g / contacts."""
-        return ca.reshape(self.symbols["force"], 3, self.layout.contacts)
+        """(3, standing contacts) in m g / contacts."""
+        return ca.reshape(self.symbols["force"], 3, -1)
+
+    @cached_property
+    def _points(self) -> list[int]:
+        """Columns of `standing_contacts` at which `force` acts."""
+        corners = self.layout.corners
+        return [leg * corners + c for leg in self.role.standing for c in range(corners)]
 
     @cached_property
     def _specific_force(self) -> Any:
@@ -171,7 +208,9 @@ class Stage:
     @cached_property
     def _moment_about_origin(self) -> Any:
         points = self.standing_contacts
-        moments = (ca.cross(points[:, j], self.force[:, j]) for j in range(self.layout.contacts))
+        moments = (
+            ca.cross(points[:, point], self.force[:, j]) for j, point in enumerate(self._points)
+        )
         return self.lift(sum(moments) * (GRAVITY / self.layout.contacts))
 
     def _moment_about(self, position: Any) -> Any:
@@ -229,31 +268,35 @@ class Stage:
     @cached_property
     def feet_mid(self) -> tuple[Any, Any, Any, Any]:
         """x (d, L), xdot (d, L), o (3, 1) and odot (3, 1) at the midpoint."""
-        if self.role.phase == Phase.FLIGHT:
-            xdot = self.lift(self.feet_velocity + self.feet_steps[0][0])
-            x = self.lift(self.feet_in_hip + xdot * self.dt / 2)
-            o_rate = self.lift(self.model.base_offset_rate(xdot))
-            return x, xdot, self.lift(self.model.base_offset(x)), o_rate
+        R, legs, model = self.R_world_base_mid, range(self.layout.legs), self.model
+        xdot, in_air = {}, {}
+        if self.role.swinging:
+            before = ca.horzcat(*(self.feet_velocity[i] for i in self.role.swinging))
+            steps = ca.horzcat(*(self.feet_steps[i][0][0] for i in self.role.swinging))
+            at_knot = ca.horzcat(*(self.feet_in_hip[:, i] for i in self.role.swinging))
+            rate = self.lift(before + steps)
+            place = self.lift(at_knot + rate * self.dt / 2)
+            xdot = dict(zip(self.role.swinging, ca.horzsplit(rate), strict=True))
+            in_air = dict(zip(self.role.swinging, ca.horzsplit(place), strict=True))
+        if not self.role.standing:
+            o_rate = self.lift(model.offset_map(()).rate(xdot))
+            return place, rate, self.lift(model.base_offset(place)), o_rate
         position = self.lift(
             self.position + self.velocity * self.dt / 2 + self.acceleration * self.dt**2 / 8
         )
-        x, o, beta = self._feet_in_stance(self.R_world_base_mid, position)
-        beta_rate = [
-            -self.velocity_mid_base - ca.cross(self.rotation_rate, beta[:3, i])
-            for i in range(self.layout.legs)
-        ]
-        turns: list[Any] = [ca.SX(0, 1)] * self.layout.legs
-        if directions := self._across(self.R_world_base_mid):
-            turns = [relative_yaw_rate(nb, self.rotation_rate) for nb in directions]
-        seen = ca.horzcat(*map(ca.vertcat, beta_rate, turns))
-        o_rate = self.lift(self.model.base_offset_rate_from_com(seen))
-        xdot = [
-            self.lift(ca.vertcat(ca.DM(M) * (rate - o_rate), side * turn))
-            for M, side, rate, turn in zip(
-                self.model.mirrors, self.model.turn_mirrors, beta_rate, turns, strict=True
-            )
-        ]
-        return x, ca.horzcat(*xdot), o, o_rate
+        x, o, beta = self._placed(R, position, in_air)
+        seen = {
+            i: -self.velocity_mid_base - ca.cross(self.rotation_rate, b[:3])
+            for i, b in beta.items()
+        }
+        for i, direction in self._across(R, list(beta)).items():
+            turn = relative_yaw_rate(direction, self.rotation_rate)
+            seen[i] = ca.vertcat(seen[i], turn)
+        o_rate = self.lift(model.offset_map(tuple(beta)).rate(seen | xdot))
+        for i, rate in seen.items():
+            place_rate = ca.DM(model.mirrors[i]) * (rate[:3] - o_rate)
+            xdot[i] = self.lift(ca.vertcat(place_rate, model.turn_mirrors[i] * rate[3:]))
+        return x, ca.horzcat(*(xdot[i] for i in legs)), o, o_rate
 
     @cached_property
     def balance(self) -> Any:
@@ -264,10 +307,10 @@ class Stage:
 
     @cached_property
     def foot_velocity_base(self) -> Any:
-        """The feet's velocity in the world, base axes, mean over a flight interval, (3, L) m/s."""
+        """The swinging feet's mean velocity in the world, base axes, (3, swinging) m/s."""
         x, xdot, o, o_rate = self.feet_mid
         columns = []
-        for i in range(self.layout.legs):
+        for i in self.role.swinging:
             beta = self.model.foot_from_com(i, x[:, i], o)
             beta_rate = o_rate + ca.DM(self.model.mirrors[i]) * xdot[:3, i]
             columns.append(
@@ -277,46 +320,62 @@ class Stage:
 
     @cached_property
     def foot_turn(self) -> Any:
-        """How fast the feet turn in the world, mean over a flight interval, (L, 1) rad/s.
+        """How fast the swinging feet turn in the world, mean over the interval, rad/s.
 
-        Empty for points.
+        (swinging, 1); empty for points.
         """
         if self.layout.foot_coordinates == 3:
             return ca.SX(0, 1)
         x, xdot, _, _ = self.feet_mid
         up = self.lift(self.R_world_base_mid[2, :].T)
+        side = self.model.turn_mirrors
         rates = [
-            heading_rate(up, side * x[3, i], side * xdot[3, i], self.rotation_rate)
-            for i, side in enumerate(self.model.turn_mirrors)
+            heading_rate(up, side[i] * x[3, i], side[i] * xdot[3, i], self.rotation_rate)
+            for i in self.role.swinging
         ]
         return ca.vertcat(*rates)
 
+    @property
+    def edge_legs(self) -> tuple[int, ...]:
+        """Legs whose feet have just left or met the ground."""
+        return tuple(sorted({*self.role.leaving, *self.role.landing}))
+
     @cached_property
     def foot_velocity_at_knot(self) -> Any:
-        """The feet's velocity in the world as the interval begins, base axes, (3, L) m/s."""
+        """Velocity of `edge_legs` in the world as the interval begins, base axes, (3, n) m/s."""
         velocity = self.lift(ca.mtimes(self.R_world_base.T, self.velocity))
-        xdot = self.feet_velocity
-        o_rate = self.model.base_offset_rate(xdot)
+        standing = [i for i in range(self.layout.legs) if i not in self.role.in_air]
+        seen = {}
+        if standing:
+            beta = self._placed_at_knot[2]
+            seen = {i: -velocity - ca.cross(self.rotation_rate, beta[i][:3]) for i in standing}
+            for i, direction in self._across(self.R_world_base, standing).items():
+                seen[i] = ca.vertcat(seen[i], relative_yaw_rate(direction, self.rotation_rate))
+        o_rate = self.model.offset_map(tuple(standing)).rate(seen | self.feet_velocity)
         return ca.horzcat(
             *(
                 velocity
                 + ca.cross(self.rotation_rate, self.foot_from_com(i))
                 + o_rate
-                + ca.DM(self.model.mirrors[i]) * xdot[:3, i]
-                for i in range(self.layout.legs)
+                + ca.DM(self.model.mirrors[i]) * self.feet_velocity[i][:3]
+                for i in self.edge_legs
             )
         )
 
     @cached_property
     def foot_turn_at_knot(self) -> Any:
-        """How fast the feet turn in the world as the interval begins, (L, 1) rad/s; no points."""
+        """How fast `edge_legs` turn in the world as the interval begins, (n, 1) rad/s.
+
+        Empty for points.
+        """
         if self.layout.foot_coordinates == 3:
             return ca.SX(0, 1)
         up, x, xdot = self.R_world_base[2, :].T, self.feet_in_hip, self.feet_velocity
+        side = self.model.turn_mirrors
         return ca.vertcat(
             *(
-                heading_rate(up, side * x[3, i], side * xdot[3, i], self.rotation_rate)
-                for i, side in enumerate(self.model.turn_mirrors)
+                heading_rate(up, side[i] * x[3, i], side[i] * xdot[i][3], self.rotation_rate)
+                for i in self.edge_legs
             )
         )
 
@@ -333,30 +392,34 @@ class Stage:
 
     @cached_property
     def joint_torques(self) -> Any:
-        """(n, L) shares of what the drives give at rest, in stance in the middle of the interval.
+        """(n, L + settling) shares of what the drives give at rest.
 
-        What holds the contact forces and the leg's own weight, and what moves the leg. In flight
-        what swings the legs as the interval begins; of the last one also as it ends, (n, 2 L).
+        Of standing legs in the middle of the interval: what holds the contact forces and the leg's
+        own weight, and what moves the leg. Of swinging legs what swings them as the interval
+        begins; after all legs those that land at its end, as it ends.
         """
-        legs = range(self.layout.legs)
-        if self.role.phase == Phase.FLIGHT:
-            start = self.feet_in_hip, self.feet_velocity
-            end = self.feet_in_hip + self.feet_mid[1] * self.dt, self.feet_mid[1]
-            steps = zip((start, end), self.feet_steps, strict=False)
-            torques = [
-                self._swing_torque(i, x[:, i], before[:, i] + step[:, i] / 2, step[:, i] / span)
-                for (x, before), (step, span) in steps
-                for i in legs
-            ]
-        else:
-            torques = [self._stance_torque(i) for i in legs]
-        return ca.horzcat(*torques)
+        starts, ends = [], []
+        for leg in range(self.layout.legs):
+            if leg in self.role.standing:
+                starts.append(self._stance_torque(leg))
+                continue
+            (step, span), *stop = self.feet_steps[leg]
+            x, before = self.feet_in_hip[:, leg], self.feet_velocity[leg]
+            starts.append(self._swing_torque(leg, x, before + step / 2, step / span))
+            if stop:
+                (step, span), rate = stop[0], self.feet_mid[1][:, leg]
+                x = x + rate * self.dt
+                ends.append(self._swing_torque(leg, x, rate + step / 2, step / span))
+        return ca.horzcat(*starts, *ends)
 
     def _swing_torque(self, leg: int, x: Any, x_rate: Any, x_acceleration: Any) -> Any:
         drives = self.model.drives
         x, x_rate, x_acceleration = map(self.lift, (x, x_rate, x_acceleration))
         joints = drives.legs[leg].accelerations(x, x_rate, x_acceleration)
-        return self._share(leg, ca.mtimes(ca.DM(drives.mass_matrix[leg]), joints))
+        torque = ca.mtimes(ca.DM(drives.mass_matrix[leg]), joints)
+        if self.role.in_contact:  # not falling freely: the leg has a weight
+            torque += ca.mtimes(ca.DM(drives.weight[leg]), self._specific_force_base)
+        return self._share(leg, torque)
 
     def _stance_torque(self, leg: int) -> Any:
         x, xdot, _, _ = self.feet_mid
@@ -384,13 +447,17 @@ class Stage:
         """
         R, corners = self.R_world_base_mid, self.layout.corners
         unit = self.model.mass * GRAVITY / self.layout.contacts
-        mine = range(leg * corners, (leg + 1) * corners)
+        first = self.role.standing.index(leg) * corners
+        mine = range(first, first + corners)
         total = sum(self.force[:, j] for j in mine)
         force = self.lift(ca.mtimes(R.T, total) * unit)
         if corners == 1:
             return force, None
         moments = (
-            ca.cross(self.standing_contacts[:, j] - self.standing_feet[:, leg], self.force[:, j])
+            ca.cross(
+                self.standing_contacts[:, self._points[j]] - self.standing_feet[:, leg],
+                self.force[:, j],
+            )
             for j in mine
         )
         return force, self.lift(ca.mtimes(R.T, sum(moments)) * unit)
@@ -401,29 +468,49 @@ class Stage:
 
     # ---- dynamics
 
-    def next_state(self, names: tuple[str, ...]) -> Any:
-        """The states called `names` at the next knot (eq. 8)."""
-        role, s, dt = self.role, self.symbols, self.dt
+    def next_state(self, following: Role) -> Any:
+        """The states at the next knot, of that role (eq. 8)."""
+        dt = self.dt
         step = {
             "position": lambda: self.position + self.velocity * dt + self.acceleration * dt**2 / 2,
             "quat": lambda: quat_product(self._quat_mid, self._half_turn),
             "velocity": lambda: self.velocity + self.acceleration * dt,
             "momentum": lambda: self.momentum + self.moment * dt,
-            "duration": lambda: s.get("next_duration", self.duration),
-            "force": lambda: (
-                s["next_force"]
-                if "next_force" in s
-                else s["force"] + s.get("force_step", ca.SX.zeros(s["force"].shape))
-            ),
-            "feet": lambda: (
-                s["feet"] + (s["feet_velocity"] + s["feet_step"]) * dt
-                if role.phase == Phase.FLIGHT
-                else s["next_feet"]
-            ),
-            "feet_velocity": lambda: (
-                s["feet_velocity"] + s["feet_step"] + s.get("feet_stop", 0)
-                if role.phase == Phase.FLIGHT
-                else s["next_feet_velocity"]
-            ),
+            "duration": lambda: self.symbols.get("next_duration", self.duration),
+            "force": lambda: self._next_force(following),
+            "feet": lambda: self._next_feet(following),
+            "feet_velocity": lambda: self._next_feet_velocity(following),
         }
-        return ca.vertcat(*(step[name]() for name in names))
+        return ca.vertcat(*(step[name]() for name in self.layout.states(following)))
+
+    def _next_force(self, following: Role) -> Any:
+        new, now, steps = map(self.of_legs, ("next_force", "force", "force_step"))
+        parts = []
+        for leg in following.standing:
+            if leg in now:
+                parts.append(now[leg] + steps[leg] if leg in steps else now[leg])
+            else:
+                parts.append(new[leg])
+        return ca.vertcat(*parts)
+
+    def _next_feet(self, following: Role) -> Any:
+        new, now, steps = map(self.of_legs, ("next_feet", "feet", "feet_step"))
+        return ca.vertcat(
+            *(
+                now[leg] + (self.feet_velocity[leg] + steps[leg]) * self.dt
+                if leg in steps
+                else new[leg]
+                for leg in following.in_air
+            )
+        )
+
+    def _next_feet_velocity(self, following: Role) -> Any:
+        new, steps, stops = map(self.of_legs, ("next_feet_velocity", "feet_step", "feet_stop"))
+        parts = []
+        for leg in following.in_air:
+            if leg not in steps:
+                parts.append(new[leg])
+                continue
+            velocity = self.feet_velocity[leg] + steps[leg]
+            parts.append(velocity + stops[leg] if leg in stops else velocity)
+        return ca.vertcat(*parts)

@@ -14,7 +14,7 @@ import numpy as np
 
 from llsrbm.design import Design, dump_design
 from llsrbm.jump import Jump
-from llsrbm.motion.plan import Solution
+from llsrbm.ocp.problem import Iterate
 from llsrbm.scenario import Scenario
 from llsrbm.tuning import Tuning
 from tests.app.synthetic_plan import synthetic_plan
@@ -35,7 +35,7 @@ class Damaged:
 
     def __init__(self):
         plan = synthetic_plan(JUMP)
-        object.__setattr__(plan, "solution", Solution(np.arange(9.0), np.arange(5.0)))
+        object.__setattr__(plan, "solution", Iterate(np.arange(9.0), np.arange(5.0)))
         rollout = synthetic_rollout(plan)
         with tempfile.TemporaryDirectory() as folder:
             self.good = []

@@ -13,7 +13,7 @@ from app.session.events import JumpChosen, Reported, RobotLoaded
 from app.session.opening import first_state
 from app.session.results import draw_robot
 from app.session.update import update
-from llsrbm.motion.plan import Solution
+from llsrbm.ocp.problem import Iterate
 from llsrbm.robots import load_robot, read_robot_file
 from llsrbm.robots.assets import robot_files
 from tests.app.synthetic_plan import synthetic_plan
@@ -25,7 +25,7 @@ ROBOTS = {name: read_robot_file(path) for name, path in robot_files().items()}
 @cache
 def plan_of(jump, status="solved"):
     """With a solution, of which only its being there matters here."""
-    return replace(synthetic_plan(jump, status), solution=Solution(np.arange(5.0), np.arange(3.0)))
+    return replace(synthetic_plan(jump, status), solution=Iterate(np.arange(5.0), np.arange(3.0)))
 
 
 @cache

@@ -8,7 +8,7 @@ from llsrbm import models
 from llsrbm.design import dump_design, load_design
 from llsrbm.errors import InputError
 from llsrbm.examples import examples, find_design
-from llsrbm.planning.task import make_task
+from llsrbm.planning.placement import make_task
 from llsrbm.robots import load_robot, names
 from llsrbm.robots.assets import assets_directory
 from llsrbm.simulation.checks import check_scenario

@@ -15,7 +15,7 @@ from app.motion.frames import Frames
 from app.scene import gltf
 from app.scene.drawing import Copies, RootedOverlay
 from app.scene.picture import Picture
-from llsrbm.planning.task import place_task
+from llsrbm.planning.placement import place_task
 from llsrbm.robots import Robot
 
 Array = NDArray[np.float64]

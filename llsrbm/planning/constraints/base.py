@@ -4,18 +4,16 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel
 
+from llsrbm.planning.knots import Knots
 from llsrbm.planning.layout import Layout, Role
 from llsrbm.planning.stage import Stage
-
-if TYPE_CHECKING:  # a task knows the limits, which the constraints declare
-    from llsrbm.planning.knots import Knots
-    from llsrbm.planning.task import Task
+from llsrbm.planning.task import Task
 
 Array = NDArray[np.float64]
 
@@ -135,14 +133,18 @@ class Constraint(ABC):
         return None
 
 
-def spread(knots: Knots, where: slice, amounts: Array) -> Array:
-    """(N+1,) with the largest of `amounts`, (n, ...), at the knots `where`; never negative."""
+def spread(knots: Knots, amounts: Array, where: NDArray[np.bool_] | None = None) -> Array:
+    """(N+1,) the largest amount at each knot; never negative.
+
+    Args:
+        knots: of which.
+        amounts: (N+1, ...) at the knots, or (N, ...) over the intervals.
+        where: (N+1, L) or (N, L) legs that count, along the amounts' second axis; None: all.
+    """
     out = np.zeros(len(knots.time))
-    flat = amounts.reshape(len(amounts), -1)
-    out[where] = flat.max(axis=1, initial=0.0)
+    if where is not None:
+        counts = where[: len(amounts)]
+        shape = (*counts.shape, *[1] * (amounts.ndim - 2))
+        amounts = np.where(counts.reshape(shape), amounts, 0.0)
+    out[: len(amounts)] = amounts.reshape(len(amounts), -1).max(axis=1, initial=0.0)
     return out
-
-
-def everywhere(knots: Knots) -> slice:
-    """All knots."""
-    return slice(0, len(knots.time))

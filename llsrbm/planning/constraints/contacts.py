@@ -2,21 +2,18 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import casadi as ca
 import numpy as np
 
-from llsrbm.motion.plan import Phase
-from llsrbm.planning.constraints.base import Array, Bounds, Constraint, Limit, everywhere, spread
+from llsrbm.planning.constraints.base import Array, Bounds, Constraint, Limit, spread
 from llsrbm.planning.headings import across
+from llsrbm.planning.knots import Knots
 from llsrbm.planning.layout import Layout, Role
 from llsrbm.planning.stage import Stage
+from llsrbm.planning.task import Task
 from llsrbm.robots.friction import INSCRIBED
-
-if TYPE_CHECKING:
-    from llsrbm.planning.knots import Knots
-    from llsrbm.planning.task import Task
 
 
 class GivenContacts(Constraint):
@@ -30,35 +27,31 @@ class GivenContacts(Constraint):
     equality = True
 
     def applies(self, role: Role) -> bool:
-        """At the first knots of flight and landing."""
-        return role.first and role.phase != Phase.TAKEOFF
+        """Where feet have just left the ground, or met it."""
+        return bool(role.leaving or role.landing)
 
     def rows(self, stage: Stage) -> Any:
-        """(d L, 1): p_i - p_i*, then the sines of what the headings miss."""
-        r, R, legs = stage.position, stage.R_world_base, range(stage.layout.legs)
+        """(d n, 1) of n feet: p_i - p_i*, then the sines of what the headings miss."""
+        r, R, legs = stage.position, stage.R_world_base, stage.edge_legs
         feet = [r + ca.mtimes(R, stage.foot_from_com(i)) for i in legs]
-        yaws = [stage.relative_yaw(i) for i in legs] if stage.layout.foot_coordinates > 3 else []
-        misses = [
-            ca.dot(across(R, psi)[:2], ca.vertcat(ca.cos(phi), ca.sin(phi)))
-            for psi, phi in zip(ca.vertsplit(stage.standing_yaw), yaws, strict=False)
-        ]
-        return ca.vertcat(ca.vertcat(*feet) - ca.vec(stage.standing_feet), *misses)
+        places = [stage.standing_feet[:, i] for i in legs]
+        misses = []
+        if stage.layout.foot_coordinates > 3:
+            for i in legs:
+                phi, psi = stage.relative_yaw(i), stage.standing_yaw[i]
+                seen = ca.vertcat(ca.cos(phi), ca.sin(phi))
+                misses.append(ca.dot(across(R, psi)[:2], seen))
+        return ca.vertcat(ca.vertcat(*feet) - ca.vertcat(*places), *misses)
 
     def bounds(self, task: Task, layout: Layout, knot: int) -> Bounds:
         """Zero."""
-        return (np.zeros(layout.foot_coordinates * layout.legs),) * 2
+        return (_edge_rows(layout, knot),) * 2
 
     def violation(self, knots: Knots) -> Array:
-        """|p_i - p_i*| and what the headings miss, at the two knots."""
-        out, task = np.zeros(len(knots.time)), knots.task
-        for k, feet, yaw in (
-            (0, task.start_feet, task.start_yaw),
-            (-1, task.goal_feet, task.goal_yaw),
-        ):
-            place = np.abs(knots.flying_feet[k] - feet).max()
-            heading = np.abs(np.sin(knots.flying_headings[k] - yaw)).max()
-            out[knots.flight][k] = max(place, heading)
-        return out
+        """|p_i - p_i*| and what the headings miss, at lift-off and touchdown."""
+        place = np.abs(knots.model_feet - knots.standing_feet).max(axis=-1)
+        heading = np.abs(np.sin(knots.model_headings - knots.standing_yaw))
+        return spread(knots, np.maximum(place, heading), knots.at_edge)
 
 
 class FeetAtRest(Constraint):
@@ -69,22 +62,20 @@ class FeetAtRest(Constraint):
     equality = True
 
     def applies(self, role: Role) -> bool:
-        """At the first knots of flight and landing."""
-        return role.first and role.phase != Phase.TAKEOFF
+        """Where feet have just left the ground, or met it."""
+        return bool(role.leaving or role.landing)
 
     def rows(self, stage: Stage) -> Any:
-        """(d L, 1) velocities in base axes, then turning rates."""
+        """(d n, 1) of n feet: velocities in base axes, then turning rates."""
         return ca.vertcat(ca.vec(stage.foot_velocity_at_knot), stage.foot_turn_at_knot)
 
     def bounds(self, task: Task, layout: Layout, knot: int) -> Bounds:
         """Zero."""
-        return (np.zeros(layout.foot_coordinates * layout.legs),) * 2
+        return (_edge_rows(layout, knot),) * 2
 
     def violation(self, knots: Knots) -> Array:
-        """The largest speed along an axis, at the two knots."""
-        out = np.zeros(len(knots.time))
-        out[knots.flight][[0, -1]] = np.abs(knots.foot_velocity_at_rest).max(axis=(1, 2))
-        return out
+        """The largest speed along an axis, at lift-off and touchdown."""
+        return spread(knots, np.abs(knots.foot_velocity_at_knots), knots.at_edge)
 
 
 class FrictionPyramid(Constraint):
@@ -114,7 +105,7 @@ class FrictionPyramid(Constraint):
         return role.in_contact
 
     def rows(self, stage: Stage) -> Any:
-        """(4 C, 1), at most 0."""
+        """(4 standing contacts, 1), at most 0."""
         mu = stage.parameters["friction"] * INSCRIBED
         columns = []
         for fx, fy, fz in (ca.vertsplit(c) for c in ca.horzsplit(stage.force)):
@@ -123,10 +114,17 @@ class FrictionPyramid(Constraint):
 
     def bounds(self, task: Task, layout: Layout, knot: int) -> Bounds:
         """At most zero."""
-        return np.full(4 * layout.contacts, -np.inf), np.zeros(4 * layout.contacts)
+        rows = 4 * layout.corners * len(layout.roles[knot].standing)
+        return np.full(rows, -np.inf), np.zeros(rows)
 
     def violation(self, knots: Knots) -> Array:
         """Tangential force, along its larger component, beyond the pyramid's share."""
         f = knots.force
         excess = np.abs(f[..., :2]) - INSCRIBED * knots.task.limits.friction * f[..., 2:]
-        return spread(knots, everywhere(knots), excess)
+        return spread(knots, excess)
+
+
+def _edge_rows(layout: Layout, knot: int) -> Array:
+    """Zeros, one for each coordinate of the feet that have just left or met the ground."""
+    role = layout.roles[knot]
+    return np.zeros(layout.foot_coordinates * len({*role.leaving, *role.landing}))

@@ -15,22 +15,19 @@ realise the plan (`llsrbm.analysis.joint_loads`).
 from __future__ import annotations
 
 from abc import abstractmethod
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 import casadi as ca
 import numpy as np
 
+from llsrbm.analysis.joint_loads import JointLoads
 from llsrbm.analysis.peak_loads import event_beside, when_in_words
-from llsrbm.motion.plan import Phase
 from llsrbm.planning.constraints.base import Array, Bounds, Constraint, Demand, Limit, spread
+from llsrbm.planning.knots import Knots
 from llsrbm.planning.layout import Layout, Role
 from llsrbm.planning.stage import Stage
+from llsrbm.planning.task import Task
 from llsrbm.robots.drives import FULL_UP_TO
-
-if TYPE_CHECKING:
-    from llsrbm.analysis.joint_loads import JointLoads
-    from llsrbm.planning.knots import Knots
-    from llsrbm.planning.task import Task
 
 FALL = 1.0 - FULL_UP_TO
 # What the check allows beyond the plan's share, of the limit at rest: the rows leave out how a
@@ -49,7 +46,7 @@ class _DriveConstraint(Constraint):
     """Rows of all joints, symmetric bounds.
 
     Attributes:
-        of_both_ends: whether the last interval of the flight has rows for its end too.
+        of_both_ends: whether the last interval of a swing has rows for its end too.
     """
 
     of_both_ends: ClassVar[bool] = True
@@ -68,14 +65,14 @@ class _DriveConstraint(Constraint):
 
     def bounds(self, task: Task, layout: Layout, knot: int) -> Bounds:
         """Plus and minus the share."""
-        role = layout.roles[knot]
-        ends = 2 if self.of_both_ends and role.phase == Phase.FLIGHT and role.last else 1
-        top = np.full(ends * task.joints, self.top(task))
+        ends = len(layout.roles[knot].settling) if self.of_both_ends else 0
+        rows = task.joints // layout.legs * (layout.legs + ends)
+        top = np.full(rows, self.top(task))
         return -top, top
 
     def violation(self, knots: Knots) -> Array:
         """By Pinocchio, over each interval."""
-        return spread(knots, slice(0, len(knots.time) - 1), self.excess(knots))
+        return spread(knots, self.excess(knots))
 
     @abstractmethod
     def excess(self, knots: Knots) -> Array:
@@ -101,7 +98,7 @@ class JointTorque(_DriveConstraint):
 
     def applies(self, role: Role) -> bool:
         """Over every interval but the first, where the robot stands."""
-        return not role.terminal and not (role.phase == Phase.TAKEOFF and role.first)
+        return not role.terminal and not role.initial
 
     def shares(self, stage: Stage) -> Any:
         """Torques as shares of their limits."""
@@ -132,13 +129,13 @@ class TorqueAtSpeed(_DriveConstraint):
 
     def applies(self, role: Role) -> bool:
         """Over every interval but the first, where the robot stands."""
-        return not role.terminal and not (role.phase == Phase.TAKEOFF and role.first)
+        return not role.terminal and not role.initial
 
     def shares(self, stage: Stage) -> Any:
         """The sum above, times 0.3."""
         speeds = stage.joint_rates / ca.DM(stage.model.drives.speed_limit.T)
         torques = FALL * stage.joint_torques / stage.parameters["torque_share"]
-        return torques + ca.repmat(speeds, 1, torques.shape[1] // speeds.shape[1])
+        return torques + ca.horzcat(speeds, *(speeds[:, i] for i in stage.role.settling))
 
     def top(self, task: Task) -> float:
         """1."""
@@ -177,10 +174,8 @@ class JointSpeed(_DriveConstraint):
     )
 
     def applies(self, role: Role) -> bool:
-        """In flight, in the interval before it and in the one after it."""
-        if role.phase == Phase.TAKEOFF:
-            return role.last
-        return role.phase == Phase.FLIGHT or role.first
+        """While feet swing, in the interval before that and in the one after it."""
+        return role.moves_feet and not role.terminal
 
     def shares(self, stage: Stage) -> Any:
         """Speeds as shares of their limits."""
@@ -249,8 +244,8 @@ def _largest(excess: Array) -> tuple[int, int] | None:
 
 
 def _when(loads: JointLoads, interval: int) -> str:
-    phase = Phase(loads.phase[interval])
-    return when_in_words(phase, loads.time[interval], event_beside(loads.phase, interval))
+    phase = loads.schedule[int(loads.phase[interval])].name
+    return when_in_words(phase, loads.time[interval], event_beside(loads.contact, interval))
 
 
 def _number(value: float) -> str:

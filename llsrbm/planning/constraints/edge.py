@@ -2,21 +2,18 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import casadi as ca
 import numpy as np
 
-from llsrbm.motion.plan import Phase
 from llsrbm.planning.constraints.base import Array, Bounds, Constraint, spread
 from llsrbm.planning.constraints.swing import clearance_line
 from llsrbm.planning.headings import direction
+from llsrbm.planning.knots import Knots
 from llsrbm.planning.layout import Layout, Role
 from llsrbm.planning.stage import Stage
-
-if TYPE_CHECKING:
-    from llsrbm.planning.knots import Knots
-    from llsrbm.planning.task import Task
+from llsrbm.planning.task import Task
 
 # How far corners of soles below the landing surface may come nearer to it than they stood at the
 # start, m: its edge may be anywhere in between, but they are there at lift-off.
@@ -45,22 +42,21 @@ class Edge(Constraint):
 
     def applies(self, role: Role) -> bool:
         """Between lift-off and touchdown."""
-        return role.phase == Phase.FLIGHT and not role.first
+        return bool(role.flying)
 
     def rows(self, stage: Stage) -> Any:
-        """(C, 1) m: how far each corner is along `towards`."""
-        layout = stage.layout
-        directions = ca.reshape(stage.parameters["towards"], 2, -1)
+        """(flying contacts, 1) m: how far each corner is along `towards`."""
+        layout, directions, flying = stage.layout, stage.towards, stage.role.flying
         R = stage.R_world_base
         if layout.foot_coordinates == 3:
-            feet = (
-                stage.position[:2] + ca.mtimes(R[:2, :], stage.foot_from_com(i))
-                for i in range(layout.legs)
-            )
-            return ca.vertcat(*(ca.dot(directions[:, i], foot) for i, foot in enumerate(feet)))
+            feet = [
+                stage.position[:2] + ca.mtimes(R[:2, :], stage.foot_from_com(i)) for i in flying
+            ]
+            along = zip(flying, feet, strict=True)
+            return ca.vertcat(*(ca.dot(directions[:, i], foot) for i, foot in along))
         corners = ca.reshape(stage.parameters["corners"], 2, -1)
         columns = []
-        for i in range(layout.legs):
+        for i in flying:
             ahead, towards = stage.lift(direction(R, stage.relative_yaw(i))), directions[:, i]
             middle = stage.position[:2] + ca.mtimes(R[:2, :], stage.foot_from_com(i))
             along = ca.dot(towards, ahead)
@@ -72,35 +68,51 @@ class Edge(Constraint):
 
     def bounds(self, task: Task, layout: Layout, knot: int) -> Bounds:
         """Behind the edge while the feet are low on the way up, beyond it on the way down."""
-        step = 1 / layout.intervals.flight
-        low, high = self._range(task, layout.progress[knot : knot + 1], step)
-        return np.repeat(low[0], layout.corners), np.repeat(high[0], layout.corners)
+        progress, step = (values[knot] for values in layout.swing_progress)
+        flying = list(layout.roles[knot].flying)
+        low, high = self._range(task, layout.roles[knot].phase, progress, step)
+        return np.repeat(low[flying], layout.corners), np.repeat(high[flying], layout.corners)
 
     def violation(self, knots: Knots) -> Array:
         """Metres too near."""
-        inner = slice(knots.flight.start + 1, knots.flight.stop - 1)
-        span = knots.flight.stop - knots.flight.start - 1
-        low, high = self._range(knots.task, np.arange(1, span) / span, 1 / span)
-        legs = knots.model.legs
-        corners = knots.contact_point[inner, :, :2].reshape(span - 1, legs, -1, 2)
-        along = np.einsum("klcj,lj->klc", corners, knots.task.towards)
-        return spread(knots, inner, np.maximum(low[..., None] - along, along - high[..., None]))
+        legs, task = knots.model.legs, knots.task
+        progress, step = knots.layout.swing_progress
+        beyond = np.zeros((len(knots.time), legs))
+        for k in np.flatnonzero(knots.flying.any(axis=1)):
+            low, high = self._range(task, int(knots.phase[k]), progress[k], step[k])
+            corners = knots.contact_point[k, :, :2].reshape(legs, -1, 2)
+            along = np.einsum("lcj,lj->lc", corners, task.towards(int(knots.phase[k])))
+            excess = np.maximum(low[:, None] - along, along - high[:, None])
+            beyond[k] = excess.max(axis=1)
+        return spread(knots, beyond, knots.flying)
 
     @staticmethod
-    def _range(task: Task, s: Array, step: float) -> tuple[Array, Array]:
-        """(K, L) m each: bounds at progress s (K,); far where there is no edge to mind."""
-        legs = len(task.start_feet)
+    def _range(task: Task, phase: int, progress: Array, step: Array) -> tuple[Array, Array]:
+        """(L,) m each: bounds of corners along `towards`; far where there is no edge to mind.
+
+        Args:
+            task: where feet stand.
+            phase: of the schedule.
+            progress, step: (L,) share of each foot's swing, and the share an interval takes.
+        """
+        legs = range(len(task.schedule.legs))
+        towards = task.towards(phase)
+        stood, lands = task.stood(phase), task.lands(phase)
         start, goal = (
-            np.einsum("lcj,lj->lc", points[:, :2].reshape(legs, -1, 2), task.towards)
-            for points in (task.start_contacts, task.goal_contacts)
+            np.einsum("lcj,lj->lc", place.contacts[:, :2].reshape(len(legs), -1, 2), towards)
+            for place in (stood, lands)
         )
-        room = np.maximum(ROOM, task.gap / 2 - APART) if task.foot.is_point else np.full(legs, ROOM)
-        surface = max(task.start_feet[:, 2].max(), task.goal_feet[:, 2].max()) + ABOVE
-        edge = task.towards.any(axis=1) & (task.jump.height != 0)
-        up = edge & (task.jump.height > 0)
-        rising = (clearance_line(task, s - step) < surface) & (s[:, None] < 0.5 + step) & up
-        sinking = clearance_line(task, s + step) < surface
-        sinking = sinking & (s[:, None] > 0.5 - step) & (edge & ~up)
+        edges = [task.edges(phase, i) for i in legs]
+        gap = np.array([edge.gap[i] for i, edge in zip(legs, edges, strict=True)])
+        rise = np.array([edge.rise for edge in edges])
+        room = np.maximum(ROOM, gap / 2 - APART) if task.foot.is_point else np.full(len(legs), ROOM)
+        surface = np.maximum(stood.feet[:, 2].max(), lands.feet[:, 2].max()) + ABOVE
+        edge = towards.any(axis=1) & (rise != 0)
+        up = edge & (rise > 0)
+        rising = clearance_line(task, phase, progress - step) < surface
+        rising = rising & (progress < 0.5 + step) & up
+        sinking = clearance_line(task, phase, progress + step) < surface
+        sinking = sinking & (progress > 0.5 - step) & (edge & ~up)
         return (
             np.where(sinking, goal.min(axis=1) - room, -FAR),
             np.where(rising, start.max(axis=1) + room, FAR),

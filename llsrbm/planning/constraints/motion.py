@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import casadi as ca
 import numpy as np
 from scipy.spatial.transform import Rotation
 
 from llsrbm.planning.constraints.base import Array, Bounds, Constraint, spread
+from llsrbm.planning.knots import Knots
 from llsrbm.planning.layout import Layout, Role
 from llsrbm.planning.stage import Stage
-
-if TYPE_CHECKING:
-    from llsrbm.planning.knots import Knots
-    from llsrbm.planning.task import Task
+from llsrbm.planning.task import Task
 
 
 class MomentumBalance(Constraint):
@@ -45,11 +43,11 @@ class MomentumBalance(Constraint):
         x, xdot = knots.feet_mid
         momentum = knots.model.evaluate_momentum(x, xdot, knots.rotation_rate)
         error = momentum - np.einsum("kji,kj->ki", R, knots.momentum_mean)
-        return spread(knots, slice(0, len(error)), np.abs(error))
+        return spread(knots, np.abs(error))
 
 
 class FinalState(Constraint):
-    """x[N] = x_fin: at rest at the target, CoM and attitude."""
+    """x[N] = x_fin: CoM, attitude and velocity as the target says; no angular momentum."""
 
     name = "final_state"
     unit = "m, rad, m/s, m2/s"
@@ -67,7 +65,7 @@ class FinalState(Constraint):
         return ca.vertcat(
             stage.position - stage.parameters["goal_position"],
             turn,
-            stage.velocity,
+            stage.velocity - stage.parameters["goal_velocity"],
             stage.momentum,
         )
 
@@ -82,7 +80,7 @@ class FinalState(Constraint):
         turn = (goal.inv() * Rotation.from_matrix(knots.R_world_base[-1])).magnitude()
         errors = (
             knots.position[-1] - task.goal_position,
-            knots.velocity[-1],
+            knots.velocity[-1] - task.goal_velocity,
             knots.momentum[-1] / task.mass,
             turn,
         )

@@ -3,20 +3,16 @@
 from __future__ import annotations
 
 from itertools import combinations
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import casadi as ca
 import numpy as np
 
-from llsrbm.motion.plan import Phase
 from llsrbm.planning.constraints.base import Array, Bounds, Constraint, Limit, spread
+from llsrbm.planning.knots import Knots
 from llsrbm.planning.layout import Layout, Role
 from llsrbm.planning.stage import Stage
-
-if TYPE_CHECKING:
-    from llsrbm.planning.knots import Knots
-    from llsrbm.planning.task import Task
-
+from llsrbm.planning.task import Task
 
 # The ranges of the box and of the distance stay near the robot file's: the maps of the legs are
 # fitted there, and the closed forms of the legs' drives hold there.
@@ -90,7 +86,7 @@ class Reach(Constraint):
 
     def applies(self, role: Role) -> bool:
         """Wherever the posture is free."""
-        return not role.terminal and not (role.phase == Phase.TAKEOFF and role.first)
+        return not role.terminal and not role.initial
 
     def rows(self, stage: Stage) -> Any:
         """(4 L, 1): |x_i|^2 and x_i."""
@@ -102,19 +98,19 @@ class Reach(Constraint):
     def bounds(self, task: Task, layout: Layout, knot: int) -> Bounds:
         """The robot file's [reach]; of standing feet, hips no lower than its share."""
         reach = task.reach
-        lower = [reach.distance[0] ** 2, *reach.lower]
-        upper = [reach.distance[1] ** 2, *reach.upper]
-        if layout.roles[knot].in_contact:
-            upper[3] = min(upper[3], -task.lowest_hips)
-        return np.tile(lower, layout.legs), np.tile(upper, layout.legs)
+        lower = np.array([reach.distance[0] ** 2, *reach.lower])
+        upper = np.tile([reach.distance[1] ** 2, *reach.upper], (layout.legs, 1))
+        standing = list(layout.roles[knot].standing)
+        upper[standing, 3] = np.minimum(upper[standing, 3], -task.lowest_hips)
+        return np.tile(lower, layout.legs), upper.ravel()
 
     def violation(self, knots: Knots) -> Array:
         """Metres beyond the distance or the box."""
         task = knots.task
-        reach, x = task.reach, knots.feet_in_hip[1:-1, :, :3]
-        standing = np.append(knots.in_contact, True)[1:-1]
-        upper = np.tile(np.array(reach.upper), (len(x), 1, 1))
-        upper[standing, :, 2] = np.minimum(upper[standing, :, 2], -task.lowest_hips)
+        reach, x = task.reach, knots.feet_in_hip[..., :3]
+        standing = knots.layout.standing
+        upper = np.tile(np.array(reach.upper), (*standing.shape, 1))
+        upper[standing, 2] = np.minimum(upper[standing, 2], -task.lowest_hips)
         distance = np.linalg.norm(x, axis=-1, keepdims=True)
         beyond = np.concatenate(
             [
@@ -125,7 +121,8 @@ class Reach(Constraint):
             ],
             axis=-1,
         )
-        return spread(knots, slice(1, len(knots.time) - 1), beyond)
+        beyond[[0, -1]] = 0.0  # the postures there are given
+        return spread(knots, beyond)
 
 
 class FeetApart(Constraint):
@@ -147,11 +144,11 @@ class FeetApart(Constraint):
     )
 
     def applies(self, role: Role) -> bool:
-        """Between lift-off and touchdown."""
-        return role.phase == Phase.FLIGHT and not role.first
+        """Between lift-off and touchdown of any foot."""
+        return bool(role.flying)
 
     def rows(self, stage: Stage) -> Any:
-        """(L (L - 1) / 2, 1): squared distances, m2."""
+        """(pairs, 1): squared distances, m2, of two feet of which one flies."""
         model = stage.model
         feet = [
             (ca.DM(h) + ca.DM(M) * x)[:2]
@@ -159,20 +156,24 @@ class FeetApart(Constraint):
                 model.hips, model.mirrors, ca.horzsplit(stage.feet_in_hip[:3, :]), strict=True
             )
         ]
-        return ca.vertcat(*(ca.sumsqr(a - b) for a, b in combinations(feet, 2)))
+        pairs = _pairs(stage.layout.legs, stage.role)
+        return ca.vertcat(*(ca.sumsqr(feet[i] - feet[j]) for i, j in pairs))
 
     def bounds(self, task: Task, layout: Layout, knot: int) -> Bounds:
         """At least the square of the distance."""
-        pairs = layout.legs * (layout.legs - 1) // 2
+        pairs = len(_pairs(layout.legs, layout.roles[knot]))
         return np.full(pairs, task.limits.feet_apart**2), np.full(pairs, np.inf)
 
     def violation(self, knots: Knots) -> Array:
         """Metres too close."""
-        inner = slice(knots.flight.start + 1, knots.flight.stop - 1)
-        model = knots.model
-        feet = (model.hips + model.mirrors * knots.feet_in_hip[inner, :, :3])[..., :2]
-        gaps = [
-            np.linalg.norm(feet[:, i] - feet[:, j], axis=-1)
-            for i, j in combinations(range(model.legs), 2)
-        ]
-        return spread(knots, inner, knots.task.limits.feet_apart - np.stack(gaps, axis=1))
+        model, flying = knots.model, knots.flying
+        feet = (model.hips + model.mirrors * knots.feet_in_hip[..., :3])[..., :2]
+        pairs = list(combinations(range(model.legs), 2))
+        gaps = np.stack([np.linalg.norm(feet[:, i] - feet[:, j], axis=-1) for i, j in pairs], 1)
+        fly = np.stack([flying[:, i] | flying[:, j] for i, j in pairs], 1)
+        return spread(knots, knots.task.limits.feet_apart - gaps, fly)
+
+
+def _pairs(legs: int, role: Role) -> list[tuple[int, int]]:
+    """Pairs of feet of which at least one flies."""
+    return [(i, j) for i, j in combinations(range(legs), 2) if {i, j} & set(role.flying)]

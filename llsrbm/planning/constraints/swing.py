@@ -2,41 +2,47 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import casadi as ca
 import numpy as np
 
-from llsrbm.motion.plan import Phase
 from llsrbm.planning.constraints.base import Array, Bounds, Constraint, Limit, spread
+from llsrbm.planning.knots import Knots
 from llsrbm.planning.layout import Layout, Role
 from llsrbm.planning.stage import Stage
-
-if TYPE_CHECKING:
-    from llsrbm.planning.knots import Knots
-    from llsrbm.planning.task import Task
+from llsrbm.planning.task import Task
 
 
-def ground_line(task: Task, progress: Array) -> Array:
-    """(K, L) m: height that feet must clear at `progress` (K,) of the flight.
+def ground_line(start: Array, goal: Array, progress: Array) -> Array:
+    """m: height that a foot must clear at a share of its swing.
 
     A landing surface above the start is cleared as high as it is from half way on, one below it is
     not sunk to before, so that no foot meets the edge of what it lands on or leaves.
+
+    Args:
+        start, goal: m, heights of where it stood and will stand.
+        progress: share of the swing; all of shapes that broadcast to one.
     """
-    s = np.asarray(progress)[:, None]
-    start, goal = task.start_feet[:, 2], task.goal_feet[:, 2]
+    s = np.asarray(progress)
     u = np.minimum(1.0, np.where(goal > start, 2 * s, 2 * (1 - s)))
     low, high = np.minimum(start, goal), np.maximum(start, goal)
-    return low + (high - low) * u**2 * (3 - 2 * u)
+    line: Array = low + (high - low) * u**2 * (3 - 2 * u)
+    return line
 
 
-def clearance_line(task: Task, progress: Array) -> Array:
-    """(K, L) m: the ground line and an arch of the robot file's clearance above it.
+def clearance_line(task: Task, phase: int, progress: Array) -> Array:
+    """(L,) m: the ground line and an arch of the robot file's clearance above it.
 
     The arch begins and ends level, because feet leave the ground and meet it at rest.
+
+    Args:
+        task: where feet stand, and the clearance.
+        phase: of the schedule; progress: (L,) share of each foot's swing.
     """
     arch = (4 * progress * (1 - progress)) ** 2 * task.limits.clearance
-    return ground_line(task, progress) + arch[:, None]
+    start, goal = task.stood(phase).feet[:, 2], task.lands(phase).feet[:, 2]
+    return ground_line(start, goal, progress) + arch
 
 
 class Clearance(Constraint):
@@ -59,28 +65,29 @@ class Clearance(Constraint):
 
     def applies(self, role: Role) -> bool:
         """Between lift-off and touchdown."""
-        return role.phase == Phase.FLIGHT and not role.first
+        return bool(role.flying)
 
     def rows(self, stage: Stage) -> Any:
-        """(L, 1) m."""
+        """(flying, 1) m."""
         up_base = stage.lift(stage.R_world_base[2, :].T)
         heights = [
-            stage.position[2] + ca.dot(up_base, stage.foot_from_com(i))
-            for i in range(stage.layout.legs)
+            stage.position[2] + ca.dot(up_base, stage.foot_from_com(i)) for i in stage.role.flying
         ]
         return ca.vertcat(*heights)
 
     def bounds(self, task: Task, layout: Layout, knot: int) -> Bounds:
         """At least the line."""
-        line = clearance_line(task, layout.progress[knot : knot + 1])[0]
-        return line, np.full(layout.legs, np.inf)
+        role = layout.roles[knot]
+        line = clearance_line(task, role.phase, layout.swing_progress[0][knot])
+        return line[list(role.flying)], np.full(len(role.flying), np.inf)
 
     def violation(self, knots: Knots) -> Array:
         """Metres below the line."""
-        inner = slice(knots.flight.start + 1, knots.flight.stop - 1)
-        span = knots.flight.stop - knots.flight.start - 1
-        line = clearance_line(knots.task, np.arange(1, span) / span)
-        return spread(knots, inner, line - knots.foot_position[inner][..., 2])
+        progress = knots.layout.swing_progress[0]
+        line = np.array(
+            [clearance_line(knots.task, p, s) for p, s in zip(knots.phase, progress, strict=True)]
+        )
+        return spread(knots, line - knots.foot_position[..., 2], knots.flying)
 
 
 class FootSpeed(Constraint):
@@ -102,19 +109,19 @@ class FootSpeed(Constraint):
     )
 
     def applies(self, role: Role) -> bool:
-        """In flight."""
-        return role.phase == Phase.FLIGHT
+        """While feet swing."""
+        return bool(role.swinging)
 
     def rows(self, stage: Stage) -> Any:
-        """(3 L, 1) m/s."""
+        """(3 swinging, 1) m/s."""
         return ca.vec(stage.foot_velocity_base)
 
     def bounds(self, task: Task, layout: Layout, knot: int) -> Bounds:
         """Plus and minus the limit."""
-        top = np.full(3 * layout.legs, task.limits.foot_speed)
+        top = np.full(3 * len(layout.roles[knot].swinging), task.limits.foot_speed)
         return -top, top
 
     def violation(self, knots: Knots) -> Array:
         """Speed beyond the limit."""
         excess = np.abs(knots.foot_velocity_base) - knots.task.limits.foot_speed
-        return spread(knots, slice(knots.flight.start, knots.flight.stop - 1), excess)
+        return spread(knots, excess, knots.swinging)

@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from llsrbm.motion.plan import Phase
 from llsrbm.planning.constraints.base import Array, Bounds, Constraint, Limit
+from llsrbm.planning.knots import Knots
 from llsrbm.planning.layout import Layout, Role
 from llsrbm.planning.stage import Stage
-
-if TYPE_CHECKING:
-    from llsrbm.planning.knots import Knots
-    from llsrbm.planning.task import Task
+from llsrbm.planning.task import Task
 
 
 class PhaseTimes(Constraint):
@@ -42,26 +39,24 @@ class PhaseTimes(Constraint):
     )
 
     def applies(self, role: Role) -> bool:
-        """Where a duration is chosen: at the start, and at the end of take-off and flight."""
-        starts = role.phase == Phase.TAKEOFF and role.first
-        return starts or (role.last and role.phase != Phase.LANDING)
+        """Where a duration is chosen: at the start, and at the end of every phase but the last."""
+        return role.initial or (role.last and not role.final)
 
     def rows(self, stage: Stage) -> Any:
         """(1, 1) s."""
         return stage.symbols.get("next_duration", stage.symbols["duration"])
 
     def bounds(self, task: Task, layout: Layout, knot: int) -> Bounds:
-        """The robot file's [timing] of the phase that begins."""
+        """The limits of the phase that begins."""
         role = layout.roles[knot]
-        name = Phase(role.phase + (0 if role.first else 1)).name.lower()
-        low, high = getattr(task.timing, name)
+        low, high = task.times(role.phase + (0 if role.initial else 1))
         return np.array([low]), np.array([high])
 
     def violation(self, knots: Knots) -> Array:
         """Time too short or too long."""
         out = np.zeros(len(knots.time))
-        for phase in Phase:
-            low, high = getattr(knots.task.timing, phase.name.lower())
+        for phase, knot in enumerate(knots.layout.first_knots[:-1]):
+            low, high = knots.task.times(phase)
             T = knots.durations[phase]
-            out[int(np.argmax(knots.phase == phase))] = max(low - T, T - high, 0.0)
+            out[knot] = max(low - T, T - high, 0.0)
         return out

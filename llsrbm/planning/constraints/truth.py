@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import casadi as ca
 import numpy as np
 import pinocchio as pin
 
 from llsrbm.planning.constraints.base import Array, Bounds, Constraint
+from llsrbm.planning.knots import Knots
 from llsrbm.planning.layout import Layout, Role
 from llsrbm.planning.stage import Stage
-
-if TYPE_CHECKING:
-    from llsrbm.planning.knots import Knots
-    from llsrbm.planning.task import Task
+from llsrbm.planning.task import Task
 
 # What a landing bears on top of what disturbances turn the base by, rad (5 deg).
 BEARABLE = 0.09
@@ -46,20 +44,26 @@ class TrueTurn(Constraint):
         return np.zeros(0), np.zeros(0)
 
     def violation(self, knots: Knots) -> Array:
-        """Beyond what is bearable, at touchdown."""
+        """Beyond what is bearable, at each touchdown."""
         out = np.zeros(len(knots.time))
         if knots.model.is_true:
-            turn = float(np.linalg.norm(turn_error(knots)))
-            out[knots.flight.stop - 1] = max(turn - BEARABLE, 0.0)
+            for flight in knots.flights:
+                turn = float(np.linalg.norm(turn_error(knots, flight)))
+                out[flight.stop] = max(turn - BEARABLE, 0.0)
         return out
 
 
-def turn_error(knots: Knots) -> Array:
-    """(3,) rad, base axes: how far the whole body turns in flight beyond the plan."""
+def turn_error(knots: Knots, flight: slice) -> Array:
+    """(3,) rad, base axes: how far the whole body turns in a flight beyond the plan.
+
+    Args:
+        knots: the plan.
+        flight: its intervals, of `Knots.flights`.
+    """
     robot, loads = knots.task.robot, knots.loads
     data = robot.model.createData()
     turn = np.zeros(3)
-    for k in range(knots.flight.start, knots.flight.stop - 1):
+    for k in range(flight.start, flight.stop):
         R = knots.mid[0][k]
         # The base's place and attitude do not matter: all in base axes, about the CoM.
         q = np.concatenate([np.zeros(6), [1.0], loads.joint_position[k]])

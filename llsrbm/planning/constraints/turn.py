@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import casadi as ca
 import numpy as np
 
-from llsrbm.motion.plan import Phase
 from llsrbm.planning.constraints.base import Array, Bounds, Constraint, Limit, spread
 from llsrbm.planning.headings import heading_rates
+from llsrbm.planning.knots import Knots
 from llsrbm.planning.layout import Layout, Role
 from llsrbm.planning.stage import Stage
-
-if TYPE_CHECKING:
-    from llsrbm.planning.knots import Knots
-    from llsrbm.planning.task import Task
+from llsrbm.planning.task import Task
 
 
 class FootYaw(Constraint):
@@ -53,7 +50,7 @@ class FootYaw(Constraint):
 
     def applies(self, role: Role) -> bool:
         """Wherever the posture is free."""
-        return not role.terminal and not (role.phase == Phase.TAKEOFF and role.first)
+        return not role.terminal and not role.initial
 
     def rows(self, stage: Stage) -> Any:
         """(L, 1) rad."""
@@ -62,14 +59,16 @@ class FootYaw(Constraint):
     def bounds(self, task: Task, layout: Layout, knot: int) -> Bounds:
         """The range."""
         low, high = task.foot.yaw
-        rows = _turning(layout)
+        rows = layout.legs if layout.foot_coordinates > 3 else 0
         return np.full(rows, low), np.full(rows, high)
 
     def violation(self, knots: Knots) -> Array:
         """Angle out of range."""
         low, high = knots.task.foot.yaw
-        yaw = knots.feet_in_hip[1:-1, :, 3:]
-        return spread(knots, slice(1, len(knots.time) - 1), np.maximum(low - yaw, yaw - high))
+        yaw = knots.feet_in_hip[..., 3:]
+        beyond = np.maximum(low - yaw, yaw - high)
+        beyond[[0, -1]] = 0.0  # the postures there are given
+        return spread(knots, beyond)
 
 
 class FootTurn(Constraint):
@@ -95,38 +94,29 @@ class FootTurn(Constraint):
         return not task.foot.is_point
 
     def applies(self, role: Role) -> bool:
-        """In flight."""
-        return role.phase == Phase.FLIGHT
+        """While feet swing."""
+        return bool(role.swinging)
 
     def rows(self, stage: Stage) -> Any:
-        """(2 L, 1) rad/s."""
-        return ca.vertcat(ca.vec(stage.feet_mid[1][3:, :]), stage.foot_turn)
+        """(2 swinging, 1) rad/s."""
+        rates = stage.feet_mid[1]
+        of_feet = [rates[3:, i] for i in stage.role.swinging]
+        return ca.vertcat(*of_feet, stage.foot_turn)
 
     def bounds(self, task: Task, layout: Layout, knot: int) -> Bounds:
         """Plus and minus the limit."""
-        limit = np.full(2 * _turning(layout), task.foot.turn_speed)
+        turning = len(layout.roles[knot].swinging) if layout.foot_coordinates > 3 else 0
+        limit = np.full(2 * turning, task.foot.turn_speed)
         return -limit, limit
 
     def violation(self, knots: Knots) -> Array:
         """Speed beyond the limit."""
         top = knots.task.foot.turn_speed
-        flight = slice(knots.flight.start, knots.flight.stop - 1)
-        rate = np.abs(knots.flight_feet_rate[..., 3:]) - top
-        if not rate.size:
+        if knots.model.coordinates == 3:
             return np.zeros(len(knots.time))
         R, _, _ = knots.mid
         x, xdot = knots.feet_mid
         side = knots.model.turn_mirrors
-        turn = heading_rates(
-            R[flight],
-            side * x[flight, :, 3],
-            side * xdot[flight, :, 3],
-            knots.rotation_rate[flight],
-        )
-        turning = np.abs(turn) - top
-        return spread(knots, flight, np.maximum(rate[..., 0], turning))
-
-
-def _turning(layout: Layout) -> int:
-    """Number of feet that have a direction."""
-    return layout.legs if layout.foot_coordinates > 3 else 0
+        turn = heading_rates(R, side * x[..., 3], side * xdot[..., 3], knots.rotation_rate)
+        fastest = np.maximum(np.abs(xdot[..., 3]), np.abs(turn))
+        return spread(knots, fastest - top, knots.swinging)

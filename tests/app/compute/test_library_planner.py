@@ -12,7 +12,7 @@ from app.compute.worker import LibraryPlanner
 from llsrbm.design import Design, dump_design
 from llsrbm.errors import InputError
 from llsrbm.jump import Jump
-from llsrbm.motion.plan import Solution
+from llsrbm.ocp.problem import Iterate
 from llsrbm.scenario import Scenario
 from llsrbm.tuning import Tuning
 from tests.app.synthetic_plan import synthetic_plan
@@ -47,7 +47,7 @@ def called(monkeypatch):
 
 
 def planned(**changes):
-    solved = replace(synthetic_plan(JUMP), solution=Solution(None, None))
+    solved = replace(synthetic_plan(JUMP), solution=Iterate(None, None))
     return replace(solved, **changes)
 
 

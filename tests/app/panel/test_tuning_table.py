@@ -7,7 +7,7 @@ import pytest
 
 from app.panel.tuning_table import entries_of, tuning_table
 from llsrbm.planning.costs import COSTS, default_weights
-from llsrbm.planning.limits import limits_of
+from llsrbm.planning.placement import limits_of
 from llsrbm.robots import load_robot
 
 ROW = re.compile(r"<tr data-group.*?</tr>")

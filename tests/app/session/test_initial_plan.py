@@ -22,7 +22,7 @@ from llsrbm.motion.plan_file import load_plan
 from llsrbm.planning.knots import rolled_out, unpack
 from llsrbm.planning.layout import Intervals, Layout
 from llsrbm.planning.residuals import satisfied, violations
-from llsrbm.planning.task import make_task
+from llsrbm.planning.placement import make_task
 from llsrbm.robots import load_robot, names
 from tests.app.synthetic_plan import synthetic_plan
 from tests.llsrbm.planning.replay import angle_between, replay

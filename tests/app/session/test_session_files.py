@@ -16,7 +16,7 @@ import llsrbm
 from app.compute.protocol import PlanJump
 from llsrbm.design import Design, dump_design, load_design
 from llsrbm.jump import Jump
-from llsrbm.motion.plan import Solution
+from llsrbm.ocp.problem import Iterate
 from llsrbm.robots import load_robot
 from llsrbm.scenario import Scenario
 from llsrbm.tuning import Tuning
@@ -29,7 +29,7 @@ from tests.llsrbm.synthetic_rollout import synthetic_rollout
 JUMP = Jump(robot="anymal", model="srbm", twist=1.234, forward=0.123, lateral=-0.1, height=0.1)
 TUNING = Tuning(limits={"friction": 0.45})
 SCENARIO = Scenario(board=0.02, half_board=True, seed=7, noise=2.0)
-SOLUTION = Solution(np.arange(5.0), np.arange(3.0))
+SOLUTION = Iterate(np.arange(5.0), np.arange(3.0))
 
 
 def plan_of(jump=JUMP, **changes):

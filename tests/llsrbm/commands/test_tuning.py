@@ -7,7 +7,7 @@ from llsrbm.cli import main
 from llsrbm.commands.options import requested_tuning
 from llsrbm.errors import InputError
 from llsrbm.planning.costs import COSTS
-from llsrbm.planning.limits import limits_of
+from llsrbm.planning.placement import limits_of
 from llsrbm.robots import load_robot
 from llsrbm.tuning import Tuning
 

@@ -10,10 +10,10 @@ import numpy as np
 
 from llsrbm.jump import Jump
 from llsrbm.motion.plan import Plan
+from llsrbm.ocp.transcription import constraints_of
 from llsrbm.planning.knots import Knots
 from llsrbm.planning.planner import Planner, planner_for
 from llsrbm.planning.task import Task
-from llsrbm.planning.transcription import constraints_of
 
 REQUESTS: dict[str, dict[str, float]] = {
     "twist": {"twist": np.pi / 2},

@@ -20,7 +20,7 @@ from llsrbm.planning.explanation import explain, in_words
 from llsrbm.planning.planner import planner_for
 from llsrbm.planning.residuals import describe_worst, stops, violations
 from llsrbm.planning.scout import Scout
-from llsrbm.planning.task import make_task
+from llsrbm.planning.placement import make_task
 from llsrbm.robots import load_robot
 from tests.llsrbm.planning.solved import solved
 

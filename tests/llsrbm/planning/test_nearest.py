@@ -16,7 +16,7 @@ from llsrbm.planning.nearest import STEPS, Way
 from llsrbm.planning.planner import planner_for
 from llsrbm.planning.residuals import TOLERANCE
 from llsrbm.planning.scout import Scout
-from llsrbm.planning.task import make_task
+from llsrbm.planning.placement import make_task
 from llsrbm.robots import load_robot
 
 ANYMAL = load_robot("anymal")

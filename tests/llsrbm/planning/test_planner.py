@@ -11,9 +11,9 @@ from llsrbm.analysis.joint_margins import joint_margins
 from llsrbm.errors import Cancelled, InputError, NotConverged
 from llsrbm.jump import Jump
 from llsrbm.motion.plan import Phase
-from llsrbm.planning import progress, solvers
+from llsrbm.ocp import progress, solvers
+from llsrbm.ocp.progress import PlanningProgress
 from llsrbm.planning.planner import INTERVALS, PATIENT_FLIGHT, Planner, planner_for
-from llsrbm.planning.progress import PlanningProgress
 from llsrbm.planning.residuals import TOLERANCE, excess
 from llsrbm.robots import load_robot
 from tests.llsrbm.kinematics import foot_positions

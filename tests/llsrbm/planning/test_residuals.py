@@ -14,7 +14,7 @@ from llsrbm.planning.residuals import (
     stops,
     violations,
 )
-from llsrbm.planning.task import make_task
+from llsrbm.planning.placement import make_task
 from llsrbm.robots import load_robot
 from tests.llsrbm.planning.solved import solved
 

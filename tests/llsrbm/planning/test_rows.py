@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 from llsrbm import models
+from llsrbm.ocp.transcription import constraints_of
 from llsrbm.planning.constraints import CONSTRAINTS
 from llsrbm.planning.knots import unpack
 from llsrbm.planning.residuals import dynamics_defects
 from llsrbm.planning.stage import BALANCE_SCALE, GRAVITY
-from llsrbm.planning.transcription import constraints_of
 from tests.llsrbm.planning.solved import function, parameters, rows_by_constraint, solved
 
 # Rows of the legs' drives, checks by Pinocchio: test_drive_rows compares them.

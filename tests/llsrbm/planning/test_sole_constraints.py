@@ -24,7 +24,7 @@ from llsrbm.planning.headings import (
     relative_yaws,
 )
 from llsrbm.planning.residuals import violations
-from llsrbm.planning.task import place_task
+from llsrbm.planning.placement import place_task
 from llsrbm.robots import load_robot
 from tests.llsrbm.planning.solved import solved
 

@@ -10,7 +10,7 @@ from llsrbm.errors import InputError
 from llsrbm.jump import Jump
 from llsrbm.planning.costs import default_weights
 from llsrbm.planning.layout import Intervals, Layout
-from llsrbm.planning.task import make_task, parameter_sizes
+from llsrbm.planning.placement import make_task, parameter_sizes
 from llsrbm.robots import load_robot
 
 ROBOT = load_robot("anymal")

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from llsrbm import models
+from llsrbm.ocp.transcription import Problem, constraints_of, row_bounds
 from llsrbm.planning.constraints import CONSTRAINTS
 from llsrbm.planning.guess import analytic_guess
 from llsrbm.planning.layout import Intervals, Layout
-from llsrbm.planning.transcription import Problem, constraints_of, row_bounds
 from llsrbm.robots import load_robot
 from tests.llsrbm.planning.solved import function, parameters, solved
 

@@ -12,7 +12,7 @@ from app.scene.overlays.reach import surface
 from llsrbm.jump import Jump
 from llsrbm.planning.constraints.reach import Reach
 from llsrbm.planning.layout import Intervals, Layout
-from llsrbm.planning.task import place_task
+from llsrbm.planning.placement import place_task
 from llsrbm.robots import load_robot
 from llsrbm.tuning import Tuning
 from tests.app.scene.overlays.drawn import DrawnOverlay

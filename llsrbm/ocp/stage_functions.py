@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Hashable
 from dataclasses import dataclass
 from typing import Any
 
 import casadi as ca
 import numpy as np
 
-from llsrbm.planning.constraints import CONSTRAINTS, Constraint
-from llsrbm.planning.costs import COSTS, weight_parameter
-from llsrbm.planning.layout import Role
-from llsrbm.planning.stage import Stage
+from llsrbm.ocp.horizon import StageExpressions
 
 
 @dataclass(frozen=True)
 class StageFunctions:
-    """Functions of (z, p, s) of one stage: its variables, the parameters, where its feet stand.
+    """Functions of (z, p, s) of one stage: its variables, shared and local parameters.
 
     g stacks -F(z), the next state, over the path rows.
 
@@ -25,7 +23,8 @@ class StageFunctions:
         jacobian: g, and the non-zeros of dg/dz under the identity of the previous stage's gap.
         hessian: of lam_f f + lam . g, arguments (z, p, s, lam_f, lam), non-zeros.
         jacobian_pattern, hessian_pattern: their sparsities.
-        row_counts: path rows of each constraint, in their order.
+        states: number of states; gap: rows of g that are the next state's gap.
+        rows: key, number and equality flag of the path rows, in their order.
     """
 
     cost: ca.Function
@@ -35,40 +34,42 @@ class StageFunctions:
     hessian: ca.Function
     jacobian_pattern: ca.Sparsity
     hessian_pattern: ca.Sparsity
-    row_counts: tuple[tuple[Constraint, int], ...]
+    states: int
+    gap: int
+    rows: tuple[tuple[Hashable, int, bool], ...]
+
+    @property
+    def width(self) -> int:
+        """Variables of a stage."""
+        return int(self.constraints.size1_in(0))
+
+    @property
+    def height(self) -> int:
+        """Rows of g of a stage."""
+        return int(self.constraints.size1_out(0))
 
 
-def constraints_of(role: Role) -> tuple[Constraint, ...]:
-    """The constraints that apply to a role, in the order of their rows."""
-    return tuple(c for c in CONSTRAINTS if c.applies(role))
-
-
-def make_stage_functions(stage: Stage, following: tuple[str, ...], initial: bool) -> StageFunctions:
+def make_stage_functions(stage: StageExpressions, initial: bool) -> StageFunctions:
     """Differentiate one stage.
 
     Args:
         stage: its expressions.
-        following: names of the states at the next knot; none at the end.
         initial: whether no stage comes before.
     """
-    z, p = stage.variables, ca.vertcat(*stage.parameters.values())
-    s = stage.standing
-    cost = ca.SX(0)
-    for term in COSTS:
-        if term.applies(stage.role):
-            cost += stage.parameters[weight_parameter(term)] * term.term(stage)
-    rows = [(c, ca.vec(ca.SX(c.rows(stage)))) for c in constraints_of(stage.role)]
-    gap = -stage.next_state(following) if following else ca.SX(0, 1)
+    z, p, s = stage.variables, stage.shared, stage.local
+    rows = [(row, ca.vec(ca.SX(row.expression))) for row in stage.rows]
+    gap = ca.SX(0, 1) if stage.next_state is None else -stage.next_state
     g = ca.densify(ca.vertcat(gap, *(expression for _, expression in rows)))
 
     lam_f, lam = ca.SX.sym("lam_f"), ca.SX.sym("lam", g.shape[0])
     J = stage.lift.jacobian(g)
-    gradient = ca.densify(stage.lift.jacobian(cost).T)
-    H = ca.triu2symm(ca.triu(stage.lift.hessian(lam_f * cost + ca.dot(lam, g))))
-    states = stage.layout.state_size(stage.role)
+    gradient = ca.densify(stage.lift.jacobian(stage.cost).T)
+    H = ca.triu2symm(ca.triu(stage.lift.hessian(lam_f * stage.cost + ca.dot(lam, g))))
     gap_before = ca.SX(0, z.numel())
     if not initial:
-        gap_before = ca.horzcat(ca.SX.eye(states), ca.SX(states, z.numel() - states))
+        gap_before = ca.horzcat(
+            ca.SX.eye(stage.states), ca.SX(stage.states, z.numel() - stage.states)
+        )
     J = ca.vertcat(gap_before, J)
 
     def function(kind: str, arguments: list[Any], results: list[ca.SX]) -> ca.Function:
@@ -76,17 +77,19 @@ def make_stage_functions(stage: Stage, following: tuple[str, ...], initial: bool
         joined = stage.lift.resolve(ca.vertcat(*results))
         split = np.cumsum([0, *(r.shape[0] for r in results)]).tolist()
         outputs = ca.vertsplit(joined, split)
-        return ca.Function(f"{stage.role.describe()}_{kind}", arguments, outputs, {"cse": True})
+        return ca.Function(f"{stage.name}_{kind}", arguments, outputs, {"cse": True})
 
     return StageFunctions(
-        cost=function("f", [z, p, s], [cost]),
+        cost=function("f", [z, p, s], [stage.cost]),
         constraints=function("g", [z, p, s], [g]),
         gradient=function("df", [z, p, s], [gradient]),
         jacobian=function("dg", [z, p, s], [g, _nonzeros(J)]),
         hessian=function("h", [z, p, s, lam_f, lam], [_nonzeros(H)]),
         jacobian_pattern=J.sparsity(),
         hessian_pattern=H.sparsity(),
-        row_counts=tuple((c, expression.shape[0]) for c, expression in rows),
+        states=stage.states,
+        gap=gap.shape[0],
+        rows=tuple((row.key, expression.shape[0], row.equality) for row, expression in rows),
     )
 
 

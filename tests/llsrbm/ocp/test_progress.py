@@ -9,8 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from llsrbm.errors import Cancelled
-from llsrbm.planning import progress
-from llsrbm.planning.progress import IterationTable, attended, printed_into
+from llsrbm.ocp import progress
+from llsrbm.ocp.progress import IterationTable, attended, printed_into
 
 FATROP = """
 iter    objective   inf_pr   inf_du lg(mu)    ||d||   lg(rg)   alpha_du   alpha_pr ls

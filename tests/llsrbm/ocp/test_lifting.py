@@ -5,7 +5,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from llsrbm.planning.lifting import Lifting
+from llsrbm.ocp.lifting import Lifting
 
 OPERATIONS = {
     "sum": lambda a, b: a + 2 * b,

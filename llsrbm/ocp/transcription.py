@@ -1,126 +1,144 @@
 """Multiple shooting: stages into one sparse problem, with its derivatives, for any solver.
 
-Each role becomes small functions of one stage, evaluated for all stages that share them at once;
-the problem's functions assemble their non-zeros. This evaluates several times faster than one flat
-expression of the whole horizon, needs no compiler, and is small enough to be kept on disk.
+The non-zeros of the stage functions are put where they belong in the problem's own; `llsrbm.ocp`
+says why.
 """
 
 from __future__ import annotations
 
 from collections import defaultdict
-from dataclasses import dataclass
+from collections.abc import Hashable, Iterator
+from dataclasses import dataclass, replace
 from typing import Any
 
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from llsrbm.models.base import CentroidalModel
-from llsrbm.planning.batch import over_stages
-from llsrbm.planning.layout import Layout, Role
-from llsrbm.planning.stage import Stage
-from llsrbm.planning.stage_functions import StageFunctions, constraints_of, make_stage_functions
-from llsrbm.planning.task import Task, parameter_sizes
-
-Array = NDArray[np.float64]
+from llsrbm.ocp.batch import over_stages
+from llsrbm.ocp.horizon import Horizon, Run, StageExpressions
+from llsrbm.ocp.stage_functions import StageFunctions, make_stage_functions
 
 
 @dataclass(frozen=True)
 class Block:
-    """A run of stages of one role, and where its part of the problem begins.
+    """A run of stages, and where its part of the problem begins.
 
     Attributes:
-        count: number of stages; width, height: variables and rows of g of one stage.
-        gap: rows of g that are the next state's gap.
+        functions: of one stage.
+        count: number of stages.
+        local: places of their local parameters in the shared ones.
         first_variable, first_row: places in x and g.
     """
 
-    role: Role
     functions: StageFunctions
     count: int
-    width: int
-    height: int
-    gap: int
+    local: tuple[slice, ...]
     first_variable: int
     first_row: int
+
+    @property
+    def width(self) -> int:
+        """Variables of one stage."""
+        return self.functions.width
+
+    @property
+    def height(self) -> int:
+        """Rows of g of one stage."""
+        return self.functions.height
+
+    @property
+    def gap(self) -> int:
+        """Rows of g of one stage that are the next state's gap."""
+        return self.functions.gap
 
     def columns(self, vector: Any, first: int, size: int) -> Any:
         """(size, count): the block's part of x or of the multipliers, a column a stage."""
         return ca.reshape(vector[first : first + self.count * size], size, self.count)
 
 
-class Problem:
-    """The parametric problem of one model and layout.
+@dataclass(frozen=True)
+class Structure:
+    """The sizes of an optimal control problem's stages, as Fatrop has to know them.
+
+    Attributes:
+        states, controls, rows: (N+1,) nx, nu and number of path rows of a stage.
+        equality: (rows of g,) whether a row of g is an equality.
+    """
+
+    states: list[int]
+    controls: list[int]
+    rows: list[int]
+    equality: list[bool]
+
+
+class Transcription:
+    """The parametric problem of a horizon.
 
     Attributes:
         functions: name -> CasADi function, in the signatures that nlpsol expects of its oracle:
             nlp, nlp_f, nlp_g, nlp_grad_f, nlp_jac_g, nlp_hess_l, nlp_grad.
-        state_sizes, control_sizes, row_counts: (N+1,) nx, nu and path rows a stage.
-        equality: (rows,) whether a row of g is an equality.
+        structure: sizes of its stages.
     """
 
-    def __init__(self, model: CentroidalModel, layout: Layout) -> None:
-        self.model, self.layout = model, layout
-        self.state_sizes = [layout.state_size(role) for role in layout.roles]
-        self.control_sizes = [layout.control_size(role) for role in layout.roles]
-        self.row_counts: list[int] = []
-        equality: list[bool] = []
-        sizes = parameter_sizes(layout)
-        parameters = {name: ca.SX.sym(name, size) for name, size in sizes.items()}
-        families: dict[tuple[Any, ...], StageFunctions] = {}
+    def __init__(self, horizon: Horizon) -> None:
+        """Build each family's expressions once, differentiate and assemble them.
+
+        Raises:
+            ValueError: stages whose next state is not the state of the one that follows.
+        """
+        expressions: dict[Hashable, StageExpressions] = {}
+        families: dict[tuple[Hashable, bool], StageFunctions] = {}
         blocks: list[Block] = []
         variable = row = 0
-        for role, knots in layout.blocks():
-            following = () if role.terminal else layout.states(layout.roles[knots[-1] + 1])
-            family = _family(role, following, layout)
+        for run, initial in _first_apart(horizon.runs):
+            if run.family not in expressions:
+                expressions[run.family] = run.build()
+            family = run.family, initial
             if family not in families:
-                stage = Stage(role, layout, model, parameters)
-                families[family] = make_stage_functions(stage, following, knots[0] == 0)
-            functions = families[family]
-            width, height = functions.constraints.size1_in(0), functions.constraints.size1_out(0)
-            gap = sum(map(layout.size, following))
-            blocks.append(Block(role, functions, len(knots), width, height, gap, variable, row))
-            variable, row = variable + len(knots) * width, row + len(knots) * height
-            for _ in knots:
-                self.row_counts.append(height - gap)
-                equality += [True] * gap
-                for constraint, count in functions.row_counts:
-                    equality += [constraint.equality] * count
-        self.equality = np.array(equality)
-        self.functions = _assemble(blocks, sizes)
+                families[family] = make_stage_functions(expressions[run.family], initial)
+            block = Block(families[family], run.count, run.local, variable, row)
+            blocks.append(block)
+            variable += run.count * block.width
+            row += run.count * block.height
+        stages = [block.functions for block in blocks for _ in range(block.count)]
+        for k, (stage, states) in enumerate(
+            zip(stages, [*(after.states for after in stages[1:]), 0], strict=True)
+        ):
+            if stage.gap != states:
+                raise ValueError(f"stage {k} leads to {stage.gap} states; the next has {states}")
+        equality: list[bool] = []
+        for stage in stages:
+            equality += [True] * stage.gap
+            for _, count, equal in stage.rows:
+                equality += [equal] * count
+        self.structure = Structure(
+            states=[stage.states for stage in stages],
+            controls=[stage.width - stage.states for stage in stages],
+            rows=[stage.height - stage.gap for stage in stages],
+            equality=equality,
+        )
+        self.functions = _assemble(blocks, horizon.parameters)
 
 
-def row_bounds(layout: Layout, task: Task) -> tuple[Array, Array]:
-    """Lower and upper bounds of g for a task, (rows,): gaps, then each stage's constraints."""
-    lower, upper = [], []
-    for knot, role in enumerate(layout.roles):
-        if not role.terminal:
-            gap = np.zeros(layout.state_size(layout.roles[knot + 1]))
-            lower.append(gap)
-            upper.append(gap)
-        for constraint in constraints_of(role):
-            low, high = constraint.bounds(task, layout, knot)
-            lower.append(low)
-            upper.append(high)
-    return np.concatenate(lower), np.concatenate(upper)
+def _first_apart(runs: tuple[Run, ...]) -> Iterator[tuple[Run, bool]]:
+    """Runs, and whether they begin the horizon: no gap ends in the first stage."""
+    first, *rest = runs
+    yield replace(first, count=1), True
+    if first.count > 1:
+        yield replace(first, count=first.count - 1), False
+    for run in rest:
+        yield run, False
 
 
-def _family(role: Role, following: tuple[str, ...], layout: Layout) -> tuple[Any, ...]:
-    """Equal for stages with the same expressions: inner ones of take-off and landing are."""
-    inner = role.in_contact and not role.first and not role.last
-    name = "stance" if inner else role.describe()
-    return name, layout.intervals_of(role.phase), following, constraints_of(role)
-
-
-def _assemble(blocks: list[Block], sizes: dict[str, int]) -> dict[str, ca.Function]:
+def _assemble(blocks: list[Block], parameters: int) -> dict[str, ca.Function]:
     variables = sum(block.count * block.width for block in blocks)
     rows = sum(block.count * block.height for block in blocks)
-    parameters = sum(sizes.values())
     x, p = ca.MX.sym("x", variables), ca.MX.sym("p", parameters)
     lam_f, lam = ca.MX.sym("lam_f"), ca.MX.sym("lam_g", rows)
 
     def every(kind: str) -> list[list[Any]]:
-        return _evaluate(blocks, kind, x, _named(p, sizes), p, lam_f, lam)
+        return _evaluate(blocks, kind, x, p, lam_f, lam)
 
     def with_gaps(block: Block, g: Any) -> Any:
         # The gap reads x_next - F, the sign that Fatrop expects.
@@ -165,13 +183,8 @@ def _assemble(blocks: list[Block], sizes: dict[str, int]) -> dict[str, ca.Functi
     }
 
 
-def _named(p: Any, sizes: dict[str, int]) -> dict[str, Any]:
-    places = np.cumsum([0, *sizes.values()]).tolist()
-    return dict(zip(sizes, ca.vertsplit(p, places), strict=True))
-
-
 def _evaluate(
-    blocks: list[Block], kind: str, x: Any, named: dict[str, Any], p: Any, lam_f: Any, lam: Any
+    blocks: list[Block], kind: str, x: Any, p: Any, lam_f: Any, lam: Any
 ) -> list[list[Any]]:
     """Outputs of one of `StageFunctions`, (size, count) each, for each block."""
     sharing: dict[int, list[int]] = defaultdict(list)
@@ -182,17 +195,8 @@ def _evaluate(
         members = [blocks[i] for i in indices]
         count = sum(block.count for block in members)
         Z = ca.horzcat(*(b.columns(x, b.first_variable, b.width) for b in members))
-        feet = ca.horzcat(
-            *(
-                ca.repmat(
-                    ca.vertcat(*(named[name] for name in Stage.standing_parameters(b.role))),
-                    1,
-                    b.count,
-                )
-                for b in members
-            )
-        )
-        arguments = [Z, p, feet]
+        local = ca.horzcat(*(ca.repmat(_local(p, b.local), 1, b.count) for b in members))
+        arguments = [Z, p, local]
         if kind == "hessian":
             arguments += [
                 lam_f,
@@ -204,6 +208,10 @@ def _evaluate(
             for index, part in zip(indices, ca.horzsplit(output, split), strict=True):
                 results[index].append(part)
     return results
+
+
+def _local(p: Any, places: tuple[slice, ...]) -> Any:
+    return ca.vertcat(*(p[at] for at in places)) if places else ca.MX(0, 1)
 
 
 def _stacked(blocks: list[Block], rows: int, variables: int) -> ca.Sparsity:

@@ -4,7 +4,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from llsrbm.planning.batch import WORTHWHILE, over_stages
+from llsrbm.ocp.batch import WORTHWHILE, over_stages
 
 
 def deep_function() -> ca.Function:
