@@ -181,17 +181,18 @@ def _same(a: Any, b: Any) -> bool:
 
 def _schedule(meta: _Meta, legs: int, path: str | Path) -> Schedule:
     """The schedule in a file of a plan with that many legs."""
-    names = leg_names(meta.robot_parameters, legs)
     if meta.schedule is None:
-        return together(names)
+        return together(leg_names(meta.robot_parameters, legs))
     where = f'{path}: key "meta"'
     try:
         schedule = Schedule.from_dict(meta.schedule)
     except InputError as error:
         raise FileFormatError(f"{where}: {printable(str(error), _LONGEST_MESSAGE)}") from error
-    if schedule.legs != names:
-        told, expected = (printable(", ".join(legs), 100) for legs in (schedule.legs, names))
-        raise FileFormatError(f"{where}: schedule: it has the legs {told}; expected {expected}")
+    if len(schedule.legs) != legs:
+        told = printable(", ".join(schedule.legs), 100)
+        raise FileFormatError(
+            f'{where}: schedule: it has the legs {told}; expected {legs}, as "leg_mass" has'
+        )
     return schedule
 
 

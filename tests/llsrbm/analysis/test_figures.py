@@ -12,8 +12,7 @@ from llsrbm.analysis.figures import (
     figures_of_plan,
     figures_of_rollout,
 )
-from llsrbm.motion.plan import Phase
-from tests.llsrbm.synthetic import GRAVITY, synthetic_plan
+from tests.llsrbm.synthetic import FLIGHT, GRAVITY, synthetic_plan
 from tests.llsrbm.synthetic_rollout import EARLY_TICKS, RATE, YAW_SHORTFALL, synthetic_rollout
 
 FIGURE = {figure.name: figure for figure in FIGURES}
@@ -41,14 +40,14 @@ def test_a_plans_figures(plan):
     radii = [
         sum(math.hypot(*(foot - com)[:2]) for foot in feet) / 4
         for phase, com, feet in zip(plan.phase, plan.com, plan.foot_position)
-        if phase == Phase.FLIGHT
+        if phase == FLIGHT
     ]
     assert figures.feet_radius == pytest.approx(min(radii))
     # About the vertical: the trunk's, and legs of 2 kg half way to the feet.
     lever = [
         sum(2.0 * ((c - com)[:2] @ (c - com)[:2]) for c in legs)
         for phase, com, legs in zip(plan.phase, plan.com, plan.leg_com)
-        if phase == Phase.FLIGHT
+        if phase == FLIGHT
     ]
     assert figures.smallest_Izz == pytest.approx(2.2 + min(lever))
     assert figures.peak_force == max(math.hypot(*f) for f in plan.contact_force.reshape(-1, 3))

@@ -21,7 +21,7 @@ from tests.llsrbm.synthetic import synthetic_plan
 PLAN_KEYS = [
     "status", "solver", "iterations", "solve_time_s", "total_time_s", "build_time_s", "cost",
     "duration_s", "phase_durations_s", "peak_yaw_rate", "final_yaw", "violations",
-    "joint_torque_ratio", "phases",
+    "joint_torque_ratio", "phases", "request",
 ]  # fmt: skip
 
 
@@ -59,6 +59,7 @@ def test_json_is_one_object_with_the_contracts_keys(planner, capfd):
     ]
     durations = [phase["duration_s"] for phase in result["phases"]]
     assert durations == result["phase_durations_s"]
+    assert result["request"] == planner.requests[0][0].as_dict()
     assert "a banner of a solver" in err
 
 

@@ -116,6 +116,10 @@ def real():
 def first_version(plan, path, **changes):
     """The file that version 1 would have written."""
     plan.save(path)
+    with np.load(path) as archive:
+        meta = json.loads(str(archive["meta"]))
+    del meta["schedule"]
+    changes = {"meta": np.array(json.dumps(meta))} | changes
     none = dict.fromkeys(("joint_velocity", "joint_torque", "joint_torque_limit"))
     return rewritten(path, path, schema=np.array("llsrbm.plan/1"), **none, **changes)
 

@@ -14,9 +14,8 @@ from scipy.spatial.transform import Rotation, Slerp
 
 from llsrbm.errors import InputError
 from llsrbm.motion.instants import evenly, with_events
-from llsrbm.motion.plan import Phase
 from llsrbm.motion.resample import resample
-from tests.llsrbm.synthetic import GRAVITY, synthetic_plan
+from tests.llsrbm.synthetic import FLIGHT, GRAVITY, LANDING, TAKE_OFF, synthetic_plan
 
 CONTINUOUS = (
     "com", "com_velocity", "base_quat", "base_position", "angular_velocity", "linear_momentum",
@@ -98,7 +97,7 @@ def test_continuous_across_knots_and_phases(plan):
 
 def test_feet_stand_still_in_stance(plan):
     motion = resample(plan, random_times(plan))
-    for phase, knot in ((Phase.TAKEOFF, 0), (Phase.LANDING, -1)):
+    for phase, knot in ((TAKE_OFF, 0), (LANDING, -1)):
         stance = motion.phase == phase
         assert stance.sum() > 20
         for name in ("foot_position", "contact_point"):
@@ -129,7 +128,7 @@ def test_forces_are_held_and_zero_in_flight(plan):
     knots = np.searchsorted(plan.time, times, side="right") - 1
     np.testing.assert_array_equal(motion.joint_torque, plan.joint_torque[knots])
     np.testing.assert_array_equal(motion.joint_torque_limit, plan.joint_torque_limit[knots])
-    assert (motion.contact_force[motion.phase == Phase.FLIGHT] == 0).all()
+    assert (motion.contact_force[motion.phase == FLIGHT] == 0).all()
 
 
 def test_inertia_stays_an_inertia(plan):
