@@ -2,18 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import fields, replace
-from typing import Any
+from dataclasses import replace
 
 from llsrbm import jump_types
 from llsrbm.errors import InputError
 from llsrbm.jump import Jump
-from llsrbm.jump_types import JumpType
+from llsrbm.jump_types import JumpType, with_defaults
 from llsrbm.robots import Robot
-
-_SILENT: dict[str, Any] = {
-    field.name: field.default for field in fields(Jump) if field.name in jump_types.ASKABLE
-}
 
 
 def types_offered(robot: Robot) -> dict[str, JumpType]:
@@ -28,16 +23,8 @@ def title_of_type(name: str) -> str:
 
 
 def with_type(jump: Jump, name: str) -> Jump:
-    """The request as one of another type.
-
-    What that type states for silent requests is taken; of what it does not ask for nothing stays.
-
-    Args:
-        jump: the request; robot, model and landing place stay, unless the type states one.
-        name: of a preset.
-    """
-    stated = {**_SILENT, **jump_types.load_type(name).defaults}
-    return replace(jump, type=name, **stated)
+    """The request as one of another type, with that type's defaults; the landing place stays."""
+    return with_defaults(replace(jump, type=name))
 
 
 def _has_feet_of(robot: Robot, kind: JumpType) -> bool:

@@ -11,9 +11,10 @@ from app.motion.planned_motion import bake_plan
 from app.scene.overlays.reach import surface
 from llsrbm.jump import Jump
 from llsrbm.planning.constraints.reach import Reach
-from llsrbm.planning.layout import Intervals, Layout
+from llsrbm.planning.layout import Layout
 from llsrbm.planning.placement import place_task
 from llsrbm.robots import load_robot
+from llsrbm.schedule import together
 from llsrbm.tuning import Tuning
 from tests.app.scene.overlays.drawn import DrawnOverlay
 from tests.app.scene.pictures import picture, planned
@@ -22,7 +23,7 @@ from tests.app.synthetic_plan import synthetic_plan
 TUNED = Tuning({}, {"reach_max": 0.45, "reach_standing": 0.8})
 
 
-LAYOUT = Layout(legs=1, contacts=1, intervals=Intervals())
+LAYOUT = Layout.of(together(("leg",)), contacts=1, intervals=48, foot_coordinates=3)
 KNOT = {True: 5, False: 21}  # in take-off, in flight
 
 
