@@ -17,10 +17,10 @@ from llsrbm.planning.constraints.drives import (
     TorqueAtSpeed,
 )
 from llsrbm.planning.explanation import explain, in_words
+from llsrbm.planning.placement import make_task
 from llsrbm.planning.planner import planner_for
 from llsrbm.planning.residuals import describe_worst, stops, violations
 from llsrbm.planning.scout import Scout
-from llsrbm.planning.placement import make_task
 from llsrbm.robots import load_robot
 from tests.llsrbm.planning.solved import solved
 

@@ -13,10 +13,9 @@ from llsrbm.motion.plan import Phase
 from llsrbm.planning.constraints import CONSTRAINTS
 from llsrbm.planning.horizon import row_bounds
 from llsrbm.planning.layout import Intervals, Layout
-from llsrbm.planning.placement import limits_of
+from llsrbm.planning.placement import limits_of, make_task
 from llsrbm.planning.planner import planner_for
 from llsrbm.planning.residuals import TOLERANCE, violations
-from llsrbm.planning.placement import make_task
 from llsrbm.robots import load_robot
 from llsrbm.tuning import Tuning
 

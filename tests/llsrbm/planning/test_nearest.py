@@ -13,10 +13,10 @@ from llsrbm.errors import Cancelled, Error, InputError, NotConverged, Stop
 from llsrbm.jump import Jump
 from llsrbm.planning.explanation import explain, in_words
 from llsrbm.planning.nearest import STEPS, Way
+from llsrbm.planning.placement import make_task
 from llsrbm.planning.planner import planner_for
 from llsrbm.planning.residuals import TOLERANCE
 from llsrbm.planning.scout import Scout
-from llsrbm.planning.placement import make_task
 from llsrbm.robots import load_robot
 
 ANYMAL = load_robot("anymal")
