@@ -33,8 +33,8 @@ sparse matrix.
 
 What each brings
 ----------------
-Lifting, in instructions of one inner stage of a quadruped's jump (`llsrbm-plus`); the rows alone take
-some 3,100 to 3,300:
+Lifting, in instructions of one inner stage of a quadruped's jump (`llsrbm-plus`); the rows alone
+take 3,260 and 3,091:
 
                         Jacobian             Hessian
     stance              27,706 of 48,716     50,235 of 121,890 without lifting
