@@ -22,6 +22,7 @@ from llsrbm.commands.listing import (
     models_command,
     robots_command,
     tuning_command,
+    types_command,
 )
 from llsrbm.commands.plan import plan_command
 from llsrbm.commands.replay import replay_command
@@ -79,6 +80,7 @@ app.command("export")(export_command)
 app.command("replay")(replay_command)
 app.command("robots")(robots_command)
 app.command("models")(models_command)
+app.command("types")(types_command)
 app.command("tuning")(tuning_command)
 app.command("formats")(formats_command)
 app.command("designs")(designs_command)

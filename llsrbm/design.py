@@ -13,7 +13,8 @@ A file is JSON; angles in rad, lengths in m, limits in their SI units, whatever 
 
 `schema`, the robot and the model must be there; a key that is left out has its default, a key that
 is not known is refused. The names are those of `Jump`, `Tuning` and `Scenario`. Older files call
-the scenario "conditions".
+the scenario "conditions". Of a jump the type, whole turns, speeds and hops are written only where
+they differ from those of a jump from rest to rest with all feet together.
 """
 
 from __future__ import annotations
@@ -29,7 +30,7 @@ from pydantic import AfterValidator, BaseModel, Field, PlainValidator, Validatio
 from pydantic_core import ErrorDetails, PydanticCustomError
 
 from llsrbm.errors import FileFormatError, InputError, printable
-from llsrbm.jump import Jump
+from llsrbm.jump import MOST_HOPS, Jump
 from llsrbm.robots.schema import choices
 from llsrbm.robots.tables import Table
 from llsrbm.scenario import Scenario, with_scenario
@@ -40,7 +41,8 @@ SUFFIX = ".jump.json"
 LARGEST = 64_000  # bytes; a design with every weight and limit changed takes a tenth of it
 
 _LONGEST_TITLE, _LONGEST_NOTE = 80, 400  # characters: a line of a list, a few lines of a page
-_FARTHEST = 100.0  # rad or m; far beyond any robot, whose own range is checked when it plans
+_ALWAYS = ("robot", "model", "twist", "forward", "lateral", "height")  # stated even if they are 0
+_FARTHEST = 100.0  # rad, m or m/s; far beyond any robot, whose range is checked when it plans
 _LARGEST_SEED = 2**53 - 1  # the largest whole number that every reader of JSON keeps exact
 
 
@@ -72,7 +74,7 @@ def dump_design(design: Design) -> str:
     differing = {
         "title": design.title,
         "note": design.note,
-        "jump": design.jump.as_dict(),
+        "jump": _stated(design.jump),
         "weights": dict(design.tuning.weights),
         "limits": dict(design.tuning.limits),
         "scenario": design.scenario.stated(),
@@ -80,6 +82,12 @@ def dump_design(design: Design) -> str:
     table = {"schema": SCHEMA} | {name: value for name, value in differing.items() if value}
     _checked(table, "this design")
     return json.dumps(table, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def _stated(jump: Jump) -> dict[str, Any]:
+    """Robot, model and where to land, and of the rest what differs from the defaults."""
+    table, plain = jump.as_dict(), Jump().as_dict()
+    return {n: value for n, value in table.items() if n in _ALWAYS or value != plain[n]}
 
 
 def load_design(source: bytes | str | Path, *, name: str = "design") -> Design:
@@ -121,7 +129,9 @@ def _one_line(text: str) -> str:
 
 
 _OneLine = AfterValidator(_one_line)
-_Name = Annotated[str, Field(min_length=1, max_length=1000), _OneLine]  # a robot may be a path
+_Name = Annotated[
+    str, Field(min_length=1, max_length=1000), _OneLine
+]  # robot and type may be paths
 _Amount = Annotated[float, Field(ge=-_FARTHEST, le=_FARTHEST)]
 _Value = Annotated[float, Field(ge=-1e9, le=1e9)]
 
@@ -133,6 +143,12 @@ class _JumpTable(Table):
     forward: _Amount = 0.0
     lateral: _Amount = 0.0
     height: _Amount = 0.0
+    type: _Name = Jump.type
+    roll: _Amount = 0.0
+    pitch: _Amount = 0.0
+    speed: _Amount = 0.0
+    end_speed: _Amount = 0.0
+    hops: Annotated[int, Field(ge=1, le=MOST_HOPS)] = 1
 
 
 def _scenario(table: Any) -> Scenario:
@@ -181,8 +197,12 @@ def _parse(content: bytes, where: str) -> Design:
         told = str(error).partition("; use sys.")[0]
         raise FileFormatError(f"{where}: not a JSON file: {told}") from error
     file = _checked(table, where)
+    try:
+        jump = Jump(**file.jump.model_dump())
+    except InputError as error:  # a turn that is no whole one
+        raise FileFormatError(f"{where}: {error}") from error
     return Design(
-        jump=Jump(**file.jump.model_dump()),
+        jump=jump,
         tuning=Tuning(weights=file.weights, limits=file.limits),
         scenario=file.scenario,
         title=file.title,

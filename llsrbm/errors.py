@@ -34,7 +34,7 @@ class Stop:
 
     Attributes:
         constraint: its name (`llsrbm.planning.constraints`).
-        phase: "take-off", "flight" or "landing"; time: s; where it is worst.
+        phase: name of the schedule's phase; time: s; where it is worst.
         amount: by how much, in `unit`: the limit would have to change, or, where there is no
             limit, the constraint is violated.
         limit: its name (`llsrbm.planning.limits`); None: no limit alone would help.

@@ -11,6 +11,9 @@ from llsrbm.errors import InputError
 AMOUNTS = ("twist", "forward", "lateral", "height", "roll", "pitch", "speed", "end_speed")
 """Fields of a `Jump` that are numbers."""
 
+ASKABLE = ("roll", "pitch", "speed", "end_speed", "hops")
+"""Fields of a `Jump` beyond where to land, which a jump type may ask for."""
+
 MOST_HOPS = 5
 _WHOLE = 1e-3  # of a turn: as near as degrees on a command line are
 

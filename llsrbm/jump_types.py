@@ -10,34 +10,47 @@
     ...
 
 A type says what is contact: the phases, and what of weights and limits they need. Where to, how
-fast and how far round is the request's (`llsrbm.Jump`).
+fast and how far round is the request's (`llsrbm.Jump`); `with_defaults` has it say what a type asks
+for. A file that is read never has a type's file opened that it names; planning has.
 """
 
 from __future__ import annotations
 
 import tomllib
+from collections.abc import Collection
+from dataclasses import replace
 from functools import lru_cache
+from itertools import takewhile
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple
 
-from pydantic import Field, ValidationError
+from pydantic import AfterValidator, BaseModel, Field, ValidationError, model_validator
+from pydantic_core import ErrorDetails, PydanticCustomError
 
-from llsrbm.errors import InputError
+from llsrbm.errors import InputError, printable
+from llsrbm.jump import ASKABLE as ASKABLE
+from llsrbm.jump import Jump
 from llsrbm.robots.assets import assets_directory
 from llsrbm.robots.schema import choices
-from llsrbm.robots.tables import Table
-from llsrbm.schedule import Phase, Schedule
+from llsrbm.robots.tables import Table, with_tuples
+from llsrbm.schedule import LONGEST_NAME, Phase, Schedule
 
 if TYPE_CHECKING:
-    from llsrbm.jump import Jump
     from llsrbm.robots.robot import Robot
 
 DEFAULT = "together"
-ASKABLE = ("roll", "pitch", "speed", "end_speed", "hops")
-"""Fields of a request beyond where to land, which a type may ask for."""
-
+_TURNS = ("roll", "pitch")  # alternatives: a request that says one of them is not silent
 _LARGEST = 100_000  # bytes; a type has a few hundred
 _SIDE = 0.3  # of the widest hip's distance from the middle: nearer is neither front nor hind
+
+
+def _one_line(text: str) -> str:
+    if not text.isprintable():
+        raise PydanticCustomError("text", "expected one line of printable text")
+    return text
+
+
+_OneLine = AfterValidator(_one_line)
 
 
 class PhaseRow(Table):
@@ -52,7 +65,7 @@ class PhaseRow(Table):
             further hop; a single hop has none of it.
     """
 
-    name: Annotated[str, Field(min_length=1, max_length=40)]
+    name: Annotated[str, Field(min_length=1, max_length=LONGEST_NAME), _OneLine]
     feet: str | tuple[str, ...]
     time: str | tuple[float, float]
     share: float = 1.0
@@ -84,14 +97,29 @@ class JumpType(Table):
         phase: in order.
     """
 
-    title: Annotated[str, Field(min_length=1, max_length=40)]
-    summary: Annotated[str, Field(min_length=1, max_length=200)]
+    title: Annotated[str, Field(min_length=1, max_length=LONGEST_NAME), _OneLine]
+    summary: Annotated[str, Field(min_length=1, max_length=200), _OneLine]
     asks: tuple[Literal["roll", "pitch", "speed", "end_speed", "hops"], ...] = ()
     defaults: dict[str, float | int] = Field(default_factory=dict)
     weights: dict[str, float] = Field(default_factory=dict)
     limits: dict[str, float] = Field(default_factory=dict)
     displacement: tuple[Displacement, ...] = ()
     phase: Annotated[tuple[PhaseRow, ...], Field(min_length=1)]
+
+    @model_validator(mode="after")
+    def _check_defaults(self) -> JumpType:
+        for name in self.defaults:
+            if name not in self.asks:
+                asked = ", ".join(self.asks) or "nothing"
+                why = (
+                    f'defaults.{printable(name)}: the type asks for {asked}; expected one of "asks"'
+                )
+                raise PydanticCustomError("defaults", "{why}", {"why": why})
+        try:
+            replace(Jump(), **self.defaults)  # type: ignore[arg-type]
+        except InputError as error:
+            raise PydanticCustomError("defaults", "{why}", {"why": str(error)}) from error
+        return self
 
     def schedule(self, robot: Robot, hops: int = 1) -> Schedule:
         """The phases with this robot's feet.
@@ -113,6 +141,14 @@ class JumpType(Table):
         return Schedule(tuple(leg.name for leg in robot.legs), tuple(phases))
 
 
+_TABLES: dict[str, type[BaseModel]] = {"phase": PhaseRow, "displacement": Displacement}
+_EXPECTED = {
+    "feet": "all, none, front, hind, left, right, or an array of legs' names",
+    "time": "takeoff, flight, landing, or [shortest, longest] in s",
+    "asks": f"some of {', '.join(ASKABLE)}",
+}
+
+
 def names() -> dict[str, JumpType]:
     """The presets: name -> type, the default first."""
     found = {path.stem: load_type(path.stem) for path in sorted(_directory().glob("*.toml"))}
@@ -125,18 +161,18 @@ def load_type(name: str) -> JumpType:
     Raises:
         InputError: no such preset or file, or not a jump type; one line.
     """
-    preset = _directory() / f"{name}.toml"
-    if "/" not in name and preset.is_file():
-        return _read(preset, preset.stat().st_mtime_ns)
+    presets = {path.stem: path for path in _directory().glob("*.toml")}
+    if name in presets:
+        return _read(_Edition.of(presets[name]))
     path = Path(name)
     if path.suffix != ".toml":
-        known = [path.stem for path in _directory().glob("*.toml")]
         raise InputError(
-            f"unknown jump type {name!r}; {choices(name, known)}, or the path of a .toml file"
+            f'unknown jump type "{printable(name)}"; {choices(name, sorted(presets))}, or the path '
+            "of a .toml file"
         )
-    if not path.is_file():
-        raise InputError(f"{name}: no such file; expected a jump type (TOML)")
-    return _read(path, path.stat().st_mtime_ns)
+    if not path.is_file():  # a device is none: it is not read, nor a pipe waited for
+        raise InputError(f"{printable(name, 200)}: no such file; expected a jump type (TOML)")
+    return _read(_Edition.of(path))
 
 
 def schedule_of(jump: Jump, robot: Robot) -> Schedule:
@@ -148,33 +184,105 @@ def schedule_of(jump: Jump, robot: Robot) -> Schedule:
     return load_type(jump.type).schedule(robot, jump.hops)
 
 
+def with_defaults(jump: Jump, given: Collection[str] = ()) -> Jump:
+    """The request with what its type says where it is silent, in the fields of `ASKABLE`.
+
+    A roll is enough said of the turn: a request that has one keeps its pitch, and the other way
+    round.
+
+    Args:
+        jump: a request.
+        given: names of the fields that were asked for; the others of `ASKABLE` become the type's
+            defaults, or those of `Jump` where it has none.
+
+    Raises:
+        InputError: see `load_type`.
+    """
+    defaults = load_type(jump.type).defaults
+    turned = any(name in given for name in _TURNS)
+    plain = Jump().as_dict()
+    silent: dict[str, Any] = {
+        name: plain[name] if turned and name in _TURNS else defaults.get(name, plain[name])
+        for name in ASKABLE
+        if name not in given
+    }
+    return replace(jump, **silent)
+
+
 def _directory() -> Path:
     return assets_directory() / "jump_types"
 
 
+class _Edition(NamedTuple):
+    """A file as it is since its last change."""
+
+    path: Path
+    changed_ns: int
+
+    @staticmethod
+    def of(path: Path) -> _Edition:
+        try:
+            return _Edition(path, path.stat().st_mtime_ns)
+        except OSError as error:
+            raise InputError(f"{path}: cannot be read ({error.strerror})") from error
+
+
 @lru_cache(maxsize=32)
-def _read(path: Path, changed: int) -> JumpType:
-    """The file's content; `changed`, its time of change, has an edited file read again."""
+def _read(edition: _Edition) -> JumpType:
+    path = edition.path
     try:
-        content = path.read_bytes()[:_LARGEST]
+        with path.open("rb") as file:
+            content = file.read(_LARGEST + 1)
+        if len(content) > _LARGEST:
+            raise InputError(f"{path}: too large for a jump type; at most {_LARGEST} bytes")
         table = tomllib.loads(content.decode())
-        return JumpType.model_validate(_with_tuples(table))
     except OSError as error:
         raise InputError(f"{path}: cannot be read ({error.strerror})") from error
-    except (UnicodeDecodeError, tomllib.TOMLDecodeError, RecursionError) as error:
-        raise InputError(f"{path}: not a TOML file: {error}") from error
+    except RecursionError as error:
+        raise InputError(f"{path}: not a TOML file: nested too deeply") from error
+    except UnicodeDecodeError as error:
+        raise InputError(f"{path}: not a text file in UTF-8") from error
+    except ValueError as error:  # TOMLDecodeError, or a number of thousands of digits
+        told = str(error).partition("; use sys.")[0]
+        raise InputError(f"{path}: not a TOML file: {printable(told, 200)}") from error
+    try:
+        return JumpType.model_validate(with_tuples(table))
     except ValidationError as error:
-        detail = error.errors()[0]
-        place = ".".join(str(part) for part in detail["loc"])
-        raise InputError(f"{path}: {place}: {detail['msg'].lower()}") from error
+        # A misspelt key is both unknown and missing; the first says more.
+        details = sorted(error.errors(), key=lambda detail: detail["type"] != "extra_forbidden")
+        raise InputError(f"{path}: {_sentence(details[0])}") from error
 
 
-def _with_tuples(value: Any) -> Any:
-    if isinstance(value, list):
-        return tuple(_with_tuples(item) for item in value)
-    if isinstance(value, dict):
-        return {key: _with_tuples(item) for key, item in value.items()}
-    return value
+def _sentence(detail: ErrorDetails) -> str:
+    """One pydantic complaint as: key, what was wrong, what would be accepted."""
+    location = list(takewhile(lambda part: not _is_alternative(part), detail["loc"]))
+    if location[:1] == ["asks"]:
+        location = location[:1]
+    place = [str(part + 1) if isinstance(part, int) else part for part in location]
+    key, last = printable(".".join(place)), str(location[-1]) if location else ""
+    table: type[BaseModel] = _TABLES.get(str(location[0]), JumpType) if location[1:] else JumpType
+    given = printable(repr(detail["input"]))
+    match detail["type"]:
+        case "extra_forbidden":
+            return f'unknown key "{key}"; {choices(last, table.model_fields)}'
+        case "missing" if last in table.model_fields:
+            return f'missing key "{key}"; expected: {", ".join(table.model_fields)}'
+        case "defaults":
+            return detail["msg"]
+        case _ if last in _EXPECTED:
+            return f"{key}: expected {_EXPECTED[last]}, got {given}"
+        case "model_type" | "dict_type":
+            return f"{key}: expected a table, got {given}"
+        case "tuple_type":
+            return f"{key}: expected an array, got {given}"
+        case _:
+            message = detail["msg"][:1].lower() + detail["msg"][1:]
+            return f"{key}: {message}, got {given}"
+
+
+def _is_alternative(part: str | int) -> bool:
+    """Whether a part of pydantic's location names one of several kinds that a value may be of."""
+    return part in ("str", "int", "float") or str(part).startswith("tuple[")
 
 
 def _repeated(rows: tuple[PhaseRow, ...], hops: int) -> list[PhaseRow]:

@@ -14,9 +14,19 @@ TARGET: Rgb = (40, 160, 90)
 BLOCK: Rgb = (172, 132, 84)
 INFEASIBLE: Rgb = (220, 40, 40)
 
-PHASES: tuple[Rgb, ...] = ((227, 169, 59), (76, 143, 220), (87, 167, 115))
+TAKE_OFF: Rgb = (227, 169, 59)
+FLIGHT: Rgb = (76, 143, 220)
+LANDING: Rgb = (87, 167, 115)
+REBOUND: Rgb = (157, 168, 87)  # between two flights: a landing and a take-off at once
+PHASES: tuple[Rgb, ...] = (TAKE_OFF, FLIGHT, LANDING)
 STANDING: Rgb = (206, 211, 217)
 GROUND: Rgb = (206, 211, 217)
+
+
+def paler(colour: Rgb, share: float) -> Rgb:
+    """A colour that far on its way to white, 0 to 1."""
+    red, green, blue = (round(part + share * (255 - part)) for part in colour)
+    return red, green, blue
 
 
 def css(colour: Rgb, opacity: float = 1.0) -> str:

@@ -15,8 +15,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from llsrbm.errors import InputError
+from llsrbm.errors import InputError, printable
 
+LONGEST_NAME = 40  # characters of a phase's; it stands on a strip of the timeline
 TIMINGS = ("takeoff", "flight", "landing")
 """Rows of a robot file's [timing], which a phase may take its limits from."""
 
@@ -134,9 +135,13 @@ class Schedule:
         """
         try:
             phases = tuple(_phase(row) for row in table["phases"])
-            return cls(tuple(str(leg) for leg in table["legs"]), phases)
-        except (KeyError, TypeError, ValueError) as error:
-            raise InputError(f"schedule: not one that this version wrote ({error!r})") from error
+            legs = tuple(_text(leg) for leg in table["legs"])
+        except (LookupError, TypeError, ValueError, OverflowError) as error:
+            raise InputError(
+                f"schedule: not one that this version wrote ({printable(repr(error))}); expected "
+                'what "as_dict" gives'
+            ) from error
+        return cls(legs, phases)
 
 
 def together(legs: tuple[str, ...]) -> Schedule:
@@ -152,28 +157,43 @@ def together(legs: tuple[str, ...]) -> Schedule:
 
 
 def _phase(row: dict[str, Any]) -> Phase:
-    time = row["time"]
-    return Phase(
-        name=str(row["name"]),
-        feet=tuple(str(foot) for foot in row["feet"]),
-        time=time if isinstance(time, str) else (float(time[0]), float(time[1])),
-        place=int(row["place"]),
-        share=float(row["share"]),
-    )
+    time, place = row["time"], row["place"]
+    if not isinstance(time, str):
+        shortest, longest = time
+        time = (float(shortest), float(longest))
+    if isinstance(place, bool) or not isinstance(place, int):
+        raise TypeError(f"place {place!r}")
+    feet = tuple(_text(foot) for foot in row["feet"])
+    return Phase(_text(row["name"]), feet, time, place, float(row["share"]))
+
+
+def _text(value: Any) -> str:
+    if not isinstance(value, str):
+        raise TypeError(f"{value!r} is no text")
+    return value
 
 
 def _check(schedule: Schedule) -> None:
     legs, phases = schedule.legs, schedule.phases
+    named = all(leg and leg.isprintable() for leg in legs)
+    if not legs or not named or len(set(legs)) < len(legs):
+        raise InputError(
+            f"schedule: it has the legs {printable(', '.join(legs))!r}; expected names, each once"
+        )
     if len(phases) < 3:
         raise InputError(
             f"schedule: it has {len(phases)} phases; expected at least three: a take-off, a "
             "flight and a landing"
         )
     for k, phase in enumerate(phases):
-        where = f'schedule: phase {k + 1}, "{phase.name}"'
+        where = f'schedule: phase {k + 1}, "{printable(phase.name)}"'
+        if not (phase.name.isprintable() and 1 <= len(phase.name) <= LONGEST_NAME):
+            raise InputError(f"{where}: expected a name of 1 to {LONGEST_NAME} printable letters")
         for foot in phase.feet:
             if foot not in legs:
-                raise InputError(f"{where}: unknown foot {foot!r}; the feet are {', '.join(legs)}")
+                raise InputError(
+                    f'{where}: unknown foot "{printable(foot)}"; the feet are {", ".join(legs)}'
+                )
             if phase.feet.count(foot) > 1:
                 raise InputError(f"{where}: foot {foot} is named twice; expected every foot once")
         _check_time(where, phase)
@@ -211,7 +231,8 @@ def _check_time(where: str, phase: Phase) -> None:
     if isinstance(phase.time, str):
         if phase.time not in TIMINGS:
             raise InputError(
-                f"{where}: time {phase.time!r}; expected {', '.join(TIMINGS)}, or two numbers, s"
+                f'{where}: time "{printable(phase.time)}"; expected {", ".join(TIMINGS)}, or two '
+                "numbers, s"
             )
         return
     low, high = phase.time

@@ -62,19 +62,41 @@ def _parts(jump: Jump, tuning: Tuning, scenario: Scenario | None) -> dict[str, s
 
 
 def _task(jump: Jump) -> str:
-    """The jump itself: "90° + 30 cm forward"."""
+    """The jump itself: "90° + 30 cm forward", "back flip", "2 hops of 20 cm forward"."""
     moves = (
         (jump.forward, "forward", "back"),
         (jump.lateral, "left", "right"),
         (jump.height, "up", "down"),
     )
-    parts = [f"{round(math.degrees(jump.twist), 1):g}°"] if jump.twist else []
+    turns = [
+        *_turns(jump.pitch, "front flip", "back flip"),
+        *_turns(jump.roll, "roll to the right", "roll to the left"),
+    ]
+    parts = [*turns, f"{round(math.degrees(jump.twist), 1):g}°"] if jump.twist else turns
     parts += [
         f"{round(100 * abs(length), 1):g} cm {onwards if length > 0 else backwards}"
         for length, onwards, backwards in moves
         if length
     ]
-    return " + ".join(parts) or "on the spot"
+    task = " + ".join(parts) or "on the spot"
+    several = jump.hops > 1
+    if several:
+        task = f"{jump.hops} hops {'of ' if parts else ''}{task}"
+    # A type that its hops or turns tell of already is not named; one may be a file.
+    if jump.type not in {Jump.type, "hops" if several else "", "flip" if turns else ""}:
+        task = f"{Path(jump.type).stem} {task}"
+    if jump.speed:
+        task += f" from {jump.speed:g} m/s"
+    if jump.end_speed:
+        task += f" to {jump.end_speed:g} m/s"
+    return task
+
+
+def _turns(angle: float, onwards: str, backwards: str) -> list[str]:
+    """Whole turns in words, if there are any: "back flip", "2 x back flip"."""
+    count = round(abs(angle) / math.tau)
+    words = onwards if angle > 0 else backwards
+    return [words if count == 1 else f"{count} x {words}"] if count else []
 
 
 def _joined(parts: dict[str, str]) -> str:

@@ -29,8 +29,9 @@ from app.compute.protocol import (
     SeedDone,
     SimulatedSoFar,
     Task,
+    solver_of,
 )
-from app.compute.scheduler import Entry, Kind, Scheduler, Solver
+from app.compute.scheduler import Entry, Kind, Scheduler
 from app.compute.warm_up import Background
 
 # Least time between two pieces of progress of a job, s.
@@ -186,8 +187,7 @@ class Jobs:
         if not isinstance(message, Cancelled):
             self.turns.note_done(task)
         if isinstance(message, Planned) and isinstance(task, PlanJump):
-            solver: Solver = (task.jump.robot, task.jump.model)
-            member.loaded[solver] = replace(task, near=None)
+            member.loaded[solver_of(task.jump)] = replace(task, near=None)
         if listening is not None:
             self.report(listening, message)
 

@@ -1,8 +1,8 @@
-"""Designs that a browser sends: of robots and models that the page has, never of a path."""
+"""Designs that a browser sends: of robots, models and types that the page has, never of a path."""
 
 from __future__ import annotations
 
-from llsrbm import models
+from llsrbm import jump_types, models
 from llsrbm.design import Design, load_design
 from llsrbm.errors import InputError
 from llsrbm.jump import Jump
@@ -17,7 +17,7 @@ def uploaded_design(name: str, content: bytes) -> Design:
         content: of the file.
 
     Raises:
-        InputError: it is no design, or one of a robot or model that is not on the page.
+        InputError: it is no design, or one of a robot, model or type that is not on the page.
     """
     design = load_design(content, name=name)
     check_offered(design.jump, f"{name}: jump")
@@ -25,13 +25,14 @@ def uploaded_design(name: str, content: bytes) -> Design:
 
 
 def check_offered(jump: Jump, where: str) -> None:
-    """Raise `InputError` unless robot and model are among those that the page has.
+    """Raise `InputError` unless robot, model and type are among those that the page has.
 
-    A robot file's path works on the command line; a visitor shall not open files of this machine.
+    A file's path works on the command line; a visitor shall not open files of this machine.
     """
     for key, value, valid in (
         ("robot", jump.robot, names()),
         ("model", jump.model, models.names()),
+        ("type", jump.type, tuple(jump_types.names())),
     ):
         if value not in valid:
             raise InputError(

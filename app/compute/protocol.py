@@ -48,8 +48,7 @@ class PlanJump:
     Attributes:
         jump: the request.
         tuning: weights and limits in place of the robot's own.
-        near: a plan to start from, if it is of use for that: one of the same robot and model that
-            converged.
+        near: a plan to start from, if it is of use for that: one of the same solver that converged.
         patient: try all there is when the quick attempts fail.
     """
 
@@ -140,6 +139,14 @@ class ExportMotion:
 
 
 Task = Prepare | PlanJump | FindNearest | SimulateJump | SimulateSeeds | OpenFile | ExportMotion
+
+Solver = tuple[str, str, str, int]
+"""Requests that one solver works on: robot, model, jump type and hops, which make the phases."""
+
+
+def solver_of(jump: Jump) -> Solver:
+    """The solver that a request needs."""
+    return jump.robot, jump.model, jump.type, jump.hops
 
 
 @dataclass(frozen=True)

@@ -28,7 +28,9 @@ from app.compute.protocol import (
     Report,
     SimulateJump,
     SimulateSeeds,
+    Solver,
     Task,
+    solver_of,
 )
 
 MOST_WAITING = 200
@@ -36,7 +38,6 @@ MOST_WAITING = 200
 32 MB, so that the queue needs a bound."""
 
 Listener = Callable[[Report], None]
-Solver = tuple[str, str]  # robot, model
 
 
 class Kind(Enum):
@@ -190,4 +191,4 @@ def _needs(task: Task) -> Hashable:
         return task.robot
     if isinstance(task, SimulateJump | SimulateSeeds | OpenFile | ExportMotion):
         return None
-    return task.jump.robot, task.jump.model
+    return solver_of(task.jump)

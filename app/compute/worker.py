@@ -38,6 +38,8 @@ from app.compute.protocol import (
     SimulatedSoFar,
     SimulateJump,
     SimulateSeeds,
+    Solver,
+    solver_of,
 )
 from app.compute.seeds import simulate_seeds
 from llsrbm import errors
@@ -59,7 +61,7 @@ class LibraryPlanner:
         """Import what takes long, once, before the first job."""
         import llsrbm.api  # noqa: F401
 
-        self._solvers: set[tuple[str, str]] = set()
+        self._solvers: set[Solver] = set()
 
     def prepare(self, robot: str, progress: ProgressListener) -> None:
         """See `app.compute.planner.Planner.prepare`."""
@@ -76,10 +78,12 @@ class LibraryPlanner:
         self, task: PlanJump, progress: ProgressListener, cancelled: Callable[[], bool]
     ) -> Plan:
         """See `app.compute.planner.Planner.plan`."""
-        self._announce(task.jump.robot, task.jump.model, progress)
-        # What the page shows may be no plan to start from: of another model, or from a file.
+        self._announce(task.jump, progress)
+        # What the page shows may be no plan to start from: of another solver, or from a file.
         near = task.near
-        if near is not None and (near.solution is None or _solver(near.jump) != _solver(task.jump)):
+        if near is not None and (
+            near.solution is None or solver_of(near.jump) != solver_of(task.jump)
+        ):
             near = None
         plan = partial(
             llsrbm.plan,
@@ -103,7 +107,7 @@ class LibraryPlanner:
         self, task: FindNearest, progress: ProgressListener, cancelled: Callable[[], bool]
     ) -> Nearest:
         """See `app.compute.planner.Planner.nearest`."""
-        self._announce(task.jump.robot, task.jump.model, progress)
+        self._announce(task.jump, progress)
         found: Nearest = llsrbm.nearest(
             task.jump,
             weights=task.tuning.weights,
@@ -154,14 +158,13 @@ class LibraryPlanner:
         progress(f"writing {', '.join(task.formats)}")
         return exported(task)
 
-    def _announce(self, robot: str, model: str, progress: ProgressListener) -> None:
-        if (robot, model) not in self._solvers:
-            progress(f"building the solver of {model} for {robot}: half a minute, the first time")
-        self._solvers.add((robot, model))
-
-
-def _solver(jump: Jump) -> tuple[str, str]:
-    return jump.robot, jump.model
+    def _announce(self, jump: Jump, progress: ProgressListener) -> None:
+        if solver_of(jump) not in self._solvers:
+            progress(
+                f"building the solver of {jump.model} for {jump.robot}: half a minute, the first "
+                "time"
+            )
+        self._solvers.add(solver_of(jump))
 
 
 def exported(task: ExportMotion) -> tuple[str, bytes]:

@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from llsrbm.analysis.inertia_ellipsoid import ellipsoid
-from llsrbm.motion.plan import Phase
 from llsrbm.motion.rotation import rotation_matrices
 from llsrbm.motion.whole_body import WholeBodyMotion
 from llsrbm.robots.visuals import forward_kinematics
+from llsrbm.schedule import Schedule
 
 Array = NDArray[np.float64]
 
@@ -31,11 +31,11 @@ class Frames:
         inertia_axes: (F, 3) m and inertia_wxyz: (F, 4): ellipsoid of the inertia about the CoM.
         yaw_wxyz: (F, 4): the base's heading alone.
         foot_position: (F, L, 3) m.
-        flight: (F,) whether in flight.
+        stands: (F, L) whether a foot is to stand: by the phase of the plan or of the controller.
         foot_force: (F, L, 3) N: the sum over a foot's contacts.
         pressed_at: (F, L, 3) m: where it acts, a sole's centre of pressure.
         weight: of the robot, N.
-        contact: (F, L) whether a foot stands.
+        contact: (F, L) whether a foot does stand.
         contact_point: (F, L, c, 3) m: of a point foot, the foot.
         angular_momentum: (F, 3) kg m2/s about the CoM.
     """
@@ -48,7 +48,7 @@ class Frames:
     inertia_wxyz: Array
     yaw_wxyz: Array
     foot_position: Array
-    flight: NDArray[np.bool_]
+    stands: NDArray[np.bool_]
     foot_force: Array
     pressed_at: Array
     weight: float
@@ -57,21 +57,32 @@ class Frames:
     angular_momentum: Array
 
     @property
+    def flight(self) -> NDArray[np.bool_]:
+        """(F,) whether no foot is to stand."""
+        return np.asarray(~self.stands.any(axis=1))
+
+    @property
     def end(self) -> float:
         """Time of the last frame, s."""
         return float(self.time[-1])
 
 
-def make_frames(motion: WholeBodyMotion) -> Frames:
-    """Frames at the instants of a motion, whatever it comes from."""
+def make_frames(motion: WholeBodyMotion, schedule: Schedule | None = None) -> Frames:
+    """Frames at the instants of a motion, whatever it comes from.
+
+    Args:
+        motion: to be drawn.
+        schedule: that its phases are of; None: feet are to stand where they do.
+    """
     robot = motion.robot
     body_position, body_wxyz = forward_kinematics(
         robot, motion.base_position, motion.base_quat, motion.joint_position
     )
     base = Rotation.from_quat(motion.base_quat, scalar_first=True)
     inertia_axes, inertia_wxyz = ellipsoid(motion.inertia, robot.mass, base.as_matrix())
-    flying = ~motion.contact.any(axis=1)
-    flight = flying if motion.phase is None else motion.phase == Phase.FLIGHT
+    stands = motion.contact
+    if schedule is not None and motion.phase is not None:
+        stands = schedule.stands[motion.phase]
     force, pressed_at = motion.foot_force, motion.pressed_at
     return Frames(
         time=motion.time,
@@ -82,7 +93,7 @@ def make_frames(motion: WholeBodyMotion) -> Frames:
         inertia_wxyz=inertia_wxyz,
         yaw_wxyz=_headings(base),
         foot_position=motion.foot_position,
-        flight=np.asarray(flight, dtype=np.bool_),
+        stands=np.asarray(stands, dtype=np.bool_),
         # Arrows of no length where no file says how the feet push.
         foot_force=np.zeros_like(motion.foot_position) if force is None else force,
         pressed_at=motion.foot_position if pressed_at is None else pressed_at,

@@ -47,6 +47,5 @@ def bake_plan(plan: Plan, robot: Robot) -> PlannedMotion:
     base = Rotation.from_quat(motion.base_quat, scalar_first=True)
     rigid_axes, rigid_turn = ellipsoid(robot.inertia[None], robot.mass, np.eye(3)[None])
     rigid = base * Rotation.from_quat(rigid_turn[0], scalar_first=True)
-    return PlannedMotion(
-        plan, motion, make_frames(motion), rigid_axes[0], rigid.as_quat(scalar_first=True)
-    )
+    frames = make_frames(motion, plan.schedule)
+    return PlannedMotion(plan, motion, frames, rigid_axes[0], rigid.as_quat(scalar_first=True))

@@ -37,7 +37,7 @@ def bake_rollout(rollout: Rollout) -> SimulatedMotion:
     kept = np.union1d(kept, 0)
     motion = motion_at_ticks(rollout, kept)
     motion = replace(motion, foot_force=means_from(rollout.contact_force, kept))
-    return SimulatedMotion(rollout, make_frames(motion))
+    return SimulatedMotion(rollout, make_frames(motion, rollout.schedule))
 
 
 def means_from(values: Array, first: NDArray[np.int64]) -> Array:

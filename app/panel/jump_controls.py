@@ -3,28 +3,40 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
 import viser
 
+from app.panel.turn_choice import turn_amounts, turn_title, turns_offered
+from app.panel.types_offered import title_of_type, types_offered
 from app.viser_link.validation import number, option, put
-from llsrbm import models
-from llsrbm.jump import Jump
-from llsrbm.robots import RobotFile
+from llsrbm import jump_types, models
+from llsrbm.jump import MOST_HOPS, Jump
+from llsrbm.jump_types import JumpType
+from llsrbm.robots import Robot, RobotFile
 from llsrbm.robots.schema import Task
 
 
 @dataclass(frozen=True)
 class _Axis:
-    """A slider of the request: its label, its field in `Jump` and `Task`, display units per SI."""
+    """A slider of the request.
+
+    Attributes:
+        label, hint: for people.
+        field: in `Jump`, and in `Task` if it has no `ends`.
+        scale: display units per SI unit.
+        step: in display units.
+        ends: lowest and highest value, in display units; None: the robot's task has them.
+    """
 
     label: str
     field: str
     scale: float
     step: float
     hint: str
+    ends: tuple[float, float] | None = None
 
 
 _AXES = (
@@ -34,12 +46,29 @@ _AXES = (
     _Axis("Landing height [m]", "height", 1.0, 0.01, "Of the landing surface above the start"),
 )
 
+_FASTEST = 1.0  # m/s at the start and the end: a quick walk of a small robot
+
+_ASKED = (
+    _Axis("Speed [m/s]", "speed", 1.0, 0.05, "Forward at the start", (0.0, _FASTEST)),
+    _Axis(
+        "End speed [m/s]",
+        "end_speed",
+        1.0,
+        0.05,
+        "Forward at the end, along the landing's heading",
+        (0.0, _FASTEST),
+    ),
+    _Axis(
+        "Hops", "hops", 1.0, 1.0, "Jumps in a row, each as far as the sliders say", (1, MOST_HOPS)
+    ),
+)
+"""Sliders that are there for types that ask for them."""
 
 _MODEL_TITLES = {"srbm": "SRBM", "llsrbm": "LL-SRBM", "llsrbm-plus": "LL-SRBM+"}
 
 
 class JumpControls:
-    """Robot, model and sliders, added to the container that is open."""
+    """Robot, model, type and sliders, added to the container that is open."""
 
     def __init__(self, gui: viser.GuiApi, jump: Jump, robots: Mapping[str, RobotFile]) -> None:
         """Show a request and the ranges of its robot.
@@ -62,12 +91,27 @@ class JumpControls:
             initial_value=_MODEL_TITLES.get(jump.model, jump.model),
             hint="Of the robot's inertia, with which the jump is planned",
         )
-        self._sliders = {axis.field: self._add_slider(gui, axis, jump) for axis in _AXES}
+        self._types: Mapping[str, JumpType] = jump_types.names()  # of any robot, to begin with
+        self._types_of: Robot | None = None
+        self._type = gui.add_dropdown(
+            "Jump type",
+            tuple(kind.title for kind in self._types.values()),
+            initial_value=title_of_type(jump.type),
+            hint="Which feet push, fly and land when",
+        )
+        self._turn = gui.add_dropdown(
+            "Turn",
+            turns_offered(jump_types.ASKABLE),
+            visible=False,
+            hint="A whole turn in the air",
+        )
+        self._sliders = {axis.field: self._add_slider(gui, axis, jump) for axis in _AXES + _ASKED}
+        self._show_asked(jump)
 
     @property
     def handles(self) -> list[Any]:
         """The controls whose updates are requests."""
-        return [self._robot, self._model, *self._sliders.values()]
+        return [self._robot, self._model, self._type, self._turn, *self._sliders.values()]
 
     def read(self, current: Jump) -> tuple[Jump, list[str]]:
         """The request as the controls stand, and what had to be corrected in it.
@@ -78,15 +122,26 @@ class JumpControls:
         complaints: list[str] = []
         robot = _named("Robot", self._robot.value, self._robot_titles, current.robot, complaints)
         model = _named("Model", self._model.value, self._model_titles, current.model, complaints)
-        amounts: dict[str, float] = {}
-        for axis in _AXES:
+        kinds = {title_of_type(name): name for name in (*self._types, current.type)}
+        kind = _named("Jump type", self._type.value, kinds, current.type, complaints)
+        amounts: dict[str, Any] = self._read_turn(current, complaints)
+        for axis in _AXES + _ASKED:
+            if axis in _ASKED and axis.field not in _asks(current):
+                continue
             value = self._sliders[axis.field].value
             shown = number(axis.label, value, _range(axis, self._task), complaints)
             now = getattr(current, axis.field)
             # A number that nobody touched stays as it is, however it is rounded for show.
             touched = not math.isclose(shown, _rounded(axis, now), abs_tol=1e-9)
-            amounts[axis.field] = shown / axis.scale if touched else now
-        return Jump(robot=robot, model=model, **amounts), complaints
+            amounts[axis.field] = type(now)(shown / axis.scale) if touched else now
+        return replace(current, robot=robot, model=model, type=kind, **amounts), complaints
+
+    def show_robot(self, robot: Robot) -> bool:
+        """Offer the types that a robot can do; whether it is another robot than before."""
+        if robot is self._types_of:
+            return False
+        self._types_of, self._types = robot, types_offered(robot)
+        return True
 
     def show(self, jump: Jump) -> None:
         """Put the controls where a request has them, with the ranges of its robot."""
@@ -98,8 +153,30 @@ class JumpControls:
                 handle.min, handle.max = _range(axis, task)
         put(self._robot, self._robots[jump.robot].title)
         put(self._model, _MODEL_TITLES.get(jump.model, jump.model))
-        for axis in _AXES:
+        for axis in _AXES + _ASKED:
             put(self._sliders[axis.field], _rounded(axis, getattr(jump, axis.field)))
+        self._show_asked(jump)
+
+    def _read_turn(self, current: Jump, complaints: list[str]) -> dict[str, float]:
+        """Pitch and roll, if the type asks for them and the menu does not show what they are."""
+        now, offered = turn_title(current), turns_offered(_asks(current))
+        if not offered or self._turn.value == now:
+            return {}
+        chosen = option("Turn", self._turn.value, offered, "", complaints)
+        return turn_amounts(chosen) if chosen else {}
+
+    def _show_asked(self, jump: Jump) -> None:
+        """The type, and the controls that it asks for."""
+        asks = _asks(jump)
+        _put_among(
+            self._type, (kind.title for kind in self._types.values()), title_of_type(jump.type)
+        )
+        turns = turns_offered(asks)
+        if turns:
+            _put_among(self._turn, turns, turn_title(jump))
+        self._turn.visible = bool(turns)
+        for axis in _ASKED:
+            self._sliders[axis.field].visible = axis.field in asks
 
     def _add_slider(
         self, gui: viser.GuiApi, axis: _Axis, jump: Jump
@@ -126,8 +203,24 @@ def titled(jump: Jump, robots: Mapping[str, RobotFile]) -> Jump:
     return replace(jump, robot=robot, model=_MODEL_TITLES.get(jump.model, jump.model))
 
 
+def _asks(jump: Jump) -> tuple[str, ...]:
+    """What its type asks for beside where to land; nothing is known of a type that is no preset."""
+    known = jump_types.names()
+    return known[jump.type].asks if jump.type in known else ()
+
+
+def _put_among(menu: Any, titles: Iterable[str], title: str) -> None:
+    """Choose in a menu; what it does not offer is there as long as it is chosen."""
+    options = tuple(dict.fromkeys((*titles, title)))
+    if tuple(menu.options) != options:
+        menu.options = options
+    put(menu, title)
+
+
 def _range(axis: _Axis, task: Task) -> tuple[float, float]:
     """A slider's ends: the task's, rounded inwards to whole steps (180.0004 deg is 180)."""
+    if axis.ends is not None:
+        return axis.ends
     lowest, highest = (axis.scale * end / axis.step for end in getattr(task, axis.field))
     slack = 1e-6  # -0.3 / 0.01 is -29.999999999999996
     return (

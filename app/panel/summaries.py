@@ -146,7 +146,6 @@ def _spoken(name: str) -> str:
 def plan_figures(plan: Plan) -> str:
     """The plan's numbers."""
     report, values = plan.report, figures_of_plan(plan)
-    phases = " + ".join(decimal(seconds, 2) for seconds in np.diff(plan.phase_start))
     load = planned_peak_load(plan)
     sliding = load_robot(plan.jump.robot).sliding_joints
     standing = plan.robot_parameters["inertia"][2][2]
@@ -154,7 +153,7 @@ def plan_figures(plan: Plan) -> str:
         [
             ("Solve time", f"{decimal(1e3 * report.solve_time_s)} ms ({report.solver})"),
             ("Iterations", f"{report.iterations}" + _attempts(report.attempts)),
-            ("Duration", f"{decimal(plan.duration, 2)} s = {phases}"),
+            ("Duration", f"{decimal(plan.duration, 2)} s = {_phases(plan)}"),
             ("Peak yaw rate", f"{decimal(values.peak_yaw_rate, 2)} rad/s"),
             (
                 "Least Izz in flight",
@@ -175,6 +174,18 @@ def plan_figures(plan: Plan) -> str:
             ),
         ],
         "Plan",
+    )
+
+
+def _phases(plan: Plan) -> str:
+    """Names and durations, s; the feet that stand where it is some of them."""
+    schedule = plan.schedule
+    durations = np.diff(plan.phase_start)
+    return " + ".join(
+        phase.name
+        + (f" ({', '.join(phase.feet)})" if 0 < len(phase.feet) < len(schedule.legs) else "")
+        + f" {decimal(seconds, 2)}"
+        for phase, seconds in zip(schedule, durations, strict=True)
     )
 
 

@@ -15,6 +15,7 @@ from app.plots.charts import DASHED, SOLID, Chart, Layer, charts
 from app.plots.choice import ChartChoice, PlotChoice
 from app.plots.signals import SIGNALS
 from app.plots.time_grid import TimeGrid
+from llsrbm.motion.flights import flights
 
 Array = NDArray[np.float64]
 
@@ -91,16 +92,21 @@ def figure(choice: PlotChoice, layers: Sequence[Layer], end: float) -> Figure:
     shown = [layer for layer in layers if not layer.pinned]
     replay = shown[0].replay
     assert replay is not None  # what is not pinned has a plan
-    lift_off, touchdown = replay.plan.phase_start[1:3].tolist()
-    marks = _marks(shown, touchdown, detailed=choice.landing)
+    plan = replay.plan
+    flown = [tuple(plan.phase_start[[k, k + 1]].tolist()) for k in plan.schedule.flights]
+    touchdowns = [
+        _marks(shown, flight, planned, choice) for flight, (_, planned) in enumerate(flown)
+    ]
+    marks = [mark for each in touchdowns for mark in each]
     if choice.landing:
-        start, end = _around([instant for _, instant in marks])
+        start, end = _around([instant for _, instant in touchdowns[-1]])
     else:
         start, end = 0.0, math.ceil(end / AXIS_STEP - 1e-9) * AXIS_STEP
-    grid = TimeGrid.over(start, end, [lift_off, touchdown, *(instant for _, instant in marks)])
+    instants = [*(edge for flight in flown for edge in flight), *(at for _, at in marks)]
+    grid = TimeGrid.over(start, end, instants)
     return Figure(
         grid=grid,
-        flight=grid.between(lift_off, touchdown),
+        flight=np.maximum.reduce([grid.between(*flight) for flight in flown]),
         mark_strokes=tuple(stroke for stroke, _ in marks),
         marks=tuple(grid.step(instant) for _, instant in marks),
         charts=tuple(_rows(chart, grid) for chart in charts(choice, layers)),
@@ -125,17 +131,25 @@ def _rows(chart: Chart, grid: TimeGrid) -> Rows:
 
 
 def _marks(
-    shown: Sequence[Layer], touchdown: float, *, detailed: bool
+    shown: Sequence[Layer], flight: int, planned: float, choice: PlotChoice
 ) -> list[tuple[Stroke, float]]:
-    """Touchdowns: the simulator's; in detail the planned one and its detection as well."""
-    marks = [(Stroke("touch-down planned", shown[0].colour), touchdown)] if detailed else []
+    """A flight's touchdown: the simulator's; in detail the planned one and its detection as well.
+
+    Args:
+        shown: plan and simulation.
+        flight: its number, from 0 on.
+        planned: when it shall end, s.
+        choice: of charts.
+    """
+    detailed = choice.landing
+    marks = [(Stroke("touch-down planned", shown[0].colour), planned)] if detailed else []
     for layer in shown:
-        outcome = None if layer.rollout is None else layer.rollout.outcome
-        if outcome is not None and outcome.touchdown_true_s is not None:
-            marks.append((Stroke("touch-down", layer.colour), outcome.touchdown_true_s))
-        if detailed and outcome is not None and outcome.touchdown_detected_s is not None:
-            stroke = Stroke("detected", colours.FORCE, DASHED)
-            marks.append((stroke, outcome.touchdown_detected_s))
+        simulated = () if layer.rollout is None else flights(layer.rollout)[flight : flight + 1]
+        for each in simulated:
+            if each.touchdown is not None:
+                marks.append((Stroke("touch-down", layer.colour), each.touchdown))
+            if detailed and each.detected is not None:
+                marks.append((Stroke("detected", colours.FORCE, DASHED), each.detected))
     return marks
 
 

@@ -23,7 +23,7 @@ def legend(drawn: Figure) -> str:
         motions.setdefault((stroke.title, stroke.colour), stroke)
     keys = [
         *(_line(stroke.title, stroke, colours.css(stroke.colour)) for stroke in motions.values()),
-        *(_mark(stroke) for stroke in drawn.mark_strokes),
+        *(_mark(stroke) for stroke in dict.fromkeys(drawn.mark_strokes)),
         _key("flight as planned", f'<rect width="18" height="12" fill="{SHADE}"/>'),
         *(_line(name, stroke, "currentColor") for name, stroke in _components(strokes).items()),
     ]

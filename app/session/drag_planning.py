@@ -21,6 +21,7 @@ a slider."""
 
 _NEAR_TWIST = math.radians(30)  # rad; a plan farther away is a worse start than none
 _NEAR_MOVE = 0.15  # m, likewise
+_NEAR_SPEED = 0.3  # m/s, likewise
 
 
 @dataclass(frozen=True)
@@ -50,10 +51,7 @@ class DragPlanning:
         if (jump, tuning) == self.requested:
             return self, None
         moved = replace(self, requested=(jump, tuning), rests=False)
-        alike = shown is not None and (shown.jump.robot, shown.jump.model) == (
-            jump.robot,
-            jump.model,
-        )
+        alike = shown is not None and _kind(shown.jump) == _kind(jump)
         if shown is None or not alike or not shown.solved:
             return moved, PlanJump(jump, tuning)
         # A plan from an old file has no solution.
@@ -77,6 +75,20 @@ class DragPlanning:
         return replace(self, rests=False), PlanJump(*self.requested)
 
 
+def _kind(jump: Jump) -> tuple[object, ...]:
+    """What two requests must share for one's plan to be a start for the other's.
+
+    Phases are of a type, and of a number of hops; whole turns differ by turns.
+    """
+    return jump.robot, jump.model, jump.type, jump.hops, jump.roll, jump.pitch
+
+
 def _near(one: Jump, other: Jump) -> bool:
-    moves = (abs(getattr(one, n) - getattr(other, n)) for n in ("forward", "lateral", "height"))
-    return abs(one.twist - other.twist) <= _NEAR_TWIST and max(moves) <= _NEAR_MOVE
+    def apart(*names: str) -> float:
+        return max(abs(getattr(one, name) - getattr(other, name)) for name in names)
+
+    return (
+        apart("twist") <= _NEAR_TWIST
+        and apart("forward", "lateral", "height") <= _NEAR_MOVE
+        and apart("speed", "end_speed") <= _NEAR_SPEED
+    )

@@ -158,11 +158,12 @@ class Rendering:
     def _show_design(self, state: TabState, *, anew: bool) -> None:
         """Put the controls where the design has them, as far as they stand elsewhere."""
         design, panel, controls = state.design, self.panel, self._controls
-        if anew or design.jump != controls.jump:
+        robot = state.robot if state.ready else None
+        other_types = robot is not None and panel.jump.show_robot(robot)
+        if anew or other_types or design.jump != controls.jump:
             panel.jump.show(design.jump)
         if anew or design.scenario != controls.scenario:
             panel.simulation.show(design.scenario, state.file)
-        robot = state.robot if state.ready else None
         if robot is not None and panel.tuning.show_robot(robot):
             anew = True
         if robot is not None and (anew or design.tuning != controls.tuning):

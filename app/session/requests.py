@@ -9,6 +9,7 @@ from app.compute.protocol import PlanJump, Prepare, SimulateJump, SimulateSeeds
 from app.motion.planned_motion import bake_plan
 from app.panel.status import Word
 from app.panel.tuning_table import entries_of
+from app.panel.types_offered import title_of_type, types_offered, with_type
 from app.session.drag_planning import REST
 from app.session.effects import After, Keep, Notify, ResetControls, Stop
 from app.session.events import (
@@ -24,6 +25,7 @@ from app.session.state import History, Seeds, Shown, TabState
 from app.session.steps import Step, also, submit, with_status, with_work
 from app.viser_link.page_link import TuningChosen
 from app.viser_link.validation import number
+from llsrbm import jump_types
 from llsrbm.design import Design
 from llsrbm.jump import Jump
 from llsrbm.motion.plan import Plan
@@ -46,15 +48,26 @@ def choose_jump(state: TabState, event: JumpChosen) -> Step:
     """Plan what the controls of the jump, the weights and the limits say."""
     jump, design = event.jump, state.design
     if jump.robot != design.jump.robot:
-        # What was asked of the other robot is not for this one.
-        state, example = replace(state, note=""), state.robots[jump.robot].example.model_dump()
-        design = Design(Jump(robot=jump.robot, model=jump.model, **example))
+        # What was asked of the other robot is not for this one, but for the type of jump.
+        state, design = replace(state, note=""), Design(_on_another_robot(jump, state))
     else:
+        if jump.type != design.jump.type:
+            jump = with_type(jump, jump.type)
         tuning = design.tuning if event.tuning is None else event.tuning
         if (jump, tuning) != (design.jump, design.tuning):
             state, design = _untitled(state, jump, tuning)
     step = plan_design(remember(state, design))
     return _corrected(step, event.complaints)
+
+
+def _on_another_robot(jump: Jump, state: TabState) -> Jump:
+    """The robot's example; of another type than the examples are, the same request of it."""
+    file = state.robots[jump.robot]
+    if jump.type == jump_types.DEFAULT:
+        return Jump(robot=jump.robot, model=jump.model, **file.example.model_dump())
+    ends = file.task.model_dump()
+    within = {name: min(max(getattr(jump, name), low), high) for name, (low, high) in ends.items()}
+    return replace(jump, **within)
 
 
 def choose_tuning(state: TabState, event: TuningChosen) -> Step:
@@ -134,7 +147,7 @@ def redo(state: TabState) -> Step:
 
 
 def _go(state: TabState, design: Design, history: History) -> Step:
-    state = with_work(state, simulate_next=None)
+    state = with_work(state, simulate_next=None, instead="")
     return plan_design(replace(state, design=design, history=history, note=design.note))
 
 
@@ -154,7 +167,7 @@ def remember(state: TabState, design: Design, *, settled: bool = False) -> TabSt
     if not changed or changed != history.changing:
         back = (*history.back, state.design)[-_UNDONE_AT_MOST:]
         history = replace(history, back=back)
-    state = with_work(state, simulate_next=None)
+    state = with_work(state, simulate_next=None, instead="")
     return replace(state, design=design, history=replace(history, forth=(), changing=changed))
 
 
@@ -171,11 +184,25 @@ def plan_design(state: TabState) -> Step:
         state = with_work(state, dragging=state.work.dragging.forget(), nearest=None)
         state = with_status(state, Word.PLANNING, "begins when the robot is ready.", busy=True)
         return submit(state, Prepare(name))
+    state = _of_a_type_that_it_can(state)
+    design = state.design
     dragging, task = state.work.dragging.request(design.jump, design.tuning, state.plan)
     state = with_work(state, dragging=dragging)
     if task is None:
         return state, ()
     return _submit_plan(with_work(state, nearest=None), task)
+
+
+def _of_a_type_that_it_can(state: TabState) -> TabState:
+    """The state with a jump of the default type, if its robot lacks the feet of what is asked."""
+    jump, robot = state.design.jump, state.robot
+    if robot is None or jump.type in types_offered(robot):
+        return state
+    default = title_of_type(jump_types.DEFAULT)
+    instead = f'{robot.file.title} cannot do "{title_of_type(jump.type)}": "{default}" instead. '
+    jump = with_type(jump, jump_types.DEFAULT)
+    state, design = _untitled(state, jump, state.design.tuning)
+    return with_work(replace(state, design=design), instead=instead)
 
 
 def rest(state: TabState, event: Rested) -> Step:
@@ -206,7 +233,7 @@ def cancel(state: TabState) -> Step:
 def _submit_plan(state: TabState, task: PlanJump) -> Step:
     following = not task.patient and isinstance(state.work.awaited, PlanJump)
     if not following:
-        state = with_status(state, Word.PLANNING, "...", busy=True)
+        state = with_status(state, Word.PLANNING, f"{state.work.instead}...", busy=True)
     return submit(state, task)
 
 

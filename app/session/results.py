@@ -148,7 +148,8 @@ def _take_plan(state: TabState, report: Planned, ticket: int) -> Step:
     if state.work.dragging.rests:
         line = summaries.live_line(report.plan)
         return with_status(state, Word.PLANNING, line, busy=True), step[1]
-    state = with_status(state, Word.PLANNED, summaries.planned_line(report.plan))
+    line = f"{state.work.instead}{summaries.planned_line(report.plan)}"
+    state = with_status(state, Word.PLANNED, line)
     state = replace(state, history=replace(state.history, changing=()))
     step = also((state, step[1]), Keep(state.design))
     seeds = state.work.simulate_next
@@ -167,7 +168,7 @@ def _fail(state: TabState, report: Failed, task: Task | None) -> Step:
             # It rests before it is planned with patience; a hand may still be moving.
             return with_status(state, Word.PLANNING, "nothing found quickly ...", busy=True), ()
         case PlanJump(jump, tuning) if report.plan is not None:
-            failure = f"{report.message}."
+            failure = f"{state.work.instead}{report.message}."
             robot = state.robot
             if presentable(report.plan) and robot is not None:
                 # Plans of older requests that are still under way do not replace it.
@@ -205,12 +206,8 @@ def _progress(state: TabState, report: Progress) -> TabState:
         case FindNearest():
             line = f"{state.work.failure} ({report.text}) ..."
             return with_status(state, Word.FAILED, line, busy=True)
-    return with_status(
-        state,
-        Word.PLANNING,
-        summaries.progress_line(report.text, report.iteration, report.residual),
-        busy=True,
-    )
+    line = summaries.progress_line(report.text, report.iteration, report.residual)
+    return with_status(state, Word.PLANNING, f"{state.work.instead}{line}", busy=True)
 
 
 # ---- simulations

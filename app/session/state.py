@@ -87,6 +87,7 @@ class Work:
         shown: ticket of the job whose plan is shown.
         dropped: the job with this ticket and those before it are of no interest any more.
         failure: why the newest request cannot be planned.
+        instead: that another jump type is planned than was asked for, and why; "": it is not so.
         nearest: a jump that can be planned, on offer in place of one that cannot.
         simulate_next: the plan that is awaited shall be simulated, with so many seeds (0: once).
         dragging: the request on its way.
@@ -97,6 +98,7 @@ class Work:
     shown: int = 0
     dropped: int = 0
     failure: str = ""
+    instead: str = ""
     nearest: Nearest | None = None
     simulate_next: int | None = None
     dragging: DragPlanning = field(default_factory=DragPlanning)

@@ -23,9 +23,12 @@
       overflow: hidden; text-overflow: ellipsis; }
     #llsrbm-transport .track { position: relative; margin-top: 4px; padding-top: 27px;
       cursor: ew-resize; }
-    #llsrbm-transport .row { position: relative; height: 10px; margin-bottom: 2px;
+    #llsrbm-transport .row { position: relative; height: 14px; margin-bottom: 2px;
       border-radius: 3px; overflow: hidden; background: var(--mantine-color-default); }
-    #llsrbm-transport .row > div { position: absolute; top: 0; bottom: 0; }
+    #llsrbm-transport .row > div { position: absolute; top: 0; bottom: 0; box-sizing: border-box;
+      padding: 0 3px; font-size: 10px; line-height: 14px; color: #14181c; white-space: nowrap;
+      overflow: hidden; text-overflow: ellipsis; pointer-events: auto; }
+    #llsrbm-transport .row > .low { top: 10px; }
     #llsrbm-transport .mark { position: absolute; top: 0; bottom: 0; width: 2px; margin-left: -1px;
       background: color-mix(in srgb, currentColor 75%, transparent); pointer-events: none; }
     #llsrbm-transport .mark span { position: absolute; top: 0; left: 4px; font-size: 10px;
@@ -81,10 +84,12 @@
     const share = (time) => `${(100 * time) / Math.max(timeline.end, 1e-6)}%`;
     rows.replaceChildren(...timeline.rows.map(({ name, pieces }) => {
       const row = element("div", { class: "row", title: name });
-      for (const { start, end, colour, name: phase, low } of pieces) {
-        const piece = element("div", { title: `${name}: ${phase}` });
+      for (const { start, end, colour, name: phase, low, feet } of pieces) {
+        const title = `${name}: ${phase}${feet ? ` (standing: ${feet})` : ""}`;
+        const label = low ? "" : feet ? `${phase} · ${feet}` : phase;
+        const piece = element("div", { title, class: low ? "low" : "phase" }, label);
         Object.assign(piece.style, {
-          left: share(start), width: share(end - start), background: colour, top: low ? "50%" : 0,
+          left: share(start), width: share(end - start), background: colour,
         });
         row.append(piece);
       }

@@ -17,16 +17,16 @@ from numpy.typing import NDArray
 
 from llsrbm.analysis.peak_loads import planned_peak_load
 from llsrbm.analysis.summary import peak_yaw_rate
-from llsrbm.motion.plan import Phase, Plan
+from llsrbm.motion.flights import flights, without_contact
+from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
-from llsrbm.motion.rotation import rotation_matrices, yaw
+from llsrbm.motion.rotation import final_yaw, rotation_matrices
 from llsrbm.motion.whole_body import WholeBodyMotion
 from llsrbm.numerals import decimal
 
 Array = NDArray[np.float64]
 
 _GRAVITY = 9.81  # m/s2
-_SAME_INSTANT = 1e-9  # s
 
 
 @dataclass(frozen=True)
@@ -37,7 +37,7 @@ class DesignFigures:
         status: "planned" or "not converged"; with a simulation "landed" or "fell"; "motion" of one
             that is neither.
         duration_s: s, with all that a simulation stands at its end.
-        flight_time_s: s.
+        flight_time_s: s without any foot on the ground, of all flights together.
         apex: of the CoM above where it starts, m.
         final_yaw: of the base at the end, whole turns counted, rad.
         peak_yaw_rate: largest |angular velocity about z| of the base, rad/s.
@@ -75,7 +75,7 @@ class DesignFigures:
 
 def figures_of_plan(plan: Plan, rollout: Rollout | None = None) -> DesignFigures:
     """A plan's figures, with those of a simulation that followed it."""
-    flight = plan.phase == Phase.FLIGHT
+    flight = np.asarray(~plan.contact.any(axis=1))
     feet = plan.foot_position.shape[1]
     # Of a sole's corners, the sum.
     force = plan.contact_force.reshape(len(plan.time), feet, -1, 3).sum(axis=2)
@@ -87,8 +87,8 @@ def figures_of_plan(plan: Plan, rollout: Rollout | None = None) -> DesignFigures
         status=status if outcome is None else outcome.status,
         duration_s=plan.duration,
         apex=_apex(plan.com),
-        final_yaw=float(yaw(plan.base_quat)[-1]),
-        flight_time_s=float(plan.phase_start[2] - plan.phase_start[1]),
+        final_yaw=final_yaw(plan.time, plan.base_quat, plan.angular_velocity[:, 2]),
+        flight_time_s=float(np.diff(plan.phase_start)[list(plan.schedule.flights)].sum()),
         peak_yaw_rate=peak_yaw_rate(plan),
         feet_radius=_feet_radius(plan.com, plan.foot_position, flight),
         smallest_Izz=_smallest_Izz(plan.inertia, flight),
@@ -108,16 +108,17 @@ def figures_of_rollout(rollout: Rollout) -> DesignFigures:
     count = max(1, int(np.searchsorted(rollout.time, end, side="right")))
     flight_time, flight = _flight(rollout)
     flight = flight[:count]
-    turn = rotation_matrices(rollout.base_quat[:count])[:, 2]  # the world's z in the base's axes
+    up = rotation_matrices(rollout.base_quat[:count])[:, 2]  # the world's z in the base's axes
+    yaw_rate = (up * rollout.qvel[:count, 3:6]).sum(axis=1)
     force = _peak(rollout.contact_force[:count])
     mass = rollout.robot_parameters.get("mass")
     return DesignFigures(
         status=outcome.status,
         duration_s=rollout.duration,
         apex=_apex(rollout.com[:count]),
-        final_yaw=float(yaw(rollout.base_quat[:count])[-1]),
+        final_yaw=final_yaw(rollout.time[:count], rollout.base_quat[:count], yaw_rate),
         flight_time_s=flight_time,
-        peak_yaw_rate=float(np.abs((turn * rollout.qvel[:count, 3:6]).sum(axis=1)).max()),
+        peak_yaw_rate=float(np.abs(yaw_rate).max()),
         feet_radius=_feet_radius(rollout.com[:count], rollout.foot_position[:count], flight),
         smallest_Izz=_smallest_Izz(rollout.inertia[:count], flight),
         peak_force=force,
@@ -137,7 +138,7 @@ def figures_of_motion(motion: WholeBodyMotion) -> DesignFigures:
         status="motion",
         duration_s=float(motion.time[-1] - motion.time[0]),
         apex=_apex(motion.com),
-        final_yaw=float(yaw(motion.base_quat)[-1]),
+        final_yaw=final_yaw(motion.time, motion.base_quat, motion.angular_velocity[:, 2]),
         flight_time_s=flight_time,
         peak_yaw_rate=float(np.abs(motion.angular_velocity[:, 2]).max()),
         feet_radius=_feet_radius(motion.com, motion.foot_position, flight),
@@ -243,17 +244,15 @@ FIGURES = (
 def _flight(rollout: Rollout) -> tuple[float | None, NDArray[np.bool_]]:
     """From when the last foot has left until the first comes back: how long, s, and (T,) when.
 
-    Without a touchdown, which has to be known for the length, it is while the controller flies.
+    Without the touchdowns, which have to be known for the length, it is while the controller flies.
     """
-    tick, touchdown = 1.0 / rollout.outcome.control_rate_hz, rollout.outcome.touchdown_true_s
-    contact = rollout.contact.astype(bool).any(axis=1)
-    if touchdown is None:
-        return None, (rollout.phase == Phase.FLIGHT) & ~contact
-    # A tick belongs to the time before if it ends before.
-    before = rollout.time + tick <= touchdown + _SAME_INSTANT
-    left = np.flatnonzero(contact & before)
-    lift_off = float(rollout.time[left[-1]]) + tick if len(left) else float(rollout.time[0])
-    return touchdown - lift_off, before & (rollout.time >= lift_off - _SAME_INSTANT)
+    planned = rollout.schedule.flights
+    flown = flights(rollout)
+    durations = [flight.duration for flight in flown if flight.duration is not None]
+    if len(durations) < len(planned):
+        aloft = ~rollout.contact.astype(bool).any(axis=1)
+        return None, np.isin(rollout.phase, planned) & aloft
+    return sum(durations), np.any([without_contact(rollout, flight) for flight in flown], axis=0)
 
 
 def _longest_flight(motion: WholeBodyMotion) -> tuple[float | None, NDArray[np.bool_]]:

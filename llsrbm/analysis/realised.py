@@ -9,7 +9,6 @@ import pinocchio as pin
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from llsrbm.motion.plan import Phase
 from llsrbm.planning.headings import heading_rates, headings
 from llsrbm.planning.knots import Knots
 from llsrbm.postures import joint_speeds, solve_postures
@@ -100,7 +99,7 @@ def realise(knots: Knots, robot: Robot) -> Realised:
         rate_error[k] = R[k].T @ np.linalg.solve(data.Ig.inertia, missing)
     return Realised(
         time=(knots.time[:-1] + knots.time[1:]) / 2,
-        flight=knots.phase[:-1] == Phase.FLIGHT,
+        flight=~knots.layout.standing[:-1].any(axis=1),
         inertia_model=model.evaluate(x)[1][:, 2, 2],
         inertia_true=inertia,
         momentum_plan=knots.momentum_mid[:, 2],

@@ -9,8 +9,8 @@ import numpy as np
 
 from llsrbm.analysis.peak_loads import planned_torque_shares
 from llsrbm.motion.description import json_value
-from llsrbm.motion.plan import Phase, Plan
-from llsrbm.motion.rotation import yaw
+from llsrbm.motion.plan import Plan
+from llsrbm.motion.rotation import final_yaw
 
 
 def peak_yaw_rate(plan: Plan) -> float:
@@ -44,26 +44,18 @@ def plan_summary(plan: Plan) -> dict[str, Any]:
         "duration_s": plan.duration,
         "phase_durations_s": np.diff(plan.phase_start).tolist(),
         "peak_yaw_rate": peak_yaw_rate(plan),
-        "final_yaw": float(yaw(plan.base_quat)[-1]),
+        "final_yaw": final_yaw(plan.time, plan.base_quat, plan.angular_velocity[:, 2]),
         "violations": {name: v.amount for name, v in plan.violations.items()},
         "joint_torque_ratio": planned_torque_shares(plan),
         "phases": phases(plan),
+        "request": plan.jump.as_dict(),
     }
     return {key: json_value(value) for key, value in figures.items()}
 
 
 def phases(plan: Plan) -> list[dict[str, Any]]:
-    """In order: `name`, `feet` (names of the legs that carry load in it), `duration_s`."""
-    load = np.abs(plan.contact_force).reshape(len(plan.time), len(plan.leg_mass), -1).max(axis=2)
+    """In order: `name`, `feet` (names of the legs that stand in it), `duration_s`."""
     return [
-        {
-            "name": phase.label,
-            "feet": [
-                name
-                for name, carried in zip(plan.leg_names, load[plan.phase == phase].T, strict=True)
-                if carried.any()
-            ],
-            "duration_s": float(plan.phase_start[phase + 1] - plan.phase_start[phase]),
-        }
-        for phase in Phase
+        {"name": phase.name, "feet": list(phase.feet), "duration_s": duration}
+        for phase, duration in zip(plan.schedule, np.diff(plan.phase_start).tolist(), strict=True)
     ]

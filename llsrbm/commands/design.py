@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from llsrbm.commands import console, options
-from llsrbm.jump import Jump
+from llsrbm.commands import console
+from llsrbm.commands.jump_options import requested_jump
 
 if TYPE_CHECKING:
     from llsrbm.design import Design
@@ -34,21 +35,17 @@ def designs_command() -> int:
     return console.DONE
 
 
-def requested_design(context: typer.Context, name_or_path: str | None, jump: Jump) -> Design:
-    """The design that was named, its jump as the options of this command line change it.
+def requested_design(name_or_path: str | None, asked: Mapping[str, Any]) -> Design:
+    """The design that was named, its jump as the options of a command line change it.
 
     Args:
-        context: of the command, to know which options were given.
         name_or_path: as `llsrbm.examples.find_design` takes it; None: only the jump.
-        jump: what the options say, defaults included.
+        asked: as `llsrbm.commands.jump_options.requested_jump` takes it.
     """
     from llsrbm.design import Design
     from llsrbm.examples import find_design
 
     if name_or_path is None:
-        return Design(jump)
+        return Design(requested_jump(asked))
     design = find_design(name_or_path)
-    given = {
-        name: value for name, value in jump.as_dict().items() if options.is_given(context, name)
-    }
-    return replace(design, jump=replace(design.jump, **given))
+    return replace(design, jump=requested_jump(asked, design.jump))

@@ -1,10 +1,15 @@
-"""`llsrbm robots | models | tuning`: what there is."""
+"""`llsrbm robots | models | types | tuning`: what there is."""
 
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING
 
 from llsrbm.commands import console, options
+from llsrbm.commands.jump_options import ANGLES
+
+if TYPE_CHECKING:
+    from llsrbm.jump_types import JumpType
 
 
 def robots_command() -> int:
@@ -22,6 +27,29 @@ def models_command() -> int:
 
     _print_table(models.describe())
     return console.DONE
+
+
+def types_command() -> int:
+    """List the types of jumps, with the options that each takes beside where to land."""
+    from llsrbm import jump_types
+
+    rows = {
+        name: f"{kind.title}: {kind.summary}{_asked(kind)}"
+        for name, kind in jump_types.names().items()
+    }
+    _print_table(rows)
+    return console.DONE
+
+
+def _asked(kind: JumpType) -> str:
+    """The options that a type takes, with its defaults: " (--pitch -360, --roll)"."""
+    told = []
+    for name in kind.asks:
+        value = kind.defaults.get(name)
+        if value is not None and name in ANGLES:
+            value = math.degrees(value)
+        told.append(options.option(name) + ("" if value is None else f" {value:g}"))
+    return f" ({', '.join(told)})" if told else ""
 
 
 def tuning_command(robot: options.Robot = "anymal") -> int:

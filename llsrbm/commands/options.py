@@ -1,4 +1,4 @@
-"""Options that commands share: what jump is wanted, where results go."""
+"""Options that commands share: how to plan, where results go."""
 
 from __future__ import annotations
 
@@ -9,15 +9,9 @@ from typing import Annotated
 import typer
 
 from llsrbm.errors import InputError
-from llsrbm.jump import Jump
 from llsrbm.tuning import Tuning
 
 Robot = Annotated[str, typer.Option(help="A name (see `llsrbm robots`) or a robot file's path.")]
-Model = Annotated[str, typer.Option(help="See `llsrbm models`.")]
-Twist = Annotated[float, typer.Option(metavar="DEG", help="Turn to the left.")]
-Forward = Annotated[float, typer.Option(metavar="M", help="Displacement along x.")]
-Lateral = Annotated[float, typer.Option(metavar="M", help="Displacement to the left.")]
-Height = Annotated[float, typer.Option(metavar="M", help="Of the landing surface.")]
 Planner = Annotated[str, typer.Option(help="fatrop or ipopt.")]
 Out = Annotated[Path | None, typer.Option(metavar="FILE", help="Write the result here (npz).")]
 AsJson = Annotated[
@@ -35,8 +29,9 @@ Limits = Annotated[
 
 # Names of the options that say what to plan, and how.
 PLANNING = (
-    *("design", "robot", "model", "twist", "forward", "lateral", "height", "solver"),
-    *("weight", "limit"),
+    *("design", "robot", "model", "twist", "forward", "lateral", "height"),
+    *("type", "roll", "pitch", "speed", "end_speed", "hops"),
+    *("solver", "weight", "limit"),
 )
 
 
@@ -46,18 +41,9 @@ def is_given(context: typer.Context, name: str) -> bool:
     return source is not None and source.name != "DEFAULT"
 
 
-def requested_jump(
-    robot: str, model: str, twist: float, forward: float, lateral: float, height: float
-) -> Jump:
-    """The request in the library's units, from the command line's: degrees and m."""
-    return Jump(
-        robot=robot,
-        model=model,
-        twist=math.radians(twist),
-        forward=forward,
-        lateral=lateral,
-        height=height,
-    )
+def option(name: str) -> str:
+    """The option of a parameter: "--end-speed"."""
+    return f"--{name.replace('_', '-')}"
 
 
 def requested_tuning(tuning: Tuning, weight: list[str] | None, limit: list[str] | None) -> Tuning:
@@ -84,11 +70,3 @@ def _assignment(option: str, given: str) -> tuple[str, float]:
         raise InputError(
             f"{option} {given}: expected NAME=VALUE with a number; `llsrbm tuning` lists the names"
         ) from None
-
-
-def described(jump: Jump) -> str:
-    """The request in one line, in the command line's units."""
-    return (
-        f"{jump.robot}, {jump.model}: twist {math.degrees(jump.twist):.0f} deg, forward "
-        f"{jump.forward:.2f} m, lateral {jump.lateral:.2f} m, height {jump.height:.2f} m"
-    )

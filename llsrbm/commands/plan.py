@@ -4,27 +4,26 @@ from __future__ import annotations
 
 import json
 import math
-from typing import TYPE_CHECKING
+from collections.abc import Mapping
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any
 
 import typer
 
 from llsrbm.commands import console, options
 from llsrbm.commands.design import DesignOption, requested_design
+from llsrbm.commands.jump_options import in_words, with_jump_options
 from llsrbm.errors import NotConverged
 
 if TYPE_CHECKING:
     from llsrbm.motion.plan import Plan
 
 
+@with_jump_options
 def plan_command(
     context: typer.Context,
+    asked: Mapping[str, Any],
     design: DesignOption = None,
-    robot: options.Robot = "anymal",
-    model: options.Model = "llsrbm-plus",
-    twist: options.Twist = 0.0,
-    forward: options.Forward = 0.0,
-    lateral: options.Lateral = 0.0,
-    height: options.Height = 0.0,
     solver: options.Planner = "fatrop",
     weight: options.Weights = None,
     limit: options.Limits = None,
@@ -35,12 +34,12 @@ def plan_command(
 
     A plan that does not converge is written all the same, and the exit status is 1.
     """
+    del context  # of the options that only count where they are given
     with console.result_stream(as_json=as_json) as stdout:
         import llsrbm
         from llsrbm.analysis.summary import plan_summary
 
-        jump = options.requested_jump(robot, model, twist, forward, lateral, height)
-        request = requested_design(context, design, jump)
+        request = requested_design(design, asked)
         tuning = options.requested_tuning(request.tuning, weight, limit)
         status, failure = console.DONE, None
         try:
@@ -67,23 +66,31 @@ def plan_command(
 def _description(plan: Plan) -> dict[str, str]:
     """A plan in a few lines for a person: degrees, milliseconds."""
     from llsrbm.analysis.summary import peak_yaw_rate, worst_violation
-    from llsrbm.motion.rotation import yaw
+    from llsrbm.motion.rotation import final_yaw
 
     report = plan.report
-    takeoff, flight, landing = plan.phase_start[1:] - plan.phase_start[:-1]
+    turn = final_yaw(plan.time, plan.base_quat, plan.angular_velocity[:, 2])
     return {
-        "request": options.described(plan.jump),
+        "request": in_words(plan.jump),
         "solver": f"{report.status} by {report.solver} in {report.iterations} iterations, "
         f"{1e3 * report.solve_time_s:.0f} ms ({1e3 * report.total_time_s:.0f} ms from request to "
         f"plan, {report.build_time_s:.2f} s to build the solver)",
-        "duration": f"{plan.duration:.2f} s: take-off {takeoff:.2f}, flight {flight:.2f}, "
-        f"landing {landing:.2f} s",
-        "turn": f"{math.degrees(yaw(plan.base_quat)[-1]):.1f} deg, "
-        f"peak yaw rate {peak_yaw_rate(plan):.2f} rad/s",
+        "duration": f"{plan.duration:.2f} s: {_phases(plan)} s",
+        "turn": f"{math.degrees(turn):.1f} deg, peak yaw rate {peak_yaw_rate(plan):.2f} rad/s",
         # The instants of one that failed may run backwards.
         "joints": _joints(plan) if plan.solved else "-",
         "violation": worst_violation(plan),
     }
+
+
+def _phases(plan: Plan) -> str:
+    """Name and duration, s, of each phase, with its feet where only some of them stand."""
+    told = []
+    for phase, (start, end) in zip(plan.schedule, pairwise(plan.phase_start), strict=True):
+        some = 0 < len(phase.feet) < len(plan.schedule.legs)
+        feet = f" on {' and '.join(phase.feet)}" if some else ""
+        told.append(f"{phase.name}{feet} {end - start:.2f}")
+    return ", ".join(told)
 
 
 def _joints(plan: Plan) -> str:

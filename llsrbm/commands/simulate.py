@@ -12,6 +12,7 @@ import typer
 
 from llsrbm.commands import console, options
 from llsrbm.commands.design import DesignOption, requested_design
+from llsrbm.commands.jump_options import in_words, with_jump_options
 from llsrbm.commands.scenario_options import with_scenario_options
 from llsrbm.errors import InputError
 
@@ -21,19 +22,15 @@ if TYPE_CHECKING:
 
 
 @with_scenario_options
+@with_jump_options
 def simulate_command(
     context: typer.Context,
     fields: Mapping[str, Any],
+    asked: Mapping[str, Any],
     file: Annotated[
         Path | None, typer.Argument(metavar="PLAN.npz", help="A plan; without: plan first.")
     ] = None,
     design: DesignOption = None,
-    robot: options.Robot = "anymal",
-    model: options.Model = "llsrbm-plus",
-    twist: options.Twist = 0.0,
-    forward: options.Forward = 0.0,
-    lateral: options.Lateral = 0.0,
-    height: options.Height = 0.0,
     solver: options.Planner = "fatrop",
     weight: options.Weights = None,
     limit: options.Limits = None,
@@ -55,11 +52,10 @@ def simulate_command(
         given = [name for name in options.PLANNING if options.is_given(context, name)]
         if file is not None and given:
             raise InputError(
-                f"--{given[0]}: is for planning, but {file} is planned already; "
+                f"{options.option(given[0])}: is for planning, but {file} is planned already; "
                 "expected a plan's file or options of a jump, not both"
             )
-        jump = options.requested_jump(robot, model, twist, forward, lateral, height)
-        request = requested_design(context, design, jump)
+        request = requested_design(design, asked)
         tuning = options.requested_tuning(request.tuning, weight, limit)
         scenario = request.scenario.but(**fields)
         if file is not None:
@@ -105,7 +101,7 @@ def _fall(rollout: Rollout) -> str:
 def _description(rollout: Rollout) -> dict[str, str]:
     """A rollout in a few lines for a person: degrees, millimetres, milliseconds."""
     outcome, scenario = rollout.outcome, rollout.scenario
-    lines = {"request": options.described(rollout.jump)}
+    lines = {"request": in_words(rollout.jump)}
     board = ""
     if scenario.board:
         half = "half " if scenario.half_board else ""

@@ -53,7 +53,7 @@ def columns(trajectory: Plan | Rollout, fps: float) -> Iterator[Column]:
 def _columns(
     trajectory: Plan | Rollout, name: str, quantity: Quantity, values: Array
 ) -> Iterator[Column]:
-    units = [quantity.unit or _codes(quantity)]
+    units = [quantity.unit or _codes(quantity.codes_of(trajectory))]
     paths = [name]
     if quantity.axes[-1] == TENSOR:
         values = np.stack([values[:, i, j] for i, j in _TENSOR.values()], axis=1)
@@ -68,9 +68,9 @@ def _columns(
         yield f"{path} [{unit}]" if unit else path, column.astype(np.float64)
 
 
-def _codes(quantity: Quantity) -> str:
+def _codes(codes: Sequence[str]) -> str:
     """What whole numbers stand for: "0 take-off, 1 flight, 2 landing"."""
-    return ", ".join(f"{number} {meaning}" for number, meaning in enumerate(quantity.codes))
+    return ", ".join(f"{number} {meaning}" for number, meaning in enumerate(codes))
 
 
 def _members(trajectory: Plan | Rollout, axis: str) -> Sequence[str]:
@@ -102,7 +102,7 @@ def quantity_rows() -> list[str]:
             (
                 name,
                 ", ".join(map(str, quantity.shape)),
-                quantity.unit or _codes(quantity),
+                quantity.unit or _codes(quantity.codes),
                 quantity.frame,
                 quantity.meaning,
             )

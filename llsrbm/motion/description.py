@@ -54,9 +54,9 @@ def _of_plan(plan: Plan) -> dict[str, Any]:
         "solver": asdict(plan.report),
         "violations": {name: asdict(violation) for name, violation in plan.violations.items()},
         "phases": [
-            {"name": label, "start_s": start, "end_s": end}
-            for label, start, end in zip(
-                ("take-off", "flight", "landing"),
+            {"name": phase.name, "feet": list(phase.feet), "start_s": start, "end_s": end}
+            for phase, start, end in zip(
+                plan.schedule,
                 plan.phase_start[:-1].tolist(),
                 plan.phase_start[1:].tolist(),
                 strict=True,

@@ -21,8 +21,9 @@ _SAME_INSTANT = 1e-9  # s
 def events(trajectory: Plan | Rollout) -> Array:
     """First and last instant, and those between at which something changes at once, s.
 
-    Of a plan lift-off and touchdown; of a rollout the ticks at which the controller changes phase
-    or mode, and those in which a foot leaves the ground or meets it.
+    Of a plan the edges of its phases, at which feet leave the ground or meet it; of a rollout the
+    ticks at which the controller changes phase or mode, and those in which a foot leaves the ground
+    or meets it.
     """
     if isinstance(trajectory, Plan):
         return trajectory.phase_start

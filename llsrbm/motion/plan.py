@@ -51,7 +51,7 @@ class Violation:
     Attributes:
         amount: largest violation, in `unit`; 0 when satisfied.
         unit: SI unit of the amount.
-        phase: where the largest violation is ("take-off", "flight", "landing").
+        phase: name of the schedule's phase in which it is largest.
         time: when, s.
     """
 
@@ -117,10 +117,10 @@ class Plan:
         Quantity(
             (TIME,),
             "",
-            "phase of the interval that begins there",
+            "phase of the interval that begins there, counted as in the schedule",
             Between.HELD,
             kind=Kind.WHOLE,
-            codes=("take-off", "flight", "landing"),
+            coded_by="phase_names",
         ),
     ]
     com: Annotated[Array, Quantity((TIME, XYZ), "m", "centre of mass", Between.BALLISTIC, "world")]
@@ -271,7 +271,7 @@ class Plan:
     schedule: Schedule = None  # type: ignore[assignment]
 
     def __post_init__(self) -> None:
-        if self.schedule is None:
+        if not self.schedule:
             object.__setattr__(self, "schedule", together(self.leg_names))
 
     @property
@@ -300,8 +300,25 @@ class Plan:
         first = [int(np.argmax(self.phase == p)) for p in range(len(self.schedule))]
         return np.append(self.time[first], self.time[-1])
 
-    @cached_property
-    def contact(self) -> NDArray[np.bool_]:
+    @property
+    def phase_names(self) -> tuple[str, ...]:
+        """(P,) what the numbers of `phase` stand for."""
+        return self.schedule.names
+
+    @property
+    def contact(
+        self,
+    ) -> Annotated[
+        NDArray[np.bool_],
+        Quantity(
+            (TIME, LEG),
+            "",
+            "whether the foot stands over the interval that begins there",
+            Between.HELD,
+            kind=Kind.WHOLE,
+            codes=("in the air", "touches"),
+        ),
+    ]:
         """(N+1, L) whether a foot stands over the interval that begins at a knot."""
         return self.schedule.stands[self.phase]
 

@@ -2,7 +2,8 @@
 
 Files of schema 1 have no velocities and torques of the joints. They are computed when such a file
 is read, if the robot is one of the project's own and still the same; otherwise they are not known.
-Plans without them (among them some that failed) are written as schema 1.
+Plans without them (among them some that failed) are written as schema 1. Files from before there
+were schedules have none in `meta`: theirs is `together`.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from llsrbm.errors import Error, FileFormatError
+from llsrbm.errors import Error, FileFormatError, InputError, printable
 from llsrbm.motion.archive import Arrays, checked, read_archive, text, write_archive
 from llsrbm.motion.native_file import (
     Meta,
@@ -23,9 +24,10 @@ from llsrbm.motion.native_file import (
     native_arrays,
     read_meta,
 )
-from llsrbm.motion.plan import Phase, Plan, SolveReport, Violation
+from llsrbm.motion.plan import Plan, SolveReport, Violation, leg_names
 from llsrbm.motion.quantity import ROW, VARIABLE, Quantity, quantities
 from llsrbm.ocp.problem import Iterate
+from llsrbm.schedule import Schedule, together
 from llsrbm.tuning import Tuning
 from llsrbm.version import package_version
 
@@ -44,6 +46,7 @@ _SOLUTION_LAYOUT = {
     "solution_multipliers": Quantity((ROW,), "", "the multipliers of its constraints"),
 }
 
+_LONGEST_MESSAGE = 300  # characters that a file's own words may take of a message
 _MOST_KNOTS = 1000  # a knot's loads take a millisecond; plans have 49
 
 # Of a robot's numbers those on which torques and their limits depend.
@@ -55,6 +58,7 @@ class _Meta(Meta):
     report: SolveReport
     violations: dict[str, Violation]
     tuning: Tuning = Tuning()  # files of 0.1 have none
+    schedule: dict[str, Any] | None = None
 
 
 def save_plan(plan: Plan, path: str | Path) -> None:
@@ -80,6 +84,7 @@ def plan_arrays(plan: Plan) -> Arrays:
         report=plan.report,
         violations=plan.violations,
         tuning=plan.tuning,
+        schedule=plan.schedule.as_dict(),
         package_version=package_version(),
     )
     known = all(getattr(plan, name) is not None for name in _LOADS)
@@ -112,8 +117,9 @@ def plan_from_arrays(arrays: Arrays, path: str | Path) -> Plan:
     layout = FIRST_LAYOUT if first else LAYOUT
     values: dict[str, Any] = checked(arrays, layout, path)
     check_numbers(values, layout, path)
-    _check_phases(values, path)
     _check_body(values, path)
+    schedule = _schedule(meta, len(values["leg_mass"]), path)
+    _check_phases(values, schedule, path)
     values["base_mass"] = float(values["base_mass"])
     values["joint_names"] = tuple(str(name) for name in values["joint_names"])
     plan = Plan(
@@ -123,6 +129,7 @@ def plan_from_arrays(arrays: Arrays, path: str | Path) -> Plan:
         violations=meta.violations,
         tuning=meta.tuning,
         solution=_solution(arrays, path),
+        schedule=schedule,
         **values,
     )
     return _with_loads(plan) if first else plan
@@ -172,12 +179,33 @@ def _same(a: Any, b: Any) -> bool:
     return bool(a == b)
 
 
-def _check_phases(values: Arrays, path: str | Path) -> None:
-    check_times(values["time"], path)
-    if set(values["phase"].tolist()) != set(Phase) or (np.diff(values["phase"]) < 0).any():
+def _schedule(meta: _Meta, legs: int, path: str | Path) -> Schedule:
+    """The schedule in a file of a plan with that many legs."""
+    if meta.schedule is None:
+        return together(leg_names(meta.robot_parameters, legs))
+    where = f'{path}: key "meta"'
+    try:
+        schedule = Schedule.from_dict(meta.schedule)
+    except InputError as error:
+        raise FileFormatError(f"{where}: {printable(str(error), _LONGEST_MESSAGE)}") from error
+    if len(schedule.legs) != legs:
+        told = printable(", ".join(schedule.legs), 100)
         raise FileFormatError(
-            f'{path}: key "phase": expected 0 (take-off), 1 (flight), 2 (landing), each of them, '
-            "in that order"
+            f'{where}: schedule: it has the legs {told}; expected {legs}, as "leg_mass" has'
+        )
+    return schedule
+
+
+def _check_phases(values: Arrays, schedule: Schedule, path: str | Path) -> None:
+    """Each phase has an interval, and the last knot, which begins none, is in the last phase."""
+    check_times(values["time"], path)
+    phase, last = values["phase"], len(schedule) - 1
+    steps = np.diff(phase[:-1], prepend=-1)
+    if not np.isin(steps, (0, 1)).all() or steps[0] != 1 or (phase[-2:] != last).any():
+        names = ", ".join(f"{number} ({name})" for number, name in enumerate(schedule.names))
+        raise FileFormatError(
+            f'{path}: key "phase": expected {printable(names, _LONGEST_MESSAGE)}, each of them '
+            "with an interval, in that order"
         )
 
 

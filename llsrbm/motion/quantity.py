@@ -65,7 +65,7 @@ class Between(Enum):
     BALLISTIC = "cubic, with the slopes that the forces give it: exact where they are constant"
     IN_BASE = "each entry straight, seen in the base's axes"
     FROM_COM = "straight, seen from the CoM in the base's axes"
-    STANDING = "still while feet stand, in flight straight as seen from the CoM in the base's axes"
+    STANDING = "still while a foot stands, else straight as seen from the CoM in the base's axes"
     CARRIED = "fixed to its foot"
     JOINTS = "cubic, with the joints' own velocities as slopes; makima where they are not known"
     JOINT_RATES = "the slope of the joints' positions"
@@ -90,7 +90,8 @@ class Quantity:
         between: what it is between two instants.
         frame: whose axes its components are along; "" where it has none.
         kind: of its numbers.
-        codes: what its whole numbers 0, 1, ... stand for.
+        codes: what its whole numbers 0, 1, ... stand for; coded_by: the trajectory's attribute that
+            says it where it is not always the same.
         rate: whether it vanishes at rest: it is zero before the motion and after it.
         listed: whether a table has columns for it; False for what others repeat in parts.
         column: its name in tables; "": its own.
@@ -103,6 +104,7 @@ class Quantity:
     frame: str = ""
     kind: Kind = Kind.REAL
     codes: tuple[str, ...] = ()
+    coded_by: str = ""
     rate: bool = False
     listed: bool = True
     column: str = ""
@@ -111,6 +113,10 @@ class Quantity:
     def shape(self) -> tuple[int | str, ...]:
         """Sizes of the array, a letter for each that varies."""
         return tuple(size for axis in self.axes for size in SIZES[axis])
+
+    def codes_of(self, trajectory: Any) -> tuple[str, ...]:
+        """What whole numbers stand for in a plan or a rollout."""
+        return tuple(getattr(trajectory, self.coded_by)) if self.coded_by else self.codes
 
     def unit_of(self, joint: str, sliding: frozenset[str]) -> str:
         """The unit of one joint's numbers: sliding joints have metres where others have radians."""

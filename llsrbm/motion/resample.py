@@ -2,8 +2,8 @@
 
 Between its knots a plan follows from what the planner assumes there: contact forces are constant,
 so the CoM is quadratic and the angular momentum cubic in time; the attitude turns at a constant
-rate; in stance the feet stand still, in flight they move on straight lines seen from the CoM in
-base axes and carry their contact points along. Between the ticks of a rollout states are straight.
+rate; feet that stand are still, the others move on straight lines seen from the CoM in base axes
+and carry their contact points along. Between the ticks of a rollout states are straight.
 Knots and ticks are reproduced exactly; quaternions come out without jumps of sign.
 """
 
@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import Akima1DInterpolator, CubicHermiteSpline
 
 from llsrbm.errors import InputError
-from llsrbm.motion.plan import Phase, Plan
+from llsrbm.motion.plan import Plan
 from llsrbm.motion.quantity import TIME, Between, quantities
 from llsrbm.motion.rollout import Rollout
 from llsrbm.motion.rotation import rotation_matrices, sign_continuous, slerp
@@ -190,9 +190,9 @@ class _BetweenKnots:
 
     def _standing(self, name: str) -> Array:
         points = getattr(self._plan, name)
-        flight = self._plan.phase[self._instants.left] == Phase.FLIGHT
+        stands = self._plan.contact[self._instants.left]
         still = self._instants.linear(points)
-        return np.where(flight[:, None, None], self._from_com(points), still)
+        return np.where(stands[:, :, None], still, self._from_com(points))
 
     @cached_property
     def _carried(self) -> Array:

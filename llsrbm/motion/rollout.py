@@ -28,6 +28,7 @@ from llsrbm.motion.quantity import (
 )
 from llsrbm.motion.rotation import rotation_matrices
 from llsrbm.scenario import Scenario
+from llsrbm.schedule import Schedule, together
 
 
 class Mode(IntEnum):
@@ -302,10 +303,10 @@ class Rollout:
         Quantity(
             (TIME,),
             "",
-            "phase, as the controller believes",
+            "phase of the schedule, as the controller believes",
             Between.HELD,
             kind=Kind.WHOLE,
-            codes=("take-off", "flight", "landing"),
+            coded_by="phase_names",
         ),
     ]
     reference_com: Annotated[
@@ -375,6 +376,16 @@ class Rollout:
     def leg_names(self) -> tuple[str, ...]:
         """As in the robot file, when the rollout says which robot it is of."""
         return leg_names(self.robot_parameters, self.foot_position.shape[1])
+
+    @property
+    def schedule(self) -> Schedule:
+        """The plan's; of a rollout that does not hold its plan, `together`, the only one then."""
+        return together(self.leg_names) if self.plan is None else self.plan.schedule
+
+    @property
+    def phase_names(self) -> tuple[str, ...]:
+        """(P,) what the numbers of `phase` stand for."""
+        return self.schedule.names
 
     @property
     def duration(self) -> float:

@@ -8,9 +8,10 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from pydantic import Field, model_validator
 
-from llsrbm.errors import FileFormatError
+from llsrbm.errors import FileFormatError, printable
 from llsrbm.motion.archive import LARGEST_NUMBER, Arrays, checked, read_archive, write_archive
 from llsrbm.motion.native_file import (
     Meta,
@@ -97,7 +98,7 @@ def rollout_from_arrays(arrays: Arrays, path: str | Path) -> Rollout:
         raise FileFormatError(f'{path}: key "meta": outcome.control_rate_hz: expected a rate')
     values["detection_threshold"] = float(values["detection_threshold"])
     values["joint_names"] = tuple(str(name) for name in values["joint_names"])
-    return Rollout(
+    rollout = Rollout(
         jump=meta.request,
         robot_parameters=meta.robot_parameters,
         control_parameters=meta.control_parameters,
@@ -107,6 +108,8 @@ def rollout_from_arrays(arrays: Arrays, path: str | Path) -> Rollout:
         plan=_followed(arrays, path, meta, values),
         **values,
     )
+    _check_phases(rollout, path)
+    return rollout
 
 
 def _followed(arrays: Arrays, path: str | Path, meta: _Meta, rollout: Arrays) -> Plan | None:
@@ -122,6 +125,14 @@ def _followed(arrays: Arrays, path: str | Path, meta: _Meta, rollout: Arrays) ->
     if of_plan != of_rollout:
         raise FileFormatError(f"{where} is of another jump or robot than the rollout itself")
     return plan
+
+
+def _check_phases(rollout: Rollout, path: str | Path) -> None:
+    """Those of the schedule that was followed; one that fell may lack the last ones."""
+    names = rollout.phase_names
+    if not np.isin(rollout.phase, range(len(names))).all():
+        listed = ", ".join(f"{number} ({name})" for number, name in enumerate(names))
+        raise FileFormatError(f'{path}: key "phase": expected {printable(listed, 300)}')
 
 
 def _check_values(values: Arrays, path: str | Path) -> None:

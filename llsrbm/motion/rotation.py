@@ -61,6 +61,23 @@ def yaw(quat: Array) -> Array:
     return heading
 
 
+def final_yaw(time: Array, quat: Array, yaw_rate: Array) -> float:
+    """Heading at the end, rad, whole turns counted, of a body that may turn over on its way.
+
+    While its x axis is upright a body has no heading, so of one that turns over the number of whole
+    turns is that of its rate about the vertical.
+
+    Args:
+        time: (K,) s; quat: (K, 4).
+        yaw_rate: (K,) rad/s, angular velocity about the world's z.
+    """
+    heading = yaw(quat)
+    if tilt(quat).max() < np.pi / 2:
+        return float(heading[-1])
+    turned = float(np.sum(np.diff(time) * (yaw_rate[1:] + yaw_rate[:-1]) / 2))
+    return float(heading[-1] + 2 * np.pi * np.round((turned - heading[-1]) / (2 * np.pi)))
+
+
 def tilt(quat: Array) -> Array:
     """Angle between a body's z axis and the vertical, (..., 4) -> (...) rad."""
     _, x, y, _ = np.moveaxis(quat, -1, 0)

@@ -4,23 +4,27 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
 from llsrbm import palette
-from llsrbm.motion.plan import Phase, Plan
+from llsrbm.motion.flights import Flight, flights
+from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Mode, Rollout
 from llsrbm.palette import Rgb
+from llsrbm.schedule import Schedule
 
-PHASES = ("take-off", "flight", "landing")
 _STANDING = "standing"
+_PALER = 0.6  # of the way to white, of a phase in which hardly a foot stands
 
 
 @dataclass(frozen=True)
 class Piece:
     """A stretch of a strip: what it is called, from `start` to `end`, s.
 
-    `low` ones lie in the lower half, over others.
+    `low` ones lie in the lower half, over others. `feet` are those that stand, in words, where it
+    is a phase.
     """
 
     name: str
@@ -28,6 +32,7 @@ class Piece:
     end: float
     colour: Rgb
     low: bool = False
+    feet: str = ""
 
 
 @dataclass(frozen=True)
@@ -79,8 +84,7 @@ def timeline(plan: Plan | None, rollout: Rollout | None = None) -> Timeline:
         planned_end, end = plan.duration, max(plan.duration, end)
         rows.append(_planned(plan, end))
         marks += _planned_marks(plan)
-        lift_off, touchdown = plan.phase_start[1:3].tolist()
-        told = f"lift-off {lift_off:.2f} s, touch-down {touchdown:.2f} s"
+        told = _planned_events(plan)
     if rollout is not None:
         if plan is None:
             planned = rollout.outcome.touchdown_planned_s
@@ -97,18 +101,37 @@ def phase_at(events: Timeline, time: float) -> str:
     return next((p.name for p in pieces if p.start <= time < p.end), pieces[-1].name)
 
 
+def phase_colour(schedule: Schedule, phase: int) -> Rgb:
+    """By what a phase is for: take-off, flight, landing, or in between; paler with fewer feet."""
+    if schedule[phase].is_flight:
+        return palette.FLIGHT
+    first, last = schedule.flights[0], schedule.flights[-1]
+    colour = palette.REBOUND
+    if phase < first:
+        colour = palette.TAKE_OFF
+    elif phase > last:
+        colour = palette.LANDING
+    raised = 1.0 - float(schedule.stands[phase].mean())
+    return palette.paler(colour, _PALER * raised)
+
+
+def _piece(schedule: Schedule, phase: int, start: float, end: float) -> Piece:
+    feet = schedule.standing_words(phase)
+    return Piece(schedule[phase].name, start, end, phase_colour(schedule, phase), feet=feet)
+
+
 def _simulated(rollout: Rollout, planned_end: float) -> tuple[Piece, ...]:
     """The controller's phases, and in them where it tracks forces."""
     time, phase = rollout.time, rollout.phase
     changes = (np.flatnonzero(np.diff(phase)) + 1).tolist()
     edges = [float(time[tick]) for tick in (0, *changes, -1)]
     pieces = [
-        Piece(PHASES[int(phase[tick])], a, min(b, planned_end), palette.PHASES[int(phase[tick])])
+        _piece(rollout.schedule, int(phase[tick]), a, min(b, planned_end))
         for a, b, tick in zip(edges[:-1], edges[1:], (0, *changes), strict=True)
         if a < planned_end
     ]
     if edges[-1] > planned_end:
-        pieces.append(Piece(_STANDING, planned_end, edges[-1], palette.STANDING))
+        pieces.append(_standing(planned_end, edges[-1]))
     forces = [
         Piece("force control", a, b, palette.FORCE, low=True) for a, b in force_phases(rollout)
     ]
@@ -116,34 +139,39 @@ def _simulated(rollout: Rollout, planned_end: float) -> tuple[Piece, ...]:
 
 
 def _planned(plan: Plan, end: float) -> Row:
-    starts = [float(t) for t in plan.phase_start]
-    pieces = [
-        Piece(name, a, b, colour)
-        for name, a, b, colour in zip(PHASES, starts, starts[1:], palette.PHASES, strict=False)
-    ]
+    edges = enumerate(pairwise(plan.phase_start.tolist()))
+    pieces = [_piece(plan.schedule, phase, a, b) for phase, (a, b) in edges]
     if end > plan.duration:
-        pieces.append(Piece(_STANDING, plan.duration, end, palette.STANDING))
+        pieces.append(_standing(plan.duration, end))
     return Row("plan", tuple(pieces))
 
 
+def _standing(start: float, end: float) -> Piece:
+    return Piece(_STANDING, start, end, palette.STANDING, feet="all feet")
+
+
 def _planned_marks(plan: Plan) -> list[Mark]:
-    flight = np.flatnonzero(plan.phase == Phase.FLIGHT)
-    apex = flight[np.argmax(plan.com[flight, 2])]
-    return [
-        Mark("take-off", float(plan.phase_start[1]), palette.PLANNED),
-        Mark("apex", float(plan.time[apex]), palette.PLANNED),
-        Mark("touch-down planned", float(plan.phase_start[2]), palette.PLANNED),
-    ]
+    marks = []
+    for number, phase in enumerate(plan.schedule.flights, start=1):
+        flight = np.flatnonzero(plan.phase == phase)
+        apex = flight[np.argmax(plan.com[flight, 2])]
+        instants = {
+            "take-off": plan.phase_start[phase],
+            "apex": plan.time[apex],
+            "touch-down planned": plan.phase_start[phase + 1],
+        }
+        marks += [
+            Mark(_numbered(name, number), float(time), palette.PLANNED)
+            for name, time in instants.items()
+        ]
+    return marks
 
 
 def _simulated_marks(rollout: Rollout) -> list[Mark]:
-    outcome = rollout.outcome
     marks = [
-        Mark(name, time, palette.SIMULATED)
-        for name, time in (
-            ("first contact", outcome.touchdown_true_s),
-            ("detected", outcome.touchdown_detected_s),
-        )
+        Mark(_numbered(name, number), time, palette.SIMULATED)
+        for number, flight in enumerate(flights(rollout), start=1)
+        for name, time in (("first contact", flight.touchdown), ("detected", flight.detected))
         if time is not None
     ]
     if not rollout.landed:
@@ -151,19 +179,43 @@ def _simulated_marks(rollout: Rollout) -> list[Mark]:
     return marks
 
 
+def _numbered(name: str, number: int) -> str:
+    """An event's name; from the second flight on with its number."""
+    return name if number == 1 else f"{name} {number}"
+
+
+def _planned_events(plan: Plan) -> str:
+    starts = plan.phase_start
+    return ", ".join(
+        f"{_numbered('lift-off', number)} {starts[phase]:.2f} s, "
+        f"{_numbered('touch-down', number)} {starts[phase + 1]:.2f} s"
+        for number, phase in enumerate(plan.schedule.flights, start=1)
+    )
+
+
 def _events(rollout: Rollout) -> str:
-    outcome = rollout.outcome
-    true, detected = outcome.touchdown_true_s, outcome.touchdown_detected_s
-    parts = [f"touch-down {outcome.touchdown_planned_s:.3f} s planned"]
-    parts.append("none simulated" if true is None else f"{true:.3f} s simulated")
-    if detected is None:
-        parts.append("not detected")
-    elif true is not None:
-        parts.append(f"detected {1e3 * (detected - true):+.1f} ms")
+    parts = []
+    for number, (planned, flight) in enumerate(_planned_and_flown(rollout), start=1):
+        parts.append(f"{_numbered('touch-down', number)} {planned:.3f} s planned")
+        true, detected = flight.touchdown, flight.detected
+        parts.append("none simulated" if true is None else f"{true:.3f} s simulated")
+        if detected is None:
+            parts.append("not detected")
+        elif true is not None:
+            parts.append(f"detected {1e3 * (detected - true):+.1f} ms")
     forces = [f"{a:.2f}-{b:.2f} s" for a, b in force_phases(rollout)]
     if forces:
         parts.append(f"force control {', '.join(forces)}")
     return ", ".join(parts)
+
+
+def _planned_and_flown(rollout: Rollout) -> list[tuple[float, Flight]]:
+    """When each flight should have ended, s, and how it went."""
+    planned = [rollout.outcome.touchdown_planned_s]
+    if rollout.plan is not None and len(rollout.schedule.flights) > 1:
+        ends = [phase + 1 for phase in rollout.schedule.flights]
+        planned = rollout.plan.phase_start[ends].tolist()
+    return list(zip(planned, flights(rollout), strict=False))  # it may have fallen before the last
 
 
 def force_phases(rollout: Rollout) -> list[tuple[float, float]]:

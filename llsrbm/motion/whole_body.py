@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from llsrbm.errors import InputError
 from llsrbm.motion.instants import evenly, with_events
-from llsrbm.motion.plan import Phase, Plan
+from llsrbm.motion.plan import Plan
 from llsrbm.motion.quantity import TIME, quantities
 from llsrbm.motion.resample import resample
 from llsrbm.motion.rollout import Rollout
@@ -46,7 +46,7 @@ class WholeBodyMotion:
         foot_force: (K, L, 3) N, the sum over a foot; None where nothing tells.
         pressed_at: (K, L, 3) m: where it acts, a sole's centre of pressure if that is known.
         joint_torque, joint_torque_limit: (K, J) Nm or N; None where nothing tells.
-        phase: (K,) `Phase`; None where nothing tells.
+        phase: (K,) index into the schedule's phases; None where nothing tells.
     """
 
     robot: Robot
@@ -168,7 +168,7 @@ def _of_plan(
         angular_momentum=sampled.angular_momentum,
         inertia=sampled.inertia,
         foot_position=sampled.foot_position,
-        contact=np.repeat((sampled.phase != Phase.FLIGHT)[:, None], len(robot.legs), axis=1),
+        contact=sampled.contact,
         foot_force=foot_force,
         pressed_at=pressed_at,
         joint_torque=_ordered(sampled.joint_torque, order),

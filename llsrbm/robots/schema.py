@@ -10,14 +10,22 @@ import stat
 import tomllib
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Annotated, Any, Self
+from typing import Annotated, Self
 
 from pydantic import BaseModel, Field, ValidationError, model_validator
 from pydantic_core import ErrorDetails, PydanticCustomError
 
 from llsrbm.errors import RobotFileError
 from llsrbm.robots.control_table import Control
-from llsrbm.robots.tables import Interval, Length, Positive, PositiveInterval, Table, Vector
+from llsrbm.robots.tables import (
+    Interval,
+    Length,
+    Positive,
+    PositiveInterval,
+    Table,
+    Vector,
+    with_tuples,
+)
 
 # Keys of older robot files -> what does their work now.
 REPLACED = {
@@ -292,21 +300,12 @@ def read_robot_file(path: str | Path) -> RobotFile:
     except tomllib.TOMLDecodeError as error:
         raise RobotFileError(f"{path}: not a TOML file: {error}") from error
     try:
-        return RobotFile.model_validate(_with_tuples(table))
+        return RobotFile.model_validate(with_tuples(table))
     except ValidationError as error:
         # A misspelt key is both unknown and missing; the first says more.
         details = sorted(error.errors(), key=lambda detail: detail["type"] != "extra_forbidden")
         more = f" (and {len(details) - 1} more)" if len(details) > 1 else ""
         raise RobotFileError(f"{path}: {_sentence(details[0])}{more}") from error
-
-
-def _with_tuples(value: Any) -> Any:
-    """TOML arrays as tuples, which strict validation asks for."""
-    if isinstance(value, dict):
-        return {key: _with_tuples(item) for key, item in value.items()}
-    if isinstance(value, list):
-        return tuple(_with_tuples(item) for item in value)
-    return value
 
 
 def _keys_beside(location: tuple[int | str, ...]) -> list[str]:

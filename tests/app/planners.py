@@ -20,8 +20,9 @@ from llsrbm.jump import Jump
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.whole_body import motion_of_states
 from llsrbm.robots import load_robot
+from llsrbm.schedule import together
 from tests.app.synthetic_plan import synthetic_plan
-from tests.llsrbm.synthetic_rollout import synthetic_rollout
+from tests.llsrbm.synthetic_rollout import followed, synthetic_rollout
 
 SLOW = math.radians(51)  # works one second, asks whether to stop
 STUBBORN = math.radians(52)  # works for a minute and never asks
@@ -119,7 +120,10 @@ class SyntheticPlanner:
             raise InputError("board: expected 0 to 0.05 m, got more")
         percent(1.0)
         fell_at = {FALLING: 1.1, TRIPPING: 0.2}.get(seed)
-        rollout = synthetic_rollout(task.plan, fell_at=fell_at, seed=seed)
+        if task.plan.schedule == together(task.plan.leg_names):
+            rollout = synthetic_rollout(task.plan, fell_at=fell_at, seed=seed)
+        else:
+            rollout = followed(task.plan)
         return replace(rollout, scenario=task.scenario)
 
     def open(self, task, progress):

@@ -1,14 +1,21 @@
-"""A plan in closed form: stand, fly on a parabola turning evenly, stand; legs stiff."""
+"""A plan in closed form: stand, fly on a parabola turning evenly, stand; legs stiff.
+
+Of several flights each is like the first; phases between flights share the time of one stance.
+"""
 
 from __future__ import annotations
+
+from itertools import pairwise
 
 import numpy as np
 import pinocchio as pin
 from scipy.spatial.transform import Rotation
 
 from llsrbm.jump import Jump
+from llsrbm.jump_types import schedule_of
 from llsrbm.motion.plan import Plan, SolveReport, Violation
 from llsrbm.robots import load_robot
+from llsrbm.schedule import Schedule
 
 GRAVITY = 9.81
 STAND, FLY = 0.4, 0.5
@@ -25,23 +32,29 @@ def _com_in_base(robot):
 
 def synthetic_plan(jump: Jump, status: str = "solved") -> Plan:
     robot = load_robot(jump.robot)
-    n, legs = 3 * KNOTS + 1, len(robot.legs)
-    time = np.concatenate(
-        [
-            np.linspace(0, STAND, KNOTS, endpoint=False),
-            STAND + np.linspace(0, FLY, KNOTS, endpoint=False),
-            STAND + FLY + np.linspace(0, STAND, KNOTS + 1),
-        ]
+    schedule = schedule_of(jump, robot)
+    starts = _starts(schedule)
+    n, legs = len(schedule) * KNOTS + 1, len(robot.legs)
+    time = np.append(
+        np.concatenate([np.linspace(a, b, KNOTS, endpoint=False) for a, b in pairwise(starts)]),
+        starts[-1],
     )
-    phase = np.repeat([0, 1, 2], [KNOTS, KNOTS, KNOTS + 1])
-    flown = np.clip(time - STAND, 0, FLY)
+    phase = np.append(np.repeat(np.arange(len(schedule)), KNOTS), len(schedule) - 1)
+    stands = schedule.stands[phase]
+    flies = ~stands.any(axis=1)
+    # Of each flight the time flown; their sum says how far it has come, for each is like the first.
+    each = [np.clip(time - starts[k], 0, FLY) for k in schedule.flights]
+    flown = np.sum(each, axis=0)
+    fallen = 0.5 * GRAVITY * np.sum(np.square(each), axis=0)
+    since = np.where(flies, flown % FLY, 0.0)  # s, of the flight that goes on
     displacement = np.array([jump.forward, jump.lateral, jump.height])
     velocity = displacement / FLY + [0, 0, 0.5 * GRAVITY * FLY]
     stand_com = robot.base_position + _com_in_base(robot)
     com = stand_com + flown[:, None] * velocity
-    com[:, 2] -= 0.5 * GRAVITY * flown**2
-    com_velocity = np.where(phase[:, None] == 1, velocity - [[0, 0, GRAVITY]] * flown[:, None], 0.0)
-    turn = Rotation.from_euler("z", (jump.twist * flown / FLY)[:, None])
+    com[:, 2] -= fallen
+    com_velocity = np.where(flies[:, None], velocity - [[0, 0, GRAVITY]] * since[:, None], 0.0)
+    angles = np.outer(flown / FLY, [jump.twist, jump.pitch, jump.roll])
+    turn = Rotation.from_euler("ZYX", angles)
     arm = robot.base_position - stand_com
     base_position = com + turn.apply(arm)
     foot_position = com[:, None] + np.stack(
@@ -50,14 +63,16 @@ def synthetic_plan(jump: Jump, status: str = "solved") -> Plan:
     R = turn.as_matrix()
     inertia = R @ robot.inertia @ R.transpose(0, 2, 1)
     rate = np.zeros((n, 3))
-    rate[phase == 1, 2] = jump.twist / FLY
+    rate[flies, 2] = jump.twist / FLY
     corners = np.einsum("kij,cj->kci", turn.as_matrix(), robot.corners)
     contact_point = (foot_position[:, :, None] + corners[:, None]).reshape(n, -1, 3)
+    pushes = np.repeat(stands, len(robot.corners), axis=1)
+    share = pushes / np.maximum(pushes.sum(axis=1, keepdims=True), 1)
     force = np.zeros_like(contact_point)
-    force[phase != 1, :, 2] = robot.mass * GRAVITY / contact_point.shape[1]
+    force[..., 2] = robot.mass * GRAVITY * share
     quaternion = turn.as_quat(scalar_first=True)
     quaternion[quaternion[:, 0] < 0] *= -1
-    torque = np.where(phase[:, None] != 1, TORQUE_SHARE, 0.0) * robot.torque_limit
+    torque = np.where(flies[:, None], 0.0, TORQUE_SHARE) * robot.torque_limit
     return Plan(
         jump=jump,
         robot_parameters=robot.parameters(),
@@ -91,4 +106,18 @@ def synthetic_plan(jump: Jump, status: str = "solved") -> Plan:
         foot_in_hip=np.tile(
             robot.mirrors * (robot.feet - robot.base_position - robot.hips), (n, 1, 1)
         ),
+        schedule=schedule,
     )
+
+
+def _starts(schedule: Schedule) -> list[float]:
+    """s, of each phase, and the end."""
+    starts = [0.0]
+    for k in range(len(schedule)):
+        if k in schedule.flights:
+            starts.append(starts[-1] + FLY)
+            continue
+        following = next((f for f in schedule.flights if f > k), len(schedule))
+        before = max((f for f in schedule.flights if f < k), default=-1)
+        starts.append(starts[-1] + STAND / (following - before - 1))
+    return starts

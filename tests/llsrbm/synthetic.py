@@ -8,12 +8,32 @@ from typing import Any
 import numpy as np
 
 from llsrbm.jump import Jump
-from llsrbm.motion.plan import Phase, Plan, SolveReport, Violation
+from llsrbm.motion.plan import Plan, SolveReport, Violation
+from llsrbm.schedule import Phase, Schedule, together
 
 GRAVITY = np.array([0.0, 0.0, -9.81])
-JOINT_NAMES = tuple(f"{leg}_{part}" for leg in ("LF", "RF", "LH", "RH") for part in "ABC")
+LEGS = ("LF", "RF", "LH", "RH")
+JOINT_NAMES = tuple(f"{leg}_{part}" for leg in LEGS for part in "ABC")
 HALF_STANCE = np.array([[0.35, 0.2, 0], [0.35, -0.2, 0], [-0.35, 0.2, 0], [-0.35, -0.2, 0]])
 TRUNK_INERTIA = np.diag([0.9, 2.0, 2.2])
+
+
+TAKE_OFF, FLIGHT, LANDING = range(3)  # phases of the schedule `together`
+
+# The front feet leave first; the landing of one jump is the take-off of the next.
+TWO_HOPS = Schedule(
+    LEGS,
+    (
+        Phase("take-off", LEGS, "takeoff"),
+        Phase("rear push", ("LH", "RH"), (0.05, 0.4)),
+        Phase("flight", (), "flight"),
+        Phase("rebound", LEGS, (0.3, 1.0), place=1),
+        Phase("flight", (), "flight", place=1),
+        Phase("front first", ("LF", "RF"), (0.05, 0.4), place=2),
+        Phase("landing", LEGS, "landing", place=2),
+    ),
+)
+TWO_HOPS_DURATIONS = (0.5, 0.1, 0.3, 0.4, 0.35, 0.15, 0.6)
 
 
 def quat_about_z(angle: Any) -> np.ndarray:
@@ -34,10 +54,11 @@ def synthetic_plan(
     forward: float = 0.3,
     height: float = 0.0,
     intervals: int = 16,
-    durations: tuple[float, float, float] = (0.5, 0.4, 0.6),
+    durations: tuple[float, ...] = (0.5, 0.4, 0.6),
     quat_sign: float = 1.0,
+    schedule: Schedule | None = None,
 ) -> Plan:
-    """A jump of a 30 kg quadruped with `intervals` a phase.
+    """A jump of a 30 kg quadruped with `intervals` a phase; without a schedule, `together`.
 
     The CoM and the angular momentum obey piecewise-constant contact forces exactly; the base
     turns about z only and feet move on straight lines in the turning frame, as in a planner's
@@ -49,18 +70,27 @@ def synthetic_plan(
     time = np.concatenate(
         [np.linspace(a, b, intervals, endpoint=False) for a, b in pairwise(edges)] + [edges[-1:]]
     )
-    phase = np.append(np.repeat([Phase.TAKEOFF, Phase.FLIGHT, Phase.LANDING], intervals), 2)
+    schedule = schedule or together(LEGS)
+    phase = np.append(np.repeat(np.arange(len(schedule)), intervals), len(schedule) - 1)
+    stands = schedule.stands[phase]
+    place = np.array([each.place for each in schedule])[phase]
     knots = len(time)
 
     yaw = twist * (time / edges[-1]) ** 2 * (3 - 2 * time / edges[-1])
-    goal = np.array([forward, 0, height]) + HALF_STANCE @ rotation_about_z(twist).T
-    foot = np.repeat(HALF_STANCE[None], knots, axis=0)
-    foot[phase == Phase.LANDING] = goal
+    shares = np.arange(schedule.places + 1) / schedule.places
+    places = np.array(
+        [
+            share * np.array([forward, 0, height]) + HALF_STANCE @ rotation_about_z(share * twist).T
+            for share in shares
+        ]
+    )
+    foot = places[place]
 
     force = np.zeros((knots, legs, 3))
-    stance = phase != Phase.FLIGHT
-    force[stance] = [0, 0, mass * 9.81 / legs]
+    stance = stands.any(axis=1)
+    force[stance, :, 2] = mass * 9.81 / stands[stance].sum(axis=1, keepdims=True)
     force[stance] += rng.normal(scale=15.0, size=(stance.sum(), legs, 3))
+    force[~stands] = 0.0
     force[-1] = force[-2]
     com, velocity, momentum = (np.zeros((knots, 3)) for _ in range(3))
     com[0] = [0, 0, 0.5]
@@ -76,12 +106,13 @@ def synthetic_plan(
         momentum[k + 1] = momentum[k] + dt * (moment - np.cross(mean, total))
 
     R = rotation_about_z(yaw)
-    first = np.argmax(phase == Phase.FLIGHT)
-    last = np.argmax(phase == Phase.LANDING)
     in_base = np.einsum("kji,klj->kli", R, foot - com[:, None])
-    share = ((time - time[first]) / (time[last] - time[first]))[:, None, None]
-    flight = phase == Phase.FLIGHT
-    in_base[flight] = ((1 - share) * in_base[first] + share * in_base[last])[flight]
+    for leg in range(legs):
+        changes = np.flatnonzero(np.diff(stands[:, leg].astype(int))) + 1
+        for first, last in changes.reshape(-1, 2):
+            share = ((time - time[first]) / (time[last] - time[first]))[first:last, None]
+            start, end = in_base[first, leg], in_base[last, leg]
+            in_base[first:last, leg] = (1 - share) * start + share * end
     foot = com[:, None] + np.einsum("kij,klj->kli", R, in_base)
 
     # Legs as point masses half way down.
@@ -97,7 +128,7 @@ def synthetic_plan(
         jump=Jump(twist=twist, forward=forward, height=height),
         robot_parameters={
             "name": "anymal",
-            "legs": {leg: {"foot": f"{leg}_FOOT"} for leg in ("LF", "RF", "LH", "RH")},
+            "legs": {leg: {"foot": f"{leg}_FOOT"} for leg in LEGS},
             "mass": mass,
         },
         report=SolveReport("solved", "fatrop", 14, 1, 0.08, 0.1, 0.0, 12.5),
@@ -122,6 +153,7 @@ def synthetic_plan(
         leg_mass=leg_mass,
         base_mass=mass - leg_mass.sum(),
         leg_com=com[:, None] + np.einsum("kij,klj->kli", R, leg_com_in_base),
+        schedule=schedule,
         joint_position=joints,
         joint_velocity=1.2 * np.cos(time[:, None] * 3 + np.arange(len(JOINT_NAMES))),
         joint_torque=30.0 * np.sin(time[:, None] * 5 + np.arange(len(JOINT_NAMES))),

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from scipy.interpolate import BPoly
 
-from llsrbm.motion.plan import Phase, Plan
+from llsrbm.motion.plan import Plan
 from llsrbm.motion.resample import resample
 from llsrbm.motion.rollout import Disturbance, Mode, Outcome, Rollout
 from llsrbm.scenario import Scenario
@@ -74,7 +76,7 @@ def synthetic_rollout(
     signal[flying] = 0.01 * (1 + np.sin(ticks[flying]))
     signal[touchdown : detected + 1] = 0.05 * (1 + ticks[touchdown : detected + 1] - touchdown)
     mode = np.where((ticks >= detected) & (ticks * dt < detected * dt + FORCE_PHASE), Mode.FORCE, 0)
-    phase = np.select([ticks < lift_off, ticks < detected], [Phase.TAKEOFF, Phase.FLIGHT], 2)
+    phase = np.select([ticks < lift_off, ticks < detected], [0, 1], 2)
     arrays = {
         "time": ticks * dt,
         "qpos": np.hstack([com + arm, quat_about_z(yaw), joints]),
@@ -115,6 +117,31 @@ def synthetic_rollout(
             "uncertainty": {"trunk_mass": 0.1},
         },
         **arrays,
+    )
+
+
+def followed(plan: Plan) -> Rollout:
+    """A rollout of a plan of any schedule whose robot is where the plan has it.
+
+    A foot touches four ticks before it should, which the controller sees two ticks later when the
+    robot flies. The other arrays are those of another jump of the same length.
+    """
+    start, end = 0.3 * plan.duration, 0.7 * plan.duration
+    other = synthetic_rollout(synthetic_plan(durations=(start, end - start, start)))
+    sampled = resample(plan, other.time)
+    early = resample(plan, other.time + EARLY_TICKS / RATE)
+    late = resample(plan, other.time + (EARLY_TICKS - LATENCY_TICKS) / RATE)
+    flying = np.isin(sampled.phase, plan.schedule.flights)
+    return replace(
+        other,
+        jump=plan.jump,
+        plan=plan,
+        com=sampled.com,
+        base_quat=sampled.base_quat,
+        base_position=sampled.base_position,
+        foot_position=sampled.foot_position,
+        contact=(sampled.contact | early.contact).astype(np.int64),
+        phase=np.where(flying, late.phase, sampled.phase),
     )
 
 

@@ -36,6 +36,30 @@ TWIST = Jump(twist=math.pi / 2)
             "90° llsrbm-plus, seed 0, noise 2, norm, trunk +12 %",
             (TWIST, Tuning(), Scenario(noise=2.0, detector="norm", trunk_mass=0.12)),
         ),
+        ("go2 back flip llsrbm-plus", (Jump("go2", type="flip", pitch=-math.tau),)),
+        (
+            "2 x front flip + 90° llsrbm-plus",
+            (Jump(type="flip", pitch=2 * math.tau, twist=math.pi / 2),),
+        ),
+        (
+            "roll to the left + 10 cm left llsrbm-plus",
+            (Jump(type="flip", roll=-math.tau, lateral=0.1),),
+        ),
+        ("flip on the spot llsrbm-plus", (Jump(type="flip"),)),
+        ("2 hops of 20 cm forward llsrbm-plus", (Jump(type="hops", forward=0.2, hops=2),)),
+        ("3 hops on the spot llsrbm-plus", (Jump(type="hops", hops=3),)),
+        (
+            "rear-last 90° + 30 cm forward llsrbm-plus",
+            (Jump(type="rear-last", twist=math.pi / 2, forward=0.3),),
+        ),
+        (
+            "run-up 30 cm forward from 0.5 m/s to 0.25 m/s llsrbm-plus",
+            (Jump(type="run-up", forward=0.3, speed=0.5, end_speed=0.25),),
+        ),
+        (
+            "mine back flip llsrbm-plus",
+            (Jump(type="/some/where/mine.toml", pitch=-math.tau),),
+        ),
     ],
 )
 def test_a_title_tells_what_was_decided(title, decisions):

@@ -13,6 +13,7 @@ from app.motion.clip import Strand
 from app.scene.blocks import attitude
 from app.scene.drawing import Overlay
 from app.scene.picture import Picture
+from llsrbm.motion.plan import Plan
 from llsrbm.robots import Robot
 
 _FOOTPRINT = 0.03  # m, radius of a point foot's mark
@@ -21,7 +22,7 @@ _THIN = 0.004  # m, thickness of a mark
 
 
 class LandingMarks(Overlay):
-    """A disc for a point foot, and a sole's outline turned as the sole shall be.
+    """A disc for a point foot, and a sole's outline turned as the sole shall be, at every landing.
 
     A step is a translucent block, as long as no simulation has blocks of its own. The landing
     handle, which is drawn by `app.scene.landing_handle`, is shown and hidden with the marks.
@@ -38,6 +39,7 @@ class LandingMarks(Overlay):
         super().__init__(scene)
         self._robot: Robot | None = None
         self._marks: list[viser.CylinderHandle | viser.BoxHandle] = []
+        self._landings = 0  # feet that land, each as often as it does
         self._step: viser.BoxHandle | None = None
         self._stepping = False
 
@@ -47,14 +49,18 @@ class LandingMarks(Overlay):
         assert robot is not None
         assert planned is not None
         if robot is not self._robot:
-            self._make(robot)
+            self._forget(robot)
         plan = planned.plan
-        height, landing = plan.jump.height, plan.foot_position[-1]
+        height, landings = plan.jump.height, _landings(plan)
+        self._landings = len(landings)
+        while len(self._marks) < len(landings):
+            self._marks.append(self._add_mark(robot, f"/target/foot{len(self._marks)}"))
         corners = robot.corners
         centre = (corners.min(axis=0) + corners.max(axis=0)) / 2 * [1.0, 1.0, 0.0]
-        for mark, foot, wxyz in zip(self._marks, landing, plan.foot_quat[-1], strict=True):
-            x, y, _ = foot + Rotation.from_quat(wxyz, scalar_first=True).apply(centre)
-            mark.position = (x, y, height + 0.003)
+        for mark, (knot, foot) in zip(self._marks, landings, strict=False):
+            position, wxyz = plan.foot_position[knot, foot], plan.foot_quat[knot, foot]
+            x, y, z = position + Rotation.from_quat(wxyz, scalar_first=True).apply(centre)
+            mark.position = (x, y, z + 0.003)
             mark.wxyz = wxyz
         steps = picture.blocks if picture.simulated is None else ()
         self._stepping = len(steps) > 0
@@ -70,14 +76,16 @@ class LandingMarks(Overlay):
 
     def show(self, *, visible: bool) -> None:
         """See `Drawing.show`."""
-        for mark in self._marks:
-            mark.visible = visible
+        for index, mark in enumerate(self._marks):
+            mark.visible = visible and index < self._landings
         if self._step is not None:
             self._step.visible = visible and self._stepping
 
-    def _make(self, robot: Robot) -> None:
+    def _forget(self, robot: Robot) -> None:
+        """No marks yet, as this robot's feet may be others."""
         for mark in self._marks:
             mark.remove()
+        self._marks = []
         self._robot = robot
         if self._step is None:
             self._step = self.scene.add_box(
@@ -87,7 +95,6 @@ class LandingMarks(Overlay):
                 cast_shadow=False,
                 receive_shadow=False,
             )
-        self._marks = [self._add_mark(robot, f"/target/foot{i}") for i in range(len(robot.legs))]
 
     def _add_mark(self, robot: Robot, name: str) -> viser.CylinderHandle | viser.BoxHandle:
         if robot.file.foot.is_point:
@@ -108,3 +115,17 @@ class LandingMarks(Overlay):
             cast_shadow=False,
             receive_shadow=False,
         )
+
+
+def _landings(plan: Plan) -> list[tuple[int, int]]:
+    """Knot and foot of each landing: the last knot at which the foot stands in a place."""
+    place = np.array([phase.place for phase in plan.schedule])[plan.phase]
+    landings = []
+    for number in range(1, plan.schedule.places + 1):
+        stands = plan.contact & (place == number)[:, None]
+        landings += [
+            (int(np.flatnonzero(there)[-1]), foot)
+            for foot, there in enumerate(stands.T)
+            if there.any()
+        ]
+    return landings

@@ -37,8 +37,8 @@ class FeetReach(RootedOverlay):
     def __init__(self, scene: viser.SceneApi) -> None:
         """See `Drawing`."""
         super().__init__(scene)
-        self._flying: Copies | None = None
-        self._standing: Copies | None = None
+        self._flying: list[Copies] = []
+        self._standing: list[Copies] = []
 
     def tracks(self, picture: Picture, frames: Frames) -> Sequence[Track]:
         """See `RootedOverlay.tracks`."""
@@ -51,25 +51,35 @@ class FeetReach(RootedOverlay):
         top = round(min(upper[2], -task.lowest_hips), 6)
         flying = regions(robot, (distance, lower, upper))
         standing = regions(robot, (distance, lower, (*upper[:2], top)))
-        if self._flying is None or self._standing is None:
-            self._flying = Copies(self.scene, f"{self.root}/flying", flying)
-            self._standing = Copies(self.scene, f"{self.root}/standing", standing)
-        self._flying.replace(flying)
-        self._standing.replace(standing)
         base = frames.body_position[:, 0], frames.body_wxyz[:, 0]
         return [
-            Track(tuple(copies.names(1)), *base, np.repeat(there[:, None], 3, axis=1).astype(float))
-            for copies, there in ((self._flying, frames.flight), (self._standing, ~frames.flight))
+            Track((name,), *base, np.repeat(there[:, foot, None], 3, axis=1).astype(float))
+            for names, there in (
+                (self._names(self._flying, "flying", flying), ~frames.stands),
+                (self._names(self._standing, "standing", standing), frames.stands),
+            )
+            for foot, name in enumerate(names)
         ]
+
+    def _names(self, legs: list[Copies], kind: str, meshes: tuple[bytes, ...]) -> list[str]:
+        """A node for each leg, with its mesh; of the legs that another robot had more, none."""
+        while len(legs) < len(meshes):
+            leg = len(legs)
+            legs.append(Copies(self.scene, f"{self.root}/{kind}/{leg}", meshes[leg]))
+        for copies in legs[len(meshes) :]:
+            copies.names(0)
+        for copies, mesh in zip(legs, meshes, strict=False):
+            copies.replace(mesh)
+        return [name for copies in legs[: len(meshes)] for name in copies.names(1)]
 
 
 @lru_cache(maxsize=16)
-def regions(robot: Robot, region: Region) -> bytes:
-    """The region of every leg in the base frame, as one mesh."""
+def regions(robot: Robot, region: Region) -> tuple[bytes, ...]:
+    """The region of each leg in the base frame, as a mesh."""
     import trimesh
 
     vertices, faces = surface(region)
-    legs = [
+    meshes = [
         trimesh.Trimesh(
             hip + mirror * vertices,
             faces if mirror.prod() > 0 else faces[:, ::-1],
@@ -77,7 +87,7 @@ def regions(robot: Robot, region: Region) -> bytes:
         )
         for hip, mirror in zip(robot.hips, robot.mirrors, strict=True)
     ]
-    return gltf.solid(trimesh.util.concatenate(legs), colours.REACH, 0.16, sharp=False)
+    return tuple(gltf.solid(mesh, colours.REACH, 0.16, sharp=False) for mesh in meshes)
 
 
 def surface(region: Region) -> tuple[Array, NDArray[np.int64]]:

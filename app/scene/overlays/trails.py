@@ -42,10 +42,15 @@ class Trails(Overlay):
         com, feet = self._lines
         last = len(frames.time) - 1
         kept = np.append(np.arange(0, last, _ALONG), last)
-        flight = np.flatnonzero(frames.flight)[::_ALONG]
         com.points = _segments(frames.com[kept, None])
-        # A robot that fell early may never have flown.
-        feet.points = _segments(frames.foot_position[flight]) if len(flight) > 1 else _NOTHING
+        feet.points = np.concatenate(
+            [_NOTHING]  # a robot that fell early may never have flown
+            + [
+                _segments(frames.foot_position[start:end:_ALONG, foot, None])
+                for foot in range(frames.stands.shape[1])
+                for start, end in _stretches(~frames.stands[:, foot])
+            ]
+        )
         # One colour for all, as when the node was made.
         colour = colours.COM if planned.plan.solved else colours.INFEASIBLE
         com.colors = np.array(colour, dtype=np.uint8)
@@ -62,6 +67,12 @@ class Trails(Overlay):
         return self.scene.add_line_segments(
             f"/path/{name}", _NOTHING, colour, thickness=thickness, thickness_units="screen"
         )
+
+
+def _stretches(there: NDArray[np.bool_]) -> list[tuple[int, int]]:
+    """First frame and the one after the last, of each stretch of frames (F,) that are there."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], there, [False]]).astype(int)))
+    return [(int(start), int(end)) for start, end in edges.reshape(-1, 2)]
 
 
 def _segments(points: Array) -> NDArray[np.float32]:

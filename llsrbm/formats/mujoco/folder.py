@@ -4,10 +4,11 @@
 ground, boxes, friction and solver options; of a rollout those that were drawn for it), light meshes
 of the robot in `meshes/` (geom group 2; what collides is in group 3), motors that take torques in
 Nm or N within the robot file's limits, and keyframes "start", "lift-off", "touchdown" and "end" as
-far as they happened. No damping, no armature. Limits that fall with the speed, torque delays and
-the controller are not in it. A rollout's lift-off is the first control tick in which no foot
-touches anything. A plan's point feet are points, those of the model balls: of a plan, ground and
-boxes are lower by as much as the balls need at its start (22 mm for Go2).
+far as they happened; of several flights also "lift-off-2", "touchdown-2" and so on. No damping, no
+armature. Limits that fall with the speed, torque delays and the controller are not in it. A
+rollout's lift-off is a flight's first control tick in which no foot touches anything. A plan's
+point feet are points, those of the model balls: of a plan, ground and boxes are lower by as much as
+the balls need at its start (22 mm for Go2).
 
 `motion.npz`: `time` (T,) s, `fps`, `qpos` (T, 7 + J): position, quaternion w, x, y, z without jumps
 of sign, joints; `qvel` (T, 6 + J): linear velocity in the world's axes, angular velocity in the
@@ -45,7 +46,8 @@ from llsrbm.formats.mujoco.motion import read_motion, recognises
 from llsrbm.formats.sidecar import described
 from llsrbm.motion.archive import write_archive
 from llsrbm.motion.files import Trajectory
-from llsrbm.motion.plan import Phase, Plan
+from llsrbm.motion.flights import flights
+from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Disturbance, Rollout
 from llsrbm.motion.whole_body import WholeBodyMotion, motion_of_states, whole_body_motion
 from llsrbm.motion.writing import MARK
@@ -240,18 +242,26 @@ def _keyframes(trajectory: Trajectory, order: _Order, around: Surroundings) -> I
 
 
 def _instants(trajectory: Trajectory) -> dict[str, float]:
-    """When what a keyframe is called after happens, s; a rollout's touchdown within its tick."""
-    start, end = float(trajectory.time[0]), float(trajectory.time[-1])
+    """When what a keyframe is called after happens, s; a rollout's touchdown within its tick.
+
+    The second flight's are called "lift-off-2" and "touchdown-2".
+    """
+    found = {"start": float(trajectory.time[0])}
+    for number, (lift_off, touchdown) in enumerate(_flights(trajectory), start=1):
+        suffix = "" if number == 1 else f"-{number}"
+        if lift_off is not None:
+            found[f"lift-off{suffix}"] = lift_off
+        if touchdown is not None:
+            found[f"touchdown{suffix}"] = touchdown
+    return found | {"end": float(trajectory.time[-1])}
+
+
+def _flights(trajectory: Trajectory) -> list[tuple[float | None, float | None]]:
+    """Lift-off and touchdown, s, of each flight."""
     if isinstance(trajectory, Plan):
-        lift_off, touchdown = trajectory.phase_start[[Phase.FLIGHT, Phase.LANDING]].tolist()
-        return {"start": start, "lift-off": lift_off, "touchdown": touchdown, "end": end}
-    found = {"start": start}
-    aloft = ~trajectory.contact.astype(bool).any(axis=1)
-    if aloft.any():
-        found["lift-off"] = float(trajectory.time[aloft.argmax()])
-    if trajectory.outcome.touchdown_true_s is not None:
-        found["touchdown"] = trajectory.outcome.touchdown_true_s
-    return found | {"end": end}
+        starts = trajectory.phase_start.tolist()
+        return [(starts[phase], starts[phase + 1]) for phase in trajectory.schedule.flights]
+    return [(flight.lift_off, flight.touchdown) for flight in flights(trajectory)]
 
 
 MUJOCO = Format(

@@ -15,6 +15,7 @@ from app.compute.protocol import (
     PlanJump,
     Prepare,
     SimulateJump,
+    solver_of,
 )
 from app.compute.scheduler import Entry, Kind, Member, Scheduler
 from llsrbm.jump import Jump
@@ -117,7 +118,7 @@ def test_a_tab_has_one_job_of_a_kind_running_besides_those_that_stop():
 
 def test_the_process_that_has_the_solver_is_preferred():
     crew = members(3)
-    crew[1].loaded[("anymal", "srbm")] = OTHER
+    crew[1].loaded[solver_of(OTHER.jump)] = OTHER
     turns = turns_that_know()
     turns.put(entry("a", OTHER))
     turns.put(entry("b", PLAN))

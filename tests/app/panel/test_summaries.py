@@ -38,6 +38,11 @@ def test_the_most_loaded_joint_of_a_plan(plan):
     assert "Most loaded joint" not in plan_figures(unknown)
 
 
+def test_a_phase_in_which_some_feet_stand_names_them():
+    rear = plan_figures(synthetic_plan(Jump(type="rear-last")))
+    assert "take-off 0.20 + rear push (LH, RH) 0.20 + flight 0.50 + landing 0.40" in rear
+
+
 def test_landed(rollout):
     assert simulated_line(rollout) == (
         "Landed",
@@ -94,7 +99,8 @@ def test_a_fall_is_told_event_by_event(plan, rollout):
 def test_a_plans_figures(plan):
     robot = load_robot("anymal")
     html = plan_figures(plan)
-    assert f">{2 * STAND + FLY:.2f} s = {STAND:.2f} + {FLY:.2f} + {STAND:.2f}<" in html
+    phases = f"take-off {STAND:.2f} + flight {FLY:.2f} + landing {STAND:.2f}"
+    assert f">{2 * STAND + FLY:.2f} s = {phases}<" in html
     assert f">{1.0 / FLY:.2f} rad/s<" in html
     Izz = f"{robot.inertia[2, 2]:.2f}"
     assert f">{Izz} kg m² ({Izz} standing)<" in html

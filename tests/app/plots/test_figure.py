@@ -10,6 +10,7 @@ from app.motion.planned_motion import bake_plan
 from app.plots.charts import Layer, charts, shown_layers
 from app.plots.choice import LANDING, OVERVIEW, PRESETS
 from app.plots.figure import figure
+from app.plots.legend import legend
 from app.plots.time_grid import ABOVE
 from llsrbm.jump import Jump
 from llsrbm.robots import load_robot
@@ -108,3 +109,18 @@ def test_a_robot_that_never_landed_has_no_such_mark(planned, rollout):
 def test_pinned_designs_have_no_marks(layers, rollout):
     drawn = figure(PRESETS[OVERVIEW], layers, rollout.time[-1])
     assert [stroke.colour for stroke in drawn.mark_strokes] == [colours.SIMULATED]
+
+
+def test_every_flight_is_shaded_and_its_touchdown_marked():
+    hops = bake_plan(synthetic_plan(Jump(type="hops", hops=3)), load_robot("anymal"))
+    layers = shown_layers(hops, None)
+    drawn = figure(PRESETS[OVERVIEW], layers, hops.plan.duration)
+    shaded = drawn.flight == ABOVE
+    edges = drawn.grid.time[np.flatnonzero(np.diff(shaded.astype(int)))]
+    starts = [STAND + k * (STAND + FLY) for k in range(3)]
+    assert edges == pytest.approx(np.add.outer(starts, [0, FLY]).ravel())
+    drawn = figure(PRESETS[LANDING], layers, hops.plan.duration)
+    assert [stroke.title for stroke in drawn.mark_strokes] == ["touch-down planned"] * 3
+    # Only the last one is looked at closely.
+    assert drawn.grid.time[0] > starts[2]
+    assert legend(drawn).count("touch-down planned") == 1

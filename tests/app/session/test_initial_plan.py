@@ -20,9 +20,9 @@ from app.session.initial_plan import (
 from llsrbm.models import make_model
 from llsrbm.motion.plan_file import load_plan
 from llsrbm.planning.knots import rolled_out, unpack
-from llsrbm.planning.layout import Intervals, Layout
-from llsrbm.planning.residuals import satisfied, violations
+from llsrbm.planning.layout import Layout
 from llsrbm.planning.placement import make_task
+from llsrbm.planning.residuals import satisfied, violations
 from llsrbm.robots import load_robot, names
 from tests.app.synthetic_plan import synthetic_plan
 from tests.llsrbm.planning.replay import angle_between, replay
@@ -100,12 +100,9 @@ def test_the_shipped_plan_is_the_examples_and_satisfies_its_constraints(robot, c
     assert plan.jump == example(robot)
     loaded = load_robot(robot)
     task, model = make_task(plan.jump, loaded), make_model(plan.jump.model, loaded)
-    layout = Layout(
-        legs=len(loaded.legs),
-        contacts=len(loaded.legs) * len(loaded.corners),
-        intervals=Intervals.split(len(plan.time) - 1),
-        foot_coordinates=loaded.foot_coordinates,
-    )
+    contacts = len(loaded.legs) * len(loaded.corners)
+    intervals = len(plan.time) - 1
+    layout = Layout.of(plan.schedule, contacts, intervals, loaded.foot_coordinates)
     knots = rolled_out(unpack(plan.solution.variables, layout, task, model))
     assert satisfied(violations(knots))
     assert np.abs(knots.position - plan.com).max() < 1e-9

@@ -143,8 +143,9 @@ def test_phases_and_marks_are_where_they_happen(page):
     def share(box):
         return (box["x"] - track["x"]) / track["width"]
 
-    for name, start in zip(("take-off", "flight", "landing"), plan.phase_start, strict=False):
-        piece = bar.locator(f'[title="plan: {name}"]').bounding_box()
+    phases = (("take-off", "all feet"), ("flight", "no foot"), ("landing", "all feet"))
+    for (name, feet), start in zip(phases, plan.phase_start, strict=False):
+        piece = bar.locator(f'[title="plan: {name} (standing: {feet})"]').bounding_box()
         assert share(piece) == pytest.approx(start / plan.duration, abs=0.01)
     marks = {"take-off": plan.phase_start[1], "touch-down planned": plan.phase_start[2]}
     for name, time in marks.items():

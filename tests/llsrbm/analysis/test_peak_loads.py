@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from llsrbm.analysis.peak_loads import planned_peak_load, planned_torque_shares, torque_share
-from llsrbm.motion.plan import Phase
-from tests.llsrbm.synthetic import JOINT_NAMES, synthetic_plan
+from tests.llsrbm.synthetic import JOINT_NAMES, TWO_HOPS, TWO_HOPS_DURATIONS, synthetic_plan
 
 
 @pytest.fixture(scope="module")
@@ -30,19 +29,38 @@ def test_shares():
 @pytest.mark.parametrize(
     ("knot", "phase", "words"),
     [
-        (1, Phase.TAKEOFF, "in take-off at 0.15 s"),
-        (4, Phase.TAKEOFF, "at lift-off"),
-        (5, Phase.FLIGHT, "at lift-off"),
-        (7, Phase.FLIGHT, "in flight at 0.75 s"),
-        (9, Phase.FLIGHT, "at touchdown"),
-        (10, Phase.LANDING, "at touchdown"),
-        (14, Phase.LANDING, "in landing at 1.45 s"),
+        (1, "take-off", "in take-off at 0.15 s"),
+        (4, "take-off", "at lift-off"),
+        (5, "flight", "at lift-off"),
+        (7, "flight", "in flight at 0.75 s"),
+        (9, "flight", "at touchdown"),
+        (10, "landing", "at touchdown"),
+        (14, "landing", "in landing at 1.45 s"),
     ],
 )
 def test_the_most_loaded_joint(plan, knot, phase, words):
     peak = planned_peak_load(loaded(plan, knot, 2, -34.0))
     assert (peak.joint, peak.phase, peak.torque, peak.available) == ("LF_C", phase, -34.0, 40.0)
     assert peak.time == pytest.approx(0.1 * knot + 0.05)
+    assert peak.in_words() == f"34 of 40 Nm {words} (85 %)"
+
+
+@pytest.mark.parametrize(
+    ("knot", "words"),
+    [
+        (4, "at lift-off"),  # of the front feet
+        (7, "in rear push at 0.55 s"),
+        (12, "in flight at 0.75 s"),
+        (15, "at touchdown"),
+        (17, "in rebound at 1.10 s"),
+        (25, "at touchdown"),  # of the front feet
+        (29, "at touchdown"),  # of the hind feet
+    ],
+)
+def test_events_of_any_foot(knot, words):
+    plan = synthetic_plan(intervals=5, schedule=TWO_HOPS, durations=TWO_HOPS_DURATIONS)
+    plan = replace(plan, joint_torque=np.ones_like(plan.joint_torque))
+    peak = planned_peak_load(loaded(plan, knot, 2, -34.0))
     assert peak.in_words() == f"34 of 40 Nm {words} (85 %)"
 
 

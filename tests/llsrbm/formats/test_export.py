@@ -13,8 +13,7 @@ from scipy.spatial.transform import Rotation
 import llsrbm
 from llsrbm.errors import InputError
 from llsrbm.formats import FORMATS, export
-from llsrbm.motion.plan import Phase
-from tests.llsrbm.synthetic import JOINT_NAMES, synthetic_plan
+from tests.llsrbm.synthetic import FLIGHT, JOINT_NAMES, synthetic_plan
 
 
 @pytest.fixture(scope="module")
@@ -85,10 +84,10 @@ def test_time_runs_from_start_to_end_at_60_fps(plan, table):
 
 def test_lift_off_and_touch_down_have_their_rows(plan, table):
     phase = table["phase [0 take-off, 1 flight, 2 landing]"]
-    for number, start in zip(Phase, plan.phase_start, strict=False):
+    for number, start in enumerate(plan.phase_start[:-1]):
         first = np.argmax(phase == number)
         assert table["time [s]"][first] == pytest.approx(start, abs=1e-9)
-    flight = phase == Phase.FLIGHT
+    flight = phase == FLIGHT
     for leg in ("LF", "RF", "LH", "RH"):
         force = columns(table, f"contact_force/{leg}")
         assert (force[flight] == 0).all()

@@ -72,7 +72,7 @@ def test_what_is_said_makes_sense(of, name, quantity):
     assert all(axis in SIZES for axis in quantity.axes)
     assert TIME not in quantity.axes[1:]
     assert (quantity.between is Between.CONSTANT) == (TIME not in quantity.axes)
-    assert (quantity.kind is Kind.WHOLE) == bool(quantity.codes)
+    assert (quantity.kind is Kind.WHOLE) == bool(quantity.codes or quantity.coded_by)
 
 
 def test_files_hold_what_is_declared(rollout, tmp_path):

@@ -9,18 +9,21 @@ from scipy.spatial.transform import Rotation
 
 from app.motion.planned_motion import bake_plan
 from app.scene.overlays.reach import surface
+from llsrbm.jump import Jump
 from llsrbm.planning.constraints.reach import Reach
-from llsrbm.planning.layout import Intervals, Layout
+from llsrbm.planning.layout import Layout
 from llsrbm.planning.placement import place_task
 from llsrbm.robots import load_robot
+from llsrbm.schedule import together
 from llsrbm.tuning import Tuning
 from tests.app.scene.overlays.drawn import DrawnOverlay
 from tests.app.scene.pictures import picture, planned
+from tests.app.synthetic_plan import synthetic_plan
 
 TUNED = Tuning({}, {"reach_max": 0.45, "reach_standing": 0.8})
 
 
-LAYOUT = Layout(legs=1, contacts=1, intervals=Intervals())
+LAYOUT = Layout.of(together(("leg",)), contacts=1, intervals=48, foot_coordinates=3)
 KNOT = {True: 5, False: 21}  # in take-off, in flight
 
 
@@ -45,12 +48,13 @@ def test_it_is_the_region_that_the_planner_permits(robot, tuning, standing):
     plan = replace(planned(robot).plan, tuning=tuning)
     shown = replace(picture(robot, {"reach"}), planned=bake_plan(plan, load_robot(robot)))
     drawn = DrawnOverlay(shown, f"/regions/{'standing' if standing else 'flying'}")
-    (node,) = drawn.nodes
     frames, arm = shown.solid, load_robot(robot)
     frame = int(np.flatnonzero(~frames.flight if standing else frames.flight)[5])
     base = Rotation.from_quat(frames.body_wxyz[frame, 0], scalar_first=True)
-    in_base = base.inv().apply(drawn.vertices(node, frame) - frames.body_position[frame, 0])
-    legs = in_base.reshape(len(arm.legs), -1, 3)
+    legs = [
+        base.inv().apply(drawn.vertices(node, frame) - frames.body_position[frame, 0])
+        for node in drawn.nodes
+    ]
     check = permitted(robot, tuning, standing=standing)
     for points, hip, mirror in zip(legs, arm.hips, arm.mirrors, strict=True):
         x = (points - hip) * mirror
@@ -84,7 +88,22 @@ def test_an_empty_region_has_no_surface():
 @pytest.mark.parametrize("robot", ["anymal", "slider"])
 def test_standing_and_flying_feet_have_regions_of_their_own(robot):
     shown = picture(robot, {"reach"})
+    _check_regions(shown)
+
+
+def test_in_a_rear_push_only_the_hind_feet_stand():
+    shown = picture("anymal", {"reach"})
+    plan = synthetic_plan(Jump(type="rear-last"))
+    shown = replace(shown, planned=bake_plan(plan, load_robot("anymal")))
+    push = (plan.phase_start[1:3]).mean()
+    frame = int(np.abs(shown.solid.time - push).argmin())
+    assert shown.solid.stands[frame].tolist() == [False, False, True, True]
+    _check_regions(shown)
+
+
+def _check_regions(shown):
     drawn = DrawnOverlay(shown, "/regions")
-    flying, standing = (drawn.size(node)[:, 0] for node in drawn.nodes)
-    assert (flying == shown.solid.flight).all()
-    assert (standing == ~shown.solid.flight).all()
+    sizes = np.stack([drawn.size(node)[:, 0] for node in drawn.nodes], axis=1)
+    flying, standing = np.split(sizes, 2, axis=1)
+    assert (flying == ~shown.solid.stands).all()
+    assert (standing == shown.solid.stands).all()

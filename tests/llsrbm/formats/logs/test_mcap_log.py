@@ -16,7 +16,6 @@ from scipy.spatial.transform import Rotation
 from llsrbm.errors import InputError
 from llsrbm.formats import FORMATS, export
 from llsrbm.motion.instants import events
-from llsrbm.motion.plan import Phase
 from llsrbm.robots import load_robot
 from llsrbm.robots.visuals import link_visuals
 from tests.llsrbm.formats.logs.logs import (
@@ -28,6 +27,7 @@ from tests.llsrbm.formats.logs.logs import (
     rollout,
     sampled,
 )
+from tests.llsrbm.synthetic import FLIGHT
 
 
 class Log:
@@ -214,7 +214,7 @@ def test_numbers_to_plot(plan, log):
 
 def test_forces_and_contacts(plan, log):
     at, _ = sampled(plan, log.seconds("/state"))
-    flight = at.phase == Phase.FLIGHT
+    flight = at.phase == FLIGHT
     total = sum(log.numbers("/state", f"foot_force/{leg}") for leg in plan.leg_names)
     np.testing.assert_allclose(total[:-1], at.contact_force.sum(axis=1)[:-1], atol=1e-6)
     contact = log.numbers("/state", "contact", plan.leg_names)
@@ -235,9 +235,7 @@ def test_arrows_point_along_the_forces(plan, log):
             length = arrow.shaft_length + arrow.head_length
             drawn = turn(arrow.pose.orientation).apply([length, 0, 0])
             np.testing.assert_allclose(drawn, 0.8 * expected / weight, atol=1e-6)
-    assert (
-        not log.messages["/contact_forces"][np.argmax(at.phase == Phase.FLIGHT)].entities[0].arrows
-    )
+    assert not log.messages["/contact_forces"][np.argmax(at.phase == FLIGHT)].entities[0].arrows
 
 
 def test_the_ellipsoid_has_the_inertia(plan, log):

@@ -17,10 +17,10 @@ from scipy.spatial.transform import Rotation
 from llsrbm.errors import InputError
 from llsrbm.formats import FORMATS, export
 from llsrbm.motion.instants import events
-from llsrbm.motion.plan import Phase
 from llsrbm.robots import load_robot
 from llsrbm.robots.visuals import link_visuals
 from tests.llsrbm.formats.logs.logs import BOARD, ROBOTS, link_poses, plan_of, rollout, sampled
+from tests.llsrbm.synthetic import FLIGHT
 
 FLOAT = 1e-6  # poses are floats: a robot is within some metres of the origin
 
@@ -162,7 +162,7 @@ def test_scalars_are_doubles(plan, recording):
 
 def test_forces_and_contacts(plan, recording):
     at, _ = sampled(plan, recording.seconds("/plots/contact"))
-    flight = at.phase == Phase.FLIGHT
+    flight = at.phase == FLIGHT
     contact = recording.scalars("contact")
     assert (contact[flight] == 0).all()
     assert (contact[~flight] == 1).all()

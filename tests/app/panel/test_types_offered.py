@@ -1,0 +1,55 @@
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from app.panel.turn_choice import turn_amounts, turn_title, turns_offered
+from app.panel.types_offered import title_of_type, types_offered, with_type
+from llsrbm import jump_types
+from llsrbm.jump import Jump
+from llsrbm.robots import load_robot
+
+TURNS = ("back flip", "front flip", "roll left", "roll right")
+
+
+def test_a_quadruped_can_do_every_preset():
+    assert list(types_offered(load_robot("go2"))) == list(jump_types.names())
+
+
+def test_a_biped_has_no_hind_feet():
+    offered = types_offered(load_robot("slider"))
+    assert next(iter(offered)) == "together"
+    assert set(jump_types.names()) - set(offered) == {"rear-last"}
+
+
+def test_a_type_keeps_the_landing_place():
+    jump = with_type(Jump(robot="go2", twist=0.5, forward=0.2, speed=0.3), "hops")
+    assert jump == Jump(robot="go2", type="hops", twist=0.5, forward=0.2, hops=2)
+
+
+def test_the_title_of_a_type_that_is_no_preset_is_its_name():
+    assert title_of_type("rear-last") == "Rear last"
+    assert title_of_type("own.toml") == "own.toml"
+
+
+@pytest.mark.parametrize("title", TURNS)
+def test_a_turn_of_the_menu_is_shown_by_its_title(title):
+    assert turn_title(Jump(type="flip", **turn_amounts(title))) == title
+
+
+def test_turns_follow_the_right_hand_rule():
+    # About y to the left a positive turn takes the nose down; about x ahead, the left side up.
+    assert turn_amounts("front flip") == {"pitch": 2 * math.pi, "roll": 0.0}
+    assert turn_amounts("roll right") == {"pitch": 0.0, "roll": 2 * math.pi}
+
+
+def test_other_turns_are_shown_in_degrees():
+    assert turn_title(Jump(pitch=4 * math.pi, roll=-2 * math.pi)) == "pitch 720°, roll -360°"
+    assert turn_title(Jump()) == "none"
+
+
+def test_a_type_offers_the_turns_that_it_asks_for():
+    assert turns_offered(("pitch", "roll")) == TURNS
+    assert turns_offered(("roll",)) == TURNS[2:]
+    assert turns_offered(("speed",)) == ()
