@@ -106,7 +106,7 @@ def push(*, turning: bool) -> Cause:
 
     def cause(amount: float, plan: Any, rng: np.random.Generator) -> Patch:
         robot = load_robot(plan.jump.robot)
-        takeoff, flight = plan.phase_start[1], plan.phase_start[2] - plan.phase_start[1]
+        takeoff, flight = plan.lift_off, plan.touchdown - plan.lift_off
         start = takeoff + 0.1 * flight if turning else takeoff / 2
         angle = rng.uniform(0, 2 * math.pi)
         way = np.array([math.cos(angle), math.sin(angle), 0.0])
@@ -135,7 +135,7 @@ def lower_ground(amount: float, _plan: Any, _rng: np.random.Generator) -> Patch:
             np.array([0.0, 0.0, -amount / 2]),
             np.array([2.0, 2.0, amount]),
             0.0,
-            until_s=float(plan.phase_start[1:3].mean()) - PUSH,
+            until_s=(plan.lift_off + plan.touchdown) / 2 - PUSH,
         )
         return replace(around, ground=around.ground - amount, blocks=(*around.blocks, start))
 

@@ -26,7 +26,6 @@ import typer
 from scipy.spatial.transform import Rotation
 
 import llsrbm
-from llsrbm.motion.plan import Phase
 from llsrbm.planning.planner import planner_for
 from llsrbm.robots import load_robot
 
@@ -75,7 +74,7 @@ def one(request: dict[str, Any], model: str) -> dict[str, Any]:
 
 def tracking(plan: Any, rollout: Any) -> dict[str, Any]:
     """Momenta at lift-off and the base's attitude at touchdown, planned and simulated."""
-    lift, touch = plan.phase_start[1:3]
+    lift, touch = plan.lift_off, plan.touchdown
     knots = np.searchsorted(plan.time, [lift - 1e-9, touch - 1e-9])
     end = rollout.outcome.touchdown_true_s
     at = np.searchsorted(rollout.time, [lift, touch if end is None else end])
@@ -95,11 +94,12 @@ def tracking(plan: Any, rollout: Any) -> dict[str, Any]:
     if hasattr(plan, "joint_torque"):
         figures["torque_rms"] = torque_rms(plan, rollout)
     share = np.abs(rollout.torque) / np.maximum(rollout.torque_limit, 1e-9) >= 0.99
-    for phase in Phase:
+    figures["saturated"] = []
+    for phase, name in enumerate(plan.schedule.names):
         ticks = rollout.phase == phase
         busy = share[ticks].mean(axis=0) if ticks.any() else np.zeros(share.shape[1])
         worst = int(busy.argmax())
-        figures[f"saturated_{phase.name.lower()}"] = [rollout.joint_names[worst], busy[worst]]
+        figures["saturated"].append([name, rollout.joint_names[worst], busy[worst]])
     return figures
 
 
@@ -113,7 +113,7 @@ def torque_rms(plan: Any, rollout: Any) -> float:
     """RMS of simulated minus planned joint torque over the take-off, share of the limit."""
     limit = load_robot(plan.jump.robot).torque_limit
     order = [plan.joint_names.index(name) for name in rollout.joint_names]
-    ticks = rollout.time < plan.phase_start[1]
+    ticks = rollout.time < plan.lift_off
     knot = np.searchsorted(plan.time, rollout.time[ticks], side="right") - 1
     error = (rollout.torque[ticks] - plan.joint_torque[knot][:, order]) / limit[order]
     return float(np.sqrt(np.mean(error**2)))
@@ -177,9 +177,7 @@ def describe(result: dict[str, Any]) -> str:
     head = f"{result['robot']:7} {result['seed']:8} {motion:60}"
     if not result["planned"]:
         return f"{head} refused: {result['why'][:150]}"
-    worst = max(
-        (result[f"saturated_{phase.name.lower()}"] for phase in Phase), key=lambda item: item[1]
-    )
+    phase, joint, share = max(result["saturated"], key=lambda item: item[2])
     yaw = result["yaw_error_at_touchdown"]
     return (
         f"{head} {'strict' if result['strict'] else result['status']:6} "
@@ -189,7 +187,7 @@ def describe(result: dict[str, Any]) -> str:
         f"most {math.degrees(result['peak_tilt']):4.1f} "
         f"foot {1e3 * result['foot_error']:4.0f} mm air {1e3 * result['second_flight_s']:3.0f} ms "
         f"saturated {100 * result['saturated_fraction']:4.1f} % "
-        f"({worst[0]} {100 * worst[1]:.0f} %) "
+        f"({joint} {100 * share:.0f} % in {phase}) "
         f"{result['iterations']} it "
         f"{result['reason']}"
     )

@@ -97,7 +97,7 @@ def yaw_rates(plan: Any, rollout: Any) -> dict[str, float]:
     """How the yaw rate of lift-off holds on in flight, and when the goal is reached."""
     heading = np.abs(yaw(rollout.base_quat))
     rate = np.gradient(heading, rollout.time)
-    takeoff, planned = plan.phase_start[1:3]
+    takeoff, planned = plan.lift_off, plan.touchdown
     touchdown = rollout.outcome.touchdown_true_s or planned
     flying = (rollout.time >= takeoff + 0.02) & (rollout.time <= touchdown - 0.01)
     goal = abs(rollout.jump.twist)

@@ -20,8 +20,8 @@ from opti_baseline import solve_baseline
 
 import llsrbm
 from llsrbm.motion.plan import SolveReport
-from llsrbm.planning.planner import Planner, planner_for
 from llsrbm.planning.placement import make_task
+from llsrbm.planning.planner import Planner, planner_for
 
 INTERVALS = 48
 TASKS = {"twist": {"twist": math.radians(90.0)}, "forward": {"forward": 0.3}}

@@ -58,10 +58,15 @@ def program(path: Path) -> str:
         SyntaxError: it is no Python.
     """
     tree = ast.parse(path.read_text(encoding="utf-8"))
-    for node in ast.walk(tree):
-        # A string in the place of a statement does nothing: a docstring is one, too.
-        if isinstance(body := getattr(node, "body", None), list):
-            node.body = [s for s in body if not _is_text(s)]  # type: ignore[attr-defined]
+    pending: list[ast.AST] = [tree]
+    while pending:
+        node = pending.pop()
+        for block in ("body", "orelse", "handlers", "finalbody"):
+            if isinstance(statements := getattr(node, block, None), list):
+                # A string in the place of a statement does nothing: a docstring is one, too.
+                left = [s for s in statements if not _is_text(s)]
+                setattr(node, block, left)
+                pending += left
     return ast.dump(tree)
 
 

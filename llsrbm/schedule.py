@@ -175,7 +175,8 @@ def _text(value: Any) -> str:
 
 def _check(schedule: Schedule) -> None:
     legs, phases = schedule.legs, schedule.phases
-    if len(set(legs)) < len(legs) or not legs:
+    named = all(leg and leg.isprintable() for leg in legs)
+    if not legs or not named or len(set(legs)) < len(legs):
         raise InputError(
             f"schedule: it has the legs {printable(', '.join(legs))!r}; expected names, each once"
         )

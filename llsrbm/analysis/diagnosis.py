@@ -14,13 +14,17 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
-from llsrbm.motion.plan import Phase
 from llsrbm.motion.rollout import Rollout
-from llsrbm.motion.rotation import rotation_matrices, yaw
+from llsrbm.motion.rotation import rotation_matrices, tilt, yaw
+from llsrbm.schedule import Schedule, together
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
+
+TAKEOFF, FLIGHT, LANDING = range(3)
+"""Before the first flight, in a flight, after one: what thresholds go by."""
 
 # Thresholds in take-off, flight and landing; lengths are shares of the height at which the standing
 # robot's CoM is. In brackets: the largest in 66 of 67 landings with everything disturbed (three
@@ -44,6 +48,7 @@ _BEGUN = 0.8  # share of its threshold that a deviation of a good jump does not 
 _GROWING = 0.1  # s after passing its threshold in which a deviation's size is read
 _SETTLING = 0.01  # s that a foot may roll and creep when it touches down
 _LEAVING = 0.3  # share of the flight in which contact is still that of feet that leave
+_UPRIGHT = np.radians(45.0)  # tilt up to which a base has a heading
 _AT_LIMIT = 0.99  # share of what a drive can give
 _SHORTEST = 0.03  # s at a limit before something gives way
 _SOON = 0.08  # s after a limit within which a deviation is put down to it
@@ -104,10 +109,13 @@ class _Record:
         rollout: the whole; tick: s.
         count: T; end: s, the last of them.
         height: m of the CoM above the feet when standing, by the plan.
-        phase: (T,); contact: (T, L) bool; legs: names.
-        lift_off: first tick that is no take-off's, by the plan's clock; leaving: first tick in
-            which contact is no longer that of feet that leave.
+        part: (T,) `TAKEOFF`, `FLIGHT` or `LANDING`; contact: (T, L) bool; legs: names.
+        swings: of each foot, [first tick, first tick in which contact is no longer that of a foot
+            that leaves) of each time it leaves, by the plan's clock.
+        overdue: (T,) whether a flight lasts longer than planned.
+        landed: whether the controller believes to the end that the last flight is over.
         touchdown, detected: s, None if they are not before the fall; foot_touchdown: each foot's.
+            Those after the last flight.
     """
 
     def __init__(self, rollout: Rollout) -> None:
@@ -121,16 +129,29 @@ class _Record:
         self.height = float(
             rollout.reference_com[0, 2] - rollout.reference_foot_position[0, :, 2].mean()
         )
-        self.phase = rollout.phase[: self.count]
         self.contact = rollout.contact[: self.count].astype(bool)
         self.legs = rollout.leg_names
-        off = np.flatnonzero(self.phase != Phase.TAKEOFF)
-        self.lift_off = int(off[0]) if len(off) else self.count
-        flight = outcome.touchdown_planned_s / self.tick - self.lift_off
-        self.leaving = self.lift_off + round(_LEAVING * max(0.0, flight))
+        schedule = together(self.legs) if rollout.plan is None else rollout.plan.schedule
+        phase = rollout.phase[: self.count]
+        self.part = _parts(schedule)[phase]
+        self.landed = bool(rollout.phase[-1] > schedule.flights[-1])
+        ends = _planned_touchdowns(rollout, schedule)
+        self.overdue = np.zeros(self.count, dtype=bool)
+        for flight, end in ends.items():
+            self.overdue |= (phase == flight) & (self.time[: self.count] > end)
+        self.swings = [
+            [(start, self._left(ends, int(phase[start]), start, end)) for start, end in swings]
+            for swings in map(_stretches, ~schedule.stands[phase].T)
+        ]
         self.foot_touchdown = [self._before_fall(at) for at in outcome.foot_touchdown_s]
         self.touchdown = min((at for at in self.foot_touchdown if at is not None), default=None)
         self.detected = self._before_fall(outcome.touchdown_detected_s)
+
+    def _left(self, ends: dict[int, float], phase: int, start: int, end: int) -> int:
+        """First tick in which a foot that swings in [start, end) has surely left the ground."""
+        touchdown = next((ends[flight] for flight in sorted(ends) if flight >= phase), self.end)
+        share = _LEAVING * max(0.0, touchdown / self.tick - start)
+        return min(start + round(share), end)
 
     def index(self, time: float) -> int:
         """The tick in which an instant lies."""
@@ -144,6 +165,26 @@ class _Record:
         return None if time is None or time > self.end else time
 
 
+def _parts(schedule: Schedule) -> NDArray[np.int64]:
+    """(P,) `TAKEOFF`, `FLIGHT` or `LANDING`, of each phase."""
+    parts = np.full(len(schedule), LANDING)
+    parts[: schedule.flights[0]] = TAKEOFF
+    parts[list(schedule.flights)] = FLIGHT
+    return parts
+
+
+def _planned_touchdowns(rollout: Rollout, schedule: Schedule) -> dict[int, float]:
+    """Flight -> when it was planned to end, retimed by the touchdowns before it, s."""
+    *earlier, last = schedule.flights
+    ends = {last: rollout.outcome.touchdown_planned_s}
+    if rollout.plan is not None:
+        length = np.diff(rollout.plan.phase_start)
+        for flight in earlier:
+            begun = int(np.argmax(rollout.phase == flight))
+            ends[flight] = float(rollout.time[begun] + length[flight])
+    return ends
+
+
 def _away_from_reference(record: _Record) -> Iterator[Event]:
     """Base, CoM and angular momentum that are not where the controller wants them."""
     rollout, n = record.rollout, record.count
@@ -151,18 +192,15 @@ def _away_from_reference(record: _Record) -> Iterator[Event]:
         rotation_matrices(quat[:n]) for quat in (rollout.base_quat, rollout.reference_base_quat)
     )
     lean = np.arccos(np.clip((actual[:, :, 2] * wanted[:, :, 2]).sum(axis=1), -1.0, 1.0))
-    turn = _wrapped(yaw(rollout.base_quat[:n]) - yaw(rollout.reference_base_quat[:n]))
+    turn = _turned(rollout.base_quat[:n], rollout.reference_base_quat[:n])
     away = rollout.com[:n] - rollout.reference_com[:n]
     # In a flight that lasts longer than planned the reference stands still.
-    overdue = (record.phase == Phase.FLIGHT) & (
-        record.time[:n] > rollout.outcome.touchdown_planned_s
-    )
-    lean[overdue] = turn[overdue] = 0.0
-    away[overdue] = 0.0
+    lean[record.overdue] = turn[record.overdue] = 0.0
+    away[record.overdue] = 0.0
     excess = (rollout.angular_momentum - rollout.reference_angular_momentum)[:n]
     spin = np.linalg.norm(np.linalg.solve(rollout.inertia[:n], excess[:, :, None])[:, :, 0], axis=1)
     # The controller takes off and flies on by its clock while feet are still, or again, loaded.
-    spin[(record.phase == Phase.FLIGHT) & record.contact.any(axis=1)] = 0.0
+    spin[(record.part == FLIGHT) & record.contact.any(axis=1)] = 0.0
     degrees = 180 / np.pi
     signals = (
         ("lean", lean, LEAN, degrees, "the base leaned {:.0f}° away from the plan"),
@@ -179,17 +217,33 @@ def _away_from_reference(record: _Record) -> Iterator[Event]:
         ("spin", spin, SPIN, 1, "the whole body turned {:.1f} rad/s off the plan"),
     )
     for what, values, thresholds, scale, words in signals:
-        found = _first(values / thresholds[record.phase])
+        found = _first(values / thresholds[record.part])
         if found is not None:
             begun, passed = found
             size = _size(record, values, passed)
             yield Event(float(record.time[begun]), what, words.format(scale * size))
 
 
+def _turned(actual: Array, wanted: Array) -> Array:
+    """(T,) rad by which attitudes are turned away about the vertical.
+
+    By their headings, and far from upright, where headings mean nothing, by the vertical part of
+    the turn between them.
+    """
+    turn = _wrapped(yaw(actual) - yaw(wanted))
+    far = np.maximum(tilt(actual), tilt(wanted)) > _UPRIGHT
+    if far.any():
+        between = Rotation.from_quat(actual[far], scalar_first=True)
+        between = between * Rotation.from_quat(wanted[far], scalar_first=True).inv()
+        turn[far] = between.as_rotvec()[:, 2]
+    return turn
+
+
 def _takeoff_contacts(record: _Record) -> Iterator[Event]:
     """Feet that leave the ground too early or too late."""
     for leg, name in enumerate(record.legs):
-        off = ~record.contact[: record.lift_off, leg]
+        swings = record.swings[leg]
+        off = ~record.contact[: swings[0][0] if swings else record.count, leg]
         for start, end in _stretches(off):
             length = record.seconds(end - start)
             if length > OFF_IN_TAKEOFF:
@@ -199,14 +253,16 @@ def _takeoff_contacts(record: _Record) -> Iterator[Event]:
                     f"{name} was off the ground for {1e3 * length:.0f} ms before lift-off",
                 )
                 break
-        after = record.contact[record.lift_off : record.leaving, leg]
-        stayed = record.seconds(int(np.flatnonzero(after)[-1]) + 1) if after.any() else 0.0
-        if stayed > STAYED:
-            yield Event(
-                float(record.time[record.lift_off]),
-                "lift-off",
-                f"{name} stayed on the ground for {1e3 * stayed:.0f} ms after lift-off",
-            )
+        for start, left in swings:
+            after = record.contact[start:left, leg]
+            stayed = record.seconds(int(np.flatnonzero(after)[-1]) + 1) if after.any() else 0.0
+            if stayed > STAYED:
+                yield Event(
+                    float(record.time[start]),
+                    "lift-off",
+                    f"{name} stayed on the ground for {1e3 * stayed:.0f} ms after lift-off",
+                )
+                break
 
 
 def _slips(record: _Record) -> Iterator[Event]:
@@ -219,7 +275,7 @@ def _slips(record: _Record) -> Iterator[Event]:
             if stands >= end:
                 continue
             moved = np.linalg.norm(place[stands:end, leg] - place[stands, leg], axis=1)
-            found = _first(moved / (SLIP[record.phase[stands]] * record.height))
+            found = _first(moved / (SLIP[record.part[stands]] * record.height))
             if found is not None:
                 begun, passed = found
                 size = float(moved[: passed + round(_GROWING / record.tick)].max())
@@ -247,7 +303,10 @@ def _touchdown(record: _Record) -> Iterator[Event]:
     early = rollout.outcome.touchdown_planned_s - true
     when = f"{1e3 * abs(early):.0f} ms {'early' if early > 0 else 'late'}"
     first = min((at, leg) for leg, at in enumerate(record.foot_touchdown) if at is not None)[1]
-    ground = float(rollout.foot_position[record.index(true), first, 2]) - rollout.jump.height
+    planned = rollout.jump.height
+    if rollout.plan is not None:
+        planned = float(rollout.plan.foot_position[-1, first, 2])
+    ground = float(rollout.foot_position[record.index(true), first, 2]) - planned
     if abs(ground) > STEP:
         where = f"{1e3 * abs(ground):.0f} mm {'higher' if ground > 0 else 'lower'} than planned"
         yield Event(true, "ground", f"{record.legs[first]} met ground {where}, {when}")
@@ -259,7 +318,6 @@ def _landing_contacts(record: _Record) -> Iterator[Event]:
     """Feet that touch down in the wrong place, or do not stay down."""
     rollout = record.rollout
     # Without a detected touchdown the feet have no footholds, but a place under the CoM.
-    landing = rollout.phase[-1] == Phase.LANDING
     foothold = rollout.reference_foot_position[-1]
     for leg, (name, at) in enumerate(zip(record.legs, record.foot_touchdown, strict=True)):
         if at is None:
@@ -267,7 +325,7 @@ def _landing_contacts(record: _Record) -> Iterator[Event]:
         touched = record.index(at)
         aside = rollout.foot_position[touched, leg, :2] - foothold[leg, :2]
         missed = float(np.linalg.norm(aside))
-        if landing and missed > MISPLACED * record.height:
+        if record.landed and missed > MISPLACED * record.height:
             yield Event(
                 at, "foothold", f"{name} touched down {100 * missed:.0f} cm from its foothold"
             )

@@ -99,7 +99,7 @@ def realise(knots: Knots, robot: Robot) -> Realised:
         rate_error[k] = R[k].T @ np.linalg.solve(data.Ig.inertia, missing)
     return Realised(
         time=(knots.time[:-1] + knots.time[1:]) / 2,
-        flight=~knots.in_contact,
+        flight=~knots.layout.standing[:-1].any(axis=1),
         inertia_model=model.evaluate(x)[1][:, 2, 2],
         inertia_true=inertia,
         momentum_plan=knots.momentum_mid[:, 2],

@@ -1,4 +1,4 @@
-"""The whole-body controller: phases of a jump, what is wanted in each, torques."""
+"""The whole-body controller: what is wanted in each phase of a plan, and torques for it."""
 
 from __future__ import annotations
 
@@ -9,12 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from llsrbm.control import landing, tasks
+from llsrbm.control.contact_schedule import JUST_AFTER, ContactSchedule, Flight
 from llsrbm.control.detection import CentroidalState, make_detector, model_uncertainty
 from llsrbm.control.foot_force import FootForces
 from llsrbm.control.inverse_dynamics import Command, InverseDynamics
 from llsrbm.control.reference import Reference, Target
 from llsrbm.control.whole_body import WholeBody
-from llsrbm.motion.plan import Phase, Plan
+from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Mode
 from llsrbm.robots import Robot
 from llsrbm.robots.drives import torque_range
@@ -23,14 +24,8 @@ from llsrbm.scenario import Scenario
 Array = NDArray[np.float64]
 
 _GRAVITY = 9.81
-_JUST_AFTER = (
-    1e-3  # s after touchdown, where the nearest sample of a plan surely is one on the ground
-)
-# A foot that seeks the ground from rest sinks at 0.2 m/s after this time, s; one that then is
-# slower than this, m/s, for so many ticks has met it.
-_SEEKING_TIME = 0.015
-_STOPPED_BELOW = 0.05
-_STILL_TICKS = 3
+_FREE_FALL = np.array([0.0, 0.0, -_GRAVITY])
+_SINKING = -0.1  # m/s; a plan lands at least as fast
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,7 +34,7 @@ class Tick:
 
     Attributes:
         command: torques, accelerations and forces.
-        phase, mode: as the controller believes.
+        phase: index of the plan's phase, as the controller believes; mode: likewise.
         target: what was tracked.
         foot_target: (L, 3) m: where the feet's lowest points should be, world frame.
         average_spatial_velocity_norm: ‖v_G‖.
@@ -47,7 +42,7 @@ class Tick:
     """
 
     command: Command
-    phase: Phase
+    phase: int
     mode: Mode
     target: Target
     foot_target: Array
@@ -59,7 +54,7 @@ class WholeBodyController:
     """Follows one plan, tick by tick, from standing to standing.
 
     Attributes:
-        detected_at: when touchdown was detected, s; None before.
+        contacts: which feet stand, and in which phase it is.
         detector: the contact detector.
         landing: name of the landing strategy.
     """
@@ -85,7 +80,8 @@ class WholeBodyController:
         self._dynamics = InverseDynamics(body, settings.friction, scenario.solver, self._tick)
         self._reference = Reference(plan, robot.mass * _GRAVITY)
         self.detector = make_detector(scenario.detector, self._tick, model_uncertainty(robot.file))
-        self._foot_forces = FootForces(body, robot.leg_joint_index, self._tick)
+        feet = FootForces(body, robot.leg_joint_index, self._tick)
+        self.contacts = ContactSchedule(plan, body, feet, self._tick)
         gains, legs = settings.gains, range(body.legs)
         self._com = tasks.CentreOfMass(gains.com)
         self._angular_momentum = tasks.AngularMomentum(gains.angular_momentum)
@@ -97,14 +93,12 @@ class WholeBodyController:
         self._standing = [tasks.StandingFoot(i, points, gains.standing) for i in legs]
         self._level = [tasks.FootOrientation(i, gains.swing) for i in legs] if points > 1 else []
         self._points = points
-
-        self._touching = np.ones(body.legs, dtype=bool)
-        self._still = np.zeros(body.legs, dtype=np.int64)
-        self._landing_foot = plan.foot_position[-1]
-        self._takeoff_foot = plan.foot_position[0]
-        self._ground_shift = 0.0
         self._momentum_share = 1.0
-        self.detected_at: float | None = None
+
+    @property
+    def flights(self) -> list[Flight]:
+        """Flights that have begun, in order, each with when its touchdown was detected."""
+        return self.contacts.flights
 
     def tick(self, time: float, q: Array, v: Array, torque: Array) -> Tick:
         """Decide the torques of the tick that begins at `time`, s.
@@ -123,101 +117,69 @@ class WholeBodyController:
             body.inertia,
             body.trunk_momentum,
         )
-        # Half a tick, so that rounding of times cannot shift a phase by a whole one.
-        flying = self.detected_at is None and time >= self._reference.takeoff - self._tick / 2
-        if flying:
-            if self._touching.any():
-                self.detector.reset()
-                self._foot_forces.reset()
-                self._touching[:] = False
-            loaded = self._foot_forces.update(torque)
-            if self.detector.update(state):
-                self._touch_down(time, loaded)
-                flying = False
-        elif self.detected_at is not None:
-            self._touching |= self._foot_forces.update(torque) | self._stopped(time)
-            self._ground_shift = self._height_of_ground()
-        target = self._target(time, flying=flying)
+        contacts = self.contacts
+        if contacts.follow_clock(time):
+            self.detector.reset()
+        flying = contacts.flying
+        contacts.feel(time, torque, hit=flying and self.detector.update(state))
+        landed = flying and not contacts.flying
+        if landed:
+            planned = self._reference.late[contacts.phase - 1].com_velocity[2]
+            self._momentum_share = float(body.com_velocity[2] / min(planned, _SINKING))
+        target = self._target(time)
         mode = self._mode(time)
-        phase = self._phase(flying=flying)
-        command = self._solve(target, phase, mode)
+        command = self._solve(target, mode, landing=contacts.lands(time))
         return Tick(
             command,
-            phase,
+            contacts.phase,
             mode,
             target,
-            self._foot_target(phase, target),
+            self._foot_target(target),
             state.average_spatial_velocity_norm,
-            self.detector.signal if phase == Phase.FLIGHT or time == self.detected_at else 0.0,
+            self.detector.signal if flying else 0.0,
         )
 
-    def _phase(self, *, flying: bool) -> Phase:
-        if flying:
-            return Phase.FLIGHT
-        return Phase.TAKEOFF if self.detected_at is None else Phase.LANDING
-
     def _mode(self, time: float) -> Mode:
-        if self.detected_at is None or not self._landing.follows_forces:
+        detected = self.contacts.detected
+        if detected is None or not self._landing.follows_forces or not self.contacts.lands(time):
             return Mode.TRACKING
-        early = time - self.detected_at < self._settings.force_phase - self._tick / 2
+        early = time - detected < self._settings.force_phase - self._tick / 2
         return Mode.FORCE if early else Mode.TRACKING
 
-    def _touch_down(self, time: float, loaded: NDArray[np.bool_]) -> None:
-        self.detected_at = time
-        planned = self._reference.late.com_velocity[2]
-        self._momentum_share = float(self._body.com_velocity[2] / min(planned, -0.1))
-        # Something has been hit; where no leg is sure yet, it is the one that feels most.
-        self._still = np.zeros(self._body.legs, dtype=np.int64)
-        self._touching = loaded.copy()
-        self._touching[int(np.argmax(self._foot_forces.vertical))] = True
-        self._ground_shift = self._height_of_ground()
+    def _target(self, time: float) -> Target:
+        """The plan, retimed to the last touchdown and raised by the height of its ground."""
+        contacts = self.contacts
+        target = self._reference.at(contacts.plan_time(time))
+        acceleration = target.com_acceleration
+        if contacts.flying:
+            if time > self.flights[-1].touchdown - JUST_AFTER:
+                target = self._reference.late[contacts.phase]
+            acceleration = _FREE_FALL
+        raised = target.com + np.array([0.0, 0.0, contacts.ground_shift])
+        return replace(target, com=raised, com_acceleration=acceleration)
 
-    def _stopped(self, time: float) -> NDArray[np.bool_]:
-        """(L,) feet that should sink and do not: they stand, however little they carry.
+    def _foot_target(self, target: Target) -> Array:
+        stands = self.contacts.planned[:, None]
+        return np.where(stands, self.contacts.foothold, self._body.com + target.foot_from_com)
 
-        A foot that is put down gently shows no force that can be told from noise.
-        """
-        sinking = self._body.foot_velocity[:, 2] < -_STOPPED_BELOW
-        self._still = np.where(sinking, 0, self._still + 1)
-        since = time - (self.detected_at or 0.0)
-        stopped: NDArray[np.bool_] = (self._still >= _STILL_TICKS) & (since > _SEEKING_TIME)
-        return stopped
-
-    def _height_of_ground(self) -> float:
-        """Of the ground under the feet that stand, above the plan's, m."""
-        height = self._body.foot[:, 2] - self._landing_foot[:, 2]
-        return float(height[self._touching].mean())
-
-    def _target(self, time: float, *, flying: bool) -> Target:
-        """The plan, from detection on retimed to it and raised by the height of the ground."""
-        reference = self._reference
-        if self.detected_at is None:
-            late = flying and time > reference.touchdown - _JUST_AFTER
-            return reference.late if late else reference.at(time)
-        target = reference.at(reference.touchdown + _JUST_AFTER + time - self.detected_at)
-        return replace(target, com=target.com + np.array([0.0, 0.0, self._ground_shift]))
-
-    def _foot_target(self, phase: Phase, target: Target) -> Array:
-        if phase == Phase.TAKEOFF:
-            return self._takeoff_foot
-        if phase == Phase.LANDING:
-            return self._landing_foot
-        return self._body.com + target.foot_from_com
-
-    def _solve(self, target: Target, phase: Phase, mode: Mode) -> Command:
-        weights, body = self._settings.weights, self._body
-        flying = phase == Phase.FLIGHT
+    def _solve(self, target: Target, mode: Mode, *, landing: bool) -> Command:
+        weights, body, contacts = self._settings.weights, self._body, self.contacts
+        flying = contacts.flying
         following_forces = mode == Mode.FORCE
         tracking = not flying and not following_forces
-        orientation, angular_momentum = {
-            Phase.TAKEOFF: (weights.orientation_in_takeoff, weights.angular_momentum_in_takeoff),
-            Phase.FLIGHT: (weights.orientation_in_flight, 0.0),
-            Phase.LANDING: (weights.orientation, weights.angular_momentum if tracking else 0.0),
-        }[phase]
-        contact = np.ones(body.legs, dtype=bool) if phase == Phase.TAKEOFF else self._touching
-        in_the_air = self._swing if flying else self._seeking
+        if flying:
+            orientation, angular_momentum = weights.orientation_in_flight, 0.0
+        elif landing:
+            orientation = weights.orientation
+            angular_momentum = weights.angular_momentum if tracking else 0.0
+        else:
+            orientation = weights.orientation_in_takeoff
+            angular_momentum = weights.angular_momentum_in_takeoff
+        contact, seeking = contacts.standing, contacts.seeking
         feet: list[tuple[tasks.Task, float]] = [
-            (self._standing[i], weights.contact) if contact[i] else (in_the_air[i], weights.swing)
+            (self._standing[i], weights.contact)
+            if contact[i]
+            else (self._seeking[i] if seeking[i] else self._swing[i], weights.swing)
             for i in range(body.legs)
         ]
         feet += [
@@ -226,8 +188,10 @@ class WholeBodyController:
             if not stands
         ]
         wanted = target.contact_force
-        if phase == Phase.LANDING:
-            standing = np.array([0.0, 0.0, body.mass * _GRAVITY / body.contacts])
+        if landing:
+            standing = np.zeros((body.contacts, 3))
+            planned = np.repeat(contacts.planned, self._points)
+            standing[planned, 2] = body.mass * _GRAVITY / planned.sum()
             wanted = self._landing.force(wanted, standing, self._momentum_share)
         return self._dynamics.solve(
             chain(

@@ -22,7 +22,7 @@ class LandingStrategy:
     Attributes:
         description: one line.
         follows_forces: whether a force phase follows touchdown.
-        force: (planned (C, 3) N, standing (3,) N a contact, momentum met / planned) -> wanted.
+        force: (planned (C, 3) N, standing (C, 3) N, momentum met / planned) -> wanted (C, 3) N.
     """
 
     description: str

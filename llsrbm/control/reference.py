@@ -9,14 +9,16 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline, make_interp_spline
 from scipy.spatial.transform import Rotation
 
-from llsrbm.motion.plan import Phase, Plan
+from llsrbm.motion.plan import Plan
 from llsrbm.motion.resample import resample
 from llsrbm.motion.rotation import yaw
 
 Array = NDArray[np.float64]
 
+_GRAVITY = 9.81
 _STEP = 5e-4  # s; a reference is at most half of it old
 _JUST_BEFORE = 2 * _STEP  # touchdown, where the nearest sample surely is one of the flight
+BRAKING = 0.3  # s in which a robot that keeps some speed comes to rest after the plan's end
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,9 +56,10 @@ class Target:
 class Reference:
     """The plan at any time; before its start and after its end it stands still.
 
+    After a plan that ends with speed the CoM comes to rest with a constant deceleration.
+
     Attributes:
-        takeoff, touchdown, end: s: when feet leave the ground, when they meet it, the plan's end.
-        late: the target in flight after the planned touchdown: legs held as they should land.
+        late: flight -> the target in it after its planned touchdown: legs held as they should land.
     """
 
     def __init__(self, plan: Plan, weight: float) -> None:
@@ -66,8 +69,8 @@ class Reference:
             plan: what to follow.
             weight: of the robot, N, carried by all contacts alike after the end.
         """
-        self.takeoff, self.touchdown, self.end = (float(t) for t in plan.phase_start[1:])
-        times = np.arange(0.0, plan.duration + 2 * _STEP, _STEP) + plan.time[0]
+        duration = plan.duration + braking_time(plan)
+        times = np.arange(0.0, duration + 2 * _STEP, _STEP) + plan.time[0]
         motion = resample(plan, times)
         omega, omega_rate = _angular_velocity(plan, times)
         foot, heading = _swing(plan, times)
@@ -97,23 +100,58 @@ class Reference:
             "joint_position": motion.joint_position,
             "joint_velocity": motion.joint_velocity * moving,
         }
+        if braking_time(plan):
+            _brake(plan, times, columns, weight)
         names = [field.name for field in fields(Target)]
         self._targets = [
             Target(*row) for row in zip(*(columns[name] for name in names), strict=True)
         ]
-        still = np.zeros(plan.foot_position.shape[1:])
-        last = self.at(self.touchdown - _JUST_BEFORE)
-        self.late = replace(
+        ends = plan.phase_start[1:]
+        self.late = {flight: self._late(float(ends[flight])) for flight in plan.schedule.flights}
+
+    def at(self, time: float) -> Target:
+        """The plan's nearest sample to a time, s since its start."""
+        index = round(time / _STEP)
+        return self._targets[min(max(index, 0), len(self._targets) - 1)]
+
+    def _late(self, touchdown: float) -> Target:
+        last = self.at(touchdown - _JUST_BEFORE)
+        still = np.zeros_like(last.foot_from_com)
+        return replace(
             last,
             foot_velocity_from_com=still,
             foot_acceleration_from_com=still,
             foot_heading=last.foot_heading * [1.0, 0.0, 0.0],
         )
 
-    def at(self, time: float) -> Target:
-        """The plan's nearest sample to a time, s since its start."""
-        index = round(time / _STEP)
-        return self._targets[min(max(index, 0), len(self._targets) - 1)]
+
+def braking_time(plan: Plan) -> float:
+    """S from the plan's end until the reference is at rest; 0 of a plan that ends at rest."""
+    return BRAKING if plan.jump.end_speed else 0.0
+
+
+def com_at_rest(plan: Plan) -> Array:
+    """(3,) m: where the CoM comes to rest."""
+    com: Array = plan.com[-1] + braking_time(plan) / 2 * plan.com_velocity[-1]
+    return com
+
+
+def _brake(plan: Plan, times: Array, columns: dict[str, Array], weight: float) -> None:
+    """Fill in, in place, how the motion comes to rest after the plan's end."""
+    since = np.clip(times - plan.time[-1], 0.0, BRAKING)[:, None]
+    velocity = plan.com_velocity[-1]
+    acceleration = -velocity / BRAKING
+    now = (times >= plan.time[-1]) & (times < plan.time[-1] + BRAKING)
+    columns["com"] = columns["com"] + since * velocity + since**2 / 2 * acceleration
+    columns["com_velocity"][now] = velocity + since[now] * acceleration
+    columns["com_acceleration"][now] = acceleration
+    forces = columns["contact_force"]
+    forces[now] += weight / _GRAVITY * acceleration / forces.shape[1]
+    for name in ("angular_velocity", "angular_momentum"):
+        end = getattr(plan, name)[-1]
+        columns[name][now] = end * (1 - since[now] / BRAKING)
+    columns["angular_acceleration"][now] = -plan.angular_velocity[-1] / BRAKING
+    columns["angular_momentum_rate"][now] = -plan.angular_momentum[-1] / BRAKING
 
 
 def _without_steps(plan: Plan, times: Array, values: Array) -> Array:
@@ -124,14 +162,18 @@ def _without_steps(plan: Plan, times: Array, values: Array) -> Array:
     """
     middle = (plan.time[1:] + plan.time[:-1]) / 2
     smooth = np.zeros((len(times), *values.shape[1:]))
-    for phase in Phase:
+    last = len(plan.schedule) - 1
+    for phase in range(len(plan.schedule)):
         inside = plan.phase[:-1] == phase
         start, end = plan.phase_start[phase], plan.phase_start[phase + 1]
         now = (times >= start) & (times < end)
         at, value = middle[inside], values[inside]
-        if phase == Phase.LANDING:
+        if phase == last:
             at = np.append(at, end)
             value = np.concatenate([value, np.zeros((1, *value.shape[1:]))])
+        if len(at) == 1:
+            smooth[now] = value
+            continue
         curve = make_interp_spline(at, value, k=1)
         smooth[now] = curve(np.clip(times[now], at[0], at[-1]))
     return smooth
@@ -142,21 +184,26 @@ def _angular_velocity(plan: Plan, times: Array) -> tuple[Array, Array]:
 
     Straight between the middles of intervals of one phase, held from the last middle to the phase's
     edge: a line across lift-off would ask ground forces for the flight's rotation before the feet
-    have left, at the price of angular momentum.
+    have left, at the price of angular momentum. Where the plan starts or ends at rest, so does it.
     """
     attitude = Rotation.from_quat(plan.base_quat, scalar_first=True)
     dt = np.diff(plan.time)
     turn = (attitude[1:] * attitude[:-1].inv()).as_rotvec() / dt[:, None]
     middle = (plan.time[1:] + plan.time[:-1]) / 2
     omega, rate = np.zeros((2, len(times), 3))
-    for phase in Phase:
+    first = plan.angular_velocity[0] if plan.jump.speed else np.zeros(3)
+    final = plan.angular_velocity[-1] if plan.jump.end_speed else np.zeros(3)
+    for phase in range(len(plan.schedule)):
         inside = plan.phase[:-1] == phase
         at, value = middle[inside], turn[inside]
-        if phase == Phase.TAKEOFF:
-            at, value = np.append(plan.time[0], at), np.vstack([np.zeros(3), value])
-        if phase == Phase.LANDING:
-            at, value = np.append(at, plan.time[-1]), np.vstack([value, np.zeros(3)])
+        if phase == 0:
+            at, value = np.append(plan.time[0], at), np.vstack([first, value])
+        if phase == len(plan.schedule) - 1:
+            at, value = np.append(at, plan.time[-1]), np.vstack([value, final])
         now = (times >= plan.phase_start[phase]) & (times < plan.phase_start[phase + 1])
+        if len(at) == 1:
+            omega[now] = value
+            continue
         piece = np.clip(np.searchsorted(at, times[now], side="right") - 1, 0, len(at) - 2)
         share = np.clip((times[now] - at[piece]) / np.diff(at)[piece], 0.0, 1.0)[:, None]
         slope = np.diff(value, axis=0) / np.diff(at)[:, None]
@@ -166,30 +213,40 @@ def _angular_velocity(plan: Plan, times: Array) -> tuple[Array, Array]:
 
 
 def _swing(plan: Plan, times: Array) -> tuple[tuple[Array, Array, Array], Array]:
-    """Feet in flight: position relative to the CoM and two derivatives, (K, L, 3) each; headings.
+    """Feet that swing: position relative to the CoM and two derivatives, (K, L, 3) each; headings.
 
-    Cubic splines through the knots of the flight whose feet leave and meet the ground at rest.
-    Outside of the flight the nearest end is held.
+    Cubic splines through the knots of each swing, from which feet leave and at which they meet the
+    ground at rest. Outside of its swings the nearest end of one is held of a foot.
     """
-    first, last = (int(k) for k in np.searchsorted(plan.time, plan.phase_start[1:3] - 1e-9))
-    knots = slice(first, last + 1)
-    assert (plan.phase[first:last] == Phase.FLIGHT).all()
     legs = plan.foot_position.shape[1]
-    relative = plan.foot_position[knots] - plan.com[knots, None]
-    ends = tuple((1, np.tile(-plan.com_velocity[k], (legs, 1))) for k in (first, last))
-    place = CubicSpline(plan.time[knots], relative, bc_type=ends)
-    headings = np.stack([yaw(plan.foot_quat[knots, i]) for i in range(legs)], axis=1)
-    turn = CubicSpline(plan.time[knots], headings, bc_type="clamped")
-    inside = np.clip(times, plan.time[first], plan.time[last])
-    moving = inside == times
-    return (
-        (
-            place(inside),
-            place(inside, 1) * moving[:, None, None],
-            place(inside, 2) * moving[:, None, None],
-        ),
-        np.stack(
-            [turn(inside), turn(inside, 1) * moving[:, None], turn(inside, 2) * moving[:, None]],
-            axis=-1,
-        ),
-    )
+    motion = np.zeros((3, len(times), legs, 3))
+    heading = np.zeros((len(times), legs, 3))
+    for swings, feet in _feet_by_swings(plan).items():
+        ends = plan.time[np.array(swings)]
+        between = (ends[:-1, 1] + ends[1:, 0]) / 2
+        nearest = np.searchsorted(between, times, side="right")
+        for k, (first, last) in enumerate(swings):
+            knots, now = slice(first, last + 1), np.flatnonzero(nearest == k)
+            relative = plan.foot_position[knots, feet] - plan.com[knots, None]
+            rest = tuple((1, np.tile(-plan.com_velocity[j], (len(feet), 1))) for j in (first, last))
+            place = CubicSpline(plan.time[knots], relative, bc_type=rest)
+            headings = np.stack([yaw(plan.foot_quat[knots, i]) for i in feet], axis=1)
+            turn = CubicSpline(plan.time[knots], headings, bc_type="clamped")
+            inside = np.clip(times[now], plan.time[first], plan.time[last])
+            moving = (inside == times[now])[:, None]
+            rows, columns = now[:, None], np.array(feet)
+            for order in range(3):
+                factor = moving if order else np.ones_like(moving)
+                motion[order, rows, columns] = place(inside, order) * factor[:, :, None]
+                heading[rows, columns, order] = turn(inside, order) * factor
+    return (motion[0], motion[1], motion[2]), heading
+
+
+def _feet_by_swings(plan: Plan) -> dict[tuple[tuple[int, int], ...], list[int]]:
+    """Swings, as first and last knots, -> the feet that swing so."""
+    groups: dict[tuple[tuple[int, int], ...], list[int]] = {}
+    for foot, stands in enumerate(plan.contact.T):
+        changes = np.flatnonzero(np.diff(stands)) + 1
+        swings = tuple((int(a), int(b)) for a, b in changes.reshape(-1, 2))
+        groups.setdefault(swings, []).append(foot)
+    return groups

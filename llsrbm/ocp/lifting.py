@@ -1,9 +1,7 @@
 """First and second derivatives through marked intermediate quantities, exactly.
 
-An interval's expressions are deep: foot positions, the base offset, leg CoMs and momenta are
-functions of each other. Differentiating the flattened expression costs one sweep through all of it
-a variable. With the intermediates y_k = f_k(z, y_1 ... y_{k-1}) marked, the chain rule runs over
-small sparse blocks instead, from the last intermediate to the first (edge pushing):
+With the intermediates y_k = f_k(z, y_1 ... y_{k-1}) marked, the chain rule runs over small sparse
+blocks, from the last intermediate to the first (edge pushing); `llsrbm.ocp` says why:
 
     H <- H_rr + J^T H_yr + H_ry J + J^T H_yy J + sum_j ybar_j d2 f_j,   ybar_r <- ybar_r + J^T ybar
 """

@@ -109,8 +109,9 @@ class Solver(ABC):
         """The solver that `serialize` wrote."""
         serializer = ca.StringDeserializer(text)
         cold, near = serializer.unpack()
-        states, controls, rows, equality = (list(serializer.unpack()) for _ in range(4))
-        return cls(cold, near, Structure(states, controls, rows, [bool(e) for e in equality]))
+        # Whole numbers come back as floats.
+        states, controls, rows, equality = ([int(n) for n in serializer.unpack()] for _ in range(4))
+        return cls(cold, near, Structure(states, controls, rows, [bool(n) for n in equality]))
 
     def function(self, name: str) -> ca.Function:
         """One of the problem's functions, as it is evaluated: nlp_f, nlp_g, ...; nlp: f and g."""

@@ -14,7 +14,7 @@ from llsrbm.planning.explanation import explain, in_words
 from llsrbm.planning.formulation import Attempt
 from llsrbm.planning.placement import make_task
 from llsrbm.planning.planner import Planner
-from llsrbm.planning.progress import PlanningProgress, Watch
+from llsrbm.planning.progress import Watch
 from llsrbm.planning.scout import Scout
 from llsrbm.robots.schema import Task as Ranges
 
@@ -105,10 +105,7 @@ def find_nearest(
     within = _within(jump, ranges)
     on_the_spot = replace(jump, twist=0.0, forward=0.0, lateral=0.0, height=0.0)
 
-    def tell(news: PlanningProgress) -> None:
-        if progress is not None:
-            progress(news.text)
-
+    tell = None if progress is None else lambda news: progress(news.text)
     search = _Search(
         Scout(planner.formulation, Watch(cancelled, tell)),
         lambda other: _distance(other, within, ranges),

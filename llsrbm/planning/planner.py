@@ -4,37 +4,31 @@ from __future__ import annotations
 
 import logging
 import time
-import zlib
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from functools import lru_cache, partial
-from pathlib import Path
-from typing import Any
 
-import casadi as ca
 import numpy as np
 
-from llsrbm.cache import cached_bytes, content_key, program
 from llsrbm.errors import InputError, NotConverged
 from llsrbm.jump import Jump
 from llsrbm.jump_types import DEFAULT, schedule_of
 from llsrbm.models import check_name, make_model
+from llsrbm.models.base import CentroidalModel
 from llsrbm.motion.plan import Plan, SolveReport
 from llsrbm.ocp import solvers
 from llsrbm.ocp.problem import Iterate
 from llsrbm.ocp.progress import when_idle
-from llsrbm.ocp.solvers import Solver
-from llsrbm.ocp.transcription import Transcription
 from llsrbm.planning.assembly import assemble_plan
 from llsrbm.planning.explanation import explained
 from llsrbm.planning.formulation import PATIENT_FLIGHT, Array, Attempt, Formulation
-from llsrbm.planning.horizon import make_horizon
 from llsrbm.planning.knots import Knots
 from llsrbm.planning.layout import Layout
 from llsrbm.planning.placement import make_task
 from llsrbm.planning.progress import Progress, Watch
 from llsrbm.planning.residuals import describe_worst, excess, stops
 from llsrbm.planning.scout import Scout
+from llsrbm.planning.solver_cache import cached_solver
 from llsrbm.planning.task import Task
 from llsrbm.robots import load_robot
 from llsrbm.robots.robot import Robot
@@ -81,9 +75,24 @@ class Planner:
         made = make_model(model, robot)
         layout = layout or layout_of(Jump(robot=robot.name), robot)
         self.formulation = Formulation(
-            robot, made, layout, _cached_solver(kind, made, layout, robot)
+            robot, made, layout, cached_solver(kind, made, layout, robot)
         )
         self.last: Attempt | None = None
+
+    @property
+    def robot(self) -> Robot:
+        """Whose jumps are planned."""
+        return self.formulation.robot
+
+    @property
+    def model(self) -> CentroidalModel:
+        """With which they are."""
+        return self.formulation.model
+
+    @property
+    def layout(self) -> Layout:
+        """Of the solver's variables."""
+        return self.formulation.layout
 
     def plan(
         self,
@@ -156,7 +165,7 @@ class Planner:
                 cost=best.solution.cost,
             )
 
-        plan = assemble_plan(self.formulation.robot, best, report)
+        plan = assemble_plan(self.robot, best, report)
         if not best.solved:
             raise NotConverged(
                 f"no plan found in {len(tried)} attempts ({_describe(task.jump)}); the nearest, "
@@ -200,18 +209,13 @@ class Planner:
             InputError: it is not this planner's.
         """
         knots, of = len(near.time), near.jump
-        robot, model, layout = (
-            self.formulation.robot,
-            self.formulation.model,
-            self.formulation.layout,
-        )
-        if (of.model, knots) != (model.name, layout.knots) or (
-            near.robot_parameters != robot.parameters()
+        if (of.model, knots) != (self.model.name, self.layout.knots) or (
+            near.robot_parameters != self.robot.parameters()
         ):
             raise InputError(
                 f"near: a plan of {of.robot} with {of.model} and {knots - 1} intervals cannot be "
-                f"started from; expected {robot.name} as it is now with {model.name} "
-                f"and {layout.knots - 1} intervals"
+                f"started from; expected {self.robot.name} as it is now with {self.model.name} "
+                f"and {self.layout.knots - 1} intervals"
             )
         solution = near.solution
         if solution is None:
@@ -262,32 +266,6 @@ def _describe(jump: Jump) -> str:
         f"twist {np.degrees(jump.twist):g} deg, forward {jump.forward:g} m, "
         f"lateral {jump.lateral:g} m, height {jump.height:g} m, {jump.model}"
     )
-
-
-def _cached_solver(kind: type[Solver], model: Any, layout: Layout, robot: Robot) -> Solver:
-    def build() -> bytes:
-        _log.info("building the %s solver of %s, once on this machine", model.name, robot.name)
-        solver = kind.build(Transcription(make_horizon(model, layout)))
-        return zlib.compress(solver.serialize().encode("ascii"), level=1)
-
-    key = content_key(
-        ca.__version__,
-        f"{kind.name} {model.name} {layout}",
-        repr(robot.parameters()),
-        repr(model.numbers()),
-        *_programs(),
-    )
-    name = f"solver-{robot.name}-{model.name}-{kind.name}-{layout.name}"
-    stored = cached_bytes(name, key, ".casadi.z", build)
-    return kind.deserialize(zlib.decompress(stored).decode("ascii"))
-
-
-@lru_cache(maxsize=1)
-def _programs() -> tuple[str, ...]:
-    """Of all modules that a solver may depend on."""
-    package = Path(__file__).parents[1]
-    rooms = ("models", "ocp", "planning")
-    return tuple(program(p) for room in rooms for p in sorted((package / room).rglob("*.py")))
 
 
 def layout_of(jump: Jump, robot: Robot, intervals: int = INTERVALS) -> Layout:

@@ -1,4 +1,4 @@
-"""The loop: measure, decide, advance, record; from standing to a second after the plan's end."""
+"""The loop: measure, decide, advance, record; from the start to a second after the plan's end."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from llsrbm.control.controller import WholeBodyController
+from llsrbm.control.reference import braking_time
 from llsrbm.errors import Cancelled
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Disturbance, Rollout
@@ -16,13 +17,13 @@ from llsrbm.robots import Robot
 from llsrbm.scenario import Scenario
 from llsrbm.simulation.disturbance import draw_disturbance
 from llsrbm.simulation.recorder import Recorder
-from llsrbm.simulation.start import standing_state
+from llsrbm.simulation.start import standing_state, starting_velocity
 from llsrbm.simulation.verdict import TOPPLED, Fall, judge
 from llsrbm.simulation.world import Diverged, TickResult, World
 
 Array = NDArray[np.float64]
 
-STANDING = 1.0  # s after the plan's end in which the robot has to stand
+STANDING = 1.0  # s after the plan's end, and after what speed it ends with, in which robots stand
 LEAST_TICKS = 2  # of a rollout: where it diverges before, its last known state is repeated
 _AFTER_FALL = 0.3  # s that are still shown of a robot that has fallen
 _ASKED_EVERY = 20  # ticks between looking whether to stop and telling how far it is
@@ -62,9 +63,10 @@ def simulate(
     controller = WholeBodyController(robot, plan, scenario)
     recorder = Recorder(robot, disturbance.trunk_mass_factor)
     measure = _Sensors(robot, disturbance, scenario.seed or 0)
-    world.reset(standing_state(robot, plan), np.zeros(robot.model.nv))
+    start = standing_state(robot, plan)
+    world.reset(start, starting_velocity(robot, plan, start))
 
-    ticks = round((plan.duration + STANDING) / tick) + 1
+    ticks = round((plan.duration + braking_time(plan) + STANDING) / tick) + 1
     torque: Array = np.zeros(len(robot.joint_names))
     fall: Fall | None = None
     stride = max(1, round(1.0 / (tick * SO_FAR_RATE)))
@@ -94,7 +96,12 @@ def simulate(
         torque = result.torque
         recorder.add(state, mujoco_state, decision, tick_time, result)
         if fall is None:
-            fall = _fallen(k * tick, state[0], trunk_contact=result.trunk_contact)
+            fall = _fallen(
+                k * tick,
+                state[0],
+                decision.target.R_world_base,
+                trunk_contact=result.trunk_contact,
+            )
         elif k * tick > fall.time + _AFTER_FALL:
             break
     wall_time = wall_clock.perf_counter() - wall_start
@@ -130,10 +137,12 @@ class _Sensors:
         return q, v + self._scale * self._rng.standard_normal(len(v))
 
 
-def _fallen(time: float, q: Array, *, trunk_contact: bool) -> Fall | None:
+def _fallen(time: float, q: Array, planned: Array, *, trunk_contact: bool) -> Fall | None:
+    """Whether it has fallen in the state q (nq,), with its base planned to be at (3, 3)."""
     if trunk_contact:
         return Fall(time, "the trunk touched the ground")
-    up = 1.0 - 2.0 * (q[3] ** 2 + q[4] ** 2)  # of the base's z axis, from x, y of its quaternion
-    if up < np.cos(TOPPLED):
+    x, y, z, w = q[3:7]
+    up = np.array([2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)])
+    if up @ planned[:, 2] < np.cos(TOPPLED):
         return Fall(time, "it toppled over")
     return None

@@ -1,4 +1,4 @@
-"""Where a simulated jump starts: the whole robot standing as the plan's first knot says."""
+"""Where a simulated jump starts: the whole robot on its feet as the plan's first knot says."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from llsrbm.control.whole_body import WholeBody
 from llsrbm.errors import InputError
 from llsrbm.motion.plan import Plan
 from llsrbm.robots.foot_contact import foot_contacts
@@ -17,6 +18,7 @@ Array = NDArray[np.float64]
 _EXACT = 1e-9  # m and rad: where Newton's step stops
 _GOOD = 1e-5  # m and rad: far below what feet sink in by standing
 _ITERATIONS = 50
+_SLOW = 0.02  # m/s and rad/s: of what a run-up asks for, a small part
 _LONGEST_STEP = 0.2  # rad or m a joint: the linearisation holds
 
 
@@ -79,3 +81,40 @@ def standing_state(robot: Robot, plan: Plan) -> Array:
             f"{np.abs(error).max():.3g} m or rad are left; expected a plan of this robot"
         )
     return q
+
+
+def starting_velocity(robot: Robot, plan: Plan, q: Array) -> Array:
+    """Of the whole robot at the plan's first knot: zero, or that of a run-up.
+
+    CoM and base move as the plan says, and feet roll without slipping.
+
+    Args:
+        robot: of the plan.
+        plan: what will be followed.
+        q: (nq,) `standing_state`.
+
+    Returns:
+        v (nv,), Pinocchio's convention.
+
+    Raises:
+        InputError: the robot's legs do not let it move so.
+    """
+    if not plan.jump.speed:
+        return np.zeros(robot.model.nv)
+    body = WholeBody(robot)
+    body.update(q, np.zeros(robot.model.nv))
+    turn = np.zeros((3, robot.model.nv))
+    turn[:, 3:6] = body.R_world_base
+    feet = body.contact_jacobian.reshape(-1, robot.model.nv)
+    jacobian = np.vstack([body.momentum_matrix[:3] / body.mass, turn, feet])
+    wanted = np.concatenate(
+        [plan.com_velocity[0], plan.angular_velocity[0], np.zeros(feet.shape[0])]
+    )
+    velocity: Array = np.linalg.lstsq(jacobian, wanted, rcond=1e-8)[0]
+    left = float(np.abs(jacobian @ velocity - wanted).max())
+    if left > _SLOW:
+        raise InputError(
+            f"plan: {robot.file.title} cannot move as its first knot says: {left:.3g} m/s or "
+            "rad/s are left; expected a speed that its legs allow with all feet at rest"
+        )
+    return velocity

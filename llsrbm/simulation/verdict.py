@@ -1,8 +1,9 @@
 """How a simulation ended: landed or fell, and by how much everything missed.
 
-Strict success: it stands, nothing but feet touched, every foot is within 50 mm of the plan, tilt
-ends below 2 deg and stayed below 15 deg after touchdown, it was not thrown up again for more than
-30 ms, and the controller's program was solved in every tick; judged a second after the plan's end.
+Strict success: it stands, nothing but feet touched, every flight before the last ended on all feet
+that were to stand, every foot is within 50 mm of the plan, tilt ends below 2 deg and stayed below
+15 deg after the last touchdown, it was not thrown up again for more than 30 ms, and the
+controller's program was solved in every tick; judged a second after the plan's end.
 """
 
 from __future__ import annotations
@@ -12,9 +13,12 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
+from llsrbm.control.contact_schedule import Flight
 from llsrbm.control.controller import WholeBodyController
-from llsrbm.motion.plan import Phase, Plan
+from llsrbm.control.reference import com_at_rest
+from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Outcome
 from llsrbm.motion.rotation import tilt, yaw
 from llsrbm.robots import Robot
@@ -26,12 +30,13 @@ FEET_WITHIN = 0.05  # m
 FINAL_TILT = np.radians(2.0)
 PEAK_TILT = np.radians(15.0)
 SECOND_FLIGHT = 0.03  # s
-TOPPLED = np.radians(60.0)  # beyond this no robot comes back
+TOPPLED = np.radians(60.0)  # from the planned attitude: beyond this no robot comes back
 _LOW = 0.7  # of the planned height of the CoM above its feet: below this a robot sits, not stands
 _LEANING = np.radians(15.0)
 _AT_REST = 0.2  # s before the end in which a robot should stand still
 _STILL = 0.1  # m/s of the CoM; a robot that stands sways at less
 _SATURATED = 0.99  # of what a drive can give
+_UPRIGHT = np.radians(45.0)  # tilt up to which a base has a heading
 _UNDER_WAY = 0.3  # of the planned flight; contact before is a foot that leaves late
 
 
@@ -61,14 +66,17 @@ def judge(
         wall_time: of the whole loop, s.
     """
     time, tick = columns["time"], float(columns["time"][1] - columns["time"][0])
-    first_contacts = _touchdowns(plan, recorder)
-    touched = [t for t in first_contacts if t is not None]
-    touchdown = min(touched, default=None)
-    detected = controller.detected_at
-    tilts, headings = tilt(columns["base_quat"]), yaw(columns["base_quat"])
+    flights = controller.flights
+    contacts = [_touchdowns(recorder, flight, flights[k + 1 :]) for k, flight in enumerate(flights)]
+    reached = len(flights) == len(plan.schedule.flights)
+    never: list[float | None] = [None] * len(robot.legs)
+    first_contacts = contacts[-1] if reached else never
+    touchdown = _first(first_contacts)
+    detected = flights[-1].detected if reached else None
+    tilts = tilt(columns["base_quat"])
     goal = plan.foot_position[-1]
     feet_off = np.linalg.norm((columns["foot_position"] - goal)[..., :2], axis=-1)
-    com_off = columns["com"][-1] - plan.com[-1]
+    com_off = columns["com"][-1] - com_at_rest(plan)
     after = time >= touchdown if touchdown is not None else np.zeros(len(time), dtype=bool)
     contact = columns["contact"].astype(bool)
     height = float((columns["com"][-1] - columns["foot_position"][-1].mean(axis=0))[2])
@@ -84,7 +92,7 @@ def judge(
     torque_share = np.abs(columns["torque"]) / np.maximum(columns["torque_limit"], 1e-9)
     speed = np.abs(np.array(recorder.v))[:, 6:]
     torque = np.abs([result.torque for result in recorder.results])
-    takeoff = columns["phase"] == Phase.TAKEOFF
+    takeoff = columns["phase"] < plan.schedule.flights[0]
     peak_tilt = float(tilts[after].max(initial=0.0))
     second_flight = float((after & ~contact.any(axis=1)).sum() * tick)
     trunk_touched = any(result.trunk_contact for result in recorder.results)
@@ -93,6 +101,7 @@ def judge(
     strict = (
         fall is None
         and not trunk_touched
+        and _rebounds_on_feet(plan, flights, contacts)
         and foot_error < FEET_WITHIN
         and tilts[-1] < FINAL_TILT
         and peak_tilt < PEAK_TILT
@@ -104,16 +113,16 @@ def judge(
         reason="" if fall is None else fall.reason,
         fell_at_s=None if fall is None else fall.time,
         strict=bool(strict),
-        final_yaw_error=_wrapped(headings[-1] - yaw(plan.base_quat)[-1]),
+        final_yaw_error=_yaw_error(columns["base_quat"], -1, plan, -1),
         final_position_error=float(np.linalg.norm(com_off[:2])),
         final_tilt=float(tilts[-1]),
         final_speed=final_speed,
-        touchdown_planned_s=float(plan.phase_start[2]),
+        touchdown_planned_s=flights[-1].touchdown if reached else plan.touchdown,
         touchdown_true_s=touchdown,
         touchdown_detected_s=detected,
         foot_touchdown_s=tuple(first_contacts),
-        false_touchdowns=int(detected is not None and (touchdown is None or detected < touchdown)),
-        yaw_error_at_touchdown=_yaw_error(plan, time, headings, touchdown),
+        false_touchdowns=sum(map(_is_false, flights, contacts)),
+        yaw_error_at_touchdown=_yaw_error_at_touchdown(plan, columns, touchdown),
         foot_error_at_touchdown=_foot_error(time, feet_off, first_contacts),
         foot_error=foot_error,
         peak_tilt=peak_tilt,
@@ -132,14 +141,39 @@ def judge(
     )
 
 
-def _touchdowns(plan: Plan, recorder: Recorder) -> list[float | None]:
-    """The first contact of each foot after the robot has left the ground, s."""
-    start, end = plan.phase_start[1:3]
+def _touchdowns(recorder: Recorder, flight: Flight, later: list[Flight]) -> list[float | None]:
+    """The first contact of each foot after a flight has begun, and before the next, s."""
+    start, end = flight.lift_off, flight.touchdown
     first = np.array([result.first_contact for result in recorder.results])
-    first[np.nan_to_num(first, nan=-1.0) < start + _UNDER_WAY * (end - start)] = np.nan
+    time = np.nan_to_num(first, nan=-1.0)
+    first[time < start + _UNDER_WAY * (end - start)] = np.nan
+    if later:
+        first[time >= later[0].lift_off] = np.nan
     return [
         None if np.isnan(column).all() else round(float(np.nanmin(column)), 6) for column in first.T
     ]
+
+
+def _first(contacts: list[float | None]) -> float | None:
+    return min((time for time in contacts if time is not None), default=None)
+
+
+def _is_false(flight: Flight, contacts: list[float | None]) -> bool:
+    """Whether a flight's touchdown was detected before it came."""
+    true = _first(contacts)
+    return flight.detected is not None and (true is None or flight.detected < true)
+
+
+def _rebounds_on_feet(
+    plan: Plan, flights: list[Flight], contacts: list[list[float | None]]
+) -> bool:
+    """Whether each flight but the last ended on all feet that stand before the next."""
+    schedule = plan.schedule
+    for here, after, touched in zip(flights, flights[1:], contacts, strict=False):
+        planned = np.any(schedule.stands[here.phase : after.phase], axis=0)
+        if any(touched[foot] is None for foot in np.flatnonzero(planned)):
+            return False
+    return True
 
 
 def _not_standing(
@@ -156,12 +190,28 @@ def _not_standing(
     return None
 
 
-def _yaw_error(plan: Plan, time: Array, heading: Array, touchdown: float | None) -> float | None:
+def _yaw_error_at_touchdown(
+    plan: Plan, columns: dict[str, Any], touchdown: float | None
+) -> float | None:
     if touchdown is None:
         return None
-    at = min(int(np.searchsorted(time, touchdown)), len(time) - 1)
-    knot = int(np.searchsorted(plan.time, plan.phase_start[2] - 1e-9))
-    return _wrapped(heading[at] - yaw(plan.base_quat)[knot])
+    at = min(int(np.searchsorted(columns["time"], touchdown)), len(columns["time"]) - 1)
+    knot = int(np.searchsorted(plan.time, plan.touchdown - 1e-9))
+    return _yaw_error(columns["base_quat"], at, plan, knot)
+
+
+def _yaw_error(quat: Array, at: int, plan: Plan, knot: int) -> float:
+    """Of the base (T, 4) at a tick against the plan's knot, rad.
+
+    A heading means nothing far from upright: there it is the vertical part of the turn from the
+    planned attitude to the actual one.
+    """
+    actual, planned = quat[at], plan.base_quat[knot]
+    if max(tilt(actual), tilt(planned)) > _UPRIGHT:
+        turn = Rotation.from_quat(actual, scalar_first=True)
+        turn = turn * Rotation.from_quat(planned, scalar_first=True).inv()
+        return float(turn.as_rotvec()[2])
+    return _wrapped(yaw(quat)[at] - yaw(plan.base_quat)[knot])
 
 
 def _foot_error(time: Array, feet_off: Array, touchdowns: list[float | None]) -> float | None:

@@ -58,7 +58,7 @@ def synthetic_plan(
     quat_sign: float = 1.0,
     schedule: Schedule | None = None,
 ) -> Plan:
-    """A jump of a 30 kg quadruped with `intervals` a phase, by default of take-off, flight, landing.
+    """A jump of a 30 kg quadruped with `intervals` a phase; without a schedule, `together`.
 
     The CoM and the angular momentum obey piecewise-constant contact forces exactly; the base
     turns about z only and feet move on straight lines in the turning frame, as in a planner's

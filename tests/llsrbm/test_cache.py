@@ -83,3 +83,39 @@ def test_of_each_kind_the_entries_used_last_are_kept(own_cache):
     assert cache.cache_path("kind", keys[0], ".bin").name in kept
     assert cache.cache_path("kind", keys[-1], ".bin").name in kept
     assert cache.cache_path("kind", keys[1], ".bin").name not in kept
+
+
+# ---- a module as part of a key
+
+MODULE = '''"""What it is about."""
+
+LIMIT = 3  # of something
+
+class A:
+    """Words."""
+
+def f(x: int) -> int:
+    """Words."""
+    return x + LIMIT
+'''
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "same"),
+    [
+        ("What it is about", "Something else", True),
+        ('    """Words."""\n    return', "    return", True),
+        ('    """Words."""\n\ndef', "    pass\n\ndef", False),
+        ("  # of something", "", True),
+        ("x + LIMIT", "(x\n            + LIMIT)", True),
+        ("x + LIMIT", "x - LIMIT", False),
+        ("LIMIT = 3", "LIMIT = 4", False),
+        ("LIMIT = 3", "LIMIT = '3'", False),
+    ],
+)
+def test_a_program_is_what_is_done_not_what_is_said(tmp_path, old, new, same):
+    before, after = tmp_path / "before.py", tmp_path / "after.py"
+    before.write_text(MODULE)
+    after.write_text(MODULE.replace(old, new))
+    assert old in MODULE
+    assert (cache.program(before) == cache.program(after)) == same

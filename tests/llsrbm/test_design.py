@@ -83,6 +83,19 @@ def test_a_file_holds_the_task_and_what_differs(tmp_path):
     assert load_design(path) == load_design(str(path)) == design
 
 
+def test_of_a_jump_beyond_where_to_land_only_what_differs_is_written():
+    flip = Jump("go2", type="flip", pitch=-math.tau, speed=0.25)
+    text = dump_design(Design(flip))
+    written_jump = json.loads(text)["jump"]
+    assert written_jump["type"] == "flip"
+    assert written_jump["pitch"] == -math.tau
+    assert written_jump["speed"] == 0.25
+    assert not written_jump.keys() & {"roll", "end_speed", "hops"}
+    assert load_design(text.encode()).jump == flip
+    hops = Jump("go2", type="/some/where/mine.toml", hops=3, end_speed=0.1, roll=math.tau)
+    assert load_design(dump_design(Design(hops)).encode()).jump == hops
+
+
 def test_what_is_not_named_has_its_default():
     text = '{"schema": "llsrbm.design/1", "jump": {"robot": "slider", "model": "srbm"}}'
     assert load_design(text.encode()) == Design(Jump(robot="slider", model="srbm"))
@@ -127,6 +140,22 @@ def test_a_file_that_says_conditions_opens(older, scenario):
         (
             written(jump={"robot": "go2"}),
             'design: missing key "jump.model"; expected: robot, model',
+        ),
+        (
+            written(jump={"robot": "go2", "model": "srbm", "pitch": 1.0}),
+            "design: Jump.pitch: 57.2958 deg; expected whole turns: -360, 0 or 360 deg",
+        ),
+        (
+            written(jump={"robot": "go2", "model": "srbm", "hops": 9}),
+            "design: jump.hops: input should be less than or equal to 5, got 9",
+        ),
+        (
+            written(jump={"robot": "go2", "model": "srbm", "hops": 2.0}),
+            "design: jump.hops: input should be a valid integer",
+        ),
+        (
+            written(jump={"robot": "go2", "model": "srbm", "type": 3}),
+            "design: jump.type: input should be a valid string, got 3",
         ),
         (written(title=3), "design: title: input should be a valid string, got 3"),
         (written(title="x" * 81), "design: title: string should have at most 80 characters, got"),

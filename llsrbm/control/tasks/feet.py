@@ -9,7 +9,6 @@ from llsrbm.control.tasks.base import Motion, Task
 from llsrbm.control.whole_body import WholeBody
 
 _NONE = np.zeros(3)
-_GRAVITY = np.array([0.0, 0.0, -9.81])
 _DOWNWARDS = np.array([0.0, 0.0, -0.5])
 """How a foot that still is in the air after touchdown of another seeks the ground, m/s."""
 
@@ -17,8 +16,8 @@ _DOWNWARDS = np.array([0.0, 0.0, -0.5])
 class SwingFoot(Task):
     """Position of a foot's lowest point relative to the CoM, m, world axes.
 
-    Relative, because the CoM falls freely: a foot held to a place in the world would stop reaching
-    for the ground when the robot arrives late.
+    Relative, because in flight the CoM falls freely: a foot held to a place in the world would stop
+    reaching for the ground when the robot arrives late.
     """
 
     rows = 3
@@ -29,14 +28,14 @@ class SwingFoot(Task):
         self._foot = foot
 
     def motion(self, body: WholeBody, target: Target) -> Motion:
-        """See `Task.motion`; the CoM accelerates with gravity."""
+        """See `Task.motion`; the CoM accelerates as the target says: in flight with gravity."""
         i = self._foot
         return Motion(
             body.foot_jacobian[i],
             body.foot_bias[i],
             target.foot_from_com[i] - (body.foot[i] - body.com),
             target.foot_velocity_from_com[i] - (body.foot_velocity[i] - body.com_velocity),
-            target.foot_acceleration_from_com[i] + _GRAVITY,
+            target.foot_acceleration_from_com[i] + target.com_acceleration,
         )
 
 

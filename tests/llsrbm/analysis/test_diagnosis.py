@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from dataclasses import fields, replace
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
 
 from llsrbm.analysis.diagnosis import diagnose, fall_in_words
-from tests.llsrbm.synthetic import quat_about_z
+from llsrbm.schedule import Phase
+from tests.llsrbm.schedules import in_a_row, with_schedule
+from tests.llsrbm.synthetic import quat_about_z, synthetic_plan
 from tests.llsrbm.synthetic_rollout import RATE, TORQUE_LIMIT, synthetic_rollout
 
 LIFT_OFF, TOUCHDOWN, DETECTED = 0.5, 0.89, 0.895  # s, of the synthetic rollout
@@ -19,9 +22,9 @@ HEIGHT = 0.5  # m of its CoM
 LEFT_FRONT, RIGHT_FRONT, LEFT_HIND = 0, 1, 2
 
 
-def followed():
+def followed(plan=None):
     """The synthetic rollout, as if the controller had wanted just that."""
-    rollout = synthetic_rollout()
+    rollout = synthetic_rollout(plan)
     foot = rollout.foot_position.copy()
     landing = rollout.phase == 2
     foot[landing] = foot[-1]
@@ -338,3 +341,92 @@ def test_whatever_happened_events_are_in_order_and_before_the_fall(seed, ticks, 
     times = [event.time for event in diagnose(rollout)]
     assert times == sorted(times)
     assert all(0 <= time <= (math.inf if fell_at is None else fell_at) for time in times)
+
+
+HOP = 1.5  # s: the second of two jumps begins so much later
+
+
+def hops():
+    """Two such jumps in a row, put together from the ticks of one straight ahead."""
+    plan = synthetic_plan(twist=0.0)
+    one = followed(plan)
+    first = between(0.0, HOP, one)
+    ahead = one.foot_position[-1] - one.foot_position[0]
+    moved = {"time": HOP, "phase": 2, "com": ahead[0], "foot_position": ahead}
+    moved |= {f"reference_{name}": moved[name] for name in ("com", "foot_position")}
+    columns = {
+        field.name: np.concatenate([value[first], value + moved.get(field.name, 0)])
+        for field in fields(one)
+        if isinstance(value := getattr(one, field.name), np.ndarray)
+    }
+    outcome = one.outcome
+    times = {
+        name: getattr(outcome, name) + HOP
+        for name in ("touchdown_planned_s", "touchdown_true_s", "touchdown_detected_s")
+    }
+    times["foot_touchdown_s"] = tuple(time + HOP for time in outcome.foot_touchdown_s)
+    outcome = replace(outcome, **times)
+    return replace(one, **columns, plan=in_a_row(plan, plan), outcome=outcome)
+
+
+def test_nothing_is_found_in_hops_that_go_well():
+    assert diagnose(hops()) == ()
+
+
+def test_what_is_large_in_takeoff_is_nothing_in_a_rebound():
+    rollout = hops()
+    sunk = between(1.2, 1.4, rollout)
+    assert diagnose(changed(rollout, com=add(sunk, [0, 0, -0.2 * HEIGHT]))) == ()
+
+
+def test_a_foot_that_stays_behind_in_the_second_hop():
+    rollout = hops()
+    staying = (between(HOP + 0.4, HOP + LIFT_OFF + 0.05, rollout), LEFT_HIND)
+    place = rollout.foot_position[rollout.time < HOP + 0.4][-1, LEFT_HIND]
+    event = only(changed(rollout, contact=put(staying, 1), foot_position=put(staying, place)))
+    assert (event.time, event.what) == (pytest.approx(HOP + LIFT_OFF), "lift-off")
+
+
+def test_a_first_flight_of_hops_longer_than_planned_has_no_reference():
+    """The reference stands still until the touchdown is noticed."""
+    rollout = hops()
+    longer = between(LIFT_OFF, 0.95, rollout)
+    late = changed(rollout, phase=put(longer, 1), contact=put(longer, 0))
+    fallen = changed(late, com=add(between(0.9025, 0.95, rollout), [0, 0, -0.3]))
+    assert diagnose(fallen) == diagnose(late) == ()
+
+
+def test_feet_that_leave_before_others_are_not_lost():
+    """The front feet leave 50 ms before the hind feet, as planned."""
+    legs = GOOD.leg_names
+    plan = with_schedule(
+        synthetic_plan(),
+        [
+            (Phase("take-off", legs, "takeoff"), 14),
+            (Phase("rear push", legs[2:], "takeoff"), 2),
+            (Phase("flight", (), "flight"), 16),
+            (Phase("landing", legs, "landing", 1), 16),
+        ],
+    )
+    phase = GOOD.phase + (GOOD.time >= plan.phase_start[1] - 1e-9)
+    pushing = between(plan.phase_start[1], LIFT_OFF)
+    contact = GOOD.contact.copy()
+    contact[np.ix_(pushing, [LEFT_FRONT, RIGHT_FRONT])] = 0
+    leaving = replace(GOOD, plan=plan, phase=phase, contact=contact)
+    assert diagnose(leaving) == ()
+    hind = put((between(0.45, LIFT_OFF), LEFT_HIND), 0)
+    assert only(changed(leaving, contact=hind)).what == "contact lost"
+
+
+def test_a_base_that_turns_away_upside_down():
+    """In the middle of a flip headings mean nothing; the turn between attitudes does."""
+    pitch = np.pi * np.clip((GOOD.time - LIFT_OFF) / 0.2, 0, 1)
+    flip = Rotation.from_euler("y", pitch[:, None])
+    off = Rotation.from_euler("z", ramp(0.7, 2.0)[:, None])
+    wanted = flip.as_quat(scalar_first=True)
+    good = replace(GOOD, base_quat=wanted, reference_base_quat=wanted)
+    assert diagnose(good) == ()
+    turned = replace(good, base_quat=(off * flip).as_quat(scalar_first=True))
+    event = only(ended(turned, status="fell", fell_at_s=0.98))
+    assert event.what == "turn"
+    assert event.time == pytest.approx(0.7 + 0.4 * math.radians(15.0), abs=1.5 / RATE)

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from llsrbm.analysis.figures import (
     FIGURES,
@@ -12,8 +13,14 @@ from llsrbm.analysis.figures import (
     figures_of_plan,
     figures_of_rollout,
 )
-from tests.llsrbm.synthetic import FLIGHT, GRAVITY, synthetic_plan
-from tests.llsrbm.synthetic_rollout import EARLY_TICKS, RATE, YAW_SHORTFALL, synthetic_rollout
+from tests.llsrbm.synthetic import FLIGHT, GRAVITY, TWO_HOPS, TWO_HOPS_DURATIONS, synthetic_plan
+from tests.llsrbm.synthetic_rollout import (
+    EARLY_TICKS,
+    RATE,
+    YAW_SHORTFALL,
+    followed,
+    synthetic_rollout,
+)
 
 FIGURE = {figure.name: figure for figure in FIGURES}
 ROW = DesignFigures(
@@ -56,6 +63,33 @@ def test_a_plans_figures(plan):
     assert figures.planned_torque_ratio == shares.max() < 0.75
     assert figures.solve_time_s == 0.08
     assert figures.peak_torque_ratio is figures.yaw_error_at_touchdown is None
+
+
+def test_flights_of_several_jumps_add_up():
+    plan = synthetic_plan(schedule=TWO_HOPS, durations=TWO_HOPS_DURATIONS)
+    assert figures_of_plan(plan).flight_time_s == pytest.approx(0.3 + 0.35)
+    figures = figures_of_rollout(followed(plan))
+    assert figures.flight_time_s == pytest.approx(0.3 + 0.35 - 2 * EARLY_TICKS / RATE)
+
+
+@pytest.mark.parametrize(("axis", "turns"), [("y", -1), ("y", 1), ("x", 1), ("x", -2)])
+def test_a_flip_is_no_yaw(plan, axis, turns):
+    rate = np.zeros((len(plan.time), 3))
+    rate[:, "xy".index(axis)] = turns * math.tau / plan.time[-1]
+    flip = Rotation.from_rotvec(rate * plan.time[:, None]).as_quat(scalar_first=True)
+    tumbling = replace(plan, base_quat=flip, angular_velocity=rate)
+    assert figures_of_plan(tumbling).final_yaw == pytest.approx(0.0, abs=1e-9)
+
+
+def test_a_twist_in_a_flip_counts(plan):
+    """A quarter turn of the heading while it flips: about the world's vertical."""
+    share = plan.time[:, None] / plan.time[-1]
+    about_z, about_y = np.array([0.0, 0.0, 2.5]), np.array([0.0, -math.tau, 0.0])
+    twist = Rotation.from_rotvec(share * about_z)
+    quat = (twist * Rotation.from_rotvec(share * about_y)).as_quat(scalar_first=True)
+    rate = (twist.apply(about_y) + about_z) / plan.time[-1]
+    tumbling = replace(plan, base_quat=quat, angular_velocity=rate)
+    assert figures_of_plan(tumbling).final_yaw == pytest.approx(2.5)
 
 
 def test_forces_of_a_soles_corners_add_up(plan):

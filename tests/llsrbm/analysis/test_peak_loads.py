@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from llsrbm.analysis.peak_loads import planned_peak_load, planned_torque_shares, torque_share
-from tests.llsrbm.synthetic import JOINT_NAMES, synthetic_plan
+from tests.llsrbm.synthetic import JOINT_NAMES, TWO_HOPS, TWO_HOPS_DURATIONS, synthetic_plan
 
 
 @pytest.fixture(scope="module")
@@ -42,6 +42,25 @@ def test_the_most_loaded_joint(plan, knot, phase, words):
     peak = planned_peak_load(loaded(plan, knot, 2, -34.0))
     assert (peak.joint, peak.phase, peak.torque, peak.available) == ("LF_C", phase, -34.0, 40.0)
     assert peak.time == pytest.approx(0.1 * knot + 0.05)
+    assert peak.in_words() == f"34 of 40 Nm {words} (85 %)"
+
+
+@pytest.mark.parametrize(
+    ("knot", "words"),
+    [
+        (4, "at lift-off"),  # of the front feet
+        (7, "in rear push at 0.55 s"),
+        (12, "in flight at 0.75 s"),
+        (15, "at touchdown"),
+        (17, "in rebound at 1.10 s"),
+        (25, "at touchdown"),  # of the front feet
+        (29, "at touchdown"),  # of the hind feet
+    ],
+)
+def test_events_of_any_foot(knot, words):
+    plan = synthetic_plan(intervals=5, schedule=TWO_HOPS, durations=TWO_HOPS_DURATIONS)
+    plan = replace(plan, joint_torque=np.ones_like(plan.joint_torque))
+    peak = planned_peak_load(loaded(plan, knot, 2, -34.0))
     assert peak.in_words() == f"34 of 40 Nm {words} (85 %)"
 
 

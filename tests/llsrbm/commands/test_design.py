@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import pytest
 
@@ -42,6 +43,23 @@ def test_options_override_a_design_even_with_a_default(planner, file, capsys):
     words = "--robot anymal --twist 0 --height 0.1"
     assert cli.main(["plan", *words.split(), "--design", file]) == 0
     assert planner.requests[0][0] == Jump("anymal", "srbm", forward=0.2, height=0.1)
+
+
+@pytest.mark.parametrize(
+    ("words", "changes"),
+    [
+        ("--forward 0.1", {"forward": 0.1}),  # it stays a front flip
+        ("--type hops", {"type": "hops", "pitch": 0.0, "hops": 2}),
+        ("--type flip", {"pitch": -math.tau}),
+    ],
+)
+def test_options_override_a_designs_type(planner, tmp_path, words, changes, capsys):
+    flip = Jump("go2", type="flip", pitch=math.tau, forward=0.2)
+    path = tmp_path / "flip.jump.json"
+    path.write_text(dump_design(Design(flip)))
+    planner.answers.append(synthetic_plan())
+    assert cli.main(["plan", "--design", str(path), *words.split()]) == 0
+    assert planner.requests[0][0] == replace(flip, **changes)
 
 
 def test_a_design_is_simulated_in_its_scenario(planner, simulator, file, capsys):

@@ -15,7 +15,7 @@ from llsrbm import cli
 from llsrbm.errors import InputError, NotConverged
 from llsrbm.motion.files import load
 from tests.llsrbm.commands.process import run
-from tests.llsrbm.synthetic import synthetic_plan
+from tests.llsrbm.synthetic import TWO_HOPS, TWO_HOPS_DURATIONS, synthetic_plan
 
 # As the contract has them, in its order.
 PLAN_KEYS = [
@@ -32,6 +32,73 @@ def test_options_become_a_request_in_radians(planner, capsys):
     jump, options = planner.requests[0]
     assert jump == llsrbm.Jump("anymal", "srbm", -math.pi / 2, 0.2, -0.1, 0.1)
     assert options["solver"] == "ipopt"
+
+
+@pytest.mark.parametrize(
+    ("words", "jump"),
+    [
+        ("--type flip", llsrbm.Jump(type="flip", pitch=-math.tau)),
+        ("--type flip --pitch 360", llsrbm.Jump(type="flip", pitch=math.tau)),
+        ("--type flip --roll -360", llsrbm.Jump(type="flip", roll=-math.tau)),
+        ("--type hops", llsrbm.Jump(type="hops", hops=2)),
+        ("--type hops --hops 3 --forward 0.2", llsrbm.Jump(type="hops", hops=3, forward=0.2)),
+        ("--type run-up", llsrbm.Jump(type="run-up", speed=0.5)),
+        (
+            "--type run-up --speed 0.25 --end-speed 0.125",
+            llsrbm.Jump(type="run-up", speed=0.25, end_speed=0.125),
+        ),
+        ("--speed 0.25", llsrbm.Jump(speed=0.25)),
+    ],
+)
+def test_a_silent_request_is_the_types(planner, words, jump):
+    planner.answers.append(synthetic_plan())
+    assert cli.main(["plan", *words.split()]) == 0
+    assert planner.requests[0][0] == jump
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ("--type flipp", 'unknown jump type "flipp"; did you mean "flip"?'),
+        ("--type none/such.toml", "none/such.toml: no such file; expected a jump type"),
+        ("--pitch 90", "Jump.pitch: 90 deg; expected whole turns: -360, 0 or 360 deg"),
+        ("--hops 9", "Jump.hops: expected 1 to 5, got 9"),
+        ("--speed nan", "Jump.speed: expected a finite number, got nan"),
+    ],
+)
+def test_a_wrong_type_or_turn_is_bad_input(planner, words, said, capsys):
+    assert cli.main(["plan", *words.split()]) == 2
+    err = capsys.readouterr().err
+    assert said in err
+    assert err.count("\n") == 1
+    assert not planner.requests
+
+
+def test_the_phases_of_any_schedule_are_told(planner, capsys):
+    planner.answers.append(synthetic_plan(schedule=TWO_HOPS, durations=TWO_HOPS_DURATIONS))
+    assert cli.main(["plan", "--type", "hops", "--forward", "0.2"]) == 0
+    out = capsys.readouterr().out
+    assert "hops, twist 0 deg, forward 0.20 m, lateral 0.00 m, height 0.00 m, 2 hops\n" in out
+    assert (
+        "2.40 s: take-off 0.50, rear push on LH and RH 0.10, flight 0.30, rebound 0.40, flight "
+        "0.35, front first on LF and RF 0.15, landing 0.60 s"
+    ) in out
+
+
+def test_together_is_told_as_ever(planner, capsys):
+    planner.answers.append(synthetic_plan())
+    assert cli.main(["plan"]) == 0
+    out = capsys.readouterr().out
+    assert "llsrbm-plus: twist 0 deg, forward 0.00 m, lateral 0.00 m, height 0.00 m\n" in out
+    assert "1.50 s: take-off 0.50, flight 0.40, landing 0.60 s\n" in out
+
+
+def test_types_are_listed(capsys):
+    assert cli.main(["types"]) == 0
+    rows = dict(line.split(maxsplit=1) for line in capsys.readouterr().out.splitlines())
+    assert next(iter(rows)) == "together"
+    assert rows["flip"].endswith("(--pitch -360, --roll)")
+    assert rows["run-up"].endswith("(--speed 0.5, --end-speed)")
 
 
 def test_json_is_one_object_with_the_contracts_keys(planner, capfd):

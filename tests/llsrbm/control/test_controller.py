@@ -7,7 +7,6 @@ import pytest
 
 from llsrbm.control.controller import WholeBodyController
 from llsrbm.control.whole_body import WholeBody
-from llsrbm.motion.plan import Phase
 from llsrbm.robots import load_robot
 from llsrbm.scenario import Scenario
 from tests.llsrbm.planning.solved import solved
@@ -62,9 +61,9 @@ def standing_over_time(controller, start, phases):
         if feet is None:
             break
         done = controller.tick(start + k * tick, *sinking(feet))
-        if controller.detected_at is not None:
-            assert done.phase == Phase.LANDING
-            found[round(start + k * tick - controller.detected_at, 6)] = controller._touching.copy()
+        if (detected := controller.contacts.detected) is not None:
+            assert done.phase == 2
+            found[round(start + k * tick - detected, 6)] = controller.contacts.standing
     return found
 
 

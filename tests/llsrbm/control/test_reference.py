@@ -5,7 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from llsrbm.control.reference import Reference
+from llsrbm.control.reference import BRAKING, Reference, com_at_rest
+from llsrbm.schedule import Phase
+from tests.llsrbm.schedules import in_a_row, with_schedule
 from tests.llsrbm.synthetic import quat_about_z, synthetic_plan
 
 WEIGHT = 30.0 * 9.81
@@ -27,10 +29,6 @@ def test_knots_are_the_plans(plan, reference):
         # A sample is at most a quarter of a millisecond away.
         np.testing.assert_allclose(target.com, plan.com[k], atol=3e-4 * 10)
         np.testing.assert_allclose(target.angular_momentum, plan.angular_momentum[k], atol=0.05)
-
-
-def test_phases_are_the_plans(plan, reference):
-    assert [reference.takeoff, reference.touchdown, reference.end] == pytest.approx([0.5, 0.9, 1.5])
 
 
 def test_stands_still_after_the_end(plan, reference):
@@ -86,11 +84,11 @@ def test_rotation_steps_at_lift_off_and_touchdown(plan):
 
 
 def test_feet_leave_and_meet_the_ground_at_rest(plan, reference):
-    for t in (reference.takeoff + 5e-4, reference.touchdown - 5e-4):
+    for t in (plan.lift_off + 5e-4, plan.touchdown - 5e-4):
         target = reference.at(t)
         foot_velocity = target.foot_velocity_from_com + target.com_velocity
         assert np.abs(foot_velocity).max() < 0.25  # 0.75 ms of a swing that starts hard
-    middle = reference.at((reference.takeoff + reference.touchdown) / 2)
+    middle = reference.at((plan.lift_off + plan.touchdown) / 2)
     assert np.abs(middle.foot_velocity_from_com + middle.com_velocity).max() > 0.5
 
 
@@ -109,3 +107,87 @@ def test_swing_is_smooth(reference):
             now.foot_acceleration_from_com,
             atol=0.5,
         )
+
+
+ALL = ("LF", "RF", "LH", "RH")
+
+
+def rear_last(plan):
+    return with_schedule(
+        plan,
+        [
+            (Phase("take-off", ALL, "takeoff"), 12),
+            (Phase("rear push", ALL[2:], "takeoff"), 4),  # from 0.375 s on
+            (Phase("flight", (), "flight"), 16),
+            (Phase("landing", ALL, "landing", 1), 16),
+        ],
+    )
+
+
+@pytest.mark.parametrize(
+    ("time", "moving"), [(0.37, 0), (0.45, 2), (0.49, 2), (0.55, 4), (0.95, 0)]
+)
+def test_every_foot_swings_from_its_own_lift_off(plan, time, moving):
+    """The front feet leave at 0.375 s, the hind feet at 0.5 s, and all land at 0.9 s."""
+    target = Reference(rear_last(plan), WEIGHT).at(time)
+    moves = target.foot_velocity_from_com.any(axis=1)
+    assert moves.tolist() == [foot < moving for foot in range(4)]
+
+
+@pytest.mark.parametrize(("time", "feet"), [(0.3755, [0, 1]), (0.5005, [2, 3])])
+def test_feet_that_leave_others_start_at_rest(plan, time, feet):
+    target = Reference(rear_last(plan), WEIGHT).at(time)
+    velocity = (target.foot_velocity_from_com + target.com_velocity)[feet]
+    assert 0 < np.abs(velocity).max() < 0.25
+
+
+def test_feet_of_hops_swing_in_each_flight(plan):
+    """In the rebound between them feet are held where the nearest swing has them."""
+    joined = in_a_row(plan, plan)
+    reference = Reference(joined, WEIGHT)
+    assert sorted(reference.late) == [1, 3]
+    for time, knot in ((0.5, 16), (0.9, 32), (1.0, 32), (1.9, 64), (2.0, 64), (2.4, 80)):
+        target = reference.at(time)
+        planned = joined.foot_position[knot] - joined.com[knot]
+        np.testing.assert_allclose(target.foot_from_com, planned, atol=2e-3)
+    assert not reference.at(1.5).foot_velocity_from_com.any()
+    for flight, end in ((1, 0.9), (3, 2.4)):
+        late = reference.late[flight]
+        assert not late.foot_velocity_from_com.any()
+        np.testing.assert_allclose(late.foot_from_com, reference.at(end).foot_from_com, atol=5e-3)
+
+
+def test_a_run_up_starts_as_it_moves(plan):
+    rate = np.array([0.0, 0.3, 0.0])
+    plan = replace(
+        plan,
+        jump=replace(plan.jump, speed=0.5),
+        angular_velocity=plan.angular_velocity + rate,
+        com_velocity=plan.com_velocity + np.array([0.5, 0.0, 0.0]),
+    )
+    target = Reference(plan, WEIGHT).at(0.0)
+    np.testing.assert_allclose(target.angular_velocity, rate, atol=1e-9)
+    np.testing.assert_allclose(target.com_velocity, [0.5, 0, 0], atol=1e-9)
+
+
+def test_a_speed_at_the_end_is_braked_evenly(plan):
+    speed = np.array([0.4, 0.0, 0.0])
+    ending = plan.com_velocity.copy()
+    ending[-1] = speed
+    plan = replace(plan, jump=replace(plan.jump, end_speed=0.4), com_velocity=ending)
+    reference, end = Reference(plan, WEIGHT), plan.duration
+    for since in (0.05, 0.15, 0.25):
+        target = reference.at(end + since)
+        share = 1 - since / BRAKING
+        np.testing.assert_allclose(target.com_velocity, share * speed, atol=2e-3)
+        np.testing.assert_allclose(target.com_acceleration, -speed / BRAKING)
+        way = 0.4 * (since - since**2 / 2 / BRAKING)
+        np.testing.assert_allclose(target.com - plan.com[-1], [way, 0, 0], atol=2e-4)
+        np.testing.assert_allclose(
+            target.contact_force.sum(axis=0), [-WEIGHT / 9.81 * 0.4 / BRAKING, 0, WEIGHT]
+        )
+    rest = reference.at(99.0)
+    np.testing.assert_allclose(rest.com, com_at_rest(plan), atol=1e-9)
+    np.testing.assert_allclose(rest.com - plan.com[-1], [0.2 * BRAKING, 0, 0], atol=1e-9)
+    assert not rest.com_velocity.any()
+    assert not rest.com_acceleration.any()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 
 import mujoco
@@ -11,6 +12,7 @@ import llsrbm
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Disturbance, Rollout
 from llsrbm.robots import load_robot
+from llsrbm.schedule import Phase, Schedule
 from llsrbm.simulation.scene import build_scene
 from llsrbm.simulation.surroundings import Surroundings
 
@@ -26,6 +28,29 @@ def planned(robot: str, twist: float = HALF_TURN, height: float = 0.0) -> Plan:
 @cache
 def simulated(robot: str, twist: float = HALF_TURN, height: float = 0.0) -> Rollout:
     return llsrbm.simulate(planned(robot, twist, height))
+
+
+@cache
+def relabelled(robot: str) -> Plan:
+    """A planned jump that claims to be another: its landing is called a rebound, a flight and a
+    landing, in each of which one foot more, or less, is said to stand. Numbers are as they were."""
+    plan = planned(robot)
+    legs = plan.leg_names
+    schedule = Schedule(
+        legs,
+        (
+            Phase("take-off", legs, "takeoff"),
+            Phase("flight", (), "flight"),
+            Phase("first foot", legs[:1], (0.05, 1.0), place=1),
+            Phase("rebound", legs, (0.05, 1.0), place=1),
+            Phase("flight", (), "flight", place=1),
+            Phase("landing", legs, "landing", place=2),
+        ),
+    )
+    landing = np.flatnonzero(plan.phase == 2)
+    phase = plan.phase.copy()
+    phase[landing] = 2 + np.arange(len(landing)) * 4 // len(landing)
+    return replace(plan, phase=phase, schedule=schedule)
 
 
 def ticks(rollout: Rollout, fps: float) -> np.ndarray:

@@ -18,10 +18,11 @@ import llsrbm
 from llsrbm.errors import Error, FileFormatError, InputError
 from llsrbm.motion.files import load
 from llsrbm.motion.plan_file import LAYOUT, load_plan, save_plan
+from llsrbm.schedule import together
 from llsrbm.tuning import Tuning
 from tests.llsrbm.native_files import message, rewritten
 from tests.llsrbm.sameness import assert_same
-from tests.llsrbm.synthetic import synthetic_plan
+from tests.llsrbm.synthetic import LEGS, TWO_HOPS, TWO_HOPS_DURATIONS, synthetic_plan
 
 
 @pytest.fixture(scope="module")
@@ -94,6 +95,42 @@ def test_a_file_from_before_there_was_tuning(plan, saved, tmp_path):
     assert meta.pop("tuning") == {"weights": {}, "limits": {}}
     path = rewritten(saved, tmp_path / "old.npz", meta=np.array(json.dumps(meta)))
     assert load(path).tuning == Tuning()
+
+
+def with_meta(saved, path, **changes):
+    """The file with some of what it says in JSON replaced, or left out where that is None."""
+    with np.load(saved) as archive:
+        meta = json.loads(str(archive["meta"])) | changes
+    meta = {key: value for key, value in meta.items() if value is not None}
+    return rewritten(saved, path, meta=np.array(json.dumps(meta)))
+
+
+def test_round_trip_of_another_schedule(tmp_path):
+    plan = synthetic_plan(schedule=TWO_HOPS, durations=TWO_HOPS_DURATIONS)
+    save_plan(plan, tmp_path / "plan.npz")
+    back = load(tmp_path / "plan.npz")
+    assert_same(plan, back)
+    assert back.schedule == TWO_HOPS
+    np.testing.assert_array_equal(back.contact, TWO_HOPS.stands[plan.phase])
+
+
+def test_a_file_from_before_there_were_schedules(plan, saved, tmp_path):
+    back = load(with_meta(saved, tmp_path / "old.npz", schedule=None))
+    assert back.schedule == together(LEGS)
+    assert_same(plan, back)
+
+
+def test_a_type_that_is_a_path_is_not_opened(plan, tmp_path, monkeypatch):
+    opened = []
+    monkeypatch.setattr("llsrbm.jump_types._read", opened.append)
+    path = tmp_path / "type.toml"
+    path.write_text("no jump type")
+    jump = replace(plan.jump, type=str(path))
+    save_plan(replace(plan, jump=jump), tmp_path / "plan.npz")
+    back = load(tmp_path / "plan.npz")
+    assert back.jump == jump
+    assert back.schedule == plan.schedule
+    assert not opened
 
 
 def test_keys_added_by_later_versions_are_no_error(plan, saved, tmp_path):
@@ -244,10 +281,53 @@ class TestReading:
     def test_values_that_make_no_plan(self, plan, saved, tmp_path):
         path = rewritten(saved, tmp_path / "x.npz", time=plan.time[::-1])
         assert "strictly increasing" in message(path)
-        path = rewritten(saved, tmp_path / "x.npz", phase=plan.phase + 1)
-        assert "0 (take-off)" in message(path)
+        path = rewritten(saved, tmp_path / "x.npz", time=plan.time + 0.1)
+        assert "increasing times from 0 s on" in message(path)
         path = rewritten(saved, tmp_path / "x.npz", base_quat=2 * plan.base_quat)
         assert "unit quaternions w, x, y, z" in message(path)
+
+    @pytest.mark.parametrize(
+        "phase",
+        [
+            [1, 1, 2, 2],
+            [0, 1, 1, 1],
+            [0, 0, 2, 2],
+            [0, 0, 0, 0],
+            [0, 1, 1, 2],  # no interval
+            [0, 2, 1, 2],
+            [0, 1, 2, 1],
+            [0, 1, 2, 3],
+            [-1, 0, 1, 2],
+        ],
+    )
+    def test_phases_are_those_of_the_schedule_in_order(self, tmp_path, phase):
+        save_plan(synthetic_plan(intervals=1), tmp_path / "plan.npz")
+        path = rewritten(tmp_path / "plan.npz", tmp_path / "x.npz", phase=np.array(phase))
+        assert (
+            'key "phase": expected 0 (take-off), 1 (flight), 2 (landing), each of them with an '
+            "interval, in that order"
+        ) in message(path)
+
+    def test_the_phases_of_another_schedule_are_named(self, tmp_path):
+        plan = synthetic_plan(schedule=TWO_HOPS, durations=TWO_HOPS_DURATIONS)
+        save_plan(plan, tmp_path / "plan.npz")
+        path = rewritten(tmp_path / "plan.npz", tmp_path / "x.npz", phase=plan.phase % 5)
+        assert "1 (rear push), 2 (flight), 3 (rebound), 4 (flight), 5 (front fi" in message(path)
+
+    @pytest.mark.parametrize(
+        ("schedule", "said"),
+        [
+            ({}, "not one that this version wrote"),
+            ([], "Input should be an object"),
+            (together(LEGS[:2]).as_dict(), "it has the legs LF, RF; expected 4"),
+            (together(LEGS).as_dict() | {"legs": ["\x1b[2J", *LEGS[1:]]}, "expected names, each"),
+            (together(LEGS).as_dict() | {"phases": []}, "it has 0 phases; expected at least three"),
+        ],
+    )
+    def test_what_is_no_schedule(self, saved, tmp_path, schedule, said):
+        said_of_it = message(with_meta(saved, tmp_path / "x.npz", schedule=schedule))
+        assert 'key "meta": schedule: ' in said_of_it
+        assert said in said_of_it
 
     @pytest.mark.parametrize(
         ("meta", "said"),

@@ -15,7 +15,15 @@ from scipy.spatial.transform import Rotation, Slerp
 from llsrbm.errors import InputError
 from llsrbm.motion.instants import evenly, with_events
 from llsrbm.motion.resample import resample
-from tests.llsrbm.synthetic import FLIGHT, GRAVITY, LANDING, TAKE_OFF, synthetic_plan
+from tests.llsrbm.synthetic import (
+    FLIGHT,
+    GRAVITY,
+    LANDING,
+    TAKE_OFF,
+    TWO_HOPS,
+    TWO_HOPS_DURATIONS,
+    synthetic_plan,
+)
 
 CONTINUOUS = (
     "com", "com_velocity", "base_quat", "base_position", "angular_velocity", "linear_momentum",
@@ -116,6 +124,44 @@ def test_feet_in_flight_are_straight_seen_from_the_com_in_base_axes(plan):
     np.testing.assert_allclose(seen, straight, atol=1e-12)
     offset = np.einsum("kji,kj->ki", R, motion.base_position - motion.com)
     np.testing.assert_allclose(offset, np.tile([0.01, 0, 0.02], (57, 1)), atol=1e-12)
+
+
+def test_a_foot_stands_or_flies_on_its_own():
+    """The hind feet still push when the front feet have left, and land after them."""
+    plan = synthetic_plan(schedule=TWO_HOPS, durations=TWO_HOPS_DURATIONS)
+    times = np.sort(np.random.default_rng(4).uniform(0, plan.duration, 2000))
+    motion = resample(plan, times)
+    starts = plan.phase_start
+    front_flies = [(starts[1], starts[3]), (starts[4], starts[5])]
+    hind_flies = [(starts[2], starts[3]), (starts[4], starts[6])]
+    R = scipy_rotation(motion.base_quat).as_matrix()
+    seen = np.einsum("kji,klj->kli", R, motion.foot_position - motion.com[:, None])
+    for leg, flights in ((0, front_flies), (3, hind_flies)):
+        stands = np.ones(len(times), dtype=bool)
+        for start, end in flights:
+            flying = (times >= start) & (times < end)
+            stands &= ~flying
+            # One straight line in base axes, by construction.
+            share = ((times[flying] - start) / (end - start))[:, None]
+            at_ends = resample(plan, [start, end])
+            turned = scipy_rotation(at_ends.base_quat).as_matrix()
+            ends = at_ends.foot_position[:, leg] - at_ends.com
+            first, last = np.einsum("kji,kj->ki", turned, ends)
+            straight = first + share * (last - first)
+            np.testing.assert_allclose(seen[flying, leg], straight, atol=1e-12)
+        np.testing.assert_array_equal(motion.contact[:, leg], stands)
+        still = np.diff(motion.foot_position[:, leg], axis=0)[stands[1:] & stands[:-1]]
+        np.testing.assert_allclose(still, 0.0, atol=1e-12)
+
+
+def test_contacts_change_exactly_at_the_edges_of_phases():
+    plan = synthetic_plan(schedule=TWO_HOPS, durations=TWO_HOPS_DURATIONS)
+    times = with_events(plan, 50)
+    assert set(plan.phase_start) <= set(times)
+    at = resample(plan, plan.phase_start[:-1])
+    np.testing.assert_array_equal(at.contact, TWO_HOPS.stands)
+    before = resample(plan, plan.phase_start[1:-1] - 1e-6)
+    np.testing.assert_array_equal(before.contact, TWO_HOPS.stands[:-1])
 
 
 def test_forces_are_held_and_zero_in_flight(plan):

@@ -20,8 +20,8 @@ from llsrbm.motion.rollout_file import LAYOUT, load_rollout, save_rollout
 from llsrbm.scenario import Scenario
 from tests.llsrbm.native_files import message, rewritten
 from tests.llsrbm.sameness import assert_same
-from tests.llsrbm.synthetic import synthetic_plan
-from tests.llsrbm.synthetic_rollout import synthetic_rollout
+from tests.llsrbm.synthetic import TWO_HOPS, TWO_HOPS_DURATIONS, synthetic_plan
+from tests.llsrbm.synthetic_rollout import followed, synthetic_rollout
 
 
 @pytest.fixture(scope="module")
@@ -50,6 +50,23 @@ def test_the_plan_that_was_followed(rollout, saved, tmp_path):
     assert load(tmp_path / "older.npz").plan is None
     bent = rewritten(saved, tmp_path / "x.npz", **{"plan/com": rollout.plan.com[:-1]})
     assert 'plan/: key "com": expected shape (T, 3)' in message(bent)
+
+
+def test_round_trip_of_another_schedule(tmp_path):
+    rollout = followed(synthetic_plan(schedule=TWO_HOPS, durations=TWO_HOPS_DURATIONS))
+    rollout.save(tmp_path / "hops.npz")
+    back = load(tmp_path / "hops.npz")
+    assert_same(rollout, back)
+    assert back.schedule == TWO_HOPS
+    for phase in (7, -1):
+        path = rewritten(
+            tmp_path / "hops.npz", tmp_path / "x.npz", phase=np.full(len(rollout.time), phase)
+        )
+        assert 'key "phase": expected 0 (take-off), 1 (rear push), 2 (flight), ' in message(path)
+    with np.load(tmp_path / "hops.npz") as archive:
+        older = {key: archive[key] for key in archive if not key.startswith("plan/")}
+    np.savez(tmp_path / "older.npz", **older)  # which there was `together` for only
+    assert "expected 0 (take-off), 1 (flight), 2 (landing)" in message(tmp_path / "older.npz")
 
 
 def test_round_trip_of_a_robot_that_fell(tmp_path):

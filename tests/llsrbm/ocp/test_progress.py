@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from llsrbm.errors import Cancelled
 from llsrbm.ocp import progress
-from llsrbm.ocp.progress import IterationTable, attended, printed_into
+from llsrbm.ocp.progress import IterationTable, attended, printed_into, when_idle
 
 FATROP = """
 iter    objective   inf_pr   inf_du lg(mu)    ||d||   lg(rg)   alpha_du   alpha_pr ls
@@ -120,3 +120,28 @@ def test_a_solve_that_waits_can_be_cancelled_too():
         attended(lambda: None, lambda: None, None, lambda: True)
     assert time.monotonic() - start < 0.3
     release.set()
+
+
+def test_what_else_needs_casadi_waits_for_an_abandoned_solve():
+    start = time.monotonic()
+    with pytest.raises(Cancelled):
+        attended(lambda: time.sleep(0.5), lambda: None, None, lambda: True)
+    with pytest.raises(Cancelled):
+        when_idle(lambda: True)
+    assert time.monotonic() - start < 0.3
+    when_idle()
+    assert time.monotonic() - start >= 0.5
+    when_idle(lambda: True)  # nothing to wait for
+
+
+def test_a_solve_that_was_cancelled_before_it_began_never_does():
+    release, begun = threading.Event(), []
+    with pytest.raises(Cancelled):
+        attended(release.wait, lambda: None, None, lambda: True)
+    with pytest.raises(Cancelled):
+        attended(lambda: begun.append(1), lambda: None, None, lambda: True)
+    release.set()
+    attended(lambda: None, lambda: None, None, None)
+    when_idle()
+    time.sleep(0.05)
+    assert not begun

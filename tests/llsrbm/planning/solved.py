@@ -10,7 +10,7 @@ import numpy as np
 
 from llsrbm.jump import Jump
 from llsrbm.motion.plan import Plan
-from llsrbm.ocp.transcription import constraints_of
+from llsrbm.planning.horizon import constraints_of
 from llsrbm.planning.knots import Knots
 from llsrbm.planning.planner import Planner, planner_for
 from llsrbm.planning.task import Task
@@ -38,14 +38,13 @@ def solved(model: str, request: str, robot: str = "anymal") -> Solved:
     planner = planner_for(robot, model)
     jump = Jump(robot=robot, model=model, **(REQUESTS | BIPED)[request])
     plan = planner.plan(jump)
-    task, iterate = planner.last
-    return Solved(planner, task, plan, planner.last_knots(), iterate.w)
+    found = planner.last
+    return Solved(planner, found.task, plan, found.knots, found.solution.variables)
 
 
 def function(planner: Planner, name: str) -> Any:
     """One of the functions that the planner's solver evaluates."""
-    solver = planner._backend._cold
-    return solver.oracle() if name == "nlp" else solver.get_function(name)
+    return planner.formulation.solver.function(name)
 
 
 def parameters(task: Task) -> np.ndarray:
@@ -54,7 +53,7 @@ def parameters(task: Task) -> np.ndarray:
 
 def rows_by_constraint(s: Solved, g: np.ndarray) -> list[dict[str, np.ndarray]]:
     """Of each knot: constraint name -> its rows in g, the solver's values."""
-    layout, row, found = s.planner.layout, 0, []
+    layout, row, found = s.planner.formulation.layout, 0, []
     for k, role in enumerate(layout.roles):
         if not role.terminal:
             row += layout.state_size(layout.roles[k + 1])

@@ -7,8 +7,8 @@ from llsrbm.motion.plan import Phase
 from llsrbm.planning.guess import analytic_guess
 from llsrbm.planning.knots import unpack
 from llsrbm.planning.layout import Intervals, Layout
-from llsrbm.planning.residuals import violations
 from llsrbm.planning.placement import make_task
+from llsrbm.planning.residuals import violations
 from llsrbm.robots import load_robot
 
 ROBOT = load_robot("anymal")

@@ -10,13 +10,12 @@ from hypothesis import strategies as st
 from llsrbm.errors import InputError
 from llsrbm.jump import Jump
 from llsrbm.motion.plan import Phase
-from llsrbm.ocp.transcription import row_bounds
 from llsrbm.planning.constraints import CONSTRAINTS
+from llsrbm.planning.horizon import row_bounds
 from llsrbm.planning.layout import Intervals, Layout
-from llsrbm.planning.placement import limits_of
+from llsrbm.planning.placement import limits_of, make_task
 from llsrbm.planning.planner import planner_for
 from llsrbm.planning.residuals import TOLERANCE, violations
-from llsrbm.planning.placement import make_task
 from llsrbm.robots import load_robot
 from llsrbm.tuning import Tuning
 

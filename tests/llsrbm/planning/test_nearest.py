@@ -13,10 +13,10 @@ from llsrbm.errors import Cancelled, Error, InputError, NotConverged, Stop
 from llsrbm.jump import Jump
 from llsrbm.planning.explanation import explain, in_words
 from llsrbm.planning.nearest import STEPS, Way
+from llsrbm.planning.placement import make_task
 from llsrbm.planning.planner import planner_for
 from llsrbm.planning.residuals import TOLERANCE
 from llsrbm.planning.scout import Scout
-from llsrbm.planning.placement import make_task
 from llsrbm.robots import load_robot
 
 ANYMAL = load_robot("anymal")
@@ -127,7 +127,7 @@ def test_the_named_limit_is_the_one():
     """Only that limit changed, as it says, makes the jump plannable; half of that does not."""
     planner = planner_for("anymal", HIGH.model)
     task = make_task(HIGH, ANYMAL, None, {"torque_share": 0.44, "friction": 0.45})
-    (stop,) = explain(Scout(planner), task)
+    (stop,) = explain(Scout(planner.formulation), task)
     assert (stop.constraint, stop.limit, stop.value) == ("joint_torque", "torque_share", 0.44)
     assert 0.44 < stop.needed < ANYMAL.file.limits.torque_share
     assert stop.amount == pytest.approx(stop.needed - 0.44)

@@ -12,8 +12,10 @@ from llsrbm.errors import Cancelled, InputError, NotConverged
 from llsrbm.jump import Jump
 from llsrbm.motion.plan import Phase
 from llsrbm.ocp import progress, solvers
-from llsrbm.ocp.progress import PlanningProgress
-from llsrbm.planning.planner import INTERVALS, PATIENT_FLIGHT, Planner, planner_for
+from llsrbm.planning import explanation
+from llsrbm.planning.formulation import PATIENT_FLIGHT
+from llsrbm.planning.planner import INTERVALS, Planner, planner_for
+from llsrbm.planning.progress import PlanningProgress
 from llsrbm.planning.residuals import TOLERANCE, excess
 from llsrbm.robots import load_robot
 from tests.llsrbm.kinematics import foot_positions
@@ -252,25 +254,32 @@ def test_ipopt_agrees():
 
 
 class Reluctant:
-    """A backend whose first solves end where they began."""
+    """A solver whose first solves end where they began."""
 
-    def __init__(self, backend, failures):
-        self.backend, self.failures, self.calls, self.seconds = backend, failures, [], []
-        self.name, self.sizes = backend.name, backend.sizes
+    def __init__(self, solver, failures):
+        self.solver, self.failures, self.calls, self.seconds = solver, failures, [], []
+        self.name, self.sizes = solver.name, solver.sizes
 
-    def solve(self, guess, parameters, bounds, read=None):
+    def solve(self, problem, guess, patience=solvers.PATIENT, read=None):
         self.calls.append(guess)
-        return self._spoilt(self.backend.solve(guess, parameters, bounds, read), guess)
+        return self._spoilt(self.solver.solve(problem, guess, patience, read), guess)
 
-    def follow(self, start, parameters, bounds):
+    def follow(self, problem, start):
         self.calls.append(start.variables)
-        return self._spoilt(self.backend.follow(start, parameters, bounds), start.variables)
+        return self._spoilt(self.solver.follow(problem, start), start.variables)
 
-    def _spoilt(self, iterate, start):
-        self.seconds.append(iterate.solve_time_s)
+    def _spoilt(self, solution, start):
+        self.seconds.append(solution.solve_time_s)
         if len(self.calls) <= self.failures:
-            iterate = replace(iterate, w=start, converged=False, message="reluctant")
-        return iterate
+            spoilt = {"variables": start, "converged": False, "message": "reluctant"}
+            solution = replace(solution, **spoilt)
+        return solution
+
+
+def made_reluctant(planner, failures):
+    solver = Reluctant(planner.formulation.solver, failures)
+    planner.formulation = replace(planner.formulation, solver=solver)
+    return solver
 
 
 LABELS = ["from the analytic guess", "from a longer flight", "by way of easier jumps"]
@@ -278,29 +287,36 @@ LABELS = ["from the analytic guess", "from a longer flight", "by way of easier j
 
 @pytest.mark.parametrize(("failures", "attempts", "solves"), [(0, 1, 1), (1, 2, 2), (2, 3, 5)])
 def test_further_attempts_when_one_fails(planner, failures, attempts, solves):
-    planner._backend = backend = Reluctant(planner._backend, failures)
+    solver = made_reluctant(planner, failures)
     said = []
     plan = planner.plan(Jump(model="srbm", forward=0.3), progress=said.append)
     assert plan.solved
     assert plan.report.attempts == attempts
-    assert len(backend.calls) == solves
+    assert len(solver.calls) == solves
     assert [news.text for news in said if news.iteration is None] == [
         f"attempt {k + 1}: {what}" for k, what in enumerate(LABELS[:attempts])
     ]
-    assert plan.report.solve_time_s == pytest.approx(sum(backend.seconds), rel=0.05)
+    assert plan.report.solve_time_s == pytest.approx(sum(solver.seconds), rel=0.05)
     assert plan.report.cost == pytest.approx(solved("srbm", "forward").plan.report.cost, rel=5e-3)
     if failures:
         first_in_flight = planner.layout.variables(planner.layout.intervals.takeoff)
-        guess = backend.calls[1]
+        guess = solver.calls[1]
         assert guess[first_in_flight["duration"]] == PATIENT_FLIGHT
 
 
-def test_what_cannot_be_says_what_is_violated(planner):
+def of_weak_legs(planner):
     """Legs that can barely carry the robot."""
     limits = ROBOT.file.limits.model_copy(update={"torque_share": 0.25})
-    planner.robot = replace(ROBOT, file=ROBOT.file.model_copy(update={"limits": limits}))
+    robot = replace(ROBOT, file=ROBOT.file.model_copy(update={"limits": limits}))
+    planner.formulation = replace(planner.formulation, robot=robot)
+    return planner
+
+
+def test_what_cannot_be_says_what_is_violated(planner, monkeypatch):
+    """When there is no time to find the limit that stops it."""
+    monkeypatch.setattr(explanation, "EXPLANATION_TIME", -1.0)
     with pytest.raises(NotConverged) as caught:
-        planner.plan(Jump(model="srbm", forward=0.3))
+        of_weak_legs(planner).plan(Jump(model="srbm", forward=0.3))
     message, plan = str(caught.value), caught.value.plan
     assert "\n" not in message
     assert message.startswith(
@@ -318,13 +334,26 @@ def test_what_cannot_be_says_what_is_violated(planner):
         planner.last_knots()
 
 
+def test_what_cannot_be_names_the_limit_that_stops_it(planner):
+    """Changed as it says, the jump can be planned."""
+    said = []
+    jump = Jump(model="srbm", forward=0.3)
+    with pytest.raises(
+        NotConverged, match=r"^no plan found in 3 attempts: .*\(torque_share\)"
+    ) as caught:
+        of_weak_legs(planner).plan(jump, progress=said.append)
+    assert said[-1].text.startswith("looking for the limit that stops it, try ")
+    (needed,) = [stop.needed for stop in caught.value.stops if stop.limit == "torque_share"]
+    assert planner.plan(jump, limits={"torque_share": needed}).solved
+
+
 def test_a_near_plan_that_leads_nowhere_costs_an_attempt(planner):
     near = planner.plan(Jump(model="srbm", forward=0.3))
-    planner._backend = backend = Reluctant(planner._backend, 1)
+    solver = made_reluctant(planner, 1)
     said = []
     plan = planner.plan(Jump(model="srbm", forward=0.32), near=near, progress=said.append)
     assert plan.solved
-    assert plan.report.attempts == len(backend.calls) == 2
+    assert plan.report.attempts == len(solver.calls) == 2
     assert said[0].text == "attempt 1: from the last plan"
     np.testing.assert_array_equal(
         plan.com, planner.plan(Jump(model="srbm", forward=0.32)).com, "from the analytic guess"
@@ -334,20 +363,20 @@ def test_a_near_plan_that_leads_nowhere_costs_an_attempt(planner):
 @pytest.mark.parametrize("near", [False, True])
 def test_impatient_planning_gives_up_after_the_quick_attempts(planner, near):
     start = planner.plan(Jump(model="srbm", forward=0.3)) if near else None
-    planner._backend = backend = Reluctant(planner._backend, 9)
+    solver = made_reluctant(planner, 9)
     with pytest.raises(NotConverged, match=f"no plan found in {1 + near} attempts"):
         planner.plan(Jump(model="srbm", forward=0.3), near=start, patient=False)
-    assert len(backend.calls) == 1 + near
+    assert len(solver.calls) == 1 + near
 
 
 def test_cancelled_between_attempts(planner):
-    planner._backend = backend = Reluctant(planner._backend, 9)
+    solver = made_reluctant(planner, 9)
     with pytest.raises(Cancelled, match="planning was cancelled"):
-        planner.plan(Jump(model="srbm", forward=0.3), cancelled=lambda: len(backend.seconds) > 0)
-    assert len(backend.calls) == 1
+        planner.plan(Jump(model="srbm", forward=0.3), cancelled=lambda: len(solver.seconds) > 0)
+    assert len(solver.calls) == 1
     with pytest.raises(Cancelled):
         planner.plan(Jump(model="srbm", forward=0.3), cancelled=lambda: True)
-    assert len(backend.calls) == 1
+    assert len(solver.calls) == 1
 
 
 def test_cancelled_in_the_middle_of_a_solve(planner):
@@ -355,19 +384,20 @@ def test_cancelled_in_the_middle_of_a_solve(planner):
     jump = Jump(model="srbm", **REQUESTS["all"])
     planner.plan(jump)  # whatever is done once is done
     begun = threading.Event()
-    solve = planner._backend._run
+    solver = planner.formulation.solver
+    solve = solver._run
 
     def slow(*arguments):
         begun.set()
         time.sleep(1.0)
         return solve(*arguments)
 
-    planner._backend._run = slow
+    solver._run = slow
     start = time.monotonic()
     with pytest.raises(Cancelled):
         planner.plan(jump, cancelled=begun.is_set)
     assert time.monotonic() - start < 0.5
-    planner._backend._run = solve
+    solver._run = solve
     again = planner.plan(jump)
     assert time.monotonic() - start > 1.0
     np.testing.assert_array_equal(again.com, solved("srbm", "all").plan.com)
@@ -421,7 +451,7 @@ def test_what_it_cannot_be_made_of(arguments, message):
 
 def test_solvers_by_name():
     assert solvers.names() == ("fatrop", "ipopt")
-    assert [solvers.backend(name).name for name in solvers.names()] == list(solvers.names())
+    assert [solvers.by_name(name).name for name in solvers.names()] == list(solvers.names())
 
 
 # ---- llsrbm.plan

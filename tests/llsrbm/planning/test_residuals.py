@@ -6,6 +6,7 @@ from scipy.spatial.transform import Rotation
 
 from llsrbm.motion.plan import Phase, Violation
 from llsrbm.planning.constraints import CONSTRAINTS
+from llsrbm.planning.placement import make_task
 from llsrbm.planning.residuals import (
     TOLERANCE,
     describe_worst,
@@ -14,7 +15,6 @@ from llsrbm.planning.residuals import (
     stops,
     violations,
 )
-from llsrbm.planning.placement import make_task
 from llsrbm.robots import load_robot
 from tests.llsrbm.planning.solved import solved
 

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from llsrbm import models
-from llsrbm.ocp.transcription import constraints_of
 from llsrbm.planning.constraints import CONSTRAINTS
+from llsrbm.planning.horizon import constraints_of
 from llsrbm.planning.knots import unpack
 from llsrbm.planning.residuals import dynamics_defects
 from llsrbm.planning.stage import BALANCE_SCALE, GRAVITY

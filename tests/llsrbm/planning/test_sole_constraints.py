@@ -23,8 +23,8 @@ from llsrbm.planning.headings import (
     relative_yaw_rates,
     relative_yaws,
 )
-from llsrbm.planning.residuals import violations
 from llsrbm.planning.placement import place_task
+from llsrbm.planning.residuals import violations
 from llsrbm.robots import load_robot
 from tests.llsrbm.planning.solved import solved
 

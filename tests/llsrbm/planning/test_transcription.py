@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 
 from llsrbm import models
-from llsrbm.ocp.transcription import Problem, constraints_of, row_bounds
+from llsrbm.ocp.transcription import Transcription
 from llsrbm.planning.constraints import CONSTRAINTS
 from llsrbm.planning.guess import analytic_guess
+from llsrbm.planning.horizon import constraints_of, make_horizon, row_bounds
 from llsrbm.planning.layout import Intervals, Layout
 from llsrbm.robots import load_robot
 from tests.llsrbm.planning.solved import function, parameters, solved
@@ -96,65 +97,50 @@ def test_a_plan_lies_within_the_rows_bounds(model):
     assert (g <= upper + 1e-4).all()
 
 
+LAYOUT = Layout(4, 4, Intervals(3, 4, 3))
+MODEL = models.make_model("srbm", load_robot("anymal"))
+
+
 @pytest.fixture(scope="module")
-def problem():
-    return Problem(
-        models.make_model("srbm", load_robot("anymal")), Layout(4, 4, Intervals(3, 4, 3))
-    )
+def transcription():
+    return Transcription(make_horizon(MODEL, LAYOUT))
 
 
-def test_sizes(problem):
-    layout = problem.layout
-    assert sum(problem.state_sizes) + sum(problem.control_sizes) == layout.size_total
-    gaps = sum(problem.state_sizes[1:])
-    assert len(problem.equality) == gaps + sum(problem.row_counts)
-    nlp = problem.functions["nlp"]
-    assert nlp.size1_in(0) == layout.size_total
-    assert nlp.size1_out(1) == len(problem.equality)
+def test_sizes(transcription):
+    structure = transcription.structure
+    assert sum(structure.states) + sum(structure.controls) == LAYOUT.size_total
+    assert structure.states == [LAYOUT.state_size(role) for role in LAYOUT.roles]
+    gaps = sum(structure.states[1:])
+    assert len(structure.equality) == gaps + sum(structure.rows)
+    nlp = transcription.functions["nlp"]
+    assert nlp.size1_in(0) == LAYOUT.size_total
+    assert nlp.size1_out(1) == len(structure.equality)
 
 
-def test_equalities_are_the_rows_whose_bounds_meet(problem):
+def test_equalities_are_the_rows_whose_bounds_meet(transcription):
     task = solved("srbm", "all").task
-    lower, upper = row_bounds(problem.layout, task)
-    np.testing.assert_array_equal(lower == upper, problem.equality)
+    lower, upper = row_bounds(LAYOUT, task)
+    np.testing.assert_array_equal(lower == upper, transcription.structure.equality)
 
 
-def test_rows_of_a_role_in_the_order_of_the_list(problem):
-    for role in problem.layout.roles:
+def test_rows_of_a_role_in_the_order_of_the_list():
+    for role in LAYOUT.roles:
         names = [c.name for c in constraints_of(role)]
         assert names == [c.name for c in CONSTRAINTS if c.name in names]
         assert ("final_state" in names) == role.terminal
 
 
-def test_jacobian_has_fatrops_structure(problem):
-    """Each gap's rows: a stage's own columns and the identity on the next stage's states."""
-    s = solved("srbm", "all")
-    rng = np.random.default_rng(1)
-    w = rng.normal(size=problem.layout.size_total)
-    J = np.array(problem.functions["nlp_jac_g"](w, parameters(s.task))[1])
-    row = column = 0
-    for k, states in enumerate(problem.state_sizes[1:]):
-        width = problem.state_sizes[k] + problem.control_sizes[k]
-        after = column + width
-        gap = J[row : row + states]
-        np.testing.assert_array_equal(gap[:, after : after + states], np.eye(states))
-        height = states + problem.row_counts[k]
-        outside = np.delete(J[row : row + height], np.s_[column : after + states], axis=1)
-        assert not outside.any()
-        row, column = row + height, after
-
-
-def test_fewer_intervals_share_the_same_derivatives(problem):
+def test_fewer_intervals_share_the_same_derivatives(transcription):
     s = solved("srbm", "all")
     rng = np.random.default_rng(2)
-    w = analytic_guess(s.task, problem.layout, problem.model)
+    w = analytic_guess(s.task, LAYOUT, MODEL)
     w += rng.normal(scale=0.02, size=w.size)
     v, p, step = rng.normal(size=w.size), parameters(s.task), 1e-6
-    lam = rng.normal(size=len(problem.equality))
+    lam = rng.normal(size=len(transcription.structure.equality))
     slopes = [
-        np.array(problem.functions["nlp_grad"](w + sign * step * v, p, 0.3, lam)[2]).ravel()
+        np.array(transcription.functions["nlp_grad"](w + sign * step * v, p, 0.3, lam)[2]).ravel()
         for sign in (1, -1)
     ]
-    H = np.array(problem.functions["nlp_hess_l"](w, p, 0.3, lam)[1])
+    H = np.array(transcription.functions["nlp_hess_l"](w, p, 0.3, lam)[1])
     Hv = (slopes[0] - slopes[1]) / (2 * step)
     np.testing.assert_allclose(H @ v, Hv, atol=1e-5 * np.abs(Hv).max())

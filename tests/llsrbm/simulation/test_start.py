@@ -13,7 +13,7 @@ from llsrbm.motion.rollout import Disturbance
 from llsrbm.robots import load_robot
 from llsrbm.robots.foot_contact import foot_contacts
 from llsrbm.simulation.scene import build_scene
-from llsrbm.simulation.start import standing_state
+from llsrbm.simulation.start import standing_state, starting_velocity
 from llsrbm.simulation.surroundings import Surroundings
 from tests.app.synthetic_plan import synthetic_plan
 from tests.llsrbm.simulation.sliding_biped import sliding_biped
@@ -88,3 +88,43 @@ def test_a_plan_of_another_robot_is_refused(tmp_path):
     plan = plan_of(sliding_biped(tmp_path))
     with pytest.raises(InputError, match=r"plan: it has joints .*_slide.* a plan of ANYmal B: LF_"):
         standing_state(load_robot("anymal"), plan)
+
+
+@pytest.mark.parametrize("name", ["anymal", "go2", "slider"])
+def test_a_run_up_moves_com_and_base_over_feet_at_rest(name):
+    robot = load_robot(name)
+    plan = synthetic_plan(Jump(robot=name, speed=0.5))
+    moving = plan.com_velocity.copy()
+    moving[0] = [0.5, 0.0, 0.1]
+    plan = dataclasses.replace(plan, com_velocity=moving)
+    q = standing_state(robot, plan)
+    v = starting_velocity(robot, plan, q)
+    model, data = robot.model, robot.model.createData()
+    pin.centerOfMass(model, data, q, v)
+    pin.forwardKinematics(model, data, q, v)
+    assert data.vcom[0] == pytest.approx(moving[0], abs=1e-6)
+    assert v[3:6] == pytest.approx(0.0, abs=1e-6)
+    for leg, contact in zip(robot.legs, foot_contacts(robot), strict=True):
+        frame = pin.updateFramePlacement(model, data, leg.foot_frame_id)
+        twist = pin.getFrameVelocity(
+            model, data, leg.foot_frame_id, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
+        )
+        for centre in contact.centres:
+            lowest = frame.rotation @ centre - [0, 0, contact.radius]
+            at_the_ground = twist.linear + np.cross(twist.angular, lowest)
+            assert at_the_ground == pytest.approx(0.0, abs=1e-6)
+
+
+def test_a_jump_from_rest_starts_at_rest():
+    robot = load_robot("anymal")
+    plan = plan_of(robot)
+    assert not starting_velocity(robot, plan, standing_state(robot, plan)).any()
+
+
+def test_a_speed_that_legs_do_not_allow_is_refused(tmp_path):
+    """Legs that swing fore and aft alone: no speed sideways with the feet at rest."""
+    robot = sliding_biped(tmp_path)
+    plan = synthetic_plan(Jump(robot=str(robot.path), speed=0.5))
+    sideways = dataclasses.replace(plan, com_velocity=np.tile([0, 0.5, 0], (len(plan.time), 1)))
+    with pytest.raises(InputError, match=r"plan: Sliding biped cannot move as its first knot says"):
+        starting_velocity(robot, sideways, standing_state(robot, plan))

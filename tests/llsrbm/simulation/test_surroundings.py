@@ -13,6 +13,7 @@ from llsrbm.robots import load_robot
 from llsrbm.scenario import Scenario
 from llsrbm.simulation.surroundings import check_board, surroundings
 from tests.app.synthetic_plan import FLY, STAND, synthetic_plan
+from tests.llsrbm.schedules import in_a_row
 
 ANYMAL = load_robot("anymal")
 RADIUS = 0.031
@@ -183,3 +184,65 @@ def test_the_thickest_board_passes_under_the_feet(height):
 def test_the_world_refuses_a_board_that_is_too_thick():
     with pytest.raises(InputError, match=r"board: .* got 1 m"):
         around(Scenario(board=1.0))
+
+
+def hops(*heights, forward=0.3, twist=0.0):
+    """Jumps in a row with these differences of height."""
+    return in_a_row(
+        *(synthetic_plan(Jump(height=height, forward=forward, twist=twist)) for height in heights)
+    )
+
+
+def stood_on(plan, place):
+    """(L, 3) m: the footholds of a place of a plan of jumps in a row."""
+    return plan.foot_position[48 * place]
+
+
+def test_level_hops_have_the_ground_alone():
+    plan = hops(0.0, 0.0)
+    world = surroundings(ANYMAL, plan, Scenario())
+    assert (world.ground, world.blocks) == (0, ())
+
+
+def test_hops_up_stairs_have_a_box_under_each_place():
+    plan = hops(0.2, 0.15)
+    world = surroundings(ANYMAL, plan, Scenario())
+    first, second = world.blocks
+    assert world.ground == 0
+    assert [block.name for block in world.blocks] == ["box 1", "box"]
+    assert [top(first), top(second)] == pytest.approx([0.2, 0.35])
+    assert overhang(first, stood_on(plan, 1)).min() > 0
+    assert overhang(second, stood_on(plan, 2)).min() > 0
+    # 30 cm are too near: a box comes in mid-flight, and is gone before the next is stood on.
+    assert first.from_s == pytest.approx(MIDDLE)
+    assert first.until_s < second.from_s + FLY / 2
+    assert second.from_s == pytest.approx(MIDDLE + plan.time[48])
+    assert second.until_s == math.inf
+
+
+def test_hops_far_apart_have_boxes_that_stand_all_the_time():
+    plan = hops(0.2, -0.2, forward=2.0, twist=0.7)
+    (box,) = surroundings(ANYMAL, plan, Scenario()).blocks
+    assert (box.name, box.from_s, box.until_s) == ("box 1", 0, math.inf)
+    assert box.yaw == pytest.approx(0.7)
+    assert overhang(box, stood_on(plan, 1)).min() == pytest.approx(0.25)
+    for place in (0, 2):
+        assert overhang(box, stood_on(plan, place), -RADIUS).max() < 0
+
+
+def test_hops_down_start_on_a_block_and_go_on_on_the_next():
+    plan = hops(-0.1, -0.15)
+    world = surroundings(ANYMAL, plan, Scenario())
+    assert world.ground == pytest.approx(-0.25)
+    assert {block.name: top(block) for block in world.blocks} == pytest.approx(
+        {"block": 0.0, "box 1": -0.1}
+    )
+
+
+def test_the_board_of_hops_lies_under_the_last_landing_alone():
+    plan = hops(0.1, 0.1)
+    *_, board = surroundings(ANYMAL, plan, Scenario(board=0.02)).blocks
+    assert board.name == "board"
+    assert top(board) == pytest.approx(0.22)
+    assert board.from_s == pytest.approx(MIDDLE + plan.time[48])
+    assert overhang(board, stood_on(plan, 2)).min() > 0

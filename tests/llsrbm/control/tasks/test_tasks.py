@@ -114,13 +114,14 @@ def test_a_standing_sole_is_held_at_all_its_corners():
 
 @pytest.mark.parametrize("seed", range(3))
 def test_swing_foot_is_measured_from_the_com(seed):
-    """Its Jacobian is the foot's own; the CoM's acceleration is gravity, put in by the task."""
-    target = resting_target()
+    """Its Jacobian is the foot's own; the task adds the CoM's acceleration, the target's."""
+    falling = np.array([0.5, 0.0, -9.81])
+    target = replace(resting_target(), com_acceleration=falling)
     body = moved(seed, np.zeros(18), 0.0)
     motion = ALL["swing"].motion(body, target)
     np.testing.assert_allclose(motion.error, body.com - body.foot[2], atol=1e-12)
     np.testing.assert_allclose(motion.error_rate, body.com_velocity - body.foot_velocity[2])
-    np.testing.assert_allclose(motion.feedforward, [0, 0, -9.81])
+    np.testing.assert_allclose(motion.feedforward, falling)
 
 
 def test_orientation_error_is_the_turn_that_is_missing():

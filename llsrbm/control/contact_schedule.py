@@ -1,0 +1,246 @@
+"""Which feet stand: lifted by the schedule, put down by what is felt.
+
+A plan says when feet leave the ground and when they meet it. Leaving is the robot's own doing, so
+feet leave when the plan says. Meeting the ground is not: it may be nearer or farther than planned,
+and the robot may have jumped higher. So
+
+- a flight, in which no foot stands, begins by the clock and ends when the contact detector says so.
+  What follows is retimed: the plan's clock is set to the planned touchdown, and all later phases,
+  a rebound and its next flight among them, come as much earlier or later;
+- a foot that lands while others stand is swung as planned until its planned landing, and then seeks
+  the ground. It stands from the moment at which its leg feels load, or, once it seeks, at which it
+  has stopped sinking: a foot that is put down gently shows no force that can be told from noise;
+- a foot that lifts while others stand leaves by the clock.
+
+The ground may be higher or lower than planned, too. The feet that stand measure by how much, and
+the motion is raised by that from there on.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from llsrbm.control.foot_force import FootForces
+from llsrbm.control.whole_body import WholeBody
+from llsrbm.motion.footholds import foothold_knots
+from llsrbm.motion.plan import Plan
+
+Array = NDArray[np.float64]
+Feet = NDArray[np.bool_]
+
+JUST_AFTER = (
+    1e-3  # s after touchdown, where the nearest sample of a plan surely is one on the ground
+)
+# A foot that seeks the ground from rest sinks at 0.2 m/s after this time, s; one that then is
+# slower than this, m/s, for so many ticks has met it.
+_SEEKING_TIME = 0.015
+_STOPPED_BELOW = 0.05
+_STILL_TICKS = 3
+_LEFT = 0.5  # of a swing while others stand: a foot that feels load before is one that leaves late
+
+
+@dataclass
+class Flight:
+    """A flight as it was flown.
+
+    Attributes:
+        phase: its place in the schedule.
+        lift_off, touchdown: s: when it was planned to begin and to end, retimed by the touchdowns
+            before it.
+        detected: s: when its touchdown was detected; None before.
+    """
+
+    phase: int
+    lift_off: float
+    touchdown: float
+    detected: float | None = None
+
+
+class ContactSchedule:
+    """The state of a plan's schedule while it is followed: P phases, L feet.
+
+    Attributes:
+        phase: index of the present phase.
+        standing: (L,) feet that stand as far as is known.
+        flights: those that have begun, in order.
+        ground_shift: height of the ground under the feet that stand, or stood last, above the
+            plan's, m.
+    """
+
+    def __init__(self, plan: Plan, body: WholeBody, feet: FootForces, tick: float) -> None:
+        """Stand as the plan's first phase does.
+
+        Args:
+            plan: what is followed.
+            body: the robot, updated before each tick.
+            feet: what its legs feel.
+            tick: s between updates.
+        """
+        schedule = plan.schedule
+        self._schedule, self._start = schedule, plan.phase_start
+        self._body, self._feet, self._tick = body, feet, tick
+        self._stands = schedule.stands
+        # (K + 1, L, 3) m; of a foot that never stands in a place it does not matter.
+        self._footholds = plan.foot_position[foothold_knots(plan), np.arange(body.legs)]
+        self._comes_from = np.array([_coming_from(plan, p) for p in range(len(schedule))])
+        self._pushes_from = np.array([_pushing_from(plan, p) for p in range(len(schedule))])
+
+        self.phase = 0
+        self.standing: Feet = self._stands[0].copy()
+        self.flights: list[Flight] = []
+        self.ground_shift = 0.0
+        # The plan's clock: this time of the plan was at that time.
+        self._plan_time, self._at = 0.0, 0.0
+        self._still = np.zeros(body.legs, dtype=np.int64)
+        self._seeking_since = np.full(body.legs, np.inf)
+
+    @property
+    def flying(self) -> bool:
+        """Whether no foot stands, as far as is known."""
+        return self._schedule[self.phase].is_flight
+
+    @property
+    def planned(self) -> Feet:
+        """(L,) feet that stand in the present phase of the plan."""
+        feet: Feet = self._stands[self.phase]
+        return feet
+
+    @property
+    def seeking(self) -> Feet:
+        """(L,) feet that should stand and do not yet."""
+        return self.planned & ~self.standing
+
+    @property
+    def foothold(self) -> Array:
+        """(L, 3) m: where feet stand in the present place, as planned."""
+        place: Array = self._footholds[self._schedule[self.phase].place]
+        return place
+
+    @property
+    def detected(self) -> float | None:
+        """When the last touchdown was detected, s; None in the first take-off and in flight."""
+        return self.flights[-1].detected if self.flights else None
+
+    def plan_time(self, time: float) -> float:
+        """The time of the plan at a time, s."""
+        return self._plan_time + time - self._at
+
+    def lands(self, time: float) -> bool:
+        """Whether those that stand catch a landing rather than push towards the next flight.
+
+        Between two flights the first half is a landing.
+        """
+        return not self.flying and bool(self.plan_time(time) < self._pushes_from[self.phase])
+
+    def follow_clock(self, time: float) -> bool:
+        """Lift the feet whose time has come; whether a flight begins with it."""
+        if self.flying:
+            return False
+        # Half a tick, so that rounding of times cannot shift a phase by a whole one.
+        now = self.plan_time(time) + self._tick / 2
+        for phase in range(self.phase + 1, len(self._schedule)):
+            if now < self._start[phase]:
+                break
+            self.phase = phase
+            if self._schedule[phase].is_flight:
+                self._take_off()
+                return True
+            self.standing = self.standing & ~self._schedule.lifts(phase)
+            self._seek(self._schedule.lands(phase), time)
+        return False
+
+    def feel(self, time: float, torque: Array, *, hit: bool) -> None:
+        """Find the feet that have met the ground.
+
+        Args:
+            time: s.
+            torque: (J,) measured, mean of the tick that ended.
+            hit: whether something was hit, as the detector says; counts in flight.
+        """
+        if self.phase == 0:
+            return
+        loaded = self._feet.update(torque)
+        if self.flying:
+            if hit:
+                self._touch_down(time, loaded)
+            return
+        self.standing = self.standing | self._found(time, loaded)
+        self._measure_ground()
+
+    def _take_off(self) -> None:
+        self._feet.reset()
+        self.standing = np.zeros_like(self.standing)
+        begin, end = self._start[self.phase : self.phase + 2] - self._plan_time + self._at
+        self.flights.append(Flight(self.phase, float(begin), float(end)))
+
+    def _touch_down(self, time: float, loaded: Feet) -> None:
+        self.flights[-1].detected = time
+        self.phase += 1
+        self._plan_time, self._at = float(self._start[self.phase]) + JUST_AFTER, time
+        # Something has been hit; where no leg is sure yet, it is the one that feels most.
+        can = self.planned | (self._comes_from[self.phase] < np.inf)
+        self.standing = loaded & can
+        self.standing[int(np.argmax(np.where(can, self._feet.vertical, -np.inf)))] = True
+        self._seek(self.planned, time)
+        self._measure_ground()
+
+    def _seek(self, feet: Feet, time: float) -> None:
+        self._still = np.where(feet, 0, self._still)
+        self._seeking_since = np.where(feet, time, self._seeking_since)
+
+    def _found(self, time: float, loaded: Feet) -> Feet:
+        """(L,) feet that stand by what is felt now."""
+        sinking = self._body.foot_velocity[:, 2] < -_STOPPED_BELOW
+        self._still = np.where(sinking, 0, self._still + 1)
+        stopped = (self._still >= _STILL_TICKS) & (time - self._seeking_since > _SEEKING_TIME)
+        coming = self.plan_time(time) >= self._comes_from[self.phase]
+        found: Feet = (self.planned & (loaded | stopped)) | (coming & loaded)
+        return found
+
+    def _measure_ground(self) -> None:
+        """By the feet that stand; the ground that the robot started from is the plan's."""
+        if self.flights and self.standing.any():
+            height = self._body.foot[:, 2] - self.foothold[:, 2]
+            self.ground_shift = float(height[self.standing].mean())
+
+
+def _together(plan: Plan, phase: int) -> tuple[int, int]:
+    """[first, end) of the phases around one of them in which feet stand, without a flight."""
+    flights = plan.schedule.flights
+    first = max((flight + 1 for flight in flights if flight < phase), default=0)
+    end = min((flight for flight in flights if flight >= phase), default=len(plan.schedule))
+    return first, end
+
+
+def _coming_from(plan: Plan, phase: int) -> Array:
+    """(L,) s of the plan from which feet that swing in a phase may land before their time.
+
+    Feet that a flight has lifted may at once, those that have left others standing not before they
+    are on the way back. Infinite where a foot stands, or does not land before the next flight.
+    """
+    stands, start = plan.schedule.stands, plan.phase_start
+    first, end = _together(plan, phase)
+    since = np.full(stands.shape[1], np.inf)
+    for foot in range(stands.shape[1]):
+        landing = next((p for p in range(phase, end) if stands[p, foot]), phase)
+        if landing == phase:
+            continue
+        stood = [p for p in range(first, phase) if stands[p, foot]]
+        since[foot] = -np.inf
+        if stood:
+            left = start[stood[-1] + 1]
+            since[foot] = left + _LEFT * (start[landing] - left)
+    return since
+
+
+def _pushing_from(plan: Plan, phase: int) -> float:
+    """S of the plan from which those that stand around a phase push towards the next flight."""
+    first, end = _together(plan, phase)
+    if first == 0:
+        return -np.inf
+    if end == len(plan.schedule):
+        return np.inf
+    return float(plan.phase_start[[first, end]].mean())

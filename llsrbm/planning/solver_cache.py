@@ -1,0 +1,89 @@
+"""Solvers are built once on a machine: half a minute each, and kept as text in the cache."""
+
+from __future__ import annotations
+
+import ast
+import logging
+import zlib
+from collections.abc import Iterator
+from functools import lru_cache
+from pathlib import Path
+
+import casadi as ca
+
+from llsrbm.cache import cached_bytes, content_key, program
+from llsrbm.models.base import CentroidalModel
+from llsrbm.ocp.solvers import Solver
+from llsrbm.ocp.transcription import Transcription
+from llsrbm.planning.horizon import make_horizon
+from llsrbm.planning.layout import Layout
+from llsrbm.robots.robot import Robot
+
+_log = logging.getLogger(__name__)
+
+_PACKAGE = Path(__file__).parents[1]
+# A solver depends on this module and what it imports of these rooms. Beyond them it sees numbers.
+_ROOMS = tuple(f"{_PACKAGE.name}.{room}." for room in ("models", "ocp", "planning"))
+
+
+def cached_solver(
+    kind: type[Solver], model: CentroidalModel, layout: Layout, robot: Robot
+) -> Solver:
+    """The solver of a model's jumps, from the cache if it is there."""
+
+    def build() -> bytes:
+        _log.info("building the %s solver of %s, once on this machine", model.name, robot.name)
+        solver = kind.build(Transcription(make_horizon(model, layout)))
+        return zlib.compress(solver.serialize().encode("ascii"), level=1)
+
+    key = content_key(
+        ca.__version__,
+        f"{kind.name} {model.name} {layout}",
+        repr(robot.parameters()),
+        repr(model.numbers()),
+        *programs(),
+    )
+    name = f"solver-{robot.name}-{model.name}-{kind.name}-{layout.name}"
+    stored = cached_bytes(name, key, ".casadi.z", build)
+    return kind.deserialize(zlib.decompress(stored).decode("ascii"))
+
+
+@lru_cache(maxsize=1)
+def programs() -> tuple[str, ...]:
+    """Of the modules on which a solver depends: all models, and what this module imports."""
+    paths = {*(_PACKAGE / "models").rglob("*.py")}
+    pending = {Path(__file__), *paths}
+    while pending:
+        path = pending.pop()
+        paths.add(path)
+        pending |= {*_imported(path)} - paths
+    return tuple(program(path) for path in sorted(paths))
+
+
+def _imported(path: Path) -> Iterator[Path]:
+    """Modules of the rooms that a module imports to run, not for types alone."""
+    pending: list[ast.AST] = [ast.parse(path.read_text(encoding="utf-8"))]
+    while pending:
+        node = pending.pop()
+        if isinstance(node, ast.If) and getattr(node.test, "id", "") == "TYPE_CHECKING":
+            continue
+        for block in ("body", "orelse", "handlers", "finalbody"):
+            pending += getattr(node, block, [])
+        if isinstance(node, ast.ImportFrom) and node.module is not None:
+            names = [node.module, *(f"{node.module}.{alias.name}" for alias in node.names)]
+        elif isinstance(node, ast.Import):
+            names = [alias.name for alias in node.names]
+        else:
+            continue
+        for name in names:
+            yield from _files(name)
+
+
+def _files(name: str) -> Iterator[Path]:
+    """Of a module of the rooms, with the package's own that it is in; of another name, none."""
+    if not f"{name}.".startswith(_ROOMS):
+        return
+    place = _PACKAGE.joinpath(*name.split(".")[1:])
+    for path in (place.with_suffix(".py"), place / "__init__.py", place.parent / "__init__.py"):
+        if path.is_file() and path.parent != _PACKAGE:
+            yield path

@@ -1,0 +1,195 @@
+"""Which feet stand: by the clock when they leave, by what is felt when they land."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from llsrbm.control.contact_schedule import ContactSchedule
+from llsrbm.schedule import Phase
+from tests.llsrbm.schedules import in_a_row, with_schedule
+from tests.llsrbm.synthetic import synthetic_plan
+
+TICK = 0.0025
+FRONT, HIND = ("LF", "RF"), ("LH", "RH")
+ALL = FRONT + HIND
+STANDING_ALL, NONE = np.ones(4, dtype=bool), np.zeros(4, dtype=bool)
+FRONT_ONLY, HIND_ONLY = np.array([1, 1, 0, 0], bool), np.array([0, 0, 1, 1], bool)
+ONE = synthetic_plan(twist=0.0, forward=0.3)  # 0.5 s of take-off, 0.4 s of flight, 0.6 s of landing
+
+
+class Robot:
+    """What a schedule asks of body and legs, put in by hand."""
+
+    legs = 4
+
+    def __init__(self):
+        self.foot = np.zeros((4, 3))
+        self.foot_velocity = np.zeros((4, 3))
+        self.vertical = np.zeros(4)
+        self.loaded = NONE
+        self.resets = 0
+
+    def update(self, torque):
+        return self.loaded
+
+    def reset(self):
+        self.resets += 1
+
+
+class Run:
+    """A schedule that is stepped tick by tick."""
+
+    def __init__(self, plan):
+        self.robot = Robot()
+        self.contacts = ContactSchedule(plan, self.robot, self.robot, TICK)
+        self.ticks = 0
+        self.begun = []
+
+    def step(self, *, hit=False):
+        time = self.ticks * TICK
+        if self.contacts.follow_clock(time):
+            self.begun.append(time)
+        self.contacts.feel(time, np.zeros(12), hit=hit)
+        self.ticks += 1
+        return self.contacts
+
+    def until(self, time):
+        while self.ticks * TICK < time - TICK / 2:
+            self.step()
+        return self.contacts
+
+
+def rear_last():
+    return with_schedule(
+        ONE,
+        [
+            (Phase("take-off", ALL, "takeoff"), 12),
+            (Phase("rear push", HIND, "takeoff"), 4),  # from 0.375 s on
+            (Phase("flight", (), "flight"), 16),
+            (Phase("front landing", FRONT, "landing", 1), 4),  # from 0.9 s on
+            (Phase("landing", ALL, "landing", 1), 12),  # from 1.05 s on
+        ],
+    )
+
+
+def test_feet_leave_by_the_clock():
+    run = Run(rear_last())
+    assert run.until(0.37).standing.all()
+    np.testing.assert_array_equal(run.until(0.38).standing, HIND_ONLY)
+    assert run.contacts.phase == 1
+    assert not run.contacts.flying
+    assert not run.contacts.seeking.any()
+    contacts = run.until(0.51)
+    assert contacts.flying
+    assert not contacts.standing.any()
+    assert run.begun == [pytest.approx(0.5)]
+    assert run.robot.resets == 1
+
+
+def test_load_on_feet_that_have_left_for_a_flight_is_no_landing():
+    run = Run(rear_last())
+    run.until(0.38)
+    run.robot.loaded = STANDING_ALL
+    np.testing.assert_array_equal(run.until(0.49).standing, HIND_ONLY)
+
+
+def test_a_flight_ends_when_something_is_hit_and_not_before():
+    run = Run(ONE)
+    assert run.until(3.0).flying
+    run.robot.vertical = np.array([0.0, 5.0, 60.0, 1.0])
+    contacts = run.step(hit=True)
+    assert not contacts.flying
+    assert contacts.standing.tolist() == [False, False, True, False]  # it feels most
+    np.testing.assert_array_equal(contacts.seeking, ~contacts.standing)
+    assert contacts.detected == pytest.approx(3.0)
+    assert contacts.plan_time(3.0) == pytest.approx(0.9, abs=2e-3)
+
+
+def test_front_feet_land_first_and_hind_feet_when_they_meet_the_ground():
+    run = Run(rear_last())
+    run.until(0.85)  # 50 ms early
+    run.robot.loaded = FRONT_ONLY
+    contacts = run.step(hit=True)
+    np.testing.assert_array_equal(contacts.standing, FRONT_ONLY)
+    assert not contacts.seeking.any()  # the hind feet swing as planned
+    run.robot.foot_velocity[:, 2] = 0.0  # not sinking is no landing before their time
+    assert not run.until(0.99).standing[2:].any()
+    run.robot.foot_velocity[2:, 2] = -0.2
+    contacts = run.until(1.03)
+    np.testing.assert_array_equal(contacts.seeking, HIND_ONLY)
+    assert not contacts.standing[2:].any()
+    run.robot.foot_velocity[3, 2] = 0.0
+    assert run.until(1.06).standing.tolist() == [True, True, False, True]
+    run.robot.loaded = STANDING_ALL
+    assert run.until(1.07).standing.all()
+
+
+def test_a_foot_that_comes_before_its_time_stands():
+    run = Run(rear_last())
+    run.until(0.9)
+    run.robot.loaded = FRONT_ONLY
+    run.step(hit=True)
+    run.robot.loaded = STANDING_ALL
+    assert run.step().standing.all()
+    assert run.contacts.phase == 3
+
+
+def test_a_step_while_others_stand():
+    """Load early in the swing is that of a foot that leaves late."""
+    plan = with_schedule(
+        ONE,
+        [
+            (Phase("stand", ALL, "takeoff"), 4),
+            (Phase("step", HIND, "takeoff"), 8),  # 0.125 to 0.375 s
+            (Phase("push", ALL, "takeoff"), 4),
+            (Phase("flight", (), "flight"), 16),
+            (Phase("landing", ALL, "landing", 1), 16),
+        ],
+    )
+    run = Run(plan)
+    run.until(0.13)
+    run.robot.loaded = STANDING_ALL
+    np.testing.assert_array_equal(run.until(0.24).standing, HIND_ONLY)
+    assert run.until(0.26).standing.all()
+    assert run.until(0.4).phase == 2
+    assert run.until(0.6).flying
+
+
+def test_hops_are_retimed_by_every_touchdown():
+    """Flights of 0.4 s from 0.5 and, after a rebound of 1.1 s, from 2.0 s on."""
+    run = Run(in_a_row(ONE, ONE))
+    run.until(0.94)
+    run.step(hit=True)
+    assert run.contacts.lands(1.0)
+    assert not run.until(1.6).lands(1.6)  # the second half pushes
+    assert run.until(2.03).phase == 2
+    assert run.until(2.05).flying
+    assert run.begun == [pytest.approx(0.5), pytest.approx(2.04, abs=TICK)]
+    first, second = run.contacts.flights
+    assert (first.lift_off, first.touchdown) == (pytest.approx(0.5), pytest.approx(0.9))
+    assert second.lift_off == pytest.approx(2.039)
+    assert second.touchdown == pytest.approx(2.439)
+    assert run.contacts.detected is None
+    run.until(2.42)
+    contacts = run.step(hit=True)
+    assert contacts.phase == 4
+    assert [flight.detected for flight in contacts.flights] == pytest.approx([0.94, 2.42])
+    assert contacts.plan_time(2.42) == pytest.approx(2.4, abs=2e-3)
+    assert run.until(5.0).lands(5.0)
+
+
+def test_the_ground_is_measured_at_each_place():
+    plan = in_a_row(ONE, ONE)
+    run = Run(plan)
+    run.until(0.9)
+    run.robot.foot[:, 2] = 0.02
+    run.robot.loaded = STANDING_ALL
+    assert run.step(hit=True).ground_shift == pytest.approx(0.02)
+    run.until(2.3)
+    assert run.contacts.flying
+    assert run.contacts.ground_shift == pytest.approx(0.02)
+    run.robot.foot[:, 2] = -0.01
+    contacts = run.step(hit=True)
+    assert contacts.ground_shift == pytest.approx(-0.01)
+    np.testing.assert_allclose(contacts.foothold, plan.foot_position[-1])

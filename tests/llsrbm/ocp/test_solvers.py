@@ -1,0 +1,135 @@
+"""A problem without robots, solved and compared with what pencil and paper give."""
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from llsrbm.errors import InputError
+from llsrbm.ocp import solvers
+from llsrbm.ocp.solvers import PATIENT, TOO_FAR, Patience
+from llsrbm.ocp.transcription import Transcription
+from tests.llsrbm.ocp.cart import INTERVALS, best_pushes, horizon, places, problem, pushes
+
+every_solver = pytest.mark.parametrize("name", solvers.names())
+GUESS = np.zeros(3 * INTERVALS + 2)
+
+
+@cache
+def solver(name):
+    return solvers.by_name(name).build(Transcription(horizon()))
+
+
+@every_solver
+def test_the_closed_form(name):
+    """With equal weights the pushes fall evenly and cost 12 x^2 / (T^3 (1 - 1 / N^2))."""
+    solution = solver(name).solve(problem(1.0), GUESS)
+    assert solution.converged
+    fall = 6 / (INTERVALS * 2.0**2 * (1 - 1 / INTERVALS**2))
+    expected = fall * (INTERVALS - 1 - 2 * np.arange(INTERVALS))
+    np.testing.assert_allclose(pushes(solution.variables), expected, atol=1e-4)
+    assert solution.cost == pytest.approx(12 / 2.0**3 / (1 - 1 / INTERVALS**2), rel=1e-4)
+    assert places(solution.variables)[[0, -1]] == pytest.approx([0.0, 1.0], abs=1e-5)
+
+
+@every_solver
+def test_runs_of_one_family_have_their_own_parameters(name):
+    weights = (1.0, 3.0)
+    solution = solver(name).solve(problem(0.8, weights=weights), GUESS)
+    np.testing.assert_allclose(
+        pushes(solution.variables), best_pushes(0.8, weights=weights), atol=1e-3
+    )
+
+
+@every_solver
+def test_multipliers_balance_the_cost(name):
+    """grad f + J^T lam = 0 at the optimum."""
+    task = problem(0.8, drag=0.5)
+    solution = solver(name).solve(task, GUESS)
+    slope = solver(name).function("nlp_grad_f")(solution.variables, task.parameters)
+    gradient = np.array(slope if name == "fatrop" else slope[1]).ravel()
+    J = np.array(solver(name).function("nlp_jac_g")(solution.variables, task.parameters)[1])
+    np.testing.assert_allclose(gradient + J.T @ solution.multipliers, 0.0, atol=1e-3)
+
+
+def test_bounds_are_kept_and_both_solvers_agree():
+    """A push of 1.1 m/s2 barely does: to push all the time forth and back takes 1."""
+    task = problem(1.0, push=1.1)
+    one, other = (solver(name).solve(task, GUESS) for name in solvers.names())
+    assert one.converged
+    assert other.converged
+    assert np.abs(pushes(one.variables)).max() < 1.1 + 1e-4
+    np.testing.assert_allclose(pushes(one.variables), pushes(other.variables), atol=5e-3)
+    assert best_pushes(1.0).max() > 1.1
+
+
+@every_solver
+def test_to_follow_is_quicker_and_ends_at_the_same_place(name):
+    near = solver(name).solve(problem(1.0, drag=0.5), GUESS)
+    task = problem(1.05, drag=0.5)
+    followed, cold = solver(name).follow(task, near), solver(name).solve(task, GUESS)
+    assert followed.converged
+    assert followed.iterations <= cold.iterations
+    np.testing.assert_allclose(followed.variables, cold.variables, atol=1e-3)
+
+
+def test_what_is_too_far_is_not_begun():
+    near = solver("fatrop").solve(problem(1.0), GUESS)
+    far = problem(1.0 + 1.01 * TOO_FAR)
+    followed = solver("fatrop").follow(far, near)
+    assert (followed.converged, followed.iterations) == (False, 0)
+    np.testing.assert_array_equal(followed.variables, near.variables)
+    for guess in (np.full_like(GUESS, 1e6), np.full_like(GUESS, np.nan)):
+        assert not solver("fatrop").solve(far, guess).converged
+
+
+@every_solver
+def test_miss_is_the_largest_violation(name):
+    assert solver(name).miss(problem(0.7), GUESS) == pytest.approx(0.7)
+    broken = np.where(np.arange(GUESS.size) == 5, np.nan, GUESS)
+    assert solver(name).miss(problem(0.7), broken) == np.inf
+
+
+@every_solver
+def test_patience(name):
+    task = problem(1.0, drag=2.0, push=1.6)
+    patient = solver(name).solve(task, GUESS)
+    assert patient.converged
+    hurried = solver(name).solve(task, GUESS, Patience(mu=1e-3, iterations=2))
+    assert not hurried.converged
+    assert hurried.iterations <= 3 < patient.iterations  # Fatrop counts the first evaluation
+    rough = solver(name).solve(task, GUESS, replace(PATIENT, tolerance=1e-2))
+    assert rough.iterations <= patient.iterations
+    again = solver(name).solve(task, GUESS)
+    np.testing.assert_array_equal(again.variables, patient.variables)
+
+
+@every_solver
+def test_from_text_it_is_the_same(name):
+    kind, here = solvers.by_name(name), solver(name)
+    there = kind.deserialize(here.serialize())
+    assert there.sizes == here.sizes == (GUESS.size, problem(1.0).lower.size)
+    task = problem(0.9, drag=0.3)
+    np.testing.assert_array_equal(
+        there.solve(task, GUESS).variables, here.solve(task, GUESS).variables
+    )
+    hurried = Patience(mu=1e-3, iterations=60)
+    np.testing.assert_array_equal(
+        there.solve(task, GUESS, hurried).variables, here.solve(task, GUESS, hurried).variables
+    )
+
+
+def test_the_table_is_read_and_nothing_printed(capfd):
+    read = []
+    solution = solver("fatrop").solve(problem(1.0), GUESS, read=read.append)
+    assert "inf_pr" in "".join(read)
+    solver("fatrop").solve(problem(1.0), GUESS, Patience(mu=2e-3, iterations=50))
+    assert solution.converged
+    assert capfd.readouterr() == ("", "")
+
+
+def test_names():
+    assert solvers.names() == ("fatrop", "ipopt")
+    with pytest.raises(InputError, match="unknown solver 'snopt'; the solvers are fatrop, ipopt"):
+        solvers.by_name("snopt")
