@@ -9,6 +9,13 @@
     time = "takeoff"          # a row of the robot file's [timing], or [shortest, longest], s
     ...
 
+Where there is something to jump over, it says that, too:
+
+    [obstacle]
+    from = 0.1                # where it begins and ends, m ahead of the foremost foot at the start
+    to = 0.2
+    height = 0.12             # m above the ground at the start; below zero: a gap, so deep
+
 A type says what is contact: the phases, and what of weights and limits they need. Where to, how
 fast and how far round is the request's (`llsrbm.Jump`); `with_defaults` has it say what a type asks
 for. A file that is read never has a type's file opened that it names; planning has.
@@ -30,6 +37,7 @@ from pydantic_core import ErrorDetails, PydanticCustomError
 from llsrbm.errors import InputError, printable
 from llsrbm.jump import ASKABLE as ASKABLE
 from llsrbm.jump import Jump
+from llsrbm.obstacle import wrong_shape
 from llsrbm.robots.assets import assets_directory
 from llsrbm.robots.schema import choices
 from llsrbm.robots.tables import Table, with_tuples
@@ -85,6 +93,26 @@ class Displacement(Table):
     height: float | None = None
 
 
+class ObstacleRow(Table):
+    """A hurdle or a gap as a file has it.
+
+    Attributes:
+        near, far: m ahead of the foremost contact point at the start; "from" and "to" in files.
+        height: m above the ground at the start; below zero: a gap, so deep.
+    """
+
+    near: Annotated[float, Field(alias="from")]
+    far: Annotated[float, Field(alias="to")]
+    height: float
+
+    @model_validator(mode="after")
+    def _check(self) -> ObstacleRow:
+        why = wrong_shape(self.near, self.far, self.height)
+        if why:
+            raise PydanticCustomError("obstacle", "{why}", {"why": f"obstacle: {why}"})
+        return self
+
+
 class JumpType(Table):
     """A jump type's file.
 
@@ -94,6 +122,9 @@ class JumpType(Table):
         defaults: what it says if it is silent.
         weights, limits: cost or limit name -> value, in place of the robot's.
         displacement: of each jump of several; none: the request's for all.
+        obstacle: what is jumped over, if anything.
+        clears_ground: whether trunk and knees have to be kept off the ground, as of robots that
+            turn over.
         phase: in order.
     """
 
@@ -104,6 +135,8 @@ class JumpType(Table):
     weights: dict[str, float] = Field(default_factory=dict)
     limits: dict[str, float] = Field(default_factory=dict)
     displacement: tuple[Displacement, ...] = ()
+    obstacle: ObstacleRow | None = None
+    clears_ground: bool = False
     phase: Annotated[tuple[PhaseRow, ...], Field(min_length=1)]
 
     @model_validator(mode="after")
@@ -120,6 +153,11 @@ class JumpType(Table):
         except InputError as error:
             raise PydanticCustomError("defaults", "{why}", {"why": str(error)}) from error
         return self
+
+    @property
+    def clears(self) -> bool:
+        """Whether the whole body has something to clear, not the feet alone."""
+        return self.clears_ground or self.obstacle is not None
 
     def schedule(self, robot: Robot, hops: int = 1) -> Schedule:
         """The phases with this robot's feet.
@@ -141,7 +179,11 @@ class JumpType(Table):
         return Schedule(tuple(leg.name for leg in robot.legs), tuple(phases))
 
 
-_TABLES: dict[str, type[BaseModel]] = {"phase": PhaseRow, "displacement": Displacement}
+_TABLES: dict[str, type[BaseModel]] = {
+    "phase": PhaseRow,
+    "displacement": Displacement,
+    "obstacle": ObstacleRow,
+}
 _EXPECTED = {
     "feet": "all, none, front, hind, left, right, or an array of legs' names",
     "time": "takeoff, flight, landing, or [shortest, longest] in s",
@@ -264,10 +306,10 @@ def _sentence(detail: ErrorDetails) -> str:
     given = printable(repr(detail["input"]))
     match detail["type"]:
         case "extra_forbidden":
-            return f'unknown key "{key}"; {choices(last, table.model_fields)}'
-        case "missing" if last in table.model_fields:
-            return f'missing key "{key}"; expected: {", ".join(table.model_fields)}'
-        case "defaults":
+            return f'unknown key "{key}"; {choices(last, _keys(table))}'
+        case "missing" if last in _keys(table):
+            return f'missing key "{key}"; expected: {", ".join(_keys(table))}'
+        case "defaults" | "obstacle":
             return detail["msg"]
         case _ if last in _EXPECTED:
             return f"{key}: expected {_EXPECTED[last]}, got {given}"
@@ -278,6 +320,11 @@ def _sentence(detail: ErrorDetails) -> str:
         case _:
             message = detail["msg"][:1].lower() + detail["msg"][1:]
             return f"{key}: {message}, got {given}"
+
+
+def _keys(table: type[BaseModel]) -> list[str]:
+    """As they are called in files."""
+    return [field.alias or name for name, field in table.model_fields.items()]
 
 
 def _is_alternative(part: str | int) -> bool:

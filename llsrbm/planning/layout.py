@@ -40,6 +40,7 @@ class Role:
         initial: the very first knot; terminal: the very last, after which nothing follows.
         first, last: of the phase's intervals.
         final: in the schedule's last phase.
+        clears: whether trunk, knees and flying feet are kept clear of something.
     """
 
     phase: int
@@ -55,6 +56,7 @@ class Role:
     first: bool = False
     last: bool = False
     final: bool = False
+    clears: bool = False
 
     @property
     def in_contact(self) -> bool:
@@ -116,7 +118,7 @@ class Layout:
         stands: (P, L) whether a foot stands in a phase.
         intervals: (P,) of each phase.
         foot_coordinates: d, see `Robot.foot_coordinates`.
-        clears: whether the whole body has something to clear (`constraints.clearance`).
+        clears: whether the whole body has something to clear (`constraints.body_clearance`).
     """
 
     contacts: int
@@ -204,6 +206,7 @@ class Layout:
                         first=first,
                         last=last,
                         final=p == last_phase,
+                        clears=self.clears and not (p == 0 and first),
                     )
                 )
         everything = tuple(range(self.legs))

@@ -12,7 +12,7 @@ import numpy as np
 
 from llsrbm.errors import InputError, NotConverged
 from llsrbm.jump import Jump
-from llsrbm.jump_types import DEFAULT, schedule_of
+from llsrbm.jump_types import DEFAULT, load_type, schedule_of
 from llsrbm.models import check_name, make_model
 from llsrbm.models.base import CentroidalModel
 from llsrbm.motion.plan import Plan, SolveReport
@@ -126,7 +126,8 @@ class Planner:
         """
         robot, layout = self.formulation.robot, self.formulation.layout
         task = make_task(jump, robot, weights, limits)
-        if layout_of(jump, robot, layout.nominal).stands != layout.stands:
+        asked = layout_of(jump, robot, layout.nominal)
+        if (asked.stands, asked.clears) != (layout.stands, layout.clears):
             raise InputError(
                 f"this planner's feet stand as {layout.name}, those of the jump do not; expected "
                 "a jump of the same type (planner_for finds its planner)"
@@ -279,7 +280,13 @@ def layout_of(jump: Jump, robot: Robot, intervals: int = INTERVALS) -> Layout:
             f"intervals: {intervals} given; expected {MIN_INTERVALS} to {MAX_INTERVALS}"
         )
     contacts = len(robot.legs) * len(robot.corners)
-    return Layout.of(schedule_of(jump, robot), contacts, intervals, robot.foot_coordinates)
+    return Layout.of(
+        schedule_of(jump, robot),
+        contacts,
+        intervals,
+        robot.foot_coordinates,
+        clears=load_type(jump.type).clears,
+    )
 
 
 def planner_for(

@@ -8,6 +8,7 @@ the rows. Adding a constraint is one class and its place in `CONSTRAINTS`.
 from __future__ import annotations
 
 from llsrbm.planning.constraints.base import Constraint
+from llsrbm.planning.constraints.body_clearance import BodyClearance
 from llsrbm.planning.constraints.contacts import FeetAtRest, FrictionPyramid, GivenContacts
 from llsrbm.planning.constraints.drives import JointSpeed, JointTorque, TorqueAtSpeed
 from llsrbm.planning.constraints.edge import Edge
@@ -29,6 +30,7 @@ CONSTRAINTS: tuple[Constraint, ...] = (
     Reach(),
     Clearance(),
     Edge(),
+    BodyClearance(),
     FeetApart(),
     FootSpeed(),
     FootYaw(),
