@@ -20,7 +20,7 @@ from llsrbm.robots.foot_contact import foot_contacts
 
 Array = NDArray[np.float64]
 
-RAMP = 0.05  # m, length of a ramp: feet move about as far in an interval
+RAMP = 0.04  # m, length of a ramp: feet move about as far in an interval
 STATIONS = 3  # cross-sections of the trunk's box whose corners are looked at
 FAR = 100.0  # m, where the obstacle is that is none
 
