@@ -13,7 +13,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from llsrbm.errors import InputError
+from llsrbm.errors import NoFooting
 from llsrbm.planning.task import Task
 from llsrbm.robots.body import trunk_box
 from llsrbm.robots.foot_contact import foot_contacts
@@ -115,7 +115,7 @@ def check_footing(task: Task) -> None:
     """Whether feet stand beside the obstacle, and at one height on either side.
 
     Raises:
-        InputError: one does not; which, and where it could stand.
+        NoFooting: one does not; which, and where it could stand.
     """
     obstacle = task.obstacle
     if obstacle is None:
@@ -128,7 +128,7 @@ def check_footing(task: Task) -> None:
         when = f"after jump {k}" if k else "at the start"
         for i, (x, _, _) in enumerate(place.contacts):
             if obstacle.near - room < x < obstacle.far + room:
-                raise InputError(
+                raise NoFooting(
                     f"obstacle: {when} the {legs[i // corners]} foot would stand at {x:.3f} m, but "
                     f"the {what} goes from {obstacle.near:.3f} to {obstacle.far:.3f} m; expected "
                     f"feet at least {room:.3f} m before or beyond it: another distance forward"
@@ -137,7 +137,7 @@ def check_footing(task: Task) -> None:
         for i, (x, _, _) in enumerate(place.contacts):
             height = heights[int(x > middle)]
             if abs(place.height - height) > 1e-6:
-                raise InputError(
+                raise NoFooting(
                     f"obstacle: {when} the {legs[i // corners]} foot would stand at a height of "
                     f"{place.height:g} m, {'beyond' if x > middle else 'before'} the {what}, where "
                     f"the ground is at {height:g} m; expected one height on either side: a jump "
