@@ -14,6 +14,7 @@ from llsrbm.errors import InputError, printable
 HIGHEST = 1.0  # m, of a hurdle; robots jump half of that
 DEEPEST = 2.0  # m, of a gap
 LEAST = 0.01  # m, width, height or depth: what is smaller is no obstacle
+FURTHEST = 100.0  # m from the start
 WIDEST = 2.0  # m, from near to far edge
 
 
@@ -67,10 +68,12 @@ def wrong_shape(near: float, far: float, height: float) -> str:
     """What is wrong with an obstacle of these measures, m, and what is accepted; "" if nothing."""
     if not all(map(math.isfinite, (near, far, height))):
         return f"from {near:g} to {far:g} m, height {height:g} m; expected finite numbers"
+    if abs(near) > FURTHEST:
+        return f"it begins at {near:g} m; expected -{FURTHEST:g} to {FURTHEST:g} m"
     if not LEAST <= far - near <= WIDEST:
         return (
-            f"it goes from {near:g} to {far:g} m; expected an end that is {LEAST:g} to {WIDEST:g} m "
-            "beyond the beginning"
+            f"it goes from {near:g} to {far:g} m; expected an end that is {LEAST:g} to "
+            f"{WIDEST:g} m beyond the beginning"
         )
     if not (LEAST <= height <= HIGHEST or LEAST <= -height <= DEEPEST):
         return (

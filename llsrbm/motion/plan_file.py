@@ -3,7 +3,8 @@
 Files of schema 1 have no velocities and torques of the joints. They are computed when such a file
 is read, if the robot is one of the project's own and still the same; otherwise they are not known.
 Plans without them (among them some that failed) are written as schema 1. Files from before there
-were schedules have none in `meta`: theirs is `together`. Only plans over an obstacle have one there.
+were schedules have none in `meta`: theirs is `together`. Only plans over an obstacle have
+one there.
 """
 
 from __future__ import annotations

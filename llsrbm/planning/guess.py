@@ -30,7 +30,6 @@ LOADS = (0.1, 2.5)  # least and largest load, times the robot's weight
 STANCE_SHARE = 0.3  # share of the stance phases in the travel at flight speed
 FLIP_FLIGHT = 0.55  # s, flight time of a whole turn
 FLIP_SHARE = 0.1  # of a whole turn that is made before lift-off, and as much after touchdown
-OVER = 0.05  # m that feet fly over an obstacle, beside its margin
 TUCK = 0.3  # share by which the legs are shortened in mid-flip
 
 
@@ -181,7 +180,6 @@ class _Path:
             + 0.2 * abs(after.heading - before.heading) / np.pi
             + 0.15 * float(np.hypot(*shift[:2]))
             + 0.3 * max(shift[2], 0.0)
-            + 0.5 * _hurdle(self._task)
         )
 
     def _flight(self, index: int, phase: int) -> _Flight:
@@ -247,11 +245,6 @@ class _Path:
         return _Body(task.goal_position, task.goal_velocity, none, turn, none)
 
 
-def _hurdle(task: Task) -> float:
-    """m, height of what is jumped over; 0 without it, and of a gap."""
-    return 0.0 if task.obstacle is None else max(task.obstacle.height, 0.0)
-
-
 def _time(task: Task, phase: int) -> float:
     """Of a phase on the ground, s."""
     low, high = task.times(phase)
@@ -292,9 +285,7 @@ def _flying_foot(
     carried = stood.feet - start.origin
     carried = carried @ _about_vertical(s * (goal.heading - start.heading)).T + start.origin
     carried[:, :2] += s * shift[:2]
-    hurdle = _hurdle(task)
-    over = hurdle + task.body_margin + OVER if hurdle else 0.0
-    arch = (4 * s * (1 - s)) ** 2 * max(1.3 * task.limits.clearance, over)
+    arch = (4 * s * (1 - s)) ** 2 * task.limits.clearance * 1.3
     carried[:, 2] = ground_line(stood.feet[:, 2], lands.feet[:, 2], np.array(s)) + arch
     heading = (1 - s) * stood.yaw + s * lands.yaw
     # A body that turns over carries its legs along as an upright one would.

@@ -35,7 +35,7 @@ class BodyClearance(Constraint):
 
     The points are the corners of three cross-sections of the trunk's box and the knees, wherever
     they are, and feet in the air; these keep the margin over the obstacle alone, because they come
-    from the ground. The check knows no profile: the whole body in the postures that realise the
+    from the ground. Feet move up to 10 cm in an interval; theirs are met in its middle, too. The check knows no profile: the whole body in the postures that realise the
     plan, by Pinocchio, must not reach into the obstacle itself, nor trunk and knees into the ground.
     """
 
@@ -67,7 +67,7 @@ class BodyClearance(Constraint):
         return role.clears
 
     def rows(self, stage: Stage) -> Any:
-        """(points, 1) m above the profile: the trunk's, knees, flying feet."""
+        """(points, 1) m above the profile: the trunk's, knees, flying feet, and these half way."""
         of, model = stage.parameters, stage.model
         edges, heights, room = of["obstacle"], of["obstacle_heights"], of["obstacle_room"]
         margin = of["body_margin"]
@@ -77,6 +77,12 @@ class BodyClearance(Constraint):
             """Of a point seen from the CoM, (3, 1) m, base axes."""
             x, z = stage.position[0] + ca.dot(ahead, point), stage.position[2] + ca.dot(up, point)
             return z - profile(x, edges, heights, room)
+
+        def above_between(point: Any) -> Any:
+            """The same of a foot at the interval's midpoint."""
+            R, r = stage.R_world_base_mid, stage.position_mid
+            x, z = (r[i] + ca.dot(R[i, :].T, point) for i in (0, 2))
+            return z - profile(x, edges, raised, room[2])
 
         rows = [
             above(stage.offset + ca.vertcat(*point), heights, room[0]) - margin
@@ -90,13 +96,18 @@ class BodyClearance(Constraint):
         # Over the obstacle alone, if there is one: elsewhere `Clearance` says what feet clear.
         raised = ca.vertcat(heights[0], heights[1] + margin, heights[2])
         rows += [above(stage.foot_from_com(i), raised, room[2]) for i in stage.role.flying]
+        place, _, offset, _ = stage.feet_mid
+        rows += [
+            above_between(model.foot_from_com(i, place[:, i], offset)) for i in stage.role.swinging
+        ]
         return ca.vertcat(*rows)
 
     def bounds(self, task: Task, layout: Layout, knot: int) -> Bounds:
         """At least nothing."""
         knees = 0 if knee_joint(task.robot) is None else layout.legs
         trunk = len(trunk_points(trunk_box(task.robot).ravel()))
-        rows = trunk + knees + len(layout.roles[knot].flying)
+        role = layout.roles[knot]
+        rows = trunk + knees + len(role.flying) + len(role.swinging)
         return np.zeros(rows), np.full(rows, np.inf)
 
     def violation(self, knots: Knots) -> Array:

@@ -10,10 +10,10 @@ from hypothesis import strategies as st
 
 from llsrbm.errors import InputError
 from llsrbm.jump import Jump
+from llsrbm.obstacle import Obstacle
 from llsrbm.robots import load_robot
 from llsrbm.scenario import Scenario
 from llsrbm.simulation.surroundings import check_board, surroundings
-from llsrbm.obstacle import Obstacle
 from tests.app.synthetic_plan import FLY, STAND, synthetic_plan
 from tests.llsrbm.schedules import in_a_row
 
@@ -268,7 +268,8 @@ class TestObstacles:
         low, high = self.ends(hurdle)
         assert [low[0], high[0]] == pytest.approx([0.46, 0.56])
         assert [low[2], high[2]] == pytest.approx([0, 0.12])
-        assert low[1] < plan.foot_position[..., 1].min() < plan.foot_position[..., 1].max() < high[1]
+        aside = plan.foot_position[..., 1]
+        assert low[1] < aside.min() < aside.max() < high[1]
 
     def test_a_gap_has_a_block_on_either_side(self):
         plan, world = self.over(Obstacle(0.46, 0.66, -0.3), forward=0.45)
