@@ -32,9 +32,11 @@ class Lifting:
 
     def resolve(self, expression: ca.SX) -> ca.SX:
         """`expression` in terms of z and parameters alone."""
-        for symbol, definition, _ in self._last_to_first():
-            expression = ca.substitute(expression, symbol, definition)
-        return expression
+        if not self._symbols:
+            return expression
+        # In one sweep: one intermediate after the other would walk through all of it each time.
+        _, (resolved,) = ca.substitute_inplace(self._symbols, self._definitions, [expression])
+        return resolved
 
     def jacobian(self, outputs: ca.SX) -> ca.SX:
         """d outputs / dz, unresolved (it may contain the intermediates' symbols)."""
