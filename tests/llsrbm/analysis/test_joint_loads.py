@@ -12,9 +12,9 @@ from scipy.spatial.transform import Rotation
 
 import llsrbm
 from llsrbm.analysis.joint_loads import JointLoads, KnotMotion, joint_loads
-from llsrbm.motion.plan import Phase
 from llsrbm.postures import solve_postures
 from llsrbm.robots import load_robot
+from llsrbm.schedule import together
 from tests.llsrbm.planning.solved import solved
 
 ROBOTS = ("anymal", "go2", "slider")
@@ -31,7 +31,8 @@ def standing(robot: Any, time: np.ndarray, com: np.ndarray, quat: np.ndarray) ->
     force = np.tile(robot.mass * WEIGHT / len(points), (knots, len(points), 1))
     return KnotMotion(
         time=time,
-        phase=np.full(knots, Phase.TAKEOFF),
+        schedule=together(tuple(leg.name for leg in robot.legs)),
+        phase=np.zeros(knots, dtype=np.int64),
         com=com,
         com_velocity=np.gradient(com, time, axis=0),
         base_quat=quat,
@@ -248,7 +249,8 @@ def _loads(torque, available):
     return JointLoads(
         time=0.1 * np.arange(count) + 0.05,
         knot_time=0.1 * np.arange(count + 1),
-        phase=np.array([Phase.TAKEOFF, Phase.FLIGHT, Phase.LANDING])[:count],
+        schedule=together(("left", "right")),
+        phase=np.arange(count),
         joint_names=("hip", "knee")[:joints],
         joint_position=still,
         joint_velocity=still + 2.0,
@@ -268,7 +270,7 @@ def test_shares_of_what_is_available():
     loads = _loads([[10.0, -30.0], [5.0, 0.0]], [[40.0, 40.0], [40.0, 0.0]])
     np.testing.assert_allclose(loads.torque_ratio, [[0.25, 0.75], [0.125, 0.0]])
     worst = loads.worst()
-    assert (worst.joint, worst.phase, worst.time) == ("knee", Phase.TAKEOFF, 0.05)
+    assert (worst.joint, worst.phase, worst.time) == ("knee", "take-off", 0.05)
     assert (worst.torque, worst.available, worst.ratio) == (-30.0, 40.0, 0.75)
     np.testing.assert_allclose(loads.power, [[20.0, -60.0], [10.0, 0.0]])
     assert loads.residual_rms == pytest.approx((5.0, 2.0))

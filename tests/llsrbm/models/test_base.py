@@ -13,6 +13,7 @@ from llsrbm.models.base import point_inertia
 from tests.llsrbm.models.postures import (
     ROBOT,
     SLIDER,
+    all_stand,
     feet_in_reach,
     random_motions,
     rates,
@@ -57,6 +58,10 @@ def padded(model, place) -> np.ndarray:
     return place @ np.eye(3, model.coordinates)
 
 
+def everyone(model) -> tuple[int, ...]:
+    return tuple(range(model.legs))
+
+
 def test_point_inertia_is_the_parallel_axis_theorem():
     d = np.array([0.3, -0.2, 0.5])
     cross = np.cross(np.eye(3), d)
@@ -72,7 +77,8 @@ def test_offset_from_feet_in_hip_and_from_com_are_one_map(robot, model, data):
     places = [column(model.foot_from_com(i, dm(x)[:, i], offset)) for i in range(len(x))]
     yaws = full_mirrors(model)[:, 3:] * x[:, 3:]
     beta = dm(np.hstack([places, yaws]))
-    np.testing.assert_allclose(column(model.base_offset_from_com(beta)), column(offset), atol=1e-12)
+    from_com = model.offset_map(everyone(model))(dict(enumerate(ca.horzsplit(beta))))
+    np.testing.assert_allclose(column(from_com), column(offset), atol=1e-12)
     for i in range(len(x)):
         seen = model.foot_in_hip(i, beta[:, i], offset)
         np.testing.assert_allclose(column(seen), x[i], atol=1e-12)
@@ -85,7 +91,8 @@ def test_their_rates_too(robot, model, data):
     xdot = data.draw(rates(robot=robot))
     rate = model.base_offset_rate(dm(xdot))
     beta_rate = padded(model, column(rate)) + full_mirrors(model) * xdot
-    from_com = model.base_offset_rate_from_com(dm(beta_rate))
+    rates_seen = dict(enumerate(ca.horzsplit(dm(beta_rate))))
+    from_com = model.offset_map(everyone(model)).rate(rates_seen)
     np.testing.assert_allclose(column(from_com), column(rate), atol=1e-12)
 
 
@@ -111,8 +118,8 @@ def test_numpy_says_what_casadi_says(robot, model, data):
     np.testing.assert_allclose(rate[0], column(model.base_offset_rate(dm(xdot))), atol=1e-13)
     beta = padded(model, offset[:, None] + model.hips) + full_mirrors(model) * x
     beta_rate = padded(model, rate[:, None]) + full_mirrors(model) * xdot
-    np.testing.assert_allclose(model.stance_feet(beta)[0], x, atol=1e-12)
-    np.testing.assert_allclose(model.stance_rate(beta_rate)[0], xdot, atol=1e-12)
+    np.testing.assert_allclose(model.feet_of(beta, all_stand(model))[0], x, atol=1e-12)
+    np.testing.assert_allclose(model.feet_rate_of(beta_rate, all_stand(model))[0], xdot, atol=1e-12)
 
 
 @every_model
@@ -222,7 +229,7 @@ def test_offset_is_where_the_base_is(robot, bounds):
     worst = {}
     for name in models.names():
         model = MODELS[robot, name]
-        offset = model.evaluate(model.stance_feet(beta))[0]
+        offset = model.evaluate(model.feet_of(beta, all_stand(model, len(beta))))[0]
         worst[name] = np.linalg.norm(offset - true, axis=1).max()
     assert worst["llsrbm-plus"] < bounds[0]
     assert worst["llsrbm"] < bounds[1]

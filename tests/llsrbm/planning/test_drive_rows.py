@@ -5,7 +5,6 @@ from functools import cache
 import numpy as np
 import pytest
 
-from llsrbm.motion.plan import Phase
 from tests.llsrbm.planning.solved import (
     REQUESTS,
     function,
@@ -42,7 +41,7 @@ def rows_and_loads(which):
     for k in range(1, layout.knots - 1):
         role, here = layout.roles[k], rows[k]["joint_torque"]
         torque.append(of_joints(here))
-        if role.phase == Phase.FLIGHT:
+        if role.is_flight:
             after = here[columns.size :] if role.last else rows[k + 1]["joint_torque"]
             torque[-1] = (torque[-1] + of_joints(after)) / 2
         if "joint_speed" in rows[k]:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from llsrbm.motion.plan import Phase, Violation
+from llsrbm.motion.plan import Violation
 from llsrbm.planning.constraints import CONSTRAINTS
 from llsrbm.planning.placement import make_task
 from llsrbm.planning.residuals import (
@@ -75,7 +75,7 @@ def test_names_and_phases(knots):
 
 
 def test_what_is_no_number_is_the_worst(knots):
-    k = int(np.argmax(knots.phase == Phase.FLIGHT)) + 3
+    k = knots.flights[0].start + 3
     found = violations(moved(knots, "velocity", k, np.nan))
     assert found["dynamics_velocity"].amount == np.inf
     assert found["dynamics_velocity"].phase == "flight"

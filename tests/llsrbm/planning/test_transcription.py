@@ -11,7 +11,7 @@ from llsrbm.ocp.transcription import Transcription
 from llsrbm.planning.constraints import CONSTRAINTS
 from llsrbm.planning.guess import analytic_guess
 from llsrbm.planning.horizon import constraints_of, make_horizon, row_bounds
-from llsrbm.planning.layout import Intervals, Layout
+from llsrbm.planning.layout import Layout
 from llsrbm.robots import load_robot
 from tests.llsrbm.planning.solved import function, parameters, solved
 
@@ -97,7 +97,7 @@ def test_a_plan_lies_within_the_rows_bounds(model):
     assert (g <= upper + 1e-4).all()
 
 
-LAYOUT = Layout(4, 4, Intervals(3, 4, 3))
+LAYOUT = Layout(4, ((True,) * 4, (False,) * 4, (True,) * 4), (3, 4, 3))
 MODEL = models.make_model("srbm", load_robot("anymal"))
 
 
