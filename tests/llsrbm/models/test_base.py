@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.optimize import root
 
 from llsrbm import models
 from llsrbm.models.base import point_inertia
@@ -94,6 +95,54 @@ def test_their_rates_too(robot, model, data):
     rates_seen = dict(enumerate(ca.horzsplit(dm(beta_rate))))
     from_com = model.offset_map(everyone(model)).rate(rates_seen)
     np.testing.assert_allclose(column(from_com), column(rate), atol=1e-12)
+
+
+@every_model
+@quickly
+@given(data=st.data())
+def test_where_some_feet_stand_the_coms_definition_gives_the_offset(robot, model, data):
+    """Solved numerically for o; standing feet are known from the CoM, the others from the hip."""
+    x = data.draw(feet_in_reach(robot))
+    standing = np.array(data.draw(st.tuples(*[st.booleans()] * model.legs)))
+    offset = column(model.base_offset(dm(x)))
+    beta = padded(model, offset + model.hips) + full_mirrors(model) * x
+    given_ = np.where(standing[:, None], beta, x)
+
+    def definition(o):
+        seen = full_mirrors(model) * (given_ - padded(model, o + model.hips))
+        return o - model.offsets(np.where(standing[:, None], seen, x)[None], x[None])[0][0]
+
+    found = root(definition, np.zeros(3), tol=1e-13)
+    assert found.success
+    some = model.offset_map(tuple(np.flatnonzero(standing)))
+    np.testing.assert_allclose(column(some(dict(enumerate(map(ca.DM, given_))))), found.x, atol=1e-9)
+    np.testing.assert_allclose(some.over(given_[None])[0], found.x, atol=1e-9)
+    np.testing.assert_allclose(model.feet_of(given_[None], standing[None])[0], x, atol=1e-9)
+
+
+@every_model
+@quickly
+@given(data=st.data())
+def test_and_its_rate_where_some_feet_stand(robot, model, data):
+    xdot = data.draw(rates(robot=robot))
+    standing = np.array(data.draw(st.tuples(*[st.booleans()] * model.legs)))
+    rate = column(model.base_offset_rate(dm(xdot)))
+    seen = np.where(standing[:, None], padded(model, rate) + full_mirrors(model) * xdot, xdot)
+    some = model.offset_map(tuple(np.flatnonzero(standing)))
+    np.testing.assert_allclose(
+        column(some.rate(dict(enumerate(map(ca.DM, seen))))), rate, atol=1e-11
+    )
+    np.testing.assert_allclose(some.rate_over(seen[None])[0], rate, atol=1e-11)
+    np.testing.assert_allclose(model.feet_rate_of(seen[None], standing[None])[0], xdot, atol=1e-11)
+
+
+def test_feet_of_many_instants_each_with_its_own_standing():
+    model, rng = MODELS[ROBOT, "llsrbm-plus"], np.random.default_rng(2)
+    x = some_feet(ROBOT, 30, rng)
+    standing = rng.random((30, model.legs)) < 0.5
+    beta = model.offsets(x, x)[0][:, None] + model.hips + model.mirrors * x
+    seen = np.where(standing[..., None], beta, x)
+    np.testing.assert_allclose(model.feet_of(seen, standing), x, atol=1e-12)
 
 
 @every_model
