@@ -99,20 +99,16 @@ def feet_apart():
 
 def foot_speed():
     """Five times the limit at mid-interval, all of it along one axis of the base."""
-    k = MIDDLE
+    k, model = MIDDLE, base().model
     R, _, v = (a[k] for a in base().mid)
-    beta = (
-        R.T
-        @ (
-            base().foot_position[k]
-            + base().foot_position[k + 1]
-            - base().position[k : k + 2].sum(axis=0)
-        )[LEG]
-        / 2
-    )
-    at_rest = R.T @ v + np.cross(base().rotation_rate[k], beta)
+    omega, half = base().rotation_rate[k], base().dt[k] / 2
+    begins = base().evaluated[0][k] + model.hips[LEG]
+    begins = begins + model.mirrors[LEG] * base().air_feet[k, LEG]
     wanted = np.array([LIMITS.foot_speed + 2.0, 0.0, 0.0])
-    rate = base().model.mirrors[LEG] * (wanted - at_rest)
+    # Of a foot that moves at u against the base: u + omega x (where it begins + u dt / 2).
+    turned = np.cross(omega, np.eye(3)).T
+    u = np.linalg.solve(np.eye(3) + half * turned, wanted - R.T @ v - turned @ begins)
+    rate = model.mirrors[LEG] * u
     knots = changed("air_rate", (k, LEG), rate)
     return knots, 2.0, "flight", {base().time[k]}
 
