@@ -1,4 +1,4 @@
-"""Any schedules; and plans of other ones, made from plans of three phases: cut anew, or in a row."""
+"""Any schedules, and plans of some, made from plans of three phases: cut anew, or put in a row."""
 
 from __future__ import annotations
 

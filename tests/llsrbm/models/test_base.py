@@ -115,7 +115,9 @@ def test_where_some_feet_stand_the_coms_definition_gives_the_offset(robot, model
     found = root(definition, np.zeros(3), tol=1e-13)
     assert found.success
     some = model.offset_map(tuple(np.flatnonzero(standing)))
-    np.testing.assert_allclose(column(some(dict(enumerate(map(ca.DM, given_))))), found.x, atol=1e-9)
+    np.testing.assert_allclose(
+        column(some(dict(enumerate(map(ca.DM, given_))))), found.x, atol=1e-9
+    )
     np.testing.assert_allclose(some.over(given_[None])[0], found.x, atol=1e-9)
     np.testing.assert_allclose(model.feet_of(given_[None], standing[None])[0], x, atol=1e-9)
 

@@ -83,7 +83,7 @@ def test_feet_are_variables_in_the_air_and_forces_on_the_ground(layout):
     """By the schedule's own word on each foot at each knot and before it."""
     d, corners = layout.foot_coordinates, layout.corners
     stands = np.array(layout.stands)[layout.phase]
-    for k, role in enumerate(layout.roles[:-1]):
+    for k in range(layout.total):
         sizes = {n: p.stop - p.start for n, p in layout.variables(k).items()}
         now, before, after = stands[k], stands[max(k - 1, 0)], stands[k + 1]
         at_knot = ~now | ~before
@@ -171,7 +171,12 @@ def test_progress_of_a_swing(layout):
 
 def test_front_feet_swing_from_the_push_to_the_landing():
     lift, away, touch = 4, 7, 12
-    assert REAR_LAST.swings == ((0, lift, touch), (1, lift, touch), (2, away, touch), (3, away, touch))
+    assert REAR_LAST.swings == (
+        (0, lift, touch),
+        (1, lift, touch),
+        (2, away, touch),
+        (3, away, touch),
+    )
     pushing = REAR_LAST.roles[5]
     assert pushing.standing == pushing.staying == (2, 3)
     assert pushing.swinging == pushing.flying == pushing.in_air == (0, 1)
@@ -191,7 +196,8 @@ def test_names_of_files_say_which_feet_stand_when():
 
 
 @pytest.mark.parametrize(
-    ("knot", "name"), [(0, "phase0_first"), (1, "phase0"), (2, "phase0_last"), (-1, "phase2_terminal")]
+    ("knot", "name"),
+    [(0, "phase0_first"), (1, "phase0"), (2, "phase0_last"), (-1, "phase2_terminal")],
 )
 def test_roles_describe_themselves(knot, name):
     assert LAYOUT.roles[knot].describe() == name
