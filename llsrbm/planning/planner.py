@@ -126,7 +126,7 @@ class Planner:
         """
         robot, layout = self.formulation.robot, self.formulation.layout
         task = make_task(jump, robot, weights, limits)
-        if layout_of(jump, robot).stands != layout.stands:
+        if layout_of(jump, robot, layout.nominal).stands != layout.stands:
             raise InputError(
                 f"this planner's feet stand as {layout.name}, those of the jump do not; expected "
                 "a jump of the same type (planner_for finds its planner)"
