@@ -19,8 +19,7 @@ import llsrbm
 from llsrbm import jump_types, models
 from llsrbm.analysis.realised import realise
 from llsrbm.jump_types import with_defaults
-from llsrbm.planning.planner import planner_for
-from llsrbm.robots import load_robot
+from llsrbm.planning.planner import planner_of
 
 
 def main() -> None:
@@ -37,7 +36,6 @@ def main() -> None:
     )
     parser.add_argument("--model", nargs="+", default=models.names(), choices=models.names())
     arguments = parser.parse_args()
-    robot = load_robot(arguments.robot)
     types = list(jump_types.names()) if arguments.type == ["all"] else arguments.type
     print(
         "| type | model | Ixx | Iyy | Izz | Lx | Ly | Lz | Lz largest | peak of L | worst error | "
@@ -53,16 +51,16 @@ def main() -> None:
                 arguments.forward,
                 type=name,
             )
-            print(row(with_defaults(jump), robot), flush=True)
+            print(row(with_defaults(jump)), flush=True)
 
 
-def row(jump, robot) -> str:
-    planner = planner_for(jump.robot, jump.model, jump_type=jump.type, hops=jump.hops)
+def row(jump) -> str:
     try:
+        planner = planner_of(jump)
         plan = planner.plan(jump)
-    except llsrbm.NotConverged as error:
+    except llsrbm.Error as error:
         return f"| {jump.type} | {jump.model} | {error} |"
-    truth = realise(planner.last_knots(), robot)
+    truth = realise(planner.last_knots(), planner.robot)
     flying = ~plan.contact.any(axis=1)
     feet = plan.foot_position[flying][..., :2]
     radius = np.linalg.norm(feet - plan.com[flying][:, None, :2], axis=-1).mean(axis=1)

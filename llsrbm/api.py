@@ -17,7 +17,7 @@ from llsrbm.motion.rollout import Rollout
 from llsrbm.ocp.solvers import names as solver_names
 from llsrbm.planning.nearest import Nearest, find_nearest
 from llsrbm.planning.placement import make_task
-from llsrbm.planning.planner import INTERVALS, planner_for
+from llsrbm.planning.planner import INTERVALS, planner_of
 from llsrbm.planning.progress import PlanningProgress
 from llsrbm.robots import load_robot
 from llsrbm.scenario import Scenario
@@ -60,9 +60,7 @@ def plan(
     # A request out of range builds no solver.
     make_task(jump, load_robot(jump.robot), weights, limits)
     start = time.perf_counter()
-    planner = planner_for(
-        jump.robot, jump.model, solver, intervals, jump_type=jump.type, hops=jump.hops
-    )
+    planner = planner_of(jump, solver, intervals)
     build_time = time.perf_counter() - start
     result = planner.plan(
         jump,
@@ -103,7 +101,7 @@ def nearest(
     on_the_spot = replace(jump, twist=0.0, forward=0.0, lateral=0.0, height=0.0)
     make_task(on_the_spot, load_robot(jump.robot), weights, limits)  # wrong names build no solver
     return find_nearest(
-        planner_for(jump.robot, jump.model, jump_type=jump.type, hops=jump.hops),
+        planner_of(jump),
         jump,
         weights=weights,
         limits=limits,

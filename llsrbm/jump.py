@@ -76,6 +76,11 @@ class Jump:
             if not isinstance(value, str) or not value:
                 raise InputError(f"Jump.{name}: expected a name, got {value!r}")
 
+    @property
+    def turns(self) -> bool:
+        """Whether the body turns over: a whole turn of roll or pitch."""
+        return bool(self.roll or self.pitch)
+
     def as_dict(self) -> dict[str, Any]:
         """The request as plain data, for files and messages."""
         return asdict(self)

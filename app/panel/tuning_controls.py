@@ -25,17 +25,19 @@ class TuningControls:
         """Empty until there is a robot."""
         self._line = gui.add_html(note(_NO_ROBOT))
         self.reset = gui.add_button(
-            "Reset all", disabled=True, hint="Every weight and limit as the robot's file has it"
+            "Reset all",
+            disabled=True,
+            hint="Every weight and limit as the robot's file has it, or the jump type",
         )
         self._table = gui.add_html("", visible=False)
-        self._robot: Robot | None = None
+        self._of: tuple[Robot, str] | None = None
 
-    def show_robot(self, robot: Robot) -> bool:
-        """The weights and limits of this robot; whether they were another one's."""
-        if robot is self._robot:
+    def show_robot(self, robot: Robot, jump_type: str) -> bool:
+        """The weights and limits of this robot's jumps of a type; whether they were others'."""
+        if (robot, jump_type) == self._of:
             return False
-        self._robot = robot
-        self._table.content = tuning_table(entries_of(robot))
+        self._of = robot, jump_type
+        self._table.content = tuning_table(entries_of(robot, jump_type))
         self._table.visible = True
         return True
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from html import escape
 from typing import Literal
 
+from llsrbm import jump_types
 from llsrbm.numerals import short
 from llsrbm.planning.costs import COSTS, default_weights
 from llsrbm.planning.placement import limits_of
@@ -29,7 +30,7 @@ class Entry:
     Attributes:
         group: the field of `Tuning` it belongs to.
         name: in there.
-        default: the robot's own value.
+        default: the jump type's value, or the robot's own.
         lowest: accepted; highest: accepted.
         unit: of all of these; "1": none.
         effect: what increasing it does.
@@ -49,16 +50,25 @@ class Entry:
         return self.name.replace("_", " ")
 
 
-def entries_of(robot: Robot) -> tuple[Entry, ...]:
-    """Every number that a request may change."""
-    weights = default_weights() | dict(robot.file.planning)
+def entries_of(robot: Robot, jump_type: str) -> tuple[Entry, ...]:
+    """Every number that a request of a type may change."""
+    kind = jump_types.load_type(jump_type)
+    weights = default_weights() | dict(robot.file.planning) | kind.weights
     return (
         *(
             Entry("weights", c.name, weights[c.name], 0.0, _LARGEST_WEIGHT, c.unit, c.effect)
             for c in COSTS
         ),
         *(
-            Entry("limits", limit.name, own, limit.lowest, limit.highest, limit.unit, limit.effect)
+            Entry(
+                "limits",
+                limit.name,
+                kind.limits.get(limit.name, own),
+                limit.lowest,
+                limit.highest,
+                limit.unit,
+                limit.effect,
+            )
             for limit, own in limits_of(robot).values()
         ),
     )

@@ -164,7 +164,7 @@ class Rendering:
             panel.jump.show(design.jump)
         if anew or design.scenario != controls.scenario:
             panel.simulation.show(design.scenario, state.file)
-        if robot is not None and panel.tuning.show_robot(robot):
+        if robot is not None and panel.tuning.show_robot(robot, design.jump.type):
             anew = True
         if robot is not None and (anew or design.tuning != controls.tuning):
             panel.tuning.show(design.tuning)

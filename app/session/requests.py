@@ -75,7 +75,9 @@ def choose_tuning(state: TabState, event: TuningChosen) -> Step:
     robot = state.robot
     if robot is None or not state.ready:
         return state, ()
-    entries = {(entry.group, entry.name): entry for entry in entries_of(robot)}
+    entries = {
+        (entry.group, entry.name): entry for entry in entries_of(robot, state.design.jump.type)
+    }
     entry = entries.get((event.group, event.name))
     if entry is None:
         return state, (Notify("Not changed", f"{robot.file.title} has no such number."),)

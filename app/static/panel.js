@@ -14,7 +14,7 @@
     :root[data-mantine-color-scheme=dark] { --mantine-color-dimmed: #b4bac2 !important; }
 
     ${MAIN} { display: grid; grid-template-columns: repeat(12, minmax(0, 1fr)); column-gap: 6px;
-      padding: 0 10px; }
+      grid-auto-flow: dense; padding: 0 10px; } /* rows of buttons stay rows, whatever lies between */
     ${MAIN} > * { grid-column: 1 / -1; min-width: 0; margin-inline: 0 !important;
       padding-inline: 0 !important; }
     ${MAIN} > div > ${FIELD}, ${MAIN} > div > div > ${FIELD} { width: 7.6rem !important;

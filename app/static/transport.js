@@ -26,8 +26,10 @@
     #llsrbm-transport .row { position: relative; height: 14px; margin-bottom: 2px;
       border-radius: 3px; overflow: hidden; background: var(--mantine-color-default); }
     #llsrbm-transport .row > div { position: absolute; top: 0; bottom: 0; box-sizing: border-box;
-      padding: 0 3px; font-size: 10px; line-height: 14px; color: #14181c; white-space: nowrap;
-      overflow: hidden; text-overflow: ellipsis; pointer-events: auto; }
+      padding: 0 2px; font-size: 10px; line-height: 14px; color: #14181c; white-space: pre;
+      display: flex; overflow: hidden; }
+    #llsrbm-transport .phase > span { overflow: hidden; text-overflow: ellipsis; min-width: 0; }
+    #llsrbm-transport .phase > .feet { flex-shrink: 1000; } /* where it is narrow, the name stays */
     #llsrbm-transport .row > .low { top: 10px; }
     #llsrbm-transport .mark { position: absolute; top: 0; bottom: 0; width: 2px; margin-left: -1px;
       background: color-mix(in srgb, currentColor 75%, transparent); pointer-events: none; }
@@ -86,8 +88,9 @@
       const row = element("div", { class: "row", title: name });
       for (const { start, end, colour, name: phase, low, feet } of pieces) {
         const title = `${name}: ${phase}${feet ? ` (standing: ${feet})` : ""}`;
-        const label = low ? "" : feet ? `${phase} · ${feet}` : phase;
-        const piece = element("div", { title, class: low ? "low" : "phase" }, label);
+        const label = low ? [] : [element("span", {}, phase)];
+        if (feet) label.push(element("span", { class: "feet" }, ` · ${feet}`));
+        const piece = element("div", { title, class: low ? "low" : "phase" }, ...label);
         Object.assign(piece.style, {
           left: share(start), width: share(end - start), background: colour,
         });

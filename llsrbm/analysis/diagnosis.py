@@ -16,15 +16,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from llsrbm.analysis.record import FLIGHT, Record, stretches
 from llsrbm.motion.rollout import Rollout
 from llsrbm.motion.rotation import rotation_matrices, tilt, yaw
-from llsrbm.schedule import Schedule, together
 
 Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
-
-TAKEOFF, FLIGHT, LANDING = range(3)
-"""Before the first flight, in a flight, after one: what thresholds go by."""
 
 # Thresholds in take-off, flight and landing; lengths are shares of the height at which the standing
 # robot's CoM is. In brackets: the largest in 66 of 67 landings with everything disturbed (three
@@ -47,7 +43,6 @@ OFF_AGAIN = 0.05  # s that a foot is off the ground after its touchdown (0.025)
 _BEGUN = 0.8  # share of its threshold that a deviation of a good jump does not reach
 _GROWING = 0.1  # s after passing its threshold in which a deviation's size is read
 _SETTLING = 0.01  # s that a foot may roll and creep when it touches down
-_LEAVING = 0.3  # share of the flight in which contact is still that of feet that leave
 _UPRIGHT = np.radians(45.0)  # tilt up to which a base has a heading
 _AT_LIMIT = 0.99  # share of what a drive can give
 _SHORTEST = 0.03  # s at a limit before something gives way
@@ -77,7 +72,7 @@ def diagnose(rollout: Rollout) -> tuple[Event, ...]:
 
     A rollout that landed well has none of them; one that nearly fell may have some.
     """
-    record = _Record(rollout)
+    record = Record(rollout)
     deviations = [
         *_touchdown(record),
         *_takeoff_contacts(record),
@@ -102,90 +97,7 @@ def fall_in_words(rollout: Rollout) -> str:
     return f"{when}first {events[0].words} ({events[0].time:.2f} s), then {outcome.reason}"
 
 
-class _Record:
-    """A rollout until its fall: T ticks, and what several questions need.
-
-    Attributes:
-        rollout: the whole; tick: s.
-        count: T; end: s, the last of them.
-        height: m of the CoM above the feet when standing, by the plan.
-        part: (T,) `TAKEOFF`, `FLIGHT` or `LANDING`; contact: (T, L) bool; legs: names.
-        swings: of each foot, [first tick, first tick in which contact is no longer that of a foot
-            that leaves) of each time it leaves, by the plan's clock.
-        overdue: (T,) whether a flight lasts longer than planned.
-        landed: whether the controller believes to the end that the last flight is over.
-        touchdown, detected: s, None if they are not before the fall; foot_touchdown: each foot's.
-            Those after the last flight.
-    """
-
-    def __init__(self, rollout: Rollout) -> None:
-        outcome = rollout.outcome
-        self.rollout = rollout
-        self.time = rollout.time
-        self.tick = 1.0 / outcome.control_rate_hz
-        fell_at = np.inf if outcome.fell_at_s is None else outcome.fell_at_s
-        self.count = max(1, int(np.searchsorted(rollout.time, fell_at, side="right")))
-        self.end = float(rollout.time[self.count - 1])
-        self.height = float(
-            rollout.reference_com[0, 2] - rollout.reference_foot_position[0, :, 2].mean()
-        )
-        self.contact = rollout.contact[: self.count].astype(bool)
-        self.legs = rollout.leg_names
-        schedule = together(self.legs) if rollout.plan is None else rollout.plan.schedule
-        phase = rollout.phase[: self.count]
-        self.part = _parts(schedule)[phase]
-        self.landed = bool(rollout.phase[-1] > schedule.flights[-1])
-        ends = _planned_touchdowns(rollout, schedule)
-        self.overdue = np.zeros(self.count, dtype=bool)
-        for flight, end in ends.items():
-            self.overdue |= (phase == flight) & (self.time[: self.count] > end)
-        self.swings = [
-            [(start, self._left(ends, int(phase[start]), start, end)) for start, end in swings]
-            for swings in map(_stretches, ~schedule.stands[phase].T)
-        ]
-        self.foot_touchdown = [self._before_fall(at) for at in outcome.foot_touchdown_s]
-        self.touchdown = min((at for at in self.foot_touchdown if at is not None), default=None)
-        self.detected = self._before_fall(outcome.touchdown_detected_s)
-
-    def _left(self, ends: dict[int, float], phase: int, start: int, end: int) -> int:
-        """First tick in which a foot that swings in [start, end) has surely left the ground."""
-        touchdown = next((ends[flight] for flight in sorted(ends) if flight >= phase), self.end)
-        share = _LEAVING * max(0.0, touchdown / self.tick - start)
-        return min(start + round(share), end)
-
-    def index(self, time: float) -> int:
-        """The tick in which an instant lies."""
-        return int(np.searchsorted(self.time, time + 1e-9, side="right")) - 1
-
-    def seconds(self, ticks: int) -> float:
-        """As a length of time."""
-        return ticks * self.tick
-
-    def _before_fall(self, time: float | None) -> float | None:
-        return None if time is None or time > self.end else time
-
-
-def _parts(schedule: Schedule) -> NDArray[np.int64]:
-    """(P,) `TAKEOFF`, `FLIGHT` or `LANDING`, of each phase."""
-    parts = np.full(len(schedule), LANDING)
-    parts[: schedule.flights[0]] = TAKEOFF
-    parts[list(schedule.flights)] = FLIGHT
-    return parts
-
-
-def _planned_touchdowns(rollout: Rollout, schedule: Schedule) -> dict[int, float]:
-    """Flight -> when it was planned to end, retimed by the touchdowns before it, s."""
-    *earlier, last = schedule.flights
-    ends = {last: rollout.outcome.touchdown_planned_s}
-    if rollout.plan is not None:
-        length = np.diff(rollout.plan.phase_start)
-        for flight in earlier:
-            begun = int(np.argmax(rollout.phase == flight))
-            ends[flight] = float(rollout.time[begun] + length[flight])
-    return ends
-
-
-def _away_from_reference(record: _Record) -> Iterator[Event]:
+def _away_from_reference(record: Record) -> Iterator[Event]:
     """Base, CoM and angular momentum that are not where the controller wants them."""
     rollout, n = record.rollout, record.count
     actual, wanted = (
@@ -239,12 +151,12 @@ def _turned(actual: Array, wanted: Array) -> Array:
     return turn
 
 
-def _takeoff_contacts(record: _Record) -> Iterator[Event]:
+def _takeoff_contacts(record: Record) -> Iterator[Event]:
     """Feet that leave the ground too early or too late."""
     for leg, name in enumerate(record.legs):
         swings = record.swings[leg]
         off = ~record.contact[: swings[0][0] if swings else record.count, leg]
-        for start, end in _stretches(off):
+        for start, end in stretches(off):
             length = record.seconds(end - start)
             if length > OFF_IN_TAKEOFF:
                 yield Event(
@@ -265,12 +177,12 @@ def _takeoff_contacts(record: _Record) -> Iterator[Event]:
                 break
 
 
-def _slips(record: _Record) -> Iterator[Event]:
+def _slips(record: Record) -> Iterator[Event]:
     """The first time that each foot slips; feet roll a little on their spheres without slipping."""
     place = record.rollout.foot_position[..., :2]
     settling = round(_SETTLING / record.tick)
     for leg, name in enumerate(record.legs):
-        for start, end in _stretches(record.contact[:, leg]):
+        for start, end in stretches(record.contact[:, leg]):
             stands = start + settling if start else start
             if stands >= end:
                 continue
@@ -288,7 +200,7 @@ def _slips(record: _Record) -> Iterator[Event]:
                 break
 
 
-def _touchdown(record: _Record) -> Iterator[Event]:
+def _touchdown(record: Record) -> Iterator[Event]:
     """A touchdown that comes when or where it was not planned, and how it was noticed."""
     rollout, true, detected = record.rollout, record.touchdown, record.detected
     if detected is not None and (true is None or detected < true):
@@ -314,7 +226,7 @@ def _touchdown(record: _Record) -> Iterator[Event]:
         yield Event(true, "touchdown", f"touchdown came {when}")
 
 
-def _landing_contacts(record: _Record) -> Iterator[Event]:
+def _landing_contacts(record: Record) -> Iterator[Event]:
     """Feet that touch down in the wrong place, or do not stay down."""
     rollout = record.rollout
     # Without a detected touchdown the feet have no footholds, but a place under the CoM.
@@ -329,7 +241,7 @@ def _landing_contacts(record: _Record) -> Iterator[Event]:
             yield Event(
                 at, "foothold", f"{name} touched down {100 * missed:.0f} cm from its foothold"
             )
-        for start, end in _stretches(~record.contact[touched:, leg]):
+        for start, end in stretches(~record.contact[touched:, leg]):
             length = record.seconds(end - start)
             if length > OFF_AGAIN:
                 yield Event(
@@ -340,14 +252,14 @@ def _landing_contacts(record: _Record) -> Iterator[Event]:
                 break
 
 
-def _limits(record: _Record, begun: Sequence[float]) -> Iterator[Event]:
+def _limits(record: Record, begun: Sequence[float]) -> Iterator[Event]:
     """Joints at what their drives can give while a deviation begins."""
     rollout, n = record.rollout, record.count
     limit = rollout.torque_limit[:n]
     at_limit = np.abs(rollout.torque[:n]) >= _AT_LIMIT * limit
     found: dict[str, list[tuple[float, float, str]]] = {"torque limit": [], "speed limit": []}
     for joint, name in enumerate(rollout.joint_names):
-        for start, end in _stretches(at_limit[:, joint]):
+        for start, end in stretches(at_limit[:, joint]):
             first, last = float(record.time[start]), record.seconds(end)
             following = min((time for time in begun if time >= first), default=np.inf)
             # What comes at once is what brought the joint to its limit.
@@ -358,11 +270,11 @@ def _limits(record: _Record, begun: Sequence[float]) -> Iterator[Event]:
             slow = given > _TOO_FAST * rollout.torque_limit[:, joint].max()
             found["torque limit" if slow else "speed limit"].append((first, last, name))
             break
-    for what, stretches in found.items():
-        if not stretches:
+    for what, at_limits in found.items():
+        if not at_limits:
             continue
-        first, last, name = min(stretches, key=lambda item: (item[0], -item[1]))
-        together = {other for start, _, other in stretches if start < last and other != name}
+        first, last, name = min(at_limits, key=lambda item: (item[0], -item[1]))
+        together = {other for start, _, other in at_limits if start < last and other != name}
         more = f"{len(together)} more joint{'s' if len(together) > 1 else ''}"
         which = f"{name} and {more} were" if together else f"{name} was"
         yield Event(first, what, f"{which} at the {what} for {1e3 * (last - first):.0f} ms")
@@ -378,14 +290,8 @@ def _first(share: Array) -> tuple[int, int] | None:
     return (int(before[-1]) + 1 if len(before) else 0), passed
 
 
-def _size(record: _Record, values: Array, passed: int) -> float:
+def _size(record: Record, values: Array, passed: int) -> float:
     return float(values[passed : passed + round(_GROWING / record.tick) + 1].max())
-
-
-def _stretches(on: Mask) -> list[tuple[int, int]]:
-    """[start, end) of each stretch of True in (T,)."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], on, [False]]).astype(np.int8)))
-    return [(int(a), int(b)) for a, b in edges.reshape(-1, 2)]
 
 
 def _wrapped(angle: Array) -> Array:

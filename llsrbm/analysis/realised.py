@@ -133,7 +133,7 @@ def realise(knots: Knots, robot: Robot) -> Realised:
         rate_error[k] = R[k].T @ np.linalg.solve(data.Ig.inertia, missing)
     return Realised(
         time=(knots.time[:-1] + knots.time[1:]) / 2,
-        flight=~knots.layout.standing[:-1].any(axis=1),
+        flight=np.asarray(~knots.layout.standing[:-1].any(axis=1)),
         inertias_model=np.diagonal(model.evaluate(x)[1], axis1=1, axis2=2),
         inertias_true=inertias,
         momenta_plan=knots.momentum_mid,

@@ -1,9 +1,10 @@
 """The project's own file, which `llsrbm.load` and the page open: everything, without loss.
 
 NumPy's npz without pickle: one array a quantity at the planner's knots or the controller's ticks,
-`schema` with the file's version, and at `meta` everything beside the numbers as JSON. World frame,
-SI units, quaternions w, x, y, z. A rollout's file holds the plan that was followed, its keys under
-"plan/". `llsrbm formats --format npz` lists the quantities.
+`schema` with the file's version, and at `meta` everything beside the numbers as JSON, of a plan its
+`schedule`: name and standing feet of each phase that `phase` counts. World frame, SI units,
+quaternions w, x, y, z. A rollout's file holds the plan that was followed, its keys under "plan/".
+`llsrbm formats --format npz` lists the quantities.
 """
 
 from __future__ import annotations

@@ -47,7 +47,7 @@ def flights(rollout: Rollout) -> tuple[Flight, ...]:
         return (Flight(lift_off, touchdown, outcome.touchdown_detected_s),)
     found, after = [], 0
     for phase in phases:
-        inside = np.flatnonzero(rollout.phase == phase)
+        inside = after + np.flatnonzero(rollout.phase[after:] == phase)
         if not len(inside):
             break
         end = int(inside[-1]) + 1

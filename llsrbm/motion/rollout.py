@@ -63,22 +63,24 @@ class Disturbance:
 class Outcome:
     """How a simulation ended, in figures; angles in rad.
 
-    "Touchdown" is the first contact of a foot after the robot has left the ground.
+    "Touchdown" is the first contact of a foot after the robot has left the ground; of several
+    flights it is the last one's that counts, and there is none where the robot did not get there.
 
     Attributes:
         status: "landed" or "fell".
         reason: what gave way; "" when it landed.
         fell_at_s: when; None when it landed.
         strict: whether it landed by the strict measure: see `llsrbm.simulation.verdict`.
-        final_yaw_error, final_position_error, final_tilt: at the end, against the plan's last knot:
-            rad, m (CoM, horizontal), rad.
+        final_yaw_error, final_position_error, final_tilt: at the end, against the plan's last knot,
+            or where the CoM comes to rest after it: rad, m (CoM, horizontal), rad.
         final_speed: largest speed of the CoM in the last 0.2 s, m/s.
-        touchdown_planned_s: the plan's.
+        touchdown_planned_s: the plan's, retimed by the touchdowns before it.
         touchdown_true_s: the simulator's first contact; None if there was none.
         touchdown_detected_s: None if it was never detected.
         foot_touchdown_s: the simulator's, a foot.
-        false_touchdowns: detections while no foot touched the ground.
-        yaw_error_at_touchdown: yaw of the base at the true touchdown minus the plan's at its own.
+        false_touchdowns: detections while no foot touched the ground, of all flights.
+        yaw_error_at_touchdown: yaw of the base at the true touchdown minus the plan's at its own;
+            of a base far from upright, the vertical part of the turn between the two.
         foot_error_at_touchdown: largest horizontal distance of a foot, at its first contact, from
             where the plan lands it, m.
         foot_error: largest horizontal distance of a foot from the plan's at the end, m.

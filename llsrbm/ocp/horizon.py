@@ -64,12 +64,15 @@ class Run:
         count: number of stages.
         build: their expressions; called once for all runs of a family.
         local: places of the local parameters in the shared ones, in their order.
+        own: of each stage, the place of the last of its local parameters, which it has for itself;
+            () where stages have none.
     """
 
     family: Hashable
     count: int
     build: Callable[[], StageExpressions]
     local: tuple[slice, ...] = ()
+    own: tuple[slice, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,7 +1,10 @@
 """News of a solve while it runs, and a way out of it.
 
-A solver tells of its iterations only by printing a table. Whoever asks for news gets the table's
-last line: a thread solves, the caller's thread waits, looks now and then, and calls back.
+A solver reports its iterations only by printing a table. News are the table's last line: a thread
+solves, the caller's thread waits, looks now and then, and calls back.
+
+CasADi is not safe to use from two threads. A solve cannot be stopped, so one that was cancelled is
+left to its end, and everything that uses CasADi afterwards waits for that (`when_idle`).
 """
 
 from __future__ import annotations

@@ -27,13 +27,15 @@ class Block:
     Attributes:
         functions: of one stage.
         count: number of stages.
-        local: places of their local parameters in the shared ones.
+        local: places of their local parameters in the shared ones; own: of those that each stage
+            has for itself.
         first_variable, first_row: places in x and g.
     """
 
     functions: StageFunctions
     count: int
     local: tuple[slice, ...]
+    own: tuple[slice, ...]
     first_variable: int
     first_row: int
 
@@ -97,7 +99,7 @@ class Transcription:
             family = run.family, initial
             if family not in families:
                 families[family] = make_stage_functions(expressions[run.family], initial)
-            block = Block(families[family], run.count, run.local, variable, row)
+            block = Block(families[family], run.count, run.local, run.own, variable, row)
             blocks.append(block)
             variable += run.count * block.width
             row += run.count * block.height
@@ -124,9 +126,9 @@ class Transcription:
 def _first_apart(runs: tuple[Run, ...]) -> Iterator[tuple[Run, bool]]:
     """Runs, and whether they begin the horizon: no gap ends in the first stage."""
     first, *rest = runs
-    yield replace(first, count=1), True
+    yield replace(first, count=1, own=first.own[:1]), True
     if first.count > 1:
-        yield replace(first, count=first.count - 1), False
+        yield replace(first, count=first.count - 1, own=first.own[1:]), False
     for run in rest:
         yield run, False
 
@@ -195,7 +197,7 @@ def _evaluate(
         members = [blocks[i] for i in indices]
         count = sum(block.count for block in members)
         Z = ca.horzcat(*(b.columns(x, b.first_variable, b.width) for b in members))
-        local = ca.horzcat(*(ca.repmat(_local(p, b.local), 1, b.count) for b in members))
+        local = ca.horzcat(*(_local(p, block) for block in members))
         arguments = [Z, p, local]
         if kind == "hessian":
             arguments += [
@@ -210,8 +212,13 @@ def _evaluate(
     return results
 
 
-def _local(p: Any, places: tuple[slice, ...]) -> Any:
-    return ca.vertcat(*(p[at] for at in places)) if places else ca.MX(0, 1)
+def _local(p: Any, block: Block) -> Any:
+    """(size, count): local parameters, a column a stage."""
+    shared = ca.vertcat(*(p[at] for at in block.local)) if block.local else ca.MX(0, 1)
+    columns = ca.repmat(shared, 1, block.count)
+    if not block.own:
+        return columns
+    return ca.vertcat(columns, ca.horzcat(*(p[at] for at in block.own)))
 
 
 def _stacked(blocks: list[Block], rows: int, variables: int) -> ca.Sparsity:

@@ -172,7 +172,7 @@ class _Path:
     def _flight_time(self, place: int) -> float:
         """By twist, distance and height of the displacement after a place."""
         before, after = self._task.places[place], self._task.places[place + 1]
-        if self._task.turns and place == 0:
+        if self._task.jump.turns and place == 0:
             return FLIP_FLIGHT
         shift = self.com(place + 1) - self.com(place)
         return (
@@ -289,11 +289,11 @@ def _flying_foot(
     carried[:, 2] = ground_line(stood.feet[:, 2], lands.feet[:, 2], np.array(s)) + arch
     heading = (1 - s) * stood.yaw + s * lands.yaw
     # A body that turns over carries its legs along as an upright one would.
-    R = _about_vertical(body.turn[0]) if task.turns else body.R
+    R = _about_vertical(body.turn[0]) if task.jump.turns else body.R
     beta = feet_from_com(model, R[None], body.position[None], carried[None], heading[None])
     x = model.feet_of(beta, np.ones((1, len(carried)), dtype=bool))[0, leg]
     place = x[:3]
-    if task.turns:
+    if task.jump.turns:
         place = place * [1.0, 1.0, 1.0 - TUCK * np.sin(np.pi * s)]
     place = np.clip(place, task.reach.lower, task.reach.upper)
     length = np.linalg.norm(place)

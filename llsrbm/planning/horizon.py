@@ -15,7 +15,7 @@ from llsrbm.ocp.problem import Problem
 from llsrbm.planning.constraints import CONSTRAINTS, Constraint
 from llsrbm.planning.costs import COSTS, weight_parameter
 from llsrbm.planning.layout import Layout, Role
-from llsrbm.planning.placement import local_parameters, parameter_sizes, parameters
+from llsrbm.planning.placement import CORRECTION, local_parameters, parameter_sizes, parameters
 from llsrbm.planning.stage import Stage
 from llsrbm.planning.task import Task
 
@@ -39,6 +39,10 @@ def make_horizon(model: CentroidalModel, layout: Layout) -> Horizon:
     def builder(role: Role, following: Role | None) -> Callable[[], StageExpressions]:
         return lambda: _expressions(Stage(role, layout, model, symbols), following)
 
+    def own(knot: int) -> slice:
+        start = places[CORRECTION].start + 3 * knot
+        return slice(start, start + 3)
+
     runs = []
     for role, knots in layout.blocks():
         following = None if role.terminal else layout.roles[knots[-1] + 1]
@@ -48,6 +52,7 @@ def make_horizon(model: CentroidalModel, layout: Layout) -> Horizon:
                 count=len(knots),
                 build=builder(role, following),
                 local=tuple(places[name] for name in local_parameters(role.phase)),
+                own=() if role.terminal else tuple(own(knot) for knot in knots),
             )
         )
     return Horizon(tuple(runs), sum(sizes.values()))
@@ -55,6 +60,7 @@ def make_horizon(model: CentroidalModel, layout: Layout) -> Horizon:
 
 def _expressions(stage: Stage, following: Role | None) -> StageExpressions:
     """A stage's expressions; `following` is the next knot's role, None at the end."""
+    own = ca.SX(0, 1) if stage.role.terminal else stage.correction
     cost = ca.SX(0)
     for term in COSTS:
         if term.applies(stage.role):
@@ -65,7 +71,7 @@ def _expressions(stage: Stage, following: Role | None) -> StageExpressions:
         variables=stage.variables,
         states=stage.layout.state_size(stage.role),
         shared=ca.vertcat(*stage.parameters.values()),
-        local=stage.local,
+        local=ca.vertcat(stage.local, own),
         cost=cost,
         rows=rows,
         next_state=None if following is None else stage.next_state(following),
@@ -88,7 +94,7 @@ def _family(role: Role, following: Role | None, layout: Layout) -> Hashable:
 def make_problem(layout: Layout, task: Task) -> Problem:
     """A task's numbers."""
     lower, upper = row_bounds(layout, task)
-    return Problem(np.concatenate(list(parameters(task).values())), lower, upper)
+    return Problem(np.concatenate(list(parameters(layout, task).values())), lower, upper)
 
 
 def row_bounds(layout: Layout, task: Task) -> tuple[Array, Array]:

@@ -117,6 +117,7 @@ class Layout:
         intervals: (P,) of each phase.
         foot_coordinates: d, see `Robot.foot_coordinates`.
         clears: whether the whole body has something to clear (`constraints.clearance`).
+        turns: whether the body turns over, so fast that legs feel it (`Stage.joint_torques`).
     """
 
     contacts: int
@@ -124,6 +125,7 @@ class Layout:
     intervals: tuple[int, ...]
     foot_coordinates: int = 3
     clears: bool = False
+    turns: bool = False
 
     @classmethod
     def of(
@@ -134,10 +136,11 @@ class Layout:
         foot_coordinates: int,
         *,
         clears: bool = False,
+        turns: bool = False,
     ) -> Layout:
         """Of a schedule; `intervals` as for three phases."""
         stands = tuple(tuple(bool(foot) for foot in row) for row in schedule.stands)
-        return cls(contacts, stands, split(intervals, schedule), foot_coordinates, clears)
+        return cls(contacts, stands, split(intervals, schedule), foot_coordinates, clears, turns)
 
     @property
     def legs(self) -> int:
@@ -168,7 +171,7 @@ class Layout:
     def name(self) -> str:
         """Which feet stand in which phase, for names of files: "1111-0000-1111"."""
         text = "-".join("".join(str(int(foot)) for foot in row) for row in self.stands)
-        return text + ("-clear" if self.clears else "")
+        return text + ("-clears" if self.clears else "") + ("-turns" if self.turns else "")
 
     @property
     def nominal(self) -> int:

@@ -21,6 +21,9 @@ from llsrbm.tuning import Tuning
 
 Array = NDArray[np.float64]
 
+CORRECTION = "correction"
+"""The parameters that each interval has for itself, three of it."""
+
 FASTEST = 1.5  # m/s at the start and at the end: a brisk walk of the largest robot
 
 
@@ -80,6 +83,8 @@ def place_task(jump: Jump, robot: Robot, tuning: Tuning | None = None) -> Task:
         InputError: a jump type that is none, or not for this robot.
     """
     tuning = tuning or Tuning()
+    if jump.turns:
+        robot = robot.turning
     kind = load_type(jump.type)
     schedule = kind.schedule(robot, jump.hops)
     places = _places(jump, kind, robot, schedule.places)
@@ -146,7 +151,7 @@ def _footholds(robot: Robot, feet: Array, yaw: Array, heading: float, origin: Ar
     return Footholds(feet, yaw, contacts, heading, origin)
 
 
-def parameters(task: Task) -> dict[str, Array]:
+def parameters(layout: Layout, task: Task) -> dict[str, Array]:
     """Name -> value of the solver's parameters (names and sizes: `parameter_sizes`)."""
     values = {
         "start_position": task.start_position,
@@ -168,7 +173,9 @@ def parameters(task: Task) -> dict[str, Array]:
         weight_parameter(cost): np.array([cost.share(task.jump) * task.weights[cost.name]])
         for cost in COSTS
     }
-    return {name: np.ravel(value) for name, value in (values | weights).items()}
+    correction = np.zeros((layout.total, 3)) if task.correction is None else task.correction
+    last = {CORRECTION: correction / task.mass}
+    return {name: np.ravel(value) for name, value in (values | weights | last).items()}
 
 
 def parameter_sizes(layout: Layout) -> dict[str, int]:
@@ -188,7 +195,8 @@ def parameter_sizes(layout: Layout) -> dict[str, int]:
     for p in range(layout.phases):
         local = Stage.local_sizes(layout)
         sizes |= dict(zip(_local_names(p), local.values(), strict=True))
-    return sizes | {weight_parameter(cost): 1 for cost in COSTS}
+    weights = {weight_parameter(cost): 1 for cost in COSTS}
+    return sizes | weights | {CORRECTION: 3 * layout.total}
 
 
 def local_parameters(phase: int) -> tuple[str, ...]:
@@ -206,7 +214,7 @@ def upright_axes(jump: Jump) -> Array:
     Upright jumps turn about z alone. A flip turns about y (a barrel roll about x); about the axes
     square to it only as far as a twist asks, and then nothing is said about them.
     """
-    if not (jump.roll or jump.pitch):
+    if not jump.turns:
         return np.array([1.0, 1.0, 0.0])
     if jump.twist or (jump.roll and jump.pitch):
         return np.zeros(3)

@@ -32,6 +32,7 @@ class Stage:
         standing_contacts: (3, C) m: their contact points; standing_yaw: (L,) rad, their headings.
         towards: (2, L) directions across the edge that flying feet cross, see `Task.towards`.
         local: all of these in one column: parameters of a phase.
+        correction: (3, 1) m2/s, base axes, parameters of the interval: see `Task.correction`; / m.
         lift: collects the intermediates derivatives run through.
     """
 
@@ -53,6 +54,7 @@ class Stage:
             self.standing_yaw,
             ca.vec(self.towards),
         )
+        self.correction = ca.SX.sym("correction", 3)
         self.lift = Lifting(self.variables)
         self.intervals = role.intervals
 
@@ -300,10 +302,11 @@ class Stage:
 
     @cached_property
     def balance(self) -> Any:
-        """(I omega + h - R^T L) / m of an interval, (3, 1), in 1 / BALANCE_SCALE m2/s."""
+        """(I omega + h + correction - R^T L) / m over an interval, (3, 1), BALANCE_SCALE m2/s."""
         x, xdot, o, _ = self.feet_mid
         momentum = self.model.angular_momentum(x, xdot, self.rotation_rate, o, self.lift)
-        return BALANCE_SCALE * (momentum / self.model.mass - self.momentum_mean_base)
+        momentum = momentum / self.model.mass + self.correction
+        return BALANCE_SCALE * (momentum - self.momentum_mean_base)
 
     @cached_property
     def foot_velocity_base(self) -> Any:
@@ -419,7 +422,17 @@ class Stage:
         torque = ca.mtimes(ca.DM(drives.mass_matrix[leg]), joints)
         if self.role.in_contact:  # not falling freely: the leg has a weight
             torque += ca.mtimes(ca.DM(drives.weight[leg]), self._specific_force_base)
+        if self.layout.turns:
+            torque += ca.mtimes(ca.DM(drives.weight[leg]), self._turning_force(leg, x, x_rate))
         return self._share(leg, torque)
+
+    def _turning_force(self, leg: int, x: Any, x_rate: Any) -> Any:
+        """What a leg's CoM feels of the body's turning, (3, 1) m/s2: centrifugal and Coriolis."""
+        model, omega = self.model, self.rotation_rate
+        offset = self.feet_mid[2]
+        com = self.lift(model.foot_from_com(leg, model.leg_com(leg, x), offset))
+        rate = ca.DM(model.mirrors[leg]) * ca.jtimes(model.leg_com(leg, x), x, x_rate)
+        return self.lift(ca.cross(omega, ca.cross(omega, com) + 2 * rate))
 
     def _stance_torque(self, leg: int) -> Any:
         x, xdot, _, _ = self.feet_mid
@@ -428,7 +441,15 @@ class Stage:
         torque = drives.legs[leg].holding_torque(x[:, leg], force, moment)
         torque = torque + ca.mtimes(ca.DM(drives.weight[leg]), self._specific_force_base)
         # The foot stands, so seen from the hip it accelerates as the body does, the other way.
-        carried = -ca.DM(self.model.mirrors[leg]) * self._acceleration_base
+        carried = self._acceleration_base
+        if self.layout.turns:
+            torque += ca.mtimes(
+                ca.DM(drives.weight[leg]), self._turning_force(leg, x[:, leg], xdot[:, leg])
+            )
+            arm = self.model.foot_from_com(leg, x[:, leg], self.feet_mid[2])
+            turned = 2 * self.velocity_mid_base + ca.cross(self.rotation_rate, arm)
+            carried = carried - ca.cross(self.rotation_rate, turned)
+        carried = -ca.DM(self.model.mirrors[leg]) * carried
         still = ca.SX.zeros(self.layout.foot_coordinates - 3)
         joints = drives.legs[leg].accelerations(x[:, leg], xdot[:, leg], ca.vertcat(carried, still))
         return self._share(leg, torque + ca.mtimes(ca.DM(drives.mass_matrix[leg]), joints))

@@ -95,6 +95,8 @@ class Task:
         robot: whose drives and whole body a plan is checked with.
         weights: cost name -> weight, of every cost.
         tuning: what of weights and limits the request changes.
+        correction: (N, 3) kg m2/s, base axes: by how much the whole body's angular momentum exceeds
+            the model's over each interval of an earlier solution; None: it is not known.
     """
 
     jump: Jump
@@ -115,16 +117,12 @@ class Task:
     robot: Robot
     weights: dict[str, float]
     tuning: Tuning
+    correction: Array | None = None
 
     @property
     def joints(self) -> int:
         """J."""
         return len(self.robot.joint_names)
-
-    @property
-    def turns(self) -> bool:
-        """Whether the body turns over: a whole turn of roll or pitch."""
-        return bool(self.jump.roll or self.jump.pitch)
 
     @property
     def lowest_hips(self) -> float:

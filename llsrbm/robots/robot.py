@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -11,6 +11,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from llsrbm.errors import InputError
 from llsrbm.robots.legs import LegChains, solve_legs
 from llsrbm.robots.schema import RobotFile, read_robot_file
 from llsrbm.robots.soles import check_soles
@@ -75,6 +76,7 @@ class Robot:
         inertia: (3, 3) kg m2 about the CoM.
         feet: (L, 3) m.
         base_position: (3,) m: origin of the root link.
+        turns_over: whether it is as the file's [turning] has it.
     """
 
     file: RobotFile
@@ -91,6 +93,7 @@ class Robot:
     inertia: Array
     feet: Array
     base_position: Array
+    turns_over: bool = False
 
     @property
     def name(self) -> str:
@@ -151,6 +154,33 @@ class Robot:
         motion = self.chains.motion(self.posture[7:][self.leg_joint_index])
         rotation, _ = self.chains.foot_turning(motion)
         return np.arctan2(rotation[:, 1, 0], rotation[:, 0, 0])
+
+    @cached_property
+    def turning(self) -> Robot:
+        """This robot as its file's [turning] has it, for jumps in which the body turns over.
+
+        Raises:
+            InputError: the file has no such table.
+        """
+        if self.turns_over:
+            return self
+        table = self.file.turning
+        if table is None:
+            raise InputError(
+                f"{self.name} has no table [turning] in its file, and does no flips or rolls; "
+                "expected its reach and timing for a body that turns over"
+            )
+        shares = {
+            name: share
+            for name in ("torque_share", "speed_share")
+            if (share := getattr(table, name)) is not None
+        }
+        changed = {
+            "reach": table.reach,
+            "timing": table.timing,
+            "limits": self.file.limits.model_copy(update=shares),
+        }
+        return replace(self, file=self.file.model_copy(update=changed), turns_over=True)
 
     @cached_property
     def fit(self) -> LegFit:

@@ -110,12 +110,15 @@ class Reach(Table):
         lower, upper: corners of the box.
         standing: lowest height of the hips above standing feet, a share of that in the default
             posture: the trunk must clear the ground also when a landing goes deeper than planned.
+        about_standing: share of the samples for the leg maps that lie about the standing feet,
+            where plans mostly keep them; the others lie anywhere in the box.
     """
 
     distance: PositiveInterval
     lower: Vector
     upper: Vector
     standing: Annotated[float, Field(gt=0, lt=1)] = 0.6
+    about_standing: Annotated[float, Field(ge=0, le=1)] = 0.85
 
     @model_validator(mode="after")
     def _box_ordered(self) -> Self:
@@ -177,6 +180,22 @@ class Task(Table):
     height: Interval
 
 
+class Turning(Table):
+    """What holds instead for jumps in which the body turns over.
+
+    It leans far over its standing feet before it leaves them, and tucks its legs in the air.
+
+    Attributes:
+        reach, timing: in place of the robot's.
+        torque_share, speed_share: shares of the drives, in place of those of `Limits`.
+    """
+
+    reach: Reach
+    timing: Timing
+    torque_share: Positive | None = None
+    speed_share: Positive | None = None
+
+
 class Example(Table):
     """The jump that a page shows first: one that shows the robot well, within `Task`.
 
@@ -212,6 +231,7 @@ class RobotFile(Table):
         legs: leg name -> frames, in the order used everywhere.
         posture: leg name -> joint angles of the default posture, rad, from the base outwards.
         foot, reach, limits, timing, task, example, control, uncertainty: see there.
+        turning: likewise; a robot without it does no flips.
         planning: cost name -> weight, where this robot wants another one than
             `llsrbm.planning.costs` has.
     """
@@ -229,6 +249,7 @@ class RobotFile(Table):
     example: Example = Example()
     control: Control = Control()
     uncertainty: Uncertainty = Uncertainty()
+    turning: Turning | None = None
     planning: dict[str, Length] = Field(default_factory=dict)
 
     @model_validator(mode="after")

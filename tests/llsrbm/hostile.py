@@ -27,17 +27,18 @@ from llsrbm.motion.files import load
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.plan_file import FIRST_LAYOUT, FIRST_SCHEMA
 from llsrbm.motion.resample import resample
+from llsrbm.motion.timeline import timeline
 from llsrbm.motion.whole_body import whole_body_motion
 from llsrbm.robots import load_robot
 from llsrbm.titles import title_of
-from tests.llsrbm.synthetic import synthetic_plan
-from tests.llsrbm.synthetic_rollout import synthetic_rollout
+from tests.llsrbm.synthetic import TWO_HOPS, TWO_HOPS_DURATIONS, synthetic_plan
+from tests.llsrbm.synthetic_rollout import followed, synthetic_rollout
 
 Rng = np.random.Generator
 
 
 class Seeds:
-    """Sound files to damage: a plan, one as version 1 wrote it, a rollout."""
+    """Sound files to damage: a plan, one as version 1 wrote it, a rollout, one of two hops."""
 
     def __init__(self, folder: Path) -> None:
         self.canary = folder / "canary"
@@ -49,7 +50,11 @@ class Seeds:
         body = {"robot_parameters": robot.parameters(), "joint_names": robot.joint_names}
         replace(plan, jump=replace(plan.jump, robot="go2"), **body).save(folder / "first.npz")
         self.arrays = []
-        for name in ("plan", "first", "rollout"):
+        hops = followed(
+            synthetic_plan(intervals=2, schedule=TWO_HOPS, durations=TWO_HOPS_DURATIONS)
+        )
+        resample(hops, hops.time[::25]).save(folder / "hops.npz")
+        for name in ("plan", "first", "rollout", "hops"):
             with np.load(folder / f"{name}.npz") as archive:
                 self.arrays.append(dict(archive))
         first = {key: self.arrays[1][key] for key in ("meta", *FIRST_LAYOUT)}
@@ -473,11 +478,13 @@ DAMAGE: dict[str, Callable[[Seeds, Rng], bytes]] = {
 def use(trajectory, folder: Path) -> None:
     """What is done with a file that opens; raises whatever goes wrong."""
     if isinstance(trajectory, Plan):
+        timeline(trajectory)
         figures_of_plan(trajectory)
         plan_summary(trajectory)
         worst_violation(trajectory)
         title_of(trajectory.jump, trajectory.tuning)
     else:
+        timeline(trajectory.plan, trajectory)
         figures_of_rollout(trajectory)
         title_of(trajectory.jump, None, trajectory.scenario)
     with suppress(InputError):  # no such robot, or other joints

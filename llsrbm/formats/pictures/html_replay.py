@@ -148,6 +148,7 @@ def _timeline(events: Timeline) -> dict[str, Any]:
                         "end": piece.end,
                         "colour": css(piece.colour),
                         "low": piece.low,
+                        "feet": piece.feet,
                     }
                     for piece in row.pieces
                 ],

@@ -18,6 +18,8 @@ from llsrbm.planning.task import Task
 class MomentumBalance(Constraint):
     """I omega + h = R^T L over each interval (eqs. 3, 4; `llsrbm-plus`: with h).
 
+    Where the model was found to be wrong, with what it lacks (`Task.correction`).
+
     I, h and R at the midpoint, L its mean over the interval.
     """
 
@@ -42,6 +44,8 @@ class MomentumBalance(Constraint):
         R, _, _ = knots.mid
         x, xdot = knots.feet_mid
         momentum = knots.model.evaluate_momentum(x, xdot, knots.rotation_rate)
+        if knots.task.correction is not None:
+            momentum = momentum + knots.task.correction
         error = momentum - np.einsum("kji,kj->ki", R, knots.momentum_mean)
         return spread(knots, np.abs(error))
 

@@ -60,15 +60,32 @@ def turn_error(knots: Knots, flight: slice) -> Array:
         knots: the plan.
         flight: its intervals, of `Knots.flights`.
     """
-    robot, loads = knots.task.robot, knots.loads
-    data = robot.model.createData()
     turn = np.zeros(3)
     for k in range(flight.start, flight.stop):
-        R = knots.mid[0][k]
-        # The base's place and attitude do not matter: all in base axes, about the CoM.
-        q = np.concatenate([np.zeros(6), [1.0], loads.joint_position[k]])
-        v = np.concatenate([np.zeros(3), knots.rotation_rate[k], loads.joint_velocity[k]])
-        pin.ccrba(robot.model, data, q, v)
-        missing = R.T @ knots.momentum_mid[k] - data.hg.angular
-        turn += np.linalg.solve(data.Ig.inertia, missing) * knots.dt[k]
+        momentum, inertia = whole_body(knots, k)
+        missing = knots.mid[0][k].T @ knots.momentum_mean[k] - momentum
+        turn += np.linalg.solve(inertia, missing) * knots.dt[k]
     return turn
+
+
+def whole_body(knots: Knots, interval: int) -> tuple[Array, Array]:
+    """Angular momentum (3,) kg m2/s and inertia (3, 3) kg m2 in the middle of an interval.
+
+    By Pinocchio, about the CoM, in base axes.
+    """
+    robot, loads = knots.task.robot, knots.loads
+    data = robot.model.createData()
+    # The base's place and attitude do not matter.
+    q = np.concatenate([np.zeros(6), [1.0], loads.joint_position[interval]])
+    rate = knots.rotation_rate[interval]
+    v = np.concatenate([np.zeros(3), rate, loads.joint_velocity[interval]])
+    pin.ccrba(robot.model, data, q, v)
+    return data.hg.angular.copy(), data.Ig.inertia.copy()
+
+
+def correction(knots: Knots) -> Array:
+    """(N, 3) kg m2/s, base axes: what the model's angular momentum lacks over each interval."""
+    x, xdot = knots.feet_mid
+    modelled = knots.model.evaluate_momentum(x, xdot, knots.rotation_rate)
+    true = np.array([whole_body(knots, k)[0] for k in range(len(modelled))])
+    return true - modelled

@@ -6,6 +6,7 @@ from html import unescape
 import pytest
 
 from app.panel.tuning_table import entries_of, tuning_table
+from llsrbm import jump_types
 from llsrbm.planning.costs import COSTS, default_weights
 from llsrbm.planning.placement import limits_of
 from llsrbm.robots import load_robot
@@ -14,7 +15,7 @@ ROW = re.compile(r"<tr data-group.*?</tr>")
 
 
 def rows(robot):
-    return [unescape(row) for row in ROW.findall(tuning_table(entries_of(robot)))]
+    return [unescape(row) for row in ROW.findall(tuning_table(entries_of(robot, "together")))]
 
 
 @pytest.mark.parametrize("name", ["anymal", "slider"])
@@ -46,5 +47,15 @@ def test_units_are_written_with_squares():
 
 def test_what_a_robot_has_is_within_its_range():
     for name in ("anymal", "slider"):
-        for entry in entries_of(load_robot(name)):
+        for entry in entries_of(load_robot(name), "together"):
             assert entry.lowest <= entry.default <= entry.highest, entry
+
+
+def test_a_types_own_limits_are_the_defaults():
+    robot = load_robot("go2")
+    plain, flip = (
+        {entry.name: entry for entry in entries_of(robot, name)} for name in ("together", "flip")
+    )
+    for name, value in jump_types.load_type("flip").limits.items():
+        assert flip[name].default == value != plain[name].default
+        assert flip[name].lowest == plain[name].lowest

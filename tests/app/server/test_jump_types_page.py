@@ -31,7 +31,7 @@ def test_a_type_brings_its_sliders_and_names_its_phases(page):
     strip = page.locator("#llsrbm-transport .row .phase")
     push, fly = ["take-off · all feet", "rebound · all feet"], "flight · no foot"
     names = [push[0], fly, push[1], fly, push[1], fly, "landing · all feet"]
-    wait_until(lambda: strip.all_inner_texts() == names, "the phases")
+    wait_until(lambda: [piece.text_content() for piece in strip.all()] == names, "the phases")
     titles = [piece.get_attribute("title") for piece in strip.all()]
     assert titles[:2] == ["plan: take-off (standing: all feet)", "plan: flight (standing: no foot)"]
 
@@ -41,7 +41,7 @@ def test_feet_that_stand_are_named_where_it_is_some_of_them(page):
     wait_until(lambda: page.session.plan.jump.type == "rear-last", "the plan")
     assert slider(page, "Hops").count() == 0
     piece = page.locator('#llsrbm-transport [title="plan: rear push (standing: LH, RH)"]')
-    assert piece.inner_text() == "rear push · LH, RH"
+    assert piece.text_content() == "rear push · LH, RH"
 
 
 def test_a_flip_asks_which_turn(page):

@@ -20,7 +20,7 @@ from llsrbm.tuning import Tuning
 
 FILES = {name: read_robot_file(path) for name, path in robot_files().items()}
 ROBOT = load_robot("anymal")
-ENTRIES = {(entry.group, entry.name): entry for entry in entries_of(ROBOT)}
+ENTRIES = {(entry.group, entry.name): entry for entry in entries_of(ROBOT, "together")}
 FRICTION = ENTRIES["limits", "friction"]
 
 

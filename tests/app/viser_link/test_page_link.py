@@ -171,7 +171,14 @@ def test_a_timeline_is_sent_with_colours_as_style_sheets_have_them(link, sent):
     assert (header["end"], header["request"], header["strands"]) == (1.0, {"twist": 0.5}, [])
     assert (blob, number) == ("", 1)
     assert function == "transport.show"
-    piece = {"name": "flight", "start": 0.4, "end": 0.9, "colour": "rgba(1,2,3,1)", "low": True}
+    piece = {
+        "name": "flight",
+        "start": 0.4,
+        "end": 0.9,
+        "colour": "rgba(1,2,3,1)",
+        "low": True,
+        "feet": "",
+    }
     assert shown["rows"] == [{"name": 'a "row"', "pieces": [piece]}]
     assert shown["marks"] == [{"name": "apex", "time": 0.6, "colour": "rgba(4,5,6,1)"}]
     assert shown["end"] == 1.3

@@ -6,7 +6,7 @@ import pytest
 from llsrbm import models
 from llsrbm.analysis.realised import realise
 from llsrbm.jump import Jump
-from llsrbm.planning.planner import planner_for
+from llsrbm.planning.planner import planner_for, planner_of
 from llsrbm.robots import load_robot
 from tests.llsrbm.planning.solved import REQUESTS, TYPES, solved
 
@@ -46,7 +46,7 @@ TURNING = {
 @pytest.fixture(scope="module", params=TURNING)
 def turning(request):
     jump = Jump(**TURNING[request.param])
-    planner = planner_for("anymal", "llsrbm-plus", jump_type=jump.type, hops=jump.hops)
+    planner = planner_of(jump)
     planner.plan(jump)
     return realise(planner.last_knots(), ROBOT)
 

@@ -12,8 +12,9 @@ from llsrbm.jump import Jump
 from llsrbm.motion.plan import Plan
 from llsrbm.planning.horizon import constraints_of
 from llsrbm.planning.knots import Knots
+from llsrbm.planning.layout import Layout
 from llsrbm.planning.placement import parameters as parameters_of
-from llsrbm.planning.planner import Planner, planner_for
+from llsrbm.planning.planner import Planner, planner_of
 from llsrbm.planning.task import Task
 
 REQUESTS: dict[str, dict[str, Any]] = {
@@ -28,6 +29,8 @@ TYPES: dict[str, dict[str, Any]] = {
     "run-up": {"type": "run-up", "speed": 0.5, "end_speed": 0.2, "forward": 0.4},
     "hops": {"type": "hops", "hops": 2, "forward": 0.2, "twist": 0.3},
 }
+# They turn over, which of these robots Go2 can.
+FLIPS: dict[str, dict[str, Any]] = {"flip": {"type": "flip", "pitch": -2 * np.pi}}
 
 
 @dataclass(frozen=True)
@@ -42,8 +45,8 @@ class Solved:
 @cache
 def solved(model: str, request: str, robot: str = "anymal") -> Solved:
     """The plan of a request, from the analytic guess."""
-    jump = Jump(robot=robot, model=model, **(REQUESTS | BIPED | TYPES)[request])
-    planner = planner_for(robot, model, jump_type=jump.type, hops=jump.hops)
+    jump = Jump(robot=robot, model=model, **(REQUESTS | BIPED | TYPES | FLIPS)[request])
+    planner = planner_of(jump)
     plan = planner.plan(jump)
     found = planner.last
     return Solved(planner, found.task, plan, found.knots, found.solution.variables)
@@ -54,8 +57,8 @@ def function(planner: Planner, name: str) -> Any:
     return planner.formulation.solver.function(name)
 
 
-def parameters(task: Task) -> np.ndarray:
-    return np.concatenate(list(parameters_of(task).values()))
+def parameters(layout: Layout, task: Task) -> np.ndarray:
+    return np.concatenate(list(parameters_of(layout, task).values()))
 
 
 def rows_by_constraint(s: Solved, g: np.ndarray) -> list[dict[str, np.ndarray]]:

@@ -28,7 +28,7 @@ def rows_and_loads(which):
     s = solved(*which)
     robot, loads, layout = s.task.robot, s.knots.loads, s.planner.layout
     rows = rows_by_constraint(
-        s, np.array(function(s.planner, "nlp_g")(s.w, parameters(s.task))).ravel()
+        s, np.array(function(s.planner, "nlp_g")(s.w, parameters(s.planner.layout, s.task))).ravel()
     )
     columns = robot.leg_joint_index
 

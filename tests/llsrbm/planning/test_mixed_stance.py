@@ -164,13 +164,16 @@ def evaluated() -> dict[str, np.ndarray]:
     }
     plain = [stage.lift.resolve(ca.SX(expression)) for expression in expressions.values()]
     function = ca.Function(
-        "stage", [stage.variables, stage.local, ca.vertcat(*symbols.values())], plain
+        "stage",
+        [stage.variables, stage.local, stage.correction, ca.vertcat(*symbols.values())],
+        plain,
     )
     out = {name: [] for name in expressions}
     for one in instants():
         variables = np.concatenate([one.told[name] for name in stage.symbols])
         local = np.concatenate([one.standing.ravel(), one.standing.ravel(), np.zeros(12)])
-        results = function(variables, local, np.zeros(sum(s.numel() for s in symbols.values())))
+        rest = np.zeros(sum(symbol.numel() for symbol in symbols.values()))
+        results = function(variables, local, np.zeros(3), rest)
         for name, result in zip(expressions, results, strict=True):
             out[name].append(np.array(result))
     return {name: np.array(values) for name, values in out.items()}

@@ -5,9 +5,8 @@ import pytest
 
 from llsrbm import models
 from tests.llsrbm.planning.replay import angle_between, replay
-from tests.llsrbm.planning.solved import REQUESTS, TYPES, solved
+from tests.llsrbm.planning.solved import FLIPS, REQUESTS, TYPES, solved
 
-FLIPS = {"flip": ("go2", "flip")}  # of a preset whose limits and weights are still being found
 
 
 def drift(states, name, planned):
@@ -36,10 +35,7 @@ def test_replayed(model, request_name):
 
 @pytest.mark.parametrize("name", [*TYPES, *FLIPS])
 def test_any_schedule_replayed(name):
-    robot, request_name = FLIPS.get(name, ("anymal", name))
-    if name in FLIPS:
-        pytest.skip("the flip's preset does not plan yet")
-    s = solved("llsrbm-plus", request_name, robot)
+    s = solved("llsrbm-plus", name, "go2" if name in FLIPS else "anymal")
     plan = s.plan
     states = replay(plan, s.planner.model, step=2e-3)
     assert drift(states, "position", plan.com) < 1e-8

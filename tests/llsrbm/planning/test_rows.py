@@ -25,7 +25,7 @@ every_motion = pytest.mark.parametrize(("model", "request_name"), MOTIONS)
 
 def rolled_out(s, seed):
     """A disturbed plan whose gaps are closed one after another, and its rows."""
-    layout, p = s.planner.layout, parameters(s.task)
+    layout, p = s.planner.layout, parameters(s.planner.layout, s.task)
     nlp_g = function(s.planner, "nlp_g")
     rng = np.random.default_rng(seed)
     w = s.w + rng.normal(scale=0.05, size=s.w.size)

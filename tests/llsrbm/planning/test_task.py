@@ -59,8 +59,8 @@ def test_twists_beyond_half_a_turn_go_the_long_way():
 @given(jump=requests)
 def test_parameters_fill_the_solvers_places(jump):
     task = make_task(jump, ROBOT)
-    values = parameters(task)
-    sizes = parameter_sizes(Layout.of(task.schedule, 4, 48, 3))
+    layout = Layout.of(task.schedule, 4, 48, 3)
+    values, sizes = parameters(layout, task), parameter_sizes(layout)
     assert list(values) == list(sizes)
     for name, value in values.items():
         assert value.shape == (sizes[name],)
@@ -94,7 +94,8 @@ def test_both_ends_of_a_range_are_in_it():
 def test_weights_replace_the_defaults():
     task = make_task(Jump(), ROBOT, {"time": 3.0})
     assert task.weights == default_weights() | {"time": 3.0}
-    assert parameters(task)["weight_time"] == 3.0
+    layout = Layout.of(task.schedule, 4, 48, 3)
+    assert parameters(layout, task)["weight_time"] == 3.0
     assert make_task(Jump(), ROBOT, {"time": 0}).weights["time"] == 0
     assert make_task(Jump(), ROBOT).weights == default_weights()
 

@@ -402,7 +402,8 @@ function track(player) {
   find("#rows").append(...rows.map(({ name, pieces }) => {
     const row = element("div", { class: "row", title: name });
     for (const piece of pieces) {
-      const part = element("div", { title: `${name}: ${piece.name}` },
+      const feet = piece.feet ? `, ${piece.feet}` : "";
+      const part = element("div", { title: `${name}: ${piece.name}${feet}` },
         rows.length > 1 ? `${name}: ${piece.name}` : piece.name);
       part.classList.toggle("low", piece.low);
       part.style.left = percent(piece.start);
