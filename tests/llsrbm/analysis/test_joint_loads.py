@@ -165,6 +165,8 @@ def test_a_smooth_motion_against_differences_of_postures(robot):
         {"robot": "go2", "twist": 1.57},
         {"robot": "slider", "twist": 1.57},
         {"robot": "slider", "forward": 0.2, "height": 0.35},
+        {"type": "rear-last", "forward": 0.3},
+        {"type": "hops", "hops": 2, "forward": 0.2, "twist": 0.3},
     ],
     ids=str,
 )
@@ -190,6 +192,22 @@ def test_what_the_drives_give_is_the_gain_in_energy(planned):
     dt = np.diff(plan.time)
     gain = robot.mass * 9.81 * (plan.com[-1, 2] - plan.com[0, 2])
     assert power @ dt == pytest.approx(gain, abs=0.02 * np.abs(power) @ dt)
+
+
+def test_of_a_run_up_the_drives_give_the_gain_in_speed_too():
+    plan = solved("llsrbm-plus", "run-up").plan
+    loads = joint_loads(load_robot("anymal"), KnotMotion.of_plan(plan))
+    power, mass = loads.power.sum(axis=1), load_robot("anymal").mass
+    speeds = np.linalg.norm(plan.com_velocity[[0, -1]], axis=1)
+    gain = mass * np.diff(speeds**2)[0] / 2
+    assert power @ np.diff(plan.time) == pytest.approx(
+        gain, abs=0.02 * np.abs(power) @ np.diff(plan.time)
+    )
+    # Standing feet, moving body: joints turn at both ends as the postures there do.
+    for end, beside in ((0, 1), (-1, -2)):
+        step = plan.time[end] - plan.time[beside]
+        speed = (plan.joint_position[end] - plan.joint_position[beside]) / step
+        np.testing.assert_allclose(plan.joint_velocity[end], speed, atol=0.5)
 
 
 def test_speeds_at_the_knots_are_those_of_the_postures(planned):

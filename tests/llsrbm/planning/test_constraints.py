@@ -17,7 +17,7 @@ from llsrbm.planning.knots import feet_from_com
 from llsrbm.planning.residuals import phase_name, violations
 from llsrbm.robots import load_robot
 from llsrbm.robots.drives import torque_in_direction
-from tests.llsrbm.planning.solved import REQUESTS, solved
+from tests.llsrbm.planning.solved import REQUESTS, TYPES, solved
 
 NAMED = {c.name: c for c in CONSTRAINTS}
 ROBOT = load_robot("anymal")
@@ -206,8 +206,10 @@ def test_seen_with_the_right_amount_at_the_right_place(make):
     assert violations(base())[make.__name__].amount < 1e-4
 
 
-@pytest.mark.parametrize("request_name", REQUESTS)
-@pytest.mark.parametrize("model", models.names())
+@pytest.mark.parametrize(
+    ("model", "request_name"),
+    [*((m, r) for m in models.names() for r in REQUESTS), *(("llsrbm-plus", t) for t in TYPES)],
+)
 def test_plans_keep_every_constraint(model, request_name):
     knots = solved(model, request_name).knots
     for constraint in CONSTRAINTS:
@@ -306,6 +308,26 @@ def test_feet_speed_up_and_slow_down_within_the_first_and_last_intervals():
         speed = np.abs(solved(model, "all").knots.foot_velocity_base[FIRST:LAST])
         assert speed[0].max() < 0.6 * speed.max()
         assert speed[-1].max() < 0.6 * speed.max()
+
+
+def test_feet_that_swing_while_others_stand_are_held_to_what_swinging_is():
+    """Of ANYmal that pushes last with its hind feet; two feet have these rows, two have not."""
+    s = solved("llsrbm-plus", "rear-last")
+    layout = s.planner.layout
+    lift, away, landing = (int(k) for k in layout.first_knots[1:4])
+    for k, count in ((lift - 1, 0), (lift, 2), (lift + 1, 2), (away, 4), (landing, 0)):
+        role = layout.roles[k]
+        for name, per_foot in (("foot_speed", 3), ("friction_pyramid", 4)):
+            feet = count if name == "foot_speed" else 4 - count
+            constraint = NAMED[name]
+            assert constraint.applies(role) == (feet > 0)
+            assert len(constraint.bounds(s.task, layout, k)[0]) == per_foot * feet
+    edges = {k for k, role in enumerate(layout.roles) if NAMED["given_contacts"].applies(role)}
+    assert edges == {lift, away, landing}
+    # The front feet are lifted while the hind feet push.
+    heights = s.knots.foot_position[lift + 1 : away + 1, :, 2]
+    assert (heights[:, :2] > 1e-4).all()
+    np.testing.assert_allclose(heights[:, 2:], 0.0, atol=1e-6)
 
 
 def test_phases_and_roles():

@@ -7,13 +7,14 @@ import pytest
 
 from tests.llsrbm.planning.solved import (
     REQUESTS,
+    TYPES,
     function,
     parameters,
     rows_by_constraint,
     solved,
 )
 
-ANYMALS = [("llsrbm-plus", request, "anymal") for request in REQUESTS]
+ANYMALS = [("llsrbm-plus", request, "anymal") for request in (*REQUESTS, *TYPES)]
 BOX = ("llsrbm-plus", "box", "slider")
 every_plan = pytest.mark.parametrize("which", [*ANYMALS, BOX], ids=lambda w: f"{w[2]}-{w[1]}")
 
@@ -22,8 +23,8 @@ every_plan = pytest.mark.parametrize("which", [*ANYMALS, BOX], ids=lambda w: f"{
 def rows_and_loads(which):
     """Shares (N - 1, J) of torque and {knot: (J,)} of speed by the rows; the same by Pinocchio.
 
-    Rows of the flight are torques as intervals begin, and as the last one ends; the means of both
-    ends belong to the middles, as Pinocchio's. The first interval, at rest, has no rows.
+    Rows of swinging legs are torques as intervals begin, and as the last one ends; the means of
+    both ends belong to the middles, as Pinocchio's. The first interval, at rest, has no rows.
     """
     s = solved(*which)
     robot, loads, layout = s.task.robot, s.knots.loads, s.planner.layout
@@ -38,12 +39,18 @@ def rows_and_loads(which):
         return joints
 
     torque, speed = [], {}
+    legs, joints = columns.shape
     for k in range(1, layout.knots - 1):
-        role, here = layout.roles[k], rows[k]["joint_torque"]
-        torque.append(of_joints(here))
-        if role.is_flight:
-            after = here[columns.size :] if role.last else rows[k + 1]["joint_torque"]
-            torque[-1] = (torque[-1] + of_joints(after)) / 2
+        role = layout.roles[k]
+        here = rows[k]["joint_torque"].reshape(-1, joints)
+        mean = here[:legs].copy()
+        for leg in role.swinging:
+            if leg in role.settling:
+                after = here[legs + role.settling.index(leg)]
+            else:
+                after = rows[k + 1]["joint_torque"].reshape(-1, joints)[leg]
+            mean[leg] = (mean[leg] + after) / 2
+        torque.append(of_joints(mean.ravel()))
         if "joint_speed" in rows[k]:
             speed[k] = of_joints(rows[k]["joint_speed"])
     shares = loads.joint_torque / robot.torque_limit, loads.joint_velocity / robot.speed_limit

@@ -1,9 +1,11 @@
 import threading
 import time
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 import llsrbm
 from llsrbm import models
@@ -18,7 +20,7 @@ from llsrbm.planning.progress import PlanningProgress
 from llsrbm.planning.residuals import TOLERANCE, excess
 from llsrbm.robots import load_robot
 from tests.llsrbm.kinematics import foot_positions
-from tests.llsrbm.planning.solved import REQUESTS, solved
+from tests.llsrbm.planning.solved import REQUESTS, TYPES, solved
 
 every_plan = pytest.mark.parametrize("request_name", REQUESTS)
 every_model = pytest.mark.parametrize("model", models.names())
@@ -127,6 +129,63 @@ def test_the_posture_puts_the_feet_and_the_com_where_the_plan_has_them(model, re
 def test_the_joints_keep_their_speed(model, request_name):
     margins = joint_margins(solved(model, request_name).plan, ROBOT)
     assert margins.peak_speed <= 15.0
+
+
+# ---- any type
+
+
+@pytest.mark.parametrize("name", TYPES)
+def test_what_a_plan_of_any_type_holds(name):
+    s = solved("llsrbm-plus", name)
+    plan, schedule = s.plan, s.task.schedule
+    assert plan.solved
+    assert plan.report.attempts == 1
+    assert plan.schedule == schedule
+    np.testing.assert_array_equal(plan.contact, schedule.stands[plan.phase])
+    assert len(plan.time) == s.planner.layout.knots
+    # Feet push only where they stand, and do not move there.
+    assert not plan.contact_force[~plan.contact].any()
+    still = plan.contact[:-1] & plan.contact[1:]
+    step = np.linalg.norm(np.diff(plan.foot_position, axis=0), axis=-1)
+    assert step[still].max() < 1e-9
+    np.testing.assert_allclose(plan.foot_position[-1], s.task.places[-1].feet, atol=1e-6)
+    np.testing.assert_allclose(plan.com[-1], s.task.goal_position, atol=1e-5)
+    flying = ~plan.contact.any(axis=1)
+    for flight in s.knots.flights:
+        assert flying[flight].all()
+        inside = slice(flight.start, flight.stop + 1)
+        assert np.ptp(plan.angular_momentum[inside], axis=0).max() < 1e-6
+    for p, (start, end) in enumerate(pairwise(plan.phase_start)):
+        low, high = s.task.times(p)
+        assert low - 1e-3 <= end - start <= high + 1e-3
+
+
+def test_a_run_up_begins_and_ends_with_its_speed():
+    plan = solved("llsrbm-plus", "run-up").plan
+    np.testing.assert_allclose(plan.com_velocity[0], [0.5, 0, 0])
+    np.testing.assert_allclose(plan.com_velocity[-1], [0.2, 0, 0], atol=1e-5)
+    # The feet stand, so the joints follow the body.
+    assert np.abs(plan.joint_velocity[[0, -1]]).max(axis=1).min() > 0.2
+
+
+def test_every_hop_goes_as_far_as_is_asked():
+    s = solved("llsrbm-plus", "hops")
+    jump, middles = s.task.jump, []
+    for phase in (0, 2, 4):
+        feet = s.plan.foot_position[s.plan.phase == phase][0]
+        middles.append(feet.mean(axis=0))
+    (first, second) = np.diff(middles, axis=0)
+    turn = Rotation.from_euler("z", jump.twist)
+    # The robot turns about its own origin, from which the feet's middle is not far.
+    reach = np.linalg.norm(middles[0][:2]) * jump.twist
+    np.testing.assert_allclose(first, [jump.forward, 0, 0], atol=reach + 1e-6)
+    np.testing.assert_allclose(turn.apply(first), second, atol=1e-6)
+
+
+def test_a_planner_is_of_one_schedule():
+    planner = solved("llsrbm-plus", "rear-last").planner
+    with pytest.raises(InputError, match="this planner's feet stand as 1111-0011-0000-1111"):
+        planner.plan(Jump(forward=0.3))
 
 
 # ---- the paper's result
