@@ -20,6 +20,10 @@ class InputError(Error):
     """A value, a name or a combination of values that cannot be used (exit status 2)."""
 
 
+class NoFooting(InputError):
+    """A jump that would put feet onto, or too near to, what it is to pass over."""
+
+
 class RobotFileError(InputError):
     """A robot file that cannot be read or that contradicts its URDF."""
 

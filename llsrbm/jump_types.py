@@ -9,6 +9,13 @@
     time = "takeoff"          # a row of the robot file's [timing], or [shortest, longest], s
     ...
 
+Where there is something to jump over, it says that, too:
+
+    [obstacle]
+    from = 0.1                # where it begins and ends, m ahead of the foremost foot at the start
+    to = 0.2
+    height = 0.12             # m above the ground at the start; below zero: a gap, so deep
+
 A type says what is contact: the phases, and what of weights and limits they need. Where to, how
 fast and how far round is the request's (`llsrbm.Jump`); `with_defaults` has it say what a type asks
 for. A file that is read never has a type's file opened that it names; planning has.
@@ -30,6 +37,7 @@ from pydantic_core import ErrorDetails, PydanticCustomError
 from llsrbm.errors import InputError, printable
 from llsrbm.jump import ASKABLE as ASKABLE
 from llsrbm.jump import Jump
+from llsrbm.obstacle import wrong_shape
 from llsrbm.robots.assets import assets_directory
 from llsrbm.robots.schema import choices
 from llsrbm.robots.tables import Table, with_tuples
@@ -58,7 +66,8 @@ class PhaseRow(Table):
 
     Attributes:
         name: as on the timeline.
-        feet: "all", "none", "front", "hind", "left", "right", or names of legs.
+        feet: "all", "none", "front", "hind", "left", "right", "pivot" or names of legs. The feet on
+            which a body that turns over stands last: hind in a back flip, front in a front flip.
         time: a row of the robot file's [timing], or shortest and longest duration, s.
         share: of the intervals that a whole phase gets.
         each_hop: whether the phase, with its neighbours that say so too, comes again with every
@@ -85,6 +94,26 @@ class Displacement(Table):
     height: float | None = None
 
 
+class ObstacleRow(Table):
+    """A hurdle or a gap as a file has it.
+
+    Attributes:
+        near, far: m ahead of the foremost contact point at the start; "from" and "to" in files.
+        height: m above the ground at the start; below zero: a gap, so deep.
+    """
+
+    near: Annotated[float, Field(alias="from")]
+    far: Annotated[float, Field(alias="to")]
+    height: float
+
+    @model_validator(mode="after")
+    def _check(self) -> ObstacleRow:
+        why = wrong_shape(self.near, self.far, self.height)
+        if why:
+            raise PydanticCustomError("obstacle", "{why}", {"why": f"obstacle: {why}"})
+        return self
+
+
 class JumpType(Table):
     """A jump type's file.
 
@@ -94,6 +123,9 @@ class JumpType(Table):
         defaults: what it says if it is silent.
         weights, limits: cost or limit name -> value, in place of the robot's.
         displacement: of each jump of several; none: the request's for all.
+        obstacle: what is jumped over, if anything.
+        clears_ground: whether trunk and knees have to be kept off the ground, as of robots that
+            turn over.
         phase: in order.
     """
 
@@ -104,6 +136,8 @@ class JumpType(Table):
     weights: dict[str, float] = Field(default_factory=dict)
     limits: dict[str, float] = Field(default_factory=dict)
     displacement: tuple[Displacement, ...] = ()
+    obstacle: ObstacleRow | None = None
+    clears_ground: bool = False
     phase: Annotated[tuple[PhaseRow, ...], Field(min_length=1)]
 
     @model_validator(mode="after")
@@ -121,12 +155,24 @@ class JumpType(Table):
             raise PydanticCustomError("defaults", "{why}", {"why": str(error)}) from error
         return self
 
-    def schedule(self, robot: Robot, hops: int = 1) -> Schedule:
+    @property
+    def clears(self) -> bool:
+        """Whether the whole body has something to clear, not the feet alone."""
+        return self.clears_ground or self.obstacle is not None
+
+    def schedule(self, robot: Robot, jump: Jump | None = None) -> Schedule:
         """The phases with this robot's feet.
+
+        Args:
+            robot: whose.
+            jump: the request, for the number of hops and the direction in which it turns over;
+                None: one that the type's defaults make.
 
         Raises:
             InputError: it has no such feet, or the phases are no schedule.
         """
+        jump = jump or replace(Jump(), **self.defaults)  # type: ignore[arg-type]
+        hops = jump.hops
         if hops > 1 and not any(row.each_hop for row in self.phase):
             raise InputError(
                 f'hops: "{self.title}" is one jump; expected 1, or a type with phases of each hop'
@@ -134,16 +180,20 @@ class JumpType(Table):
         phases: list[Phase] = []
         place = 0
         for row in _repeated(self.phase, hops):
-            feet = _feet(row, robot)
+            feet = _feet(row, robot, _pivot(jump))
             if phases and feet and phases[-1].is_flight:
                 place += 1
             phases.append(Phase(row.name, feet, row.time, place, row.share))
         return Schedule(tuple(leg.name for leg in robot.legs), tuple(phases))
 
 
-_TABLES: dict[str, type[BaseModel]] = {"phase": PhaseRow, "displacement": Displacement}
+_TABLES: dict[str, type[BaseModel]] = {
+    "phase": PhaseRow,
+    "displacement": Displacement,
+    "obstacle": ObstacleRow,
+}
 _EXPECTED = {
-    "feet": "all, none, front, hind, left, right, or an array of legs' names",
+    "feet": "all, none, front, hind, left, right, pivot, or an array of legs' names",
     "time": "takeoff, flight, landing, or [shortest, longest] in s",
     "asks": f"some of {', '.join(ASKABLE)}",
 }
@@ -181,7 +231,7 @@ def schedule_of(jump: Jump, robot: Robot) -> Schedule:
     Raises:
         InputError: see `load_type` and `JumpType.schedule`.
     """
-    return load_type(jump.type).schedule(robot, jump.hops)
+    return load_type(jump.type).schedule(robot, jump)
 
 
 def with_defaults(jump: Jump, given: Collection[str] = ()) -> Jump:
@@ -264,10 +314,10 @@ def _sentence(detail: ErrorDetails) -> str:
     given = printable(repr(detail["input"]))
     match detail["type"]:
         case "extra_forbidden":
-            return f'unknown key "{key}"; {choices(last, table.model_fields)}'
-        case "missing" if last in table.model_fields:
-            return f'missing key "{key}"; expected: {", ".join(table.model_fields)}'
-        case "defaults":
+            return f'unknown key "{key}"; {choices(last, _keys(table))}'
+        case "missing" if last in _keys(table):
+            return f'missing key "{key}"; expected: {", ".join(_keys(table))}'
+        case "defaults" | "obstacle":
             return detail["msg"]
         case _ if last in _EXPECTED:
             return f"{key}: expected {_EXPECTED[last]}, got {given}"
@@ -278,6 +328,11 @@ def _sentence(detail: ErrorDetails) -> str:
         case _:
             message = detail["msg"][:1].lower() + detail["msg"][1:]
             return f"{key}: {message}, got {given}"
+
+
+def _keys(table: type[BaseModel]) -> list[str]:
+    """As they are called in files."""
+    return [field.alias or name for name, field in table.model_fields.items()]
 
 
 def _is_alternative(part: str | int) -> bool:
@@ -302,21 +357,36 @@ def _repeated(rows: tuple[PhaseRow, ...], hops: int) -> list[PhaseRow]:
     return phases
 
 
-def _feet(row: PhaseRow, robot: Robot) -> tuple[str, ...]:
+def _pivot(jump: Jump) -> str:
+    """The side about which a body turns over: it goes down as the other one rises; "" of none."""
+    if jump.pitch:
+        return "hind" if jump.pitch < 0 else "front"
+    if jump.roll:
+        return "right" if jump.roll > 0 else "left"
+    return ""
+
+
+def _feet(row: PhaseRow, robot: Robot, pivot: str) -> tuple[str, ...]:
     legs = tuple(leg.name for leg in robot.legs)
     if isinstance(row.feet, tuple):
         return row.feet
     if row.feet in ("all", "none"):
         return legs if row.feet == "all" else ()
     groups = _groups(robot)
-    if row.feet not in groups:
+    if row.feet == "pivot" and not pivot:
+        raise InputError(
+            f'phase "{row.name}": "pivot" are the feet on which a body that turns over stands last; '
+            "expected a whole turn of pitch or roll (-360 deg of pitch: a back flip)"
+        )
+    name = pivot if row.feet == "pivot" else row.feet
+    if name not in groups:
         if row.feet in legs:
             return (row.feet,)
         accepted = ", ".join(dict.fromkeys(["all", "none", *groups, *legs]))
         raise InputError(
-            f'phase "{row.name}": {robot.name} has no {row.feet!r} feet; expected one of {accepted}'
+            f'phase "{row.name}": {robot.name} has no {name!r} feet; expected one of {accepted}'
         )
-    return groups[row.feet]
+    return groups[name]
 
 
 def _groups(robot: Robot) -> dict[str, tuple[str, ...]]:

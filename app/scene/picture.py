@@ -66,8 +66,12 @@ class Picture:
 
     @property
     def ground(self) -> float:
-        """Height of the ground, m: a landing below the start moves it down."""
-        return 0.0 if self.planned is None else min(self.planned.plan.jump.height, 0.0)
+        """Height of the ground, m: a landing below the start, or a gap, moves it down."""
+        if self.planned is None:
+            return 0.0
+        plan = self.planned.plan
+        deepest = 0.0 if plan.obstacle is None else plan.obstacle.height
+        return min(plan.jump.height, deepest, 0.0)
 
 
 def changed_parts(before: Picture, after: Picture) -> frozenset[str]:

@@ -6,7 +6,8 @@ The planner knows feet, not joints. For its limits on drives it needs, of each l
     tau  = -J^T (f, m)                  joint torques that hold a force and a moment at the foot
     q''  = d/dt r(x, x')                joint accelerations, for what swinging the leg takes
 
-as expressions in x, the foot in its mirrored hip frame (`llsrbm.models.base`). Two kinds of legs:
+as expressions in x, the foot in its mirrored hip frame (`llsrbm.models.base`), and where the knee
+is, which must not run into anything. Two kinds of legs:
 
 - `KneeLeg`: an abduction joint and two parallel ones, hip and knee, with a point foot, which most
   quadrupeds have. Closed forms, exact.
@@ -27,6 +28,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from llsrbm.robots.body import knee_joint
 from llsrbm.robots.leg_fit import quadratic_features, sampled_legs
 from llsrbm.robots.robot import Robot
 
@@ -71,6 +73,14 @@ class LegDrives(ABC):
             x: (d, 1) m, rad.
             force: (3, 1) on the foot, base axes, any unit of force.
             moment: (3, 1) on the foot about its frame's origin, base axes; None of points.
+        """
+
+    @abstractmethod
+    def knee(self, x: Matrix) -> Matrix | None:
+        """The knee seen from the hip, (3, 1) m, base axes; None of legs that have none.
+
+        Args:
+            x: (d, 1) m, rad.
         """
 
     @abstractmethod
@@ -123,7 +133,7 @@ class KneeLeg(LegDrives):
             return None
         o1, o2, o3 = zero.origin[index]
         foot = standing.foot[index]
-        across = float(n @ (zero.foot[index] - o1))
+        across, knee_across = (float(n @ (point - o1)) for point in (zero.foot[index], o3))
         # Which way of the two the leg's plane reaches down from the axis, when it stands.
         turned = standing.rotation[index, 0] @ chains.axis[index, 0]
         n_standing = (standing.rotation[index, 1] @ chains.axis[index, 1][:, None])[:, 0]
@@ -142,6 +152,7 @@ class KneeLeg(LegDrives):
             axis=a,
             side=side,
             across=across,
+            knee_across=knee_across,
             hip_in_plane=in_plane @ (o2 - o1),
             thigh=float(np.linalg.norm(in_plane @ (o3 - o2))),
             shank=float(np.linalg.norm(in_plane @ (zero.foot[index] - o3))),
@@ -207,6 +218,19 @@ class KneeLeg(LegDrives):
         )
         return rates, ca.vertcat(abduction_2, hip_2, knee_2)
 
+    def knee(self, x: Matrix) -> Matrix:
+        """See `LegDrives.knee`."""
+        c, a = self._c, ca.DM(self._c["axis"])
+        p = self._plane(x)
+        round_axis = ca.cross(a, p.square)
+        # Where n and, in the leg's plane square to a, e point: both from the foot's own place.
+        n = (c["across"] * p.square - c["side"] * p.h * round_axis) / p.rho2
+        e = (p.h * p.square + c["side"] * c["across"] * round_axis) / p.rho2
+        turned = c["bend"] * p.area / p.u2
+        thigh = (1 - p.A) * p.u - turned * ca.vertcat(-p.u[1], p.u[0])
+        along, away = c["hip_in_plane"][0] + thigh[0], c["hip_in_plane"][1] + thigh[1]
+        return along * a + away * e + c["knee_across"] * n - ca.DM(c["hip"])
+
     def holding_torque(self, x: Matrix, force: Matrix, moment: Matrix | None) -> Matrix:
         """See `LegDrives.holding_torque`."""
         c, a = self._c, ca.DM(self._c["axis"])
@@ -253,20 +277,24 @@ def _at_least(value: Matrix, floor: float) -> Matrix:
 
 
 class FittedLeg(LegDrives):
-    """Quadratic polynomials of x for the joint angles and for the columns of J.
+    """Quadratic polynomials of x for the joint angles, the columns of J, and the knee's place.
 
     Attributes:
-        residuals: RMS errors over the samples: "angle" rad or m; "torque" share of the mean column.
+        residuals: RMS errors over the samples: "angle" rad or m; "torque" share of the mean column;
+            "knee" m, of legs that have one.
     """
 
     exact = False
 
-    def __init__(self, angles: Array, jacobian: Array, residuals: dict[str, float]) -> None:
-        """Maps: features -> q (f, n), and features -> J, row by row (f, 6 n): linear, angular."""
+    def __init__(
+        self, angles: Array, jacobian: Array, knee: Array | None, residuals: dict[str, float]
+    ) -> None:
+        """Maps: features -> q (f, n); -> J, row by row (f, 6 n): linear, angular; -> knee (f, 3)."""
         self.joints = angles.shape[1]
         self.residuals = residuals
         self._angles = ca.sparsify(ca.DM(angles.T), 1e-9)
         self._jacobian = ca.sparsify(ca.DM(jacobian.T), 1e-9)
+        self._knee = None if knee is None else ca.sparsify(ca.DM(knee.T), 1e-9)
 
     @staticmethod
     def of(robot: Robot) -> list[LegDrives]:
@@ -274,6 +302,7 @@ class FittedLeg(LegDrives):
         x, q = sampled_legs(robot, _SAMPLES, _SEED)
         motion = robot.chains.motion(q)
         _, turning = robot.chains.foot_turning(motion)
+        joint = knee_joint(robot)
         fitted: list[LegDrives] = []
         for leg in range(len(robot.legs)):
             features = quadratic_features(x[:, leg])
@@ -286,12 +315,22 @@ class FittedLeg(LegDrives):
                     np.sqrt(np.mean((features @ columns - flat) ** 2)) / np.abs(flat).mean()
                 ),
             }
-            fitted.append(FittedLeg(angles, columns, residuals))
+            knee = None
+            if joint is not None:
+                places = motion.origin[:, leg, joint] - robot.hips[leg]
+                knee = np.linalg.lstsq(features, places)[0]
+                residuals["knee"] = float(np.sqrt(np.mean((features @ knee - places) ** 2)))
+            fitted.append(FittedLeg(angles, columns, knee, residuals))
         return fitted
 
     def numbers(self) -> dict[str, Any]:
         """See `LegDrives.numbers`."""
-        return {"angles": str(self._angles), "jacobian": str(self._jacobian)}
+        knee = {} if self._knee is None else {"knee": str(self._knee)}
+        return {"angles": str(self._angles), "jacobian": str(self._jacobian), **knee}
+
+    def knee(self, x: Matrix) -> Matrix | None:
+        """See `LegDrives.knee`."""
+        return None if self._knee is None else ca.mtimes(self._knee, _features(x))
 
     def rates(self, x: Matrix, x_rate: Matrix) -> Matrix:
         """See `LegDrives.rates`."""

@@ -25,6 +25,7 @@ from llsrbm.motion.quantity import (
     Kind,
     Quantity,
 )
+from llsrbm.obstacle import Obstacle
 from llsrbm.ocp.problem import Iterate
 from llsrbm.schedule import Schedule, together
 from llsrbm.tuning import Tuning
@@ -88,6 +89,7 @@ class Plan:
             the schedule `together`.
         solution: of the solver, for plans that start from this one; None of a plan that failed, and
             of one that was read from a file that was written before files held it.
+        obstacle: what is jumped over, if anything.
 
     Velocities and torques of the joints are None where they are not known: in a plan of an old file
     whose robot is not there any more, and in one that failed so badly that its motion has none.
@@ -255,6 +257,7 @@ class Plan:
     tuning: Tuning = field(default_factory=Tuning)
     solution: Iterate | None = field(default=None, repr=False)
     schedule: Schedule = None  # type: ignore[assignment]
+    obstacle: Obstacle | None = None
 
     def __post_init__(self) -> None:
         if not self.schedule:

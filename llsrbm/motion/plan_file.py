@@ -3,7 +3,8 @@
 Files of schema 1 have no velocities and torques of the joints. They are computed when such a file
 is read, if the robot is one of the project's own and still the same; otherwise they are not known.
 Plans without them (among them some that failed) are written as schema 1. Files from before there
-were schedules have none in `meta`: theirs is `together`.
+were schedules have none in `meta`: theirs is `together`. Only plans over an obstacle have
+one there.
 """
 
 from __future__ import annotations
@@ -26,6 +27,7 @@ from llsrbm.motion.native_file import (
 )
 from llsrbm.motion.plan import Plan, SolveReport, Violation, leg_names
 from llsrbm.motion.quantity import ROW, VARIABLE, Quantity, quantities
+from llsrbm.obstacle import Obstacle
 from llsrbm.ocp.problem import Iterate
 from llsrbm.schedule import Schedule, together
 from llsrbm.tuning import Tuning
@@ -59,6 +61,7 @@ class _Meta(Meta):
     violations: dict[str, Violation]
     tuning: Tuning = Tuning()  # files of 0.1 have none
     schedule: dict[str, Any] | None = None
+    obstacle: dict[str, Any] | None = None
 
 
 def save_plan(plan: Plan, path: str | Path) -> None:
@@ -85,6 +88,7 @@ def plan_arrays(plan: Plan) -> Arrays:
         violations=plan.violations,
         tuning=plan.tuning,
         schedule=plan.schedule.as_dict(),
+        obstacle=None if plan.obstacle is None else plan.obstacle.as_dict(),
         package_version=package_version(),
     )
     known = all(getattr(plan, name) is not None for name in _LOADS)
@@ -130,6 +134,7 @@ def plan_from_arrays(arrays: Arrays, path: str | Path) -> Plan:
         tuning=meta.tuning,
         solution=_solution(arrays, path),
         schedule=schedule,
+        obstacle=_obstacle(meta, path),
         **values,
     )
     return _with_loads(plan) if first else plan
@@ -194,6 +199,16 @@ def _schedule(meta: _Meta, legs: int, path: str | Path) -> Schedule:
             f'{where}: schedule: it has the legs {told}; expected {legs}, as "leg_mass" has'
         )
     return schedule
+
+
+def _obstacle(meta: _Meta, path: str | Path) -> Obstacle | None:
+    if meta.obstacle is None:
+        return None
+    try:
+        return Obstacle.from_dict(meta.obstacle)
+    except InputError as error:
+        told = printable(str(error), _LONGEST_MESSAGE)
+        raise FileFormatError(f'{path}: key "meta": {told}') from error
 
 
 def _check_phases(values: Arrays, schedule: Schedule, path: str | Path) -> None:

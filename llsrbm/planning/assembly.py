@@ -52,6 +52,7 @@ def assemble_plan(robot: Robot, attempt: Attempt, report: Callable[[], SolveRepo
         base_mass=knots.model.base_mass,
         joint_names=robot.joint_names,
         schedule=task.schedule,
+        obstacle=task.obstacle,
         solution=Iterate(solution.variables, solution.multipliers) if attempt.solved else None,
         report=report(),
         **arrays,

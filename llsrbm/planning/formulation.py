@@ -86,6 +86,8 @@ class Formulation:
                 reach=task.reach,
                 timing=task.timing,
                 foot=task.foot,
+                body_margin=task.body_margin,
+                obstacle=None,  # feet of a shorter jump would land on it
             )
         yield task
 

@@ -40,6 +40,8 @@ class Role:
         initial: the very first knot; terminal: the very last, after which nothing follows.
         first, last: of the phase's intervals.
         final: in the schedule's last phase.
+        clears: whether trunk, knees and flying feet are kept clear of something.
+        lands_upright: after the last flight of a body that turns over.
     """
 
     phase: int
@@ -55,6 +57,8 @@ class Role:
     first: bool = False
     last: bool = False
     final: bool = False
+    clears: bool = False
+    lands_upright: bool = False
 
     @property
     def in_contact(self) -> bool:
@@ -116,7 +120,7 @@ class Layout:
         stands: (P, L) whether a foot stands in a phase.
         intervals: (P,) of each phase.
         foot_coordinates: d, see `Robot.foot_coordinates`.
-        clears: whether the whole body has something to clear (`constraints.clearance`).
+        clears: whether the whole body has something to clear (`constraints.body_clearance`).
         turns: whether the body turns over, so fast that legs feel it (`Stage.joint_torques`).
     """
 
@@ -182,7 +186,8 @@ class Layout:
     def roles(self) -> tuple[Role, ...]:
         """(N + 1) roles."""
         roles: list[Role] = []
-        last_phase = self.phases - 1
+        last_phase, upright = self.phases - 1, self.turns
+        last_flight = max(p for p, row in enumerate(self.stands) if not any(row))
         for p, count in enumerate(self.intervals):
             now = np.array(self.stands[p])
             before = np.array(self.stands[max(p - 1, 0)])
@@ -207,6 +212,8 @@ class Layout:
                         first=first,
                         last=last,
                         final=p == last_phase,
+                        clears=self.clears and not (p == 0 and first),
+                        lands_upright=upright and p > last_flight,
                     )
                 )
         everything = tuple(range(self.legs))

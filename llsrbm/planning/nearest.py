@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
-from llsrbm.errors import Error
+from llsrbm.errors import Error, NoFooting
 from llsrbm.jump import Jump
 from llsrbm.motion.plan import Plan
 from llsrbm.planning.explanation import explain, in_words
@@ -150,7 +150,10 @@ class _Search:
         if known is not None:
             return known
         self.scout.about = f"looking for a jump that works: {_in_words(jump)}"
-        task = make_task(jump, self.scout.formulation.robot, self._weights, self._limits)
+        try:
+            task = make_task(jump, self.scout.formulation.robot, self._weights, self._limits)
+        except NoFooting:
+            return None
         ranges = self.scout.formulation.robot.file.task
         near = min(
             self._known,

@@ -11,6 +11,12 @@ from numpy.typing import NDArray
 from llsrbm.errors import InputError
 from llsrbm.jump import Jump
 from llsrbm.jump_types import JumpType, load_type
+from llsrbm.obstacle import Obstacle
+from llsrbm.planning.clearance_profile import (
+    CLEARANCE_PARAMETERS,
+    check_footing,
+    clearance_parameters,
+)
 from llsrbm.planning.costs import COSTS, default_weights, weight_parameter
 from llsrbm.planning.layout import Layout
 from llsrbm.planning.limits import Limit, check_limits, limits_in, put_limits
@@ -68,12 +74,14 @@ def make_task(
                 raise InputError(
                     f"{where}weight {name}: expected a number of at least 0, got {weight}"
                 )
-    own = place_task(Jump(robot=jump.robot), robot)
+    own = place_task(Jump(robot=jump.robot, type=jump.type, hops=jump.hops), robot)
     if kind.limits:
         check_limits(kind.limits, own, robot.name)
     if limits:
         check_limits(limits, own, robot.name)
-    return place_task(jump, robot, Tuning(weights or {}, limits or {}))
+    task = place_task(jump, robot, Tuning(weights or {}, limits or {}))
+    check_footing(task)
+    return task
 
 
 def place_task(jump: Jump, robot: Robot, tuning: Tuning | None = None) -> Task:
@@ -86,7 +94,7 @@ def place_task(jump: Jump, robot: Robot, tuning: Tuning | None = None) -> Task:
     if jump.turns:
         robot = robot.turning
     kind = load_type(jump.type)
-    schedule = kind.schedule(robot, jump.hops)
+    schedule = kind.schedule(robot, jump)
     places = _places(jump, kind, robot, schedule.places)
     end = places[-1]
     c, s = np.cos(end.heading), np.sin(end.heading)
@@ -113,6 +121,8 @@ def place_task(jump: Jump, robot: Robot, tuning: Tuning | None = None) -> Task:
         robot=robot,
         weights=default_weights() | robot.file.planning | kind.weights | dict(tuning.weights),
         tuning=tuning,
+        obstacle=_obstacle(kind, places[0]),
+        clears=kind.clears,
     )
     return put_limits(put_limits(task, kind.limits), tuning.limits)
 
@@ -146,6 +156,15 @@ def _places(jump: Jump, kind: JumpType, robot: Robot, count: int) -> tuple[Footh
     return tuple(places)
 
 
+def _obstacle(kind: JumpType, start: Footholds) -> Obstacle | None:
+    """In the world, ahead of the foremost contact point at the start."""
+    row = kind.obstacle
+    if row is None:
+        return None
+    front = float(start.contacts[:, 0].max())
+    return Obstacle(front + row.near, front + row.far, row.height)
+
+
 def _footholds(robot: Robot, feet: Array, yaw: Array, heading: float, origin: Array) -> Footholds:
     contacts = contact_points(feet, yaw, np.array(robot.corners))
     return Footholds(feet, yaw, contacts, heading, origin)
@@ -165,6 +184,8 @@ def parameters(layout: Layout, task: Task) -> dict[str, Array]:
         "torque_share": np.array([task.limits.torque_share]),
         "upright_axes": upright_axes(task.jump),
     }
+    if task.clears:
+        values |= clearance_parameters(task)
     for p in range(len(task.schedule)):
         stood = task.stood(p)
         local = (stood.feet, stood.contacts, stood.yaw, task.towards(p))
@@ -192,6 +213,8 @@ def parameter_sizes(layout: Layout) -> dict[str, int]:
         "torque_share": 1,
         "upright_axes": 3,
     }
+    if layout.clears:
+        sizes |= CLEARANCE_PARAMETERS
     for p in range(layout.phases):
         local = Stage.local_sizes(layout)
         sizes |= dict(zip(_local_names(p), local.values(), strict=True))

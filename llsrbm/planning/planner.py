@@ -12,7 +12,7 @@ import numpy as np
 
 from llsrbm.errors import InputError, NotConverged
 from llsrbm.jump import Jump
-from llsrbm.jump_types import schedule_of
+from llsrbm.jump_types import load_type, schedule_of
 from llsrbm.models import check_name, make_model
 from llsrbm.models.base import CentroidalModel
 from llsrbm.motion.plan import Plan, SolveReport
@@ -303,7 +303,12 @@ def layout_of(jump: Jump, robot: Robot, intervals: int = INTERVALS) -> Layout:
         )
     contacts = len(robot.legs) * len(robot.corners)
     return Layout.of(
-        schedule_of(jump, robot), contacts, intervals, robot.foot_coordinates, turns=jump.turns
+        schedule_of(jump, robot),
+        contacts,
+        intervals,
+        robot.foot_coordinates,
+        clears=load_type(jump.type).clears,
+        turns=jump.turns,
     )
 
 

@@ -55,7 +55,9 @@ def dynamics_defects(knots: Knots) -> dict[str, tuple[str, Array]]:
 
 def violations(knots: Knots) -> dict[str, Violation]:
     """Constraint name -> its largest violation."""
-    amounts = dynamics_defects(knots) | {c.name: (c.unit, c.violation(knots)) for c in CONSTRAINTS}
+    amounts = dynamics_defects(knots) | {
+        c.name: (c.unit, c.violation(knots)) for c in CONSTRAINTS if c.checked(knots.task)
+    }
     return {name: _largest(knots, unit, amount) for name, (unit, amount) in amounts.items()}
 
 

@@ -268,6 +268,13 @@ class Stage:
         return self.lift(ca.mtimes(self.R_world_base_mid.T, momentum))
 
     @cached_property
+    def position_mid(self) -> Any:
+        """The CoM at the midpoint, (3, 1) m."""
+        return self.lift(
+            self.position + self.velocity * self.dt / 2 + self.acceleration * self.dt**2 / 8
+        )
+
+    @cached_property
     def feet_mid(self) -> tuple[Any, Any, Any, Any]:
         """x (d, L), xdot (d, L), o (3, 1) and odot (3, 1) at the midpoint."""
         R, legs, model = self.R_world_base_mid, range(self.layout.legs), self.model

@@ -16,6 +16,8 @@ from llsrbm.motion.rotation import yaw
 from llsrbm.robots.foot_contact import foot_contacts
 from llsrbm.robots.robot import Robot
 from llsrbm.scenario import Scenario
+from llsrbm.simulation.block import Block as Block
+from llsrbm.simulation.obstacles import Standing, ground_and_blocks
 
 Array = NDArray[np.float64]
 
@@ -24,25 +26,6 @@ MARGIN = 0.25  # m of landing box or start block around the feet: a robot may mi
 BOARD = 2.0  # m, length and width of a board on the ground: wherever the robot lands, it lies there
 _DIGITS = 4  # of a place's height, m: beyond are the solver's defects
 TO_SPARE = 0.01  # m between the planned feet and a board that slides in under them
-
-
-@dataclass(frozen=True, eq=False)
-class Block:
-    """A box that stands in the world for a while.
-
-    Attributes:
-        name: what it is.
-        centre: (3,) m, world frame; size: (3,) m, full lengths along its own axes.
-        yaw: rad, of its own axes about the vertical.
-        from_s, until_s: when it stands there, s.
-    """
-
-    name: str
-    centre: Array
-    size: Array
-    yaw: float
-    from_s: float = 0.0
-    until_s: float = math.inf
 
 
 @dataclass(frozen=True)
@@ -56,6 +39,8 @@ class Surroundings:
 def surroundings(robot: Robot, plan: Plan, scenario: Scenario) -> Surroundings:
     """What stands where while a plan is followed.
 
+    Over an obstacle see `llsrbm.simulation.obstacles`. Otherwise:
+
     The lowest place is on the ground, every other on a block: the start on one called "block", a
     landing on a "box". Where the robot, feet and what is between them, would stand on a block and
     beside it, the block is slid in in mid-flight, or drawn away when the feet are highest. The
@@ -68,19 +53,22 @@ def surroundings(robot: Robot, plan: Plan, scenario: Scenario) -> Surroundings:
     radius = max(contact.radius for contact in foot_contacts(robot))
     places = _places(plan)
     last = places[-1]
-    ground = min(place.height for place in places)
     goal = last.seen(last.points)
     landing = _Rectangle(goal.mean(axis=0) - BOARD / 2, goal.mean(axis=0) + BOARD / 2)
-    blocks = []
-    for k, place in enumerate(places):
-        if place.height <= ground:
-            continue
-        footprint, from_s, until_s = _block_under(plan, places, k, radius)
-        number = f" {k}" if 0 < k < len(places) - 1 else ""
-        name = f"box{number}" if k else "block"
-        blocks.append(_block(place, name, footprint, ground, place.height, from_s, until_s))
-        if k == len(places) - 1:
-            landing = footprint
+    if plan.obstacle is not None:
+        standing = [Standing(place.points, place.height) for place in places]
+        ground, blocks = ground_and_blocks(plan.obstacle, standing, MARGIN)
+    else:
+        ground, blocks = min(place.height for place in places), []
+        for k, place in enumerate(places):
+            if place.height <= ground:
+                continue
+            footprint, from_s, until_s = _block_under(plan, places, k, radius)
+            number = f" {k}" if 0 < k < len(places) - 1 else ""
+            name = f"box{number}" if k else "block"
+            blocks.append(_block(place, name, footprint, ground, place.height, from_s, until_s))
+            if k == len(places) - 1:
+                landing = footprint
     if scenario.board > 0:
         if scenario.half_board:
             behind = np.array([goal.mean(axis=0)[0], landing.low[1]])

@@ -159,6 +159,44 @@ def test_a_wrong_file_is_one_line(file, old, new, said):
     assert refusal(file).startswith(said)
 
 
+HURDLE = FLIP.replace("[limits]", "[obstacle]\nfrom = 0.1\nto = 0.2\nheight = 0.12\n\n[limits]")
+
+
+def test_an_obstacle(file):
+    file.write_text(HURDLE)
+    kind = load_type(str(file))
+    assert (kind.obstacle.near, kind.obstacle.far, kind.obstacle.height) == (0.1, 0.2, 0.12)
+    assert kind.clears
+
+
+def test_what_has_to_be_cleared():
+    assert not load_type("together").clears
+    assert load_type("hurdle").clears
+    assert load_type("gap").obstacle.height < 0
+
+
+def test_the_ground_alone_can_be_cleared(file):
+    file.write_text(FLIP.replace("asks", "clears_ground = true\nasks"))
+    assert load_type(str(file)).clears
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("from", "form", 'unknown key "obstacle.form"; did you mean "from"? valid: from, to, hei'),
+        ("to = 0.2\n", "", 'missing key "obstacle.to"; expected: from, to, height'),
+        ("to = 0.2", "to = 0.05", "obstacle: it goes from 0.1 to 0.05 m; expected an end that is"),
+        ("height = 0.12", "height = 0", "obstacle: height 0 m; expected a hurdle of 0.01 to 1 m"),
+        ("height = 0.12", "height = -3", "obstacle: height -3 m; expected a hurdle of 0.01 to 1"),
+        ("height = 0.12", "height = nan", "obstacle.height: input should be a finite number, got"),
+        ("from = 0.1", 'from = "x"', "obstacle.from: input should be a valid number, got 'x'"),
+    ],
+)
+def test_a_wrong_obstacle_is_one_line(file, old, new, said):
+    file.write_text(HURDLE.replace(old, new, 1))
+    assert refusal(file).startswith(said)
+
+
 def test_a_file_that_is_no_text(file):
     file.write_bytes(b"\xff\xfe")
     assert refusal(file) == "not a text file in UTF-8"
@@ -167,7 +205,7 @@ def test_a_file_that_is_no_text(file):
 @pytest.mark.parametrize(
     ("name", "said"),
     [
-        ("flipp", 'unknown jump type "flipp"; did you mean "flip"? valid: flip, hops, rear-last'),
+        ("flipp", 'unknown jump type "flipp"; did you mean "flip"? valid: flip, gap, hops'),
         ("../flip", 'unknown jump type "../flip"; '),
         ("none/such.toml", "none/such.toml: no such file; expected a jump type"),
         ("a\0b.toml", "a?b.toml: no such file"),

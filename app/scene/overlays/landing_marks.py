@@ -19,13 +19,16 @@ from llsrbm.robots import Robot
 _FOOTPRINT = 0.03  # m, radius of a point foot's mark
 _SOLE_EDGE = 0.01  # m, of a sole's mark around the contact points
 _THIN = 0.004  # m, thickness of a mark
+# By what a block is called: the one that the robot starts from, and what it passes over; on all
+# others it lands.
+_COLOURS = {"block": colours.FOOT, "hurdle": colours.BLOCK}
 
 
 class LandingMarks(Overlay):
     """A disc for a point foot, and a sole's outline turned as the sole shall be, at every landing.
 
-    A step is a translucent block, as long as no simulation has blocks of its own. The landing
-    handle, which is drawn by `app.scene.landing_handle`, is shown and hidden with the marks.
+    Steps and hurdles are translucent blocks, as long as no simulation has blocks of its own. The
+    landing handle, which is drawn by `app.scene.landing_handle`, is shown and hidden with the marks.
     """
 
     name = "landing"
@@ -40,8 +43,8 @@ class LandingMarks(Overlay):
         self._robot: Robot | None = None
         self._marks: list[viser.CylinderHandle | viser.BoxHandle] = []
         self._landings = 0  # feet that land, each as often as it does
-        self._step: viser.BoxHandle | None = None
-        self._stepping = False
+        self._steps: list[viser.BoxHandle] = []
+        self._stepping = 0  # of them, those that are drawn
 
     def draw(self, picture: Picture) -> Sequence[Strand]:
         """See `Drawing.draw`."""
@@ -51,7 +54,7 @@ class LandingMarks(Overlay):
         if robot is not self._robot:
             self._forget(robot)
         plan = planned.plan
-        height, landings = plan.jump.height, _landings(plan)
+        landings = _landings(plan)
         self._landings = len(landings)
         while len(self._marks) < len(landings):
             self._marks.append(self._add_mark(robot, f"/target/foot{len(self._marks)}"))
@@ -62,15 +65,17 @@ class LandingMarks(Overlay):
             x, y, z = position + Rotation.from_quat(wxyz, scalar_first=True).apply(centre)
             mark.position = (x, y, z + 0.003)
             mark.wxyz = wxyz
-        steps = picture.blocks if picture.simulated is None else ()
-        self._stepping = len(steps) > 0
-        for step in steps:
-            assert self._step is not None
-            self._step.dimensions = (float(step.size[0]), float(step.size[1]), float(step.size[2]))
-            self._step.position = step.centre
-            self._step.wxyz = attitude(step)
-            # A step down is the block the robot starts from.
-            self._step.color = colours.TARGET if height > 0 else colours.FOOT
+        blocks = picture.blocks if picture.simulated is None else ()
+        self._stepping = len(blocks)
+        while len(self._steps) < len(blocks):
+            self._steps.append(self._add_step(f"/target/step{len(self._steps)}"))
+        for step, block in zip(self._steps, blocks, strict=False):
+            step.dimensions = (
+                float(block.size[0]), float(block.size[1]), float(block.size[2])
+            )  # fmt: skip
+            step.position = block.centre
+            step.wxyz = attitude(block)
+            step.color = _COLOURS.get(block.name, colours.TARGET)
         self.show(visible=True)
         return ()
 
@@ -78,8 +83,8 @@ class LandingMarks(Overlay):
         """See `Drawing.show`."""
         for index, mark in enumerate(self._marks):
             mark.visible = visible and index < self._landings
-        if self._step is not None:
-            self._step.visible = visible and self._stepping
+        for index, step in enumerate(self._steps):
+            step.visible = visible and index < self._stepping
 
     def _forget(self, robot: Robot) -> None:
         """No marks yet, as this robot's feet may be others."""
@@ -87,14 +92,15 @@ class LandingMarks(Overlay):
             mark.remove()
         self._marks = []
         self._robot = robot
-        if self._step is None:
-            self._step = self.scene.add_box(
-                "/target/step",
-                colours.TARGET,
-                opacity=0.22,
-                cast_shadow=False,
-                receive_shadow=False,
-            )
+
+    def _add_step(self, name: str) -> viser.BoxHandle:
+        return self.scene.add_box(
+            name,
+            colours.TARGET,
+            opacity=0.22,
+            cast_shadow=False,
+            receive_shadow=False,
+        )
 
     def _add_mark(self, robot: Robot, name: str) -> viser.CylinderHandle | viser.BoxHandle:
         if robot.file.foot.is_point:

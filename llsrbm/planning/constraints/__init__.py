@@ -8,6 +8,7 @@ the rows. Adding a constraint is one class and its place in `CONSTRAINTS`.
 from __future__ import annotations
 
 from llsrbm.planning.constraints.base import Constraint
+from llsrbm.planning.constraints.body_clearance import BodyClearance
 from llsrbm.planning.constraints.contacts import FeetAtRest, FrictionPyramid, GivenContacts
 from llsrbm.planning.constraints.drives import JointSpeed, JointTorque, TorqueAtSpeed
 from llsrbm.planning.constraints.edge import Edge
@@ -17,6 +18,7 @@ from llsrbm.planning.constraints.swing import Clearance, FootSpeed
 from llsrbm.planning.constraints.timing import PhaseTimes
 from llsrbm.planning.constraints.truth import TrueTurn
 from llsrbm.planning.constraints.turn import FootTurn, FootYaw
+from llsrbm.planning.constraints.upright import UprightLanding
 
 __all__ = ["CONSTRAINTS", "Constraint"]
 
@@ -29,6 +31,7 @@ CONSTRAINTS: tuple[Constraint, ...] = (
     Reach(),
     Clearance(),
     Edge(),
+    BodyClearance(),
     FeetApart(),
     FootSpeed(),
     FootYaw(),
@@ -36,6 +39,7 @@ CONSTRAINTS: tuple[Constraint, ...] = (
     JointTorque(),
     TorqueAtSpeed(),
     JointSpeed(),
+    UprightLanding(),
     FinalState(),
     TrueTurn(),
 )

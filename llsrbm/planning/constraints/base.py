@@ -108,6 +108,10 @@ class Constraint(ABC):
         """Whether the robot has what is limited."""
         return True
 
+    def checked(self, task: Task) -> bool:
+        """Whether plans of a task are checked for it."""
+        return True
+
     @abstractmethod
     def applies(self, role: Role) -> bool:
         """Whether stages of that role have these rows."""

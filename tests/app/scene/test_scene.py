@@ -177,7 +177,7 @@ def test_only_a_graphics_processor_casts_shadows():
 def test_the_ground_is_where_the_robot_lands_below():
     drawn = Drawn(picture(height=-0.15))
     assert drawn.nodes["/ground"].position[2] == -0.15
-    assert drawn.nodes["/target/step"].visible
+    assert drawn.nodes["/target/step0"].visible
 
 
 def test_a_simulation_has_the_plan_as_a_ghost():

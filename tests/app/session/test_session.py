@@ -283,17 +283,18 @@ def test_a_step_is_drawn_where_it_is(tab, session, height):
 
     # The session has its plan before the tab has the messages that draw it.
     def drawn():
-        step = tab.nodes["/target/step"]
+        step = tab.nodes.get("/target/step0")
         ground = tab.nodes["/ground"].get("position", (0.0, 0.0, 0.0))
         return (
-            step["visible"]
+            step is not None
+            and step["visible"]
             and step["dimensions"][2] == pytest.approx(abs(height))
             and step["position"][2] == pytest.approx(height / 2)
             and ground[2] == pytest.approx(min(height, 0))
         )
 
     tab.wait(drawn, "the step where it is")
-    assert tab.nodes["/target/step"]["dimensions"][0] > 0.5
+    assert tab.nodes["/target/step0"]["dimensions"][0] > 0.5
 
 
 def test_export_downloads_the_plan_that_is_shown(tab, session):

@@ -190,3 +190,41 @@ def test_the_numbers_follow_the_urdfs_geometry(tmp_path):
         other = numbers(urdf.replace(knee, f'xyz="{moved}"'), name)
         assert other["legs"][0] != own["legs"][0], name
         assert other.keys() == own.keys()
+
+
+def knees_of(robot, angles):
+    """Of each leg, (L, 3) m: its third joint seen from its hip, base axes, by Pinocchio."""
+    q = robot.posture.copy()
+    q[:7] = [0, 0, 0, 0, 0, 0, 1]
+    q[7:][robot.leg_joint_index] = angles
+    data = robot.model.createData()
+    pin.forwardKinematics(robot.model, data, q)
+    return np.array([data.oMi[leg.joint_ids[2]].translation - leg.hip for leg in robot.legs])
+
+
+@pytest.mark.parametrize("name", KNEES)
+def test_knees_are_where_pinocchio_has_them(name):
+    robot = load_robot(name)
+    x, q, _ = places(robot)
+    for place, angles in zip(x, q, strict=True):
+        found = [number(leg.knee(ca.DM(p))) for leg, p in zip(drives_of(name), place, strict=True)]
+        np.testing.assert_allclose(found, knees_of(robot, angles), atol=2e-4)
+
+
+def test_knees_can_be_fitted():
+    """As of a leg that is not of the closed form's kind."""
+    robot = load_robot("anymal")
+    fitted = FittedLeg.of(robot)
+    x, q, _ = places(robot, 60)
+    errors = [
+        number(leg.knee(ca.DM(p))) - knee
+        for place, angles in zip(x, q, strict=True)
+        for leg, p, knee in zip(fitted, place, knees_of(robot, angles), strict=True)
+    ]
+    assert fitted[0].residuals["knee"] < 0.02
+    assert np.sqrt(np.mean(np.square(errors))) < 1.5 * fitted[0].residuals["knee"]
+
+
+def test_a_leg_that_slides_has_no_knee():
+    leg = drives_of("slider")[0]
+    assert leg.knee(ca.DM([0, 0, -0.6, 0])) is None

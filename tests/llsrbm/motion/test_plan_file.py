@@ -18,6 +18,7 @@ import llsrbm
 from llsrbm.errors import Error, FileFormatError, InputError
 from llsrbm.motion.files import load
 from llsrbm.motion.plan_file import LAYOUT, load_plan, save_plan
+from llsrbm.obstacle import Obstacle
 from llsrbm.schedule import together
 from llsrbm.tuning import Tuning
 from tests.llsrbm.native_files import message, rewritten
@@ -118,6 +119,28 @@ def test_a_file_from_before_there_were_schedules(plan, saved, tmp_path):
     back = load(with_meta(saved, tmp_path / "old.npz", schedule=None))
     assert back.schedule == together(LEGS)
     assert_same(plan, back)
+
+
+def test_round_trip_of_an_obstacle(plan, saved, tmp_path):
+    over = replace(plan, obstacle=Obstacle(0.4, 0.5, 0.12))
+    save_plan(over, tmp_path / "over.npz")
+    assert_same(over, load(tmp_path / "over.npz"))
+    assert load(saved).obstacle is None
+    old = with_meta(tmp_path / "over.npz", tmp_path / "old.npz", obstacle=None)
+    assert load(old).obstacle is None
+
+
+@pytest.mark.parametrize(
+    ("obstacle", "said"),
+    [
+        ({}, "obstacle: not one that this version wrote (KeyError('near')); expected near, far"),
+        ({"near": 0, "far": 0.1, "height": None}, "obstacle: not one that this version wrote"),
+        ({"near": 1e15, "far": 1e15 + 1, "height": 1}, "obstacle: it begins at 1e+15 m; expected"),
+        ({"near": 0, "far": 0.1, "height": 9}, "obstacle: height 9 m; expected a hurdle of 0.01"),
+    ],
+)
+def test_what_is_no_obstacle(saved, tmp_path, obstacle, said):
+    assert f'key "meta": {said}' in message(with_meta(saved, tmp_path / "x.npz", obstacle=obstacle))
 
 
 def test_a_type_that_is_a_path_is_not_opened(plan, tmp_path, monkeypatch):

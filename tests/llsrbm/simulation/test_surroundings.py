@@ -1,6 +1,7 @@
 """What stands where: under the feet it is meant for, and in nobody's way."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -9,6 +10,7 @@ from hypothesis import strategies as st
 
 from llsrbm.errors import InputError
 from llsrbm.jump import Jump
+from llsrbm.obstacle import Obstacle
 from llsrbm.robots import load_robot
 from llsrbm.scenario import Scenario
 from llsrbm.simulation.surroundings import check_board, surroundings
@@ -246,3 +248,54 @@ def test_the_board_of_hops_lies_under_the_last_landing_alone():
     assert top(board) == pytest.approx(0.22)
     assert board.from_s == pytest.approx(MIDDLE + plan.time[48])
     assert overhang(board, stood_on(plan, 2)).min() > 0
+
+
+class TestObstacles:
+    @staticmethod
+    def over(obstacle, **jump):
+        plan = replace(synthetic_plan(Jump(**jump)), obstacle=obstacle)
+        return plan, surroundings(ANYMAL, plan, Scenario())
+
+    @staticmethod
+    def ends(block):
+        return block.centre - block.size / 2, block.centre + block.size / 2
+
+    def test_a_hurdle_stands_on_the_ground_across_all_feet(self):
+        plan, world = self.over(Obstacle(0.46, 0.56, 0.12), forward=0.45)
+        (hurdle,) = world.blocks
+        assert world.ground == 0
+        assert (hurdle.name, hurdle.from_s, hurdle.until_s) == ("hurdle", 0, math.inf)
+        low, high = self.ends(hurdle)
+        assert [low[0], high[0]] == pytest.approx([0.46, 0.56])
+        assert [low[2], high[2]] == pytest.approx([0, 0.12])
+        aside = plan.foot_position[..., 1]
+        assert low[1] < aside.min() < aside.max() < high[1]
+
+    def test_a_gap_has_a_block_on_either_side(self):
+        plan, world = self.over(Obstacle(0.46, 0.66, -0.3), forward=0.45)
+        start, landing = world.blocks
+        assert world.ground == pytest.approx(-0.3)
+        assert [top(start), top(landing)] == pytest.approx([0, 0])
+        for block in world.blocks:
+            assert self.ends(block)[0][2] == pytest.approx(-0.3)
+            assert (block.from_s, block.until_s) == (0, math.inf)
+        assert self.ends(start)[1][0] == pytest.approx(0.46)
+        assert self.ends(landing)[0][0] == pytest.approx(0.66)
+        # Astride: all feet at the start and the hind ones at the end stand on the first block.
+        feet = plan.foot_position
+        assert overhang(start, np.concatenate([feet[0], feet[-1][2:]])).min() > RADIUS
+        assert overhang(landing, feet[-1][:2]).min() > RADIUS
+        assert overhang(landing, feet[-1][2:]).max() < 0
+
+    @pytest.mark.parametrize("height", [0.2, -0.2])
+    def test_beyond_a_gap_the_ground_may_be_higher_or_lower(self, height):
+        _, world = self.over(Obstacle(0.45, 0.55, -0.5), forward=1.0, height=height)
+        start, landing = world.blocks
+        assert world.ground == pytest.approx(-0.5)
+        assert [top(start), top(landing)] == pytest.approx([0, height])
+
+    def test_beyond_a_hurdle_a_box(self):
+        _, world = self.over(Obstacle(0.45, 0.55, 0.3), forward=1.0, height=0.2)
+        assert {block.name: top(block) for block in world.blocks} == pytest.approx(
+            {"hurdle": 0.3, "box": 0.2}
+        )

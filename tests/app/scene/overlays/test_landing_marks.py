@@ -61,7 +61,7 @@ def test_a_step_is_drawn_until_a_simulation_has_its_own_blocks():
     client = RecordedClient()
     scene = Scene(client)
     scene.draw(picture("anymal", {"landing"}, height=0.2))
-    step = client.scene.nodes["/target/step"]
+    step = client.scene.nodes["/target/step0"]
     assert step.visible
     assert step.dimensions[2] == pytest.approx(0.2)
     assert step.position[2] == pytest.approx(0.1)

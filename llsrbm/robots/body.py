@@ -1,0 +1,60 @@
+"""The robot's trunk and knees: what of it, beside its feet, must not run into anything."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import coal
+import numpy as np
+from numpy.typing import NDArray
+
+from llsrbm.errors import RobotFileError
+from llsrbm.robots.foot_contact import collision_shapes
+from llsrbm.robots.robot import Robot
+from llsrbm.robots.urdf import BASE_JOINT
+
+Array = NDArray[np.float64]
+
+# A joint so far from hip and foot, as a share of their distance in the default posture, is a knee.
+# Abduction joints are nearer to the hip, ankles to the foot, and what slides bends nothing.
+_KNEE = 0.2
+
+
+@lru_cache(maxsize=16)
+def trunk_box(robot: Robot) -> Array:
+    """(2, 3) m: lowest and highest corner of the root link's collision geometry, base axes.
+
+    Raises:
+        RobotFileError: it has none.
+    """
+    points = []
+    for shape in collision_shapes(robot):
+        if shape.parentJoint != BASE_JOINT:
+            continue
+        geometry = shape.geometry
+        if isinstance(geometry, coal.BVHModelBase):
+            corners = np.array(geometry.vertices())
+        else:
+            geometry.computeLocalAABB()
+            ends = np.array([geometry.aabb_local.min_, geometry.aabb_local.max_])
+            corners = np.array(np.meshgrid(*ends.T)).reshape(3, -1).T
+        points.append(corners @ shape.placement.rotation.T + shape.placement.translation)
+    if not points:
+        raise RobotFileError(
+            f"{robot.path}: urdf: the base of {robot.urdf_path} has no collision geometry; "
+            "expected some, or nothing tells what the trunk would run into"
+        )
+    every = np.concatenate(points)
+    return np.array([every.min(axis=0), every.max(axis=0)])
+
+
+@lru_cache(maxsize=16)
+def knee_joint(robot: Robot) -> int | None:
+    """Which joint of a leg is its knee, counted from the base outwards; None: it has none."""
+    motion = robot.chains.motion(robot.posture[7:][robot.leg_joint_index])
+    hip, foot, origin = robot.hips[0], motion.foot[0], motion.origin[0]
+    ends = np.array([hip, foot])[:, None]
+    near = np.linalg.norm(origin - ends, axis=-1).min(axis=0)
+    near[robot.chains.prismatic] = 0.0
+    knee = int(near.argmax())
+    return knee if near[knee] > _KNEE * float(np.linalg.norm(foot - hip)) else None

@@ -1,0 +1,180 @@
+"""Trunk, knees and feet over hurdles and gaps, against differences and Pinocchio."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import casadi as ca
+import numpy as np
+import pinocchio as pin
+import pytest
+
+from llsrbm.errors import InputError
+from llsrbm.jump import Jump
+from llsrbm.models import make_model
+from llsrbm.planning.clearance_profile import (
+    CLEARANCE_PARAMETERS,
+    RAMP,
+    clearance_parameters,
+    foot_radius,
+    profile,
+)
+from llsrbm.planning.constraints.body_clearance import BodyClearance, body_points
+from llsrbm.planning.guess import analytic_guess
+from llsrbm.planning.knots import unpack
+from llsrbm.planning.placement import make_task, parameter_sizes, parameters, place_task
+from llsrbm.planning.planner import layout_of
+from llsrbm.planning.stage import Stage
+from llsrbm.robots import load_robot
+from llsrbm.robots.body import knee_joint, trunk_box
+
+ROBOTS = ("anymal", "go2")
+HURDLE = {"type": "hurdle", "forward": 0.38}
+
+
+@cache
+def case(name, **jump):
+    """Task, layout, model and the analytic guess as knots."""
+    robot = load_robot(name)
+    jump = Jump(robot=name, **(jump or HURDLE))
+    task, layout = make_task(jump, robot), layout_of(jump, robot, 12)
+    model = make_model("llsrbm-plus", robot)
+    w = analytic_guess(task, layout, model)
+    return task, layout, model, w, unpack(w, layout, task, model)
+
+
+def rows_at(name, knot):
+    """The rows and their slope as functions of a stage's variables, with the task's numbers."""
+    task, layout, model, w, _ = case(name)
+    symbols = {n: ca.SX.sym(n, size) for n, size in parameter_sizes(layout).items()}
+    stage = Stage(layout.roles[knot], layout, model, symbols)
+    rows = BodyClearance().rows(stage)
+    slope = stage.lift.resolve(stage.lift.jacobian(rows))
+    inputs = [stage.variables, stage.local, *symbols.values()]
+    evaluate = ca.Function("rows", inputs, [stage.lift.resolve(rows), slope])
+    values = parameters(task)
+    phase = int(layout.phase[knot])
+    names = [f"phase{phase}_{n}" for n in ("feet", "contacts", "yaw", "towards")]
+    local = np.concatenate([values[n] for n in names])
+    here = np.concatenate([w[place] for place in layout.variables(knot).values()])
+
+    def at(variables):
+        found = evaluate(variables, local, *values.values())
+        return [np.array(part) for part in found]
+
+    return here, at
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+@pytest.mark.parametrize("knot", [2, 5, 6, 9])
+def test_slopes_are_those_of_differences(name, knot):
+    variables, at = rows_at(name, knot)
+    slope, step = at(variables)[1], 1e-6
+    for i in range(len(variables)):
+        moved = np.eye(len(variables))[i] * step
+        difference = (at(variables + moved)[0] - at(variables - moved)[0]) / (2 * step)
+        np.testing.assert_allclose(slope[:, i], difference[:, 0], atol=2e-5)
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_rows_are_heights_over_the_profile(name):
+    """Against the whole body: knees within 2 cm of Pinocchio's, the trunk's corners likewise."""
+    task, layout, _, _, knots = case(name)
+    trunk, knees = body_points(knots)
+    of = clearance_parameters(task)
+    trunk = trunk[:, [s * 4 + c for s in (0, 6, 12) for c in range(4)]]
+    for knot in (3, 5, 6, 9):
+        variables, at = rows_at(name, knot)
+        found = at(variables)[0][:, 0]
+        expected = [
+            p[2] - float(profile(p[0], of["obstacle"], of["obstacle_heights"], room))
+            for points, room in zip(
+                (trunk[knot], knees[knot]), of["obstacle_room"][:2], strict=True
+            )
+            for p in points
+        ]
+        count = len(expected)
+        np.testing.assert_allclose(found[:count] + task.body_margin, expected, atol=0.05)
+        role = layout.roles[knot]
+        feet = len(role.flying) + len(role.swinging)
+        assert len(found) == count + feet == len(BodyClearance().bounds(task, layout, knot)[0])
+
+
+def test_the_profile_covers_the_obstacle():
+    for low, top, beyond in ((0, 0.12, 0), (0, 0.2, 0.1), (0, 0, -0.2)):
+        x = np.linspace(-0.5, 1, 301)
+        z = np.array([float(profile(a, (0.2, 0.3), (low, top, beyond), 0.03)) for a in x])
+        over = (x > 0.17) & (x < 0.33)
+        np.testing.assert_allclose(z[over], top)
+        np.testing.assert_allclose(z[x < 0.17 - RAMP], low)
+        np.testing.assert_allclose(z[x > 0.33 + RAMP], beyond)
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_the_check_is_about_the_body_that_pinocchio_has(name):
+    """A hurdle raised to just below, and just above, what the guess's body clears."""
+    from dataclasses import replace
+
+    from llsrbm.obstacle import Obstacle
+
+    task, _, _, _, knots = case(name)
+    robot, postures = task.robot, knots.postures
+    data = robot.model.createData()
+    clearest = np.inf
+    near, far = task.obstacle.near, task.obstacle.far
+    for k in range(1, len(knots.time) - 1):
+        q = np.concatenate(
+            [postures.base_position[k], np.roll(knots.quat[k], -1), postures.joint_position[k]]
+        )
+        pin.forwardKinematics(robot.model, data, q)
+        for leg in robot.legs:
+            x, _, z = data.oMi[leg.joint_ids[knee_joint(robot)]].translation
+            clearest = min(clearest, z if near < x < far else np.inf)
+        box = trunk_box(robot)
+        for x in np.linspace(*box[:, 0], 13):
+            for y in box[:, 1]:
+                for z in box[:, 2]:
+                    p = data.oMi[1].act(np.array([x, y, z]))
+                    clearest = min(clearest, p[2] if near < p[0] < far else np.inf)
+    assert 0 < clearest < np.inf
+    raised = [
+        replace(task, obstacle=Obstacle(near, far, share * clearest), body_margin=0.0)
+        for share in (0.5, 1.2)
+    ]
+    amounts = [BodyClearance().violation(knots.under(other)).max() for other in raised]
+    feet_low = amounts[0]  # of the guess, which are not over the hurdle yet
+    assert amounts[1] > max(feet_low, 0.19 * clearest)
+
+
+def test_types_without_an_obstacle_have_no_rows():
+    robot = load_robot("anymal")
+    layout = layout_of(Jump(), robot)
+    assert not layout.clears
+    assert not any(BodyClearance().applies(role) for role in layout.roles)
+    assert not set(CLEARANCE_PARAMETERS) & set(parameter_sizes(layout))
+    assert set(parameters(place_task(Jump(), robot))) == set(parameter_sizes(layout))
+
+
+class TestFooting:
+    def test_on_a_hurdle(self):
+        with pytest.raises(InputError, match=r"obstacle: after jump 1 the LF foot would stand at"):
+            make_task(Jump(type="hurdle", forward=0.15), load_robot("anymal"))
+
+    def test_two_heights_on_one_side(self):
+        with pytest.raises(InputError, match=r"height of 0.1 m, before the hurdle, .* at 0 m; exp"):
+            make_task(Jump(type="hurdle", forward=0.45, height=0.1), load_robot("anymal"))
+
+    def test_beside_it(self):
+        task = make_task(Jump(type="gap", forward=0.45), load_robot("go2"))
+        front = task.places[0].contacts[:, 0].max()
+        assert task.obstacle.near == pytest.approx(front + 0.15)
+        assert task.obstacle.near - front > foot_radius(task) + RAMP
+
+
+def test_a_biped_has_no_knees_to_clear():
+    robot = load_robot("slider")
+    assert knee_joint(robot) is None
+    jump = Jump("slider", type="hurdle", forward=0.0)
+    layout = layout_of(jump, robot, 12)
+    task = place_task(jump, robot)
+    assert len(BodyClearance().bounds(task, layout, 2)[0]) == 12
