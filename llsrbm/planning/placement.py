@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 import pinocchio as pin
@@ -74,7 +75,7 @@ def make_task(
                 raise InputError(
                     f"{where}weight {name}: expected a number of at least 0, got {weight}"
                 )
-    own = place_task(Jump(robot=jump.robot, type=jump.type, hops=jump.hops), robot)
+    own = place_task(replace(jump, twist=0.0, forward=0.0, lateral=0.0, height=0.0), robot)
     if kind.limits:
         check_limits(kind.limits, own, robot.name)
     if limits:
