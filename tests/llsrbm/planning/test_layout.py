@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import casadi as ca
 import numpy as np
 import pytest
@@ -25,6 +27,8 @@ layouts = st.builds(
     contacts=st.sampled_from([4, 16]),
     intervals=st.integers(9, 60),
     foot_coordinates=st.sampled_from([3, 4]),
+    clears=st.booleans(),
+    turns=st.booleans(),
 )
 
 
@@ -190,9 +194,18 @@ def test_front_feet_swing_from_the_push_to_the_landing():
 # ---- names
 
 
+@given(layout=layouts)
+def test_a_body_that_turns_over_lands_upright_after_the_last_flight(layout):
+    flights = [p for p, row in enumerate(layout.stands) if not any(row)]
+    for role in layout.roles[:-1]:
+        assert role.lands_upright == (layout.turns and role.phase > flights[-1])
+        assert role.clears == (layout.clears and not role.initial)
+
+
 def test_names_of_files_say_which_feet_stand_when():
     assert LAYOUT.name == "1111-0000-1111"
     assert REAR_LAST.name == "1111-0011-0000-1111"
+    assert replace(LAYOUT, turns=True).name == "1111-0000-1111-turns"
 
 
 @pytest.mark.parametrize(
