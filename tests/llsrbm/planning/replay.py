@@ -1,11 +1,12 @@
 """A plan's forces and feet through the model's continuous equations: an integrator of its own.
 
     rdot = v,  v' = sum f / m + g,  L' = sum (c_j - r) x f_j,  q' = q (0, omega) / 2,
-    I(x) omega + h(x, xdot) = R^T L
+    I(x) omega + h(x, xdot) + correction = R^T L
 
 Feet that stand rest in the world, so that their x and xdot follow from r, v, R and omega; xdot is
 affine in omega, and so is the left side. Of feet that swing x runs linearly between the plan's
-knots, also where others stand. Forces act at the contact points. How standing soles turn against
+knots, also where others stand. The correction, constant over an interval, is what the model was
+found to lack (`Task.correction`); most plans have none. Forces act at the contact points. How standing soles turn against
 the base is found by differences.
 """
 
@@ -36,8 +37,10 @@ class State:
         )
 
 
-def replay(plan, model, step: float = 1e-3) -> list[State]:
-    """The state at every knot, from the plan's first knot on."""
+def replay(plan, model, step: float = 1e-3, correction=None) -> list[State]:
+    """The state at every knot, from the plan's first knot on; correction: (N, 3) kg m2/s."""
+    if correction is None:
+        correction = np.zeros((len(plan.time) - 1, 3))
     state = State(plan.com[0], plan.com_velocity[0], plan.base_quat[0], plan.angular_momentum[0])
     states = [state]
     for k, (start, end) in enumerate(zip(plan.time[:-1], plan.time[1:], strict=True)):
@@ -47,7 +50,7 @@ def replay(plan, model, step: float = 1e-3) -> list[State]:
             t = i * dt
 
             def rate(s, t):
-                return _rate(plan, model, k, t / (end - start), s)  # noqa: B023
+                return _rate(plan, model, k, t / (end - start), s, correction[k])  # noqa: B023
 
             k1 = rate(state, t)
             k2 = rate(state.plus(k1, dt / 2), t + dt / 2)
@@ -59,7 +62,7 @@ def replay(plan, model, step: float = 1e-3) -> list[State]:
     return states
 
 
-def _rate(plan, model, k, share, s):
+def _rate(plan, model, k, share, s, correction):
     force = plan.contact_force[k]
     R = Rotation.from_quat(s.quat, scalar_first=True).as_matrix()
     standing = plan.contact[k]
@@ -72,7 +75,8 @@ def _rate(plan, model, k, share, s):
     x = model.feet_of(given[None], standing[None])
     xdot = model.feet_rate_of(rate, np.repeat(standing[None], 4, axis=0))
     left = model.evaluate_momentum(np.repeat(x, 4, axis=0), xdot, PROBES)
-    omega = np.linalg.solve((left[1:] - left[0]).T, s.momentum @ R - left[0])
+    turning = s.momentum @ R - correction - left[0]
+    omega = np.linalg.solve((left[1:] - left[0]).T, turning)
     w, v = s.quat[0], s.quat[1:]
     return State(
         position=s.velocity,

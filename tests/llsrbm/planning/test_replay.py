@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from llsrbm import models
-from llsrbm.errors import NotConverged
 from tests.llsrbm.planning.replay import angle_between, replay
 from tests.llsrbm.planning.solved import FLIPS, REQUESTS, TYPES, solved
 
@@ -33,16 +32,11 @@ def test_replayed(model, request_name):
     assert turned(states, plan).max() < 0.05
 
 
-unplanned = pytest.mark.xfail(
-    raises=NotConverged, strict=True, reason="the preset's calves are too slow for Go2's drives"
-)
-
-
-@pytest.mark.parametrize("name", [*TYPES, *(pytest.param(n, marks=unplanned) for n in FLIPS)])
+@pytest.mark.parametrize("name", [*TYPES, *FLIPS])
 def test_any_schedule_replayed(name):
     s = solved("llsrbm-plus", name, "go2" if name in FLIPS else "anymal")
     plan = s.plan
-    states = replay(plan, s.planner.model, step=2e-3)
+    states = replay(plan, s.planner.model, step=2e-3, correction=s.task.correction)
     assert drift(states, "position", plan.com) < 1e-8
     assert drift(states, "velocity", plan.com_velocity) * s.task.mass < 1e-6
     assert drift(states, "momentum", plan.angular_momentum) < 1e-6
