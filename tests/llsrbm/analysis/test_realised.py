@@ -8,7 +8,7 @@ from llsrbm.analysis.realised import realise
 from llsrbm.jump import Jump
 from llsrbm.planning.planner import planner_for, planner_of
 from llsrbm.robots import load_robot
-from tests.llsrbm.planning.solved import REQUESTS, TYPES, solved
+from tests.llsrbm.planning.solved import FLIPS, REQUESTS, TYPES, solved
 
 ROBOT = load_robot("anymal")
 
@@ -55,6 +55,16 @@ def test_turning_jumps_of_any_type_are_true_in_flight(turning):
     """Every diagonal inertia within 5 %, every component of L within 5 % of its peak."""
     assert turning.inertia_errors.max() < 0.05
     assert turning.momentum_errors.max() < 0.05
+
+
+@pytest.mark.parametrize("name", FLIPS)
+def test_flips_are_true_in_flight(name):
+    """The plan is made with a model that the whole body has corrected."""
+    s = solved("llsrbm-plus", name, "go2")
+    found = realise(s.knots, s.planner.robot)
+    assert found.inertia_errors.max() < 0.05
+    assert found.momentum_errors.max() < 0.05
+    assert np.degrees(np.abs(found.turn_error)).max() < 1.0
 
 
 @pytest.mark.parametrize("name", TYPES)

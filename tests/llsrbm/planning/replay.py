@@ -6,8 +6,8 @@
 Feet that stand rest in the world, so that their x and xdot follow from r, v, R and omega; xdot is
 affine in omega, and so is the left side. Of feet that swing x runs linearly between the plan's
 knots, also where others stand. The correction, constant over an interval, is what the model was
-found to lack (`Task.correction`); most plans have none. Forces act at the contact points. How standing soles turn against
-the base is found by differences.
+found to lack (`Task.correction`); most plans have none. Forces act at the contact points. How
+standing soles turn against the base is found by differences.
 """
 
 from __future__ import annotations
