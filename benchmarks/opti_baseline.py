@@ -62,7 +62,8 @@ def solve_baseline(
     f, p = opti.variable(3 * legs, N), opti.variable(3 * legs, N + 1)
     T = opti.variable(3)
     unit = m * GRAVITY / legs
-    start, goal = task.start_feet.ravel(), task.goal_feet.ravel()
+    start, goal = (place.feet.ravel() for place in task.places)
+    offset = model.offset_map(tuple(range(legs)))
     cost = 20.0 * ca.sumsqr(T) + 200.0 * ca.sumsqr(q[:, N] - task.goal_quat)
     for name, k in (("takeoff", 0), ("flight", 1), ("landing", 2)):
         shortest, longest = getattr(task.timing, name)
@@ -72,7 +73,7 @@ def solve_baseline(
         R = rotation_matrix(q[:, k])
         feet = ca.reshape(p[:, k], 3, legs)
         beta = ca.mtimes(R.T, feet - ca.repmat(r[:, k], 1, legs))
-        o = model.base_offset_from_com(beta)
+        o = offset({i: beta[:, i] for i in range(legs)})
         x = ca.horzcat(*(model.foot_in_hip(i, beta[:, i], o) for i in range(legs)))
         omega = _solve3(model.inertia(x, o), ca.mtimes(R.T, L[:, k]))  # base axes
         total, moment = ca.MX.zeros(3), ca.MX.zeros(3)
@@ -98,7 +99,7 @@ def solve_baseline(
         opti.subject_to(L[:, k + 1] == L[:, k] + dt * moment)
         if phase == 1 and k > n:
             s = (k - n) / n
-            line = (1 - s) * task.start_feet[:, 2] + s * task.goal_feet[:, 2]
+            line = (1 - s) * start[2::3] + s * goal[2::3]
             arch = 4 * s * (1 - s) * task.limits.clearance
             opti.subject_to(p[2::3, k] >= line + arch)
         else:

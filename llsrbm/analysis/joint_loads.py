@@ -43,6 +43,7 @@ from llsrbm.schedule import Schedule
 Array = NDArray[np.float64]
 
 _BASE = 6  # velocities of the floating base
+_AT_REST = 1e-3  # m/s of the CoM: where a plan ends at rest, a solver is that far off
 _UPWARD_GRAVITY = np.array([0.0, 0.0, 9.81])  # m/s2: what a body at rest feels
 
 
@@ -291,7 +292,7 @@ def _states(robot: Robot, motion: KnotMotion) -> tuple[_States, _States]:
 
     omega = _base_rates(rate, dt, standing)
     for end in (0, -1):
-        if v[end].any():  # it does not start, or end, at rest
+        if np.linalg.norm(v[end]) > _AT_REST:  # of a run-up, or a landing that keeps some speed
             omega[end] = rate[end]
     lever = motion.foot_position - motion.com[:, None]
     seen_rate = _flying(_means(seen_rate, dt), standing)

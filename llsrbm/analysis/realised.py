@@ -23,8 +23,8 @@ class Realised:
 
     Attributes:
         time: (N,) s; flight: (N,) whether in flight.
-        inertia_model, inertia_true: (N,) kg m2, Izz about the CoM, base axes.
-        momentum_plan, momentum_true: (N,) kg m2/s, Lz about the CoM, world axes.
+        inertias_model, inertias_true: (N, 3) kg m2, Ixx, Iyy, Izz about the CoM, base axes.
+        momenta_plan, momenta_true: (N, 3) kg m2/s, angular, about the CoM, world axes.
         rate_error: (N, 3) rad/s, base axes: how much faster than planned the base turns if the
             whole robot has the planned momentum and its joints move as planned.
         interval: (N,) s.
@@ -34,20 +34,54 @@ class Realised:
 
     time: Array
     flight: NDArray[np.bool_]
-    inertia_model: Array
-    inertia_true: Array
-    momentum_plan: Array
-    momentum_true: Array
+    inertias_model: Array
+    inertias_true: Array
+    momenta_plan: Array
+    momenta_true: Array
     rate_error: Array
     interval: Array
     joint_speed: Array
     foot_residual: Array
 
     @property
+    def inertia_model(self) -> Array:
+        """(N,) kg m2, Izz."""
+        return self.inertias_model[:, 2]
+
+    @property
+    def inertia_true(self) -> Array:
+        """(N,) kg m2, Izz."""
+        return self.inertias_true[:, 2]
+
+    @property
+    def momentum_plan(self) -> Array:
+        """(N,) kg m2/s, Lz."""
+        return self.momenta_plan[:, 2]
+
+    @property
+    def momentum_true(self) -> Array:
+        """(N,) kg m2/s, Lz."""
+        return self.momenta_true[:, 2]
+
+    @property
+    def inertia_errors(self) -> Array:
+        """(3,) RMS of the model's errors of Ixx, Iyy, Izz in flight, shares of the true values."""
+        relative = (self.inertias_model / self.inertias_true - 1)[self.flight]
+        errors: Array = np.sqrt(np.mean(relative**2, axis=0))
+        return errors
+
+    @property
+    def momentum_errors(self) -> Array:
+        """(3,) RMS errors of Lx, Ly, Lz in flight, shares of the peak of |L| over the plan."""
+        error = (self.momenta_true - self.momenta_plan)[self.flight]
+        peak = np.linalg.norm(self.momenta_plan, axis=1).max()
+        errors: Array = np.sqrt(np.mean(error**2, axis=0)) / peak
+        return errors
+
+    @property
     def inertia_error(self) -> float:
         """RMS of the model's Izz error in flight, share of the true value."""
-        relative = self.inertia_model / self.inertia_true - 1
-        return float(np.sqrt(np.mean(relative[self.flight] ** 2)))
+        return float(self.inertia_errors[2])
 
     @property
     def momentum_error(self) -> tuple[float, float]:
@@ -87,23 +121,23 @@ def realise(knots: Knots, robot: Robot) -> Realised:
     )
 
     pin_model, data = robot.model, robot.model.createData()
-    inertia, momentum, rate_error = np.zeros(len(R)), np.zeros(len(R)), np.zeros((len(R), 3))
+    inertias, momenta, rate_error = np.zeros((3, len(R), 3))
     for k in range(len(R)):
         q = np.r_[postures.base_position[k], quat[k, 1:], quat[k, 0], postures.joint_position[k]]
         # The base's linear velocity does not enter the momentum about the CoM.
         v = np.r_[np.zeros(3), omega_base[k], speeds[k]]
         pin.ccrba(pin_model, data, q, v)
-        inertia[k] = (R[k].T @ data.Ig.inertia @ R[k])[2, 2]
-        momentum[k] = data.hg.angular[2]
+        inertias[k] = np.diag(R[k].T @ data.Ig.inertia @ R[k])
+        momenta[k] = data.hg.angular
         missing = knots.momentum_mid[k] - data.hg.angular
         rate_error[k] = R[k].T @ np.linalg.solve(data.Ig.inertia, missing)
     return Realised(
         time=(knots.time[:-1] + knots.time[1:]) / 2,
         flight=np.asarray(~knots.layout.standing[:-1].any(axis=1)),
-        inertia_model=model.evaluate(x)[1][:, 2, 2],
-        inertia_true=inertia,
-        momentum_plan=knots.momentum_mid[:, 2],
-        momentum_true=momentum,
+        inertias_model=np.diagonal(model.evaluate(x)[1], axis1=1, axis2=2),
+        inertias_true=inertias,
+        momenta_plan=knots.momentum_mid,
+        momenta_true=momenta,
         rate_error=rate_error,
         interval=knots.dt,
         joint_speed=speeds,

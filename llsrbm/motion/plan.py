@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from enum import IntEnum
 from functools import cached_property
 from pathlib import Path
 from typing import Annotated, Any
@@ -30,19 +29,6 @@ from llsrbm.obstacle import Obstacle
 from llsrbm.ocp.problem import Iterate
 from llsrbm.schedule import Schedule, together
 from llsrbm.tuning import Tuning
-
-
-class Phase(IntEnum):
-    """Contact phases of a jump, in order."""
-
-    TAKEOFF = 0
-    FLIGHT = 1
-    LANDING = 2
-
-    @property
-    def label(self) -> str:
-        """As it is called in messages and files: "take-off", "flight", "landing"."""
-        return {Phase.TAKEOFF: "take-off"}.get(self, self.name.lower())
 
 
 @dataclass(frozen=True)

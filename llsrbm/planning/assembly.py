@@ -19,8 +19,8 @@ def assemble_plan(robot: Robot, attempt: Attempt, report: Callable[[], SolveRepo
     _, inertia, leg_com = knots.evaluated
     # Knot values of the interval rates: the mean of both beside it, at rest at the ends.
     rate = np.zeros_like(knots.position)
-    for end in (0, -1):
-        if knots.velocity[end].any():  # of a run-up, or a landing that keeps some speed
+    for end, asked in ((0, task.start_velocity), (-1, task.goal_velocity)):
+        if asked.any():  # of a run-up, or a landing that keeps some speed
             rate[end] = knots.rotation_rate[end]
     rate[1:-1] = (knots.rotation_rate[:-1] + knots.rotation_rate[1:]) / 2
     arrays = {

@@ -1,16 +1,18 @@
-"""Plans of other schedules, made from plans of three phases: cut anew, or put in a row."""
+"""Any schedules, and plans of some, made from plans of three phases: cut anew, or put in a row."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 
 import numpy as np
+from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.quantity import TIME, quantities
 from llsrbm.motion.rotation import sign_continuous
-from llsrbm.schedule import Phase, Schedule
+from llsrbm.schedule import TIMINGS, Phase, Schedule
+from tests.llsrbm.synthetic import LEGS
 
 _POINTS = ("com", "base_position", "foot_position", "contact_point", "leg_com")
 _VECTORS = (
@@ -20,6 +22,23 @@ _VECTORS = (
     "angular_momentum",
     "contact_force",
 )
+
+
+@st.composite
+def schedules(draw, legs: tuple[str, ...] = LEGS) -> Schedule:
+    """Hypothesis: sound ones; each phase's feet differ from those before."""
+    between = draw(st.lists(st.sets(st.sampled_from(legs)), max_size=6))
+    rows, place = [], 0
+    for standing in (set(legs), *between, set(), set(legs)):
+        if rows and standing == set(rows[-1].feet):
+            continue
+        place += bool(rows) and rows[-1].is_flight
+        time = draw(st.sampled_from(TIMINGS) | st.tuples(st.floats(0.02, 1), st.floats(1.1, 3)))
+        name = draw(st.sampled_from(["push", "vol plané", "着地"]))
+        share = draw(st.floats(0.1, 4.0))
+        feet = tuple(foot for foot in legs if foot in standing)
+        rows.append(Phase(name, feet, time, place, share))
+    return Schedule(legs, tuple(rows))
 
 
 def with_schedule(plan: Plan, phases: list[tuple[Phase, int]]) -> Plan:

@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 
 from llsrbm.errors import InputError
 from llsrbm.schedule import TIMINGS, Phase, Schedule, together
+from tests.llsrbm.schedules import schedules
 from tests.llsrbm.synthetic import LEGS, TWO_HOPS
 
 ALL, NONE = Phase("take-off", LEGS, "takeoff"), Phase("flight", (), "flight")
@@ -115,24 +116,6 @@ def test_any_phases_are_a_schedule_or_one_line(rows):
     else:
         assert made.stands[0].all()
         assert made.stands[-1].all()
-
-
-@st.composite
-def schedules(draw):
-    """Sound ones: each phase's feet differ from those before."""
-    between = draw(st.lists(st.sets(st.sampled_from(LEGS)), max_size=6))
-    rows, place = [], 0
-    for standing in (set(LEGS), *between, set(), set(LEGS)):
-        if rows and standing == set(rows[-1].feet):
-            continue
-        place += bool(rows) and rows[-1].is_flight
-        time = draw(st.sampled_from(TIMINGS) | st.tuples(st.floats(0.02, 1), st.floats(1.1, 3)))
-        name = draw(st.sampled_from(["push", "vol plané", "着地"]))
-        share = draw(st.floats(0.1, 4.0))
-        rows.append(
-            Phase(name, tuple(foot for foot in LEGS if foot in standing), time, place, share)
-        )
-    return Schedule(LEGS, tuple(rows))
 
 
 @given(schedules())

@@ -12,9 +12,9 @@ from scipy.spatial.transform import Rotation
 
 import llsrbm
 from llsrbm.analysis.joint_loads import JointLoads, KnotMotion, joint_loads
-from llsrbm.motion.plan import Phase
 from llsrbm.postures import solve_postures
 from llsrbm.robots import load_robot
+from llsrbm.schedule import together
 from tests.llsrbm.planning.solved import solved
 
 ROBOTS = ("anymal", "go2", "slider")
@@ -31,7 +31,8 @@ def standing(robot: Any, time: np.ndarray, com: np.ndarray, quat: np.ndarray) ->
     force = np.tile(robot.mass * WEIGHT / len(points), (knots, len(points), 1))
     return KnotMotion(
         time=time,
-        phase=np.full(knots, Phase.TAKEOFF),
+        schedule=together(tuple(leg.name for leg in robot.legs)),
+        phase=np.zeros(knots, dtype=np.int64),
         com=com,
         com_velocity=np.gradient(com, time, axis=0),
         base_quat=quat,
@@ -164,6 +165,8 @@ def test_a_smooth_motion_against_differences_of_postures(robot):
         {"robot": "go2", "twist": 1.57},
         {"robot": "slider", "twist": 1.57},
         {"robot": "slider", "forward": 0.2, "height": 0.35},
+        {"type": "rear-last", "forward": 0.3},
+        {"type": "hops", "hops": 2, "forward": 0.2, "twist": 0.3},
     ],
     ids=str,
 )
@@ -189,6 +192,22 @@ def test_what_the_drives_give_is_the_gain_in_energy(planned):
     dt = np.diff(plan.time)
     gain = robot.mass * 9.81 * (plan.com[-1, 2] - plan.com[0, 2])
     assert power @ dt == pytest.approx(gain, abs=0.02 * np.abs(power) @ dt)
+
+
+def test_of_a_run_up_the_drives_give_the_gain_in_speed_too():
+    plan = solved("llsrbm-plus", "run-up").plan
+    loads = joint_loads(load_robot("anymal"), KnotMotion.of_plan(plan))
+    power, mass = loads.power.sum(axis=1), load_robot("anymal").mass
+    speeds = np.linalg.norm(plan.com_velocity[[0, -1]], axis=1)
+    gain = mass * np.diff(speeds**2)[0] / 2
+    assert power @ np.diff(plan.time) == pytest.approx(
+        gain, abs=0.02 * np.abs(power) @ np.diff(plan.time)
+    )
+    # Standing feet, moving body: joints turn at both ends as the postures there do.
+    for end, beside in ((0, 1), (-1, -2)):
+        step = plan.time[end] - plan.time[beside]
+        speed = (plan.joint_position[end] - plan.joint_position[beside]) / step
+        np.testing.assert_allclose(plan.joint_velocity[end], speed, atol=0.5)
 
 
 def test_speeds_at_the_knots_are_those_of_the_postures(planned):
@@ -248,7 +267,8 @@ def _loads(torque, available):
     return JointLoads(
         time=0.1 * np.arange(count) + 0.05,
         knot_time=0.1 * np.arange(count + 1),
-        phase=np.array([Phase.TAKEOFF, Phase.FLIGHT, Phase.LANDING])[:count],
+        schedule=together(("left", "right")),
+        phase=np.arange(count),
         joint_names=("hip", "knee")[:joints],
         joint_position=still,
         joint_velocity=still + 2.0,
@@ -268,7 +288,7 @@ def test_shares_of_what_is_available():
     loads = _loads([[10.0, -30.0], [5.0, 0.0]], [[40.0, 40.0], [40.0, 0.0]])
     np.testing.assert_allclose(loads.torque_ratio, [[0.25, 0.75], [0.125, 0.0]])
     worst = loads.worst()
-    assert (worst.joint, worst.phase, worst.time) == ("knee", Phase.TAKEOFF, 0.05)
+    assert (worst.joint, worst.phase, worst.time) == ("knee", "take-off", 0.05)
     assert (worst.torque, worst.available, worst.ratio) == (-30.0, 40.0, 0.75)
     np.testing.assert_allclose(loads.power, [[20.0, -60.0], [10.0, 0.0]])
     assert loads.residual_rms == pytest.approx((5.0, 2.0))

@@ -140,6 +140,11 @@ def vectors(top: float = 3.0):
     return st.tuples(*[st.floats(-top, top)] * 3).map(np.array)
 
 
+def all_stand(model, count: int = 1) -> np.ndarray:
+    """(count, L): every foot is given as seen from the CoM."""
+    return np.ones((count, model.legs), dtype=bool)
+
+
 def standing_feet_in_hip(robot=ROBOT) -> np.ndarray:
     """(L, d) m, rad of the default posture."""
     place = robot.mirrors * (robot.feet - robot.base_position - robot.hips)

@@ -7,12 +7,14 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.optimize import root
 
 from llsrbm import models
 from llsrbm.models.base import point_inertia
 from tests.llsrbm.models.postures import (
     ROBOT,
     SLIDER,
+    all_stand,
     feet_in_reach,
     random_motions,
     rates,
@@ -57,6 +59,10 @@ def padded(model, place) -> np.ndarray:
     return place @ np.eye(3, model.coordinates)
 
 
+def everyone(model) -> tuple[int, ...]:
+    return tuple(range(model.legs))
+
+
 def test_point_inertia_is_the_parallel_axis_theorem():
     d = np.array([0.3, -0.2, 0.5])
     cross = np.cross(np.eye(3), d)
@@ -72,7 +78,8 @@ def test_offset_from_feet_in_hip_and_from_com_are_one_map(robot, model, data):
     places = [column(model.foot_from_com(i, dm(x)[:, i], offset)) for i in range(len(x))]
     yaws = full_mirrors(model)[:, 3:] * x[:, 3:]
     beta = dm(np.hstack([places, yaws]))
-    np.testing.assert_allclose(column(model.base_offset_from_com(beta)), column(offset), atol=1e-12)
+    from_com = model.offset_map(everyone(model))(dict(enumerate(ca.horzsplit(beta))))
+    np.testing.assert_allclose(column(from_com), column(offset), atol=1e-12)
     for i in range(len(x)):
         seen = model.foot_in_hip(i, beta[:, i], offset)
         np.testing.assert_allclose(column(seen), x[i], atol=1e-12)
@@ -85,8 +92,59 @@ def test_their_rates_too(robot, model, data):
     xdot = data.draw(rates(robot=robot))
     rate = model.base_offset_rate(dm(xdot))
     beta_rate = padded(model, column(rate)) + full_mirrors(model) * xdot
-    from_com = model.base_offset_rate_from_com(dm(beta_rate))
+    rates_seen = dict(enumerate(ca.horzsplit(dm(beta_rate))))
+    from_com = model.offset_map(everyone(model)).rate(rates_seen)
     np.testing.assert_allclose(column(from_com), column(rate), atol=1e-12)
+
+
+@every_model
+@quickly
+@given(data=st.data())
+def test_where_some_feet_stand_the_coms_definition_gives_the_offset(robot, model, data):
+    """Solved numerically for o; standing feet are known from the CoM, the others from the hip."""
+    x = data.draw(feet_in_reach(robot))
+    standing = np.array(data.draw(st.tuples(*[st.booleans()] * model.legs)))
+    offset = column(model.base_offset(dm(x)))
+    beta = padded(model, offset + model.hips) + full_mirrors(model) * x
+    given_ = np.where(standing[:, None], beta, x)
+
+    def definition(o):
+        seen = full_mirrors(model) * (given_ - padded(model, o + model.hips))
+        return o - model.offsets(np.where(standing[:, None], seen, x)[None], x[None])[0][0]
+
+    found = root(definition, np.zeros(3), tol=1e-13)
+    assert found.success
+    some = model.offset_map(tuple(np.flatnonzero(standing)))
+    np.testing.assert_allclose(
+        column(some(dict(enumerate(map(ca.DM, given_))))), found.x, atol=1e-9
+    )
+    np.testing.assert_allclose(some.over(given_[None])[0], found.x, atol=1e-9)
+    np.testing.assert_allclose(model.feet_of(given_[None], standing[None])[0], x, atol=1e-9)
+
+
+@every_model
+@quickly
+@given(data=st.data())
+def test_and_its_rate_where_some_feet_stand(robot, model, data):
+    xdot = data.draw(rates(robot=robot))
+    standing = np.array(data.draw(st.tuples(*[st.booleans()] * model.legs)))
+    rate = column(model.base_offset_rate(dm(xdot)))
+    seen = np.where(standing[:, None], padded(model, rate) + full_mirrors(model) * xdot, xdot)
+    some = model.offset_map(tuple(np.flatnonzero(standing)))
+    np.testing.assert_allclose(
+        column(some.rate(dict(enumerate(map(ca.DM, seen))))), rate, atol=1e-11
+    )
+    np.testing.assert_allclose(some.rate_over(seen[None])[0], rate, atol=1e-11)
+    np.testing.assert_allclose(model.feet_rate_of(seen[None], standing[None])[0], xdot, atol=1e-11)
+
+
+def test_feet_of_many_instants_each_with_its_own_standing():
+    model, rng = MODELS[ROBOT, "llsrbm-plus"], np.random.default_rng(2)
+    x = some_feet(ROBOT, 30, rng)
+    standing = rng.random((30, model.legs)) < 0.5
+    beta = model.offsets(x, x)[0][:, None] + model.hips + model.mirrors * x
+    seen = np.where(standing[..., None], beta, x)
+    np.testing.assert_allclose(model.feet_of(seen, standing), x, atol=1e-12)
 
 
 @every_model
@@ -111,8 +169,8 @@ def test_numpy_says_what_casadi_says(robot, model, data):
     np.testing.assert_allclose(rate[0], column(model.base_offset_rate(dm(xdot))), atol=1e-13)
     beta = padded(model, offset[:, None] + model.hips) + full_mirrors(model) * x
     beta_rate = padded(model, rate[:, None]) + full_mirrors(model) * xdot
-    np.testing.assert_allclose(model.stance_feet(beta)[0], x, atol=1e-12)
-    np.testing.assert_allclose(model.stance_rate(beta_rate)[0], xdot, atol=1e-12)
+    np.testing.assert_allclose(model.feet_of(beta, all_stand(model))[0], x, atol=1e-12)
+    np.testing.assert_allclose(model.feet_rate_of(beta_rate, all_stand(model))[0], xdot, atol=1e-12)
 
 
 @every_model
@@ -222,7 +280,7 @@ def test_offset_is_where_the_base_is(robot, bounds):
     worst = {}
     for name in models.names():
         model = MODELS[robot, name]
-        offset = model.evaluate(model.stance_feet(beta))[0]
+        offset = model.evaluate(model.feet_of(beta, all_stand(model, len(beta))))[0]
         worst[name] = np.linalg.norm(offset - true, axis=1).max()
     assert worst["llsrbm-plus"] < bounds[0]
     assert worst["llsrbm"] < bounds[1]

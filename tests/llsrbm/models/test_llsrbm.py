@@ -8,6 +8,7 @@ from llsrbm.models.llsrbm import LLSRBM
 from tests.llsrbm.models.postures import (
     LEGS,
     ROBOT,
+    all_stand,
     feet_in_reach,
     random_motions,
     standing_feet_in_hip,
@@ -30,7 +31,7 @@ def test_agrees_with_the_urdf_in_the_default_posture():
     offset, inertia, _ = MODEL.evaluate(standing_feet_in_hip()[None])
     np.testing.assert_allclose(inertia[0], ROBOT.inertia, atol=1e-12)
     np.testing.assert_allclose(offset[0], ROBOT.base_position - ROBOT.com, atol=1e-13)
-    seen = MODEL.stance_feet((ROBOT.feet - ROBOT.com)[None])[0]
+    seen = MODEL.feet_of((ROBOT.feet - ROBOT.com)[None], all_stand(MODEL))[0]
     np.testing.assert_allclose(seen, standing_feet_in_hip(), atol=1e-12)
 
 
@@ -78,7 +79,8 @@ def test_legs_carry_no_momentum():
 def test_nearer_to_the_truth_than_a_single_body_in_roll_and_pitch():
     """Over random postures; about z the knees, which go outward as feet draw in, spoil it."""
     motions = random_motions(100, seed=5)
-    feet = MODEL.stance_feet(np.array([m.beta for m in motions]))
+    beta = np.array([m.beta for m in motions])
+    feet = MODEL.feet_of(beta, all_stand(MODEL, len(beta)))
     true = np.array([m.inertia for m in motions])
     error = np.linalg.norm(MODEL.evaluate(feet)[1] - true, axis=(1, 2)).mean()
     single = np.linalg.norm(ROBOT.inertia - true, axis=(1, 2)).mean()

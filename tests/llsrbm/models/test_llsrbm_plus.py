@@ -17,6 +17,7 @@ from tests.llsrbm.models.postures import (
     LEGS,
     ROBOT,
     SLIDER,
+    all_stand,
     feet_in_reach,
     random_motions,
     rates,
@@ -38,8 +39,9 @@ def slides():
 
 def seen_by(model, motions):
     """Feet, their rates and the base's angular velocity as the model takes them."""
-    feet = model.stance_feet(np.array([m.beta for m in motions]))
-    rate = model.stance_rate(np.array([m.beta_rate for m in motions]))
+    stand = all_stand(model, len(motions))
+    feet = model.feet_of(np.array([m.beta for m in motions]), stand)
+    rate = model.feet_rate_of(np.array([m.beta_rate for m in motions]), stand)
     return feet, rate, np.array([m.w for m in motions])
 
 
@@ -110,7 +112,7 @@ def test_a_legs_com_lies_about_its_thigh(x):
 
 
 def test_near_the_urdf_in_the_default_posture():
-    feet = MODEL.stance_feet((ROBOT.feet - ROBOT.com)[None])
+    feet = MODEL.feet_of((ROBOT.feet - ROBOT.com)[None], all_stand(MODEL))
     offset, inertia, _ = MODEL.evaluate(feet)
     assert offset[0] == pytest.approx(ROBOT.base_position - ROBOT.com, abs=3e-3)
     assert np.diag(inertia[0]) == pytest.approx(np.diag(ROBOT.inertia), rel=0.01)

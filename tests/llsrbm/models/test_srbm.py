@@ -1,7 +1,7 @@
 import numpy as np
 
 from llsrbm.models.srbm import SRBM
-from tests.llsrbm.models.postures import LEGS, ROBOT, standing_feet_in_hip
+from tests.llsrbm.models.postures import LEGS, ROBOT, all_stand, standing_feet_in_hip
 
 MODEL = SRBM(ROBOT)
 
@@ -26,5 +26,5 @@ def test_momentum_is_inertia_times_rate():
 
 
 def test_feet_of_the_default_posture():
-    seen = MODEL.stance_feet((ROBOT.feet - ROBOT.com)[None])[0]
+    seen = MODEL.feet_of((ROBOT.feet - ROBOT.com)[None], all_stand(MODEL))[0]
     np.testing.assert_allclose(seen, standing_feet_in_hip(), atol=1e-12)

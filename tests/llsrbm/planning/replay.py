@@ -1,11 +1,13 @@
 """A plan's forces and feet through the model's continuous equations: an integrator of its own.
 
     rdot = v,  v' = sum f / m + g,  L' = sum (c_j - r) x f_j,  q' = q (0, omega) / 2,
-    I(x) omega + h(x, xdot) = R^T L
+    I(x) omega + h(x, xdot) + correction = R^T L
 
-In stance the feet stand in the world, so that x and xdot follow from r, v, R and omega; xdot is
-affine in omega, and so is the left side. In flight x runs linearly between the plan's knots.
-Forces act at the contact points. How standing soles turn against the base is found by differences.
+Feet that stand rest in the world, so that their x and xdot follow from r, v, R and omega; xdot is
+affine in omega, and so is the left side. Of feet that swing x runs linearly between the plan's
+knots, also where others stand. The correction, constant over an interval, is what the model was
+found to lack (`Task.correction`); most plans have none. Forces act at the contact points. How
+standing soles turn against the base is found by differences.
 """
 
 from __future__ import annotations
@@ -14,8 +16,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.spatial.transform import Rotation
-
-from llsrbm.motion.plan import Phase
 
 GRAVITY = np.array([0.0, 0.0, -9.81])
 PROBES = np.vstack([np.zeros(3), np.eye(3)])
@@ -37,8 +37,10 @@ class State:
         )
 
 
-def replay(plan, model, step: float = 1e-3) -> list[State]:
-    """The state at every knot, from the plan's first knot on."""
+def replay(plan, model, step: float = 1e-3, correction=None) -> list[State]:
+    """The state at every knot, from the plan's first knot on; correction: (N, 3) kg m2/s."""
+    if correction is None:
+        correction = np.zeros((len(plan.time) - 1, 3))
     state = State(plan.com[0], plan.com_velocity[0], plan.base_quat[0], plan.angular_momentum[0])
     states = [state]
     for k, (start, end) in enumerate(zip(plan.time[:-1], plan.time[1:], strict=True)):
@@ -48,7 +50,7 @@ def replay(plan, model, step: float = 1e-3) -> list[State]:
             t = i * dt
 
             def rate(s, t):
-                return _rate(plan, model, k, t / (end - start), s)  # noqa: B023
+                return _rate(plan, model, k, t / (end - start), s, correction[k])  # noqa: B023
 
             k1 = rate(state, t)
             k2 = rate(state.plus(k1, dt / 2), t + dt / 2)
@@ -60,35 +62,45 @@ def replay(plan, model, step: float = 1e-3) -> list[State]:
     return states
 
 
-def _rate(plan, model, k, share, s):
+def _rate(plan, model, k, share, s, correction):
     force = plan.contact_force[k]
     R = Rotation.from_quat(s.quat, scalar_first=True).as_matrix()
-    if plan.phase[k] == Phase.FLIGHT:
-        before, after = plan.foot_in_hip[k], plan.foot_in_hip[k + 1]
-        x = before + share * (after - before)
-        xdot = np.repeat([(after - before) / (plan.time[k + 1] - plan.time[k])], 4, axis=0)
-    else:
-        beta = (plan.foot_position[k] - s.position) @ R
-        rate = -s.velocity @ R - np.cross(PROBES[:, None], beta)
-        if model.coordinates > 3:
-            step = 1e-6
-            ends = [
-                [_yaws(R @ Rotation.from_rotvec(h * w).as_matrix(), plan, k) for w in PROBES]
-                for h in (-step, step)
-            ]
-            turn = np.subtract(*ends[::-1]) / (2 * step)
-            rate = np.concatenate([rate, turn[..., None]], axis=-1)
-            beta = np.concatenate([beta, _yaws(R, plan, k)[:, None]], axis=-1)
-        x = model.stance_feet(beta[None])[0]
-        xdot = model.stance_rate(rate)
-    left = model.evaluate_momentum(np.repeat(x[None], 4, axis=0), xdot, PROBES)
-    omega = np.linalg.solve((left[1:] - left[0]).T, s.momentum @ R - left[0])
+    standing = plan.contact[k]
+    before, after = plan.foot_in_hip[k], plan.foot_in_hip[k + 1]
+    given = before + share * (after - before)
+    rate = np.repeat([(after - before) / (plan.time[k + 1] - plan.time[k])], 4, axis=0)
+    if standing.any():
+        beta, turning = _seen(plan, model, k, R, s)
+        given[standing], rate[:, standing] = beta[standing], turning[:, standing]
+    x = model.feet_of(given[None], standing[None])
+    xdot = model.feet_rate_of(rate, np.repeat(standing[None], 4, axis=0))
+    left = model.evaluate_momentum(np.repeat(x, 4, axis=0), xdot, PROBES)
+    turning = s.momentum @ R - correction - left[0]
+    omega = np.linalg.solve((left[1:] - left[0]).T, turning)
     w, v = s.quat[0], s.quat[1:]
     return State(
         position=s.velocity,
         velocity=force.sum(axis=0) / model.mass + GRAVITY,
         quat=np.append(-v @ omega, w * omega + np.cross(v, omega)) / 2,
         momentum=np.cross(plan.contact_point[k] - s.position, force).sum(axis=0),
+    )
+
+
+def _seen(plan, model, k, R, s):
+    """Standing feet from the CoM, (L, d), and their rates, (4, L, d), at the `PROBES`."""
+    beta = (plan.foot_position[k] - s.position) @ R
+    rate = -s.velocity @ R - np.cross(PROBES[:, None], beta)
+    if model.coordinates == 3:
+        return beta, rate
+    step = 1e-6
+    ends = [
+        [_yaws(R @ Rotation.from_rotvec(h * w).as_matrix(), plan, k) for w in PROBES]
+        for h in (-step, step)
+    ]
+    turn = np.subtract(*ends[::-1]) / (2 * step)
+    return (
+        np.concatenate([beta, _yaws(R, plan, k)[:, None]], axis=-1),
+        np.concatenate([rate, turn[..., None]], axis=-1),
     )
 
 

@@ -12,15 +12,25 @@ from llsrbm.jump import Jump
 from llsrbm.motion.plan import Plan
 from llsrbm.planning.horizon import constraints_of
 from llsrbm.planning.knots import Knots
-from llsrbm.planning.planner import Planner, planner_for
+from llsrbm.planning.layout import Layout
+from llsrbm.planning.placement import parameters as parameters_of
+from llsrbm.planning.planner import Planner, planner_of
 from llsrbm.planning.task import Task
 
-REQUESTS: dict[str, dict[str, float]] = {
+REQUESTS: dict[str, dict[str, Any]] = {
     "twist": {"twist": np.pi / 2},
     "forward": {"forward": 0.3},
     "all": {"twist": 0.8, "forward": 0.2, "lateral": 0.15, "height": 0.15},
 }
 BIPED = {"box": {"forward": 0.2, "height": 0.35}}
+# Jump types of which not all feet do the same, or which fly more than once, or start with speed.
+TYPES: dict[str, dict[str, Any]] = {
+    "rear-last": {"type": "rear-last", "forward": 0.3},
+    "run-up": {"type": "run-up", "speed": 0.5, "end_speed": 0.2, "forward": 0.4},
+    "hops": {"type": "hops", "hops": 2, "forward": 0.2, "twist": 0.3},
+}
+# They turn over, which of these robots Go2 can.
+FLIPS: dict[str, dict[str, Any]] = {"flip": {"type": "flip", "pitch": -2 * np.pi}}
 
 
 @dataclass(frozen=True)
@@ -35,8 +45,8 @@ class Solved:
 @cache
 def solved(model: str, request: str, robot: str = "anymal") -> Solved:
     """The plan of a request, from the analytic guess."""
-    planner = planner_for(robot, model)
-    jump = Jump(robot=robot, model=model, **(REQUESTS | BIPED)[request])
+    jump = Jump(robot=robot, model=model, **(REQUESTS | BIPED | TYPES | FLIPS)[request])
+    planner = planner_of(jump)
     plan = planner.plan(jump)
     found = planner.last
     return Solved(planner, found.task, plan, found.knots, found.solution.variables)
@@ -47,8 +57,8 @@ def function(planner: Planner, name: str) -> Any:
     return planner.formulation.solver.function(name)
 
 
-def parameters(task: Task) -> np.ndarray:
-    return np.concatenate(list(task.parameters().values()))
+def parameters(layout: Layout, task: Task) -> np.ndarray:
+    return np.concatenate(list(parameters_of(layout, task).values()))
 
 
 def rows_by_constraint(s: Solved, g: np.ndarray) -> list[dict[str, np.ndarray]]:

@@ -5,16 +5,16 @@ from functools import cache
 import numpy as np
 import pytest
 
-from llsrbm.motion.plan import Phase
 from tests.llsrbm.planning.solved import (
     REQUESTS,
+    TYPES,
     function,
     parameters,
     rows_by_constraint,
     solved,
 )
 
-ANYMALS = [("llsrbm-plus", request, "anymal") for request in REQUESTS]
+ANYMALS = [("llsrbm-plus", request, "anymal") for request in (*REQUESTS, *TYPES)]
 BOX = ("llsrbm-plus", "box", "slider")
 every_plan = pytest.mark.parametrize("which", [*ANYMALS, BOX], ids=lambda w: f"{w[2]}-{w[1]}")
 
@@ -23,13 +23,13 @@ every_plan = pytest.mark.parametrize("which", [*ANYMALS, BOX], ids=lambda w: f"{
 def rows_and_loads(which):
     """Shares (N - 1, J) of torque and {knot: (J,)} of speed by the rows; the same by Pinocchio.
 
-    Rows of the flight are torques as intervals begin, and as the last one ends; the means of both
-    ends belong to the middles, as Pinocchio's. The first interval, at rest, has no rows.
+    Rows of swinging legs are torques as intervals begin, and as the last one ends; the means of
+    both ends belong to the middles, as Pinocchio's. The first interval, at rest, has no rows.
     """
     s = solved(*which)
     robot, loads, layout = s.task.robot, s.knots.loads, s.planner.layout
     rows = rows_by_constraint(
-        s, np.array(function(s.planner, "nlp_g")(s.w, parameters(s.task))).ravel()
+        s, np.array(function(s.planner, "nlp_g")(s.w, parameters(s.planner.layout, s.task))).ravel()
     )
     columns = robot.leg_joint_index
 
@@ -39,12 +39,18 @@ def rows_and_loads(which):
         return joints
 
     torque, speed = [], {}
+    legs, joints = columns.shape
     for k in range(1, layout.knots - 1):
-        role, here = layout.roles[k], rows[k]["joint_torque"]
-        torque.append(of_joints(here))
-        if role.phase == Phase.FLIGHT:
-            after = here[columns.size :] if role.last else rows[k + 1]["joint_torque"]
-            torque[-1] = (torque[-1] + of_joints(after)) / 2
+        role = layout.roles[k]
+        here = rows[k]["joint_torque"].reshape(-1, joints)
+        mean = here[:legs].copy()
+        for leg in role.swinging:
+            if leg in role.settling:
+                after = here[legs + role.settling.index(leg)]
+            else:
+                after = rows[k + 1]["joint_torque"].reshape(-1, joints)[leg]
+            mean[leg] = (mean[leg] + after) / 2
+        torque.append(of_joints(mean.ravel()))
         if "joint_speed" in rows[k]:
             speed[k] = of_joints(rows[k]["joint_speed"])
     shares = loads.joint_torque / robot.torque_limit, loads.joint_velocity / robot.speed_limit

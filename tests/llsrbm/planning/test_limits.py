@@ -9,12 +9,10 @@ from hypothesis import strategies as st
 
 from llsrbm.errors import InputError
 from llsrbm.jump import Jump
-from llsrbm.motion.plan import Phase
 from llsrbm.planning.constraints import CONSTRAINTS
 from llsrbm.planning.horizon import row_bounds
-from llsrbm.planning.layout import Intervals, Layout
 from llsrbm.planning.placement import limits_of, make_task
-from llsrbm.planning.planner import planner_for
+from llsrbm.planning.planner import layout_of, planner_for
 from llsrbm.planning.residuals import TOLERANCE, violations
 from llsrbm.robots import load_robot
 from llsrbm.tuning import Tuning
@@ -76,12 +74,7 @@ def test_only_the_named_limits_change(name, data):
 def test_the_same_bounds_are_infinite_whatever_the_limits(name):
     """Fatrop looks at that only in its first solve."""
     robot = ROBOTS[name]
-    layout = Layout(
-        legs=len(robot.legs),
-        contacts=len(robot.legs) * len(robot.corners),
-        intervals=Intervals(4, 4, 4),
-        foot_coordinates=robot.foot_coordinates,
-    )
+    layout = layout_of(Jump(robot=name), robot, 12)
     own = row_bounds(layout, make_task(Jump(robot=name, height=0.1), robot))
     for n, (limit, _) in limits_of(robot).items():
         for end in (limit.lowest, limit.highest):
@@ -134,7 +127,7 @@ def speed_share(plan):
 
 def lowest_hips(plan):
     """Above feet that stand, as a share of the default posture's."""
-    standing = np.append(plan.phase[:-1] != Phase.FLIGHT, False)
+    standing = np.append(plan.contact[:-1].all(axis=1), False)
     standing[0] = False
     stands = (ANYMAL.base_position + ANYMAL.hips - ANYMAL.feet)[:, 2].mean()
     return -plan.foot_in_hip[standing, :, 2].max() / stands
@@ -158,9 +151,8 @@ def shortest_leg(plan):
 
 
 def flying(plan):
-    first = int(np.argmax(plan.phase == Phase.FLIGHT))
-    last = int(np.argmax(plan.phase == Phase.LANDING))
-    return slice(first, last + 1)
+    first, last = np.flatnonzero(~plan.contact.any(axis=1))[[0, -1]]
+    return slice(first, last + 2)
 
 
 def box(pick, axis):

@@ -4,9 +4,18 @@ import numpy as np
 import pytest
 
 from llsrbm import models
-from llsrbm.motion.plan import Phase
 from tests.llsrbm.planning.replay import angle_between, replay
-from tests.llsrbm.planning.solved import REQUESTS, solved
+from tests.llsrbm.planning.solved import FLIPS, REQUESTS, TYPES, solved
+
+
+def drift(states, name, planned):
+    return np.abs(np.array([getattr(s, name) for s in states]) - planned).max()
+
+
+def turned(states, plan):
+    """(N+1,) degrees between the replayed attitudes and the plan's."""
+    pairs = zip(states, plan.base_quat, strict=True)
+    return np.array([angle_between(state.quat, quat) for state, quat in pairs])
 
 
 @pytest.mark.parametrize("request_name", REQUESTS)
@@ -15,29 +24,32 @@ def test_replayed(model, request_name):
     s = solved(model, request_name)
     plan = s.plan
     states = replay(plan, s.planner.model, step=2e-3)
-
-    def drift(name, planned):
-        return np.abs(np.array([getattr(s, name) for s in states]) - planned).max()
-
     # Forces are constant over an interval: these are exact whatever the interval's length.
-    assert drift("position", plan.com) < 1e-8
-    assert drift("velocity", plan.com_velocity) * s.task.mass < 1e-6
-    assert drift("momentum", plan.angular_momentum) < 1e-6
+    assert drift(states, "position", plan.com) < 1e-8
+    assert drift(states, "velocity", plan.com_velocity) * s.task.mass < 1e-6
+    assert drift(states, "momentum", plan.angular_momentum) < 1e-6
     # The attitude turns about the midpoint's axis: measured 0.0000 to 0.03 degrees.
-    turned = [angle_between(a.quat, q) for a, q in zip(states, plan.base_quat, strict=True)]
-    assert turned[int(np.argmax(plan.phase == Phase.LANDING))] < 0.05
-    assert max(turned) < 0.05
+    assert turned(states, plan).max() < 0.05
+
+
+@pytest.mark.parametrize("name", [*TYPES, *FLIPS])
+def test_any_schedule_replayed(name):
+    s = solved("llsrbm-plus", name, "go2" if name in FLIPS else "anymal")
+    plan = s.plan
+    states = replay(plan, s.planner.model, step=2e-3, correction=s.task.correction)
+    assert drift(states, "position", plan.com) < 1e-8
+    assert drift(states, "velocity", plan.com_velocity) * s.task.mass < 1e-6
+    assert drift(states, "momentum", plan.angular_momentum) < 1e-6
+    assert turned(states, plan)[-1] < 0.5
 
 
 @pytest.mark.parametrize("request_name", ["twist", "box"])
 def test_soles_replayed(request_name):
     s = solved("llsrbm-plus", request_name, "slider")
     states = replay(s.plan, s.planner.model, step=2e-3)
-    momentum = np.array([state.momentum for state in states])
-    assert np.abs(momentum - s.plan.angular_momentum).max() < 1e-6
-    turned = [angle_between(a.quat, q) for a, q in zip(states, s.plan.base_quat, strict=True)]
+    assert drift(states, "momentum", s.plan.angular_momentum) < 1e-6
     # The light pelvis turns faster within an interval than a quadruped's trunk.
-    assert max(turned) < 0.2
+    assert turned(states, s.plan).max() < 0.2
 
 
 def test_the_integrators_own_error_is_beyond_notice():

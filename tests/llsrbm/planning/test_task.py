@@ -9,8 +9,8 @@ from scipy.spatial.transform import Rotation
 from llsrbm.errors import InputError
 from llsrbm.jump import Jump
 from llsrbm.planning.costs import default_weights
-from llsrbm.planning.layout import Intervals, Layout
-from llsrbm.planning.placement import make_task, parameter_sizes
+from llsrbm.planning.layout import Layout
+from llsrbm.planning.placement import make_task, parameter_sizes, parameters
 from llsrbm.robots import load_robot
 
 ROBOT = load_robot("anymal")
@@ -27,11 +27,12 @@ def test_the_goal_is_the_standing_robot_moved(jump):
     turn = Rotation.from_rotvec([0, 0, jump.twist])
     shift = [jump.forward, jump.lateral, jump.height]
     np.testing.assert_allclose(task.start_position, ROBOT.com)
-    np.testing.assert_allclose(task.start_feet, ROBOT.feet)
+    start, goal = task.places
+    np.testing.assert_allclose(start.feet, ROBOT.feet)
     np.testing.assert_allclose(task.goal_position, turn.apply(ROBOT.com) + shift, atol=1e-12)
-    np.testing.assert_allclose(task.goal_feet, turn.apply(ROBOT.feet) + shift, atol=1e-12)
-    goal = Rotation.from_quat(task.goal_quat, scalar_first=True)
-    assert (goal.inv() * turn).magnitude() < 1e-9
+    np.testing.assert_allclose(goal.feet, turn.apply(ROBOT.feet) + shift, atol=1e-12)
+    attitude = Rotation.from_quat(task.goal_quat, scalar_first=True)
+    assert (attitude.inv() * turn).magnitude() < 1e-9
     assert np.linalg.norm(task.goal_quat) == pytest.approx(1.0)
 
 
@@ -57,8 +58,9 @@ def test_twists_beyond_half_a_turn_go_the_long_way():
 @settings(max_examples=30, deadline=None)
 @given(jump=requests)
 def test_parameters_fill_the_solvers_places(jump):
-    values = make_task(jump, ROBOT).parameters()
-    sizes = parameter_sizes(Layout(4, 4, Intervals()))
+    task = make_task(jump, ROBOT)
+    layout = Layout.of(task.schedule, 4, 48, 3)
+    values, sizes = parameters(layout, task), parameter_sizes(layout)
     assert list(values) == list(sizes)
     for name, value in values.items():
         assert value.shape == (sizes[name],)
@@ -92,7 +94,8 @@ def test_both_ends_of_a_range_are_in_it():
 def test_weights_replace_the_defaults():
     task = make_task(Jump(), ROBOT, {"time": 3.0})
     assert task.weights == default_weights() | {"time": 3.0}
-    assert task.parameters()["weight_time"] == 3.0
+    layout = Layout.of(task.schedule, 4, 48, 3)
+    assert parameters(layout, task)["weight_time"] == 3.0
     assert make_task(Jump(), ROBOT, {"time": 0}).weights["time"] == 0
     assert make_task(Jump(), ROBOT).weights == default_weights()
 

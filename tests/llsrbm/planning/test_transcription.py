@@ -11,7 +11,7 @@ from llsrbm.ocp.transcription import Transcription
 from llsrbm.planning.constraints import CONSTRAINTS
 from llsrbm.planning.guess import analytic_guess
 from llsrbm.planning.horizon import constraints_of, make_horizon, row_bounds
-from llsrbm.planning.layout import Intervals, Layout
+from llsrbm.planning.layout import Layout
 from llsrbm.robots import load_robot
 from tests.llsrbm.planning.solved import function, parameters, solved
 
@@ -25,7 +25,7 @@ def near_a_solution(model):
     rng = np.random.default_rng(0)
     w = s.w + rng.normal(scale=0.02, size=s.w.size)
     lam = rng.normal(size=function(s.planner, "nlp").size1_out(1))
-    return s, w, parameters(s.task), 0.7, lam, rng.normal(size=(3, w.size))
+    return s, w, parameters(s.planner.layout, s.task), 0.7, lam, rng.normal(size=(3, w.size))
 
 
 @cache
@@ -89,7 +89,7 @@ def test_differences_agree_too(model):
 @every_model
 def test_a_plan_lies_within_the_rows_bounds(model):
     s = solved(model, "all")
-    g = np.array(function(s.planner, "nlp_g")(s.w, parameters(s.task))).ravel()
+    g = np.array(function(s.planner, "nlp_g")(s.w, parameters(s.planner.layout, s.task))).ravel()
     lower, upper = row_bounds(s.planner.layout, s.task)
     assert len(g) == len(lower) == len(upper)
     # 1e-4 is the solvers' tolerance.
@@ -97,7 +97,7 @@ def test_a_plan_lies_within_the_rows_bounds(model):
     assert (g <= upper + 1e-4).all()
 
 
-LAYOUT = Layout(4, 4, Intervals(3, 4, 3))
+LAYOUT = Layout(4, ((True,) * 4, (False,) * 4, (True,) * 4), (3, 4, 3))
 MODEL = models.make_model("srbm", load_robot("anymal"))
 
 
@@ -135,7 +135,7 @@ def test_fewer_intervals_share_the_same_derivatives(transcription):
     rng = np.random.default_rng(2)
     w = analytic_guess(s.task, LAYOUT, MODEL)
     w += rng.normal(scale=0.02, size=w.size)
-    v, p, step = rng.normal(size=w.size), parameters(s.task), 1e-6
+    v, p, step = rng.normal(size=w.size), parameters(LAYOUT, s.task), 1e-6
     lam = rng.normal(size=len(transcription.structure.equality))
     slopes = [
         np.array(transcription.functions["nlp_grad"](w + sign * step * v, p, 0.3, lam)[2]).ravel()
