@@ -35,8 +35,9 @@ class BodyClearance(Constraint):
 
     The points are the corners of three cross-sections of the trunk's box and the knees, wherever
     they are, and feet in the air; these keep the margin over the obstacle alone, because they come
-    from the ground. Feet move up to 10 cm in an interval; theirs are met in its middle, too. The check knows no profile: the whole body in the postures that realise the
-    plan, by Pinocchio, must not reach into the obstacle itself, nor trunk and knees into the ground.
+    from the ground. Feet move up to 10 cm in an interval, so theirs are met in its middle, too. The
+    check knows no profile: the whole body in the postures that realise the plan, by Pinocchio, must
+    not come near the obstacle itself, nor trunk and knees near the ground.
     """
 
     name = "body_clearance"
