@@ -21,6 +21,7 @@ from llsrbm.robots.foot_contact import foot_contacts
 Array = NDArray[np.float64]
 
 RAMP = 0.04  # m, length of a ramp: feet move about as far in an interval
+LEG_ROOM = 0.03  # m, as much of a leg lies on either side of its knee, and of its shin's middle
 STATIONS = 3  # cross-sections of the trunk's box whose corners are looked at
 FAR = 100.0  # m, where the obstacle is that is none
 
@@ -58,7 +59,7 @@ def clearance_parameters(task: Task) -> dict[str, Array]:
     """Name -> value of the parameters of rows about the whole body.
 
     `obstacle`: near and far edge, m. `obstacle_heights`: before, top, beyond, m. `obstacle_room`:
-    of the trunk, of knees and of feet, m. `body_margin`: m. `trunk`: the box, m.
+    of the trunk, of legs and of feet, m. `body_margin`: m. `trunk`: the box, m.
     """
     box = trunk_box(task.robot)
     before, beyond = sides(task)
@@ -70,7 +71,7 @@ def clearance_parameters(task: Task) -> dict[str, Array]:
     return {
         "obstacle": np.array(edges),
         "obstacle_heights": np.array([before, top, beyond]),
-        "obstacle_room": np.array([trunk_spacing(box), 0.0, foot_radius(task)]),
+        "obstacle_room": np.array([trunk_spacing(box), LEG_ROOM, foot_radius(task)]),
         "body_margin": np.array([task.body_margin]),
         "trunk": box.ravel(),
     }

@@ -76,25 +76,30 @@ def test_slopes_are_those_of_differences(name, knot):
         np.testing.assert_allclose(slope[:, i], difference[:, 0], atol=2e-5)
 
 
+def over(point, of, room, heights=None):
+    heights = of["obstacle_heights"] if heights is None else heights
+    return point[2] - float(profile(point[0], of["obstacle"], heights, room))
+
+
 @pytest.mark.parametrize("name", ROBOTS)
 def test_rows_are_heights_over_the_profile(name):
     """Against the whole body: knees within 2 cm of Pinocchio's, the trunk's corners likewise."""
     task, layout, _, _, knots = case(name)
-    trunk, knees = body_points(knots)
+    trunk, knees, shins = body_points(knots)
     of = clearance_parameters(task)
     trunk = trunk[:, [s * 4 + c for s in (0, 6, 12) for c in range(4)]]
     for knot in (3, 5, 6, 9):
         variables, at = rows_at(name, knot)
         found = at(variables)[0][:, 0]
-        expected = [
-            p[2] - float(profile(p[0], of["obstacle"], of["obstacle_heights"], room))
-            for points, room in zip(
-                (trunk[knot], knees[knot]), of["obstacle_room"][:2], strict=True
-            )
-            for p in points
-        ]
+        low, top, beyond = of["obstacle_heights"]
+        margin, (trunk_room, leg_room, _) = task.body_margin, of["obstacle_room"]
+        raised = (low, top + margin, beyond)
+        middles = shins[knot].reshape(-1, 4, 3)[1:3].mean(axis=0)  # at 0.4 and 0.6 of the way
+        expected = [over(p, of, trunk_room) - margin for p in trunk[knot]]
+        for knee, shin in zip(knees[knot], middles, strict=True):
+            expected += [over(knee, of, leg_room) - margin, over(shin, of, leg_room, raised)]
         count = len(expected)
-        np.testing.assert_allclose(found[:count] + task.body_margin, expected, atol=0.05)
+        np.testing.assert_allclose(found[:count], expected, atol=0.05)
         role = layout.roles[knot]
         feet = len(role.flying) + len(role.swinging)
         assert len(found) == count + feet == len(BodyClearance().bounds(task, layout, knot)[0])
