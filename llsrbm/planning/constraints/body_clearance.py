@@ -36,9 +36,10 @@ class BodyClearance(Constraint):
 
     The points are the corners of three cross-sections of the trunk's box and the knees, wherever
     they are, the middles of shins, and feet in the air; these two keep the margin over the obstacle
-    alone, because feet come from the ground. Feet move up to 10 cm in an interval, so theirs are met in its middle, too. The
-    check knows no profile: the whole body in the postures that realise the plan, by Pinocchio, must
-    not come near the obstacle itself, nor trunk and knees near the ground.
+    alone, because feet come from the ground. Feet move up to 10 cm in an interval, so theirs are
+    met in its middle, too. The check knows no profile: the whole body in the postures that realise
+    the plan, by Pinocchio, must not come near the obstacle itself, nor trunk and knees near the
+    ground.
     """
 
     name = "body_clearance"
@@ -73,7 +74,7 @@ class BodyClearance(Constraint):
         of, model = stage.parameters, stage.model
         edges, heights, room = of["obstacle"], of["obstacle_heights"], of["obstacle_room"]
         margin = of["body_margin"]
-        # For shins and feet, which keep the margin over the obstacle alone: they come to the ground.
+        # For shins and feet, which keep the margin over the obstacle alone.
         raised = ca.vertcat(heights[0], heights[1] + margin, heights[2])
         ahead, up = (stage.lift(stage.R_world_base[i, :].T) for i in (0, 2))
 
@@ -147,12 +148,12 @@ def body_points(knots: Knots) -> tuple[Array, Array, Array]:
         pin.framesForwardKinematics(robot.model, data, np.concatenate([base, angles]))
         placement = data.oMi[1]
         trunk.append(corners @ placement.rotation.T + placement.translation)
-        bent = () if joint is None else robot.legs
-        knee = [data.oMi[leg.joint_ids[joint]].translation for leg in bent]
-        foot = [data.oMf[leg.foot_frame_id].translation for leg in bent]
-        knees.append(np.reshape(knee, (-1, 3)))
-        down = np.subtract(foot, knee)
-        shins.append(np.reshape([knee + share * down for share in _DOWN], (-1, 3)))
+        knee, foot = np.zeros((2, 0, 3))
+        if joint is not None:
+            knee = np.array([data.oMi[leg.joint_ids[joint]].translation for leg in robot.legs])
+            foot = np.array([data.oMf[leg.foot_frame_id].translation for leg in robot.legs])
+        knees.append(knee)
+        shins.append(np.concatenate([knee + share * (foot - knee) for share in _DOWN]))
     return np.array(trunk), np.array(knees), np.array(shins)
 
 

@@ -94,7 +94,7 @@ def test_rows_are_heights_over_the_profile(name):
         low, top, beyond = of["obstacle_heights"]
         margin, (trunk_room, leg_room, _) = task.body_margin, of["obstacle_room"]
         raised = (low, top + margin, beyond)
-        middles = shins[knot].reshape(-1, 4, 3)[1:3].mean(axis=0)  # at 0.4 and 0.6 of the way
+        middles = shins[knot].reshape(4, -1, 3)[1:3].mean(axis=0)  # at 0.4 and 0.6 of the way
         expected = [over(p, of, trunk_room) - margin for p in trunk[knot]]
         for knee, shin in zip(knees[knot], middles, strict=True):
             expected += [over(knee, of, leg_room) - margin, over(shin, of, leg_room, raised)]
