@@ -21,7 +21,8 @@ from llsrbm.robots.foot_contact import foot_contacts
 Array = NDArray[np.float64]
 
 RAMP = 0.04  # m, length of a ramp: feet move about as far in an interval
-LEG_ROOM = 0.03  # m, as much of a leg lies on either side of its knee, and of its shin's middle
+SHINS = (1 / 3, 2 / 3)  # of the way from knee to foot, points that are looked at
+LEG_ROOM = 0.03  # m, as much of a leg lies on either side of its knee, and of these
 STATIONS = 3  # cross-sections of the trunk's box whose corners are looked at
 FAR = 100.0  # m, where the obstacle is that is none
 

@@ -9,6 +9,7 @@ import numpy as np
 import pinocchio as pin
 
 from llsrbm.planning.clearance_profile import (
+    SHINS,
     foot_radius,
     profile,
     sides,
@@ -35,11 +36,11 @@ class BodyClearance(Constraint):
     """z >= profile(x) + margin, of points of the whole body over the smooth profile.
 
     The points are the corners of three cross-sections of the trunk's box and the knees, wherever
-    they are, the middles of shins, and feet in the air; these two keep the margin over the obstacle
-    alone, because feet come from the ground. Feet move up to 10 cm in an interval, so theirs are
-    met in its middle, too. The check knows no profile: the whole body in the postures that realise
-    the plan, by Pinocchio, must not come near the obstacle itself, nor trunk and knees near the
-    ground.
+    they are, two points of each shin, and feet in the air; these two keep the margin over the
+    obstacle alone, because feet come from the ground. Feet move up to 10 cm in an interval, so
+    theirs are met in its middle, too. The check knows no profile: the whole body in the postures
+    that realise the plan, by Pinocchio, must not come near the obstacle itself, nor trunk and knees
+    near the ground.
     """
 
     name = "body_clearance"
@@ -98,8 +99,8 @@ class BodyClearance(Constraint):
             if knee is not None:
                 seen = stage.offset + ca.DM(model.hips[i]) + stage.lift(knee)
                 rows.append(above(seen, heights, room[1]) - margin)
-                shin = (seen + stage.foot_from_com(i)) / 2
-                rows.append(above(shin, raised, room[1]))
+                down = stage.foot_from_com(i) - seen
+                rows += [above(seen + share * down, raised, room[1]) for share in SHINS]
         rows += [above(stage.foot_from_com(i), raised, room[2]) for i in stage.role.flying]
         place, _, offset, _ = stage.feet_mid
         rows += [
@@ -112,7 +113,7 @@ class BodyClearance(Constraint):
         knees = 0 if knee_joint(task.robot) is None else layout.legs
         trunk = len(trunk_points(trunk_box(task.robot).ravel()))
         role = layout.roles[knot]
-        rows = trunk + 2 * knees + len(role.flying) + len(role.swinging)
+        rows = trunk + (1 + len(SHINS)) * knees + len(role.flying) + len(role.swinging)
         return np.zeros(rows), np.full(rows, np.inf)
 
     def violation(self, knots: Knots) -> Array:

@@ -91,15 +91,18 @@ def test_rows_are_heights_over_the_profile(name):
     of = clearance_parameters(task)
     trunk = trunk[:, [s * 4 + c for s in (0, 6, 12) for c in range(4)]]
     for knot in (3, 5, 6, 9):
-        variables, at = rows_at(name, knot)
-        found = at(variables)[0][:, 0]
+        variables, rows = rows_at(name, knot)
+        found = rows(variables)[0][:, 0]
         low, top, beyond = of["obstacle_heights"]
         margin, (trunk_room, leg_room, _) = task.body_margin, of["obstacle_room"]
         raised = (low, top + margin, beyond)
-        middles = shins[knot].reshape(4, -1, 3)[1:3].mean(axis=0)  # at 0.4 and 0.6 of the way
+        # Of each leg two points of those at 0.2, 0.4, 0.6 and 0.8 of the way, and between them.
+        at = shins[knot].reshape(4, -1, 3)
+        thirds = (at[0] / 3 + at[1] * 2 / 3, at[2] * 2 / 3 + at[3] / 3)
         expected = [over(p, of, trunk_room) - margin for p in trunk[knot]]
-        for knee, shin in zip(knees[knot], middles, strict=True):
-            expected += [over(knee, of, leg_room) - margin, over(shin, of, leg_room, raised)]
+        for knee, *points in zip(knees[knot], *thirds, strict=True):
+            expected.append(over(knee, of, leg_room) - margin)
+            expected += [over(p, of, leg_room, raised) for p in points]
         count = len(expected)
         np.testing.assert_allclose(found[:count], expected, atol=0.006)
         role = layout.roles[knot]
