@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import cache
+from types import SimpleNamespace
 
 import casadi as ca
 import numpy as np
@@ -24,6 +25,7 @@ from llsrbm.planning.clearance_profile import (
 from llsrbm.planning.constraints.body_clearance import ALLOWANCE, BodyClearance, body_points
 from llsrbm.planning.guess import analytic_guess
 from llsrbm.planning.knots import unpack
+from llsrbm.planning.nearest import _Search
 from llsrbm.planning.placement import make_task, parameter_sizes, parameters, place_task
 from llsrbm.planning.planner import layout_of
 from llsrbm.planning.stage import Stage
@@ -212,3 +214,14 @@ def test_a_biped_has_no_knees_to_clear():
     layout = layout_of(jump, robot, 12)
     task = place_task(jump, robot)
     assert len(BodyClearance().bounds(task, layout, 2)[0]) == 12
+
+
+def test_the_search_for_a_nearer_jump_skips_those_that_land_on_it():
+    tried = []
+    formulation = SimpleNamespace(robot=load_robot("anymal"))
+    scout = SimpleNamespace(formulation=formulation, solve=lambda task, near: tried.append(task))
+    search = _Search(scout, lambda jump: 0.0, None, None)
+    assert search.found(Jump(type="hurdle", forward=0.2)) is None
+    assert not tried
+    search.found(Jump(type="hurdle", forward=0.4))
+    assert len(tried) == 1
