@@ -126,7 +126,7 @@ class BodyClearance(Constraint):
         trunk, knees, shins = body_points(knots)
         body = np.concatenate([trunk, knees], axis=1)
         legs = np.concatenate([body, shins], axis=1)
-        feet = _distance(task, knots.foot_position, foot_radius(task))
+        feet = _distance(task, knots.contact_point, foot_radius(task))
         kept = np.concatenate([_distance(task, legs, 0.0), -_depth(task, body), feet], axis=1)
         amounts = margin - kept
         amounts[[0, -1]] = 0.0  # the postures there are given

@@ -19,7 +19,7 @@ from llsrbm.planning.clearance_profile import (
     CLEARANCE_PARAMETERS,
     RAMP,
     clearance_parameters,
-    foot_radius,
+    foot_reach,
     profile,
 )
 from llsrbm.planning.constraints.body_clearance import ALLOWANCE, BodyClearance, body_points
@@ -204,7 +204,17 @@ class TestFooting:
         task = make_task(Jump(type="gap", forward=0.45), load_robot("go2"))
         front = task.places[0].contacts[:, 0].max()
         assert task.obstacle.near == pytest.approx(front + 0.15)
-        assert task.obstacle.near - front > foot_radius(task) + RAMP
+        assert task.obstacle.near - front > foot_reach(task) + RAMP
+
+
+def test_soles_are_longer_than_points():
+    jump = Jump("slider", type="hurdle", forward=0.46)
+    task = make_task(jump, load_robot("slider"))
+    assert foot_reach(task) == pytest.approx(np.hypot(0.072, 0.039) + 0.01)
+    heel = task.places[-1].contacts[:, 0].min()
+    assert heel > task.obstacle.far + 0.01 + RAMP
+    with pytest.raises(InputError, match=r"would stand at 0.430 m, but the hurdle goes from"):
+        make_task(replace(jump, forward=0.43), load_robot("slider"))
 
 
 def test_a_biped_has_no_knees_to_clear():
