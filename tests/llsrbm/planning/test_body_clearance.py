@@ -235,3 +235,11 @@ def test_the_search_for_a_nearer_jump_skips_those_that_land_on_it():
     assert not tried
     search.found(Jump(type="hurdle", forward=0.4))
     assert len(tried) == 1
+
+
+def test_all_knots_clear_it_but_those_whose_postures_are_given():
+    layout = layout_of(Jump(**HURDLE), load_robot("anymal"))
+    assert [role.clears for role in layout.roles] == [False, *[True] * (layout.total - 1), False]
+    plain = layout_of(Jump(), load_robot("anymal"))
+    assert replace(layout, clears=False) == plain
+    assert layout.name == plain.name + "-clear"
