@@ -43,7 +43,7 @@ def ground_and_blocks(
     for place in places:  # on either side they are at one height: the planner saw to it
         if (place.points[:, 0] > middle).any():
             beyond = place.height
-    ground = min(before, beyond, obstacle.height)
+    ground = min(before, beyond, obstacle.height) + 0.0  # no negative zero
 
     def box(name: str, start: float, end: float, top: float, *, untouched: bool = False) -> Block:
         return Block(
