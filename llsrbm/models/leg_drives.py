@@ -289,7 +289,10 @@ class FittedLeg(LegDrives):
     def __init__(
         self, angles: Array, jacobian: Array, knee: Array | None, residuals: dict[str, float]
     ) -> None:
-        """Maps: features -> q (f, n); -> J, row by row (f, 6 n): linear, angular; -> knee (f, 3)."""
+        """Maps of the features: to q (f, n), to J, row by row (f, 6 n), to the knee (f, 3) if any.
+
+        Rows of J: linear, angular.
+        """
         self.joints = angles.shape[1]
         self.residuals = residuals
         self._angles = ca.sparsify(ca.DM(angles.T), 1e-9)

@@ -21,6 +21,8 @@ from llsrbm.robots.foot_contact import foot_contacts
 Array = NDArray[np.float64]
 
 RAMP = 0.04  # m, length of a ramp: feet move about as far in an interval
+SHINS = (1 / 3, 2 / 3)  # of the way from knee to foot, points that are looked at
+LEG_ROOM = 0.03  # m, as much of a leg lies on either side of its knee, and of these
 STATIONS = 3  # cross-sections of the trunk's box whose corners are looked at
 FAR = 100.0  # m, where the obstacle is that is none
 
@@ -58,7 +60,7 @@ def clearance_parameters(task: Task) -> dict[str, Array]:
     """Name -> value of the parameters of rows about the whole body.
 
     `obstacle`: near and far edge, m. `obstacle_heights`: before, top, beyond, m. `obstacle_room`:
-    of the trunk, of knees and of feet, m. `body_margin`: m. `trunk`: the box, m.
+    of the trunk, of legs and of feet, m. `body_margin`: m. `trunk`: the box, m.
     """
     box = trunk_box(task.robot)
     before, beyond = sides(task)
@@ -70,7 +72,7 @@ def clearance_parameters(task: Task) -> dict[str, Array]:
     return {
         "obstacle": np.array(edges),
         "obstacle_heights": np.array([before, top, beyond]),
-        "obstacle_room": np.array([trunk_spacing(box), 0.0, foot_radius(task)]),
+        "obstacle_room": np.array([trunk_spacing(box), LEG_ROOM, foot_reach(task)]),
         "body_margin": np.array([task.body_margin]),
         "trunk": box.ravel(),
     }
@@ -111,6 +113,11 @@ def foot_radius(task: Task) -> float:
     return max(contact.radius for contact in foot_contacts(task.robot))
 
 
+def foot_reach(task: Task) -> float:
+    """m, from the middle of a foot to where it ends, whichever way it looks."""
+    return foot_radius(task) + float(np.linalg.norm(task.corners, axis=1).max())
+
+
 def check_footing(task: Task) -> None:
     """Whether feet stand beside the obstacle, and at one height on either side.
 
@@ -120,25 +127,25 @@ def check_footing(task: Task) -> None:
     obstacle = task.obstacle
     if obstacle is None:
         return
-    room = foot_radius(task) + RAMP
+    room = foot_reach(task) + RAMP
     what = "gap" if obstacle.is_gap else "hurdle"
-    corners, legs = len(task.corners), task.schedule.legs
+    legs = task.schedule.legs
     middle = (obstacle.near + obstacle.far) / 2
     for k, place in enumerate(task.places):
         when = f"after jump {k}" if k else "at the start"
-        for i, (x, _, _) in enumerate(place.contacts):
+        for i, (x, _, _) in enumerate(place.feet):
             if obstacle.near - room < x < obstacle.far + room:
                 raise NoFooting(
-                    f"obstacle: {when} the {legs[i // corners]} foot would stand at {x:.3f} m, but "
+                    f"obstacle: {when} the {legs[i]} foot would stand at {x:.3f} m, but "
                     f"the {what} goes from {obstacle.near:.3f} to {obstacle.far:.3f} m; expected "
                     f"feet at least {room:.3f} m before or beyond it: another distance forward"
                 )
         heights = sides(task)
-        for i, (x, _, _) in enumerate(place.contacts):
+        for i, (x, _, _) in enumerate(place.feet):
             height = heights[int(x > middle)]
             if abs(place.height - height) > 1e-6:
                 raise NoFooting(
-                    f"obstacle: {when} the {legs[i // corners]} foot would stand at a height of "
+                    f"obstacle: {when} the {legs[i]} foot would stand at a height of "
                     f"{place.height:g} m, {'beyond' if x > middle else 'before'} the {what}, where "
                     f"the ground is at {height:g} m; expected one height on either side: a jump "
                     "on the level, or all feet across"

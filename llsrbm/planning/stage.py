@@ -290,10 +290,7 @@ class Stage:
         if not self.role.standing:
             o_rate = self.lift(model.offset_map(()).rate(xdot))
             return place, rate, self.lift(model.base_offset(place)), o_rate
-        position = self.lift(
-            self.position + self.velocity * self.dt / 2 + self.acceleration * self.dt**2 / 8
-        )
-        x, o, beta = self._placed(R, position, in_air)
+        x, o, beta = self._placed(R, self.position_mid, in_air)
         seen = {
             i: -self.velocity_mid_base - ca.cross(self.rotation_rate, b[:3])
             for i, b in beta.items()

@@ -20,6 +20,7 @@ class Block:
         centre: (3,) m, world frame; size: (3,) m, full lengths along its own axes.
         yaw: rad, of its own axes about the vertical.
         from_s, until_s: when it stands there, s.
+        untouched: whether a robot that touches it has failed.
     """
 
     name: str
@@ -28,3 +29,4 @@ class Block:
     yaw: float
     from_s: float = 0.0
     until_s: float = math.inf
+    untouched: bool = False

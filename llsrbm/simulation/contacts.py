@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import chain
 
 import mujoco
@@ -16,7 +17,9 @@ _NO_REDUCTION, _NET_FORCE = 0, 3  # of a sensor's contacts; the net force is in 
 _WIDTH = 4  # numbers a geom of a foot: contacts found, force
 
 
-def add_sensors(spec: mujoco.MjSpec, feet: list[list[str]], trunk: str) -> None:
+def add_sensors(
+    spec: mujoco.MjSpec, feet: list[list[str]], trunk: str, untouched: Sequence[str] = ()
+) -> None:
     """Give a model the sensors that `ContactReader` reads.
 
     The specification must have no other sensors.
@@ -24,6 +27,7 @@ def add_sensors(spec: mujoco.MjSpec, feet: list[list[str]], trunk: str) -> None:
     Args:
         feet: each foot's geoms, as many for all, in the order of the legs.
         trunk: the body with all other geoms that can touch something.
+        untouched: bodies in the world that nothing may touch.
     """
     for geom in chain.from_iterable(feet):
         spec.add_sensor(
@@ -33,13 +37,14 @@ def add_sensors(spec: mujoco.MjSpec, feet: list[list[str]], trunk: str) -> None:
             objname=geom,
             intprm=[_FOUND | _FORCE, _NET_FORCE, 1],
         )
-    spec.add_sensor(
-        name="trunk",
-        type=mujoco.mjtSensor.mjSENS_CONTACT,
-        objtype=mujoco.mjtObj.mjOBJ_BODY,
-        objname=trunk,
-        intprm=[_FOUND, _NO_REDUCTION, 1],
-    )
+    for name, body in (("trunk", trunk), *((body, body) for body in untouched)):
+        spec.add_sensor(
+            name=name,
+            type=mujoco.mjtSensor.mjSENS_CONTACT,
+            objtype=mujoco.mjtObj.mjOBJ_BODY,
+            objname=body,
+            intprm=[_FOUND, _NO_REDUCTION, 1],
+        )
 
 
 class ContactReader:
@@ -54,7 +59,7 @@ class ContactReader:
         self._tick = np.zeros((steps, len(self._sensors)))
         width = _WIDTH * legs * geoms
         self._feet = self._tick[:, :width].reshape(steps, legs, geoms, _WIDTH)
-        self._trunk = self._tick[:, width:]
+        self._trunk, self._untouched = self._tick[:, width], self._tick[:, width + 1 :]
 
     def read(self, step: int) -> None:
         """Note the contacts of a step of the tick, after it."""
@@ -74,3 +79,7 @@ class ContactReader:
     def trunk_touched(self) -> bool:
         """Whether anything but the feet touched."""
         return bool(self._trunk.any())
+
+    def untouched_touched(self) -> bool:
+        """Whether anything touched what nothing may touch."""
+        return bool(self._untouched.any())

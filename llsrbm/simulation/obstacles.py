@@ -1,7 +1,7 @@
 """The ground before and beyond an obstacle, and the obstacle, as boxes.
 
 A hurdle stands on the ground. Beside a gap lie two blocks, the ground as far below them as the gap
-is deep. All of it is there all the time.
+is deep. All of it is there all the time. What touches a hurdle has not jumped over it.
 """
 
 from __future__ import annotations
@@ -43,21 +43,23 @@ def ground_and_blocks(
     for place in places:  # on either side they are at one height: the planner saw to it
         if (place.points[:, 0] > middle).any():
             beyond = place.height
-    ground = min(before, beyond, obstacle.height)
+    ground = min(before, beyond, obstacle.height) + 0.0  # no negative zero
 
-    def box(name: str, start: float, end: float, top: float) -> Block:
+    def box(name: str, start: float, end: float, top: float, *, untouched: bool = False) -> Block:
         return Block(
             name=name,
             centre=np.array([(start + end) / 2, (low[1] + high[1]) / 2, (ground + top) / 2]),
             size=np.array([end - start, high[1] - low[1], top - ground]),
             yaw=0.0,
+            untouched=untouched,
         )
 
     blocks = []
     if before > ground:
         blocks.append(box("block", low[0], obstacle.near, before))
     if obstacle.height > ground:
-        blocks.append(box("hurdle", obstacle.near, obstacle.far, obstacle.height))
+        top = obstacle.height
+        blocks.append(box("hurdle", obstacle.near, obstacle.far, top, untouched=True))
     if beyond > ground:
         blocks.append(box("box", obstacle.far, max(high[0], obstacle.far + margin), beyond))
     return ground, blocks

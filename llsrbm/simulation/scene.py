@@ -89,7 +89,8 @@ def build_scene(
         RobotFileError: the URDF lacks collision geometry, or MuJoCo refuses it.
     """
     spec = scene_spec(robot, surroundings, disturbance, timestep)
-    add_sensors(spec, foot_geoms(robot), robot_root(spec).name)
+    untouched = [block_body(block.name) for block in surroundings.blocks if block.untouched]
+    add_sensors(spec, foot_geoms(robot), robot_root(spec).name, untouched)
     model = compiled(spec, robot)
     joints = [model.joint(name) for name in robot.joint_names]
     return Scene(

@@ -101,6 +101,7 @@ def simulate(
                 state[0],
                 decision.target.R_world_base,
                 trunk_contact=result.trunk_contact,
+                obstacle_contact=result.obstacle_contact,
             )
         elif k * tick > fall.time + _AFTER_FALL:
             break
@@ -137,10 +138,19 @@ class _Sensors:
         return q, v + self._scale * self._rng.standard_normal(len(v))
 
 
-def _fallen(time: float, q: Array, planned: Array, *, trunk_contact: bool) -> Fall | None:
+def _fallen(
+    time: float,
+    q: Array,
+    planned: Array,
+    *,
+    trunk_contact: bool,
+    obstacle_contact: bool = False,
+) -> Fall | None:
     """Whether it has fallen in the state q (nq,), with its base planned to be at (3, 3)."""
     if trunk_contact:
         return Fall(time, "the trunk touched the ground")
+    if obstacle_contact:
+        return Fall(time, "it touched the hurdle")
     x, y, z, w = q[3:7]
     up = np.array([2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)])
     if up @ planned[:, 2] < np.cos(TOPPLED):

@@ -1,9 +1,9 @@
 """How a simulation ended: landed or fell, and by how much everything missed.
 
-Strict success: it stands, nothing but feet touched, every flight before the last ended on all feet
-that were to stand, every foot is within 50 mm of the plan, tilt ends below 2 deg and stayed below
-15 deg after the last touchdown, it was not thrown up again for more than 30 ms, and the
-controller's program was solved in every tick; judged a second after the plan's end.
+Strict success: it stands, nothing but feet touched, and nothing a hurdle, every flight before the
+last ended on all feet that were to stand, every foot is within 50 mm of the plan, tilt ends below
+2 deg and stayed below 15 deg after the last touchdown, it was not thrown up again for more than
+30 ms, and the controller's program was solved in every tick; judged a second after the plan's end.
 """
 
 from __future__ import annotations

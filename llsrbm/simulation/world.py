@@ -48,6 +48,7 @@ class TickResult:
         torque_limit: (J,) most that the drives could give at their speed, in the torque's
             direction; mean of the tick.
         trunk_contact: whether anything but the feet touched.
+        obstacle_contact: whether anything touched what is to be jumped over.
     """
 
     contact_force: Array
@@ -56,6 +57,7 @@ class TickResult:
     torque: Array
     torque_limit: Array
     trunk_contact: bool
+    obstacle_contact: bool
 
     @classmethod
     def unknown(cls, legs: int, joints: int) -> TickResult:
@@ -67,6 +69,7 @@ class TickResult:
             torque=np.zeros(joints),
             torque_limit=np.zeros(joints),
             trunk_contact=False,
+            obstacle_contact=False,
         )
 
 
@@ -181,6 +184,7 @@ class World:
             torque=self._torque.mean(axis=0),
             torque_limit=self._limit.mean(axis=0),
             trunk_contact=self._contacts.trunk_touched(),
+            obstacle_contact=self._contacts.untouched_touched(),
         )
 
     def _what_went_wrong(self) -> str:

@@ -28,7 +28,7 @@ class LandingMarks(Overlay):
     """A disc for a point foot, and a sole's outline turned as the sole shall be, at every landing.
 
     Steps and hurdles are translucent blocks, as long as no simulation has blocks of its own. The
-    landing handle, which is drawn by `app.scene.landing_handle`, is shown and hidden with the marks.
+    landing handle, drawn by `app.scene.landing_handle`, is shown and hidden with the marks.
     """
 
     name = "landing"

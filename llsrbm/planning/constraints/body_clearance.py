@@ -9,6 +9,7 @@ import numpy as np
 import pinocchio as pin
 
 from llsrbm.planning.clearance_profile import (
+    SHINS,
     foot_radius,
     profile,
     sides,
@@ -28,15 +29,18 @@ ALLOWANCE = 0.03
 COMPARED_ALLOWANCE = 0.05
 _BETWEEN = 4  # parts of an interval that are looked at; bodies move up to 5 cm in one
 _ALONG = 13  # places along the trunk that are looked at, 5 cm apart or less
+_DOWN = (0.2, 0.4, 0.6, 0.8)  # places from knee to foot that are looked at
 
 
 class BodyClearance(Constraint):
     """z >= profile(x) + margin, of points of the whole body over the smooth profile.
 
     The points are the corners of three cross-sections of the trunk's box and the knees, wherever
-    they are, and feet in the air; these keep the margin over the obstacle alone, because they come
-    from the ground. Feet move up to 10 cm in an interval; theirs are met in its middle, too. The check knows no profile: the whole body in the postures that realise the
-    plan, by Pinocchio, must not reach into the obstacle itself, nor trunk and knees into the ground.
+    they are, two points of each shin, and feet in the air; these two keep the margin over the
+    obstacle alone, because feet come from the ground. Feet move up to 10 cm in an interval, so
+    theirs are met in its middle, too. The check knows no profile: the whole body in the postures
+    that realise the plan, by Pinocchio, must not come near the obstacle itself, nor trunk and knees
+    near the ground.
     """
 
     name = "body_clearance"
@@ -67,10 +71,12 @@ class BodyClearance(Constraint):
         return role.clears
 
     def rows(self, stage: Stage) -> Any:
-        """(points, 1) m above the profile: the trunk's, knees, flying feet, and these half way."""
+        """(points, 1) m above the profile: the trunk's, knees, shins, feet, and these half way."""
         of, model = stage.parameters, stage.model
         edges, heights, room = of["obstacle"], of["obstacle_heights"], of["obstacle_room"]
         margin = of["body_margin"]
+        # For shins and feet, which keep the margin over the obstacle alone.
+        raised = ca.vertcat(heights[0], heights[1] + margin, heights[2])
         ahead, up = (stage.lift(stage.R_world_base[i, :].T) for i in (0, 2))
 
         def above(point: Any, heights: Any, room: Any) -> Any:
@@ -93,8 +99,8 @@ class BodyClearance(Constraint):
             if knee is not None:
                 seen = stage.offset + ca.DM(model.hips[i]) + stage.lift(knee)
                 rows.append(above(seen, heights, room[1]) - margin)
-        # Over the obstacle alone, if there is one: elsewhere `Clearance` says what feet clear.
-        raised = ca.vertcat(heights[0], heights[1] + margin, heights[2])
+                down = stage.foot_from_com(i) - seen
+                rows += [above(seen + share * down, raised, room[1]) for share in SHINS]
         rows += [above(stage.foot_from_com(i), raised, room[2]) for i in stage.role.flying]
         place, _, offset, _ = stage.feet_mid
         rows += [
@@ -107,7 +113,7 @@ class BodyClearance(Constraint):
         knees = 0 if knee_joint(task.robot) is None else layout.legs
         trunk = len(trunk_points(trunk_box(task.robot).ravel()))
         role = layout.roles[knot]
-        rows = trunk + knees + len(role.flying) + len(role.swinging)
+        rows = trunk + (1 + len(SHINS)) * knees + len(role.flying) + len(role.swinging)
         return np.zeros(rows), np.full(rows, np.inf)
 
     def violation(self, knots: Knots) -> Array:
@@ -117,16 +123,18 @@ class BodyClearance(Constraint):
         task = knots.task
         allowance = ALLOWANCE if knots.model.is_true else COMPARED_ALLOWANCE
         margin = max(task.body_margin - allowance, 0.0)
-        body = np.concatenate(body_points(knots), axis=1)
-        feet = _distance(task, knots.foot_position, foot_radius(task))
-        kept = np.concatenate([_distance(task, body, 0.0), -_depth(task, body), feet], axis=1)
+        trunk, knees, shins = body_points(knots)
+        body = np.concatenate([trunk, knees], axis=1)
+        legs = np.concatenate([body, shins], axis=1)
+        feet = _distance(task, knots.contact_point, foot_radius(task))
+        kept = np.concatenate([_distance(task, legs, 0.0), -_depth(task, body), feet], axis=1)
         amounts = margin - kept
         amounts[[0, -1]] = 0.0  # the postures there are given
         return spread(knots, amounts)
 
 
-def body_points(knots: Knots) -> tuple[Array, Array]:
-    """Places of the trunk's lower and upper edges (N+1, n, 3) m and of knees (N+1, k, 3) m.
+def body_points(knots: Knots) -> tuple[Array, Array, Array]:
+    """Places along the trunk's edges (N+1, n, 3) m, of knees (N+1, k, 3) m, and along shins.
 
     By Pinocchio, in the postures that realise the plan; world frame.
     """
@@ -135,15 +143,19 @@ def body_points(knots: Knots) -> tuple[Array, Array]:
     along = np.linspace(box[0, 0], box[1, 0], _ALONG)
     corners = np.array([(x, y, z) for x in along for y in box[:, 1] for z in box[:, 2]])
     data = robot.model.createData()
-    trunk, knees = [], []
+    trunk, knees, shins = [], [], []
     for k, angles in enumerate(postures.joint_position):
         base = np.concatenate([postures.base_position[k], np.roll(knots.quat[k], -1)])
-        pin.forwardKinematics(robot.model, data, np.concatenate([base, angles]))
+        pin.framesForwardKinematics(robot.model, data, np.concatenate([base, angles]))
         placement = data.oMi[1]
         trunk.append(corners @ placement.rotation.T + placement.translation)
-        ids = () if joint is None else (leg.joint_ids[joint] for leg in robot.legs)
-        knees.append(np.reshape([data.oMi[i].translation for i in ids], (-1, 3)))
-    return np.array(trunk), np.array(knees)
+        knee, foot = np.zeros((2, 0, 3))
+        if joint is not None:
+            knee = np.array([data.oMi[leg.joint_ids[joint]].translation for leg in robot.legs])
+            foot = np.array([data.oMf[leg.foot_frame_id].translation for leg in robot.legs])
+        knees.append(knee)
+        shins.append(np.concatenate([knee + share * (foot - knee) for share in _DOWN]))
+    return np.array(trunk), np.array(knees), np.array(shins)
 
 
 def _depth(task: Task, points: Array) -> Array:

@@ -54,3 +54,11 @@ def test_a_robot_topples_away_from_where_it_should_be(pitch, planned, falls):
     q[3:7] = about("y", pitch).as_quat()
     fall = _fallen(1.0, q, about("y", planned).as_matrix(), trunk_contact=False)
     assert (fall is not None) == falls
+
+
+def test_what_touches_a_hurdle_has_not_jumped_over_it():
+    q = np.zeros(19)
+    q[6] = 1.0
+    fall = _fallen(1.0, q, np.eye(3), trunk_contact=False, obstacle_contact=True)
+    assert fall is not None
+    assert fall.reason == "it touched the hurdle"

@@ -1,5 +1,7 @@
 """The world tick by tick: states, forces, contacts and drives, against Pinocchio and by hand."""
 
+from dataclasses import replace
+
 import numpy as np
 import pinocchio as pin
 import pytest
@@ -10,6 +12,7 @@ from hypothesis.extra.numpy import arrays
 from llsrbm.errors import InputError
 from llsrbm.jump import Jump
 from llsrbm.motion.rollout import Disturbance
+from llsrbm.obstacle import Obstacle
 from llsrbm.robots import load_robot
 from llsrbm.robots.foot_contact import foot_contacts
 from llsrbm.scenario import Scenario
@@ -247,6 +250,19 @@ def test_the_trunk_on_the_ground_is_told():
     assert not results[0].trunk_contact
     assert any(result.trunk_contact for result in results)
     assert not any(result.contact.any() for result in results)
+
+
+@pytest.mark.parametrize(("near", "touches"), [(0.3, True), (0.6, False)])
+def test_a_foot_on_a_hurdle_is_told(near, touches):
+    """The front feet stand 0.37 m ahead."""
+    world = world_of(replace(PLAN, obstacle=Obstacle(near, near + 0.1, 0.05)))
+    q = ANYMAL.posture.copy()
+    q[2] += 0.06
+    world.reset(q, np.zeros(18))
+    results = [world.advance(np.zeros(JOINTS)) for _ in range(60)]
+    assert any(result.obstacle_contact for result in results) == touches
+    assert not any(result.trunk_contact for result in results)
+    assert any(result.contact.any() for result in results)
 
 
 def test_torques_are_late_by_the_delay():
