@@ -28,6 +28,9 @@ Array = NDArray[np.float64]
 PATIENT_FLIGHT = 0.45
 # Shares of the request that are solved before all of it, when that cannot be solved at once.
 EASIER = (0.34, 0.67)
+# Shares of the drives that a flip is solved with first: a guess of it is far from what drives can
+# do, and from much stronger ones the way is short.
+STRONGER = (3.0, 2.0, 1.5, 1.2, 1.0, 0.95)
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,6 +92,16 @@ class Formulation:
                 body_margin=task.body_margin,
                 obstacle=None,  # feet of a shorter jump would land on it
             )
+        yield task
+
+    def stronger(self, task: Task) -> Iterator[Task]:
+        """The task with drives that give more, from much more on; at last the task itself."""
+        own = task.limits
+        for share in STRONGER:
+            shares = {
+                name: max(share, getattr(own, name)) for name in ("torque_share", "speed_share")
+            }
+            yield replace(task, limits=own.model_copy(update=shares))
         yield task
 
     def judged(self, task: Task, solution: Solution) -> Attempt:

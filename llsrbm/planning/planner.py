@@ -45,6 +45,9 @@ FOLLOWS = 2
 FOLLOWED = "from the last plan"
 # Solves with a corrected model; each takes the error down by some nine tenths.
 CORRECTIONS = 3
+# From a flip's guess Fatrop may get lost: after some 45 iterations it goes to restore feasibility,
+# and may never come back from that.
+CAUTIOUS = replace(solvers.PATIENT, iterations=45)
 
 
 class Planner:
@@ -138,7 +141,8 @@ class Planner:
         try:
             return self._planned(task, near, patient, watch)
         except NotConverged as error:
-            if not patient or self.formulation.solver.name != solvers.names()[0]:
+            explains = patient and self.formulation.solver.name == solvers.names()[0]
+            if not explains or jump.turns:  # flips beyond the drives: see `CAUTIOUS`
                 raise
             raise explained(Scout(self.formulation, watch), error, task) from None
 
@@ -187,7 +191,10 @@ class Planner:
             start = self._start(near)
             yield FOLLOWED, lambda: self._follow(start, task, watch)
         yield "from the analytic guess", lambda: self._solve(task, guess(task), watch)
-        if patient:
+        if task.jump.turns:
+            # Part of how a flip is planned, also in a hurry.
+            yield "by way of stronger drives", lambda: self._by_stronger_drives(task, watch)
+        elif patient:
             yield (
                 "from a longer flight",
                 lambda: self._solve(task, guess(task, PATIENT_FLIGHT), watch),
@@ -206,6 +213,19 @@ class Planner:
             last = attempts[-1]
             task = replace(last.task, correction=correction(last.knots))
             attempts.append(self._solve(task, last.solution.variables, watch))
+        return _with_all_time(attempts)
+
+    def _by_stronger_drives(self, task: Task, watch: Watch) -> Attempt:
+        """Solve with drives that give more first, then with less, each from the one before."""
+        attempts: list[Attempt] = []
+        start: Array | None = None
+        for stronger in self.formulation.stronger(task):
+            guess = self.formulation.guess(stronger) if start is None else start
+            attempts.append(self._solve(stronger, guess, watch))
+            if attempts[-1].solution.converged:
+                start = attempts[-1].solution.variables
+            elif start is not None:
+                break
         return _with_all_time(attempts)
 
     def _by_easier_jumps(self, task: Task, watch: Watch) -> Attempt:
@@ -262,7 +282,9 @@ class Planner:
 
     def _solve(self, task: Task, guess: Array, watch: Watch) -> Attempt:
         problem = self.formulation.problem(task)
-        solve = partial(self.formulation.solver.solve, problem, guess, read=watch.read)
+        patience = CAUTIOUS if task.jump.turns else solvers.PATIENT
+        solver = self.formulation.solver
+        solve = partial(solver.solve, problem, guess, patience=patience, read=watch.read)
         return self.formulation.judged(task, watch.over(solve))
 
     def last_knots(self) -> Knots:
