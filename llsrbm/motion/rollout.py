@@ -84,7 +84,7 @@ class Outcome:
         foot_error_at_touchdown: largest horizontal distance of a foot, at its first contact, from
             where the plan lands it, m.
         foot_error: largest horizontal distance of a foot from the plan's at the end, m.
-        peak_tilt: largest after touchdown.
+        peak_tilt: largest after touchdown; of a body that turned over, from the planned attitude.
         second_flight_s: time without any foot in contact, from the true touchdown on.
         trunk_touched: whether anything but the feet touched the ground.
         peak_torque_ratio, peak_speed_ratio: largest share of the robot file's limits.

@@ -4,6 +4,8 @@ Strict success: it stands, nothing but feet touched, and nothing a hurdle, every
 last ended on all feet that were to stand, every foot is within 50 mm of the plan, tilt ends below
 2 deg and stayed below 15 deg after the last touchdown, it was not thrown up again for more than
 30 ms, and the controller's program was solved in every tick; judged a second after the plan's end.
+A body that turns over comes down with several rad/s and has to lean against its turn as it lands:
+its tilt after touchdown counts from the planned attitude, at the end from the vertical as ever.
 """
 
 from __future__ import annotations
@@ -93,7 +95,8 @@ def judge(
     speed = np.abs(np.array(recorder.v))[:, 6:]
     torque = np.abs([result.torque for result in recorder.results])
     takeoff = columns["phase"] < plan.schedule.flights[0]
-    peak_tilt = float(tilts[after].max(initial=0.0))
+    leans = _lean(columns) if plan.jump.turns else tilts
+    peak_tilt = float(leans[after].max(initial=0.0))
     second_flight = float((after & ~contact.any(axis=1)).sum() * tick)
     trunk_touched = any(result.trunk_contact for result in recorder.results)
     foot_error = float(feet_off[-1].max())
@@ -174,6 +177,15 @@ def _rebounds_on_feet(
         if any(touched[foot] is None for foot in np.flatnonzero(planned)):
             return False
     return True
+
+
+def _lean(columns: dict[str, Any]) -> Array:
+    """(T,) rad: between the base's z axis and that of the attitude that was tracked."""
+    actual, planned = (
+        Rotation.from_quat(columns[name], scalar_first=True).apply([0.0, 0.0, 1.0])
+        for name in ("base_quat", "reference_base_quat")
+    )
+    return np.arccos(np.clip(np.sum(actual * planned, axis=1), -1.0, 1.0))
 
 
 def _not_standing(
