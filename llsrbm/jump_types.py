@@ -375,8 +375,8 @@ def _feet(row: PhaseRow, robot: Robot, pivot: str) -> tuple[str, ...]:
     groups = _groups(robot)
     if row.feet == "pivot" and not pivot:
         raise InputError(
-            f'phase "{row.name}": "pivot" are the feet on which a body that turns over stands last; '
-            "expected a whole turn of pitch or roll (-360 deg of pitch: a back flip)"
+            f'phase "{row.name}": "pivot" are the feet on which a body that turns over stands '
+            "last; expected a whole turn of pitch or roll (-360 deg of pitch: a back flip)"
         )
     name = pivot if row.feet == "pivot" else row.feet
     if name not in groups:

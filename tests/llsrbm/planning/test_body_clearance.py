@@ -56,7 +56,7 @@ def rows_at(name, knot):
     slope = stage.lift.resolve(stage.lift.jacobian(rows))
     inputs = [stage.variables, stage.local, *symbols.values()]
     evaluate = ca.Function("rows", inputs, [stage.lift.resolve(rows), slope])
-    values = parameters(task)
+    values = parameters(layout, task)
     phase = int(layout.phase[knot])
     names = [f"phase{phase}_{n}" for n in ("feet", "contacts", "yaw", "towards")]
     local = np.concatenate([values[n] for n in names])
@@ -188,7 +188,7 @@ def test_types_without_an_obstacle_have_no_rows():
     assert not layout.clears
     assert not any(BodyClearance().applies(role) for role in layout.roles)
     assert not set(CLEARANCE_PARAMETERS) & set(parameter_sizes(layout))
-    assert set(parameters(place_task(Jump(), robot))) == set(parameter_sizes(layout))
+    assert set(parameters(layout, place_task(Jump(), robot))) == set(parameter_sizes(layout))
 
 
 class TestFooting:
@@ -242,4 +242,4 @@ def test_all_knots_clear_it_but_those_whose_postures_are_given():
     assert [role.clears for role in layout.roles] == [False, *[True] * (layout.total - 1), False]
     plain = layout_of(Jump(), load_robot("anymal"))
     assert replace(layout, clears=False) == plain
-    assert layout.name == plain.name + "-clear"
+    assert layout.name == plain.name + "-clears"

@@ -261,10 +261,12 @@ def test_a_browser_draws_what_was_recorded(browser, replay, motion):
 
 @pytest.fixture(scope="module")
 def tab(browser, tmp_path_factory):
-    """A robot that is quickly drawn."""
+    """A robot that is quickly drawn; a page left open would go on drawing beside later tests."""
     path = tmp_path_factory.mktemp("slider") / "replay.html"
     export(motion_of("slider").rollout, path, format="html")
-    return played(browser, path)
+    page = played(browser, path)
+    yield page
+    page.close()
 
 
 @pytest.mark.browser
@@ -359,3 +361,4 @@ def test_words_from_files_do_nothing_in_a_browser(browser, hostile):
     assert tab.locator("h1").inner_text().startswith(HOSTILE)
     assert tab.locator("img").count() == 0
     assert tab.faults == []
+    tab.close()
