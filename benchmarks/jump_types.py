@@ -13,7 +13,6 @@ puts Go2's rear-last jumps beside the public planar jumps of the A1. Strict succ
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import replace
 from typing import Annotated, NamedTuple
 
@@ -28,7 +27,10 @@ app = typer.Typer(help=__doc__, add_completion=False)
 
 WIDE = 1.5  # m: further than any jump here gets, in place of the robot file's own range
 STRICT = 0.9  # of the seeds, for a distance to count as reached
-FIRST_SEEDS = 6  # that a distance must land, all but one, before the other seeds are spent on it
+FIRST_SEEDS, FIRST_SHARE = (
+    6,
+    0.8,
+)  # that are spent on a distance while searching, all but one strict
 STEP, COARSE = 0.01, 0.05  # m: of the bisection, and of the search for where planning ends
 LONGEST = 0.8  # m: of the public jumps
 
@@ -128,21 +130,54 @@ def reach(
 
     The robot file's range of requests is widened for it; the drives are as they are.
     """
-    print("| robot | type | plans up to | strict up to | strict there | why not further |")
-    print("|---|---|---|---|---|---|", flush=True)
+    print("| robot | type | plans up to | strict up to | further |")
+    print("|---|---|---|---|---|", flush=True)
     for robot in robots.split(","):
         for kind in types.split(","):
             plans = planned_further(llsrbm.Jump(robot, model, forward=0.3, type=kind))
-            longest = plans[-1].jump.forward
-            told, said = "", "none"
-            for plan in coarser(plans, down):
-                strict, tried, why = strictly(plan, numbers(seeds))
-                typer.echo(f"{robot} {kind} {plan.jump.forward:.2f} m: {strict}/{tried}", err=True)
-                if strict >= STRICT * tried and tried == len(numbers(seeds)):
-                    said = f"{plan.jump.forward:.2f} m | {strict}/{tried}"
-                    break
-                told = f"{plan.jump.forward:.2f} m: {strict}/{tried}, {why}"
-            print(f"| {robot} | {kind} | {longest:.2f} m | {said} | {told} |", flush=True)
+            said = longest_strict(plans, numbers(seeds), down)
+            print(f"| {robot} | {kind} | {plans[-1].jump.forward:.2f} m | {said} |", flush=True)
+
+
+def longest_strict(plans: list[Plan], seeds: range, down: float) -> str:
+    """The cells of the longest distance that is strict in most seeds, and of the next further one.
+
+    By bisection with the first seeds to `down`, then back in such steps until all seeds agree.
+    """
+    low, high = 0, int((plans[-1].jump.forward - plans[0].jump.forward) / down + 1e-6)
+    beyond = ""
+
+    def plan_at(step: int) -> Plan:
+        forward = round(plans[-1].jump.forward - (high - step) * down, 2)
+        near = next(plan for plan in plans if plan.jump.forward >= forward - 1e-6)
+        return planner_of(near.jump).plan(replace(near.jump, forward=forward), near=near)
+
+    def lands(step: int, seeds: range, share: float) -> bool:
+        nonlocal beyond
+        plan, told = plan_at(step), f"{plans[-1].jump.forward - (high - step) * down:.2f} m"
+        outcomes = simulated(plan, seeds)
+        strict = sum(outcome.strict for outcome in outcomes)
+        told += f": {strict}/{len(outcomes)}"
+        typer.echo(f"{plan.jump.robot} {plan.jump.type} {told}", err=True)
+        if strict < share * len(outcomes):
+            beyond = f"{told}, {complaints(outcomes)}"
+            return False
+        reached[step] = told
+        return True
+
+    reached: dict[int, str] = {}
+    top = high
+    if lands(top, seeds[:FIRST_SEEDS], FIRST_SHARE):
+        low = top
+    while top - low > 1:
+        middle = (low + top) // 2
+        if lands(middle, seeds[:FIRST_SEEDS], FIRST_SHARE):
+            low = middle
+        else:
+            top = middle
+    while not lands(low, seeds, STRICT) and low > 0:
+        low -= 1
+    return f"{reached.get(low, 'none')} | {beyond}"
 
 
 def widened(jump: llsrbm.Jump) -> Planner:
@@ -182,24 +217,6 @@ def planned_further(jump: llsrbm.Jump) -> list[Plan]:
         if not plans(middle):
             beyond = middle
     return found
-
-
-def coarser(plans: list[Plan], down: float) -> Iterator[Plan]:
-    """From the furthest plan back in equal steps, each begun from a plan that is further."""
-    plan = plans[-1]
-    yield plan
-    while plan.jump.forward - down > 0:
-        shorter = replace(plan.jump, forward=round(plan.jump.forward - down, 2))
-        plan = planner_of(shorter).plan(shorter, near=plan)
-        yield plan
-
-
-def strictly(plan: Plan, seeds: range) -> tuple[int, int, str]:
-    """Strict seeds, seeds simulated, and what the others missed."""
-    outcomes = simulated(plan, seeds[:FIRST_SEEDS])
-    if sum(outcome.strict for outcome in outcomes) >= len(outcomes) - 1:
-        outcomes += simulated(plan, seeds[FIRST_SEEDS:])
-    return sum(outcome.strict for outcome in outcomes), len(outcomes), complaints(outcomes)
 
 
 @app.command()
