@@ -58,6 +58,8 @@ CASES = (
     Case("hurdle 45 cm", "hurdle", ("go2",), 0.45),
     Case("gap 50 cm", "gap", ("anymal",), 0.5),
     Case("gap 45 cm", "gap", ("go2",), 0.45),
+    Case("one side first 10 cm", "one-foot-first", ("slider",), 0.1),
+    Case("one side first on the spot", "one-foot-first", ("slider",), 0.0),
 )
 
 
