@@ -1,0 +1,259 @@
+"""What do the jump types give? Reach, strict landings and a look at published jumps.
+
+    python -m benchmarks.jump_types score --seeds 1000:1020
+    python -m benchmarks.jump_types reach --robots anymal,go2
+    python -m benchmarks.jump_types public
+
+`score` simulates each type's jumps once a seed with everything disturbed that
+`llsrbm.simulation.disturbance` disturbs; `reach` looks for the longest forward jump that is strict
+in most seeds, pushing off together and with the hind feet last, with the same drives; `public`
+puts Go2's rear-last jumps beside the public planar jumps of the A1. Strict success is defined in
+`llsrbm.simulation.verdict`. Tables are in Markdown.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Annotated, NamedTuple
+
+import typer
+
+import llsrbm
+from llsrbm.motion.plan import Plan
+from llsrbm.motion.rollout import Outcome
+from llsrbm.planning.planner import Planner, planner_of
+
+app = typer.Typer(help=__doc__, add_completion=False)
+
+WIDE = 1.5  # m: further than any jump here gets, in place of the robot file's own range
+STRICT = 0.9  # of the seeds, for a distance to count as reached
+FIRST_SEEDS, FIRST_SHARE = (
+    6,
+    0.8,
+)  # that are spent on a distance while searching, all but one strict
+STEP, COARSE = 0.01, 0.05  # m: of the bisection, and of the search for where planning ends
+LONGEST = 0.8  # m: of the public jumps
+
+Seeds = Annotated[str, typer.Option(help="First:last+1.")]
+SEEDS = "1000:1020"
+
+
+class Case(NamedTuple):
+    """A row of the table of scores."""
+
+    name: str
+    type: str
+    robots: tuple[str, ...]
+    forward: float
+    hops: int = 1
+    speed: float = 0.0
+
+
+QUADRUPEDS = ("anymal", "go2")
+CASES = (
+    Case("two hops of 20 cm", "hops", (*QUADRUPEDS, "slider"), 0.2, hops=2),
+    Case("run-up 0.5 m/s, 30 cm", "run-up", QUADRUPEDS, 0.3, speed=0.5),
+    Case("rear last 50 cm", "rear-last", QUADRUPEDS, 0.5),
+    Case("hurdle 50 cm", "hurdle", ("anymal",), 0.5),
+    Case("hurdle 45 cm", "hurdle", ("go2",), 0.45),
+    Case("gap 50 cm", "gap", ("anymal",), 0.5),
+    Case("gap 45 cm", "gap", ("go2",), 0.45),
+    Case("one side first 10 cm", "one-foot-first", ("slider",), 0.1),
+    Case("one side first on the spot", "one-foot-first", ("slider",), 0.0),
+)
+
+
+def numbers(seeds: str) -> range:
+    first, last = (int(part) for part in seeds.split(":"))
+    return range(first, last)
+
+
+def simulated(plan: Plan, seeds: range) -> list[Outcome]:
+    return [llsrbm.simulate(plan, seed=seed).outcome for seed in seeds]
+
+
+def complaints(outcomes: list[Outcome]) -> str:
+    """Why seeds were not strict, each reason once with its number."""
+    told = [
+        outcome.reason
+        or (f"foot {1e3 * outcome.foot_error:.0f} mm off" if outcome.foot_error >= 0.05 else "")
+        or (f"tilt {outcome.peak_tilt:.2f} rad" if outcome.peak_tilt > 0.26 else "")
+        or ("trunk touched" if outcome.trunk_touched else "")
+        or (f"in the air again {1e3 * outcome.second_flight_s:.0f} ms")
+        for outcome in outcomes
+        if not outcome.strict
+    ]
+    return "; ".join(f"{told.count(reason)} x {reason}" for reason in dict.fromkeys(told))
+
+
+@app.command()
+def score(
+    seeds: Seeds = SEEDS,
+    names: Annotated[str, typer.Option(help="Part of the cases' names; all if empty.")] = "",
+    robots: str = "anymal,go2,slider",
+    model: str = "llsrbm-plus",
+) -> None:
+    """How many seeds land strictly, a type and a robot."""
+    print("| jump | robot | planned | strict | stand | not strict |\n|---|---|---|---|---|---|")
+    for case in CASES:
+        for robot in case.robots:
+            if names not in case.name or robot not in robots.split(","):
+                continue
+            jump = llsrbm.Jump(
+                robot, model, forward=case.forward, type=case.type, hops=case.hops, speed=case.speed
+            )
+            print(f"| {case.name} | {robot} | {judged(jump, numbers(seeds))} |", flush=True)
+
+
+def judged(jump: llsrbm.Jump, seeds: range) -> str:
+    """The cells of one jump."""
+    try:
+        plan = llsrbm.plan(jump)
+    except llsrbm.NotConverged as error:
+        return f"no: {error} | | | "
+    outcomes = simulated(plan, seeds)
+    strict = sum(outcome.strict for outcome in outcomes)
+    stand = sum(outcome.status == "landed" for outcome in outcomes)
+    return (
+        f"{plan.report.iterations} iterations, {plan.report.solve_time_s:.1f} s | "
+        f"{strict}/{len(outcomes)} | {stand} | {complaints(outcomes)}"
+    )
+
+
+@app.command()
+def reach(
+    robots: str = "anymal,go2",
+    types: str = "together,rear-last",
+    seeds: Seeds = SEEDS,
+    down: Annotated[float, typer.Option(help="Between distances that are simulated, m.")] = 0.03,
+    model: str = "llsrbm-plus",
+) -> None:
+    """The longest forward jump that is strict in most seeds, and the longest that can be planned.
+
+    The robot file's range of requests is widened for it; the drives are as they are.
+    """
+    print("| robot | type | plans up to | strict up to | further |")
+    print("|---|---|---|---|---|", flush=True)
+    for robot in robots.split(","):
+        for kind in types.split(","):
+            plans = planned_further(llsrbm.Jump(robot, model, forward=0.3, type=kind))
+            said = longest_strict(plans, numbers(seeds), down)
+            print(f"| {robot} | {kind} | {plans[-1].jump.forward:.2f} m | {said} |", flush=True)
+
+
+def longest_strict(plans: list[Plan], seeds: range, down: float) -> str:
+    """The cells of the longest distance that is strict in most seeds, and of the next further one.
+
+    By bisection with the first seeds to `down`, then back in such steps until all seeds agree.
+    """
+    low, high = 0, int((plans[-1].jump.forward - plans[0].jump.forward) / down + 1e-6)
+    beyond = ""
+
+    def plan_at(step: int) -> Plan:
+        forward = round(plans[-1].jump.forward - (high - step) * down, 2)
+        near = next(plan for plan in plans if plan.jump.forward >= forward - 1e-6)
+        return planner_of(near.jump).plan(replace(near.jump, forward=forward), near=near)
+
+    def lands(step: int, seeds: range, share: float) -> bool:
+        nonlocal beyond
+        plan, told = plan_at(step), f"{plans[-1].jump.forward - (high - step) * down:.2f} m"
+        outcomes = simulated(plan, seeds)
+        strict = sum(outcome.strict for outcome in outcomes)
+        told += f": {strict}/{len(outcomes)}"
+        typer.echo(f"{plan.jump.robot} {plan.jump.type} {told}", err=True)
+        if strict < share * len(outcomes):
+            beyond = f"{told}, {complaints(outcomes)}"
+            return False
+        reached[step] = told
+        return True
+
+    reached: dict[int, str] = {}
+    top = high
+    if lands(top, seeds[:FIRST_SEEDS], FIRST_SHARE):
+        low = top
+    while top - low > 1:
+        middle = (low + top) // 2
+        if lands(middle, seeds[:FIRST_SEEDS], FIRST_SHARE):
+            low = middle
+        else:
+            top = middle
+    while not lands(low, seeds, STRICT) and low > 0:
+        low -= 1
+    return f"{reached.get(low, 'none')} | {beyond}"
+
+
+def widened(jump: llsrbm.Jump) -> Planner:
+    """The planner of a jump, for requests beyond the robot file's range.
+
+    The range is a check of requests; neither solver nor limits depend on it.
+    """
+    planner = planner_of(jump)
+    robot = planner.robot
+    task = robot.file.task.model_copy(update={"forward": (-WIDE, WIDE)})
+    robot = replace(robot, file=robot.file.model_copy(update={"task": task}))
+    planner.formulation = replace(planner.formulation, robot=robot)
+    return planner
+
+
+def planned_further(jump: llsrbm.Jump) -> list[Plan]:
+    """Plans ever further, each begun from the one before, up to the last that is found.
+
+    In steps of `COARSE`, and from there by bisection to `STEP`.
+    """
+    planner = widened(jump)
+    found = [planner.plan(jump)]
+
+    def plans(forward: float) -> bool:
+        try:
+            further = replace(jump, forward=round(forward, 2))
+            found.append(planner.plan(further, near=found[-1], patient=False))
+        except llsrbm.NotConverged:
+            return False
+        return True
+
+    while plans(found[-1].jump.forward + COARSE):
+        pass
+    beyond = found[-1].jump.forward + COARSE
+    while beyond - found[-1].jump.forward > 1.5 * STEP:
+        middle = STEP * round((beyond + found[-1].jump.forward) / 2 / STEP)
+        if not plans(middle):
+            beyond = middle
+    return found
+
+
+@app.command()
+def public(model: str = "llsrbm-plus", robot: str = "go2") -> None:
+    """A robot's rear-last jumps beside the public planar jumps of the A1.
+
+    Those: 0.3 to 0.8 m, front feet off at 0.494 s, hind feet at 0.796 s, end at 1.2 s, apex of the
+    base 0.354 to 0.379 m above the start.
+    """
+    print("| jump | phases | front off | hind off | lands | end | apex of the base |")
+    print("|---|---|---|---|---|---|---|")
+    print(
+        "| public, A1, 0.3 to 0.8 m | all feet, hind feet, flight | 0.494 s | 0.796 s "
+        "| 1.2 s: its end | 1.2 s | 0.354 to 0.379 m |"
+    )
+    for plan in planned_further(llsrbm.Jump(robot, model, forward=0.3, type="rear-last")):
+        tenth = round(plan.jump.forward, 1)
+        if abs(plan.jump.forward - tenth) < 1e-6 and tenth <= LONGEST:
+            print(published_row(plan), flush=True)
+
+
+def published_row(plan: Plan) -> str:
+    schedule, starts = plan.schedule, plan.phase_start
+    front, hind = (
+        starts[next(p for p in range(1, len(schedule)) if schedule.lifts(p)[leg])]
+        for leg in (0, len(schedule.legs) - 1)
+    )
+    apex = float((plan.base_position[:, 2] - plan.base_position[0, 2]).max())
+    return (
+        f"| {plan.jump.robot}, {plan.jump.forward:.1f} m "
+        f"| {', '.join(map(schedule.standing_words, range(len(schedule))))} "
+        f"| {front:.3f} s | {hind:.3f} s | {plan.touchdown:.3f} s | {plan.duration:.3f} s "
+        f"| {apex:.3f} m |"
+    )
+
+
+if __name__ == "__main__":
+    app()
