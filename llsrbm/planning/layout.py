@@ -177,11 +177,6 @@ class Layout:
         text = "-".join("".join(str(int(foot)) for foot in row) for row in self.stands)
         return text + ("-clears" if self.clears else "") + ("-turns" if self.turns else "")
 
-    @property
-    def nominal(self) -> int:
-        """About how many intervals three phases would have."""
-        return NOMINAL_PHASES * self.intervals[0]
-
     @cached_property
     def roles(self) -> tuple[Role, ...]:
         """(N + 1) roles."""

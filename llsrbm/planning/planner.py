@@ -45,9 +45,8 @@ FOLLOWS = 2
 FOLLOWED = "from the last plan"
 # Solves with a corrected model; each takes the error down by some nine tenths.
 CORRECTIONS = 3
-# From a flip's guess Fatrop may get lost: after some 45 iterations it goes to restore feasibility,
-# and may never come back from that.
-CAUTIOUS = replace(solvers.PATIENT, iterations=45)
+# From a flip's guess Fatrop may get lost and never come back; those that converge take 22 to 60.
+CAUTIOUS = replace(solvers.PATIENT, iterations=100)
 
 
 class Planner:
