@@ -56,6 +56,7 @@ CASES = (
     Case("rear last 50 cm", "rear-last", QUADRUPEDS, 0.5),
     Case("hurdle 50 cm", "hurdle", ("anymal",), 0.5),
     Case("hurdle 45 cm", "hurdle", ("go2",), 0.45),
+    Case("hurdle 40 cm", "hurdle", ("go2",), 0.4),
     Case("gap 50 cm", "gap", ("anymal",), 0.5),
     Case("gap 45 cm", "gap", ("go2",), 0.45),
     Case("one side first 10 cm", "one-foot-first", ("slider",), 0.1),
