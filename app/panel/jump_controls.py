@@ -93,6 +93,7 @@ class JumpControls:
         )
         self._types: Mapping[str, JumpType] = jump_types.names()  # of any robot, to begin with
         self._types_of: Robot | None = None
+        self._type_of = ""
         self._type = gui.add_dropdown(
             "Jump type",
             tuple(kind.title for kind in self._types.values()),
@@ -136,11 +137,16 @@ class JumpControls:
             amounts[axis.field] = type(now)(shown / axis.scale) if touched else now
         return replace(current, robot=robot, model=model, type=kind, **amounts), complaints
 
-    def show_robot(self, robot: Robot) -> bool:
-        """Offer the types that a robot can do; whether it is another robot than before."""
-        if robot is self._types_of:
+    def show_robot(self, robot: Robot, jump_type: str) -> bool:
+        """Offer the types that a robot can do; whether robot or type are others than before.
+
+        Another type shows other controls, also where it changes no number.
+        """
+        if (robot, jump_type) == (self._types_of, self._type_of):
             return False
-        self._types_of, self._types = robot, types_offered(robot)
+        if robot is not self._types_of:
+            self._types = types_offered(robot)
+        self._types_of, self._type_of = robot, jump_type
         return True
 
     def show(self, jump: Jump) -> None:

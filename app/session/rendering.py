@@ -159,7 +159,7 @@ class Rendering:
         """Put the controls where the design has them, as far as they stand elsewhere."""
         design, panel, controls = state.design, self.panel, self._controls
         robot = state.robot if state.ready else None
-        other_types = robot is not None and panel.jump.show_robot(robot)
+        other_types = robot is not None and panel.jump.show_robot(robot, design.jump.type)
         if anew or other_types or design.jump != controls.jump:
             panel.jump.show(design.jump)
         if anew or design.scenario != controls.scenario:

@@ -12,8 +12,8 @@ from llsrbm.planning.layout import Layout, Role
 from llsrbm.planning.stage import Stage
 from llsrbm.planning.task import Task
 
-# How far the base may lean from touchdown on, rad: a landing by the strict measure leans by less
-# than 15 deg, and half of that is for what the whole robot makes of it.
+# How far the base may lean from touchdown on, rad. It comes down at some 10 rad/s, and the legs
+# stop that within a tenth of a second at best: half a radian.
 LEAN = np.radians(30.0)
 
 
