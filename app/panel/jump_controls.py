@@ -107,7 +107,7 @@ class JumpControls:
             hint="A whole turn in the air",
         )
         self._sliders = {axis.field: self._add_slider(gui, axis, jump) for axis in _AXES + _ASKED}
-        self._show_asked(jump)
+        self.show_asked(jump)
 
     @property
     def handles(self) -> list[Any]:
@@ -161,7 +161,7 @@ class JumpControls:
         put(self._model, _MODEL_TITLES.get(jump.model, jump.model))
         for axis in _AXES + _ASKED:
             put(self._sliders[axis.field], _rounded(axis, getattr(jump, axis.field)))
-        self._show_asked(jump)
+        self.show_asked(jump)
 
     def _read_turn(self, current: Jump, complaints: list[str]) -> dict[str, float]:
         """Pitch and roll, if the type asks for them and the menu does not show what they are."""
@@ -171,7 +171,7 @@ class JumpControls:
         chosen = option("Turn", self._turn.value, offered, "", complaints)
         return turn_amounts(chosen) if chosen else {}
 
-    def _show_asked(self, jump: Jump) -> None:
+    def show_asked(self, jump: Jump) -> None:
         """The type, and the controls that it asks for."""
         asks = _asks(jump)
         _put_among(

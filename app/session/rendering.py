@@ -160,8 +160,10 @@ class Rendering:
         design, panel, controls = state.design, self.panel, self._controls
         robot = state.robot if state.ready else None
         other_types = robot is not None and panel.jump.show_robot(robot, design.jump.type)
-        if anew or other_types or design.jump != controls.jump:
+        if anew or design.jump != controls.jump:
             panel.jump.show(design.jump)
+        elif other_types:  # sliders stay where a hand may just have put them
+            panel.jump.show_asked(design.jump)
         if anew or design.scenario != controls.scenario:
             panel.simulation.show(design.scenario, state.file)
         if robot is not None and panel.tuning.show_robot(robot, design.jump.type):
