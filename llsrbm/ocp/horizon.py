@@ -15,7 +15,7 @@ class Row(NamedTuple):
     """Path constraints of a stage that belong together.
 
     Attributes:
-        key: what they are, for whoever sets their bounds or reads their values.
+        key: identifies them to the code that sets their bounds or reads their values.
         expression: SX, any shape.
         equality: whether their lower bounds equal their upper ones.
     """

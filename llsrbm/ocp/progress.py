@@ -78,7 +78,7 @@ def printed_into(read: Callable[[str], None]) -> Iterator[None]:
         yield
     finally:
         tap.close_tap()
-        # Whoever redirected the output meanwhile puts it back; the closed tap only passes on.
+        # Code that redirected the output meanwhile restores it itself; the closed tap passes it on.
         if sys.stdout is tap:
             sys.stdout = tap.beyond
 

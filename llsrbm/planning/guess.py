@@ -17,7 +17,7 @@ from scipy.spatial.transform import Rotation
 from llsrbm.models.base import CentroidalModel
 from llsrbm.planning.constraints.swing import ground_line
 from llsrbm.planning.knots import feet_from_com
-from llsrbm.planning.layout import Layout
+from llsrbm.planning.layout import Layout, Role
 from llsrbm.planning.stage import GRAVITY
 from llsrbm.planning.task import Task
 
@@ -64,8 +64,8 @@ def analytic_guess(
         load = load * layout.legs / max(len(role.standing), 1)
         following = min(k + 1, layout.total)
 
-        def of(name: str, values: Array, role: object = role) -> Array:
-            return np.ravel(values[list(layout.legs_of(name, role))])  # type: ignore[arg-type]
+        def of(name: str, values: Array, role: Role = role) -> Array:
+            return np.ravel(values[list(layout.legs_of(name, role))])
 
         values = {
             "position": body.position,
