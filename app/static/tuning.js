@@ -50,6 +50,8 @@
     choose(row, "");
     numberIn(row).focus();
   });
+  // What is typed right after a table was made must not be overwritten by the next look.
+  document.addEventListener("focusin", (event) => { if (rowOf(event, "input")) fill(); });
   setInterval(() => fill(), LOOK_EVERY);
 
   window.llsrbm.tuning = {
