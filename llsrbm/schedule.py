@@ -7,7 +7,7 @@ iterates over it, a plan stores it, and everything that follows a plan reads it 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
 from typing import Any
@@ -53,6 +53,8 @@ class Schedule:
     Attributes:
         legs: names of all legs, in the robot's order.
         phases: at least three; the first and the last on all feet, one of them a flight.
+        under_way: whether it is what is left of another one, which has begun; then any phases that
+            end on all feet.
 
     Raises:
         InputError: phases that cannot be; one line that says which, and what would be accepted.
@@ -60,9 +62,11 @@ class Schedule:
 
     legs: tuple[str, ...]
     phases: tuple[Phase, ...]
+    under_way: bool = False
 
     def __post_init__(self) -> None:
-        _check(self)
+        if not self.under_way:
+            _check(self)
 
     def __iter__(self) -> Iterator[Phase]:
         return iter(self.phases)
@@ -92,6 +96,11 @@ class Schedule:
     def places(self) -> int:
         """Number of displacements: the last phase's place."""
         return self.phases[-1].place
+
+    def rest(self, phase: int, time: tuple[float, float]) -> Schedule:
+        """What is left of it in a phase that may still take `time`, shortest and longest, s."""
+        first = replace(self.phases[phase], time=time)
+        return Schedule(self.legs, (first, *self.phases[phase + 1 :]), under_way=True)
 
     def lifts(self, phase: int) -> NDArray[np.bool_]:
         """(L,) feet that leave the ground as a phase begins."""

@@ -281,6 +281,23 @@ class FinalOrientation(Cost):
         return ca.sumsqr(stage.quat - stage.parameters["goal_quat"])
 
 
+class LandingShift(Cost):
+    """Squared distance between where a replanned jump lands and where it was to land."""
+
+    name = "landing_shift"
+    weight = 1.0
+    unit = "1/m^2"
+    effect = "a jump that is planned anew under way lands nearer to where it was to land"
+
+    def applies(self, role: Role) -> bool:
+        """At the end."""
+        return role.terminal and role.shifts
+
+    def term(self, stage: Stage) -> Any:
+        """|s|^2."""
+        return ca.sumsqr(stage.shift)
+
+
 COSTS: tuple[Cost, ...] = (
     ForceSmoothness(),
     ForceMagnitude(),
@@ -294,6 +311,7 @@ COSTS: tuple[Cost, ...] = (
     Symmetry(),
     Time(),
     FinalOrientation(),
+    LandingShift(),
 )
 
 

@@ -17,7 +17,8 @@ from scipy.spatial.transform import Rotation
 from llsrbm.models.base import CentroidalModel
 from llsrbm.planning.constraints.swing import ground_line
 from llsrbm.planning.knots import feet_from_com
-from llsrbm.planning.layout import Layout, Role
+from llsrbm.planning.layout import Layout
+from llsrbm.planning.packing import Sampled, pack
 from llsrbm.planning.stage import GRAVITY
 from llsrbm.planning.task import Task
 
@@ -27,6 +28,7 @@ STANCE_TIME = 0.48  # s, of take-off and landing
 OWN_TIME = 0.3  # of the way from shortest to longest, for phases with limits of their own
 LIFT_OFF_RISE = 0.03  # m above standing height at lift-off and touchdown
 LOADS = (0.1, 2.5)  # least and largest load, times the robot's weight
+LANDING_LOAD = 1.5  # of feet that meet the ground, likewise
 STANCE_SHARE = 0.3  # share of the stance phases in the travel at flight speed
 FLIP_FLIGHT = 0.55  # s, flight time of a whole turn
 FLIP_SHARE = 0.1  # of a whole turn that is made before lift-off, and as much after touchdown
@@ -57,35 +59,39 @@ def analytic_guess(
         rate[lift + 1 : touch + 1, leg] = rates
     first_flight = int(layout.first_knots[task.schedule.flights[0]])
     lift_off = model.evaluate(feet[first_flight : first_flight + 1])[1][0]
-    w = np.zeros(layout.size_total)
-    for k, role in enumerate(layout.roles):
-        body = knots[k]
+    return pack(
+        layout,
+        Sampled(
+            durations=path.times,
+            position=np.array([body.position for body in knots]),
+            velocity=np.array([body.velocity for body in knots]),
+            quat=np.array([body.quat for body in knots]),
+            momentum=np.array(
+                [body.R @ (np.diag(lift_off) * body.rotation_rate) / task.mass for body in knots]
+            ),
+            rotation_rate=np.array([body.rotation_rate for body in knots]),
+            feet=feet,
+            feet_velocity=rate,
+            force=_carrying(layout, knots),
+            landing_force=_upwards(layout, np.full(layout.legs, LANDING_LOAD)),
+            shift=np.zeros(2),
+        ),
+    )
+
+
+def _carrying(layout: Layout, knots: list[_Body]) -> Array:
+    """(N+1, L, c, 3) vertical forces that carry the body, shared alike by feet that stand."""
+    forces = []
+    for body, role in zip(knots, layout.roles, strict=True):
         load = np.clip(body.acceleration[2] / GRAVITY + 1, *LOADS)
         load = load * layout.legs / max(len(role.standing), 1)
-        following = min(k + 1, layout.total)
+        forces.append(_upwards(layout, np.full(layout.legs, load)))
+    return np.array(forces)
 
-        def of(name: str, values: Array, role: Role = role) -> Array:
-            return np.ravel(values[list(layout.legs_of(name, role))])
 
-        values = {
-            "position": body.position,
-            "velocity": body.velocity,
-            "quat": body.quat,
-            "momentum": body.R @ (np.diag(lift_off) * body.rotation_rate) / task.mass,
-            "rotation_rate": body.rotation_rate,
-            "duration": path.times[role.phase],
-            "next_duration": path.times[min(role.phase + 1, layout.phases - 1)],
-            "force": np.tile([0, 0, load], len(role.standing) * layout.corners),
-            "next_force": np.tile([0, 0, 1.5], len(role.settling) * layout.corners),
-            "feet": of("feet", feet[k]),
-            "feet_velocity": of("feet_velocity", rate[k]),
-            "feet_step": of("feet_step", rate[following] - rate[k]),
-            "next_feet": of("next_feet", feet[following]),
-            "next_feet_velocity": of("next_feet_velocity", rate[following]),
-        }
-        for name, place in layout.variables(k).items():
-            w[place] = values.get(name, 0.0)
-    return w
+def _upwards(layout: Layout, loads: Array) -> Array:
+    """(L, c, 3) forces of loads (L,) a contact."""
+    return np.tile(loads[:, None, None] * [0.0, 0.0, 1.0], (1, layout.corners, 1))
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 from llsrbm.analysis.joint_loads import JointLoads, KnotMotion, joint_loads
 from llsrbm.models.base import CentroidalModel
 from llsrbm.planning.headings import heading_rates, headings, relative_yaw_rates, relative_yaws
-from llsrbm.planning.layout import Layout
+from llsrbm.planning.layout import SHIFT, Layout
 from llsrbm.planning.stage import GRAVITY
 from llsrbm.planning.task import Task, contact_points
 from llsrbm.postures import Postures, solve_postures
@@ -41,6 +41,7 @@ class Knots:
         air_rate: (N, L, d) m/s, rad/s: xdot of swinging feet over the intervals; NaN of the others.
         knot_rate: (N+1, L, d): xdot of feet in the air just before a knot, at lift-off and
             touchdown that at rest on the ground; NaN of the others.
+        shift: (2,) m: of where feet land, if it is a variable.
         near_angles: (N+1, J) joint angles close to the postures, where they are known.
     """
 
@@ -58,6 +59,7 @@ class Knots:
     air_feet: Array
     air_rate: Array
     knot_rate: Array
+    shift: Array
     near_angles: Array | None = None
 
     @property
@@ -79,6 +81,13 @@ class Knots:
     def swinging(self) -> NDArray[np.bool_]:
         """(N, L) feet that swing over an interval."""
         return ~self.layout.standing[:-1]
+
+    @cached_property
+    def swings_freely(self) -> NDArray[np.bool_]:
+        """(N, L) likewise, without the interval that a motion under way begins with."""
+        free = self.swinging.copy()
+        free[0] = False
+        return free
 
     @cached_property
     def at_edge(self) -> NDArray[np.bool_]:
@@ -115,7 +124,7 @@ class Knots:
     @cached_property
     def standing_feet(self) -> Array:
         """(N+1, L, 3) m: where the feet stand, or stood last."""
-        return self._stood("feet")
+        return self._shifted(self._stood("feet"))
 
     @cached_property
     def standing_yaw(self) -> Array:
@@ -125,7 +134,12 @@ class Knots:
     @cached_property
     def standing_contacts(self) -> Array:
         """(N+1, C, 3) m: contact points of standing feet, or where they were last."""
-        return self._stood("contacts")
+        return self._shifted(self._stood("contacts"))
+
+    def _shifted(self, places: Array) -> Array:
+        """Places (N+1, n, 3) m, in stances that are shifted."""
+        moved = np.array([role.shifted for role in self.layout.roles])
+        return places + moved[:, None, None] * np.append(self.shift, 0.0)
 
     def _stood(self, name: str) -> Array:
         phases = range(len(self.task.schedule))
@@ -369,7 +383,9 @@ def unpack(w: Array, layout: Layout, task: Task, model: CentroidalModel) -> Knot
     position, velocity = (
         np.tile(start, (count, 1)) for start in (task.start_position, task.start_velocity)
     )
-    quat, momentum = np.tile(task.start_quat, (count, 1)), np.zeros((count, 3))
+    quat, momentum = (
+        np.tile(start, (count, 1)) for start in (task.start_quat, task.start_momentum)
+    )
     force = np.zeros((count, layout.contacts, 3))
     rate = np.zeros((count - 1, 3))
     air_feet, knot_rate = np.full((2, count, layout.legs, d), np.nan)
@@ -380,7 +396,8 @@ def unpack(w: Array, layout: Layout, task: Task, model: CentroidalModel) -> Knot
         position[k] = value.get("position", position[k])
         quat[k] = value.get("quat", quat[k])
         velocity[k] = value.get("velocity", velocity[k])
-        momentum[k] = value.get("momentum", momentum[k]) * task.mass
+        if "momentum" in value:
+            momentum[k] = value["momentum"] * task.mass
         if role.in_contact:
             of_legs = force[k].reshape(layout.legs, layout.corners, 3)
             standing = list(role.standing)
@@ -388,8 +405,10 @@ def unpack(w: Array, layout: Layout, task: Task, model: CentroidalModel) -> Knot
         if "rotation_rate" in value:
             rate[k] = value["rotation_rate"]
         if role.in_air and not role.terminal:
-            air_feet[k, list(role.in_air)] = value["feet"].reshape(-1, d)
-            knot_rate[k, list(role.in_air)] = value["feet_velocity"].reshape(-1, d)
+            in_air = list(role.in_air)
+            for into, name in ((air_feet, "feet"), (knot_rate, "feet_velocity")):
+                found = value[name] if name in value else getattr(task.motion, name)
+                into[k, in_air] = found.reshape(-1, d)
         if "feet_step" in value:
             swinging = list(role.swinging)
             air_rate[k, swinging] = knot_rate[k, swinging] + value["feet_step"].reshape(-1, d)
@@ -411,4 +430,5 @@ def unpack(w: Array, layout: Layout, task: Task, model: CentroidalModel) -> Knot
         air_feet=air_feet,
         air_rate=air_rate,
         knot_rate=knot_rate,
+        shift=value.get(SHIFT, np.zeros(2)),
     )

@@ -4,6 +4,10 @@ The horizon has the schedule's phases of n intervals each. Only what a phase nee
 no positions of feet that stand, no forces of feet that swing; the start is fixed. A phase's
 duration T is a state with zero dynamics, chosen as a control when the phase begins, and so are the
 first forces of feet that land and the first position and velocity of feet that leave.
+
+A schedule that is under way begins with a robot that moves: its angular momentum and the feet that
+swing are given, too. Where it lands next is free: all places after the next flight are shifted
+alike, by a state with zero dynamics.
 """
 
 from __future__ import annotations
@@ -20,7 +24,8 @@ from llsrbm.schedule import Schedule
 Array = NDArray[np.float64]
 
 BODY = ("position", "quat", "velocity", "momentum")
-_SIZES = {"position": 3, "quat": 4, "velocity": 3, "momentum": 3, "rotation_rate": 3}
+SHIFT = "shift"
+_SIZES = {"position": 3, "quat": 4, "velocity": 3, "momentum": 3, "rotation_rate": 3, SHIFT: 2}
 _SCALARS = ("duration", "next_duration")
 
 LEAST_INTERVALS = 3  # of a phase
@@ -42,6 +47,7 @@ class Role:
         final: in the schedule's last phase.
         clears: whether trunk, knees and flying feet are kept clear of something.
         lands_upright: after the last flight of a body that turns over.
+        shifts: whether where feet will land is a variable; shifted: whether they have landed there.
     """
 
     phase: int
@@ -59,6 +65,8 @@ class Role:
     final: bool = False
     clears: bool = False
     lands_upright: bool = False
+    shifts: bool = False
+    shifted: bool = False
 
     @property
     def in_contact(self) -> bool:
@@ -74,6 +82,11 @@ class Role:
     def flying(self) -> tuple[int, ...]:
         """Legs whose feet are off the ground at the knot and after it."""
         return tuple(leg for leg in self.swinging if leg not in self.leaving)
+
+    @property
+    def flies(self) -> bool:
+        """Whether feet are off the ground at the knot that have not been there from the start on."""
+        return bool(self.flying) and not self.initial
 
     @property
     def staying(self) -> tuple[int, ...]:
@@ -100,7 +113,7 @@ def split(intervals: int, schedule: Schedule) -> tuple[int, ...]:
     """Intervals of each phase: N / 3 each, times its share (the paper: N / 3 each)."""
     third, rest = divmod(intervals, NOMINAL_PHASES)
     counts = [max(LEAST_INTERVALS, round(third * phase.share)) for phase in schedule]
-    counts[schedule.flights[0]] += rest
+    counts[schedule.flights[0] if schedule.flights else 0] += rest
     return tuple(counts)
 
 
@@ -112,8 +125,8 @@ class Layout:
     L / m in m2/s; force in m g / contacts; duration s; feet x_i, (d, legs), m in the hip frames,
     with d = 4 their yaw, rad; feet_velocity, that of the interval before, m/s, rad/s; feet_step,
     what is added to it as an interval begins, m/s, rad/s; feet_stop, what is added at touchdown;
-    rotation_rate: the base's angular velocity over the interval, base axes, rad/s. Of feet and
-    forces a variable has the legs that `legs_of` says.
+    rotation_rate: the base's angular velocity over the interval, base axes, rad/s; shift: of where
+    feet land, horizontally, m. Of feet and forces a variable has the legs that `legs_of` says.
 
     Attributes:
         contacts: C, L times the corners of a foot.
@@ -122,6 +135,7 @@ class Layout:
         foot_coordinates: d, see `Robot.foot_coordinates`.
         clears: whether the whole body has something to clear (`constraints.body_clearance`).
         turns: whether the body turns over, so fast that legs feel it (`Stage.joint_torques`).
+        under_way: whether it begins in motion, and where feet land next is free.
     """
 
     contacts: int
@@ -130,6 +144,7 @@ class Layout:
     foot_coordinates: int = 3
     clears: bool = False
     turns: bool = False
+    under_way: bool = False
 
     @classmethod
     def of(
@@ -144,7 +159,8 @@ class Layout:
     ) -> Layout:
         """Of a schedule; `intervals` as for three phases."""
         stands = tuple(tuple(bool(foot) for foot in row) for row in schedule.stands)
-        return cls(contacts, stands, split(intervals, schedule), foot_coordinates, clears, turns)
+        counts, under_way = split(intervals, schedule), schedule.under_way
+        return cls(contacts, stands, counts, foot_coordinates, clears, turns, under_way)
 
     @property
     def legs(self) -> int:
@@ -175,14 +191,17 @@ class Layout:
     def name(self) -> str:
         """Which feet stand in which phase, for names of files: "1111-0000-1111"."""
         text = "-".join("".join(str(int(foot)) for foot in row) for row in self.stands)
-        return text + ("-clears" if self.clears else "") + ("-turns" if self.turns else "")
+        flags = ("-clears", self.clears), ("-turns", self.turns), ("-under-way", self.under_way)
+        return text + "".join(tag for tag, on in flags if on)
 
     @cached_property
     def roles(self) -> tuple[Role, ...]:
         """(N + 1) roles."""
         roles: list[Role] = []
         last_phase, upright = self.phases - 1, self.turns
-        last_flight = max(p for p, row in enumerate(self.stands) if not any(row))
+        flights = [p for p, row in enumerate(self.stands) if not any(row)]
+        last_flight = max(flights, default=-1)
+        shifts = self.under_way and bool(flights)
         for p, count in enumerate(self.intervals):
             now = np.array(self.stands[p])
             before = np.array(self.stands[max(p - 1, 0)])
@@ -209,10 +228,20 @@ class Layout:
                         final=p == last_phase,
                         clears=self.clears and not (p == 0 and first),
                         lands_upright=upright and p > last_flight,
+                        shifts=shifts,
+                        shifted=shifts and p > flights[0],
                     )
                 )
-        everything = tuple(range(self.legs))
-        end = Role(last_phase, self.intervals[-1], everything, (), terminal=True, final=True)
+        end = Role(
+            last_phase,
+            self.intervals[-1],
+            standing=tuple(range(self.legs)),
+            swinging=(),
+            terminal=True,
+            final=True,
+            shifts=shifts,
+            shifted=shifts,
+        )
         return (*roles, end)
 
     @cached_property
@@ -242,6 +271,8 @@ class Layout:
         for leg in range(self.legs):
             stands = self.standing[:, leg]
             edges = np.flatnonzero(stands[1:] != stands[:-1]) + 1
+            if not stands[0]:  # under way: what is left of a swing
+                edges = np.concatenate([[0], edges])
             found += [(leg, int(a), int(b)) for a, b in zip(edges[::2], edges[1::2], strict=True)]
         return tuple(found)
 
@@ -283,11 +314,12 @@ class Layout:
 
     def states(self, role: Role) -> tuple[str, ...]:
         """Names of the states at a knot of that role."""
+        shift = (SHIFT,) if role.shifts else ()
         if role.terminal:
-            return BODY
-        feet = ("feet", "feet_velocity") if role.in_air else ()
+            return (*BODY, *shift)
+        feet = ("feet", "feet_velocity") if role.in_air and not role.initial else ()
         force = ("force",) if role.standing else ()
-        return (*(() if role.initial else BODY), *feet, *force, "duration")
+        return (*(() if role.initial else BODY), *feet, *force, "duration", *shift)
 
     def controls(self, role: Role) -> tuple[str, ...]:
         """Names of the controls over the interval that starts at a knot of that role."""

@@ -187,6 +187,10 @@ def parameters(layout: Layout, task: Task) -> dict[str, Array]:
     }
     if task.clears:
         values |= clearance_parameters(task)
+    if task.motion is not None:
+        values["start_momentum"] = task.motion.momentum / task.mass
+        values["start_feet"] = task.motion.feet
+        values["start_feet_velocity"] = task.motion.feet_velocity
     for p in range(len(task.schedule)):
         stood = task.stood(p)
         local = (stood.feet, stood.contacts, stood.yaw, task.towards(p))
@@ -216,6 +220,9 @@ def parameter_sizes(layout: Layout) -> dict[str, int]:
     }
     if layout.clears:
         sizes |= CLEARANCE_PARAMETERS
+    if layout.under_way:
+        feet = layout.legs * layout.foot_coordinates
+        sizes |= {"start_momentum": 3, "start_feet": feet, "start_feet_velocity": feet}
     for p in range(layout.phases):
         local = Stage.local_sizes(layout)
         sizes |= dict(zip(_local_names(p), local.values(), strict=True))

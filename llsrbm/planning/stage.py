@@ -10,7 +10,7 @@ import casadi as ca
 from llsrbm.models.base import CentroidalModel
 from llsrbm.ocp.lifting import Lifting
 from llsrbm.planning.headings import across, heading_rate, relative_yaw, relative_yaw_rate
-from llsrbm.planning.layout import Layout, Role
+from llsrbm.planning.layout import SHIFT, Layout, Role
 from llsrbm.planning.rotations import quat_exp, quat_product, rotation_matrix
 
 GRAVITY = 9.81  # m/s2
@@ -28,7 +28,7 @@ class Stage:
         role, layout, model: what the stage is about.
         parameters: name -> symbols that stay fixed in a solve.
         symbols: name -> this stage's variables; variables: all of them, states first.
-        standing_feet: (3, L) m: where the feet stand in this phase, or stood last.
+        standing_feet: (3, L) m: where the feet stand in this phase, or stood last; shifted or not.
         standing_contacts: (3, C) m: their contact points; standing_yaw: (L,) rad, their headings.
         towards: (2, L) directions across the edge that flying feet cross, see `Task.towards`.
         local: all of these in one column: parameters of a phase.
@@ -44,16 +44,16 @@ class Stage:
         self.symbols = {name: ca.SX.sym(name, layout.size(name, role)) for name in names}
         self.variables = ca.vertcat(*self.symbols.values())
         # Symbols of their own, so that phases can share their expressions.
-        self.standing_feet = ca.SX.sym("standing_feet", 3, layout.legs)
-        self.standing_contacts = ca.SX.sym("standing_contacts", 3, layout.contacts)
+        feet = ca.SX.sym("standing_feet", 3, layout.legs)
+        contacts = ca.SX.sym("standing_contacts", 3, layout.contacts)
         self.standing_yaw = ca.SX.sym("standing_yaw", layout.legs)
         self.towards = ca.SX.sym("towards", 2, layout.legs)
         self.local = ca.vertcat(
-            ca.vec(self.standing_feet),
-            ca.vec(self.standing_contacts),
-            self.standing_yaw,
-            ca.vec(self.towards),
+            ca.vec(feet), ca.vec(contacts), self.standing_yaw, ca.vec(self.towards)
         )
+        shift = ca.vertcat(self.shift, 0) if role.shifted else ca.SX.zeros(3)
+        self.standing_feet = feet + ca.repmat(shift, 1, layout.legs)
+        self.standing_contacts = contacts + ca.repmat(shift, 1, layout.contacts)
         self.correction = ca.SX.sym("correction", 3)
         self.lift = Lifting(self.variables)
         self.intervals = role.intervals
@@ -69,7 +69,12 @@ class Stage:
         legs = self.layout.legs_of(name, self.role)
         if not legs:
             return {}
-        return dict(zip(legs, ca.vertsplit(self.symbols[name], self._width(name)), strict=True))
+        values = self._chosen_or_given(name)
+        return dict(zip(legs, ca.vertsplit(values, self._width(name)), strict=True))
+
+    def _chosen_or_given(self, name: str) -> Any:
+        """A variable, or where it all begins a parameter."""
+        return self.symbols[name] if name in self.symbols else self.parameters[f"start_{name}"]
 
     def _width(self, name: str) -> int:
         return 3 * self.layout.corners if "force" in name else self.layout.foot_coordinates
@@ -94,7 +99,12 @@ class Stage:
     @property
     def momentum(self) -> Any:
         """L / m, (3, 1) m2/s."""
-        return self.symbols.get("momentum", ca.SX.zeros(3))
+        return self.symbols.get("momentum", self.parameters.get("start_momentum", ca.SX.zeros(3)))
+
+    @property
+    def shift(self) -> Any:
+        """Of where feet land, (2, 1) m."""
+        return self.symbols.get(SHIFT, ca.SX.zeros(2))
 
     @cached_property
     def R_world_base(self) -> Any:
@@ -105,7 +115,7 @@ class Stage:
     def feet_in_hip(self) -> Any:
         """x at the knot, (d, L): variables in the air, functions of r and R on the ground."""
         if len(self.role.in_air) == self.layout.legs:
-            return ca.reshape(self.symbols["feet"], self.layout.foot_coordinates, -1)
+            return ca.reshape(self._chosen_or_given("feet"), self.layout.foot_coordinates, -1)
         return self._placed_at_knot[0]
 
     @cached_property
@@ -505,6 +515,7 @@ class Stage:
             "force": lambda: self._next_force(following),
             "feet": lambda: self._next_feet(following),
             "feet_velocity": lambda: self._next_feet_velocity(following),
+            SHIFT: lambda: self.shift,
         }
         return ca.vertcat(*(step[name]() for name in self.layout.states(following)))
 

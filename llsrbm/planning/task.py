@@ -83,6 +83,24 @@ class Edges:
 
 
 @dataclass(frozen=True, eq=False)
+class InMotion:
+    """The state of a robot that is under way, beside its CoM's and its attitude.
+
+    Attributes:
+        momentum: (3,) kg m2/s, angular, about the CoM.
+        feet, feet_velocity: (L, d) x_i m, rad and their rates (`llsrbm.models.base`).
+        heights: (L,) m, of the feet in the world.
+        begun: (L,) shares of the feet's swings that are over; 0 of feet that stand.
+    """
+
+    momentum: Array
+    feet: Array
+    feet_velocity: Array
+    heights: Array
+    begun: Array
+
+
+@dataclass(frozen=True, eq=False)
 class Task:
     """What the planner solves.
 
@@ -95,6 +113,7 @@ class Task:
         start_quat: (4,) w, x, y, z; goal_quat: likewise, continuous in the twist (w < 0 beyond 180
             degrees) and through whole turns.
         start_velocity, goal_velocity: (3,) m/s, CoM.
+        motion: the rest of the state at the start of a schedule that is under way; else None.
         corners: (c, 3) m, contact points of a foot in its frame.
         limits, reach, timing, foot: of the robot file, with what the request changes.
         robot: whose drives and whole body a plan is checked with.
@@ -125,10 +144,16 @@ class Task:
     robot: Robot
     weights: dict[str, float]
     tuning: Tuning
+    motion: InMotion | None = None
     correction: Array | None = None
     obstacle: Obstacle | None = None
     clears: bool = False
     body_margin: float = BODY_MARGIN
+
+    @property
+    def start_momentum(self) -> Array:
+        """(3,) kg m2/s, angular, about the CoM; zero unless it is under way."""
+        return np.zeros(3) if self.motion is None else self.motion.momentum
 
     @property
     def joints(self) -> int:
@@ -153,7 +178,8 @@ class Task:
     @cached_property
     def _stood(self) -> NDArray[np.int64]:
         """(P, L) the place in which a foot stands in a phase, or stood last."""
-        stands, stood = self.schedule.stands, np.zeros(self.schedule.stands.shape, dtype=np.int64)
+        stands, first = self.schedule.stands, self.schedule[0].place
+        stood = np.full(stands.shape, first, dtype=np.int64)
         for p, phase in enumerate(self.schedule):
             stood[p] = np.where(stands[p], phase.place, stood[max(p - 1, 0)])
         return stood
@@ -200,6 +226,13 @@ class Task:
     def _edges(self) -> dict[tuple[int, int], Edges]:
         pairs = zip(self._stood.ravel().tolist(), self._lands.ravel().tolist(), strict=True)
         return {(a, b): Edges.between(self.places[a], self.places[b]) for a, b in set(pairs)}
+
+    def swing_share(self, phase: int, progress: Array) -> Array:
+        """Shares of the feet's whole swings, of shares of what is left of them in a phase."""
+        if self.motion is None or phase > 0:
+            return progress
+        begun: Array = self.motion.begun
+        return begun + (1 - begun) * progress
 
     def towards(self, phase: int) -> Array:
         """(L, 2) directions across the edges that swinging feet cross; zeros of feet that stand."""

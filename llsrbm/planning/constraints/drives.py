@@ -175,7 +175,7 @@ class JointSpeed(_DriveConstraint):
 
     def applies(self, role: Role) -> bool:
         """While feet swing, in the interval before that and in the one after it."""
-        return role.moves_feet and not role.terminal
+        return role.moves_feet and not role.terminal and not role.initial
 
     def shares(self, stage: Stage) -> Any:
         """Speeds as shares of their limits."""

@@ -42,7 +42,7 @@ class Edge(Constraint):
 
     def applies(self, role: Role) -> bool:
         """Between lift-off and touchdown."""
-        return bool(role.flying)
+        return role.flies
 
     def rows(self, stage: Stage) -> Any:
         """(flying contacts, 1) m: how far each corner is along `towards`."""
@@ -109,10 +109,11 @@ class Edge(Constraint):
         surface = np.maximum(stood.feet[:, 2].max(), lands.feet[:, 2].max()) + ABOVE
         edge = towards.any(axis=1) & (rise != 0)
         up = edge & (rise > 0)
+        share = task.swing_share(phase, progress)
         rising = clearance_line(task, phase, progress - step) < surface
-        rising = rising & (progress < 0.5 + step) & up
+        rising = rising & (share < 0.5 + step) & up
         sinking = clearance_line(task, phase, progress + step) < surface
-        sinking = sinking & (progress > 0.5 - step) & (edge & ~up)
+        sinking = sinking & (share > 0.5 - step) & (edge & ~up)
         return (
             np.where(sinking, goal.min(axis=1) - room, -FAR),
             np.where(rising, start.max(axis=1) + room, FAR),

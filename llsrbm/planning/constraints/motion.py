@@ -51,7 +51,10 @@ class MomentumBalance(Constraint):
 
 
 class FinalState(Constraint):
-    """x[N] = x_fin: CoM, attitude and velocity as the target says; no angular momentum."""
+    """x[N] = x_fin: CoM, attitude and velocity as the target says; no angular momentum.
+
+    Where feet land elsewhere the CoM ends above them.
+    """
 
     name = "final_state"
     unit = "m, rad, m/s, m2/s"
@@ -67,7 +70,7 @@ class FinalState(Constraint):
         q = stage.quat
         turn = w * q[1:] - q[0] * xyz - ca.cross(xyz, q[1:])
         return ca.vertcat(
-            stage.position - stage.parameters["goal_position"],
+            stage.position - stage.parameters["goal_position"] - ca.vertcat(stage.shift, 0),
             turn,
             stage.velocity - stage.parameters["goal_velocity"],
             stage.momentum,
@@ -83,7 +86,7 @@ class FinalState(Constraint):
         goal = Rotation.from_quat(task.goal_quat, scalar_first=True)
         turn = (goal.inv() * Rotation.from_matrix(knots.R_world_base[-1])).magnitude()
         errors = (
-            knots.position[-1] - task.goal_position,
+            knots.position[-1] - task.goal_position - np.append(knots.shift, 0.0),
             knots.velocity[-1] - task.goal_velocity,
             knots.momentum[-1] / task.mass,
             turn,

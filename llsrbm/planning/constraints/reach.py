@@ -145,7 +145,7 @@ class FeetApart(Constraint):
 
     def applies(self, role: Role) -> bool:
         """Between lift-off and touchdown of any foot."""
-        return bool(role.flying)
+        return role.flies
 
     def rows(self, stage: Stage) -> Any:
         """(pairs, 1): squared distances, m2, of two feet of which one flies."""

@@ -34,15 +34,24 @@ def ground_line(start: Array, goal: Array, progress: Array) -> Array:
 def clearance_line(task: Task, phase: int, progress: Array) -> Array:
     """(L,) m: the ground line and an arch of the robot file's clearance above it.
 
-    The arch begins and ends level, because feet leave the ground and meet it at rest.
+    The arch begins and ends level, because feet leave the ground and meet it at rest. Feet that are
+    under way below it come back to it until they land.
 
     Args:
         task: where feet stand, and the clearance.
-        phase: of the schedule; progress: (L,) share of each foot's swing.
+        phase: of the schedule; progress: (L,) share of each foot's swing, of what is left of it
+            where that is under way.
     """
-    arch = (4 * progress * (1 - progress)) ** 2 * task.limits.clearance
     start, goal = task.stood(phase).feet[:, 2], task.lands(phase).feet[:, 2]
-    return ground_line(start, goal, progress) + arch
+
+    def line(s: Array) -> Array:
+        return ground_line(start, goal, s) + (4 * s * (1 - s)) ** 2 * task.limits.clearance
+
+    height = line(task.swing_share(phase, progress))
+    if task.motion is not None and phase == 0:
+        below = np.maximum(line(task.motion.begun) - task.motion.heights, 0.0)
+        height = height - below * (1 - progress)
+    return height
 
 
 class Clearance(Constraint):
@@ -65,7 +74,7 @@ class Clearance(Constraint):
 
     def applies(self, role: Role) -> bool:
         """Between lift-off and touchdown."""
-        return bool(role.flying)
+        return role.flies
 
     def rows(self, stage: Stage) -> Any:
         """(flying, 1) m."""
@@ -109,8 +118,8 @@ class FootSpeed(Constraint):
     )
 
     def applies(self, role: Role) -> bool:
-        """While feet swing."""
-        return bool(role.swinging)
+        """While feet swing; not as a motion that is under way begins: that is as it is."""
+        return bool(role.swinging) and not role.initial
 
     def rows(self, stage: Stage) -> Any:
         """(3 swinging, 1) m/s."""
@@ -124,4 +133,4 @@ class FootSpeed(Constraint):
     def violation(self, knots: Knots) -> Array:
         """Speed beyond the limit."""
         excess = np.abs(knots.foot_velocity_base) - knots.task.limits.foot_speed
-        return spread(knots, excess, knots.swinging)
+        return spread(knots, excess, knots.swings_freely)

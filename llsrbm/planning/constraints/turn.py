@@ -94,8 +94,8 @@ class FootTurn(Constraint):
         return not task.foot.is_point
 
     def applies(self, role: Role) -> bool:
-        """While feet swing."""
-        return bool(role.swinging)
+        """While feet swing; not as a motion that is under way begins: that is as it is."""
+        return bool(role.swinging) and not role.initial
 
     def rows(self, stage: Stage) -> Any:
         """(2 swinging, 1) rad/s."""
@@ -105,7 +105,8 @@ class FootTurn(Constraint):
 
     def bounds(self, task: Task, layout: Layout, knot: int) -> Bounds:
         """Plus and minus the limit."""
-        turning = len(layout.roles[knot].swinging) if layout.foot_coordinates > 3 else 0
+        role = layout.roles[knot]
+        turning = len(role.swinging) if layout.foot_coordinates > 3 else 0
         limit = np.full(2 * turning, task.foot.turn_speed)
         return -limit, limit
 
@@ -119,4 +120,4 @@ class FootTurn(Constraint):
         side = knots.model.turn_mirrors
         turn = heading_rates(R, side * x[..., 3], side * xdot[..., 3], knots.rotation_rate)
         fastest = np.maximum(np.abs(xdot[..., 3]), np.abs(turn))
-        return spread(knots, fastest - top, knots.swinging)
+        return spread(knots, fastest - top, knots.swings_freely)

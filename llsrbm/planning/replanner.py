@@ -1,0 +1,341 @@
+"""What remains of a jump, planned anew from a measured state, fast enough to do it at 50 Hz.
+
+The same stages, constraints and costs as a plan's, from a state in which the robot is under way: in
+flight the CoM's parabola and the angular momentum are what they are, and what is left to choose is
+how the legs move, when and where they meet the ground, and the forces after that. All places where
+feet will land are shifted alike (`Layout`); feet that stand stay where they are.
+
+The horizon is short, a few intervals a phase, and each solve starts from the last one: of the plan
+at first, sampled at the new knots.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from llsrbm.models import make_model
+from llsrbm.motion.plan import Plan
+from llsrbm.motion.rotation import sign_continuous
+from llsrbm.ocp import solvers
+from llsrbm.ocp.problem import Iterate, Problem, Solution
+from llsrbm.planning.assembly import knot_arrays
+from llsrbm.planning.formulation import Formulation
+from llsrbm.planning.headings import relative_yaw_rates, relative_yaws
+from llsrbm.planning.knots import Knots, unpack
+from llsrbm.planning.layout import NOMINAL_PHASES, Layout
+from llsrbm.planning.packing import Sampled, pack
+from llsrbm.planning.placement import make_task
+from llsrbm.planning.solver_cache import cached_solver
+from llsrbm.planning.stage import GRAVITY
+from llsrbm.planning.task import Footholds, InMotion, Task, contact_points
+from llsrbm.robots.robot import Robot
+from llsrbm.schedule import Schedule
+
+Array = NDArray[np.float64]
+
+INTERVALS = 8  # of a whole phase; half of a plan's: what is left of a phase is shorter
+LEAST_TIME = 0.03  # s left of a phase; with less of it feet are as good as there
+SHORTEST = 0.02  # s that what is left of a phase may be shortened to
+LONGER = 0.15  # s by which a phase may outlast its limit: a push upwards is longer in the air
+# From the sampled plan, which is near a solution where nothing has happened.
+FIRST = solvers.Patience(mu=1e-3, iterations=40, acceptable=(5e-3, 4))
+# Rows of an answer may be off by this much, in their units of about 1: a millimetre, a per mille of
+# the weight. The next answer comes 20 ms later.
+GOOD_ENOUGH = 2e-3
+
+
+@dataclass(frozen=True, eq=False)
+class State:
+    """A robot under way: L legs, world frame; heights above the plan's ground.
+
+    Attributes:
+        time: s on the plan's clock, which touchdowns set.
+        phase: of the plan's schedule.
+        com, com_velocity: (3,) m, m/s.
+        base_quat: (4,) w, x, y, z; angular_velocity: (3,) rad/s of the base.
+        angular_momentum: (3,) kg m2/s about the CoM.
+        foot_position, foot_velocity: (L, 3) m, m/s.
+        foot_yaw, foot_yaw_rate: (L,) rad, rad/s: headings of soles; zeros of points.
+    """
+
+    time: float
+    phase: int
+    com: Array
+    com_velocity: Array
+    base_quat: Array
+    angular_velocity: Array
+    angular_momentum: Array
+    foot_position: Array
+    foot_velocity: Array
+    foot_yaw: Array
+    foot_yaw_rate: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Answer:
+    """What was found from a state.
+
+    Attributes:
+        plan: the whole jump, with what remains of it planned anew; None if nothing was found.
+        iterations, solve_time_s: of the solves.
+        message: the solver's word.
+    """
+
+    plan: Plan | None
+    iterations: int
+    solve_time_s: float
+    message: str
+
+
+class Replanner:
+    """Plans what remains of one jump; a solver for each phase in which it is asked.
+
+    Attributes:
+        plan: the newest one.
+    """
+
+    def __init__(self, plan: Plan, robot: Robot) -> None:
+        """Nothing has been planned anew.
+
+        Args:
+            plan: one that converged, of `robot`.
+            robot: as the controller believes it is.
+        """
+        jump = plan.jump
+        self.plan = plan
+        self._robot = robot.turning if jump.turns else robot
+        self._model = make_model(jump.model, self._robot)
+        self._task = make_task(jump, self._robot, plan.tuning.weights, plan.tuning.limits)
+        self._formulations: dict[Layout, Formulation] = {}
+        self._last: tuple[Layout, Iterate] | None = None
+
+    def prepare(self, phase: int) -> None:
+        """Load the solver of what remains in a phase, or build it."""
+        self._formulation(self._rest(phase, (SHORTEST, LONGER)))
+
+    def replan(self, state: State) -> Answer:
+        """Plan what remains; it becomes `plan` if it is found.
+
+        What is found begins at the state, and replaces the plan from its time on.
+        """
+        task = self._task_from(state)
+        formulation = self._formulation(task.schedule)
+        layout, solver = formulation.layout, formulation.solver
+        problem = formulation.problem(task)
+        solutions: list[Solution] = []
+        if self._last is not None and self._last[0] == layout:
+            solutions.append(solver.follow(problem, self._last[1]))
+        if not solutions or not self._good(formulation, problem, solutions[-1]):
+            guess = pack(layout, self._sampled(task, layout, state))
+            solutions.append(solver.solve(problem, guess, patience=FIRST))
+        found = solutions[-1]
+        iterations = sum(solution.iterations for solution in solutions)
+        seconds = sum(solution.solve_time_s for solution in solutions)
+        if not self._good(formulation, problem, found):
+            self._last = None
+            return Answer(None, iterations, seconds, found.message)
+        self._last = layout, found
+        self.plan = self._spliced(unpack(found.variables, layout, task, self._model), state)
+        return Answer(self.plan, iterations, seconds, found.message)
+
+    @staticmethod
+    def _good(formulation: Formulation, problem: Problem, solution: Solution) -> bool:
+        return (
+            bool(np.isfinite(solution.variables).all())
+            and formulation.solver.miss(problem, solution.variables) < GOOD_ENOUGH
+        )
+
+    def _rest(self, phase: int, time: tuple[float, float]) -> Schedule:
+        return self._task.schedule.rest(phase, time)
+
+    def _formulation(self, rest: Schedule) -> Formulation:
+        layout = Layout.of(
+            rest,
+            len(self._robot.legs) * len(self._robot.corners),
+            NOMINAL_PHASES * INTERVALS,
+            self._robot.foot_coordinates,
+            clears=False,
+            turns=self._task.jump.turns,
+        )
+        if layout not in self._formulations:
+            solver = cached_solver(solvers.Fatrop, self._model, layout, self._robot)
+            self._formulations[layout] = Formulation(self._robot, self._model, layout, solver)
+        return self._formulations[layout]
+
+    def _task_from(self, state: State) -> Task:
+        """What is left, from a state on."""
+        task, plan = self._task, self.plan
+        elapsed = state.time - float(plan.phase_start[state.phase])
+        low, high = task.times(state.phase)
+        least = max(low - elapsed, SHORTEST)
+        rest = self._rest(state.phase, (least, max(high - elapsed, least) + LONGER))
+        R_base_world = Rotation.from_quat(state.base_quat, scalar_first=True).inv().as_matrix()
+        arms = (state.foot_position - state.com) @ R_base_world.T
+        omega = R_base_world @ state.angular_velocity
+        rates = (state.foot_velocity - state.com_velocity) @ R_base_world.T - np.cross(omega, arms)
+        if self._robot.foot_coordinates > 3:
+            R = R_base_world.T[None]
+            yaw = relative_yaws(R, state.foot_yaw[None])[0]
+            turn = relative_yaw_rates(R, state.foot_yaw[None], omega[None])[0]
+            arms = np.column_stack([arms, yaw])
+            rates = np.column_stack([rates, turn + state.foot_yaw_rate])
+        everything = np.ones((1, len(arms)), dtype=bool)
+        motion = InMotion(
+            momentum=state.angular_momentum,
+            feet=self._model.feet_of(arms[None], everything)[0],
+            feet_velocity=self._model.feet_rate_of(rates[None], everything)[0],
+            heights=state.foot_position[:, 2],
+            begun=self._begun(state),
+        )
+        places, goal = self._places(state)
+        # The goal's sign is that of the way there.
+        quat = state.base_quat * np.sign(plan_quat(plan, state.time) @ state.base_quat)
+        return replace(
+            task,
+            schedule=rest,
+            places=places,
+            start_position=state.com,
+            start_velocity=state.com_velocity,
+            start_quat=quat,
+            goal_position=goal,
+            motion=motion,
+        )
+
+    def _begun(self, state: State) -> Array:
+        """(L,) share of its swing that is over of each foot."""
+        start, stands = self.plan.phase_start, self.plan.schedule.stands
+        begun = np.zeros(stands.shape[1])
+        for leg in np.flatnonzero(~stands[state.phase]):
+            before = np.flatnonzero(stands[: state.phase, leg])[-1]
+            after = state.phase + np.flatnonzero(stands[state.phase :, leg])[0]
+            lift, touch = start[before + 1], start[after]
+            begun[leg] = np.clip((state.time - lift) / (touch - lift), 0.0, 1.0)
+        return begun
+
+    def _places(self, state: State) -> tuple[tuple[Footholds, ...], Array]:
+        """Where feet stand and will stand, and where the CoM ends; standing feet are where they are.
+
+        Whatever comes after them is moved by as much as they are, in the mean.
+        """
+        task = self._task
+        phase = task.schedule[state.phase]
+        places = list(task.places)
+        stands = task.schedule.stands[state.phase]
+        if not stands.any():
+            return tuple(places), task.goal_position
+        planned = places[phase.place]
+        moved = (state.foot_position - planned.feet)[stands].mean(axis=0) * [1.0, 1.0, 0.0]
+        corners = task.corners
+        for k in range(phase.place, len(places)):
+            feet, yaw = places[k].feet + moved, places[k].yaw.copy()
+            if k == phase.place:
+                feet[stands, :2] = state.foot_position[stands, :2]
+                yaw[stands] = state.foot_yaw[stands]
+            places[k] = replace(
+                places[k],
+                feet=feet,
+                yaw=yaw,
+                contacts=contact_points(feet, yaw, corners),
+                origin=places[k].origin + moved,
+            )
+        return tuple(places), task.goal_position + moved
+
+    def _sampled(self, task: Task, layout: Layout, state: State) -> Sampled:
+        """The newest plan from the state's time on, moved to where the state is.
+
+        In the first flight the CoM flies on from the state; what it is off by there at touchdown
+        all later places are moved by, and the rest fades over the stance that follows.
+        """
+        plan, P = self.plan, layout.phases
+        starts = plan.phase_start[state.phase :].copy()
+        starts[0] = state.time
+        durations = np.clip(np.diff(starts), *np.array([task.times(p) for p in range(P)]).T)
+        begins = state.time + np.concatenate([[0.0], np.cumsum(durations)])
+        times = begins[layout.phase] + layout.progress * durations[layout.phase]
+        off = state.com - interpolated(plan.time, plan.com, state.time)
+        off_rate = state.com_velocity - interpolated(plan.time, plan.com_velocity, state.time)
+        flying = layout.stands[0] == (False,) * layout.legs
+        since = times - state.time
+        held = np.minimum(since, durations[0]) if flying else np.zeros_like(since)
+        fading = np.clip(1 - (since - held) / max(begins[-1] - state.time - held[-1], 1e-3), 0, 1)
+        moved = off + off_rate * held[:, None]
+        shift = (off + off_rate * durations[0])[:2] if flying else np.zeros(2)
+        landed = np.append(shift, 0.0)
+        place = landed + (moved - landed) * fading[:, None] if flying else off * fading[:, None]
+        quat = sign_continuous(interpolated(plan.time, plan.base_quat, times))
+        quat = quat / np.linalg.norm(quat, axis=1, keepdims=True)
+        R = Rotation.from_quat(quat, scalar_first=True)
+        momentum = interpolated(plan.time, plan.angular_momentum, times)
+        momentum = momentum + fading[:, None] * (state.angular_momentum - momentum[0])
+        feet = interpolated(plan.time, plan.foot_in_hip, times)
+        assert task.motion is not None
+        feet[0] = task.motion.feet
+        rate = np.zeros_like(feet)
+        rate[1:] = np.diff(feet, axis=0) / np.diff(times)[:, None, None]
+        rate[0] = task.motion.feet_velocity
+        unit = task.mass * GRAVITY / layout.contacts
+        at = np.clip(np.searchsorted(plan.time, times + 1e-6) - 1, 0, len(plan.time) - 2)
+        force = plan.contact_force[at].reshape(len(times), layout.legs, layout.corners, 3) / unit
+        landing = layout.first_knots[1] if flying else 0
+        return Sampled(
+            durations=durations,
+            position=interpolated(plan.time, plan.com, times) + place,
+            velocity=interpolated(plan.time, plan.com_velocity, times) + off_rate * fading[:, None],
+            quat=quat * np.sign(quat[0] @ task.start_quat),
+            momentum=momentum / task.mass,
+            rotation_rate=R.inv().apply(interpolated(plan.time, plan.angular_velocity, times)),
+            feet=feet,
+            feet_velocity=rate,
+            force=force,
+            landing_force=force[landing],
+            shift=shift,
+        )
+
+    def _spliced(self, knots: Knots, state: State) -> Plan:
+        """The plan until the state, and what was found from there on."""
+        plan = self.plan
+        near = interpolated(plan.time, plan.joint_position, state.time + knots.time)
+        knots = replace(knots, near_angles=near)
+        before = plan.time < state.time - SAME_TIME
+        before |= (plan.phase < state.phase) & (plan.time < state.time - 1e-6)
+        found = knot_arrays(knots)
+        found["time"] = found["time"] + state.time
+        found["phase"] = found["phase"] + state.phase
+        arrays = {
+            name: values
+            if name == "leg_mass"
+            else np.concatenate([getattr(plan, name)[before], values])
+            for name, values in found.items()
+        }
+        return replace(
+            plan,
+            **arrays,
+            joint_velocity=None,
+            joint_torque=None,
+            joint_torque_limit=None,
+            solution=None,
+        )
+
+
+SAME_TIME = 2e-3  # s; a knot of the plan that is nearer to the state's time is left out
+
+
+def interpolated(time: Array, values: Array, at: Array | float) -> Array:
+    """Values (N+1, ...) at other times, (K, ...) or of one time (...), straight between knots."""
+    flat = values.reshape(len(time), -1)
+    at_all = np.atleast_1d(at)
+    index = np.clip(np.searchsorted(time, at_all, side="right") - 1, 0, len(time) - 2)
+    share = np.clip((at_all - time[index]) / np.diff(time)[index], 0.0, 1.0)[:, None]
+    found = (1 - share) * flat[index] + share * flat[index + 1]
+    shaped: Array = found.reshape(len(at_all), *values.shape[1:])
+    return shaped if np.ndim(at) else shaped[0]
+
+
+def plan_quat(plan: Plan, time: float) -> Array:
+    """(4,) of the nearest knot, with the plan's sign."""
+    quat: Array = plan.base_quat[int(np.argmin(np.abs(plan.time - time)))]
+    return quat
