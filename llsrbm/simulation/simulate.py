@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from llsrbm.control.controller import WholeBodyController
+from llsrbm.control.measurement import Measurement
 from llsrbm.control.reference import braking_time
 from llsrbm.errors import Cancelled
 from llsrbm.motion.plan import Plan
@@ -81,9 +82,9 @@ def simulate(
                 reported_at = wall_clock.perf_counter()
                 so_far(*recorder.so_far(tick, stride))
         state, mujoco_state = world.state(), (world.qpos, world.qvel)
-        q, v = measure(*state)
+        measurement = Measurement(k * tick, *measure(*state), torque)
         tick_start = wall_clock.perf_counter()
-        decision = controller.tick(k * tick, q, v, torque)
+        decision = controller.step(measurement)
         tick_time = wall_clock.perf_counter() - tick_start
         try:
             result = world.advance(decision.command.torque)
