@@ -16,6 +16,7 @@ from llsrbm.analysis.rollout_summary import rollout_summary
 from llsrbm.errors import NotConverged
 from llsrbm.fields import meanings
 from llsrbm.motion.files import load
+from llsrbm.push import Push
 from llsrbm.scenario import Scenario
 from tests.llsrbm.commands.process import run
 from tests.llsrbm.synthetic import synthetic_plan
@@ -33,6 +34,18 @@ def test_a_file_is_simulated_as_it_is(simulator, saved, capsys, tmp_path):
     np.testing.assert_array_equal(plan.com, synthetic_plan().com)
     assert scenario == Scenario(0.025, True, 7, 0.5, "norm", "planned", "quadprog", -0.12)
     np.testing.assert_array_equal(load(out).qpos, simulator.answers[0].qpos)
+
+
+def test_pushes_are_repeated_options(simulator, saved, capsys):
+    simulator.answers.append(synthetic_rollout())
+    words = "--push 0.4,0,12,0 --push 0.5,1,2,3,-1,-2,-3 --random-push 8 --estimator drift --replan"
+    assert cli.main(["simulate", str(saved), *words.split()]) == 0
+    assert simulator.requests[0][1] == Scenario(
+        pushes=(Push(0.4, (0, 12, 0)), Push(0.5, (1, 2, 3), (-1, -2, -3))),
+        random_push=8.0,
+        estimator="drift",
+        replan=True,
+    )
 
 
 def test_without_a_file_the_jump_is_planned_first(planner, simulator, capsys):
@@ -58,6 +71,10 @@ def test_a_noise_alone_draws_with_seed_0(simulator, saved, capsys):
     ("words", "said"),
     [
         ("--board -1", "board: expected 0 to 1 m, got -1"),
+        ("--push 0.4,1", "push: expected T,JX,JY,JZ[,MX,MY,MZ] in s, N s and N m s, got '0.4,1'"),
+        ("--push 0.4,0,0,0,nan,0,0", "push: moment: expected three finite numbers, got [nan"),
+        ("--push 0.4,1e6,0,0", "push: impulse: expected at most 200 N s, got 1e+06 N s"),
+        ("--random-push nan", "random push: expected a finite number, got nan"),
         ("--detector nosuch", "unknown detector 'nosuch'; the detectors are residual, norm"),
         ("--qp-solver nosuch", "unknown QP solver 'nosuch'"),
     ],
@@ -77,6 +94,9 @@ def test_every_field_of_a_scenario_is_an_option_with_its_meaning(capsys):
         assert option in told
     for option in ("--detector", "--landing", "--qp-solver", "--trunk-mass SHARE"):
         assert option in told
+    for option in ("--push T,JX,JY,JZ[,MX,MY,MZ]", "--random-push NS", "--estimator"):
+        assert option in told
+    assert "--replan / --no-replan" in told
     for name, meaning in meanings(Scenario).items():
         assert meaning.accepted in told, name
         assert meaning.help.split(";")[0].replace("mid-flight", "mid- flight") in told, name
