@@ -16,6 +16,7 @@ from llsrbm.analysis.rollout_summary import rollout_summary
 from llsrbm.errors import NotConverged
 from llsrbm.fields import meanings
 from llsrbm.motion.files import load
+from llsrbm.motion.replan import Replan
 from llsrbm.push import Push
 from llsrbm.scenario import Scenario
 from tests.llsrbm.commands.process import run
@@ -178,6 +179,29 @@ def test_summary_for_a_person(simulator, saved, capsys):
     assert "planned 0.900 s, true 0.890 s, detected 0.895 s, 0 false" in out
     assert "-2.9 deg at touchdown, +0.1 deg at the end" in out
     assert "4.2 x real time" in out
+
+
+def test_summary_of_pushes_and_replans(simulator, saved, capsys):
+    rollout = synthetic_rollout()
+    drawn = replace(rollout.disturbance, random_push=Push(0.5, (1, 2, 0)))
+    pushed = Scenario(pushes=(Push(0.4, (0, 12, 0), (0, 0, -0.5)),), estimator="drift")
+    outcome = replace(
+        rollout.outcome, strict=False, replans=2, replan_median_s=0.01, replan_p95_s=0.015
+    )
+    none = np.zeros(0)
+    replans = tuple(
+        Replan(0.5, 0.52, 0.01, solved, 3, 0.7, none, *4 * [none]) for solved in (True, False)
+    )
+    simulator.answers.append(
+        replace(rollout, scenario=pushed, disturbance=drawn, outcome=outcome, replans=replans)
+    )
+    assert cli.main(["simulate", str(saved)]) == 0
+    out = capsys.readouterr().out
+    assert "undisturbed, estimator drift\n" in out
+    assert "push 1    at 0.400 s: 0, 12, 0 N s, 0, 0, -0.5 N m s\n" in out
+    assert "push 2    at 0.500 s: 1, 2, 0 N s\n" in out
+    assert "landed, by the strict measure not, but for the feet's place it would\n" in out
+    assert "replans   2, 1 of them solved, 10.0 ms (p95 15.0 ms)\n" in out
 
 
 def test_summary_of_a_robot_that_never_came_down(simulator, saved, capsys):

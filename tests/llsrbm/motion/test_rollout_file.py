@@ -239,10 +239,12 @@ def test_files_without_what_came_later_open(rollout, saved, tmp_path):
     del meta["control_parameters"], meta["scenario"]["trunk_mass"]
     for name in ("pushes", "random_push", "estimator", "replan"):
         del meta["scenario"][name]
-    del meta["outcome"]["landing_strategy"]
+    for name in ("landing_strategy", "recovered", "replans", "replan_median_s", "replan_p95_s"):
+        del meta["outcome"][name]
+    del meta["disturbance"]["random_push"]
     older = load(rewritten(saved, tmp_path / "older.npz", meta=np.array(json.dumps(meta))))
     assert older.control_parameters == {}
-    outcome = replace(rollout.outcome, landing_strategy="")
+    outcome = replace(rollout.outcome, landing_strategy="", recovered=None)
     assert_same(replace(rollout, control_parameters={}, outcome=outcome), older)
 
 
