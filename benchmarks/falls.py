@@ -114,10 +114,8 @@ def push(*, turning: bool) -> Cause:
         advance = loop.World.advance
 
         def pushed(world: Any, torque: Any) -> Any:
-            wrench = world._data.xfrc_applied[world._model.jnt_bodyid[0]]
-            wrench[:] = 0.0
             if start <= world.time < start + PUSH:
-                wrench[slice(3, 6) if turning else slice(0, 3)] = jolt
+                world.push(*((np.zeros(3), jolt) if turning else (jolt, np.zeros(3))))
             return advance(world, torque)
 
         return patch.object(loop.World, "advance", pushed)

@@ -23,6 +23,7 @@ from llsrbm.errors import (
     Stop,
 )
 from llsrbm.jump import Jump
+from llsrbm.push import Push
 from llsrbm.scenario import Scenario
 from llsrbm.tuning import Tuning
 
@@ -61,6 +62,7 @@ __all__ = [
     "Nearest",
     "NotConverged",
     "Plan",
+    "Push",
     "RobotFileError",
     "Rollout",
     "Scenario",

@@ -126,8 +126,8 @@ def simulate(
 
     Args:
         plan: a plan that converged.
-        scenario: board, disturbance, and names of detector, landing strategy and QP solver;
-            None: no board, nothing disturbed.
+        scenario: board, disturbance, pushes, whether to plan anew, and names of detector, landing
+            strategy, QP solver and estimator; None: no board, nothing disturbed.
         cancelled: asked now and then; True ends with `Cancelled`.
         progress: told the share that is done, 0 to 1.
         so_far: called five times a second with the motion until now: instants (K,) s, 60 to a
@@ -138,7 +138,7 @@ def simulate(
     Raises:
         InputError: no plan, one that did not converge or is of another robot; an unknown name; a
             landing strategy that follows forces on a robot without a force phase; a number out of
-            range, a board that does not fit under the robot among them.
+            range, a board that does not fit under the robot and a push after the end among them.
         RobotFileError: the robot file is wrong.
         Cancelled: on request.
     """

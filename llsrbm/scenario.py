@@ -9,6 +9,7 @@ from typing import Annotated, Any
 
 from llsrbm.errors import InputError
 from llsrbm.fields import Flag, Name, Number, Whole, meanings
+from llsrbm.push import LARGEST_IMPULSE, SYMBOL, Push, PushList
 
 _THICKEST = 1.0  # m; beyond any robot, what passes under its feet is checked with the plan
 MOST_NOISE = 3.0  # beyond it no floor is that slippery
@@ -21,9 +22,11 @@ class Scenario:
 
     `seed` and `noise` go together. With neither nothing is disturbed; of a scenario that is asked
     for one of them alone the seed is 0, or the noise 1. So both are None, or none is, and a
-    disturbed scenario becomes an undisturbed one by `seed=None, noise=None`.
+    disturbed scenario becomes an undisturbed one by `seed=None, noise=None`. A random push and an
+    estimator's errors are drawn by the seed too, or by seed 0 where nothing else is disturbed.
 
-    Whether the names are known and a board passes under the feet is said when it is simulated.
+    Whether the names are known, a board passes under the feet and pushes come while the robot
+    moves is said when it is simulated.
 
     Raises:
         InputError: a value of another type or out of range, or half a board without a board.
@@ -59,6 +62,31 @@ class Scenario:
             "of it",
         ),
     ] = None
+    pushes: Annotated[
+        tuple[Push, ...],
+        PushList(
+            "A push on the trunk's CoM: when it begins, s, impulse, N s, and moment, N m s, in the "
+            "world frame",
+            SYMBOL,
+        ),
+    ] = ()
+    random_push: Annotated[
+        float | None,
+        Number(
+            "Impulse of one more push, drawn by the seed: horizontal, between start and touchdown",
+            "NS",
+            0.0,
+            LARGEST_IMPULSE,
+            "N s",
+        ),
+    ] = None
+    estimator: Annotated[
+        str,
+        Name("State estimate that the controller is given: truth, or drift as of a legged robot's"),
+    ] = "truth"
+    replan: Annotated[
+        bool, Flag("Flight and landing are planned anew, 50 times a second, from what is measured")
+    ] = False
 
     def __post_init__(self) -> None:
         for field in fields(self):

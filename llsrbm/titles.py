@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from llsrbm.jump import Jump
+from llsrbm.push import Push
 from llsrbm.scenario import Scenario
 from llsrbm.tuning import Tuning
 
@@ -15,6 +16,10 @@ Decisions = tuple[Jump, Tuning, Scenario | None]
 """What a title is made from; without a scenario where nothing is simulated."""
 
 _ALWAYS = ("robot", "task", "model")
+_IN_WORDS = (  # fields of a scenario whose names and values alone would say too little
+    *("board", "half_board", "trunk_mass"),
+    *("pushes", "random_push", "estimator", "replan"),
+)
 
 
 def title_of(jump: Jump, tuning: Tuning | None = None, scenario: Scenario | None = None) -> str:
@@ -51,14 +56,32 @@ def _parts(jump: Jump, tuning: Tuning, scenario: Scenario | None) -> dict[str, s
     if scenario is None:
         return parts
     for name, value in scenario.stated().items():
-        if name not in ("board", "half_board", "trunk_mass"):
+        if name not in _IN_WORDS:
             parts[name] = f"{name} {value:g}" if isinstance(value, float | int) else str(value)
     if scenario.trunk_mass is not None:
         parts["trunk_mass"] = f"trunk {100 * scenario.trunk_mass:+g} %"
     if scenario.board:
         kind = "half board" if scenario.half_board else "board"
         parts["board"] = f"{kind} {1e3 * scenario.board:g} mm"
+    if scenario.pushes:
+        parts["pushes"] = _pushes(scenario.pushes)
+    if scenario.random_push is not None:
+        parts["random_push"] = f"random push {scenario.random_push:g} N s"
+    if scenario.estimator != Scenario.estimator:
+        parts["estimator"] = f"estimator {scenario.estimator}"
+    if scenario.replan:
+        parts["replan"] = "replanning"
     return parts
+
+
+def _pushes(pushes: Sequence[Push]) -> str:
+    """One push by size and moment, several by their number: "push 12 N s at 0.45 s"."""
+    if len(pushes) > 1:
+        return f"{len(pushes)} pushes"
+    (push,) = pushes
+    sizes = [(push.impulse, "N s"), (push.moment, "N m s")]
+    told = [f"{math.hypot(*vector):.3g} {unit}" for vector, unit in sizes if any(vector)]
+    return f"push {' + '.join(told) or 'of nothing'} at {push.time:.3g} s"
 
 
 def _task(jump: Jump) -> str:

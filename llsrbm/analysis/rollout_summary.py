@@ -27,6 +27,10 @@ PROMISED = (
     "control_rate_hz",
     "strict",
     "unsolved_ticks",
+    "recovered",
+    "replans",
+    "replan_median_s",
+    "replan_p95_s",
 )
 
 

@@ -12,10 +12,11 @@ import typer
 
 from llsrbm.commands import options
 from llsrbm.fields import meanings
+from llsrbm.push import PushList, parse_push
 from llsrbm.scenario import Scenario
 
 _PARAMETERS = {"solver": "qp_solver"}  # `--solver` is the planner's
-_FLAGS = {"half_board": "--half-board/--whole-board"}
+_FLAGS = {"half_board": "--half-board/--whole-board", "pushes": "--push"}
 
 
 def with_scenario_options(command: Callable[..., int]) -> Callable[..., int]:
@@ -31,6 +32,8 @@ def with_scenario_options(command: Callable[..., int]) -> Callable[..., int]:
     def called(context: typer.Context, **arguments: Any) -> int:
         values = {name: arguments.pop(name) for name in of_field}
         given = {of_field[n]: v for n, v in values.items() if options.is_given(context, n)}
+        if "pushes" in given:
+            given["pushes"] = tuple(map(parse_push, given["pushes"]))
         return command(context, **arguments, fields=given)
 
     parameters: list[inspect.Parameter] = []
@@ -47,8 +50,11 @@ def _parameters() -> list[inspect.Parameter]:
         meaning = meanings(Scenario)[field.name]
         flags = [_FLAGS[field.name]] if field.name in _FLAGS else []
         accepted = f" ({meaning.accepted})" if meaning.accepted else ""
+        several = isinstance(meaning, PushList)
+        if several:
+            accepted += "; may be repeated"
         option = typer.Option(
-            field.default,
+            [] if several else field.default,
             *flags,
             metavar=meaning.symbol or None,
             help=f"{meaning.help}{accepted}.",
@@ -58,7 +64,7 @@ def _parameters() -> list[inspect.Parameter]:
                 _PARAMETERS.get(field.name, field.name),
                 inspect.Parameter.POSITIONAL_OR_KEYWORD,
                 default=option,
-                annotation=types[field.name],
+                annotation=list[str] if several else types[field.name],
             )
         )
     return parameters

@@ -15,6 +15,8 @@ from llsrbm.commands.design import DesignOption, requested_design
 from llsrbm.commands.jump_options import in_words, with_jump_options
 from llsrbm.commands.scenario_options import with_scenario_options
 from llsrbm.errors import InputError
+from llsrbm.push import Push
+from llsrbm.scenario import Scenario
 
 if TYPE_CHECKING:
     from llsrbm.motion.plan import Plan
@@ -113,11 +115,17 @@ def _description(rollout: Rollout) -> dict[str, str]:
     if scenario.trunk_mass is not None:
         trunk = f", trunk {100 * scenario.trunk_mass:+g} % against its believed mass"
     lines["scenario"] = f"{board}{noise}{trunk}"
-    lines["outcome"] = (
-        f"landed, by the strict measure {'too' if outcome.strict else 'not'}"
-        if rollout.landed
-        else _fall(rollout)
-    )
+    if scenario.estimator != Scenario.estimator:
+        lines["scenario"] += f", estimator {scenario.estimator}"
+    for number, push in enumerate(rollout.pushes, 1):
+        lines[f"push {number}" if len(rollout.pushes) > 1 else "push"] = _push(push)
+    lines["outcome"] = _landed(rollout) if rollout.landed else _fall(rollout)
+    if outcome.replan_median_s is not None and outcome.replan_p95_s is not None:
+        solved = sum(replan.solved for replan in rollout.replans)
+        lines["replans"] = (
+            f"{outcome.replans}, {solved} of them solved, {1e3 * outcome.replan_median_s:.1f} ms "
+            f"(p95 {1e3 * outcome.replan_p95_s:.1f} ms)"
+        )
     lines["touchdown"] = (
         f"planned {outcome.touchdown_planned_s:.3f} s, true {_seconds(outcome.touchdown_true_s)}, "
         f"detected {_seconds(outcome.touchdown_detected_s)}, {outcome.false_touchdowns} false"
@@ -147,6 +155,21 @@ def _description(rollout: Rollout) -> dict[str, str]:
         f"(p99 {1e3 * outcome.tick_p99_s:.2f} ms) at {outcome.control_rate_hz:.0f} Hz"
     )
     return lines
+
+
+def _landed(rollout: Rollout) -> str:
+    if rollout.outcome.strict:
+        return "landed, by the strict measure too"
+    moved = rollout.outcome.recovered and (rollout.pushes or rollout.replans)
+    place = ", but for the feet's place it would" if moved else ""
+    return f"landed, by the strict measure not{place}"
+
+
+def _push(push: Push) -> str:
+    impulse = ", ".join(f"{value:.3g}" for value in push.impulse)
+    moment = ", ".join(f"{value:.3g}" for value in push.moment)
+    turning = f", {moment} N m s" if any(push.moment) else ""
+    return f"at {push.time:.3f} s: {impulse} N s{turning}"
 
 
 def _seconds(value: float | None) -> str:

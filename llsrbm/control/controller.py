@@ -13,6 +13,7 @@ from llsrbm.control.contact_schedule import JUST_AFTER, ContactSchedule, Flight
 from llsrbm.control.detection import CentroidalState, make_detector, model_uncertainty
 from llsrbm.control.foot_force import FootForces
 from llsrbm.control.inverse_dynamics import Command, InverseDynamics
+from llsrbm.control.measurement import Measurement
 from llsrbm.control.reference import Reference, Target
 from llsrbm.control.whole_body import WholeBody
 from llsrbm.motion.plan import Plan
@@ -100,16 +101,10 @@ class WholeBodyController:
         """Flights that have begun, in order, each with when its touchdown was detected."""
         return self.contacts.flights
 
-    def tick(self, time: float, q: Array, v: Array, torque: Array) -> Tick:
-        """Decide the torques of the tick that begins at `time`, s.
-
-        Args:
-            time: since the plan's start.
-            q: (nq,) and v: (nv,) measured, Pinocchio's conventions.
-            torque: (J,) measured, mean of the tick that ended.
-        """
-        body = self._body
-        body.update(q, v)
+    def step(self, measurement: Measurement) -> Tick:
+        """Decide the torques of the tick that begins with a measurement: all that it knows."""
+        time, body = measurement.time, self._body
+        body.update(measurement.q, measurement.v)
         state = CentroidalState(
             body.mass,
             body.com_velocity,
@@ -121,7 +116,7 @@ class WholeBodyController:
         if contacts.follow_clock(time):
             self.detector.reset()
         flying = contacts.flying
-        contacts.feel(time, torque, hit=flying and self.detector.update(state))
+        contacts.feel(time, measurement.torque, hit=flying and self.detector.update(state))
         landed = flying and not contacts.flying
         if landed:
             planned = self._reference.late[contacts.phase - 1].com_velocity[2]

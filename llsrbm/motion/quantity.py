@@ -25,6 +25,7 @@ Array = NDArray[np.float64]
 # Axes of arrays.
 TIME = "time"
 LEG, CONTACT, JOINT, BODY = "leg", "contact", "joint", "body"
+REPLAN = "replan"
 XYZ, WXYZ, TENSOR = "xyz", "wxyz", "tensor"
 HIP = "hip"  # coordinates of a foot in its leg's mirrored hip frame
 POSITION, VELOCITY = "qpos", "qvel"  # MuJoCo's coordinates of the whole robot
@@ -37,6 +38,7 @@ SIZES: Mapping[str, tuple[int | str, ...]] = {
     CONTACT: ("C",),
     JOINT: ("J",),
     BODY: ("B",),
+    REPLAN: ("R",),
     XYZ: (3,),
     WXYZ: (4,),
     TENSOR: (3, 3),

@@ -26,7 +26,9 @@ from llsrbm.motion.quantity import (
     Kind,
     Quantity,
 )
+from llsrbm.motion.replan import Replan
 from llsrbm.motion.rotation import rotation_matrices
+from llsrbm.push import Push
 from llsrbm.scenario import Scenario
 from llsrbm.schedule import Schedule, together
 
@@ -49,6 +51,7 @@ class Disturbance:
         torque_delay_ticks: control ticks by which torques arrive late.
         base_velocity_noise: standard deviation of the measured base velocity, m/s and rad/s.
         joint_velocity_noise: standard deviation of the measured joint velocities, rad/s.
+        random_push: the push that was drawn, if one was asked for.
     """
 
     trunk_mass_factor: float = 1.0
@@ -57,6 +60,7 @@ class Disturbance:
     torque_delay_ticks: int = 0
     base_velocity_noise: float = 0.0
     joint_velocity_noise: float = 0.0
+    random_push: Push | None = None
 
 
 @dataclass(frozen=True)
@@ -96,6 +100,10 @@ class Outcome:
         real_time_factor: simulated time / wall time, controller included.
         control_rate_hz: ticks a simulated second.
         landing_strategy: the one that ran; "" in files that were written before outcomes had it.
+        recovered: whether it landed by the strict measure but for the feet's place, which pushes
+            and replanning move; None in files that were written before outcomes had it.
+        replans: how often was planned anew, with or without success.
+        replan_median_s, replan_p95_s: wall time of that; None without any.
     """
 
     status: str
@@ -127,6 +135,10 @@ class Outcome:
     real_time_factor: float
     control_rate_hz: float
     landing_strategy: str = ""
+    recovered: bool | None = None
+    replans: int = 0
+    replan_median_s: float | None = None
+    replan_p95_s: float | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -146,6 +158,7 @@ class Rollout:
             [control] and [uncertainty] with their defaults; empty in files that were written
             before rollouts had it.
         plan: what was followed; None in files that were written before rollouts had it.
+        replans: what was planned anew under way, in the order in which it was asked for.
     """
 
     jump: Jump
@@ -332,6 +345,13 @@ class Rollout:
     ]
     control_parameters: dict[str, Any] = field(default_factory=dict)
     plan: Plan | None = field(default=None, repr=False)
+    replans: tuple[Replan, ...] = field(default=(), repr=False)
+
+    @property
+    def pushes(self) -> tuple[Push, ...]:
+        """Those that were stated, and the one that was drawn."""
+        drawn = self.disturbance.random_push
+        return (*self.scenario.pushes, *(() if drawn is None else (drawn,)))
 
     @property
     def base_velocity(

@@ -1,6 +1,7 @@
 """The native file of a `Rollout`: npz without pickle, schema llsrbm.rollout/1.
 
-It holds the plan that was followed as well, so that a page that opens it can go on from there.
+It holds the plan that was followed as well, so that a page that opens it can go on from there, and
+what was planned anew under way.
 """
 
 from __future__ import annotations
@@ -26,6 +27,7 @@ from llsrbm.motion.plan import Plan
 from llsrbm.motion.plan_file import SCHEMAS as PLAN_SCHEMAS
 from llsrbm.motion.plan_file import plan_arrays, plan_from_arrays
 from llsrbm.motion.quantity import quantities
+from llsrbm.motion.replan_file import replan_arrays, replans_from_arrays
 from llsrbm.motion.rollout import Disturbance, Outcome, Rollout
 from llsrbm.scenario import Scenario, with_scenario
 from llsrbm.version import package_version
@@ -67,7 +69,7 @@ def save_rollout(rollout: Rollout, path: str | Path) -> None:
         outcome=rollout.outcome,
         package_version=package_version(),
     )
-    arrays = native_arrays(SCHEMA, meta, rollout, LAYOUT)
+    arrays = native_arrays(SCHEMA, meta, rollout, LAYOUT) | replan_arrays(rollout.replans)
     if rollout.plan is not None:
         arrays |= {_PLAN + key: value for key, value in plan_arrays(rollout.plan).items()}
     write_archive(path, arrays)
@@ -106,6 +108,7 @@ def rollout_from_arrays(arrays: Arrays, path: str | Path) -> Rollout:
         disturbance=meta.disturbance,
         outcome=meta.outcome,
         plan=_followed(arrays, path, meta, values),
+        replans=replans_from_arrays(arrays, values["foot_position"].shape[1], path),
         **values,
     )
     _check_phases(rollout, path)

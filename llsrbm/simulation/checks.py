@@ -11,6 +11,7 @@ from llsrbm.motion.plan import Plan
 from llsrbm.planning.residuals import describe_worst
 from llsrbm.robots import Robot
 from llsrbm.scenario import Scenario
+from llsrbm.simulation.sensors import check_estimator
 
 _SAME_MASS = 1e-6  # relative; what arithmetic of another machine may make of the same URDF
 
@@ -50,6 +51,7 @@ def check_scenario(scenario: Scenario, robot: Robot) -> None:
     """Raise `InputError` for a name that is unknown, or a landing that is not for this robot."""
     detection.check_name(scenario.detector)
     solvers.check_name(scenario.solver)
+    check_estimator(scenario.estimator)
     landing.resolved(scenario.landing, robot.file.control.force_phase)
 
 

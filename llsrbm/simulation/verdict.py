@@ -6,10 +6,13 @@ last ended on all feet that were to stand, every foot is within 50 mm of the pla
 30 ms, and the controller's program was solved in every tick; judged a second after the plan's end.
 A body that turns over comes down with several rad/s and has to lean against its turn as it lands:
 its tilt after touchdown counts from the planned attitude, at the end from the vertical as ever.
+
+Recovered: strict success but for where the feet are, which a push or a new plan rightly moves.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -21,10 +24,12 @@ from llsrbm.control.contact_schedule import Flight
 from llsrbm.control.controller import WholeBodyController
 from llsrbm.control.reference import com_at_rest
 from llsrbm.motion.plan import Plan
+from llsrbm.motion.replan import Replan
 from llsrbm.motion.rollout import Outcome
 from llsrbm.motion.rotation import tilt, yaw
 from llsrbm.robots import Robot
 from llsrbm.simulation.recorder import Recorder
+from llsrbm.simulation.world import TickResult
 
 Array = NDArray[np.float64]
 
@@ -50,6 +55,19 @@ class Fall:
     reason: str
 
 
+def fallen(time: float, q: Array, planned: Array, result: TickResult) -> Fall | None:
+    """Whether it has fallen in the state q (nq,), with its base planned to be at (3, 3)."""
+    if result.trunk_contact:
+        return Fall(time, "the trunk touched the ground")
+    if result.obstacle_contact:
+        return Fall(time, "it touched the hurdle")
+    x, y, z, w = q[3:7]
+    up = np.array([2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)])
+    if up @ planned[:, 2] < np.cos(TOPPLED):
+        return Fall(time, "it toppled over")
+    return None
+
+
 def judge(
     robot: Robot,
     plan: Plan,
@@ -58,6 +76,7 @@ def judge(
     controller: WholeBodyController,
     fall: Fall | None,
     wall_time: float,
+    replans: Sequence[Replan] = (),
 ) -> Outcome:
     """Put a recorded simulation into figures.
 
@@ -66,6 +85,7 @@ def judge(
         columns: the recorder's, with `time`, two ticks or more.
         fall: what the loop has seen, if it ended early.
         wall_time: of the whole loop, s.
+        replans: made in it.
     """
     time, tick = columns["time"], float(columns["time"][1] - columns["time"][0])
     flights = controller.flights
@@ -101,21 +121,21 @@ def judge(
     trunk_touched = any(result.trunk_contact for result in recorder.results)
     foot_error = float(feet_off[-1].max())
     unsolved = sum(not entry.command.solved for entry in recorder.ticks)
-    strict = (
+    recovered = (
         fall is None
         and not trunk_touched
         and _rebounds_on_feet(plan, flights, contacts)
-        and foot_error < FEET_WITHIN
         and tilts[-1] < FINAL_TILT
         and peak_tilt < PEAK_TILT
         and second_flight < SECOND_FLIGHT
         and unsolved == 0
     )
+    computing = [replan.computing_time for replan in replans]
     return Outcome(
         status="landed" if fall is None else "fell",
         reason="" if fall is None else fall.reason,
         fell_at_s=None if fall is None else fall.time,
-        strict=bool(strict),
+        strict=bool(recovered and foot_error < FEET_WITHIN),
         final_yaw_error=_yaw_error(columns["base_quat"], -1, plan, -1),
         final_position_error=float(np.linalg.norm(com_off[:2])),
         final_tilt=float(tilts[-1]),
@@ -141,6 +161,10 @@ def judge(
         real_time_factor=len(recorder) * tick / wall_time,
         control_rate_hz=1.0 / tick,
         landing_strategy=controller.landing,
+        recovered=bool(recovered),
+        replans=len(replans),
+        replan_median_s=float(np.median(computing)) if computing else None,
+        replan_p95_s=float(np.percentile(computing, 95)) if computing else None,
     )
 
 

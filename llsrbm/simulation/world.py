@@ -1,4 +1,4 @@
-"""The simulated world as a control loop sees it: torques in, state and contacts out."""
+"""The simulated world as a control loop sees it: torques and pushes in, state and contacts out."""
 
 from __future__ import annotations
 
@@ -113,6 +113,8 @@ class World:
         self._drives = Drives(robot, disturbance.torque_delay_ticks)
         self._contacts = ContactReader(self._data, len(robot.legs), len(robot.corners), self._steps)
         self._torque, self._limit = np.zeros((2, self._steps, len(robot.joint_names)))
+        # MuJoCo's acts on the CoM of the body, whose inertia is that of the trunk alone.
+        self._wrench = self._data.xfrc_applied[self._model.jnt_bodyid[0]]
         self._warnings = self._data.warning.number
         self._conjugate = np.empty(4)
         self._ticks = 0
@@ -153,8 +155,18 @@ class World:
         mujoco.mju_rotVecQuat(v[:3], self._qvel[:3], self._conjugate)
         return q, v
 
+    def push(self, force: Array, moment: Array) -> None:
+        """Let a wrench act on the trunk during the next tick, beside what acts already.
+
+        Args:
+            force: (3,) N, world frame, on the trunk's CoM.
+            moment: (3,) N m, world frame, about it.
+        """
+        self._wrench[:3] += force
+        self._wrench[3:] += moment
+
     def advance(self, torque: Array) -> TickResult:
-        """Let a tick pass.
+        """Let a tick pass, with the wrenches that were pushed with since the last.
 
         Args:
             torque: (J,) Nm or N as commanded, in the order of `robot.joint_names`.
@@ -170,6 +182,7 @@ class World:
             self._limit[step] = limit
             mujoco.mj_step(self._model, self._data)
             self._contacts.read(step)
+        self._wrench[:] = 0.0
         if self._warnings.any():
             # MuJoCo has already put the robot back to where its model was compiled.
             raise Diverged(self._what_went_wrong())

@@ -234,4 +234,5 @@ def _outcome(plan, legs, touchdown, detected, fell_at):
         real_time_factor=4.2,
         control_rate_hz=RATE,
         landing_strategy="scaled",
+        recovered=not fell,
     )

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from llsrbm.design import LARGEST, Design, dump_design, file_name, load_design
 from llsrbm.errors import FileFormatError, InputError
 from llsrbm.jump import Jump
+from llsrbm.push import Push
 from llsrbm.scenario import Scenario
 from llsrbm.tuning import Tuning
 
@@ -23,6 +24,7 @@ names = st.text(string.ascii_lowercase + "_-", min_size=1, max_size=20)
 printable = st.characters(categories=("L", "N", "P", "S"))
 tables = st.dictionaries(names, st.floats(-1e9, 1e9), max_size=5)
 jumps = st.builds(Jump, names, names, amounts, amounts, amounts, amounts)
+vectors = st.tuples(*[st.floats(-25, 25)] * 3)
 scenarios = st.builds(
     Scenario,
     board=st.floats(0.001, 1),
@@ -33,6 +35,10 @@ scenarios = st.builds(
     landing=names,
     solver=names,
     trunk_mass=st.none() | st.floats(-0.5, 0.5),
+    pushes=st.lists(st.builds(Push, st.floats(0, 3), vectors, vectors), max_size=2).map(tuple),
+    random_push=st.none() | st.floats(0, 100),
+    estimator=names,
+    replan=st.booleans(),
 )
 designs = st.builds(
     Design,
@@ -107,6 +113,10 @@ def test_what_is_not_named_has_its_default():
         ({"board": 0.025, "half_board": True, "seed": 7}, Scenario(0.025, True, seed=7)),
         ({"seed": 7, "noise": 0.5}, Scenario(seed=7, noise=0.5)),
         ({"noise": 0.5, "trunk_mass": 0.1}, Scenario(trunk_mass=0.1)),  # nothing was disturbed
+        (
+            {"pushes": [{"time": 0.4, "impulse": [0, 12, 0]}], "replan": True},
+            Scenario(pushes=(Push(0.4, (0, 12, 0)),), replan=True),
+        ),
         ({}, Scenario()),
     ],
 )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 import pickle
 import subprocess
@@ -16,12 +17,16 @@ from hypothesis import strategies as st
 import llsrbm
 from llsrbm.errors import InputError
 from llsrbm.fields import Flag, Name, Number, Whole, meanings
+from llsrbm.push import LARGEST_IMPULSE, Push, PushList
 from llsrbm.scenario import MOST_NOISE, Scenario, with_scenario
 
+PUSH = {"time": 0.4, "impulse": (0.0, 12.0, 0.0)}
 NAMES = st.sampled_from(["residual", "norm", "auto", "mine"])
 NUMBERS = {
     name: meaning for name, meaning in meanings(Scenario).items() if isinstance(meaning, Number)
 }
+VECTORS = st.tuples(*[st.floats(-25, 25)] * 3)
+PUSHES = st.builds(Push, time=st.floats(0, 3), impulse=VECTORS, moment=VECTORS)
 SCENARIOS = st.builds(
     Scenario,
     board=st.floats(0.001, 1),
@@ -32,6 +37,10 @@ SCENARIOS = st.builds(
     landing=NAMES,
     solver=NAMES,
     trunk_mass=st.none() | st.floats(-0.5, 0.5),
+    pushes=st.lists(PUSHES, max_size=3).map(tuple),
+    random_push=st.none() | st.floats(0, LARGEST_IMPULSE),
+    estimator=NAMES,
+    replan=st.booleans(),
 )
 
 
@@ -46,7 +55,8 @@ def refused(**given):
 def test_what_is_not_said_is_nominal():
     assert asdict(Scenario()) == {
         "board": 0.0, "half_board": False, "seed": None, "noise": None, "detector": "residual",
-        "landing": "auto", "solver": "quadprog", "trunk_mass": None,
+        "landing": "auto", "solver": "quadprog", "trunk_mass": None, "pushes": (),
+        "random_push": None, "estimator": "truth", "replan": False,
     }  # fmt: skip
     assert llsrbm.Scenario is Scenario
 
@@ -97,6 +107,13 @@ def test_what_is_no_finite_number(name, value):
         ({"seed": True}, "seed: expected a whole number from 0 on, got True"),
         ({"noise": 3.1}, "noise: expected 0 to 3, got 3.1"),
         ({"trunk_mass": -0.51}, "trunk mass: expected -0.5 to 0.5 of it, got -0.51"),
+        ({"random_push": 201}, "random push: expected 0 to 200 N s, got 201"),
+        ({"replan": "yes"}, "replan: expected true or false, got 'yes'"),
+        ({"pushes": 3}, "pushes: expected a list of pushes, got 3"),
+        ({"pushes": Push(0.1, (1, 2, 3))}, "pushes: expected a list of pushes, got Push"),
+        ({"pushes": [{"time": 0.1}]}, "pushes: expected pushes of time, impulse, moment, got "),
+        ({"pushes": [{"time": 0.1, "impulse": 7}]}, "push: impulse: expected three finite"),
+        ({"pushes": [PUSH] * 101}, "pushes: expected at most 100, got 101"),
         ({"detector": ""}, "detector: expected a name, got ''"),
         ({"landing": None}, "landing: expected a name, got None"),
         ({"solver": "two\nlines"}, "solver: expected a name, got 'two\\nlines'"),
@@ -113,6 +130,22 @@ def test_scalars_of_numpy_become_pythons_own():
     )
     assert scenario == Scenario(0.5, True, 7, 0.5)
     assert [type(value) for value in asdict(scenario).values()][:4] == [float, bool, int, float]
+
+
+def test_pushes_of_a_file_are_pushes():
+    """Lists and mappings, as JSON has them."""
+    table = {"time": 0.4, "impulse": [0, 12, 0], "moment": [0, 0, 1]}
+    push = Push(0.4, (0.0, 12.0, 0.0), (0.0, 0.0, 1.0))
+    scenario = Scenario(pushes=[table, push])
+    assert scenario.pushes == (push, push)
+    assert hash(scenario) == hash(Scenario(pushes=(push, push)))
+    stated = scenario.stated()
+    assert json.loads(json.dumps(stated))["pushes"] == [table, table]
+
+
+def test_a_drawn_push_disturbs_nothing_else():
+    assert Scenario(random_push=10).seed is None
+    assert Scenario(random_push=10).stated() == {"random_push": 10.0}
 
 
 def test_it_cannot_be_changed():
@@ -162,7 +195,7 @@ def test_every_field_says_what_it_means():
     assert list(told) == [field.name for field in fields(Scenario)]
     for field in fields(Scenario):
         meaning = told[field.name]
-        assert isinstance(meaning, Number | Whole | Flag | Name)
+        assert isinstance(meaning, Number | Whole | Flag | Name | PushList)
         assert meaning.help
         assert not meaning.help.endswith(".")
     assert told["board"].accepted == "0 to 1 m"

@@ -5,11 +5,13 @@ import math
 import pytest
 
 from llsrbm.jump import Jump
+from llsrbm.push import Push
 from llsrbm.scenario import Scenario
 from llsrbm.titles import title_of, titles_of
 from llsrbm.tuning import Tuning
 
 TWIST = Jump(twist=math.pi / 2)
+PUSH = Push(0.4, (0, 12, 0))
 
 
 @pytest.mark.parametrize(
@@ -36,6 +38,21 @@ TWIST = Jump(twist=math.pi / 2)
             "90° llsrbm-plus, seed 0, noise 2, norm, trunk +12 %",
             (TWIST, Tuning(), Scenario(noise=2.0, detector="norm", trunk_mass=0.12)),
         ),
+        (
+            "90° llsrbm-plus, push 13 N s at 0.45 s, replanning",
+            (TWIST, Tuning(), Scenario(pushes=(Push(0.45, (5, 12, 0)),), replan=True)),
+        ),
+        (
+            "90° llsrbm-plus, push 3 N m s at 1 s, random push 10 N s, estimator drift",
+            (
+                TWIST,
+                Tuning(),
+                Scenario(
+                    pushes=(Push(1, (0, 0, 0), (0, 0, 3)),), random_push=10, estimator="drift"
+                ),
+            ),
+        ),
+        ("90° llsrbm-plus, 2 pushes", (TWIST, Tuning(), Scenario(pushes=(PUSH, PUSH)))),
         ("go2 back flip llsrbm-plus", (Jump("go2", type="flip", pitch=-math.tau),)),
         (
             "2 x front flip + 90° llsrbm-plus",

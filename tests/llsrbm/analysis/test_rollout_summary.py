@@ -17,7 +17,7 @@ KEYS = [
     "status", "final_yaw_error", "final_position_error", "final_tilt", "touchdown_true_s",
     "touchdown_detected_s", "false_touchdowns", "peak_torque_ratio", "peak_speed_ratio",
     "saturated_fraction", "tick_median_s", "tick_p99_s", "real_time_factor", "control_rate_hz",
-    "strict", "unsolved_ticks",
+    "strict", "unsolved_ticks", "recovered", "replans", "replan_median_s", "replan_p95_s",
 ]  # fmt: skip
 
 

@@ -16,6 +16,8 @@ from llsrbm.analysis.rollout_summary import rollout_summary
 from llsrbm.errors import NotConverged
 from llsrbm.fields import meanings
 from llsrbm.motion.files import load
+from llsrbm.motion.replan import Replan
+from llsrbm.push import Push
 from llsrbm.scenario import Scenario
 from tests.llsrbm.commands.process import run
 from tests.llsrbm.synthetic import synthetic_plan
@@ -33,6 +35,18 @@ def test_a_file_is_simulated_as_it_is(simulator, saved, capsys, tmp_path):
     np.testing.assert_array_equal(plan.com, synthetic_plan().com)
     assert scenario == Scenario(0.025, True, 7, 0.5, "norm", "planned", "quadprog", -0.12)
     np.testing.assert_array_equal(load(out).qpos, simulator.answers[0].qpos)
+
+
+def test_pushes_are_repeated_options(simulator, saved, capsys):
+    simulator.answers.append(synthetic_rollout())
+    words = "--push 0.4,0,12,0 --push 0.5,1,2,3,-1,-2,-3 --random-push 8 --estimator drift --replan"
+    assert cli.main(["simulate", str(saved), *words.split()]) == 0
+    assert simulator.requests[0][1] == Scenario(
+        pushes=(Push(0.4, (0, 12, 0)), Push(0.5, (1, 2, 3), (-1, -2, -3))),
+        random_push=8.0,
+        estimator="drift",
+        replan=True,
+    )
 
 
 def test_without_a_file_the_jump_is_planned_first(planner, simulator, capsys):
@@ -58,6 +72,10 @@ def test_a_noise_alone_draws_with_seed_0(simulator, saved, capsys):
     ("words", "said"),
     [
         ("--board -1", "board: expected 0 to 1 m, got -1"),
+        ("--push 0.4,1", "push: expected T,JX,JY,JZ[,MX,MY,MZ] in s, N s and N m s, got '0.4,1'"),
+        ("--push 0.4,0,0,0,nan,0,0", "push: moment: expected three finite numbers, got [nan"),
+        ("--push 0.4,1e6,0,0", "push: impulse: expected at most 200 N s, got 1e+06 N s"),
+        ("--random-push nan", "random push: expected a finite number, got nan"),
         ("--detector nosuch", "unknown detector 'nosuch'; the detectors are residual, norm"),
         ("--qp-solver nosuch", "unknown QP solver 'nosuch'"),
     ],
@@ -77,6 +95,9 @@ def test_every_field_of_a_scenario_is_an_option_with_its_meaning(capsys):
         assert option in told
     for option in ("--detector", "--landing", "--qp-solver", "--trunk-mass SHARE"):
         assert option in told
+    for option in ("--push T,JX,JY,JZ[,MX,MY,MZ]", "--random-push NS", "--estimator"):
+        assert option in told
+    assert "--replan / --no-replan" in told
     for name, meaning in meanings(Scenario).items():
         assert meaning.accepted in told, name
         assert meaning.help.split(";")[0].replace("mid-flight", "mid- flight") in told, name
@@ -158,6 +179,29 @@ def test_summary_for_a_person(simulator, saved, capsys):
     assert "planned 0.900 s, true 0.890 s, detected 0.895 s, 0 false" in out
     assert "-2.9 deg at touchdown, +0.1 deg at the end" in out
     assert "4.2 x real time" in out
+
+
+def test_summary_of_pushes_and_replans(simulator, saved, capsys):
+    rollout = synthetic_rollout()
+    drawn = replace(rollout.disturbance, random_push=Push(0.5, (1, 2, 0)))
+    pushed = Scenario(pushes=(Push(0.4, (0, 12, 0), (0, 0, -0.5)),), estimator="drift")
+    outcome = replace(
+        rollout.outcome, strict=False, replans=2, replan_median_s=0.01, replan_p95_s=0.015
+    )
+    none = np.zeros(0)
+    replans = tuple(
+        Replan(0.5, 0.52, 0.01, solved, 3, 0.7, none, *4 * [none]) for solved in (True, False)
+    )
+    simulator.answers.append(
+        replace(rollout, scenario=pushed, disturbance=drawn, outcome=outcome, replans=replans)
+    )
+    assert cli.main(["simulate", str(saved)]) == 0
+    out = capsys.readouterr().out
+    assert "undisturbed, estimator drift\n" in out
+    assert "push 1    at 0.400 s: 0, 12, 0 N s, 0, 0, -0.5 N m s\n" in out
+    assert "push 2    at 0.500 s: 1, 2, 0 N s\n" in out
+    assert "landed, by the strict measure not, but for the feet's place it would\n" in out
+    assert "replans   2, 1 of them solved, 10.0 ms (p95 15.0 ms)\n" in out
 
 
 def test_summary_of_a_robot_that_never_came_down(simulator, saved, capsys):

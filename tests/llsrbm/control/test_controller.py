@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from llsrbm.control.controller import WholeBodyController
+from llsrbm.control.measurement import Measurement
 from llsrbm.control.whole_body import WholeBody
 from llsrbm.robots import load_robot
 from llsrbm.scenario import Scenario
@@ -60,7 +61,7 @@ def standing_over_time(controller, start, phases):
         feet = next((feet for until, feet in phases if since < until - 1e-9), None)
         if feet is None:
             break
-        done = controller.tick(start + k * tick, *sinking(feet))
+        done = controller.step(Measurement(start + k * tick, *sinking(feet)))
         if (detected := controller.contacts.detected) is not None:
             assert done.phase == 2
             found[round(start + k * tick - detected, 6)] = controller.contacts.standing

@@ -9,13 +9,22 @@ import pytest
 from llsrbm.design import Design, load_design
 from llsrbm.errors import InputError
 from llsrbm.formats import export, file_name
+from llsrbm.push import Push
 from llsrbm.scenario import Scenario
 from llsrbm.tuning import Tuning
 from tests.llsrbm.synthetic import synthetic_plan
 from tests.llsrbm.synthetic_rollout import synthetic_rollout
 
 TUNING = Tuning(weights={"time": 3.0}, limits={"friction": 0.4})
-SCENARIO = Scenario(board=0.02, half_board=True, seed=7, detector="norm", trunk_mass=-0.1)
+SCENARIO = Scenario(
+    board=0.02,
+    half_board=True,
+    seed=7,
+    detector="norm",
+    trunk_mass=-0.1,
+    pushes=(Push(0.4, (0, 12, 0), (0, 0, 1)),),
+    replan=True,
+)
 PLAN = replace(synthetic_plan(), tuning=TUNING)
 ROLLOUT = replace(synthetic_rollout(PLAN), scenario=SCENARIO)
 

@@ -17,6 +17,7 @@ from llsrbm.motion.files import load
 from llsrbm.motion.plan_file import load_plan
 from llsrbm.motion.rollout import Disturbance
 from llsrbm.motion.rollout_file import LAYOUT, load_rollout, save_rollout
+from llsrbm.push import Push
 from llsrbm.scenario import Scenario
 from tests.llsrbm.native_files import message, rewritten
 from tests.llsrbm.sameness import assert_same
@@ -84,14 +85,22 @@ def test_round_trip_of_a_robot_that_fell(tmp_path):
     seed=st.none() | st.integers(0, 2**63),
     words=st.text(max_size=20),
     name=st.text(string.ascii_letters + "-_ é跳", min_size=1, max_size=20),
+    impulse=st.tuples(*[st.floats(-99, 99)] * 3),
     figure=st.floats(),
 )
 def test_round_trip_of_whatever_is_said_about_it(
-    rollout, tmp_path_factory, board, half, seed, words, name, figure
+    rollout, tmp_path_factory, board, half, seed, words, name, impulse, figure
 ):
     said = replace(
         rollout,
-        scenario=Scenario(board=board, half_board=half and board > 0, seed=seed, detector=name),
+        scenario=Scenario(
+            board=board,
+            half_board=half and board > 0,
+            seed=seed,
+            detector=name,
+            pushes=(Push(board, impulse), Push(1.0, (0, 0, 0), (impulse[0] / 2, 0, 0)))[: 1 + half],
+            replan=half,
+        ),
         disturbance=Disturbance(trunk_mass_factor=board, torque_delay_ticks=1),
         outcome=replace(rollout.outcome, reason=words, foot_error=figure),
     )
@@ -207,6 +216,12 @@ class TestReading:
             (("disturbance", "friction"), "slippery", "disturbance.friction"),
             (("scenario", "seed"), 1.5, "scenario.seed"),
             (("scenario", "noise"), 4.0, "noise: expected 0 to 3, got 4"),
+            (("scenario", "pushes"), [{"time": 1}], "scenario.pushes.0.impulse"),
+            (
+                ("scenario", "pushes"),
+                [{"time": 0.4, "impulse": [0, 1e6, 0]}],
+                "push: impulse: expected at most 200 N s, got 1e+06 N s",
+            ),
             (("request", "twist"), "NaN", "Jump.twist: expected a finite number"),
         ],
     )
@@ -222,10 +237,14 @@ def test_files_without_what_came_later_open(rollout, saved, tmp_path):
     with np.load(saved) as archive:
         meta = json.loads(str(archive["meta"]))
     del meta["control_parameters"], meta["scenario"]["trunk_mass"]
-    del meta["outcome"]["landing_strategy"]
+    for name in ("pushes", "random_push", "estimator", "replan"):
+        del meta["scenario"][name]
+    for name in ("landing_strategy", "recovered", "replans", "replan_median_s", "replan_p95_s"):
+        del meta["outcome"][name]
+    del meta["disturbance"]["random_push"]
     older = load(rewritten(saved, tmp_path / "older.npz", meta=np.array(json.dumps(meta))))
     assert older.control_parameters == {}
-    outcome = replace(rollout.outcome, landing_strategy="")
+    outcome = replace(rollout.outcome, landing_strategy="", recovered=None)
     assert_same(replace(rollout, control_parameters={}, outcome=outcome), older)
 
 

@@ -173,7 +173,7 @@ def test_tells_how_far_it_is():
 
 
 def test_reports_the_motion_so_far_at_60_instants_a_second(monkeypatch, twist):
-    monkeypatch.setattr("llsrbm.simulation.simulate.SO_FAR_INTERVAL", 0.0)
+    monkeypatch.setattr("llsrbm.simulation.episode.SO_FAR_INTERVAL", 0.0)
     motions = []
     run(so_far=lambda time, qpos: motions.append((time, qpos)))
     counts = [len(time) for time, _ in motions]

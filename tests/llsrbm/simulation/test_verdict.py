@@ -9,11 +9,12 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from llsrbm.jump import Jump
-from llsrbm.simulation.simulate import _fallen
-from llsrbm.simulation.verdict import _yaw_error
+from llsrbm.simulation.verdict import _yaw_error, fallen
+from llsrbm.simulation.world import TickResult
 from tests.app.synthetic_plan import synthetic_plan
 
 PLAN = synthetic_plan(Jump(twist=1.2))
+NOTHING = TickResult.unknown(4, 12)  # touched
 
 
 def quat(*turns: Rotation) -> np.ndarray:
@@ -52,13 +53,13 @@ def test_yaw_error_of_an_upside_down_base_is_the_turn_from_its_plan(sign):
 def test_a_robot_topples_away_from_where_it_should_be(pitch, planned, falls):
     q = np.zeros(19)
     q[3:7] = about("y", pitch).as_quat()
-    fall = _fallen(1.0, q, about("y", planned).as_matrix(), trunk_contact=False)
+    fall = fallen(1.0, q, about("y", planned).as_matrix(), NOTHING)
     assert (fall is not None) == falls
 
 
 def test_what_touches_a_hurdle_has_not_jumped_over_it():
     q = np.zeros(19)
     q[6] = 1.0
-    fall = _fallen(1.0, q, np.eye(3), trunk_contact=False, obstacle_contact=True)
+    fall = fallen(1.0, q, np.eye(3), replace(NOTHING, obstacle_contact=True))
     assert fall is not None
     assert fall.reason == "it touched the hurdle"

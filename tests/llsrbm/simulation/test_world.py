@@ -396,3 +396,70 @@ def test_ticks_need_not_be_multiples_of_the_step():
         world.advance(np.zeros(JOINTS))
     assert world.time == pytest.approx(1.0)
     assert world.state()[0][2] == pytest.approx(in_the_air(10.0)[0][2] - 9.81 / 2, abs=4e-3)
+
+
+def momenta(robot, factor, world):
+    """Linear and angular momentum about the whole CoM, that CoM, and the trunk's; by Pinocchio."""
+    model = robot.model.copy()
+    trunk = model.inertias[1]
+    model.inertias[1] = pin.Inertia(factor * trunk.mass, trunk.lever, factor * trunk.inertia)
+    data = model.createData()
+    pin.ccrba(model, data, *world.state())
+    pin.forwardKinematics(model, data, world.state()[0])
+    return (
+        data.hg.linear.copy(),
+        data.hg.angular.copy(),
+        data.com[0].copy(),
+        data.oMi[1].act(trunk.lever),
+    )
+
+
+@pytest.mark.parametrize("name", ["anymal", "slider"])
+@pytest.mark.parametrize("factor", [1.0, 1.1])
+def test_an_impulse_on_the_trunk_changes_the_momenta_by_itself(name, factor):
+    """In free flight, turned away from upright, against the same flight without it."""
+    robot = load_robot(name)
+    plan = synthetic_plan(Jump(robot=name))
+    impulse, moment = np.array([3.0, -5.0, 2.0]), np.array([0.2, 0.1, -0.4])
+    q = robot.posture.copy()
+    q[2] += 3.0
+    q[3:7] = pin.Quaternion(pin.rpy.rpyToMatrix(0.3, -0.5, 1.0)).coeffs()
+    changed = []
+    for pushed in (False, True):
+        world = World(robot, plan, Scenario(), Disturbance(trunk_mass_factor=factor), TICK)
+        world.reset(q, np.zeros(robot.model.nv))
+        _, _, com, trunk = momenta(robot, factor, world)
+        if pushed:  # in two parts: wrenches add up
+            world.push(impulse / TICK, np.zeros(3))
+            world.push(np.zeros(3), moment / TICK)
+        world.advance(np.zeros(len(robot.joint_names)))
+        changed.append(momenta(robot, factor, world)[:2])
+    (linear, angular), (pushed_linear, pushed_angular) = changed
+    assert pushed_linear - linear == pytest.approx(impulse, abs=1e-3 * 6)
+    expected = np.cross(trunk - com, impulse) + moment
+    assert pushed_angular - angular == pytest.approx(expected, abs=5e-3)
+
+
+def test_a_push_lasts_one_tick():
+    world, other = world_of(), world_of()
+    for each in (world, other):
+        each.reset(*in_the_air())
+    world.push(np.array([100.0, 0.0, 0.0]), np.zeros(3))
+    for _ in range(3):
+        for each in (world, other):
+            each.advance(np.zeros(JOINTS))
+    speeds = []
+    for each in (world, other):
+        data = ANYMAL.model.createData()
+        pin.centerOfMass(ANYMAL.model, data, *each.state())
+        speeds.append(data.vcom[0].copy())
+    assert speeds[0] - speeds[1] == pytest.approx([100 * TICK / ANYMAL.mass, 0, 0], abs=1e-4)
+
+
+def test_a_reset_forgets_a_push():
+    world, other = world_of(), world_of()
+    world.push(np.full(3, 100.0), np.full(3, 10.0))
+    for each in (world, other):
+        each.reset(*in_the_air())
+        each.advance(np.zeros(JOINTS))
+    assert world.state()[1].tolist() == other.state()[1].tolist()
