@@ -25,6 +25,7 @@ Array = NDArray[np.float64]
 
 _GRAVITY = 9.81
 _FREE_FALL = np.array([0.0, 0.0, -_GRAVITY])
+_NOT_NEEDED = np.zeros(6)  # by detectors, which listen in flight alone
 _SINKING = -0.1  # m/s; a plan lands at least as fast
 
 
@@ -110,17 +111,17 @@ class WholeBodyController:
         """
         body = self._body
         body.update(q, v)
+        contacts = self.contacts
+        if contacts.follow_clock(time):
+            self.detector.reset()
+        flying = contacts.flying
         state = CentroidalState(
             body.mass,
             body.com_velocity,
             body.angular_momentum,
             body.inertia,
-            body.trunk_momentum,
+            body.trunk_momentum if flying else _NOT_NEEDED,
         )
-        contacts = self.contacts
-        if contacts.follow_clock(time):
-            self.detector.reset()
-        flying = contacts.flying
         contacts.feel(time, torque, hit=flying and self.detector.update(state))
         landed = flying and not contacts.flying
         if landed:
