@@ -76,6 +76,7 @@ class InverseDynamics:
         mu = INSCRIBED * friction
         self._faces = np.array([[1, 0, -mu], [-1, 0, -mu], [0, 1, -mu], [0, -1, -mu]])
         self._programs: dict[int, Qp] = {}  # by the number of points that push
+        self._joints = slice(-joints, None)  # of a program's inequalities
         self._zero = Command(np.zeros(joints), np.zeros(n), np.zeros((contacts, 3)), solved=False)
         self._last = self._zero
         self._hold = round(HOLD / tick)  # ticks
@@ -107,18 +108,18 @@ class InverseDynamics:
         qp.A[:, :n] = M[:_BASE]
         np.negative(J[:, :_BASE].T, out=qp.A[:, n:])
         np.negative(h[:_BASE], out=qp.b)
-        efforts = qp.C[-(n - _BASE) :]
-        efforts[:, :n] = M[_BASE:]
-        np.negative(J[:, _BASE:].T, out=efforts[:, n:])
-        np.subtract(torque_limits[0], h[_BASE:], out=qp.lower[-(n - _BASE) :])
-        np.subtract(torque_limits[1], h[_BASE:], out=qp.upper[-(n - _BASE) :])
+        torques = qp.C[self._joints]
+        torques[:, :n] = M[_BASE:]
+        np.negative(J[:, _BASE:].T, out=torques[:, n:])
+        np.subtract(torque_limits[0], h[_BASE:], out=qp.lower[self._joints])
+        np.subtract(torque_limits[1], h[_BASE:], out=qp.upper[self._joints])
         solution = self._solver.solve(qp)
         if not solution.solved:
             return self._unsolved_command(torque_limits)
         x = solution.x
         pushing = np.zeros((len(contact), 3))
         pushing[contact] = x[n:].reshape(-1, 3)
-        self._last = Command(efforts.dot(x) + h[_BASE:], x[:n], pushing, solved=True)
+        self._last = Command(torques.dot(x) + h[_BASE:], x[:n], pushing, solved=True)
         self._unsolved = 0
         return self._last
 
