@@ -24,7 +24,7 @@ import typer
 import llsrbm
 from llsrbm.analysis.diagnosis import diagnose
 from llsrbm.robots import load_robot
-from llsrbm.robots.drives import torque_range
+from llsrbm.robots.drives import torque_in_direction
 from llsrbm.simulation import simulate as loop
 from llsrbm.simulation import world as surrounding
 from llsrbm.simulation.surroundings import Block, surroundings
@@ -66,11 +66,10 @@ def a_weak_knee(amount: float, plan: Any, rng: np.random.Generator) -> Patch:
 def torques(share: Any) -> Patch:
     """Drives that give a share of what the controller believes."""
 
-    def weaker(robot: Any, speed: Any) -> Any:
-        low, high = torque_range(robot, speed)
-        return share * low, share * high
+    def weaker(robot: Any, speed: Any, torque: Any) -> Any:
+        return share * torque_in_direction(robot, speed, torque)
 
-    return patch("llsrbm.simulation.drives.torque_range", weaker)
+    return patch("llsrbm.simulation.drives.torque_in_direction", weaker)
 
 
 def detection(wanted: Callable[[float, float, float, bool], bool]) -> Cause:

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from itertools import chain
 
 import numpy as np
 from numpy.typing import NDArray
 
 from llsrbm.control import landing, tasks
-from llsrbm.control.contact_schedule import JUST_AFTER, ContactSchedule, Flight
+from llsrbm.control.contact_schedule import JUST_AFTER, ContactSchedule, Feet, Flight
 from llsrbm.control.detection import CentroidalState, make_detector, model_uncertainty
 from llsrbm.control.foot_force import FootForces
 from llsrbm.control.inverse_dynamics import Command, InverseDynamics
@@ -26,6 +25,7 @@ Array = NDArray[np.float64]
 
 _GRAVITY = 9.81
 _FREE_FALL = np.array([0.0, 0.0, -_GRAVITY])
+_NOT_NEEDED = np.zeros(6)  # by detectors, which listen in flight alone
 _SINKING = -0.1  # m/s; a plan lands at least as fast
 
 
@@ -83,16 +83,14 @@ class WholeBodyController:
         self.detector = make_detector(scenario.detector, self._tick, model_uncertainty(robot.file))
         feet = FootForces(body, robot.leg_joint_index, self._tick)
         self.contacts = ContactSchedule(plan, body, feet, self._tick)
-        gains, legs = settings.gains, range(body.legs)
+        gains = settings.gains
         self._com = tasks.CentreOfMass(gains.com)
         self._angular_momentum = tasks.AngularMomentum(gains.angular_momentum)
         self._orientation = tasks.BaseOrientation(gains.orientation)
         self._posture = tasks.Posture(body.velocities - 6, gains.posture)
-        self._swing = [tasks.SwingFoot(i, gains.swing) for i in legs]
-        self._seeking = [tasks.SeekingFoot(i, gains.swing[1]) for i in legs]
         points = body.contacts // body.legs
-        self._standing = [tasks.StandingFoot(i, points, gains.standing) for i in legs]
-        self._level = [tasks.FootOrientation(i, gains.swing) for i in legs] if points > 1 else []
+        # By which feet stand and which seek the ground: few of all that could be.
+        self._feet: dict[tuple[bytes, bytes], list[tuple[tasks.Task, float]]] = {}
         self._points = points
         self._momentum_share = 1.0
 
@@ -103,19 +101,18 @@ class WholeBodyController:
 
     def step(self, measurement: Measurement) -> Tick:
         """Decide the torques of the tick that begins with a measurement: all that it knows."""
-        time, body = measurement.time, self._body
+        time, body, contacts = measurement.time, self._body, self.contacts
         body.update(measurement.q, measurement.v)
+        if contacts.follow_clock(time):
+            self.detector.reset()
+        flying = contacts.flying
         state = CentroidalState(
             body.mass,
             body.com_velocity,
             body.angular_momentum,
             body.inertia,
-            body.trunk_momentum,
+            body.trunk_momentum if flying else _NOT_NEEDED,
         )
-        contacts = self.contacts
-        if contacts.follow_clock(time):
-            self.detector.reset()
-        flying = contacts.flying
         contacts.feel(time, measurement.torque, hit=flying and self.detector.update(state))
         landed = flying and not contacts.flying
         if landed:
@@ -170,37 +167,47 @@ class WholeBodyController:
         else:
             orientation = weights.orientation_in_takeoff
             angular_momentum = weights.angular_momentum_in_takeoff
-        contact, seeking = contacts.standing, contacts.seeking
-        feet: list[tuple[tasks.Task, float]] = [
-            (self._standing[i], weights.contact)
-            if contact[i]
-            else (self._seeking[i] if seeking[i] else self._swing[i], weights.swing)
-            for i in range(body.legs)
-        ]
-        feet += [
-            (level, weights.swing_orientation)
-            for level, stands in zip(self._level, contact, strict=False)
-            if not stands
-        ]
         wanted = target.contact_force
         if landing:
             standing = np.zeros((body.contacts, 3))
-            planned = np.repeat(contacts.planned, self._points)
+            planned = contacts.planned.repeat(self._points)
             standing[planned, 2] = body.mass * _GRAVITY / planned.sum()
             wanted = self._landing.force(wanted, standing, self._momentum_share)
         return self._dynamics.solve(
-            chain(
-                (
-                    (self._com, weights.com if tracking else 0.0),
-                    (self._angular_momentum, angular_momentum),
-                    (self._orientation, orientation),
-                    (self._posture, weights.posture),
-                ),
-                feet,
-            ),
+            [
+                (self._com, weights.com if tracking else 0.0),
+                (self._angular_momentum, angular_momentum),
+                (self._orientation, orientation),
+                (self._posture, weights.posture),
+                *self._feet_tasks(contacts.standing, contacts.seeking),
+            ],
             target,
-            np.repeat(contact, self._points),
+            contacts.standing.repeat(self._points),
             wanted,
             weights.force_in_landing if following_forces else weights.force,
             torque_range(self._robot, body.v[6:]),
         )
+
+    def _feet_tasks(self, standing: Feet, seeking: Feet) -> list[tuple[tasks.Task, float]]:
+        """Tasks with their weights for the feet, (L,) of which stand or seek the ground."""
+        key = standing.tobytes(), seeking.tobytes()
+        if key not in self._feet:
+            weights, gains = self._settings.weights, self._settings.gains
+            stand, seek, swing = (
+                np.flatnonzero(feet).tolist() for feet in (standing, seeking, ~(standing | seeking))
+            )
+            feet: list[tuple[tasks.Task, float]] = []
+            if stand:
+                task = tasks.StandingFeet(stand, self._points, gains.standing)
+                feet.append((task, weights.contact))
+            if seek:
+                feet.append((tasks.SeekingFeet(seek, gains.swing[1]), weights.swing))
+            if swing:
+                feet.append((tasks.SwingFeet(swing, gains.swing), weights.swing))
+            if self._points > 1:
+                feet += [
+                    (tasks.FootOrientation(i, gains.swing), weights.swing_orientation)
+                    for i in sorted(seek + swing)
+                ]
+            self._feet[key] = feet
+        return self._feet[key]

@@ -63,16 +63,15 @@ class FootForces:
         """
         body = self._body
         if self._equations is not None:
-            M, h, J, v = self._equations
+            M, h, own, v = self._equations
             load = M @ (body.v - v) / self._tick + h
             load[_BASE:] -= torque
-            own = J[self._columns]
             force = np.linalg.solve(
                 own @ own.transpose(0, 2, 1) + _REGULARISATION, own @ load[self._rows][..., None]
             )
             self.vertical += _SMOOTHING * (force[:, 2, 0] - self.vertical)
             above = self.vertical > self._threshold
             self._touching = np.where(above, self._touching + 1, 0)
-        self._equations = (body.M.copy(), body.h, body.foot_jacobian.copy(), body.v.copy())
+        self._equations = (body.M, body.h, body.foot_jacobian[self._columns], body.v.copy())
         touching: NDArray[np.bool_] = self._touching >= _SURE
         return touching

@@ -5,6 +5,8 @@ s.t. M_f a + h_f = J_f^T f                     floating base
      |f_x|, |f_y| <= mu / sqrt(2) f_z          friction pyramid, inside the cone of mu
      tau = M_a a + h_a - J_a^T f within the drives' limits
 
+The program has the forces of those points alone that may push, the others' being zero.
+
 A tick whose program is not solved gets torques that need no solution. For a moment those of the
 last tick that was solved, cut to what the drives can give: they change little within some ticks,
 and what kept a program from being solved is often over in the next. After that they would drive
@@ -67,18 +69,14 @@ class InverseDynamics:
             InputError: no such solver.
         """
         n, contacts = body.velocities, body.contacts
-        joints, forces = n - _BASE, 3 * contacts
+        joints = n - _BASE
         self._body = body
         self._n = n
-        variables, pyramid = n + forces, 4 * contacts
-        self._solver = make_solver(solver, variables, _BASE, pyramid + joints)
+        self._solver = make_solver(solver)
         mu = INSCRIBED * friction
-        faces = np.array([[1, 0, -mu], [-1, 0, -mu], [0, 1, -mu], [0, -1, -mu]])
-        self._pyramid = pyramid
-        self._qp = Qp.zeros(variables, _BASE, pyramid + joints)
-        self._qp.C[:pyramid, n:] = np.kron(np.eye(contacts), faces)
-        self._qp.upper[:pyramid] = 0.0
-        self._diagonal = np.arange(variables)
+        self._faces = np.array([[1, 0, -mu], [-1, 0, -mu], [0, 1, -mu], [0, -1, -mu]])
+        self._programs: dict[int, Qp] = {}  # by the number of points that push
+        self._joints = slice(-joints, None)  # of a program's inequalities
         self._zero = Command(np.zeros(joints), np.zeros(n), np.zeros((contacts, 3)), solved=False)
         self._last = self._zero
         self._hold = round(HOLD / tick)  # ticks
@@ -102,27 +100,38 @@ class InverseDynamics:
             force: (C, 3) N: contact forces wanted; force_weight: 1/N2.
             torque_limits: lowest and highest, (J,) each.
         """
-        body, qp, n = self._body, self._qp, self._n
-        self._set_costs(tasks, target, force * contact[:, None], force_weight)
-        J = body.contact_jacobian.reshape(-1, n)
-        qp.A[:, :n] = body.M[:_BASE]
-        qp.A[:, n:] = -J[:, :_BASE].T
-        qp.b[:] = -body.h[:_BASE]
-        qp.C[self._pyramid :, :n] = body.M[_BASE:]
-        qp.C[self._pyramid :, n:] = -J[:, _BASE:].T
-        qp.lower[self._pyramid :] = torque_limits[0] - body.h[_BASE:]
-        qp.upper[self._pyramid :] = torque_limits[1] - body.h[_BASE:]
-        pushing = np.repeat(contact, 3)
-        qp.x_lower[n:] = np.where(pushing, -np.inf, 0.0)
-        qp.x_upper[n:] = np.where(pushing, np.inf, 0.0)
+        body, n = self._body, self._n
+        M, h = body.M, body.h
+        J = body.contact_jacobian[contact].reshape(-1, n)
+        qp = self._program(len(J) // 3)
+        self._set_costs(qp, tasks, target, force[contact].ravel(), force_weight)
+        qp.A[:, :n] = M[:_BASE]
+        np.negative(J[:, :_BASE].T, out=qp.A[:, n:])
+        np.negative(h[:_BASE], out=qp.b)
+        torques = qp.C[self._joints]
+        torques[:, :n] = M[_BASE:]
+        np.negative(J[:, _BASE:].T, out=torques[:, n:])
+        np.subtract(torque_limits[0], h[_BASE:], out=qp.lower[self._joints])
+        np.subtract(torque_limits[1], h[_BASE:], out=qp.upper[self._joints])
         solution = self._solver.solve(qp)
         if not solution.solved:
             return self._unsolved_command(torque_limits)
-        a, f = solution.x[:n], solution.x[n:]
-        torque = body.M[_BASE:] @ a + body.h[_BASE:] - J[:, _BASE:].T @ f
-        self._last = Command(torque, a, f.reshape(-1, 3), solved=True)
+        x = solution.x
+        pushing = np.zeros((len(contact), 3))
+        pushing[contact] = x[n:].reshape(-1, 3)
+        self._last = Command(torques.dot(x) + h[_BASE:], x[:n], pushing, solved=True)
         self._unsolved = 0
         return self._last
+
+    def _program(self, points: int) -> Qp:
+        """For that many points that push: inequalities are friction's, then one a joint."""
+        if points not in self._programs:
+            n, pyramid = self._n, 4 * points
+            qp = Qp.zeros(n + 3 * points, _BASE, pyramid + n - _BASE)
+            qp.C[:pyramid, n:] = np.kron(np.eye(points), self._faces)
+            qp.upper[:pyramid] = 0.0
+            self._programs[points] = qp
+        return self._programs[points]
 
     def _unsolved_command(self, torque_limits: tuple[Array, Array]) -> Command:
         """The last solved torques for `HOLD` s, then damped joints."""
@@ -140,12 +149,13 @@ class InverseDynamics:
 
     def _set_costs(
         self,
+        qp: Qp,
         tasks: Iterable[tuple[Task, float]],
         target: Target,
         force: Array,
         force_weight: float,
     ) -> None:
-        body, qp, n = self._body, self._qp, self._n
+        body, n = self._body, self._n
         active = [(task, weight) for task, weight in tasks if weight > 0]
         rows = sum(task.rows for task, _ in active)
         A, B, W = np.empty((rows, n)), np.empty(rows), np.empty(rows)
@@ -156,8 +166,9 @@ class InverseDynamics:
             W[block] = weight
             row = block.stop
         weighted = A.T * W
-        qp.H[:n, :n] = weighted @ A
-        qp.g[:n] = -weighted @ B
-        qp.H[self._diagonal[:n], self._diagonal[:n]] += _REGULARISATION
-        qp.H[self._diagonal[n:], self._diagonal[n:]] = force_weight
-        qp.g[n:] = -force_weight * force.ravel()
+        qp.H[:n, :n] = weighted.dot(A)
+        np.negative(weighted.dot(B), out=qp.g[:n])
+        diagonal = qp.H.reshape(-1)[:: len(qp.g) + 1]
+        diagonal[:n] += _REGULARISATION
+        diagonal[n:] = force_weight
+        np.multiply(force, -force_weight, out=qp.g[n:])

@@ -58,14 +58,23 @@ class WholeBody:
         n, legs = model.nv, len(contacts)
         points = legs * len(robot.corners)
         self._no_acceleration = np.zeros(n)
-        self._lower = np.tril_indices(n, -1)
+        self._below_diagonal = np.tril(np.ones((n, n), dtype=bool), -1)
+        trunk = model.inertias[1]
+        self._trunk_mass, self._trunk_inertia = trunk.mass, np.array(trunk.inertia)
+        self._trunk_lever, self._trunk_lever_skew = np.array(trunk.lever), pin.skew(trunk.lever)
         self.velocities = n
         self.legs = legs
         self.mass = robot.mass
         self.contacts = points
+        # (L, c, 3): from the middle of a foot's spheres to their centres.
         self._corners = np.array(corners)
+        self._has_soles = bool(self._corners.any())
         # (L, 1, 3): from the lowest point of a sphere up to its centre.
         self._radius = np.array([contact.radius * _UP for contact in contacts])[:, None]
+        # (L, c, 3, 6): from the motion of a foot's middle to that of its points that touch.
+        self._rolling = np.zeros((legs, len(robot.corners), 3, 6))
+        self._rolling[..., :3] = np.eye(3)
+        self._rolling[..., 3:] = (self._radius @ _SKEW).reshape(legs, 1, 3, 3)
 
         self.q = np.zeros(model.nq)
         self.v = np.zeros(n)
@@ -75,14 +84,15 @@ class WholeBody:
         self.inertia = np.eye(3)
         self.momentum_matrix, self.momentum_bias = np.zeros((6, n)), np.zeros(6)
         self.R_world_base, self.angular_velocity = np.eye(3), np.zeros(3)
-        self.foot, self.R_world_foot = np.zeros((legs, 3)), np.zeros((legs, 3, 3))
-        self._jacobian = np.zeros((legs, 6, n))
-        self._velocity, self._bias = np.zeros((2, legs, 6))
-        # Linear and angular parts, as views.
-        self.foot_jacobian = self._jacobian[:, :3]
-        self.foot_rotation_jacobian = self._jacobian[:, 3:]
-        self.foot_velocity, self.foot_angular_velocity = np.split(self._velocity, 2, axis=1)
-        self.foot_bias, self.foot_rotation_bias = np.split(self._bias, 2, axis=1)
+        # What is known of the feet's middles, linear over angular: Jacobian, velocity, bias.
+        self._placement = np.zeros((legs, 4, 4))
+        self._middle = np.zeros((legs, 6, n + 2))
+        self._middle_rows = self._middle.reshape(6 * legs, n + 2)
+        self.foot, self.R_world_foot = np.zeros((legs, 3)), self._placement[:, :3, :3]
+        linear, angular = self._middle[:, :3], self._middle[:, 3:]
+        self.foot_jacobian, self.foot_rotation_jacobian = linear[..., :n], angular[..., :n]
+        self.foot_velocity, self.foot_angular_velocity = linear[..., n], angular[..., n]
+        self.foot_bias, self.foot_rotation_bias = linear[..., n + 1], angular[..., n + 1]
         self.contact_jacobian = np.zeros((points, 3, n))
         self.contact_bias, self.contact_velocity = np.zeros((2, points, 3))
 
@@ -91,9 +101,8 @@ class WholeBody:
         model, data = self._model, self._data
         self.q, self.v = q, v
         pin.crba(model, data, q)
-        M = data.M
-        M[self._lower] = M.T[self._lower]
-        self.M = M
+        self.M = M = data.M.copy()  # above the diagonal
+        np.copyto(M, M.T, where=self._below_diagonal)
         self.h = pin.nonLinearEffects(model, data, q, v).copy()
         pin.dccrba(model, data, q, v)
         self.momentum_matrix = data.Ag
@@ -114,36 +123,36 @@ class WholeBody:
         Of its motion relative to the CoM: momenta that a heavier trunk has more of, without what
         the whole robot's flight adds to them.
         """
-        trunk, R = self._model.inertias[1], self.R_world_base
-        omega = self.v[3:6]
-        velocity = R @ (self.v[:3] + np.cross(omega, trunk.lever))
-        linear = trunk.mass * (velocity - self.com_velocity)
-        arm = self._data.oMi[1].translation + R @ trunk.lever - self.com
-        return np.concatenate([linear, R @ (trunk.inertia @ omega) + np.cross(arm, linear)])
+        R, omega = self.R_world_base, self.v[3:6]
+        velocity = R.dot(self.v[:3] - self._trunk_lever_skew.dot(omega))
+        linear = self._trunk_mass * (velocity - self.com_velocity)
+        arm = self._data.oMi[1].translation + R.dot(self._trunk_lever) - self.com
+        spin = R.dot(self._trunk_inertia.dot(omega))
+        return np.concatenate([linear, spin + arm.dot(_SKEW).reshape(3, 3).dot(linear)])
 
     def _update_feet(self) -> None:
         model, data = self._model, self._data
         axes = pin.LOCAL_WORLD_ALIGNED
-        J, velocity, bias = self._jacobian, self._velocity, self._bias
+        n, middle, placement = self.velocities, self._middle, self._placement
+        jacobian, bias = middle[..., :n], middle[..., n + 1]
         for i, frame in enumerate(self._frames):
-            placement = pin.updateFramePlacement(model, data, frame)
-            self.foot[i], self.R_world_foot[i] = placement.translation, placement.rotation
-            J[i] = pin.getFrameJacobian(model, data, frame, axes)
-            velocity[i] = pin.getFrameVelocity(model, data, frame, axes).vector
+            placement[i] = pin.updateFramePlacement(model, data, frame).homogeneous
+            jacobian[i] = pin.getFrameJacobian(model, data, frame, axes)
             bias[i] = pin.getFrameClassicalAcceleration(model, data, frame, axes).vector
-        self.foot -= self._radius[:, 0]
-        # From the middle to a sphere's centre, which turns with the foot, and from there down to
-        # the ground, which does not: spheres that roll.
-        omega = velocity[:, None, 3:]
-        arms = self._corners @ self.R_world_foot.transpose(0, 2, 1)
-        levers = ((self._radius - arms) @ _SKEW).reshape(*arms.shape, 3)
-        inward = (arms * omega).sum(axis=2, keepdims=True) * omega
-        inward -= (omega * omega).sum(axis=2, keepdims=True) * arms
-        points = (self.contacts, 3)
-        self.contact_jacobian = (J[:, None, :3] + levers @ J[:, None, 3:]).reshape(*points, -1)
-        self.contact_velocity = (
-            velocity[:, None, :3] + (levers @ omega[..., None])[..., 0]
-        ).reshape(points)
-        self.contact_bias = (
-            bias[:, None, :3] + (levers @ bias[:, None, 3:, None])[..., 0] + inward
-        ).reshape(points)
+        rows = self._middle_rows
+        rows[:, n] = rows[:, :n].dot(self.v)
+        self.foot = placement[:, :3, 3] - self._radius[:, 0]
+        if self._has_soles:
+            # From the middle to a sphere's centre, which turns with the foot, and from there down
+            # to the ground, which does not: spheres that roll.
+            arms = self._corners @ self.R_world_foot.transpose(0, 2, 1)
+            self._rolling[..., 3:] = ((self._radius - arms) @ _SKEW).reshape(*arms.shape, 3)
+        legs, points = self.legs, self.contacts
+        touching = (self._rolling.reshape(legs, -1, 6) @ middle).reshape(points, 3, n + 2)
+        self.contact_jacobian, self.contact_velocity = touching[..., :n], touching[..., n]
+        self.contact_bias = touching[..., n + 1]
+        if self._has_soles:
+            omega = self.foot_angular_velocity[:, None]
+            inward = (arms * omega).sum(axis=2, keepdims=True) * omega
+            inward -= (omega * omega).sum(axis=2, keepdims=True) * arms
+            self.contact_bias += inward.reshape(points, 3)

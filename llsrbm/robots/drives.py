@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -11,6 +13,8 @@ Array = NDArray[np.float64]
 
 FULL_UP_TO = 0.7
 """Share of the speed limit up to which the whole torque is there; from there it falls to zero."""
+
+_ZERO = np.zeros(())  # an array: a float takes NumPy longer to look at than to compare
 
 
 def torque_range(robot: Robot, speed: Array) -> tuple[Array, Array]:
@@ -22,22 +26,35 @@ def torque_range(robot: Robot, speed: Array) -> tuple[Array, Array]:
         robot: whose file states the limits.
         speed: (..., J) rad/s or m/s, in the order of `Robot.joint_names`.
     """
-    torque = robot.torque_limit
-    # Called in every step of a simulation: minimum and maximum take a third of clip's time.
-    share = speed / ((1.0 - FULL_UP_TO) * robot.speed_limit)
-    room = 1.0 / (1.0 - FULL_UP_TO)
+    torque, at_rest, slope = _lines(robot)
+    drop = slope * speed
+    # Minimum and maximum take a third of clip's time.
     return (
-        -torque * np.minimum(np.maximum(room + share, 0.0), 1.0),
-        torque * np.minimum(np.maximum(room - share, 0.0), 1.0),
+        np.maximum(np.minimum(-at_rest - drop, _ZERO), -torque),
+        np.minimum(np.maximum(at_rest - drop, _ZERO), torque),
     )
 
 
 def torque_in_direction(robot: Robot, speed: Array, torque: Array) -> Array:
     """How large a torque can be at a speed in the direction of `torque`, (..., J) Nm or N.
 
+    Called in every step of a simulation.
+
     Args:
         robot, speed: as in `torque_range`.
-        torque: (..., J); only its sign counts, zero as positive.
+        torque: (..., J); only its sign counts.
     """
-    lowest, highest = torque_range(robot, speed)
-    return np.where(torque < 0, -lowest, highest)
+    limit, at_rest, slope = _lines(robot)
+    falling = at_rest - np.copysign(slope, torque) * speed
+    most: Array = np.minimum(np.maximum(falling, _ZERO), limit)
+    return most
+
+
+@lru_cache(maxsize=16)
+def _lines(robot: Robot) -> tuple[Array, Array, Array]:
+    """(J,) each: the torque at low speeds, and where that ends the line `at_rest - slope speed`.
+
+    The line is at the whole torque at `FULL_UP_TO` of the speed limit and at zero at the limit.
+    """
+    torque, share = robot.torque_limit, 1.0 - FULL_UP_TO
+    return torque, torque / share, torque / (share * robot.speed_limit)

@@ -7,7 +7,7 @@ from collections import deque
 import numpy as np
 from numpy.typing import NDArray
 
-from llsrbm.robots.drives import torque_range
+from llsrbm.robots.drives import torque_in_direction
 from llsrbm.robots.robot import Robot
 
 Array = NDArray[np.float64]
@@ -35,6 +35,5 @@ class Drives:
 
     def limited(self, torque: Array, speed: Array) -> tuple[Array, Array]:
         """What is applied of a torque at a speed (J,), and the most there is in its direction."""
-        lowest, highest = torque_range(self._robot, speed)
-        limit: Array = np.where(torque < 0, -lowest, highest)
-        return np.minimum(np.maximum(torque, lowest), highest), limit
+        limit = torque_in_direction(self._robot, speed, torque)
+        return np.copysign(np.minimum(np.abs(torque), limit), torque), limit

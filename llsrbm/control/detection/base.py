@@ -5,10 +5,12 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, field
 from functools import cached_property
+from math import sqrt
 from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg.lapack import dgesv  # a third of the time of NumPy's solve and inv
 
 from llsrbm.control.detection.uncertainty import ModelUncertainty
 
@@ -18,6 +20,7 @@ GRAVITY = 9.81  # m/s2, downwards
 # Detectors listen once the CoM has sunk faster than this: before, feet that leave the ground late
 # look like contacts, and no landing is softer (it is the speed of a fall of 5 mm).
 ARMED_BELOW = -0.3  # m/s
+_IDENTITY = np.eye(3)
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,13 +46,20 @@ class CentroidalState:
     @cached_property
     def average_angular_velocity(self) -> Array:
         """(3,) rad/s: I^-1 L."""
-        return np.asarray(np.linalg.solve(self.inertia, self.angular_momentum), dtype=np.float64)
+        omega: Array = dgesv(self.inertia, self.angular_momentum)[2]
+        return omega
+
+    @cached_property
+    def inverse_inertia(self) -> Array:
+        """(3, 3) 1/(kg m2): I^-1."""
+        inverse: Array = dgesv(self.inertia, _IDENTITY)[2]
+        return inverse
 
     @property
     def average_spatial_velocity_norm(self) -> float:
         """‖v_G‖, m/s and rad/s in one norm, as in the paper."""
         w, v = self.average_angular_velocity, self.com_velocity
-        return float(np.sqrt(w @ w + v @ v))
+        return sqrt(w.dot(w) + v.dot(v))
 
 
 class Detector(ABC):

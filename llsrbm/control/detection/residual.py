@@ -83,7 +83,7 @@ class ResidualDetector(Detector):
         recent[-1, 6:9] = state.trunk_momentum[:3] / state.mass
         recent[-1, 9:] = state.trunk_momentum[3:]
         self._ticks += 1
-        inverse: Array = np.asarray(np.linalg.inv(state.inertia), dtype=np.float64)
+        inverse = state.inverse_inertia
         listening = self._falling(state) and self._ticks >= len(recent)
         if not listening:
             self._measure_noise(inverse)

@@ -29,11 +29,11 @@ def check_name(name: str) -> None:
         raise InputError(f"unknown QP solver {name!r}; the solvers are {', '.join(_SOLVERS)}")
 
 
-def make_solver(name: str, variables: int, equalities: int, inequalities: int) -> QpSolver:
-    """The solver called `name`, for programs of one size.
+def make_solver(name: str) -> QpSolver:
+    """The solver called `name`.
 
     Raises:
         InputError: no solver has that name.
     """
     check_name(name)
-    return _SOLVERS[name](variables, equalities, inequalities)
+    return _SOLVERS[name]()

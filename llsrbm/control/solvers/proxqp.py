@@ -39,14 +39,12 @@ class ProxQp(QpSolver):
     name = "proxqp"
     summary = "proximal augmented Lagrangian; fastest at the median"
 
-    def __init__(self, variables: int, equalities: int, inequalities: int) -> None:
-        super().__init__(variables, equalities, inequalities)
+    def __init__(self) -> None:
         # A library object, with the scaling of its first program, for each size met.
-        self._qps: dict[tuple[int, int, bool], proxqp.dense.QP] = {}
+        self._qps: dict[tuple[int, int, int], proxqp.dense.QP] = {}
 
     def _solve(self, p: Qp) -> Array | None:
-        bounded = bool((p.x_lower > -np.inf).any() or (p.x_upper < np.inf).any())
-        size = (len(p.g), len(p.lower), bounded)
+        size = (len(p.g), len(p.b), len(p.lower))
         # A second attempt has a scaling of its own, for programs unlike the first of that size.
         for _ in range(2 if size in self._qps else 1):
             x = self._attempt(p, size)
@@ -55,14 +53,11 @@ class ProxQp(QpSolver):
             self._qps.pop(size)
         return None
 
-    def _attempt(self, p: Qp, size: tuple[int, int, bool]) -> Array | None:
-        data: tuple[Array, ...] = (p.H, p.g, p.A, p.b, p.C, p.lower, p.upper)
-        variables, inequalities, bounded = size
-        if bounded:
-            data = (*data, p.x_lower, p.x_upper)
+    def _attempt(self, p: Qp, size: tuple[int, int, int]) -> Array | None:
+        data = (p.H, p.g, p.A, p.b, p.C, p.lower, p.upper)
         qp = self._qps.get(size)
         if qp is None:
-            qp = proxqp.dense.QP(variables, self.equalities, inequalities, box_constraints=bounded)
+            qp = proxqp.dense.QP(*size)
             settings = qp.settings
             settings.eps_abs, settings.eps_rel = TOLERANCE, 0.0
             settings.check_duality_gap = True

@@ -10,16 +10,14 @@ from llsrbm.control.solvers.program import Array, Qp
 
 
 class Quadprog(QpSolver):
-    """Exact, and the same to the last bit wherever and whenever it runs.
-
-    It has no bounds of variables: they become rows.
-    """
+    """Exact, and the same to the last bit wherever and whenever it runs."""
 
     name = "quadprog"
     summary = "dual active-set method; exact, repeatable bit by bit (the default)"
 
     def _solve(self, p: Qp) -> Array | None:
         rows, right = _one_sided(p)
+        # quadprog wants the transpose, column-major: rows are its columns.
         constraints = (rows.T, right, len(p.b)) if len(right) else ()
         try:
             return np.asarray(quadprog.solve_qp(p.H, -p.g, *constraints)[0])
@@ -28,18 +26,7 @@ class Quadprog(QpSolver):
 
 
 def _one_sided(p: Qp) -> tuple[Array, Array]:
-    """Rows and right sides: A x = b, then every finite bound as rows @ x >= right."""
+    """Rows and right sides: A x = b, then every finite limit as rows @ x >= right."""
     low, up = np.isfinite(p.lower), np.isfinite(p.upper)
-    x_low, x_up = np.flatnonzero(np.isfinite(p.x_lower)), np.flatnonzero(np.isfinite(p.x_upper))
-    right = np.concatenate((p.b, p.lower[low], -p.upper[up], p.x_lower[x_low], -p.x_upper[x_up]))
-    # quadprog wants the transpose, column-major: these are its columns.
-    rows = np.zeros((len(right), len(p.g)))
-    at = len(p.b)
-    rows[:at] = p.A
-    for part in (p.C[low], -p.C[up]):
-        rows[at : at + len(part)] = part
-        at += len(part)
-    for columns, sign in ((x_low, 1.0), (x_up, -1.0)):
-        rows[np.arange(at, at + len(columns)), columns] = sign
-        at += len(columns)
-    return rows, right
+    rows = np.concatenate((p.A, p.C[low], -p.C[up]))
+    return rows, np.concatenate((p.b, p.lower[low], -p.upper[up]))

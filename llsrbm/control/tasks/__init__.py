@@ -3,7 +3,7 @@
 from llsrbm.control.tasks.angular_momentum import AngularMomentum
 from llsrbm.control.tasks.base import Motion, Task
 from llsrbm.control.tasks.com import CentreOfMass
-from llsrbm.control.tasks.feet import SeekingFoot, StandingFoot, SwingFoot
+from llsrbm.control.tasks.feet import SeekingFeet, StandingFeet, SwingFeet
 from llsrbm.control.tasks.orientation import BaseOrientation, FootOrientation
 from llsrbm.control.tasks.posture import Posture
 
@@ -14,8 +14,8 @@ __all__ = [
     "FootOrientation",
     "Motion",
     "Posture",
-    "SeekingFoot",
-    "StandingFoot",
-    "SwingFoot",
+    "SeekingFeet",
+    "StandingFeet",
+    "SwingFeet",
     "Task",
 ]

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
+from scipy.linalg.lapack import dgesv
 
 from llsrbm.control.reference import Target
 from llsrbm.control.tasks.base import Motion, Task
 from llsrbm.control.whole_body import WholeBody
 
-_NONE = np.zeros(3)
+_NONE, _IDENTITY = np.zeros(3), np.eye(3)
 
 
 class AngularMomentum(Task):
@@ -27,11 +28,11 @@ class AngularMomentum(Task):
 
     def motion(self, body: WholeBody, target: Target) -> Motion:
         """See `Task.motion`."""
-        per_inertia = np.asarray(np.linalg.inv(body.inertia), dtype=np.float64)
+        per_inertia = dgesv(body.inertia, _IDENTITY)[2]
         return Motion(
-            per_inertia @ body.momentum_matrix[3:],
-            per_inertia @ body.momentum_bias[3:],
+            per_inertia.dot(body.momentum_matrix[3:]),
+            per_inertia.dot(body.momentum_bias[3:]),
             _NONE,
-            per_inertia @ (target.angular_momentum - body.angular_momentum),
-            per_inertia @ target.angular_momentum_rate,
+            per_inertia.dot(target.angular_momentum - body.angular_momentum),
+            per_inertia.dot(target.angular_momentum_rate),
         )

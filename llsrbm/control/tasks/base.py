@@ -52,6 +52,8 @@ class Task(ABC):
         """Fill `jacobian` (rows, n) and the accelerations wanted of dv/dt, `command` (rows,)."""
         m = self.motion(body, target)
         jacobian[:] = m.jacobian
-        command[:] = (
-            m.feedforward + self._stiffness * m.error + self._damping * m.error_rate - m.bias
-        )
+        np.multiply(m.error_rate, self._damping, out=command)
+        if self._stiffness:
+            command += self._stiffness * m.error
+        command += m.feedforward
+        command -= m.bias

@@ -24,7 +24,7 @@ def standing() -> WholeBody:
 
 
 def feet():
-    return [(tasks.StandingFoot(i, 1, 0.0), 1e4) for i in range(4)]
+    return [(tasks.StandingFeet(range(4), 1, 0.0), 1e4)]
 
 
 def solve(body, wishes, contact=STANDING, force=None, force_weight=1e-4, limits=WIDE, target=None):

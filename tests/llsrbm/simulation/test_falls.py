@@ -7,7 +7,7 @@ import pytest
 from llsrbm.analysis.diagnosis import diagnose, fall_in_words
 from llsrbm.motion.rollout import Disturbance
 from llsrbm.robots import load_robot
-from llsrbm.robots.drives import torque_range
+from llsrbm.robots.drives import torque_in_direction
 from llsrbm.scenario import Scenario
 from llsrbm.simulation import drives
 from llsrbm.simulation import simulate as loop
@@ -30,11 +30,10 @@ def a_load_on_the_trunk(monkeypatch):
 
 
 def weak_drives(monkeypatch):
-    def weaker(robot, speed):
-        low, high = torque_range(robot, speed)
-        return 0.35 * low, 0.35 * high
+    def weaker(robot, speed, torque):
+        return 0.35 * torque_in_direction(robot, speed, torque)
 
-    monkeypatch.setattr(drives, "torque_range", weaker)
+    monkeypatch.setattr(drives, "torque_in_direction", weaker)
 
 
 def a_deaf_detector(monkeypatch):

@@ -247,9 +247,8 @@ class Failing(QpSolver):
     name, summary = "failing", "fails on purpose"
     fails: ClassVar[set[int]] = set()
 
-    def __init__(self, *sizes):
-        super().__init__(*sizes)
-        self.solver, self.calls = Quadprog(*sizes), 0
+    def __init__(self):
+        self.solver, self.calls = Quadprog(), 0
 
     def solve(self, problem):
         solution = self.solver.solve(problem)

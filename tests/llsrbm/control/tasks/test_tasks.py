@@ -15,9 +15,9 @@ SEED = 5
 ALL = {
     "com": tasks.CentreOfMass((0.0, 0.0)),
     "orientation": tasks.BaseOrientation((0.0, 0.0)),
-    "swing": tasks.SwingFoot(2, (0.0, 0.0)),
-    "seeking": tasks.SeekingFoot(1, 0.0),
-    "standing": tasks.StandingFoot(3, 1, 0.0),
+    "swing": tasks.SwingFeet([2], (0.0, 0.0)),
+    "seeking": tasks.SeekingFeet([1], 0.0),
+    "standing": tasks.StandingFeet([3], 1, 0.0),
     "momentum": tasks.AngularMomentum(0.0),
     "posture": tasks.Posture(12, (0.0, 0.0)),
 }
@@ -105,7 +105,7 @@ def test_foot_orientation_wants_a_level_sole_with_the_plans_heading():
 
 def test_a_standing_sole_is_held_at_all_its_corners():
     body = moved(SEED, np.zeros(18), 0.0, "slider")
-    motion = tasks.StandingFoot(1, 4, 20.0).motion(body, resting_target(2))
+    motion = tasks.StandingFeet([1], 4, 20.0).motion(body, resting_target(2))
     assert motion.jacobian.shape == (12, 18)
     np.testing.assert_allclose(motion.error_rate, -body.contact_velocity[4:].ravel())
     # Four corners of a rigid sole: six degrees of freedom, no more.
