@@ -69,6 +69,21 @@ class ScenarioChosen:
 
 
 @dataclass(frozen=True)
+class PushDragged:
+    """The push was drawn in the picture.
+
+    Attributes:
+        time: s, the instant that was shown.
+        impulse: N s, (x, y, z), as the arrow stands.
+        ended: whether it was let go of.
+    """
+
+    time: float
+    impulse: tuple[float, float, float]
+    ended: bool
+
+
+@dataclass(frozen=True)
 class DesignChosen:
     """An example was chosen."""
 
@@ -281,6 +296,7 @@ Event = (
     | TuningReset
     | TargetDragged
     | ScenarioChosen
+    | PushDragged
     | DesignChosen
     | SimulateWanted
     | WorstWanted

@@ -20,9 +20,11 @@ from app.plots.plots import PlotChoice, Plots
 from app.scene.landing_handle import Grip, LandingHandle
 from app.scene.overlays.landing_marks import LandingMarks
 from app.scene.picture import Picture
+from app.scene.push_handle import PushGrip, PushHandle
 from app.scene.scene import Scene
 from app.session.comparison import free_colour
 from app.session.events import Event, JumpChosen, ScenarioChosen, ViewChosen
+from app.session.pushing import push_shown
 from app.session.state import Shown, TabState, View
 from app.viser_link.page_link import PageLink
 from llsrbm.analysis.figures import figures_of_plan
@@ -52,6 +54,7 @@ class Rendering:
         open_file: Callable[[str, bytes], None],
         choose_plots: Callable[[PlotChoice], None],
         drag_target: Callable[[Grip], None],
+        drag_push: Callable[[PushGrip], None],
     ) -> None:
         """Build what every tab has, whatever its state.
 
@@ -60,8 +63,8 @@ class Rendering:
             link: to the scripts in its page.
             state: to begin with; it is drawn by `draw`.
             examples: to choose from.
-            act, choose_example, open_file, choose_plots, drag_target: called on viser's event
-                loop with what the visitor does; must return at once.
+            act, choose_example, open_file, choose_plots, drag_target, drag_push: called on viser's
+                event loop with what the visitor does; must return at once.
         """
         self._client = client
         self._link = link
@@ -80,6 +83,7 @@ class Rendering:
             self._plots = Plots(client, choose_plots)
         self._scene = Scene(client)
         self._handle = LandingHandle(client, drag_target)
+        self._push = PushHandle(client, drag_push)
         self._drawn: TabState | None = None
         # Where the controls stand, as far as they were read or set: what a hand is moving must not
         # be set to where it was a moment ago.
@@ -185,6 +189,8 @@ class Rendering:
         robot = state.robot if state.ready else None
         visible = LandingMarks.name in state.view.layers and state.shown is not None
         self._handle.draw(state.design.jump, robot, visible=visible)
+        if self._push.draw(push_shown(state)):
+            self._link.settle()
 
     # ---- numbers and curves
 

@@ -91,6 +91,8 @@ class Work:
         nearest: a jump that can be planned, on offer in place of one that cannot.
         simulate_next: the plan that is awaited shall be simulated, with so many seeds (0: once).
         dragging: the request on its way.
+        replay_from: s, from where the simulation that is awaited shall be played, as soon as there
+            is something to see; None: where the page stands.
     """
 
     newest: int = 0
@@ -102,6 +104,7 @@ class Work:
     nearest: Nearest | None = None
     simulate_next: int | None = None
     dragging: DragPlanning = field(default_factory=DragPlanning)
+    replay_from: float | None = None
 
 
 @dataclass(frozen=True, eq=False)

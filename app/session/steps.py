@@ -35,7 +35,7 @@ def with_status(
 def submit(state: TabState, task: Task) -> Step:
     """Have the pool work on the tab's motion, in place of what it was to do before."""
     ticket = state.tickets + 1
-    state = with_work(replace(state, tickets=ticket), newest=ticket, awaited=task)
+    state = with_work(replace(state, tickets=ticket), newest=ticket, awaited=task, replay_from=None)
     return state, (Submit(Lane.MOTION, ticket, task),)
 
 

@@ -13,7 +13,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from app.compute.protocol import Failed, Prepared
-from app.session import files, requests, results
+from app.session import files, pushing, requests, results
 from app.session.comparison import Pin, free_colour
 from app.session.effects import LoadRobot, Notify, Share, Stop
 from app.session.events import (
@@ -28,6 +28,7 @@ from app.session.events import (
     PinChosen,
     PinWanted,
     PlotsChosen,
+    PushDragged,
     RedoWanted,
     Reported,
     Rested,
@@ -67,7 +68,9 @@ def update(state: TabState, event: Event) -> Step:
         case TargetDragged():
             return requests.drag_target(state, event)
         case ScenarioChosen():
-            return requests.choose_scenario(state, event)
+            return pushing.choose_scenario(state, event)
+        case PushDragged():
+            return pushing.drag_push(state, event)
         case DesignChosen():
             return requests.choose_design(state, event)
         case NearestWanted():
