@@ -79,7 +79,7 @@ class WholeBodyController:
         self._landing = landing.landing_strategy(self.landing)
         self._body = body = WholeBody(robot)
         self._dynamics = InverseDynamics(body, settings.friction, scenario.solver, self._tick)
-        self._reference = Reference(plan, robot.mass * _GRAVITY)
+        self._reference = self.reference_of(plan)
         self.detector = make_detector(scenario.detector, self._tick, model_uncertainty(robot.file))
         feet = FootForces(body, robot.leg_joint_index, self._tick)
         self.contacts = ContactSchedule(plan, body, feet, self._tick)
@@ -99,6 +99,25 @@ class WholeBodyController:
         """Flights that have begun, in order, each with when its touchdown was detected."""
         return self.contacts.flights
 
+    def reference_of(self, plan: Plan, from_time: float | None = None) -> Reference:
+        """A plan as it can be followed, from a time on its own clock; None: from its start."""
+        return Reference(plan, self._robot.mass * _GRAVITY, from_time)
+
+    def target(self, time: float) -> Target:
+        """What is to be tracked at a time, s since the first plan's start."""
+        return self._reference.at(self.contacts.plan_time(time))
+
+    def set_reference(self, reference: Reference) -> None:
+        """Follow another plan from the next step on.
+
+        Args:
+            reference: of a plan with the same schedule, whose clock is that of the present one.
+        """
+        self._reference = reference
+        self.contacts.follow(reference.plan)
+        if not self.contacts.flying:  # it begins with the landing's real momentum
+            self._momentum_share = 1.0
+
     def step(self, measurement: Measurement) -> Tick:
         """Decide the torques of the tick that begins with a measurement: all that it knows."""
         time, body, contacts = measurement.time, self._body, self.contacts
@@ -116,7 +135,7 @@ class WholeBodyController:
         contacts.feel(time, measurement.torque, hit=flying and self.detector.update(state))
         landed = flying and not contacts.flying
         if landed:
-            planned = self._reference.late[contacts.phase - 1].com_velocity[2]
+            planned = self._reference.late(contacts.phase - 1).com_velocity[2]
             self._momentum_share = float(body.com_velocity[2] / min(planned, _SINKING))
         target = self._target(time)
         mode = self._mode(time)
@@ -145,7 +164,7 @@ class WholeBodyController:
         acceleration = target.com_acceleration
         if contacts.flying:
             if time > self.flights[-1].touchdown - JUST_AFTER:
-                target = self._reference.late[contacts.phase]
+                target = self._reference.late(contacts.phase)
             acceleration = _FREE_FALL
         raised = target.com + np.array([0.0, 0.0, contacts.ground_shift])
         return replace(target, com=raised, com_acceleration=acceleration)
