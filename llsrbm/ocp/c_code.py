@@ -1,4 +1,4 @@
-"""A transcription's functions as C: each instruction of a stage on as many stages as fit a register.
+"""A transcription's functions as C: every instruction on as many stages as a register holds.
 
 The code is a library that CasADi loads (`ca.external`); `llsrbm.ocp` says why. A file holds one
 family's stage functions, so that a compiler never has all of them in memory; another one gathers
@@ -183,7 +183,7 @@ def _family(name: str, family: _Family) -> str:
         pieces, slots = _pieces(f"{name}_{kind.name}", function)
         parts += pieces
         parts.append(_loop(name, kind, function, family, len(pieces)))
-        scalars = sum(function.numel_in(i) + 0 for i in range(function.n_in()))
+        scalars = sum(function.numel_in(i) for i in range(function.n_in()))
         outputs = sum(function.numel_out(i) for i in range(function.n_out()))
         # One more for the alignment of the first.
         size = scalars + family.functions.height + outputs + slots + 1
@@ -428,9 +428,7 @@ def _problem(transcription: Transcription, families: list[_Family]) -> str:
                 ),
             )
         )
-    parts += [
-        f"static const long long {name}[] = {{{text}}};\n" for text, name in patterns.items()
-    ]
+    parts += [f"static const long long {name}[] = {{{text}}};\n" for text, name in patterns.items()]
     return "\n".join(parts + functions)
 
 

@@ -22,6 +22,7 @@ from pathlib import Path
 
 import casadi as ca
 
+from llsrbm.cache import forget_old
 from llsrbm.ocp.c_code import EVALUATED
 from llsrbm.ocp.transcription import Structure, Transcribed
 
@@ -58,15 +59,19 @@ class Compiler:
     identity: str
 
 
-@lru_cache(maxsize=1)
 def compiler() -> Compiler | None:
     """The system's C compiler, if there is one, and unless it is switched off."""
     if os.environ.get(ENVIRONMENT_VARIABLE) == "0" or os.name != "posix":
         return None
     path = shutil.which(os.environ.get("CC") or "cc")
     if path is None:
-        _log.info("no C compiler (cc): solvers work as they are, at a third of the speed")
+        _log.info("no C compiler (cc): solvers work as they are, at half the speed")
         return None
+    return _identified(path)
+
+
+@lru_cache(maxsize=4)
+def _identified(path: str) -> Compiler | None:
     command = (path, *_OPTIONS)
     try:
         macros = subprocess.run(
@@ -115,6 +120,7 @@ class Library:
             self._report()
             return
         _log.info("compiling %s in the background", self.path.parent.name)
+        forget_old(self.path)
         with tempfile.TemporaryFile() as file:
             file.write(source)
             file.seek(0)

@@ -75,9 +75,15 @@ _SILENT, _TABLE = 0, 5  # Fatrop's print levels
 
 
 class Solver(ABC):
-    """Solves a transcription's problems with one of nlpsol's plugins."""
+    """Solves a transcription's problems with one of nlpsol's plugins.
+
+    Attributes:
+        name: to choose it by.
+        compiled: whether it takes compiled functions.
+    """
 
     name: ClassVar[str]
+    compiled: ClassVar[bool] = False
 
     def __init__(self, cold: ca.Function, near: ca.Function, structure: Structure) -> None:
         self._near, self._structure = near, structure
@@ -236,6 +242,7 @@ class Fatrop(Solver):
     """
 
     name = "fatrop"
+    compiled = True
 
     def __init__(self, cold: ca.Function, near: ca.Function, structure: Structure) -> None:
         super().__init__(cold, near, structure)
@@ -379,7 +386,7 @@ def _with_scaled_rows(functions: dict[str, ca.Function]) -> dict[str, ca.Functio
 
 
 class Ipopt(Solver):
-    """General interior point; slower, and an independent second opinion."""
+    """General interior point; slower, and an independent second opinion, so never compiled."""
 
     name = "ipopt"
 

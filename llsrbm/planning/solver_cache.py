@@ -1,4 +1,4 @@
-"""Solvers are built once on a machine: half a minute each, kept as text and compiled in the cache."""
+"""Solvers are built once on a machine, half a minute each: the cache has text and a library."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def cached_solver(
         *programs(),
     )
     name = f"solver-{robot.name}-{model.name}-{kind.name}-{layout.name}"
-    library, tool = None, compiler()
+    library, tool = None, compiler() if kind.compiled else None
     if tool is not None:
         library = Library(cache_path(name, content_key(key, tool.identity), ".so"))
         if (loaded := library.load()) is not None:
