@@ -91,6 +91,7 @@ class WholeBodyController:
         points = body.contacts // body.legs
         # By which feet stand and which seek the ground: few of all that could be.
         self._feet: dict[tuple[bytes, bytes], list[tuple[tasks.Task, float]]] = {}
+        self._carried: dict[bytes, Array] = {}  # by which feet stand
         self._points = points
         self._momentum_share = 1.0
 
@@ -188,9 +189,7 @@ class WholeBodyController:
             angular_momentum = weights.angular_momentum_in_takeoff
         wanted = target.contact_force
         if landing:
-            standing = np.zeros((body.contacts, 3))
-            planned = contacts.planned.repeat(self._points)
-            standing[planned, 2] = body.mass * _GRAVITY / planned.sum()
+            standing = self._weight_carried(contacts.planned)
             wanted = self._landing.force(wanted, standing, self._momentum_share)
         return self._dynamics.solve(
             [
@@ -206,6 +205,16 @@ class WholeBodyController:
             weights.force_in_landing if following_forces else weights.force,
             torque_range(self._robot, body.v[6:]),
         )
+
+    def _weight_carried(self, feet: Feet) -> Array:
+        """(C, 3) N: the weight, shared by the points of the feet (L,) that stand."""
+        key = feet.tobytes()
+        if key not in self._carried:
+            points = feet.repeat(self._points)
+            force = np.zeros((len(points), 3))
+            force[points, 2] = self._body.mass * _GRAVITY / points.sum()
+            self._carried[key] = force
+        return self._carried[key]
 
     def _feet_tasks(self, standing: Feet, seeking: Feet) -> list[tuple[tasks.Task, float]]:
         """Tasks with their weights for the feet, (L,) of which stand or seek the ground."""
