@@ -124,11 +124,20 @@ def write_checked(path: Path, data: bytes) -> None:
     """Store an entry with a checksum; a cache that cannot be written is only a warning."""
     try:
         write_atomically(path, hashlib.sha256(data).digest() + data)
-        entries = path.parent.glob(f"*{path.suffix}")
-        for entry in sorted(entries, key=lambda entry: entry.stat().st_mtime)[:-KEPT]:
-            entry.unlink(missing_ok=True)
+        forget_old(path)
     except OSError as error:
         _log.warning("cache entry %s cannot be written (%s); it is not kept", path, error)
+
+
+def forget_old(path: Path) -> None:
+    """Remove the entries of a new one's kind that were not used for longest.
+
+    Raises:
+        OSError: one cannot be removed.
+    """
+    entries = path.parent.glob(f"*{path.suffix}")
+    for entry in sorted(entries, key=lambda entry: entry.stat().st_mtime)[:-KEPT]:
+        entry.unlink(missing_ok=True)
 
 
 def cached_bytes(kind: str, key: bytes, suffix: str, compute: Callable[[], bytes]) -> bytes:

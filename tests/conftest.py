@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+import os
 from functools import cache
 
 import pytest
 from hypothesis import settings
+
+# Solvers as they are everywhere: no compiler runs beside the tests, and none's work is used; tests
+# of compiled functions say so themselves.
+os.environ["LLSRBM_COMPILE"] = "0"
 
 # A busy machine is no fault.
 settings.register_profile("patient", deadline=None)

@@ -79,14 +79,10 @@ class ContactSchedule:
             feet: what its legs feel.
             tick: s between updates.
         """
-        schedule = plan.schedule
-        self._schedule, self._start = schedule, plan.phase_start
+        self._schedule = plan.schedule
         self._body, self._feet, self._tick = body, feet, tick
-        self._stands = schedule.stands
-        # (K + 1, L, 3) m; of a foot that never stands in a place it does not matter.
-        self._footholds = plan.foot_position[foothold_knots(plan), np.arange(body.legs)]
-        self._comes_from = np.array([_coming_from(plan, p) for p in range(len(schedule))])
-        self._pushes_from = np.array([_pushing_from(plan, p) for p in range(len(schedule))])
+        self._stands = plan.schedule.stands
+        self._take(plan)
 
         self.phase = 0
         self.standing: Feet = self._stands[0].copy()
@@ -96,6 +92,22 @@ class ContactSchedule:
         self._plan_time, self._at = 0.0, 0.0
         self._still = np.zeros(body.legs, dtype=np.int64)
         self._seeking_since = np.full(body.legs, np.inf)
+
+    def _take(self, plan: Plan) -> None:
+        """Times and places of a plan."""
+        phases = range(len(plan.schedule))
+        self._start = plan.phase_start
+        # (K + 1, L, 3) m; of a foot that never stands in a place it does not matter.
+        self._footholds = plan.foot_position[foothold_knots(plan), np.arange(self._body.legs)]
+        self._comes_from = np.array([_coming_from(plan, p) for p in phases])
+        self._pushes_from = np.array([_pushing_from(plan, p) for p in phases])
+
+    def follow(self, plan: Plan) -> None:
+        """Go on with another plan, of the same schedule and clock; what has happened stays."""
+        self._take(plan)
+        if self.flying:
+            end = self._start[self.phase + 1] - self._plan_time + self._at
+            self.flights[-1].touchdown = float(end)
 
     @property
     def flying(self) -> bool:

@@ -79,7 +79,7 @@ class WholeBodyController:
         self._landing = landing.landing_strategy(self.landing)
         self._body = body = WholeBody(robot)
         self._dynamics = InverseDynamics(body, settings.friction, scenario.solver, self._tick)
-        self._reference = Reference(plan, robot.mass * _GRAVITY)
+        self._reference = self.reference_of(plan)
         self.detector = make_detector(scenario.detector, self._tick, model_uncertainty(robot.file))
         feet = FootForces(body, robot.leg_joint_index, self._tick)
         self.contacts = ContactSchedule(plan, body, feet, self._tick)
@@ -91,6 +91,7 @@ class WholeBodyController:
         points = body.contacts // body.legs
         # By which feet stand and which seek the ground: few of all that could be.
         self._feet: dict[tuple[bytes, bytes], list[tuple[tasks.Task, float]]] = {}
+        self._carried: dict[bytes, Array] = {}  # by which feet stand
         self._points = points
         self._momentum_share = 1.0
 
@@ -98,6 +99,25 @@ class WholeBodyController:
     def flights(self) -> list[Flight]:
         """Flights that have begun, in order, each with when its touchdown was detected."""
         return self.contacts.flights
+
+    def reference_of(self, plan: Plan, from_time: float | None = None) -> Reference:
+        """A plan as it can be followed, from a time on its own clock; None: from its start."""
+        return Reference(plan, self._robot.mass * _GRAVITY, from_time)
+
+    def target(self, time: float) -> Target:
+        """What is to be tracked at a time, s since the first plan's start."""
+        return self._reference.at(self.contacts.plan_time(time))
+
+    def set_reference(self, reference: Reference) -> None:
+        """Follow another plan from the next step on.
+
+        Args:
+            reference: of a plan with the same schedule, whose clock is that of the present one.
+        """
+        self._reference = reference
+        self.contacts.follow(reference.plan)
+        if not self.contacts.flying:  # it begins with the landing's real momentum
+            self._momentum_share = 1.0
 
     def step(self, measurement: Measurement) -> Tick:
         """Decide the torques of the tick that begins with a measurement: all that it knows."""
@@ -116,7 +136,7 @@ class WholeBodyController:
         contacts.feel(time, measurement.torque, hit=flying and self.detector.update(state))
         landed = flying and not contacts.flying
         if landed:
-            planned = self._reference.late[contacts.phase - 1].com_velocity[2]
+            planned = self._reference.late(contacts.phase - 1).com_velocity[2]
             self._momentum_share = float(body.com_velocity[2] / min(planned, _SINKING))
         target = self._target(time)
         mode = self._mode(time)
@@ -145,7 +165,7 @@ class WholeBodyController:
         acceleration = target.com_acceleration
         if contacts.flying:
             if time > self.flights[-1].touchdown - JUST_AFTER:
-                target = self._reference.late[contacts.phase]
+                target = self._reference.late(contacts.phase)
             acceleration = _FREE_FALL
         raised = target.com + np.array([0.0, 0.0, contacts.ground_shift])
         return replace(target, com=raised, com_acceleration=acceleration)
@@ -169,9 +189,7 @@ class WholeBodyController:
             angular_momentum = weights.angular_momentum_in_takeoff
         wanted = target.contact_force
         if landing:
-            standing = np.zeros((body.contacts, 3))
-            planned = contacts.planned.repeat(self._points)
-            standing[planned, 2] = body.mass * _GRAVITY / planned.sum()
+            standing = self._weight_carried(contacts.planned)
             wanted = self._landing.force(wanted, standing, self._momentum_share)
         return self._dynamics.solve(
             [
@@ -187,6 +205,16 @@ class WholeBodyController:
             weights.force_in_landing if following_forces else weights.force,
             torque_range(self._robot, body.v[6:]),
         )
+
+    def _weight_carried(self, feet: Feet) -> Array:
+        """(C, 3) N: the weight, shared by the points of the feet (L,) that stand."""
+        key = feet.tobytes()
+        if key not in self._carried:
+            points = feet.repeat(self._points)
+            force = np.zeros((len(points), 3))
+            force[points, 2] = self._body.mass * _GRAVITY / points.sum()
+            self._carried[key] = force
+        return self._carried[key]
 
     def _feet_tasks(self, standing: Feet, seeking: Feet) -> list[tuple[tasks.Task, float]]:
         """Tasks with their weights for the feet, (L,) of which stand or seek the ground."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg.lapack import dposv
 
 from llsrbm.control.whole_body import WholeBody
 
@@ -44,6 +45,12 @@ class FootForces:
             np.arange(3)[None, :, None],
             self._rows[:, None, :],
         )
+        # The legs' systems, one block each of one that is solved at a stroke: (3 L, 3 L).
+        self._system = np.zeros((3 * body.legs, 3 * body.legs))
+        row, column = self._system.strides
+        self._blocks = np.lib.stride_tricks.as_strided(
+            self._system, (body.legs, 3, 3), (3 * (row + column), row, column)
+        )
         self._threshold = _TOUCHING * body.mass * 9.81
         self._equations: tuple[Array, Array, Array, Array] | None = None
         self.vertical = np.zeros(body.legs)
@@ -66,10 +73,9 @@ class FootForces:
             M, h, own, v = self._equations
             load = M @ (body.v - v) / self._tick + h
             load[_BASE:] -= torque
-            force = np.linalg.solve(
-                own @ own.transpose(0, 2, 1) + _REGULARISATION, own @ load[self._rows][..., None]
-            )
-            self.vertical += _SMOOTHING * (force[:, 2, 0] - self.vertical)
+            np.add(own @ own.transpose(0, 2, 1), _REGULARISATION, out=self._blocks)
+            force = dposv(self._system, (own @ load[self._rows][..., None]).ravel())[1]
+            self.vertical += _SMOOTHING * (force[2::3] - self.vertical)
             above = self.vertical > self._threshold
             self._touching = np.where(above, self._touching + 1, 0)
         self._equations = (body.M, body.h, body.foot_jacobian[self._columns], body.v.copy())

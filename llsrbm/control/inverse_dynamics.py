@@ -102,9 +102,10 @@ class InverseDynamics:
         """
         body, n = self._body, self._n
         M, h = body.M, body.h
-        J = body.contact_jacobian[contact].reshape(-1, n)
+        pushing: NDArray[np.bool_] | slice = slice(None) if contact.all() else contact
+        J = body.contact_jacobian[pushing].reshape(-1, n)
         qp = self._program(len(J) // 3)
-        self._set_costs(qp, tasks, target, force[contact].ravel(), force_weight)
+        self._set_costs(qp, tasks, target, force[pushing].ravel(), force_weight)
         qp.A[:, :n] = M[:_BASE]
         np.negative(J[:, :_BASE].T, out=qp.A[:, n:])
         np.negative(h[:_BASE], out=qp.b)
@@ -117,9 +118,9 @@ class InverseDynamics:
         if not solution.solved:
             return self._unsolved_command(torque_limits)
         x = solution.x
-        pushing = np.zeros((len(contact), 3))
-        pushing[contact] = x[n:].reshape(-1, 3)
-        self._last = Command(torques.dot(x) + h[_BASE:], x[:n], pushing, solved=True)
+        forces = np.zeros((len(contact), 3))
+        forces[pushing] = x[n:].reshape(-1, 3)
+        self._last = Command(torques.dot(x) + h[_BASE:], x[:n], forces, solved=True)
         self._unsolved = 0
         return self._last
 

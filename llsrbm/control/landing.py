@@ -36,7 +36,8 @@ def _as_planned(planned: Array, _standing: Array, _share: float) -> Array:
 
 def _scaled(planned: Array, standing: Array, share: float) -> Array:
     """The part that brakes in proportion to the momentum that is there to be braked."""
-    return standing + float(np.clip(share, *_SCALES)) * (planned - standing)
+    least, most = _SCALES
+    return standing + min(max(share, least), most) * (planned - standing)
 
 
 AUTO = "auto"

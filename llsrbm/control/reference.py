@@ -18,6 +18,7 @@ Array = NDArray[np.float64]
 _GRAVITY = 9.81
 _STEP = 5e-4  # s; a reference is at most half of it old
 _JUST_BEFORE = 2 * _STEP  # touchdown, where the nearest sample surely is one of the flight
+_AHEAD = 64  # samples, 32 ms: a plan that is made anew under way is followed for 20
 BRAKING = 0.3  # s in which a robot that keeps some speed comes to rest after the plan's end
 
 
@@ -59,18 +60,53 @@ class Reference:
     After a plan that ends with speed the CoM comes to rest with a constant deceleration.
 
     Attributes:
-        late: flight -> the target in it after its planned touchdown: legs held as they should land.
+        plan: what is followed.
     """
 
-    def __init__(self, plan: Plan, weight: float) -> None:
+    def __init__(self, plan: Plan, weight: float, from_time: float | None = None) -> None:
         """Sample the plan.
 
         Args:
             plan: what to follow.
             weight: of the robot, N, carried by all contacts alike after the end.
+            from_time: s since its start, from which it is followed, for a while perhaps: only what
+                comes next is sampled, more as it is asked for; None: all of it at once.
         """
-        duration = plan.duration + braking_time(plan)
-        times = np.arange(0.0, duration + 2 * _STEP, _STEP) + plan.time[0]
+        self.plan = plan
+        self._weight = weight
+        self._samples = len(np.arange(0.0, plan.duration + braking_time(plan) + 2 * _STEP, _STEP))
+        self._targets: dict[int, Target] = {}
+        self._late: dict[int, Target] = {}
+        self._ahead = self._samples if from_time is None else _AHEAD
+        self.at(from_time or 0.0)
+
+    def at(self, time: float) -> Target:
+        """The plan's nearest sample to a time, s since its start."""
+        index = min(max(round(time / _STEP), 0), self._samples - 1)
+        target = self._targets.get(index)
+        if target is None:
+            self._sample(index, min(index + self._ahead, self._samples))
+            self._ahead *= 2
+            target = self._targets[index]
+        return target
+
+    def late(self, flight: int) -> Target:
+        """The target in a flight after its planned touchdown: legs held as they should land."""
+        if flight not in self._late:
+            last = self.at(float(self.plan.phase_start[flight + 1]) - _JUST_BEFORE)
+            still = np.zeros_like(last.foot_from_com)
+            self._late[flight] = replace(
+                last,
+                foot_velocity_from_com=still,
+                foot_acceleration_from_com=still,
+                foot_heading=last.foot_heading * [1.0, 0.0, 0.0],
+            )
+        return self._late[flight]
+
+    def _sample(self, first: int, end: int) -> None:
+        """Keep the samples from one to before another."""
+        plan, weight = self.plan, self._weight
+        times = np.arange(first, end) * _STEP + plan.time[0]
         motion = resample(plan, times)
         omega, omega_rate = _angular_velocity(plan, times)
         foot, heading = _swing(plan, times)
@@ -103,26 +139,8 @@ class Reference:
         if braking_time(plan):
             _brake(plan, times, columns, weight)
         names = [field.name for field in fields(Target)]
-        self._targets = [
-            Target(*row) for row in zip(*(columns[name] for name in names), strict=True)
-        ]
-        ends = plan.phase_start[1:]
-        self.late = {flight: self._late(float(ends[flight])) for flight in plan.schedule.flights}
-
-    def at(self, time: float) -> Target:
-        """The plan's nearest sample to a time, s since its start."""
-        index = round(time / _STEP)
-        return self._targets[min(max(index, 0), len(self._targets) - 1)]
-
-    def _late(self, touchdown: float) -> Target:
-        last = self.at(touchdown - _JUST_BEFORE)
-        still = np.zeros_like(last.foot_from_com)
-        return replace(
-            last,
-            foot_velocity_from_com=still,
-            foot_acceleration_from_com=still,
-            foot_heading=last.foot_heading * [1.0, 0.0, 0.0],
-        )
+        rows = zip(*(columns[name] for name in names), strict=True)
+        self._targets |= {first + k: Target(*row) for k, row in enumerate(rows)}
 
 
 def braking_time(plan: Plan) -> float:

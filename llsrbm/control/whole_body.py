@@ -152,7 +152,6 @@ class WholeBody:
         self.contact_jacobian, self.contact_velocity = touching[..., :n], touching[..., n]
         self.contact_bias = touching[..., n + 1]
         if self._has_soles:
-            omega = self.foot_angular_velocity[:, None]
-            inward = (arms * omega).sum(axis=2, keepdims=True) * omega
-            inward -= (omega * omega).sum(axis=2, keepdims=True) * arms
+            turning = (self.foot_angular_velocity @ _SKEW).reshape(legs, 3, 3)
+            inward = arms @ (turning @ turning)  # omega x (omega x arm), by a symmetric matrix
             self.contact_bias += inward.reshape(points, 3)

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from llsrbm.errors import InputError
 from llsrbm.ocp.problem import Iterate, Problem, Solution
 from llsrbm.ocp.progress import IterationTable, printed_into
-from llsrbm.ocp.transcription import Structure, Transcription
+from llsrbm.ocp.transcription import Structure, Transcribed
 
 Array = NDArray[np.float64]
 
@@ -75,13 +75,20 @@ _SILENT, _TABLE = 0, 5  # Fatrop's print levels
 
 
 class Solver(ABC):
-    """Solves a transcription's problems with one of nlpsol's plugins."""
+    """Solves a transcription's problems with one of nlpsol's plugins.
+
+    Attributes:
+        name: to choose it by.
+        compiled: whether it takes compiled functions.
+    """
 
     name: ClassVar[str]
+    compiled: ClassVar[bool] = False
 
     def __init__(self, cold: ca.Function, near: ca.Function, structure: Structure) -> None:
         self._near, self._structure = near, structure
         self._cold = {PATIENT: cold}
+        self._faster: Callable[[], Transcribed | None] | None = None
 
     @property
     def sizes(self) -> tuple[int, int]:
@@ -91,7 +98,7 @@ class Solver(ABC):
 
     @classmethod
     @abstractmethod
-    def build(cls, transcription: Transcription) -> Solver:
+    def build(cls, transcription: Transcribed) -> Solver:
         """Build the solver of a transcription."""
 
     def serialize(self) -> str:
@@ -113,6 +120,20 @@ class Solver(ABC):
         states, controls, rows, equality = ([int(n) for n in serializer.unpack()] for _ in range(4))
         return cls(cold, near, Structure(states, controls, rows, [bool(n) for n in equality]))
 
+    def replace_by(self, faster: Callable[[], Transcribed | None]) -> None:
+        """Take the same problem's faster functions in the next solve in which they are there.
+
+        Args:
+            faster: gives them, or None as long as there are none.
+        """
+        self._faster = faster
+
+    def _renew(self) -> None:
+        if self._faster is None or (transcribed := self._faster()) is None:
+            return
+        new = type(self).build(transcribed)
+        self._cold, self._near, self._faster = new._cold, new._near, None
+
     def function(self, name: str) -> ca.Function:
         """One of the problem's functions, as it is evaluated: nlp_f, nlp_g, ...; nlp: f and g."""
         cold = self._cold[PATIENT]
@@ -133,6 +154,7 @@ class Solver(ABC):
             patience: how long to go on.
             read: takes the table of iterations, of solvers that print one.
         """
+        self._renew()
         if self.miss(problem, guess) > HOPELESS:
             return self._given_up(problem, Iterate(guess, np.zeros_like(problem.lower)))
         if patience not in self._cold:
@@ -146,9 +168,14 @@ class Solver(ABC):
         with nullcontext() if read is None else self._printing(read):
             return self._run(self._cold[patience], arguments)
 
-    @abstractmethod
     def follow(self, problem: Problem, start: Iterate) -> Solution:
         """Solve from the solution of a problem whose numbers are a little off."""
+        self._renew()
+        return self._follow(problem, start)
+
+    @abstractmethod
+    def _follow(self, problem: Problem, start: Iterate) -> Solution:
+        """See `follow`."""
 
     def miss(self, problem: Problem, variables: Array) -> float:
         """The largest violation of a row; infinite where a row is not finite."""
@@ -215,6 +242,7 @@ class Fatrop(Solver):
     """
 
     name = "fatrop"
+    compiled = True
 
     def __init__(self, cold: ca.Function, near: ca.Function, structure: Structure) -> None:
         super().__init__(cold, near, structure)
@@ -230,7 +258,7 @@ class Fatrop(Solver):
             _set_print_level(_SILENT)
 
     @classmethod
-    def build(cls, transcription: Transcription) -> Solver:
+    def build(cls, transcription: Transcribed) -> Solver:
         """See `Solver.build`."""
         functions, structure = transcription.functions, transcription.structure
         near = {
@@ -252,7 +280,7 @@ class Fatrop(Solver):
         options = _fatrop_options(patience) | {"print_level": _SILENT}
         return _fatrop(functions, self._structure, options)
 
-    def follow(self, problem: Problem, start: Iterate) -> Solution:
+    def _follow(self, problem: Problem, start: Iterate) -> Solution:
         """See `Solver.follow`."""
         lower, upper = problem.lower, problem.upper
         inequality = lower < upper
@@ -358,12 +386,12 @@ def _with_scaled_rows(functions: dict[str, ca.Function]) -> dict[str, ca.Functio
 
 
 class Ipopt(Solver):
-    """General interior point; slower, and an independent second opinion."""
+    """General interior point; slower, and an independent second opinion, so never compiled."""
 
     name = "ipopt"
 
     @classmethod
-    def build(cls, transcription: Transcription) -> Solver:
+    def build(cls, transcription: Transcribed) -> Solver:
         """See `Solver.build`."""
         functions = transcription.functions
         hessian = functions["nlp_hess_l"]
@@ -391,7 +419,7 @@ class Ipopt(Solver):
         derivatives = {option: self.function(name) for option, name in names.items()}
         return _ipopt(self.function("nlp"), derivatives, patience, {})
 
-    def follow(self, problem: Problem, start: Iterate) -> Solution:
+    def _follow(self, problem: Problem, start: Iterate) -> Solution:
         """See `Solver.follow`."""
         arguments = {
             "x0": start.variables,

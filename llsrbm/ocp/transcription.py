@@ -74,13 +74,24 @@ class Structure:
     equality: list[bool]
 
 
-class Transcription:
-    """The parametric problem of a horizon.
+class Transcribed:
+    """A parametric problem, as solvers take it.
 
     Attributes:
         functions: name -> CasADi function, in the signatures that nlpsol expects of its oracle:
             nlp, nlp_f, nlp_g, nlp_grad_f, nlp_jac_g, nlp_hess_l, nlp_grad.
         structure: sizes of its stages.
+    """
+
+    def __init__(self, functions: dict[str, ca.Function], structure: Structure) -> None:
+        self.functions, self.structure = functions, structure
+
+
+class Transcription(Transcribed):
+    """The parametric problem of a horizon.
+
+    Attributes:
+        blocks: its runs of stages, in order.
     """
 
     def __init__(self, horizon: Horizon) -> None:
@@ -114,13 +125,14 @@ class Transcription:
             equality += [True] * stage.gap
             for _, count, equal in stage.rows:
                 equality += [equal] * count
-        self.structure = Structure(
+        structure = Structure(
             states=[stage.states for stage in stages],
             controls=[stage.width - stage.states for stage in stages],
             rows=[stage.height - stage.gap for stage in stages],
             equality=equality,
         )
-        self.functions = _assemble(blocks, horizon.parameters)
+        super().__init__(_assemble(blocks, horizon.parameters), structure)
+        self.blocks = tuple(blocks)
 
 
 def _first_apart(runs: tuple[Run, ...]) -> Iterator[tuple[Run, bool]]:

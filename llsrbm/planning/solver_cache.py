@@ -1,4 +1,4 @@
-"""Solvers are built once on a machine: half a minute each, and kept as text in the cache."""
+"""Solvers are built once on a machine, half a minute each: the cache has text and a library."""
 
 from __future__ import annotations
 
@@ -6,13 +6,16 @@ import ast
 import logging
 import zlib
 from collections.abc import Iterator
-from functools import lru_cache
+from functools import cache, lru_cache
 from pathlib import Path
 
 import casadi as ca
 
-from llsrbm.cache import cached_bytes, content_key, program
+from llsrbm.cache import cache_path, cached_bytes, content_key, program
 from llsrbm.models.base import CentroidalModel
+from llsrbm.ocp.c_code import NotInC, c_files
+from llsrbm.ocp.compiled import Library, compiler, packed
+from llsrbm.ocp.kernel import load_kernel
 from llsrbm.ocp.solvers import Solver
 from llsrbm.ocp.transcription import Transcription
 from llsrbm.planning.horizon import make_horizon
@@ -29,11 +32,19 @@ _ROOMS = tuple(f"{_PACKAGE.name}.{room}." for room in ("models", "ocp", "plannin
 def cached_solver(
     kind: type[Solver], model: CentroidalModel, layout: Layout, robot: Robot
 ) -> Solver:
-    """The solver of a model's jumps, from the cache if it is there."""
+    """The solver of a model's jumps, from the cache if it is there, compiled if that is there.
 
-    def build() -> bytes:
+    Otherwise, where there is a compiler, it is compiled in the background, and the solver takes
+    what comes of it in the first solve after that.
+    """
+
+    @cache
+    def transcription() -> Transcription:
         _log.info("building the %s solver of %s, once on this machine", model.name, robot.name)
-        solver = kind.build(Transcription(make_horizon(model, layout)))
+        return Transcription(make_horizon(model, layout))
+
+    def text() -> bytes:
+        solver = kind.build(transcription())
         return zlib.compress(solver.serialize().encode("ascii"), level=1)
 
     key = content_key(
@@ -44,8 +55,23 @@ def cached_solver(
         *programs(),
     )
     name = f"solver-{robot.name}-{model.name}-{kind.name}-{layout.name}"
-    stored = cached_bytes(name, key, ".casadi.z", build)
-    return kind.deserialize(zlib.decompress(stored).decode("ascii"))
+    library, tool = None, compiler() if kind.compiled else None
+    if tool is not None:
+        load_kernel(tool)
+        library = Library(cache_path(name, content_key(key, tool.identity), ".so"))
+        if (loaded := library.load()) is not None:
+            return kind.build(loaded)
+    stored = cached_bytes(name, key, ".casadi.z", text)
+    solver = kind.deserialize(zlib.decompress(stored).decode("ascii"))
+    if tool is not None and library is not None:
+        try:
+            source = cached_bytes(name, key, ".c.z", lambda: packed(c_files(transcription())))
+        except NotInC as error:
+            _log.info("the solver is not compiled: %s", error)
+        else:
+            library.compile(tool, source)
+            solver.replace_by(library.load)
+    return solver
 
 
 @lru_cache(maxsize=1)

@@ -59,6 +59,7 @@ class ContactReader:
         self._tick = np.zeros((steps, len(self._sensors)))
         width = _WIDTH * legs * geoms
         self._feet = self._tick[:, :width].reshape(steps, legs, geoms, _WIDTH)
+        self._feet_rows = self._tick[:, :width]
         self._trunk, self._untouched = self._tick[:, width], self._tick[:, width + 1 :]
 
     def read(self, step: int) -> None:
@@ -73,13 +74,14 @@ class ContactReader:
     def mean_force(self) -> Array:
         """(L, 3) N, world frame, on the feet."""
         # MuJoCo gives the force of the sensor's geom on what it touches.
-        force: Array = self._feet[..., 1:].sum(axis=(0, 2)) * (-1.0 / len(self._tick))
+        total = np.add.reduce(self._feet_rows, axis=0).reshape(self._feet.shape[1:])
+        force: Array = np.add.reduce(total[..., 1:], axis=1) * (-1.0 / len(self._tick))
         return force
 
     def trunk_touched(self) -> bool:
         """Whether anything but the feet touched."""
-        return bool(self._trunk.any())
+        return bool(np.logical_or.reduce(self._trunk))
 
     def untouched_touched(self) -> bool:
         """Whether anything touched what nothing may touch."""
-        return bool(self._untouched.any())
+        return self._untouched.size > 0 and bool(self._untouched.any())

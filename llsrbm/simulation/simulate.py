@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from llsrbm.control.controller import WholeBodyController
 from llsrbm.control.reference import braking_time
-from llsrbm.errors import InputError
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
 from llsrbm.robots import Robot
@@ -19,6 +18,7 @@ from llsrbm.simulation.disturbance import draw_disturbance
 from llsrbm.simulation.episode import Episode, Hook
 from llsrbm.simulation.pushes import Pushes
 from llsrbm.simulation.recorder import Recorder
+from llsrbm.simulation.replanning import Replanning
 from llsrbm.simulation.sensors import Sensors
 from llsrbm.simulation.start import standing_state, starting_velocity
 from llsrbm.simulation.verdict import judge
@@ -69,7 +69,7 @@ def simulate(
     world.reset(start, starting_velocity(robot, plan, start))
     hooks: list[Hook] = [pushes]
     if scenario.replan:
-        raise InputError("replan: there is no replanner yet; expected no-replan")
+        hooks.append(Replanning(plan, robot, tick))
     episode = Episode(world, sensors, controller, recorder, hooks)
     episode.run(round(duration / tick) + 1, cancelled=cancelled, progress=progress, so_far=so_far)
 

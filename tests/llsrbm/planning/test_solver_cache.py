@@ -1,12 +1,21 @@
 """What a kept solver depends on."""
 
+import shutil
 import subprocess
 import sys
+import time
 from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
 
 import llsrbm
 from llsrbm.cache import program
-from llsrbm.planning.solver_cache import programs
+from llsrbm.ocp import solvers
+from llsrbm.planning import solver_cache
+from llsrbm.planning.solver_cache import cached_solver, programs
+from tests.llsrbm.ocp.cart import INTERVALS, horizon, problem
 
 PACKAGE = Path(llsrbm.__file__).parent
 
@@ -35,3 +44,39 @@ def test_nothing_that_is_imported_is_forgotten():
     assert len(imported) > 20
     known = set(programs())
     assert [name for name, path in imported if program(Path(path)) not in known] == []
+
+
+@pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
+def test_the_first_use_does_not_wait_for_a_compiler_and_later_ones_take_its_work(
+    tmp_path, monkeypatch
+):
+    monkeypatch.setenv("LLSRBM_CACHE", str(tmp_path))
+    monkeypatch.setenv("LLSRBM_COMPILE", "1")
+    built = []
+    monkeypatch.setattr(solver_cache, "make_horizon", lambda *_: built.append(1) or horizon())
+    model = SimpleNamespace(name="cart", numbers=dict)
+    robot = SimpleNamespace(name="cart", parameters=dict)
+    layout, fatrop = SimpleNamespace(name="cart"), solvers.by_name("fatrop")
+
+    def compiled(solver):
+        return solver.function("nlp_g").is_a("External", True)
+
+    guess = np.zeros(3 * INTERVALS + 2)
+    first = cached_solver(fatrop, model, layout, robot)
+    assert not compiled(first)
+    plain = first.solve(problem(0.8), guess)
+    directory = next(tmp_path.glob("solver-cart-*"))
+    deadline = time.monotonic() + 60
+    while not [*directory.glob("*.so")] and time.monotonic() < deadline:
+        time.sleep(0.02)
+    fast = first.solve(problem(0.8), guess)
+    assert compiled(first)
+    np.testing.assert_allclose(fast.variables, plain.variables, atol=1e-8)
+    for entry in directory.glob("*.z"):
+        entry.unlink()  # neither is needed any more
+    again = cached_solver(fatrop, model, layout, robot)
+    assert compiled(again)
+    assert len(built) == 1
+    assert not compiled(cached_solver(solvers.by_name("ipopt"), model, layout, robot))
+    monkeypatch.setenv("LLSRBM_COMPILE", "0")
+    assert not compiled(cached_solver(fatrop, model, layout, robot))

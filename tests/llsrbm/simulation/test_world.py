@@ -435,9 +435,9 @@ def test_an_impulse_on_the_trunk_changes_the_momenta_by_itself(name, factor):
         world.advance(np.zeros(len(robot.joint_names)))
         changed.append(momenta(robot, factor, world)[:2])
     (linear, angular), (pushed_linear, pushed_angular) = changed
-    assert pushed_linear - linear == pytest.approx(impulse, abs=1e-3 * 6)
+    assert pushed_linear - linear == pytest.approx(impulse, abs=1.5e-3)
     expected = np.cross(trunk - com, impulse) + moment
-    assert pushed_angular - angular == pytest.approx(expected, abs=5e-3)
+    assert pushed_angular - angular == pytest.approx(expected, abs=1.5e-3)
 
 
 def test_a_push_lasts_one_tick():

@@ -1,0 +1,189 @@
+"""Planning anew while the robot is under way: the loop around the replanner.
+
+Every `PERIOD` the newest measurement is handed to the replanner, as it will be when the answer can
+be followed, `LATENCY` later. Computing takes the wall time that it takes: the answer is followed
+from the tick on at which it is there, at least the latency after the measurement, and the next
+question waits until then. An answer that comes after feet have met the ground is dropped, and where
+none is found the old plan goes on.
+"""
+
+from __future__ import annotations
+
+import math
+import time as wall_clock
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from llsrbm.control.reference import Reference
+from llsrbm.control.whole_body import WholeBody
+from llsrbm.motion.plan import Plan
+from llsrbm.motion.replan import Replan
+from llsrbm.planning.replanner import Answer, Replanner, State
+from llsrbm.planning.stage import GRAVITY
+from llsrbm.robots import Robot
+from llsrbm.simulation.episode import Hook, Situation
+
+Array = NDArray[np.float64]
+
+PERIOD = 0.02  # s: 50 Hz
+LATENCY = 0.02  # s from a measurement until its answer is followed, at least
+# s that are left of a flight, or of the last stance, in which the last plan is as good as new ones.
+LEAST_FLIGHT = 0.03
+LEAST_STANCE = 0.10
+
+
+@dataclass(frozen=True, eq=False)
+class _Pending:
+    """An answer that is not followed yet: its place among the replans, and when it is ready, s."""
+
+    index: int
+    phase: int
+    ready: float
+    reference: Reference
+
+
+class Replanning(Hook):
+    """Asks the replanner in flight and after touchdown, and hands its plans to the controller."""
+
+    def __init__(self, plan: Plan, robot: Robot, tick: float) -> None:
+        """Load the solvers of all phases in which it will be asked.
+
+        Args:
+            plan: the first one.
+            robot: as the controller believes it is.
+            tick: s between steps of the controller.
+        """
+        self._replanner = Replanner(plan, robot)
+        self._first = plan.schedule.flights[0]
+        for phase in range(self._first, len(plan.schedule)):
+            self._replanner.prepare(phase)
+        self._body = WholeBody(robot)
+        self._tick = tick
+        self._next = 0.0
+        self._pending: _Pending | None = None
+
+    def before(self, situation: Situation) -> None:
+        """Take over what has been found, and ask anew."""
+        now = situation.time + self._tick / 2  # times are rounded
+        contacts = situation.controller.contacts
+        self._take_over(situation, now)
+        if self._pending is not None or now < self._next or contacts.phase < self._first:
+            return
+        left = float(self._replanner.plan.phase_start[contacts.phase + 1])
+        left -= contacts.plan_time(situation.time) + LATENCY
+        settled = contacts.flying or not contacts.seeking.any()
+        if left > (LEAST_FLIGHT if contacts.flying else LEAST_STANCE) and settled:
+            self._ask(situation)
+
+    def _take_over(self, situation: Situation, now: float) -> None:
+        pending, controller = self._pending, situation.controller
+        if pending is None or now < pending.ready:
+            return
+        self._pending = None
+        if controller.contacts.phase != pending.phase:
+            return
+        controller.set_reference(pending.reference)
+        replan = situation.replans[pending.index]
+        situation.replans[pending.index] = replace(replan, applied=situation.time)
+
+    def _ask(self, situation: Situation) -> None:
+        controller, asked = situation.controller, situation.time
+        began = wall_clock.perf_counter()
+        state = self._expected(situation)
+        answer = self._replanner.replan(state)
+        reference = None
+        if answer.plan is not None:
+            reference = controller.reference_of(answer.plan, from_time=state.time)
+        computing = wall_clock.perf_counter() - began
+        offset = asked + LATENCY - state.time  # from the plan's clock to that of the simulation
+        situation.replans.append(_record(asked, computing, answer, state, offset))
+        ready = asked + max(LATENCY, math.ceil(computing / self._tick) * self._tick)
+        self._next = max(asked + PERIOD, ready)
+        if reference is not None:
+            index = len(situation.replans) - 1
+            self._pending = _Pending(index, controller.contacts.phase, ready, reference)
+
+    def _expected(self, situation: Situation) -> State:
+        """The state at the time at which an answer can be followed.
+
+        In flight the CoM falls, and feet are where the reference has them seen from the CoM. On the
+        ground the CoM is accelerated as planned, and feet stay.
+        """
+        body, controller = self._body, situation.controller
+        contacts, measurement = controller.contacts, situation.measurement
+        body.update(measurement.q, measurement.v)
+        at = situation.time + LATENCY
+        target = controller.target(at)
+        below = np.array([0.0, 0.0, contacts.ground_shift])
+        momentum: Array = np.array(body.angular_momentum)
+        if contacts.flying:
+            acceleration = np.array([0.0, 0.0, -GRAVITY])
+        else:
+            acceleration = target.com_acceleration
+            momentum = momentum + LATENCY * target.angular_momentum_rate
+        velocity = body.com_velocity + LATENCY * acceleration
+        com = body.com + LATENCY * body.com_velocity + LATENCY**2 / 2 * acceleration - below
+        R = pin.exp3(body.angular_velocity * LATENCY) @ body.R_world_base
+        x, y, z, w = pin.Quaternion(R).coeffs()
+        if contacts.flying:
+            foot, foot_velocity = (
+                com + target.foot_from_com,
+                velocity + target.foot_velocity_from_com,
+            )
+            yaw, yaw_rate = target.foot_heading[:, 0], target.foot_heading[:, 1]
+        else:
+            foot, foot_velocity = body.foot - below, np.zeros_like(body.foot)
+            yaw = np.arctan2(body.R_world_foot[:, 1, 0], body.R_world_foot[:, 0, 0])
+            yaw_rate = np.zeros_like(yaw)
+        return State(
+            time=contacts.plan_time(at),
+            phase=contacts.phase,
+            com=com,
+            com_velocity=velocity,
+            base_quat=np.array([w, x, y, z]),
+            angular_velocity=np.array(body.angular_velocity),
+            angular_momentum=momentum,
+            foot_position=foot,
+            foot_velocity=foot_velocity,
+            foot_yaw=yaw,
+            foot_yaw_rate=yaw_rate,
+        )
+
+
+def _record(asked: float, computing: float, answer: Answer, state: State, offset: float) -> Replan:
+    plan = answer.plan
+    legs = len(state.foot_position)
+    if plan is None:
+        none = np.zeros((0, legs, 3))
+        return Replan(
+            asked=asked,
+            applied=math.nan,
+            computing_time=computing,
+            solved=False,
+            iterations=answer.iterations,
+            touchdown=math.nan,
+            time=np.zeros(0),
+            com=np.zeros((0, 3)),
+            base_quat=np.zeros((0, 4)),
+            foot_position=none,
+            foot_quat=np.zeros((0, legs, 4)),
+        )
+    new = plan.time >= state.time - 1e-9
+    ends = [float(plan.phase_start[p + 1]) for p in plan.schedule.flights]
+    touchdown = next((end for end in ends if end > state.time), math.nan)
+    return Replan(
+        asked=asked,
+        applied=math.nan,
+        computing_time=computing,
+        solved=True,
+        iterations=answer.iterations,
+        touchdown=touchdown + offset,
+        time=plan.time[new] + offset,
+        com=plan.com[new],
+        base_quat=plan.base_quat[new],
+        foot_position=plan.foot_position[new],
+        foot_quat=plan.foot_quat[new],
+    )

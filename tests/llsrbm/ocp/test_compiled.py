@@ -1,0 +1,144 @@
+"""Compiled functions give the numbers that CasADi's own evaluation gives, and nobody waits."""
+
+import logging
+import shutil
+from functools import cache
+
+import casadi as ca
+import numpy as np
+import pytest
+
+from llsrbm.ocp import solvers
+from llsrbm.ocp.c_code import EVALUATED, NotInC, c_files
+from llsrbm.ocp.compiled import Library, compiler, packed
+from llsrbm.ocp.horizon import Horizon, Run, StageExpressions
+from llsrbm.ocp.lifting import Lifting
+from llsrbm.ocp.solvers import Patience
+from llsrbm.ocp.transcription import Transcription
+from tests.llsrbm.ocp.cart import INTERVALS, horizon, problem
+
+pytestmark = pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
+GUESS = np.zeros(3 * INTERVALS + 2)
+
+
+@pytest.fixture(autouse=True)
+def switched_on(monkeypatch):
+    monkeypatch.setenv("LLSRBM_COMPILE", "1")
+
+
+@cache
+def transcription():
+    return Transcription(horizon())
+
+
+@pytest.fixture(scope="module")
+def library(tmp_path_factory):
+    """Of the cart."""
+    found = Library(tmp_path_factory.mktemp("cache") / "kind" / "cart.so")
+    found.path.parent.mkdir()
+    found.compile(make_compiler(), packed(c_files(transcription())))
+    found.wait()
+    return found
+
+
+def make_compiler():
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("LLSRBM_COMPILE", "1")
+        return compiler()
+
+
+@pytest.mark.parametrize("name", EVALUATED)
+def test_numbers(library, name):
+    rng = np.random.default_rng(1)
+    one, other = transcription().functions[name], library.load().functions[name]
+    sizes = GUESS.size, 4, 1, problem(1.0).lower.size
+    arguments = [rng.normal(size=size) for size in sizes][: one.n_in()]
+    for a, b in zip(one.call(arguments), other.call(arguments), strict=True):
+        assert a.sparsity() == b.sparsity()
+        np.testing.assert_allclose(b.nonzeros(), a.nonzeros(), rtol=1e-13, atol=1e-14)
+
+
+def test_structure(library):
+    assert library.load().structure == transcription().structure
+
+
+def test_solutions(library):
+    kind = solvers.by_name("fatrop")
+    plain, fast = kind.build(transcription()), kind.build(library.load())
+    task = problem(0.9, drag=0.5, weights=(1.0, 3.0))
+    for patience in (solvers.PATIENT, Patience(mu=1e-3, iterations=60)):
+        one, other = (solver.solve(task, GUESS, patience) for solver in (plain, fast))
+        assert other.converged
+        assert other.iterations == one.iterations
+        np.testing.assert_allclose(other.variables, one.variables, atol=1e-8)
+    moved = problem(0.95, drag=0.5, weights=(1.0, 3.0))
+    a, b = plain.follow(moved, one), fast.follow(moved, one)
+    assert b.converged
+    np.testing.assert_allclose(b.variables, a.variables, atol=1e-8)
+
+
+def test_a_solver_takes_them_when_they_are_there(library):
+    there = []
+    solver = solvers.by_name("fatrop").build(transcription())
+    solver.replace_by(lambda: library.load() if there else None)
+    before = solver.solve(problem(1.0), GUESS)
+    assert not solver.function("nlp_g").is_a("External", True)
+    there.append(True)
+    after = solver.solve(problem(1.0), GUESS)
+    assert solver.function("nlp_g").is_a("External", True)
+    np.testing.assert_allclose(after.variables, before.variables, atol=1e-8)
+
+
+def test_two_jobs_at_once_make_one_library(tmp_path):
+    (tmp_path / "kind").mkdir()
+    source = packed(c_files(transcription()))
+    both = [Library(tmp_path / "kind" / "cart.so") for _ in range(2)]
+    for library in both:
+        library.compile(compiler(), source)
+    for library in both:
+        library.wait()
+        assert library.load() is not None
+    assert [path.name for path in (tmp_path / "kind").iterdir()] == ["cart.so"]
+
+
+@pytest.mark.parametrize("text", ["no C", "double nlp_f(void);"])
+def test_a_compiler_that_fails_is_not_asked_again(tmp_path, text, caplog):
+    (tmp_path / "kind").mkdir()
+    library = Library(tmp_path / "kind" / "cart.so")
+    caplog.set_level(logging.INFO)
+    library.compile(compiler(), packed({"a.c": text}))
+    library.wait()
+    assert library.load() is None
+    if text == "no C":
+        assert "going on without compiled functions" in caplog.text
+        library.compile(compiler(), packed({"a.c": text}))
+        assert library._job is None
+    else:
+        assert "cannot be loaded" in caplog.text
+
+
+def test_what_is_no_library_is_reported(tmp_path, caplog):
+    library = Library(tmp_path / "cart.so")
+    assert library.load() is None
+    assert caplog.text == ""
+    library.path.write_bytes(b"half of it")
+    assert library.load() is None
+    assert "cannot be loaded" in caplog.text
+
+
+def test_without_a_compiler(monkeypatch):
+    assert compiler() is not None
+    monkeypatch.setenv("CC", "no-such-compiler")
+    assert compiler() is None
+    monkeypatch.setenv("CC", "false")
+    assert compiler() is None
+    monkeypatch.delenv("CC")
+    monkeypatch.setenv("LLSRBM_COMPILE", "0")
+    assert compiler() is None
+
+
+def test_an_operation_that_is_not_written():
+    z, p, own = (ca.SX.sym(name) for name in "zps")
+    stage = StageExpressions("s", z, 1, p, own, ca.tanh(z), (), None, Lifting(z))
+    with pytest.raises(NotInC, match="operation"):
+        c_files(Transcription(Horizon((Run("s", 1, lambda: stage, (slice(0, 1),)),), 1)))
