@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 from app.compute.opened_file import OpenedFile
 from app.compute.protocol import Report
@@ -99,6 +100,17 @@ class SimulateWanted:
     """
 
     seeds: int = 0
+
+
+@dataclass(frozen=True)
+class CompareWanted:
+    """What is asked for shall be simulated twice, with one change, and played side by side.
+
+    Attributes:
+        by: the change: with and without replanning, or another model.
+    """
+
+    by: Literal["replanning", "model"]
 
 
 @dataclass(frozen=True)
@@ -299,6 +311,7 @@ Event = (
     | PushDragged
     | DesignChosen
     | SimulateWanted
+    | CompareWanted
     | WorstWanted
     | CancelWanted
     | NearestWanted

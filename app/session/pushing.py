@@ -62,7 +62,13 @@ def drag_push(state: TabState, event: PushDragged) -> Step:
         return state, ()
     state = replace(state, history=replace(state.history, changing=()))
     state, effects = requests.simulate(state, SimulateWanted())
-    return with_work(state, replay_from=max(0.0, push.time - LEAD)), effects
+    return with_work(state, replay_from=replay_start(state)), effects
+
+
+def replay_start(state: TabState) -> float:
+    """From where a simulation of the design is worth seeing, s."""
+    pushes = state.design.scenario.pushes
+    return max(0.0, pushes[0].time - LEAD) if pushes else 0.0
 
 
 def push_shown(state: TabState) -> PushShown | None:

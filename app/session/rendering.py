@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import viser
 
+from app.compute.protocol import SimulateJump
 from app.motion import colours
 from app.motion.foreign_motion import ForeignMotion
 from app.panel.actions import Act
@@ -30,6 +31,7 @@ from app.viser_link.page_link import PageLink
 from llsrbm.analysis.figures import figures_of_plan
 from llsrbm.design import Design
 from llsrbm.motion.timeline import timeline
+from llsrbm.push import Push
 from llsrbm.titles import Decisions, titles_of
 
 
@@ -247,6 +249,8 @@ def picture_of(state: TabState) -> Picture:
         robot=state.robot,
         planned=None if shown is None else shown.planned,
         simulated=None if shown is None else shown.solid,
+        rollout=state.rollout,
+        pushes=_pushes(state),
         blocks=() if shown is None else shown.blocks,
         ghosts=tuple(pin.ghost for pin in state.pins),
         layers=view.layers,
@@ -255,3 +259,17 @@ def picture_of(state: TabState) -> Picture:
         fine=view.fine,
         prepared=state.prepared,
     )
+
+
+def _pushes(state: TabState) -> tuple[Push, ...]:
+    """Pushes of the simulation that is shown."""
+    shown, task = state.shown, state.work.awaited
+    if shown is None:
+        return ()
+    if shown.so_far is not None and isinstance(task, SimulateJump):
+        return task.scenario.pushes
+    rollout = shown.rollout
+    if rollout is None:
+        return ()
+    drawn = rollout.disturbance.random_push
+    return (*rollout.scenario.pushes, *(() if drawn is None else (drawn,)))

@@ -30,9 +30,19 @@ from app.panel.status import Word
 from app.session.effects import Keep, LoadRobot, Play, Seek, Submit
 from app.session.events import Reported, RobotLoaded, RobotMissing, SimulateWanted
 from app.session.lanes import Lane
+from app.session.push_comparison import go_on
 from app.session.requests import plan_design, show_plan, simulate, wait_for_rest
 from app.session.state import Shown, TabState
-from app.session.steps import Step, also, joined, played_first, submit, with_status, with_work
+from app.session.steps import (
+    Step,
+    also,
+    joined,
+    played_first,
+    submit,
+    with_status,
+    with_work,
+    without_sequel,
+)
 from llsrbm.motion.rollout import Rollout
 from llsrbm.simulation.surroundings import surroundings
 
@@ -72,7 +82,8 @@ def _outcome(state: TabState, event: Reported, task: Task | None) -> Step:
             rest = f"{state.work.failure} It works with {nearest.changes}."
             return with_status(state, Word.FAILED, rest), ()
         case Simulated(rollout=rollout):
-            return replay(show_rollout(state, rollout))
+            state = show_rollout(state, rollout)
+            return go_on(state) if state.work.compare is not None else replay(state)
         case SimulatedSeeds():
             return _finish_seeds(state, event.report), ()
         case Failed():
@@ -178,18 +189,19 @@ def _fail(state: TabState, report: Failed, task: Task | None) -> Step:
                 state = with_work(state, shown=state.work.newest)
                 state = show_plan(state, report.plan, robot)
                 failure += " The picture shows where the solver stopped, no feasible motion."
-            state = with_work(state, failure=failure, simulate_next=None)
+            state = with_work(without_sequel(state), failure=failure)
             line = f"{failure} Looking for the nearest jump ..."
             return submit(
                 with_status(state, Word.FAILED, line, busy=True), FindNearest(jump, tuning)
             )
         case PlanJump():
-            state = with_work(state, dragging=state.work.dragging.forget(), simulate_next=None)
+            state = with_work(state, dragging=state.work.dragging.forget())
+    state = without_sequel(state)
     return with_status(_without_so_far(state), Word.FAILED, report.message), ()
 
 
 def _cancelled(state: TabState, task: Task | None) -> TabState:
-    state = _without_so_far(with_work(state, simulate_next=None))
+    state = _without_so_far(without_sequel(state))
     match task:
         case SimulateJump() | SimulateSeeds():
             return with_status(state, Word.CANCELLED, "The plan is still there.")

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Literal
 
 from app.compute.protocol import Nearest, PlanJump, SeedResult, Task
 from app.motion.frames import Frames
@@ -93,6 +94,7 @@ class Work:
         dragging: the request on its way.
         replay_from: s, from where the simulation that is awaited shall be played, as soon as there
             is something to see; None: where the page stands.
+        compare: the change with which the design is simulated again once it has been simulated.
     """
 
     newest: int = 0
@@ -105,6 +107,7 @@ class Work:
     simulate_next: int | None = None
     dragging: DragPlanning = field(default_factory=DragPlanning)
     replay_from: float | None = None
+    compare: Literal["replanning", "model"] | None = None
 
 
 @dataclass(frozen=True, eq=False)
