@@ -217,9 +217,9 @@ class Replanner:
         return begun
 
     def _places(self, state: State) -> tuple[tuple[Footholds, ...], Array]:
-        """Where feet stand and will stand, and where the CoM ends; standing feet are where they are.
+        """Where feet stand and will stand, and where the CoM ends.
 
-        Whatever comes after them is moved by as much as they are, in the mean.
+        Standing feet are where they are; what comes after is moved by as much as their mean.
         """
         task = self._task
         phase = task.schedule[state.phase]
