@@ -12,6 +12,7 @@ at first, sampled at the new knots.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -305,7 +306,7 @@ class Replanner:
         found = knot_arrays(knots)
         found["time"] = found["time"] + state.time
         found["phase"] = found["phase"] + state.phase
-        arrays = {
+        arrays: dict[str, Any] = {
             name: values
             if name == "leg_mass"
             else np.concatenate([getattr(plan, name)[before], values])
