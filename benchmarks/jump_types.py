@@ -13,15 +13,18 @@ puts Go2's rear-last jumps beside the public planar jumps of the A1. Strict succ
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Annotated, NamedTuple
 
 import typer
 
 import llsrbm
+from llsrbm.commands import options
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Outcome
 from llsrbm.planning.planner import Planner, planner_of
+from llsrbm.tuning import Tuning
 
 app = typer.Typer(help=__doc__, add_completion=False)
 
@@ -127,60 +130,48 @@ def reach(
     types: str = "together,rear-last",
     seeds: Seeds = SEEDS,
     down: Annotated[float, typer.Option(help="Between distances that are simulated, m.")] = 0.03,
+    limit: options.Limits = None,
     model: str = "llsrbm-plus",
 ) -> None:
     """The longest forward jump that is strict in most seeds, and the longest that can be planned.
 
-    The robot file's range of requests is widened for it; the drives are as they are.
+    The robot file's range of requests is widened for it; the drives are as they are. Limits that
+    are given hold for all types.
     """
+    limits = options.requested_tuning(Tuning(), None, limit).limits
     print("| robot | type | plans up to | strict up to | further |")
     print("|---|---|---|---|---|", flush=True)
     for robot in robots.split(","):
         for kind in types.split(","):
-            plans = planned_further(llsrbm.Jump(robot, model, forward=0.3, type=kind))
-            said = longest_strict(plans, numbers(seeds), down)
+            plans = planned_further(llsrbm.Jump(robot, model, forward=0.3, type=kind), limits)
+            said = longest_strict(plans, numbers(seeds), down, limits)
             print(f"| {robot} | {kind} | {plans[-1].jump.forward:.2f} m | {said} |", flush=True)
 
 
-def longest_strict(plans: list[Plan], seeds: range, down: float) -> str:
+def longest_strict(
+    plans: list[Plan], seeds: range, down: float, limits: Mapping[str, float]
+) -> str:
     """The cells of the longest distance that is strict in most seeds, and of the next further one.
 
-    By bisection with the first seeds to `down`, then back in such steps until all seeds agree.
+    From the furthest plan down: a shorter jump is not always the safer one. Few seeds first.
     """
-    low, high = 0, int((plans[-1].jump.forward - plans[0].jump.forward) / down + 1e-6)
-    beyond = ""
-
-    def plan_at(step: int) -> Plan:
-        forward = round(plans[-1].jump.forward - (high - step) * down, 2)
-        near = next(plan for plan in plans if plan.jump.forward >= forward - 1e-6)
-        return planner_of(near.jump).plan(replace(near.jump, forward=forward), near=near)
-
-    def lands(step: int, seeds: range, share: float) -> bool:
-        nonlocal beyond
-        plan, told = plan_at(step), f"{plans[-1].jump.forward - (high - step) * down:.2f} m"
-        outcomes = simulated(plan, seeds)
-        strict = sum(outcome.strict for outcome in outcomes)
-        told += f": {strict}/{len(outcomes)}"
-        typer.echo(f"{plan.jump.robot} {plan.jump.type} {told}", err=True)
-        if strict < share * len(outcomes):
-            beyond = f"{told}, {complaints(outcomes)}"
-            return False
-        reached[step] = told
-        return True
-
-    reached: dict[int, str] = {}
-    top = high
-    if lands(top, seeds[:FIRST_SEEDS], FIRST_SHARE):
-        low = top
-    while top - low > 1:
-        middle = (low + top) // 2
-        if lands(middle, seeds[:FIRST_SEEDS], FIRST_SHARE):
-            low = middle
+    beyond, forward = "", plans[-1].jump.forward
+    while forward >= plans[0].jump.forward:
+        near = min(plans, key=lambda plan: abs(plan.jump.forward - forward))
+        jump = replace(near.jump, forward=round(forward, 2))
+        plan = planner_of(jump).plan(jump, near=near, limits=limits)
+        for part, share in ((seeds[:FIRST_SEEDS], FIRST_SHARE), (seeds, STRICT)):
+            outcomes = simulated(plan, part)
+            strict = sum(outcome.strict for outcome in outcomes)
+            told = f"{forward:.2f} m: {strict}/{len(outcomes)}"
+            typer.echo(f"{jump.robot} {jump.type} {told}", err=True)
+            if strict < share * len(outcomes):
+                beyond = f"{told}, {complaints(outcomes)}"
+                break
         else:
-            top = middle
-    while not lands(low, seeds, STRICT) and low > 0:
-        low -= 1
-    return f"{reached.get(low, 'none')} | {beyond}"
+            return f"{told} | {beyond}"
+        forward -= down
+    return f"none | {beyond}"
 
 
 def widened(jump: llsrbm.Jump) -> Planner:
@@ -196,18 +187,18 @@ def widened(jump: llsrbm.Jump) -> Planner:
     return planner
 
 
-def planned_further(jump: llsrbm.Jump) -> list[Plan]:
+def planned_further(jump: llsrbm.Jump, limits: Mapping[str, float] | None = None) -> list[Plan]:
     """Plans ever further, each begun from the one before, up to the last that is found.
 
     In steps of `COARSE`, and from there by bisection to `STEP`.
     """
     planner = widened(jump)
-    found = [planner.plan(jump)]
+    found = [planner.plan(jump, limits=limits)]
 
     def plans(forward: float) -> bool:
         try:
             further = replace(jump, forward=round(forward, 2))
-            found.append(planner.plan(further, near=found[-1], patient=False))
+            found.append(planner.plan(further, near=found[-1], patient=False, limits=limits))
         except llsrbm.NotConverged:
             return False
         return True

@@ -102,7 +102,7 @@ class JumpControls:
         )
         self._turn = gui.add_dropdown(
             "Turn",
-            turns_offered(jump_types.ASKABLE),
+            turns_offered(jump_types.ASKABLE, jump_types.ASKABLE),
             visible=False,
             hint="A whole turn in the air",
         )
@@ -165,7 +165,7 @@ class JumpControls:
 
     def _read_turn(self, current: Jump, complaints: list[str]) -> dict[str, float]:
         """Pitch and roll, if the type asks for them and the menu does not show what they are."""
-        now, offered = turn_title(current), turns_offered(_asks(current))
+        now, offered = turn_title(current), self._turns(current)
         if not offered or self._turn.value == now:
             return {}
         chosen = option("Turn", self._turn.value, offered, "", complaints)
@@ -173,16 +173,18 @@ class JumpControls:
 
     def show_asked(self, jump: Jump) -> None:
         """The type, and the controls that it asks for."""
-        asks = _asks(jump)
+        asks, turns = _asks(jump), self._turns(jump)
         _put_among(
             self._type, (kind.title for kind in self._types.values()), title_of_type(jump.type)
         )
-        turns = turns_offered(asks)
         if turns:
             _put_among(self._turn, turns, turn_title(jump))
         self._turn.visible = bool(turns)
         for axis in _ASKED:
             self._sliders[axis.field].visible = axis.field in asks
+
+    def _turns(self, jump: Jump) -> tuple[str, ...]:
+        return turns_offered(_asks(jump), self._robots[jump.robot].turning_axes)
 
     def _add_slider(
         self, gui: viser.GuiApi, axis: _Axis, jump: Jump

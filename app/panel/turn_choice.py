@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Collection
 
 from llsrbm.jump import Jump
 
@@ -16,9 +16,9 @@ _TURNS: dict[str, tuple[str, float]] = {
 """Title -> field of `Jump` and rad, by the right-hand rule about x forward and y left."""
 
 
-def turns_offered(asks: Sequence[str]) -> tuple[str, ...]:
-    """Titles of the turns about the axes that a jump type asks for."""
-    return tuple(title for title, (field, _) in _TURNS.items() if field in asks)
+def turns_offered(asks: Collection[str], axes: Collection[str]) -> tuple[str, ...]:
+    """Titles of the turns that a jump type asks for, about axes about which a robot makes them."""
+    return tuple(title for title, (field, _) in _TURNS.items() if field in asks and field in axes)
 
 
 def turn_title(jump: Jump) -> str:

@@ -12,8 +12,15 @@ from llsrbm.robots import Robot
 
 
 def types_offered(robot: Robot) -> dict[str, JumpType]:
-    """Name -> type of those whose feet the robot has, the default first."""
-    return {name: kind for name, kind in jump_types.names().items() if _has_feet_of(robot, kind)}
+    """Name -> type of those that the robot can do, the default first.
+
+    It has their feet, and makes the turns that they make if nothing is said of them.
+    """
+    return {
+        name: kind
+        for name, kind in jump_types.names().items()
+        if _has_feet_of(robot, kind) and _turns_as(robot, kind)
+    }
 
 
 def title_of_type(name: str) -> str:
@@ -25,6 +32,11 @@ def title_of_type(name: str) -> str:
 def with_type(jump: Jump, name: str) -> Jump:
     """The request as one of another type, with that type's defaults; the landing place stays."""
     return with_defaults(replace(jump, type=name))
+
+
+def _turns_as(robot: Robot, kind: JumpType) -> bool:
+    turned = {name for name in ("pitch", "roll") if kind.defaults.get(name)}
+    return turned <= set(robot.file.turning_axes)
 
 
 def _has_feet_of(robot: Robot, kind: JumpType) -> bool:

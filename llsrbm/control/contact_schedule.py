@@ -4,7 +4,8 @@ A plan says when feet leave the ground and when they meet it. Leaving is the rob
 feet leave when the plan says. Meeting the ground is not: it may be nearer or farther than planned,
 and the robot may have jumped higher. So
 
-- a flight, in which no foot stands, begins by the clock and ends when the contact detector says so.
+- a flight, in which no foot stands, begins by the clock and ends when the contact detector says so,
+  and feet felt it: a push on the trunk is no touchdown (`felt_impulse`).
   What follows is retimed: the plan's clock is set to the planned touchdown, and all later phases,
   a rebound and its next flight among them, come as much earlier or later;
 - a foot that lands while others stand is swung as planned until its planned landing, and then seeks
@@ -170,13 +171,14 @@ class ContactSchedule:
         Args:
             time: s.
             torque: (J,) measured, mean of the tick that ended.
-            hit: whether something was hit, as the detector says; counts in flight.
+            hit: whether something was hit, as the detector says; counts in flight, if it was hit
+                with the feet.
         """
         if self.phase == 0:
             return
         loaded = self._feet.update(torque)
         if self.flying:
-            if hit:
+            if hit and self._feet.met_ground():
                 self._touch_down(time, loaded)
             return
         self.standing = self.standing | self._found(time, loaded)

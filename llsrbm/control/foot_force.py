@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg.lapack import dposv
 
+from llsrbm.control.felt_impulse import FeltImpulse
 from llsrbm.control.whole_body import WholeBody
 
 Array = NDArray[np.float64]
@@ -54,12 +55,14 @@ class FootForces:
         self._threshold = _TOUCHING * body.mass * 9.81
         self._equations: tuple[Array, Array, Array, Array] | None = None
         self.vertical = np.zeros(body.legs)
+        self._felt = FeltImpulse(body.mass, tick)
         self._touching = np.zeros(body.legs, dtype=np.int64)
 
     def reset(self) -> None:
         """Forget what was measured."""
         self._equations = None
         self.vertical[:] = 0.0
+        self._felt.reset()
         self._touching[:] = 0
 
     def update(self, torque: Array) -> NDArray[np.bool_]:
@@ -75,9 +78,15 @@ class FootForces:
             load[_BASE:] -= torque
             np.add(own @ own.transpose(0, 2, 1), _REGULARISATION, out=self._blocks)
             force = dposv(self._system, (own @ load[self._rows][..., None]).ravel())[1]
+            # Not smoothed: the errors of its sum over ticks cancel.
+            self._felt.update(body.com_velocity, force.reshape(-1, 3).sum(axis=0))
             self.vertical += _SMOOTHING * (force[2::3] - self.vertical)
             above = self.vertical > self._threshold
             self._touching = np.where(above, self._touching + 1, 0)
         self._equations = (body.M, body.h, body.foot_jacobian[self._columns], body.v.copy())
         touching: NDArray[np.bool_] = self._touching >= _SURE
         return touching
+
+    def met_ground(self) -> bool:
+        """Whether it was with the feet that the robot hit what it has hit in the air."""
+        return self._felt.is_ground()

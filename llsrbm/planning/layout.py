@@ -85,7 +85,7 @@ class Role:
 
     @property
     def flies(self) -> bool:
-        """Whether feet are off the ground at the knot that have not been there from the start on."""
+        """Whether feet are off the ground at the knot, which is not where it all begins."""
         return bool(self.flying) and not self.initial
 
     @property

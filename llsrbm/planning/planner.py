@@ -337,11 +337,25 @@ def planner_of(jump: Jump, solver: str = solvers.names()[0], intervals: int = IN
     """The planner of a jump's robot, model and type, built once a process.
 
     It is built again when the robot's file, or that of the type, has changed.
+
+    Raises:
+        InputError: a whole turn about an axis about which the robot makes none.
     """
     robot = load_robot(jump.robot)
     if jump.turns:
         robot = robot.turning
+        _check_turns(jump, robot)
     return _kept(robot, jump.model, solver, layout_of(jump, robot, intervals))
+
+
+def _check_turns(jump: Jump, robot: Robot) -> None:
+    axes = robot.file.turning_axes
+    for axis in ("roll", "pitch"):
+        if getattr(jump, axis) and axis not in axes:
+            raise InputError(
+                f"{axis}: no plan of {robot.name} with whole turns of {axis} is known; expected "
+                f'{" or ".join(axes)}, or {axis} among "axes" of [turning] in its file'
+            )
 
 
 def planner_for(

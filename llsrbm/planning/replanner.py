@@ -12,6 +12,7 @@ at first, sampled at the new knots.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -217,9 +218,9 @@ class Replanner:
         return begun
 
     def _places(self, state: State) -> tuple[tuple[Footholds, ...], Array]:
-        """Where feet stand and will stand, and where the CoM ends; standing feet are where they are.
+        """Where feet stand and will stand, and where the CoM ends.
 
-        Whatever comes after them is moved by as much as they are, in the mean.
+        Standing feet are where they are; what comes after is moved by as much as their mean.
         """
         task = self._task
         phase = task.schedule[state.phase]
@@ -305,7 +306,7 @@ class Replanner:
         found = knot_arrays(knots)
         found["time"] = found["time"] + state.time
         found["phase"] = found["phase"] + state.phase
-        arrays = {
+        arrays: dict[str, Any] = {
             name: values
             if name == "leg_mass"
             else np.concatenate([getattr(plan, name)[before], values])

@@ -160,7 +160,7 @@ class Task:
         """J."""
         return len(self.robot.joint_names)
 
-    @property
+    @cached_property
     def lowest_hips(self) -> float:
         """How high the hips stay above standing feet, m."""
         robot = self.robot
@@ -194,11 +194,17 @@ class Task:
 
     def stood(self, phase: int) -> Footholds:
         """Where feet stand in a phase, or stood last."""
-        return self._each_in(self._stood[phase])
+        return self._footholds[0][phase]
 
     def lands(self, phase: int) -> Footholds:
         """Where feet stand in a phase, or stand next."""
-        return self._each_in(self._lands[phase])
+        return self._footholds[1][phase]
+
+    @cached_property
+    def _footholds(self) -> tuple[list[Footholds], list[Footholds]]:
+        """Where feet stood, and where they land, of each phase."""
+        stood, lands = ([self._each_in(row) for row in rows] for rows in (self._stood, self._lands))
+        return stood, lands
 
     def _each_in(self, places: NDArray[np.int64]) -> Footholds:
         """Each foot where it stands in its place (L,)."""

@@ -29,6 +29,11 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
+# What of a robot file no plan depends on.
+_NOT_OF_PLANS: Any = {
+    **dict.fromkeys(("control", "uncertainty", "example"), True),
+    "turning": {"axes": True},
+}
 _SYMMETRIC_HIPS = 5e-3  # m; hips that agree this well are taken as exact mirror images.
 
 
@@ -192,7 +197,7 @@ class Robot:
     def parameters(self) -> dict[str, Any]:
         """The numbers that a plan depends on, as plain data for its file."""
         return {
-            **self.file.model_dump(mode="json", exclude={"control", "uncertainty", "example"}),
+            **self.file.model_dump(mode="json", exclude=_NOT_OF_PLANS),
             "mass": self.mass,
             "com": self.com.tolist(),
             "inertia": self.inertia.tolist(),

@@ -10,7 +10,7 @@ import stat
 import tomllib
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Annotated, Self
+from typing import Annotated, Literal, Self
 
 from pydantic import BaseModel, Field, ValidationError, model_validator
 from pydantic_core import ErrorDetails, PydanticCustomError
@@ -186,10 +186,13 @@ class Turning(Table):
     It leans far over its standing feet before it leaves them, and tucks its legs in the air.
 
     Attributes:
+        axes: of the body, about which such jumps have been found: pitch of flips, roll of barrel
+            rolls. Requests about another one are refused, and the page offers none.
         reach, timing: in place of the robot's.
         torque_share, speed_share: shares of the drives, in place of those of `Limits`.
     """
 
+    axes: Annotated[tuple[Literal["pitch", "roll"], ...], Field(min_length=1)] = ("pitch", "roll")
     reach: Reach
     timing: Timing
     torque_share: Positive | None = None
@@ -251,6 +254,11 @@ class RobotFile(Table):
     uncertainty: Uncertainty = Uncertainty()
     turning: Turning | None = None
     planning: dict[str, Length] = Field(default_factory=dict)
+
+    @property
+    def turning_axes(self) -> tuple[str, ...]:
+        """Of `pitch` and `roll` those about which it makes whole turns; none without [turning]."""
+        return self.turning.axes if self.turning is not None else ()
 
     @model_validator(mode="after")
     def _posture_of_every_leg(self) -> Self:

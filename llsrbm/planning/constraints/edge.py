@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import Any
 
 import casadi as ca
@@ -68,53 +69,60 @@ class Edge(Constraint):
 
     def bounds(self, task: Task, layout: Layout, knot: int) -> Bounds:
         """Behind the edge while the feet are low on the way up, beyond it on the way down."""
-        progress, step = (values[knot] for values in layout.swing_progress)
         flying = list(layout.roles[knot].flying)
-        low, high = self._range(task, layout.roles[knot].phase, progress, step)
-        return np.repeat(low[flying], layout.corners), np.repeat(high[flying], layout.corners)
+        low, high = (values[knot, flying] for values in _ranges(task, layout))
+        return np.repeat(low, layout.corners), np.repeat(high, layout.corners)
 
     def violation(self, knots: Knots) -> Array:
         """Metres too near."""
         legs, task = knots.model.legs, knots.task
-        progress, step = knots.layout.swing_progress
-        beyond = np.zeros((len(knots.time), legs))
-        for k in np.flatnonzero(knots.flying.any(axis=1)):
-            low, high = self._range(task, int(knots.phase[k]), progress[k], step[k])
-            corners = knots.contact_point[k, :, :2].reshape(legs, -1, 2)
-            along = np.einsum("lcj,lj->lc", corners, task.towards(int(knots.phase[k])))
-            excess = np.maximum(low[:, None] - along, along - high[:, None])
-            beyond[k] = excess.max(axis=1)
+        low, high = _ranges(task, knots.layout)
+        corners = knots.contact_point[..., :2].reshape(len(knots.time), legs, -1, 2)
+        towards = np.array([task.towards(p) for p in range(len(task.schedule))])[knots.phase]
+        along = np.einsum("klcj,klj->klc", corners, towards)
+        beyond = np.maximum(low[..., None] - along, along - high[..., None]).max(axis=-1)
         return spread(knots, beyond, knots.flying)
 
-    @staticmethod
-    def _range(task: Task, phase: int, progress: Array, step: Array) -> tuple[Array, Array]:
-        """(L,) m each: bounds of corners along `towards`; far where there is no edge to mind.
 
-        Args:
-            task: where feet stand.
-            phase: of the schedule.
-            progress, step: (L,) share of each foot's swing, and the share an interval takes.
-        """
-        legs = range(len(task.schedule.legs))
-        towards = task.towards(phase)
-        stood, lands = task.stood(phase), task.lands(phase)
-        start, goal = (
-            np.einsum("lcj,lj->lc", place.contacts[:, :2].reshape(len(legs), -1, 2), towards)
-            for place in (stood, lands)
-        )
-        edges = [task.edges(phase, i) for i in legs]
-        gap = np.array([edge.gap[i] for i, edge in zip(legs, edges, strict=True)])
-        rise = np.array([edge.rise for edge in edges])
-        room = np.maximum(ROOM, gap / 2 - APART) if task.foot.is_point else np.full(len(legs), ROOM)
-        surface = np.maximum(stood.feet[:, 2].max(), lands.feet[:, 2].max()) + ABOVE
-        edge = towards.any(axis=1) & (rise != 0)
-        up = edge & (rise > 0)
-        share = task.swing_share(phase, progress)
-        rising = clearance_line(task, phase, progress - step) < surface
-        rising = rising & (share < 0.5 + step) & up
-        sinking = clearance_line(task, phase, progress + step) < surface
-        sinking = sinking & (share > 0.5 - step) & (edge & ~up)
-        return (
-            np.where(sinking, goal.min(axis=1) - room, -FAR),
-            np.where(rising, start.max(axis=1) + room, FAR),
-        )
+@lru_cache(maxsize=2)
+def _ranges(task: Task, layout: Layout) -> tuple[Array, Array]:
+    """(N + 1, L) m each: `_range` of all knots."""
+    progress, step = layout.swing_progress
+    low, high = np.full((2, *progress.shape), np.nan)
+    for phase in range(layout.phases):
+        here = layout.phase == phase
+        low[here], high[here] = _range(task, phase, progress[here], step[here])
+    return low, high
+
+
+def _range(task: Task, phase: int, progress: Array, step: Array) -> tuple[Array, Array]:
+    """(K, L) m each: bounds of corners along `towards`; far where there is no edge to mind.
+
+    Args:
+        task: where feet stand.
+        phase: of the schedule.
+        progress, step: (K, L) share of each foot's swing, and the share an interval takes.
+    """
+    legs = range(len(task.schedule.legs))
+    towards = task.towards(phase)
+    stood, lands = task.stood(phase), task.lands(phase)
+    start, goal = (
+        np.einsum("lcj,lj->lc", place.contacts[:, :2].reshape(len(legs), -1, 2), towards)
+        for place in (stood, lands)
+    )
+    edges = [task.edges(phase, i) for i in legs]
+    gap = np.array([edge.gap[i] for i, edge in zip(legs, edges, strict=True)])
+    rise = np.array([edge.rise for edge in edges])
+    room = np.maximum(ROOM, gap / 2 - APART) if task.foot.is_point else np.full(len(legs), ROOM)
+    surface = np.maximum(stood.feet[:, 2].max(), lands.feet[:, 2].max()) + ABOVE
+    edge = towards.any(axis=1) & (rise != 0)
+    up = edge & (rise > 0)
+    share = task.swing_share(phase, progress)
+    rising = clearance_line(task, phase, progress - step) < surface
+    rising = rising & (share < 0.5 + step) & up
+    sinking = clearance_line(task, phase, progress + step) < surface
+    sinking = sinking & (share > 0.5 - step) & (edge & ~up)
+    return (
+        np.where(sinking, goal.min(axis=1) - room, -FAR),
+        np.where(rising, start.max(axis=1) + room, FAR),
+    )

@@ -32,14 +32,14 @@ def ground_line(start: Array, goal: Array, progress: Array) -> Array:
 
 
 def clearance_line(task: Task, phase: int, progress: Array) -> Array:
-    """(L,) m: the ground line and an arch of the robot file's clearance above it.
+    """(K, L) m: the ground line and an arch of the robot file's clearance above it.
 
     The arch begins and ends level, because feet leave the ground and meet it at rest. Feet that are
     under way below it come back to it until they land.
 
     Args:
         task: where feet stand, and the clearance.
-        phase: of the schedule; progress: (L,) share of each foot's swing, of what is left of it
+        phase: of the schedule; progress: (K, L) share of each foot's swing, of what is left of it
             where that is under way.
     """
     start, goal = task.stood(phase).feet[:, 2], task.lands(phase).feet[:, 2]
@@ -87,15 +87,17 @@ class Clearance(Constraint):
     def bounds(self, task: Task, layout: Layout, knot: int) -> Bounds:
         """At least the line."""
         role = layout.roles[knot]
-        line = clearance_line(task, role.phase, layout.swing_progress[0][knot])
-        return line[list(role.flying)], np.full(len(role.flying), np.inf)
+        flying = list(role.flying)
+        line = clearance_line(task, role.phase, layout.swing_progress[0][[knot]])[0]
+        return line[flying], np.full(len(flying), np.inf)
 
     def violation(self, knots: Knots) -> Array:
         """Metres below the line."""
         progress = knots.layout.swing_progress[0]
-        line = np.array(
-            [clearance_line(knots.task, p, s) for p, s in zip(knots.phase, progress, strict=True)]
-        )
+        line = np.zeros_like(progress)
+        for phase in range(knots.layout.phases):
+            here = knots.layout.phase == phase
+            line[here] = clearance_line(knots.task, phase, progress[here])
         return spread(knots, line - knots.foot_position[..., 2], knots.flying)
 
 

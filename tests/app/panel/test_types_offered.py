@@ -13,8 +13,12 @@ from llsrbm.robots import load_robot
 TURNS = ("back flip", "front flip", "roll left", "roll right")
 
 
-def test_a_quadruped_can_do_every_preset():
+def test_go2_can_do_every_preset():
     assert list(types_offered(load_robot("go2"))) == list(jump_types.names())
+
+
+def test_a_robot_that_does_not_turn_over_has_no_flips():
+    assert set(jump_types.names()) - set(types_offered(load_robot("anymal"))) == {"flip"}
 
 
 def test_a_biped_has_no_hind_feet():
@@ -51,6 +55,11 @@ def test_other_turns_are_shown_in_degrees():
 
 
 def test_a_type_offers_the_turns_that_it_asks_for():
-    assert turns_offered(("pitch", "roll")) == TURNS
-    assert turns_offered(("roll",)) == TURNS[2:]
-    assert turns_offered(("speed",)) == ()
+    assert turns_offered(("pitch", "roll"), ("pitch", "roll")) == TURNS
+    assert turns_offered(("roll",), ("pitch", "roll")) == TURNS[2:]
+    assert turns_offered(("speed",), ("pitch", "roll")) == ()
+
+
+def test_turns_about_which_the_robot_has_no_plans_are_not_offered():
+    assert turns_offered(("pitch", "roll"), load_robot("go2").file.turning_axes) == TURNS[:2]
+    assert turns_offered(("pitch", "roll"), load_robot("anymal").file.turning_axes) == ()

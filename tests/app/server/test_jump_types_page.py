@@ -45,6 +45,8 @@ def test_feet_that_stand_are_named_where_it_is_some_of_them(page):
 
 
 def test_a_flip_asks_which_turn(page):
+    choose(page, "Robot", "Unitree Go2")
+    wait_until(lambda: page.session.plan.jump.robot == "go2", "Go2's plan")
     choose(page, "Jump type", "Flip")
     turn = page.get_by_label("Turn", exact=True)
     turn.wait_for()

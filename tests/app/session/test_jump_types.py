@@ -32,6 +32,8 @@ def test_a_type_comes_with_its_defaults_and_is_planned_from_scratch(tab):
 
 
 def test_what_a_type_does_not_ask_for_goes(tab):
+    tab.move(robot="go2")
+    tab.settle()
     tab.move(type="flip")
     assert tab.state.design.jump.pitch == BACK
     tab.settle()
@@ -66,6 +68,8 @@ def test_a_number_of_the_type_is_a_number_like_others(tab):
     ],
 )
 def test_a_plan_of_other_phases_or_turns_is_no_start(tab, before, after):
+    tab.move(robot="go2")
+    tab.settle()
     tab.move(**before)
     tab.settle()
     tab.move(**after)
@@ -73,13 +77,24 @@ def test_a_plan_of_other_phases_or_turns_is_no_start(tab, before, after):
 
 
 def test_a_type_stays_on_another_robot_within_its_ranges(tab):
-    tab.move(type="flip", forward=0.6)
+    tab.move(type="hops", forward=0.6)
     tab.settle()
     tab.move(robot="go2")
     tab.settle()
     jump = tab.state.plan.jump
-    assert (jump.robot, jump.type, jump.pitch) == ("go2", "flip", BACK)
+    assert (jump.robot, jump.type, jump.hops) == ("go2", "hops", 2)
     assert jump.forward == min(0.6, tab.state.file.task.forward[1])
+
+
+def test_a_flip_on_a_robot_that_does_none_is_told_and_together_instead(tab):
+    tab.move(robot="go2")
+    tab.settle()
+    tab.move(type="flip")
+    tab.settle()
+    tab.move(robot="anymal")
+    tab.settle()
+    assert (tab.state.plan.jump.robot, tab.state.plan.jump.type) == ("anymal", "together")
+    assert tab.state.plan.jump.pitch == 0
 
 
 def test_a_type_without_feet_on_another_robot_is_told_and_together_instead(tab):

@@ -17,6 +17,13 @@ EXTRA = {
 }
 
 
+@pytest.fixture
+def tab(tab, session):
+    """A tab of Go2, which does every type."""
+    choose(tab, session, "go2")
+    return tab
+
+
 def choose_type(tab, session, name):
     tab.set("Jump type", jump_types.load_type(name).title)
     planned(tab, session, lambda jump: jump.type == name, f"a plan of {name}")
@@ -49,9 +56,9 @@ def test_they_show_what_the_type_states_and_change_it(tab, session):
     assert isinstance(session.plan.jump.hops, int)
     choose_type(tab, session, "flip")
     assert tab.value("Turn") == "back flip"
-    tab.set("Turn", "roll right")
-    jump = planned(tab, session, lambda jump: jump.roll > 0, "a roll").jump
-    assert (jump.pitch, jump.roll, jump.hops) == (0.0, 2 * math.pi, 1)
+    tab.set("Turn", "front flip")
+    jump = planned(tab, session, lambda jump: jump.pitch > 0, "a front flip").jump
+    assert (jump.pitch, jump.roll, jump.hops) == (2 * math.pi, 0.0, 1)
     choose_type(tab, session, "run-up")
     tab.set("Speed [m/s]", 0.7)
     planned(tab, session, lambda jump: jump.speed == 0.7, "a faster run-up")
@@ -79,6 +86,7 @@ def test_a_biped_is_offered_what_it_can_do(tab, session):
         ("Jump type", ["Flip"]),
         ("Jump type", "../../secret.toml"),
         ("Turn", "none"),
+        ("Turn", "roll right"),
         ("Hops", 1e9),
         ("Speed [m/s]", float("nan")),
     ],

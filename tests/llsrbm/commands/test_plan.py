@@ -74,6 +74,20 @@ def test_a_wrong_type_or_turn_is_bad_input(planner, words, said, capsys):
     assert not planner.requests
 
 
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ("--robot go2 --roll 360", "roll: no plan of go2 with whole turns of roll is known; "),
+        ("--robot anymal", "anymal has no table [turning] in its file"),
+    ],
+)
+def test_a_turn_that_the_robot_does_not_do_is_bad_input_at_once(words, said, capsys):
+    assert cli.main(["plan", "--type", "flip", *words.split()]) == 2
+    err = capsys.readouterr().err
+    assert said in err
+    assert err.count("\n") == 1
+
+
 def test_the_phases_of_any_schedule_are_told(planner, capsys):
     planner.answers.append(synthetic_plan(schedule=TWO_HOPS, durations=TWO_HOPS_DURATIONS))
     assert cli.main(["plan", "--type", "hops", "--forward", "0.2"]) == 0

@@ -29,12 +29,16 @@ class Robot:
         self.vertical = np.zeros(4)
         self.loaded = NONE
         self.resets = 0
+        self.with_feet = True
 
     def update(self, torque):
         return self.loaded
 
     def reset(self):
         self.resets += 1
+
+    def met_ground(self):
+        return self.with_feet
 
 
 class Run:
@@ -104,6 +108,15 @@ def test_a_flight_ends_when_something_is_hit_and_not_before():
     np.testing.assert_array_equal(contacts.seeking, ~contacts.standing)
     assert contacts.detected == pytest.approx(3.0)
     assert contacts.plan_time(3.0) == pytest.approx(0.9, abs=2e-3)
+
+
+def test_what_is_not_hit_with_the_feet_is_no_touchdown():
+    run = Run(ONE)
+    run.until(0.7)
+    run.robot.with_feet = False
+    assert run.step(hit=True).flying
+    run.robot.with_feet = True
+    assert not run.step(hit=True).flying
 
 
 def test_front_feet_land_first_and_hind_feet_when_they_meet_the_ground():

@@ -112,6 +112,26 @@ def test_a_standing_sole_is_held_at_all_its_corners():
     assert np.linalg.matrix_rank(motion.jacobian, tol=1e-9) == 6
 
 
+@pytest.mark.parametrize("feet", [[0, 1, 2, 3], [1, 2], [0, 3]])
+@pytest.mark.parametrize(
+    "task",
+    [
+        lambda feet: tasks.SwingFeet(feet, (500.0, 40.0)),
+        lambda feet: tasks.SeekingFeet(feet, 40.0),
+        lambda feet: tasks.StandingFeet(feet, 1, 20.0),
+    ],
+)
+def test_several_feet_are_those_feet_one_after_the_other(task, feet):
+    body, target = moved(SEED, np.zeros(18), 0.0), resting_target()
+
+    def written(feet):
+        jacobian, command = np.empty((3 * len(feet), 18)), np.empty(3 * len(feet))
+        task(feet).write(body, target, jacobian, command)
+        return np.column_stack([jacobian, command])
+
+    np.testing.assert_allclose(written(feet), np.vstack([written([i]) for i in feet]))
+
+
 @pytest.mark.parametrize("seed", range(3))
 def test_swing_foot_is_measured_from_the_com(seed):
     """Its Jacobian is the foot's own; the task adds the CoM's acceleration, the target's."""
