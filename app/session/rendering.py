@@ -146,9 +146,11 @@ class Rendering:
             panel.export.show(there=state.shown is not None, busy=busy)
         if before is None or (state.rollout is None) != (before.rollout is None):
             panel.export_options.show(simulated=state.rollout is not None)
-        legend = (state.view.layers, state.rollout is not None)
-        if before is None or legend != (before.view.layers, before.rollout is not None):
-            panel.view.show_legend(legend[0], simulated=legend[1])
+        if before is None or _legend(state) != _legend(before):
+            simulated, pushed, replans = _legend(state)[1]
+            panel.view.show_legend(
+                state.view.layers, simulated=simulated, pushed=pushed, replans=replans
+            )
         if before is None or state.seeds is not before.seeds:
             seeds = state.seeds
             worst = None if seeds is None or seeds.worst is None else seeds.worst.scenario.seed
@@ -259,6 +261,14 @@ def picture_of(state: TabState) -> Picture:
         fine=view.fine,
         prepared=state.prepared,
     )
+
+
+def _legend(state: TabState) -> tuple[frozenset[str], tuple[bool, bool, bool]]:
+    """What the legend is of: overlays; whether simulated, pushed, and planned anew."""
+    rollout = state.rollout
+    if rollout is None:
+        return state.view.layers, (False, False, False)
+    return state.view.layers, (True, bool(_pushes(state)), rollout.scenario.replan)
 
 
 def _pushes(state: TabState) -> tuple[Push, ...]:
