@@ -41,7 +41,7 @@ Array = NDArray[np.float64]
 INTERVALS = 8  # of a whole phase; half of a plan's: what is left of a phase is shorter
 LEAST_TIME = 0.03  # s left of a phase; with less of it feet are as good as there
 SHORTEST = 0.02  # s that what is left of a phase may be shortened to
-LONGER = 0.15  # s by which a phase may outlast its limit: a push upwards is longer in the air
+LONGER = 0.3  # s by which a phase may outlast its limit: a push upwards is longer in the air
 # From the sampled plan, which is near a solution where nothing has happened.
 FIRST = solvers.Patience(mu=1e-3, iterations=40, acceptable=(5e-3, 4))
 # Rows of an answer may be off by this much, in their units of about 1: a millimetre, a per mille of
@@ -248,53 +248,75 @@ class Replanner:
     def _sampled(self, task: Task, layout: Layout, state: State) -> Sampled:
         """The newest plan from the state's time on, moved to where the state is.
 
-        In the first flight the CoM flies on from the state; what it is off by there at touchdown
-        all later places are moved by, and the rest fades over the stance that follows.
+        In flight the CoM falls from the state to the height at which it is planned to land. By what
+        it is off there all that follows is moved; other differences fade until the end.
         """
-        plan, P = self.plan, layout.phases
+        plan, flying = self.plan, self._falls(state.phase)
         starts = plan.phase_start[state.phase :].copy()
         starts[0] = state.time
-        durations = np.clip(np.diff(starts), *np.array([task.times(p) for p in range(P)]).T)
-        begins = state.time + np.concatenate([[0.0], np.cumsum(durations)])
-        times = begins[layout.phase] + layout.progress * durations[layout.phase]
-        off = state.com - interpolated(plan.time, plan.com, state.time)
-        off_rate = state.com_velocity - interpolated(plan.time, plan.com_velocity, state.time)
-        flying = layout.stands[0] == (False,) * layout.legs
-        since = times - state.time
-        held = np.minimum(since, durations[0]) if flying else np.zeros_like(since)
-        fading = np.clip(1 - (since - held) / max(begins[-1] - state.time - held[-1], 1e-3), 0, 1)
-        moved = off + off_rate * held[:, None]
-        shift = (off + off_rate * durations[0])[:2] if flying else np.zeros(2)
-        landed = np.append(shift, 0.0)
-        place = landed + (moved - landed) * fading[:, None] if flying else off * fading[:, None]
-        quat = sign_continuous(interpolated(plan.time, plan.base_quat, times))
-        quat = quat / np.linalg.norm(quat, axis=1, keepdims=True)
-        R = Rotation.from_quat(quat, scalar_first=True)
-        momentum = interpolated(plan.time, plan.angular_momentum, times)
-        momentum = momentum + fading[:, None] * (state.angular_momentum - momentum[0])
-        feet = interpolated(plan.time, plan.foot_in_hip, times)
+        planned = np.diff(starts)
+        durations = planned.copy()
+        landing = interpolated(plan.time, plan.com, starts[1])
+        if flying:
+            durations[0] = falling_time(state.com[2] - landing[2], state.com_velocity[2])
+        limits = np.array([task.times(p) for p in range(layout.phases)])
+        durations = np.clip(durations, *limits.T)
+        # Of the plan: a flight that takes longer is as far at the same share of it.
+        times = starts[layout.phase] + layout.progress * planned[layout.phase]
+        since = layout.progress * durations[0]
+        com, velocity, momentum, quat, omega, feet = (
+            interpolated(plan.time, values, times)
+            for values in (
+                plan.com,
+                plan.com_velocity,
+                plan.angular_momentum,
+                plan.base_quat,
+                plan.angular_velocity,
+                plan.foot_in_hip,
+            )
+        )
+        shift = np.zeros(3)
+        fading = 1 - (times - state.time)[:, None] / (starts[-1] - state.time)
+        position = com + fading * (state.com - com[0])
+        speed = velocity + fading * (state.com_velocity - velocity[0])
+        if flying:
+            fall = np.array([0.0, 0.0, -GRAVITY])
+            T = durations[0]
+            shift[:2] = (state.com + T * state.com_velocity - landing)[:2]
+            t, falls = since[:, None], (layout.phase == 0)[:, None]
+            parabola = state.com + t * state.com_velocity + t**2 / 2 * fall
+            position = np.where(falls, parabola, com + shift)
+            speed = np.where(falls, state.com_velocity + t * fall, speed)
         assert task.motion is not None
         feet[0] = task.motion.feet
-        rate = np.zeros_like(feet)
-        rate[1:] = np.diff(feet, axis=0) / np.diff(times)[:, None, None]
-        rate[0] = task.motion.feet_velocity
+        steps = np.concatenate([durations[p : p + 1] for p in layout.phase[:-1]])
+        steps = steps / np.array([role.intervals for role in layout.roles[:-1]])
+        rate = np.concatenate(
+            [task.motion.feet_velocity[None], np.diff(feet, axis=0) / steps[:, None, None]]
+        )
+        quat = sign_continuous(quat / np.linalg.norm(quat, axis=1, keepdims=True))
+        quat = quat * (np.sign(quat[0] @ task.start_quat) or 1.0)
+        R = Rotation.from_quat(quat, scalar_first=True)
         unit = task.mass * GRAVITY / layout.contacts
         at = np.clip(np.searchsorted(plan.time, times + 1e-6) - 1, 0, len(plan.time) - 2)
         force = plan.contact_force[at].reshape(len(times), layout.legs, layout.corners, 3) / unit
-        landing = layout.first_knots[1] if flying else 0
+        first = layout.first_knots[1] if flying else 0
         return Sampled(
             durations=durations,
-            position=interpolated(plan.time, plan.com, times) + place,
-            velocity=interpolated(plan.time, plan.com_velocity, times) + off_rate * fading[:, None],
-            quat=quat * np.sign(quat[0] @ task.start_quat),
-            momentum=momentum / task.mass,
-            rotation_rate=R.inv().apply(interpolated(plan.time, plan.angular_velocity, times)),
+            position=position,
+            velocity=speed,
+            quat=quat,
+            momentum=(momentum + fading * (state.angular_momentum - momentum[0])) / task.mass,
+            rotation_rate=R.inv().apply(omega),
             feet=feet,
             feet_velocity=rate,
             force=force,
-            landing_force=force[landing],
-            shift=shift,
+            landing_force=force[first],
+            shift=shift[:2],
         )
+
+    def _falls(self, phase: int) -> bool:
+        return self._task.schedule[phase].is_flight
 
     def _spliced(self, knots: Knots, state: State) -> Plan:
         """The plan until the state, and what was found from there on."""
@@ -323,6 +345,12 @@ class Replanner:
 
 
 SAME_TIME = 2e-3  # s; a knot of the plan that is nearer to the state's time is left out
+
+
+def falling_time(height: float, speed: float) -> float:
+    """S in which a body with `speed`, m/s upwards, comes down by `height`, m; 0 if it never is."""
+    under_root = speed**2 + 2 * GRAVITY * height
+    return float((speed + np.sqrt(under_root)) / GRAVITY) if under_root > 0 else 0.0
 
 
 def interpolated(time: Array, values: Array, at: Array | float) -> Array:
