@@ -39,7 +39,7 @@ from llsrbm.schedule import Schedule
 Array = NDArray[np.float64]
 
 INTERVALS = 8  # of a whole phase; half of a plan's: what is left of a phase is shorter
-LEAST_TIME = 0.03  # s left of a phase; with less of it feet are as good as there
+
 SHORTEST = 0.02  # s that what is left of a phase may be shortened to
 LONGER = 0.3  # s by which a phase may outlast its limit: a push upwards is longer in the air
 # From the sampled plan, which is near a solution where nothing has happened.
@@ -83,13 +83,11 @@ class Answer:
     Attributes:
         plan: the whole jump, with what remains of it planned anew; None if nothing was found.
         iterations, solve_time_s: of the solves.
-        message: the solver's word.
     """
 
     plan: Plan | None
     iterations: int
     solve_time_s: float
-    message: str
 
 
 class Replanner:
@@ -112,11 +110,15 @@ class Replanner:
         self._model = make_model(jump.model, self._robot)
         self._task = make_task(jump, self._robot, plan.tuning.weights, plan.tuning.limits)
         self._formulations: dict[Layout, Formulation] = {}
-        self._last: tuple[Layout, Iterate] | None = None
+        self._last: dict[Layout, Iterate] = {}
 
     def prepare(self, phase: int) -> None:
-        """Load the solver of what remains in a phase, or build it."""
-        self._formulation(self._rest(phase, (SHORTEST, LONGER)))
+        """Load the solver of what remains in a phase, or build it, and solve it as planned.
+
+        So that the first answer comes as fast as the later ones.
+        """
+        plan = self.plan
+        self._solved(self._task_from(planned_state(plan, phase)), planned_state(plan, phase))
 
     def replan(self, state: State) -> Answer:
         """Plan what remains; it becomes `plan` if it is found.
@@ -124,24 +126,34 @@ class Replanner:
         What is found begins at the state, and replaces the plan from its time on.
         """
         task = self._task_from(state)
+        layout, found, iterations, seconds = self._solved(task, state)
+        if found is None:
+            return Answer(None, iterations, seconds)
+        self.plan = self._spliced(unpack(found.variables, layout, task, self._model), state)
+        return Answer(self.plan, iterations, seconds)
+
+    def _solved(self, task: Task, state: State) -> tuple[Layout, Solution | None, int, float]:
+        """From the last solution, else from the sampled plan; with all iterations and seconds."""
         formulation = self._formulation(task.schedule)
         layout, solver = formulation.layout, formulation.solver
         problem = formulation.problem(task)
-        solutions: list[Solution] = []
-        if self._last is not None and self._last[0] == layout:
-            solutions.append(solver.follow(problem, self._last[1]))
-        if not solutions or not self._good(formulation, problem, solutions[-1]):
-            guess = pack(layout, self._sampled(task, layout, state))
-            solutions.append(solver.solve(problem, guess, patience=FIRST))
-        found = solutions[-1]
-        iterations = sum(solution.iterations for solution in solutions)
-        seconds = sum(solution.solve_time_s for solution in solutions)
-        if not self._good(formulation, problem, found):
-            self._last = None
-            return Answer(None, iterations, seconds, found.message)
-        self._last = layout, found
-        self.plan = self._spliced(unpack(found.variables, layout, task, self._model), state)
-        return Answer(self.plan, iterations, seconds, found.message)
+        last = self._last.pop(layout, None)
+        solution: Solution | None = None
+        iterations, seconds = 0, 0.0
+        for start in ("last", "sampled"):
+            if start == "sampled":
+                guess = pack(layout, self._sampled(task, layout, state))
+                solution = solver.solve(problem, guess, patience=FIRST)
+            elif last is not None:
+                solution = solver.follow(problem, last)
+            if solution is None:
+                continue
+            iterations += solution.iterations
+            seconds += solution.solve_time_s
+            if self._good(formulation, problem, solution):
+                self._last[layout] = solution
+                return layout, solution, iterations, seconds
+        return layout, None, iterations, seconds
 
     @staticmethod
     def _good(formulation: Formulation, problem: Problem, solution: Solution) -> bool:
@@ -342,6 +354,26 @@ class Replanner:
             joint_torque_limit=None,
             solution=None,
         )
+
+
+def planned_state(plan: Plan, phase: int) -> State:
+    """Where a plan is as one of its phases begins; headings of feet do not turn there."""
+    time = float(plan.phase_start[phase])
+    k = int(np.argmax(plan.phase == phase))
+    w, z = plan.foot_quat[k, :, 0], plan.foot_quat[k, :, 3]
+    return State(
+        time=time,
+        phase=phase,
+        com=plan.com[k],
+        com_velocity=plan.com_velocity[k],
+        base_quat=plan.base_quat[k],
+        angular_velocity=plan.angular_velocity[k],
+        angular_momentum=plan.angular_momentum[k],
+        foot_position=plan.foot_position[k],
+        foot_velocity=np.zeros_like(plan.foot_position[k]),
+        foot_yaw=2 * np.arctan2(z, w),
+        foot_yaw_rate=np.zeros(len(w)),
+    )
 
 
 SAME_TIME = 2e-3  # s; a knot of the plan that is nearer to the state's time is left out

@@ -53,7 +53,7 @@ def found(*states):
     replanner = Replanner(plan(), ROBOT)
     for each in states:
         answer = replanner.replan(each)
-        assert answer.plan is not None, answer.message
+        assert answer.plan is not None
     return answer.plan
 
 
