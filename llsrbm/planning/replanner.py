@@ -38,15 +38,17 @@ from llsrbm.schedule import Schedule
 
 Array = NDArray[np.float64]
 
-INTERVALS = 8  # of a whole phase; half of a plan's: what is left of a phase is shorter
+INTERVALS = 6  # of a whole phase; a third of a plan's: what is left of a phase is shorter
 
 SHORTEST = 0.02  # s that what is left of a phase may be shortened to
 LONGER = 0.3  # s by which a phase may outlast its limit: a push upwards is longer in the air
 # From the sampled plan, which is near a solution where nothing has happened.
-FIRST = solvers.Patience(mu=1e-3, iterations=40, acceptable=(5e-3, 4))
+FIRST = solvers.Patience(mu=1e-3, iterations=40, tolerance=1e-3, push=0.05, acceptable=(5e-3, 4))
 # Rows of an answer may be off by this much, in their units of about 1: a millimetre, a per mille of
 # the weight. The next answer comes 20 ms later.
 GOOD_ENOUGH = 2e-3
+# The last solution that violates its rows now by more is no start: something has happened since.
+NEAR = 0.15
 
 
 @dataclass(frozen=True, eq=False)
@@ -144,7 +146,7 @@ class Replanner:
             if start == "sampled":
                 guess = pack(layout, self._sampled(task, layout, state))
                 solution = solver.solve(problem, guess, patience=FIRST)
-            elif last is not None:
+            elif last is not None and solver.miss(problem, last.variables) < NEAR:
                 solution = solver.follow(problem, last)
             if solution is None:
                 continue
