@@ -1,8 +1,9 @@
 # Two commands do everything on a fresh machine with Python >= 3.11:
 #   make app     sets up .venv and serves the designer at http://127.0.0.1:8080
 #   make test    sets up .venv and a browser, then runs every test
-# Others: make check (style and types), make bench (solve times), make range (random requests over
-# all that may be asked, planned and simulated), make lock (renew the pins), make clean.
+# Others: make check (style and types), make bench (solve times; AGAINST=commit compares with an
+# older version, BENCH_ARGS=--crocoddyl with Crocoddyl), make range (random requests over all that may
+# be asked, planned and simulated), make lock (renew the pins), make clean.
 
 # The first that is new enough, and python3 to complain about if none is.
 PYTHON ?= $(or $(shell for python in python3 python3.11 python3.12 python3.13; do \
@@ -44,7 +45,7 @@ format: $(DEV_STAMP)
 	$(BIN)/ruff check --fix .
 
 bench: $(APP_STAMP)
-	$(BIN)/python benchmarks/solve_times.py
+	$(BIN)/python benchmarks/solve_times.py $(if $(AGAINST),--against $(AGAINST)) $(BENCH_ARGS)
 
 range: $(APP_STAMP)
 	$(BIN)/python -m benchmarks.range

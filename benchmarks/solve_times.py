@@ -1,10 +1,12 @@
 """Solve times of the planner against the paper's formulation, all in one run.
 
-    python benchmarks/solve_times.py [--repeats 9] [--baseline-repeats 3]
+    python benchmarks/solve_times.py [--repeats 15] [--baseline-repeats 3]
+        [--against COMMIT] [--crocoddyl] [--only-compare]
 
 Cold: from the analytic guess. Warm: each jump from the plan of its neighbour, one slider step
 (2 deg or 1 cm) away, up and down. Baseline: `opti_baseline.py`, expanded to SX (the faster of
-Opti's two ways) and as written. Use an idle machine; ratios are taken within the run.
+Opti's two ways) and as written. After that, in turns (`interleaved.py`): ANYmal, SLIDER, an older
+version of the project, and Crocoddyl. Use an idle machine; ratios are taken within the run.
 """
 
 from __future__ import annotations
@@ -16,6 +18,7 @@ import statistics
 import sys
 
 import numpy as np
+from interleaved import compare
 from opti_baseline import solve_baseline
 
 import llsrbm
@@ -50,15 +53,8 @@ def milliseconds(times: list[float]) -> str:
     return f"{1e3 * statistics.median(times):.0f} / {1e3 * np.percentile(times, 95):.0f}"
 
 
-def main() -> None:
-    """Print the tables."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--repeats", type=int, default=15)
-    parser.add_argument("--baseline-repeats", type=int, default=3)
-    arguments = parser.parse_args()
-    load = os.getloadavg()[0]
-    if load > 0.5:
-        print(f"note: the load is {load:.1f}; times are worth little, ratios a little more")
+def tables(repeats: int, baseline_repeats: int) -> None:
+    """Print times of all models, and of the paper's formulation."""
     print(f"ANYmal, {INTERVALS} intervals, milliseconds as median / p95; it = iterations, median")
     columns = [
         "task",
@@ -79,8 +75,8 @@ def main() -> None:
             planner = planner_for("anymal", model)
             jump = llsrbm.Jump(model=model, **motion)
             cold(planner, jump, 2)
-            cold_reports = cold(planner, jump, arguments.repeats)
-            warm_reports = warm(planner, model, kind, arguments.repeats)
+            cold_reports = cold(planner, jump, repeats)
+            warm_reports = warm(planner, model, kind, repeats)
             cold_times = [r.solve_time_s for r in cold_reports]
             warm_times = [r.solve_time_s for r in warm_reports]
             overhead = statistics.median(
@@ -102,7 +98,7 @@ def main() -> None:
                 for expand in (True, False):
                     results = [
                         solve_baseline(task, planner.model, INTERVALS, expand)
-                        for _ in range(arguments.baseline_repeats)
+                        for _ in range(baseline_repeats)
                     ]
                     if not all(r.converged for r in results):
                         row.append("not converged")
@@ -118,6 +114,23 @@ def main() -> None:
     for kind in TASKS:
         ratio = solve[kind, "llsrbm-plus"] / solve[kind, "llsrbm"]
         print(f"{kind}: llsrbm-plus takes {ratio:.2f} x the time of llsrbm")
+
+
+def main() -> None:
+    """Print the tables."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--repeats", type=int, default=15)
+    parser.add_argument("--baseline-repeats", type=int, default=3)
+    parser.add_argument("--against", metavar="COMMIT", help="an older version to compare with")
+    parser.add_argument("--crocoddyl", action="store_true", help="compare with Crocoddyl, too")
+    parser.add_argument("--only-compare", action="store_true", help="no tables of models")
+    arguments = parser.parse_args()
+    load = os.getloadavg()[0]
+    if load > 0.5:
+        print(f"note: the load is {load:.1f}; times are worth little, ratios a little more")
+    if not arguments.only_compare:
+        tables(arguments.repeats, arguments.baseline_repeats)
+    compare(arguments.repeats, arguments.against, arguments.crocoddyl)
 
 
 if __name__ == "__main__":

@@ -324,5 +324,8 @@ class CentroidalModel(ABC):
 
 def _alike(standing: NDArray[np.bool_]) -> Iterator[tuple[NDArray[np.bool_], NDArray[np.int64]]]:
     """Each set of standing feet, (L,), and the rows of (K, L) that have it."""
+    if (standing == standing[0]).all():
+        yield standing[0], np.arange(len(standing))
+        return
     for stands in np.unique(standing, axis=0):
         yield stands, np.flatnonzero((standing == stands).all(axis=1))

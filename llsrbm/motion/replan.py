@@ -21,7 +21,7 @@ class Replan:
     Attributes:
         asked: s since the first plan's start, when the state was measured.
         applied: s, when the controller took it over; nan: it came too late, or not at all.
-        computing_time: s of wall time.
+        computing_time: s of the processor's time.
         solved: whether a motion was found that satisfies every constraint.
         iterations: of the solver.
         touchdown: s, when the first feet are to meet the ground.

@@ -126,10 +126,11 @@ class _Body:
         """(3,) rad/s, base axes."""
         _, pitch, roll = self.turn
         yaw_rate, pitch_rate, roll_rate = self.turn_rate
-        about_roll = Rotation.from_euler("x", roll).inv()
-        up = about_roll.apply(Rotation.from_euler("y", pitch).inv().apply([0.0, 0.0, 1.0]))
+        up = np.array([-np.sin(pitch), np.sin(roll) * np.cos(pitch), np.cos(roll) * np.cos(pitch)])
         rate: Array = (
-            yaw_rate * up + pitch_rate * about_roll.apply([0.0, 1.0, 0.0]) + [roll_rate, 0.0, 0.0]
+            yaw_rate * up
+            + pitch_rate * np.array([0.0, np.cos(roll), -np.sin(roll)])
+            + [roll_rate, 0.0, 0.0]
         )
         return rate
 
@@ -265,46 +266,44 @@ def _feet(
     """(N+1, L, d) m, rad: x of feet in the air, lift-off and touchdown among it; else zeros."""
     feet = np.zeros((layout.knots, layout.legs, layout.foot_coordinates))
     for leg, lift, touch in layout.swings:
-        for k in range(lift, touch + 1):
-            s = (k - lift) / (touch - lift)
-            # The knot of touchdown is the next phase's first; its body is where the flight ends.
-            feet[k, leg] = _flying_foot(
-                task, model, path, int(layout.phase[lift]), leg, s, knots[k]
-            )
+        # The knot of touchdown is the next phase's first; its body is where the flight ends.
+        swing = slice(lift, touch + 1)
+        phase = int(layout.phase[lift])
+        feet[swing, leg] = _flying_foot(task, model, path, phase, leg, knots[swing])
     return feet
 
 
 def _flying_foot(
-    task: Task,
-    model: CentroidalModel,
-    path: _Path,
-    phase: int,
-    leg: int,
-    s: float,
-    body: _Body,
+    task: Task, model: CentroidalModel, path: _Path, phase: int, leg: int, bodies: list[_Body]
 ) -> Array:
-    """(d,) m, rad: x of a foot at a share of the swing that begins with a phase."""
+    """(K, d) m, rad: x of a foot at the knots of the swing that begins with a phase."""
+    s = np.arange(len(bodies)) / (len(bodies) - 1)
     stood, lands = task.stood(phase), task.lands(phase)
     a, b = task.schedule[phase].place, int(task.landing_place(phase, leg))
     start, goal = task.places[a], task.places[b]
     shift = path.com(b) - path.com(a)
-    carried = stood.feet - start.origin
-    carried = carried @ _about_vertical(s * (goal.heading - start.heading)).T + start.origin
-    carried[:, :2] += s * shift[:2]
+    turned = np.array([_about_vertical(angle) for angle in s * (goal.heading - start.heading)])
+    carried = np.einsum("kij,lj->kli", turned, stood.feet - start.origin) + start.origin
+    carried[..., :2] += s[:, None, None] * shift[:2]
     arch = (4 * s * (1 - s)) ** 2 * task.limits.clearance * 1.3
-    carried[:, 2] = ground_line(stood.feet[:, 2], lands.feet[:, 2], np.array(s)) + arch
-    heading = (1 - s) * stood.yaw + s * lands.yaw
+    line = ground_line(stood.feet[:, 2], lands.feet[:, 2], s[:, None])
+    carried[..., 2] = line + arch[:, None]
+    heading = (1 - s[:, None]) * stood.yaw + s[:, None] * lands.yaw
     # A body that turns over carries its legs along as an upright one would.
-    R = _about_vertical(body.turn[0]) if task.jump.turns else body.R
-    beta = feet_from_com(model, R[None], body.position[None], carried[None], heading[None])
-    x = model.feet_of(beta, np.ones((1, len(carried)), dtype=bool))[0, leg]
-    place = x[:3]
-    if task.jump.turns:
-        place = place * [1.0, 1.0, 1.0 - TUCK * np.sin(np.pi * s)]
+    turns = task.jump.turns
+    R = np.array([_about_vertical(body.turn[0]) if turns else body.R for body in bodies])
+    position = np.array([body.position for body in bodies])
+    beta = feet_from_com(model, R, position, carried, heading)
+    x = model.feet_of(beta, np.ones(beta.shape[:2], dtype=bool))[:, leg]
+    place = x[:, :3]
+    if turns:
+        place = place * np.stack(
+            [np.ones_like(s), np.ones_like(s), 1 - TUCK * np.sin(np.pi * s)], 1
+        )
     place = np.clip(place, task.reach.lower, task.reach.upper)
-    length = np.linalg.norm(place)
+    length = np.linalg.norm(place, axis=1, keepdims=True)
     place = place * np.clip(length, *task.reach.distance) / length
-    return np.append(place, np.clip(x[3:], *task.foot.yaw))
+    return np.concatenate([place, np.clip(x[:, 3:], *task.foot.yaw)], axis=1)
 
 
 def _hermite(

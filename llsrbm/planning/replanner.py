@@ -38,15 +38,17 @@ from llsrbm.schedule import Schedule
 
 Array = NDArray[np.float64]
 
-INTERVALS = 8  # of a whole phase; half of a plan's: what is left of a phase is shorter
-LEAST_TIME = 0.03  # s left of a phase; with less of it feet are as good as there
+INTERVALS = 6  # of a whole phase; a third of a plan's: what is left of a phase is shorter
+
 SHORTEST = 0.02  # s that what is left of a phase may be shortened to
-LONGER = 0.15  # s by which a phase may outlast its limit: a push upwards is longer in the air
+LONGER = 0.3  # s by which a phase may outlast its limit: a push upwards is longer in the air
 # From the sampled plan, which is near a solution where nothing has happened.
-FIRST = solvers.Patience(mu=1e-3, iterations=40, acceptable=(5e-3, 4))
+FIRST = solvers.Patience(mu=1e-3, iterations=40, tolerance=1e-3, push=0.05, acceptable=(5e-3, 4))
 # Rows of an answer may be off by this much, in their units of about 1: a millimetre, a per mille of
 # the weight. The next answer comes 20 ms later.
 GOOD_ENOUGH = 2e-3
+# The last solution that violates its rows now by more is no start: something has happened since.
+NEAR = 0.15
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,13 +85,11 @@ class Answer:
     Attributes:
         plan: the whole jump, with what remains of it planned anew; None if nothing was found.
         iterations, solve_time_s: of the solves.
-        message: the solver's word.
     """
 
     plan: Plan | None
     iterations: int
     solve_time_s: float
-    message: str
 
 
 class Replanner:
@@ -112,11 +112,15 @@ class Replanner:
         self._model = make_model(jump.model, self._robot)
         self._task = make_task(jump, self._robot, plan.tuning.weights, plan.tuning.limits)
         self._formulations: dict[Layout, Formulation] = {}
-        self._last: tuple[Layout, Iterate] | None = None
+        self._last: dict[Layout, Iterate] = {}
 
     def prepare(self, phase: int) -> None:
-        """Load the solver of what remains in a phase, or build it."""
-        self._formulation(self._rest(phase, (SHORTEST, LONGER)))
+        """Load the solver of what remains in a phase, or build it, and solve it as planned.
+
+        So that the first answer comes as fast as the later ones.
+        """
+        plan = self.plan
+        self._solved(self._task_from(planned_state(plan, phase)), planned_state(plan, phase))
 
     def replan(self, state: State) -> Answer:
         """Plan what remains; it becomes `plan` if it is found.
@@ -124,24 +128,34 @@ class Replanner:
         What is found begins at the state, and replaces the plan from its time on.
         """
         task = self._task_from(state)
+        layout, found, iterations, seconds = self._solved(task, state)
+        if found is None:
+            return Answer(None, iterations, seconds)
+        self.plan = self._spliced(unpack(found.variables, layout, task, self._model), state)
+        return Answer(self.plan, iterations, seconds)
+
+    def _solved(self, task: Task, state: State) -> tuple[Layout, Solution | None, int, float]:
+        """From the last solution, else from the sampled plan; with all iterations and seconds."""
         formulation = self._formulation(task.schedule)
         layout, solver = formulation.layout, formulation.solver
         problem = formulation.problem(task)
-        solutions: list[Solution] = []
-        if self._last is not None and self._last[0] == layout:
-            solutions.append(solver.follow(problem, self._last[1]))
-        if not solutions or not self._good(formulation, problem, solutions[-1]):
-            guess = pack(layout, self._sampled(task, layout, state))
-            solutions.append(solver.solve(problem, guess, patience=FIRST))
-        found = solutions[-1]
-        iterations = sum(solution.iterations for solution in solutions)
-        seconds = sum(solution.solve_time_s for solution in solutions)
-        if not self._good(formulation, problem, found):
-            self._last = None
-            return Answer(None, iterations, seconds, found.message)
-        self._last = layout, found
-        self.plan = self._spliced(unpack(found.variables, layout, task, self._model), state)
-        return Answer(self.plan, iterations, seconds, found.message)
+        last = self._last.pop(layout, None)
+        solution: Solution | None = None
+        iterations, seconds = 0, 0.0
+        for start in ("last", "sampled"):
+            if start == "sampled":
+                guess = pack(layout, self._sampled(task, layout, state))
+                solution = solver.solve(problem, guess, patience=FIRST)
+            elif last is not None and solver.miss(problem, last.variables) < NEAR:
+                solution = solver.follow(problem, last)
+            if solution is None:
+                continue
+            iterations += solution.iterations
+            seconds += solution.solve_time_s
+            if self._good(formulation, problem, solution):
+                self._last[layout] = solution
+                return layout, solution, iterations, seconds
+        return layout, None, iterations, seconds
 
     @staticmethod
     def _good(formulation: Formulation, problem: Problem, solution: Solution) -> bool:
@@ -248,53 +262,75 @@ class Replanner:
     def _sampled(self, task: Task, layout: Layout, state: State) -> Sampled:
         """The newest plan from the state's time on, moved to where the state is.
 
-        In the first flight the CoM flies on from the state; what it is off by there at touchdown
-        all later places are moved by, and the rest fades over the stance that follows.
+        In flight the CoM falls from the state to the height at which it is planned to land. By what
+        it is off there all that follows is moved; other differences fade until the end.
         """
-        plan, P = self.plan, layout.phases
+        plan, flying = self.plan, self._falls(state.phase)
         starts = plan.phase_start[state.phase :].copy()
         starts[0] = state.time
-        durations = np.clip(np.diff(starts), *np.array([task.times(p) for p in range(P)]).T)
-        begins = state.time + np.concatenate([[0.0], np.cumsum(durations)])
-        times = begins[layout.phase] + layout.progress * durations[layout.phase]
-        off = state.com - interpolated(plan.time, plan.com, state.time)
-        off_rate = state.com_velocity - interpolated(plan.time, plan.com_velocity, state.time)
-        flying = layout.stands[0] == (False,) * layout.legs
-        since = times - state.time
-        held = np.minimum(since, durations[0]) if flying else np.zeros_like(since)
-        fading = np.clip(1 - (since - held) / max(begins[-1] - state.time - held[-1], 1e-3), 0, 1)
-        moved = off + off_rate * held[:, None]
-        shift = (off + off_rate * durations[0])[:2] if flying else np.zeros(2)
-        landed = np.append(shift, 0.0)
-        place = landed + (moved - landed) * fading[:, None] if flying else off * fading[:, None]
-        quat = sign_continuous(interpolated(plan.time, plan.base_quat, times))
-        quat = quat / np.linalg.norm(quat, axis=1, keepdims=True)
-        R = Rotation.from_quat(quat, scalar_first=True)
-        momentum = interpolated(plan.time, plan.angular_momentum, times)
-        momentum = momentum + fading[:, None] * (state.angular_momentum - momentum[0])
-        feet = interpolated(plan.time, plan.foot_in_hip, times)
+        planned = np.diff(starts)
+        durations = planned.copy()
+        landing = interpolated(plan.time, plan.com, starts[1])
+        if flying:
+            durations[0] = falling_time(state.com[2] - landing[2], state.com_velocity[2])
+        limits = np.array([task.times(p) for p in range(layout.phases)])
+        durations = np.clip(durations, *limits.T)
+        # Of the plan: a flight that takes longer is as far at the same share of it.
+        times = starts[layout.phase] + layout.progress * planned[layout.phase]
+        since = layout.progress * durations[0]
+        com, velocity, momentum, quat, omega, feet = (
+            interpolated(plan.time, values, times)
+            for values in (
+                plan.com,
+                plan.com_velocity,
+                plan.angular_momentum,
+                plan.base_quat,
+                plan.angular_velocity,
+                plan.foot_in_hip,
+            )
+        )
+        shift = np.zeros(3)
+        fading = 1 - (times - state.time)[:, None] / (starts[-1] - state.time)
+        position = com + fading * (state.com - com[0])
+        speed = velocity + fading * (state.com_velocity - velocity[0])
+        if flying:
+            fall = np.array([0.0, 0.0, -GRAVITY])
+            T = durations[0]
+            shift[:2] = (state.com + T * state.com_velocity - landing)[:2]
+            t, falls = since[:, None], (layout.phase == 0)[:, None]
+            parabola = state.com + t * state.com_velocity + t**2 / 2 * fall
+            position = np.where(falls, parabola, com + shift)
+            speed = np.where(falls, state.com_velocity + t * fall, speed)
         assert task.motion is not None
         feet[0] = task.motion.feet
-        rate = np.zeros_like(feet)
-        rate[1:] = np.diff(feet, axis=0) / np.diff(times)[:, None, None]
-        rate[0] = task.motion.feet_velocity
+        steps = np.concatenate([durations[p : p + 1] for p in layout.phase[:-1]])
+        steps = steps / np.array([role.intervals for role in layout.roles[:-1]])
+        rate = np.concatenate(
+            [task.motion.feet_velocity[None], np.diff(feet, axis=0) / steps[:, None, None]]
+        )
+        quat = sign_continuous(quat / np.linalg.norm(quat, axis=1, keepdims=True))
+        quat = quat * (np.sign(quat[0] @ task.start_quat) or 1.0)
+        R = Rotation.from_quat(quat, scalar_first=True)
         unit = task.mass * GRAVITY / layout.contacts
         at = np.clip(np.searchsorted(plan.time, times + 1e-6) - 1, 0, len(plan.time) - 2)
         force = plan.contact_force[at].reshape(len(times), layout.legs, layout.corners, 3) / unit
-        landing = layout.first_knots[1] if flying else 0
+        first = layout.first_knots[1] if flying else 0
         return Sampled(
             durations=durations,
-            position=interpolated(plan.time, plan.com, times) + place,
-            velocity=interpolated(plan.time, plan.com_velocity, times) + off_rate * fading[:, None],
-            quat=quat * np.sign(quat[0] @ task.start_quat),
-            momentum=momentum / task.mass,
-            rotation_rate=R.inv().apply(interpolated(plan.time, plan.angular_velocity, times)),
+            position=position,
+            velocity=speed,
+            quat=quat,
+            momentum=(momentum + fading * (state.angular_momentum - momentum[0])) / task.mass,
+            rotation_rate=R.inv().apply(omega),
             feet=feet,
             feet_velocity=rate,
             force=force,
-            landing_force=force[landing],
-            shift=shift,
+            landing_force=force[first],
+            shift=shift[:2],
         )
+
+    def _falls(self, phase: int) -> bool:
+        return self._task.schedule[phase].is_flight
 
     def _spliced(self, knots: Knots, state: State) -> Plan:
         """The plan until the state, and what was found from there on."""
@@ -322,7 +358,33 @@ class Replanner:
         )
 
 
+def planned_state(plan: Plan, phase: int) -> State:
+    """Where a plan is as one of its phases begins; headings of feet do not turn there."""
+    time = float(plan.phase_start[phase])
+    k = int(np.argmax(plan.phase == phase))
+    w, z = plan.foot_quat[k, :, 0], plan.foot_quat[k, :, 3]
+    return State(
+        time=time,
+        phase=phase,
+        com=plan.com[k],
+        com_velocity=plan.com_velocity[k],
+        base_quat=plan.base_quat[k],
+        angular_velocity=plan.angular_velocity[k],
+        angular_momentum=plan.angular_momentum[k],
+        foot_position=plan.foot_position[k],
+        foot_velocity=np.zeros_like(plan.foot_position[k]),
+        foot_yaw=2 * np.arctan2(z, w),
+        foot_yaw_rate=np.zeros(len(w)),
+    )
+
+
 SAME_TIME = 2e-3  # s; a knot of the plan that is nearer to the state's time is left out
+
+
+def falling_time(height: float, speed: float) -> float:
+    """S in which a body with `speed`, m/s upwards, comes down by `height`, m; 0 if it never is."""
+    under_root = speed**2 + 2 * GRAVITY * height
+    return float((speed + np.sqrt(under_root)) / GRAVITY) if under_root > 0 else 0.0
 
 
 def interpolated(time: Array, values: Array, at: Array | float) -> Array:

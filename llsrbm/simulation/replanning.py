@@ -1,16 +1,16 @@
 """Planning anew while the robot is under way: the loop around the replanner.
 
 Every `PERIOD` the newest measurement is handed to the replanner, as it will be when the answer can
-be followed, `LATENCY` later. Computing takes the wall time that it takes: the answer is followed
-from the tick on at which it is there, at least the latency after the measurement, and the next
-question waits until then. An answer that comes after feet have met the ground is dropped, and where
-none is found the old plan goes on.
+be followed, `LATENCY` later. Computing takes as long as the processor works on it, whatever else
+the machine does meanwhile: the answer is followed from the tick on at which it is there, at least
+the latency after the measurement, and the next question waits until then. An answer that comes
+after feet have met the ground is dropped, and where none is found the old plan goes on.
 """
 
 from __future__ import annotations
 
 import math
-import time as wall_clock
+import time
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -91,13 +91,13 @@ class Replanning(Hook):
 
     def _ask(self, situation: Situation) -> None:
         controller, asked = situation.controller, situation.time
-        began = wall_clock.perf_counter()
+        began = time.thread_time()
         state = self._expected(situation)
         answer = self._replanner.replan(state)
         reference = None
         if answer.plan is not None:
             reference = controller.reference_of(answer.plan, from_time=state.time)
-        computing = wall_clock.perf_counter() - began
+        computing = time.thread_time() - began
         offset = asked + LATENCY - state.time  # from the plan's clock to that of the simulation
         situation.replans.append(_record(asked, computing, answer, state, offset))
         ready = asked + max(LATENCY, math.ceil(computing / self._tick) * self._tick)

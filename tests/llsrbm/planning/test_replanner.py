@@ -32,9 +32,7 @@ def state(time, phase, *, velocity=(0.0, 0.0, 0.0), momentum=(0.0, 0.0, 0.0)):
         name: interpolated(of.time, getattr(of, name), time)
         for name in ("com", "com_velocity", "base_quat", "angular_velocity", "angular_momentum")
     }
-    before, after = (
-        interpolated(of.time, of.foot_position, time + dt) for dt in (-SLOWER, SLOWER)
-    )
+    before, after = (interpolated(of.time, of.foot_position, time + dt) for dt in (-SLOWER, SLOWER))
     return State(
         time=time,
         phase=phase,
@@ -55,7 +53,7 @@ def found(*states):
     replanner = Replanner(plan(), ROBOT)
     for each in states:
         answer = replanner.replan(each)
-        assert answer.plan is not None, answer.message
+        assert answer.plan is not None
     return answer.plan
 
 
@@ -140,7 +138,7 @@ def test_what_was_before_stays():
 def test_after_touchdown_feet_stay_where_they_are():
     at = state(plan().touchdown + 0.05, LANDING)
     slid = np.array([[0.03, 0.0, 0.0], [0.03, 0.01, 0.0], [0.02, 0.0, 0.0], [0.02, 0.01, 0.0]])
-    at = replace(at, foot_position=at.foot_position + slid, com=at.com + [0.05, 0.0, 0.0])
+    at = replace(at, foot_position=at.foot_position + slid, com=at.com + slid[0])
     new = found(at)
     knots = rest(new, at.time)
     assert new.foot_position[knots] == pytest.approx(np.tile(at.foot_position, (len(knots), 1, 1)))
