@@ -20,9 +20,6 @@ from llsrbm.push import DURATION, LARGEST_IMPULSE, Push
 USUAL_SPEED = 0.3
 """m/s that a push gives the robot, to begin with: seen, and survived."""
 
-LEAD = 0.2
-"""s before a push from where it is played, so that a hand's shove is seen coming."""
-
 _LEAST = 0.05  # N s; a smaller push is a click that nobody dragged
 _DECIMALS = 1  # of a dragged impulse, N s
 
@@ -66,9 +63,9 @@ def drag_push(state: TabState, event: PushDragged) -> Step:
 
 
 def replay_start(state: TabState) -> float:
-    """From where a simulation of the design is worth seeing, s."""
+    """From where a simulation of the design is played, s: it goes on where the push was drawn."""
     pushes = state.design.scenario.pushes
-    return max(0.0, pushes[0].time - LEAD) if pushes else 0.0
+    return pushes[0].time if pushes else 0.0
 
 
 def push_shown(state: TabState) -> PushShown | None:

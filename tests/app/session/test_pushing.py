@@ -19,7 +19,7 @@ from app.session.events import (
     SimulateWanted,
     UndoWanted,
 )
-from app.session.pushing import LEAD, push_shown
+from app.session.pushing import push_shown
 from app.viser_link.page_link import PlayerMoved
 from llsrbm.push import DURATION, LARGEST_IMPULSE, Push
 from llsrbm.scenario import Scenario
@@ -155,11 +155,11 @@ def test_further_pushes_of_a_design_stay_and_so_does_the_moment():
     assert second == pair[1]
 
 
-def test_a_dragged_push_is_played_from_a_moment_before_it():
+def test_a_dragged_push_is_played_from_where_it_was_drawn():
     tab = pushed_tab()
     drag(tab, (0.0, 4.0, 0.0))
     tab.finish_simulation()
-    assert [e for e in tab.effects if isinstance(e, Seek | Play)] == [Seek(0.5 - LEAD), Play()]
+    assert [e for e in tab.effects if isinstance(e, Seek | Play)] == [Seek(0.5), Play()]
     tab.take(SimulateWanted())
     tab.finish_simulation()
     assert not tab.of(Play)
