@@ -17,7 +17,7 @@ import time
 import numpy as np
 
 from benchmarks.page import FIRST_PICTURE, PROGRAM, resident
-from tests.app.chromium import PACE, VIEW, choose, chromium, status, tab, wait_until
+from tests.app.chromium import PACE, PIXELS, VIEW, choose, chromium, status, tab, wait_until
 
 WARM_UP = 3  # pushes that count for nothing: the first one loads solvers
 EARLIEST = 0.04  # s after a push: it is measured, and the answer is followed 20 ms later
@@ -26,17 +26,6 @@ LENGTH = (0.15, 0.45)  # m that the tip is dragged
 GRAB = 0.15  # m from the tip, where an arrow of the grip is taken hold of
 STEPS = 6  # of a hand
 
-# Pixels of points (x, y, z) m in a node's own axes.
-PIXELS = """([name, ...points]) => {
-  const { camera, nodeRefFromName, canvas } = window.__viserMutable;
-  const node = nodeRefFromName[name], box = canvas.getBoundingClientRect();
-  camera.updateMatrixWorld();
-  node.updateWorldMatrix(true, false);
-  return points.map((point) => {
-    const place = node.localToWorld(camera.position.clone().set(...point)).project(camera);
-    return [box.left + (1 + place.x) / 2 * box.width, box.top + (1 - place.y) / 2 * box.height];
-  });
-}"""
 # The next time that the hand lets go: ms from then until a robot is drawn that follows a new plan.
 WATCH = """instant => {
   const { player } = window.llsrbm, before = player.clip;

@@ -20,7 +20,7 @@ from app.scene.turns import z_to
 
 Array = NDArray[np.float64]
 
-_SEEN = 0.15  # s for which a push is seen; it is over after a tenth of that
+_SEEN = 0.1  # s for which a push is seen; it is over after a fifth of that
 _WIDE = 1.6  # times as thick as the arrow of a force
 _AWAY = (0.0, 0.0, 1000.0)  # m, where words are that nobody shall see: they have no size
 

@@ -44,7 +44,7 @@ def test_an_arrow_from_the_trunk_along_the_push_while_it_acts():
     frames, size = simulated(), drawn.size(node)
     seen = size[:, 2] > 0
     assert frames.time[seen][0] == pytest.approx(PUSH.time, abs=1 / 60)
-    assert 0.1 < np.ptp(frames.time[seen]) < 0.2
+    assert 0.05 < np.ptp(frames.time[seen]) < 0.15
     at = int(np.flatnonzero(seen)[2])
     points = drawn.vertices(node, at) - trunk_com(ROBOT, frames)[at]
     along = np.array(PUSH.impulse) / np.linalg.norm(PUSH.impulse)
