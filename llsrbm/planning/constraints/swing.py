@@ -50,6 +50,7 @@ class Clearance(Constraint):
 
     name = "clearance"
     unit = "m"
+    by_knot = True
     limits = (
         Limit(
             "clearance",
