@@ -20,7 +20,13 @@ from llsrbm.ocp.transcription import Block, Structure, Transcription
 # Instructions a C function: compilers take more than linear time for the length of one.
 PIECE = 400
 
-_BINARY = {ca.OP_ADD: "+", ca.OP_SUB: "-", ca.OP_MUL: "*", ca.OP_DIV: "/"}
+_BINARY = {
+    ca.OP_ADD: "{0}+{1}",
+    ca.OP_SUB: "{0}-{1}",
+    ca.OP_MUL: "{0}*{1}",
+    ca.OP_DIV: "{0}/{1}",
+    ca.OP_ATAN2: "ATAN2({0},{1})",
+}
 _UNARY = {
     ca.OP_ASSIGN: "{0}",
     ca.OP_NEG: "-{0}",
@@ -51,6 +57,7 @@ typedef double real;
 #define SQRT sqrt
 #define SIN sin
 #define COS cos
+#define ATAN2 atan2
 """
 _MANY = """\
 #define WIDTH LANES
@@ -60,6 +67,8 @@ typedef lanes real;
 EACH(SQRT, sqrt)
 EACH(SIN, sin)
 EACH(COS, cos)
+static inline real ATAN2(real a, real b)
+  { real r; for (int i = 0; i < LANES; i++) r[i] = atan2(a[i], b[i]); return r; }
 """
 
 # Evaluates one kind of a family's functions for all its stages. Of the last ones fewer than WIDTH
@@ -292,13 +301,13 @@ class _Reader:
                 yield _Line(f"out[{at}]=(real){{0}}+{texts[0]};", takes, -1 - at)
                 continue
             if operation in _BINARY:
-                text = f"{texts[0]}{_BINARY[operation]}{texts[1]}"
+                text = _BINARY[operation].format(*texts)
             elif operation in _UNARY:
                 text = _UNARY[operation].format(texts[0])
             else:
                 raise NotInC(
                     f"{function.name()}: operation {operation} is not written as C; expected one "
-                    "of sums, products, quotients, squares, roots, sines"
+                    "of sums, products, quotients, roots, sines, cosines and atan2"
                 )
             holds[give[0]] = f"v{k}", (k,)
             yield _Line(f"real v{k}={text};", takes, k)

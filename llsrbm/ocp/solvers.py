@@ -179,9 +179,7 @@ class Solver(ABC):
 
     def miss(self, problem: Problem, variables: Array) -> float:
         """The largest violation of a row; infinite where a row is not finite."""
-        g = self._rows(problem, variables)
-        largest = np.maximum(problem.lower - g, g - problem.upper).max()
-        return float(largest) if np.isfinite(largest) else math.inf
+        return _largest_violation(problem, self._rows(problem, variables))
 
     def _rows(self, problem: Problem, variables: Array) -> Array:
         return np.array(self.function("nlp_g")(variables, problem.parameters)).ravel()
@@ -231,6 +229,11 @@ class Solver(ABC):
             solve_time_s=elapsed,
             message=str(stats.get("return_status", "")),
         )
+
+
+def _largest_violation(problem: Problem, g: Array) -> float:
+    largest = np.maximum(problem.lower - g, g - problem.upper).max()
+    return float(largest) if np.isfinite(largest) else math.inf
 
 
 class Fatrop(Solver):
@@ -284,9 +287,9 @@ class Fatrop(Solver):
         """See `Solver.follow`."""
         lower, upper = problem.lower, problem.upper
         inequality = lower < upper
-        if self.miss(problem, start.variables) > TOO_FAR:
-            return self._given_up(problem, start)
         g = self._rows(problem, start.variables)
+        if _largest_violation(problem, g) > TOO_FAR:
+            return self._given_up(problem, start)
         below, above = np.maximum(g - lower, 0.0), np.maximum(upper - g, 0.0)
         # A second bound far away would start at the multiplier 1 as well, far too much for it.
         lower = np.where(inequality & (above < NEARER * below), -np.inf, lower)

@@ -282,7 +282,7 @@ class FinalOrientation(Cost):
 
 
 class LandingShift(Cost):
-    """Squared distance between where a replanned jump lands and where it was to land."""
+    """Squared distances of a replanned jump: where it lands, and its CoM from above its feet."""
 
     name = "landing_shift"
     weight = 1.0
@@ -291,11 +291,11 @@ class LandingShift(Cost):
 
     def applies(self, role: Role) -> bool:
         """At the end."""
-        return role.terminal and role.shifts
+        return role.terminal and role.under_way
 
     def term(self, stage: Stage) -> Any:
-        """|s|^2."""
-        return ca.sumsqr(stage.shift)
+        """|s|^2 + |r - r_goal - s|^2."""
+        return ca.sumsqr(stage.shift) + ca.sumsqr(stage.off_goal[:2])
 
 
 COSTS: tuple[Cost, ...] = (

@@ -100,13 +100,16 @@ def make_problem(layout: Layout, task: Task) -> Problem:
 def row_bounds(layout: Layout, task: Task) -> tuple[Array, Array]:
     """Lower and upper bounds of g for a task, (rows,): gaps, then each stage's constraints."""
     lower, upper = [], []
-    for knot, role in enumerate(layout.roles):
-        if not role.terminal:
-            gap = np.zeros(layout.state_size(layout.roles[knot + 1]))
-            lower.append(gap)
-            upper.append(gap)
-        for constraint in constraints_of(role):
-            low, high = constraint.bounds(task, layout, knot)
-            lower.append(low)
-            upper.append(high)
+    for role, knots in layout.blocks():
+        constraints = constraints_of(role)
+        alike = {c: c.bounds(task, layout, knots[0]) for c in constraints if not c.by_knot}
+        for knot in knots:
+            if not role.terminal:
+                gap = np.zeros(layout.state_size(layout.roles[knot + 1]))
+                lower.append(gap)
+                upper.append(gap)
+            for constraint in constraints:
+                low, high = alike.get(constraint) or constraint.bounds(task, layout, knot)
+                lower.append(low)
+                upper.append(high)
     return np.concatenate(lower), np.concatenate(upper)

@@ -47,6 +47,7 @@ class Role:
         final: in the schedule's last phase.
         clears: whether trunk, knees and flying feet are kept clear of something.
         lands_upright: after the last flight of a body that turns over.
+        under_way: of a motion that began under way.
         shifts: whether where feet will land is a variable; shifted: whether they have landed there.
     """
 
@@ -65,6 +66,7 @@ class Role:
     final: bool = False
     clears: bool = False
     lands_upright: bool = False
+    under_way: bool = False
     shifts: bool = False
     shifted: bool = False
 
@@ -228,6 +230,7 @@ class Layout:
                         final=p == last_phase,
                         clears=self.clears and not (p == 0 and first),
                         lands_upright=upright and p > last_flight,
+                        under_way=self.under_way,
                         shifts=shifts,
                         shifted=shifts and p > flights[0],
                     )
@@ -239,6 +242,7 @@ class Layout:
             swinging=(),
             terminal=True,
             final=True,
+            under_way=self.under_way,
             shifts=shifts,
             shifted=shifts,
         )

@@ -47,8 +47,11 @@ FIRST = solvers.Patience(mu=1e-3, iterations=40, tolerance=1e-3, push=0.05, acce
 # Rows of an answer may be off by this much, in their units of about 1: a millimetre, a per mille of
 # the weight. The next answer comes 20 ms later.
 GOOD_ENOUGH = 2e-3
+# Shares of the drives, and factors of the robot file's reach, see `in_need`.
+NEED_TORQUE, NEED_SPEED = 0.95, 1.0
+NEED_BOX, NEED_LENGTH, NEED_STANDING = 1.15, 1.03, 0.7
 # The last solution that violates its rows now by more is no start: something has happened since.
-NEAR = 0.15
+NEAR = 1.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,7 +113,8 @@ class Replanner:
         self.plan = plan
         self._robot = robot.turning if jump.turns else robot
         self._model = make_model(jump.model, self._robot)
-        self._task = make_task(jump, self._robot, plan.tuning.weights, plan.tuning.limits)
+        task = make_task(jump, self._robot, plan.tuning.weights, plan.tuning.limits)
+        self._task = in_need(task)
         self._formulations: dict[Layout, Formulation] = {}
         self._last: dict[Layout, Iterate] = {}
 
@@ -379,6 +383,29 @@ def planned_state(plan: Plan, phase: int) -> State:
 
 
 SAME_TIME = 2e-3  # s; a knot of the plan that is nearer to the state's time is left out
+
+
+def in_need(task: Task) -> Task:
+    """The task under limits for a robot that has been pushed.
+
+    A plan leaves something of the drives and of the legs' reach to feedback, and does not crouch as
+    deep as it could; what catches a fall may use nearly all of it. Friction stays.
+    """
+    limits, reach = task.limits, task.reach
+    shares = {
+        "torque_share": max(limits.torque_share, NEED_TORQUE),
+        "speed_share": max(limits.speed_share, NEED_SPEED),
+    }
+    lower, upper = np.array(reach.lower), np.array(reach.upper)
+    wider = {
+        "lower": tuple((lower - (NEED_BOX - 1) * np.abs(lower)).tolist()),
+        "upper": tuple((upper + (NEED_BOX - 1) * np.abs(upper)).tolist()),
+        "distance": (reach.distance[0], NEED_LENGTH * reach.distance[1]),
+        "standing": NEED_STANDING * reach.standing,
+    }
+    return replace(
+        task, limits=limits.model_copy(update=shares), reach=reach.model_copy(update=wider)
+    )
 
 
 def falling_time(height: float, speed: float) -> float:

@@ -106,6 +106,11 @@ class Stage:
         """Of where feet land, (2, 1) m."""
         return self.symbols.get(SHIFT, ca.SX.zeros(2))
 
+    @property
+    def off_goal(self) -> Any:
+        """(3, 1) m: how far the CoM is from where it is to end, above the feet it lands on."""
+        return self.position - self.parameters["goal_position"] - ca.vertcat(self.shift, 0)
+
     @cached_property
     def R_world_base(self) -> Any:
         """At the knot, (3, 3)."""

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import sys
+from functools import cache
 from pathlib import Path
 
 from llsrbm.errors import Error, RobotFileError
 
 
+@cache
 def assets_directory() -> Path:
     """The project's assets: inside the package when installed, beside it in a checkout.
 

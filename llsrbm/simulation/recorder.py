@@ -102,27 +102,27 @@ class Recorder:
         model, robot = self._model, self._robot
         data = model.createData()
         contacts = foot_contacts(robot)
-        count, legs = len(self.q), len(contacts)
+        middles = [contact.centres.mean(axis=0) for contact in contacts]
+        frames = [leg.foot_frame_id for leg in robot.legs]
+        q = np.array(self.q)
+        count, legs = len(q), len(contacts)
         columns = {
             "com": np.empty((count, 3)),
-            "base_position": np.empty((count, 3)),
-            "base_quat": np.empty((count, 4)),
+            "base_position": q[:, :3].copy(),
+            "base_quat": q[:, [6, 3, 4, 5]],
             "linear_momentum": np.empty((count, 3)),
             "angular_momentum": np.empty((count, 3)),
             "inertia": np.empty((count, 3, 3)),
             "foot_position": np.empty((count, legs, 3)),
         }
-        for k, (q, v) in enumerate(zip(self.q, self.v, strict=True)):
-            pin.ccrba(model, data, q, v)
-            columns["com"][k] = data.com[0]
-            columns["base_position"][k] = q[:3]
-            columns["base_quat"][k] = q[[6, 3, 4, 5]]
-            columns["linear_momentum"][k] = data.hg.linear
-            columns["angular_momentum"][k] = data.hg.angular
-            columns["inertia"][k] = data.Ig.inertia
-            pin.forwardKinematics(model, data, q)
-            for i, (leg, contact) in enumerate(zip(robot.legs, contacts, strict=True)):
-                frame = pin.updateFramePlacement(model, data, leg.foot_frame_id)
-                columns["foot_position"][k, i] = frame.act(contact.centres.mean(axis=0))
-                columns["foot_position"][k, i, 2] -= contact.radius
+        com, inertia, foot = columns["com"], columns["inertia"], columns["foot_position"]
+        linear, angular = columns["linear_momentum"], columns["angular_momentum"]
+        for k, (position, velocity) in enumerate(zip(self.q, self.v, strict=True)):
+            pin.ccrba(model, data, position, velocity)
+            com[k], inertia[k] = data.com[0], data.Ig.inertia
+            linear[k], angular[k] = data.hg.linear, data.hg.angular
+            pin.forwardKinematics(model, data, position)
+            for i, (frame, middle) in enumerate(zip(frames, middles, strict=True)):
+                foot[k, i] = pin.updateFramePlacement(model, data, frame).act(middle)
+        foot[..., 2] -= [contact.radius for contact in contacts]
         return columns

@@ -109,8 +109,8 @@ class Replanning(Hook):
     def _expected(self, situation: Situation) -> State:
         """The state at the time at which an answer can be followed.
 
-        In flight the CoM falls, and feet are where the reference has them seen from the CoM. On the
-        ground the CoM is accelerated as planned, and feet stay.
+        In flight the CoM falls, and feet move on as they do, seen from it. On the ground the CoM is
+        accelerated as planned, and feet stay.
         """
         body, controller = self._body, situation.controller
         contacts, measurement = controller.contacts, situation.measurement
@@ -128,15 +128,15 @@ class Replanning(Hook):
         com = body.com + LATENCY * body.com_velocity + LATENCY**2 / 2 * acceleration - below
         R = pin.exp3(body.angular_velocity * LATENCY) @ body.R_world_base
         x, y, z, w = pin.Quaternion(R).coeffs()
+        yaw = np.arctan2(body.R_world_foot[:, 1, 0], body.R_world_foot[:, 0, 0])
         if contacts.flying:
-            foot, foot_velocity = (
-                com + target.foot_from_com,
-                velocity + target.foot_velocity_from_com,
-            )
-            yaw, yaw_rate = target.foot_heading[:, 0], target.foot_heading[:, 1]
+            from_com = body.foot_velocity - body.com_velocity
+            foot = com + body.foot - body.com + LATENCY * from_com
+            foot_velocity = velocity + from_com
+            yaw_rate = np.array(body.foot_angular_velocity[:, 2])
+            yaw = yaw + LATENCY * yaw_rate
         else:
             foot, foot_velocity = body.foot - below, np.zeros_like(body.foot)
-            yaw = np.arctan2(body.R_world_foot[:, 1, 0], body.R_world_foot[:, 0, 0])
             yaw_rate = np.zeros_like(yaw)
         return State(
             time=contacts.plan_time(at),

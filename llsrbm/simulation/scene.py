@@ -63,6 +63,8 @@ class Scene:
 
     def move_blocks(self, data: mujoco.MjData, time: float) -> None:
         """Put blocks where they are at `time`, s."""
+        if not self.block_ids:
+            return
         for place, mocap in zip(block_places(self.surroundings, time), self.block_ids, strict=True):
             data.mocap_pos[mocap] = place
 

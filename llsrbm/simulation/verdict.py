@@ -12,6 +12,7 @@ Recovered: strict success but for where the feet are, which a push or a new plan
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -61,9 +62,9 @@ def fallen(time: float, q: Array, planned: Array, result: TickResult) -> Fall | 
         return Fall(time, "the trunk touched the ground")
     if result.obstacle_contact:
         return Fall(time, "it touched the hurdle")
-    x, y, z, w = q[3:7]
+    x, y, z, w = q[3:7].tolist()
     up = np.array([2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)])
-    if up @ planned[:, 2] < np.cos(TOPPLED):
+    if up.dot(planned[:, 2]) < math.cos(TOPPLED):
         return Fall(time, "it toppled over")
     return None
 

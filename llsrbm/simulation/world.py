@@ -150,7 +150,7 @@ class World:
 
     def state(self) -> tuple[Array, Array]:
         """True q (nq,) and v (nv,), Pinocchio's conventions: copies."""
-        q, v = self._qpos[self.scene.q_order], self._qvel[self.scene.v_order]
+        q, v = self._qpos.take(self.scene.q_order), self._qvel.take(self.scene.v_order)
         mujoco.mju_negQuat(self._conjugate, self._qpos[3:7])
         mujoco.mju_rotVecQuat(v[:3], self._qvel[:3], self._conjugate)
         return q, v
@@ -176,14 +176,19 @@ class World:
         """
         self.scene.move_blocks(self._data, self.time)
         arriving = self._drives.arriving(np.array(torque, dtype=float))
+        limited, read, model, data = (
+            self._drives.limited,
+            self._contacts.read,
+            self._model,
+            self._data,
+        )
         for step in range(self._steps):
-            applied, limit = self._drives.limited(arriving, self._qvel[self._joints])
+            applied, self._limit[step] = limited(arriving, self._qvel.take(self._joints))
             self._ctrl[:] = self._torque[step] = applied
-            self._limit[step] = limit
-            mujoco.mj_step(self._model, self._data)
-            self._contacts.read(step)
+            mujoco.mj_step(model, data)
+            read(step)
         self._wrench[:] = 0.0
-        if self._warnings.any():
+        if np.logical_or.reduce(self._warnings):
             # MuJoCo has already put the robot back to where its model was compiled.
             raise Diverged(self._what_went_wrong())
         touched = self._contacts.touched()
@@ -194,8 +199,8 @@ class World:
             contact_force=self._contacts.mean_force(),
             contact=contact,
             first_contact=np.where(contact, first, np.nan),
-            torque=self._torque.mean(axis=0),
-            torque_limit=self._limit.mean(axis=0),
+            torque=np.add.reduce(self._torque, axis=0) / self._steps,
+            torque_limit=np.add.reduce(self._limit, axis=0) / self._steps,
             trunk_contact=self._contacts.trunk_touched(),
             obstacle_contact=self._contacts.untouched_touched(),
         )

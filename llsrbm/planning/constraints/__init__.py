@@ -12,7 +12,7 @@ from llsrbm.planning.constraints.body_clearance import BodyClearance
 from llsrbm.planning.constraints.contacts import FeetAtRest, FrictionPyramid, GivenContacts
 from llsrbm.planning.constraints.drives import JointSpeed, JointTorque, TorqueAtSpeed
 from llsrbm.planning.constraints.edge import Edge
-from llsrbm.planning.constraints.motion import FinalState, MomentumBalance
+from llsrbm.planning.constraints.motion import FinalPlace, FinalState, MomentumBalance
 from llsrbm.planning.constraints.reach import FeetApart, Reach
 from llsrbm.planning.constraints.swing import Clearance, FootSpeed
 from llsrbm.planning.constraints.timing import PhaseTimes
@@ -41,5 +41,6 @@ CONSTRAINTS: tuple[Constraint, ...] = (
     JointSpeed(),
     UprightLanding(),
     FinalState(),
+    FinalPlace(),
     TrueTurn(),
 )

@@ -96,6 +96,7 @@ class Constraint(ABC):
         equality: whether lower equals upper.
         limits: the numbers in its bounds that a request may change.
         limited_by: names of limits of other constraints that are in its rows, too.
+        by_knot: whether the bounds of knots of one role differ.
     """
 
     name: ClassVar[str]
@@ -103,6 +104,7 @@ class Constraint(ABC):
     equality: ClassVar[bool] = False
     limits: ClassVar[tuple[Limit, ...]] = ()
     limited_by: ClassVar[tuple[str, ...]] = ()
+    by_knot: ClassVar[bool] = False
 
     def concerns(self, task: Task) -> bool:
         """Whether the robot has what is limited."""

@@ -40,6 +40,7 @@ class Edge(Constraint):
 
     name = "edge"
     unit = "m"
+    by_knot = True
 
     def applies(self, role: Role) -> bool:
         """Between lift-off and touchdown."""

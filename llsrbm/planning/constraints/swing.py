@@ -59,6 +59,7 @@ class Clearance(Constraint):
 
     name = "clearance"
     unit = "m"
+    by_knot = True
     limits = (
         Limit(
             "clearance",
