@@ -46,7 +46,7 @@ from app.session.steps import (
 from llsrbm.motion.rollout import Rollout
 from llsrbm.simulation.surroundings import surroundings
 
-_AHEAD = 0.1
+_AHEAD = 0.05
 """s by which a simulation has to be ahead of a replay that begins before its end."""
 
 

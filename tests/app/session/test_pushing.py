@@ -176,7 +176,7 @@ def test_it_is_played_once_as_soon_as_there_is_enough_to_see():
         tab.report(SimulatedSoFar(0, 0.5, time, np.tile(state, (len(time), 1))))
         return bool(tab.of(Play))
 
-    assert [report(end) for end in (0.2, 0.6, 1.1, 1.3)] == [False, False, True, False]
+    assert [report(end) for end in (0.2, 0.5, 1.1, 1.3)] == [False, False, True, False]
     tab.finish_simulation()
     assert not tab.of(Play)
 
