@@ -9,11 +9,15 @@ import numpy as np
 import pytest
 
 from llsrbm import models
+from llsrbm.jump import Jump
 from llsrbm.planning.constraints import CONSTRAINTS
 from llsrbm.planning.horizon import constraints_of
 from llsrbm.planning.knots import unpack
+from llsrbm.planning.placement import make_task
+from llsrbm.planning.planner import layout_of
 from llsrbm.planning.residuals import dynamics_defects
 from llsrbm.planning.stage import BALANCE_SCALE, GRAVITY
+from llsrbm.robots import load_robot
 from tests.llsrbm.planning.solved import function, parameters, rows_by_constraint, solved
 
 # Rows of the legs' drives, checks by Pinocchio: test_drive_rows compares them.
@@ -104,3 +108,17 @@ def test_rows_and_check_agree(model, request_name, seed, constraint):
     # The disturbance is large enough to break what holds at many knots.
     if constraint.name in ("momentum_balance", "given_contacts", "reach", "final_state"):
         assert amount.max() > 1e-3
+
+
+@pytest.mark.parametrize(("robot", "kind"), [("anymal", "hops"), ("slider", "together")])
+def test_bounds_of_a_role_are_the_same_at_its_knots_unless_said_otherwise(robot, kind):
+    jump = Jump(robot=robot, type=kind, forward=0.2, height=0.1)
+    task, layout = make_task(jump, load_robot(robot)), layout_of(jump, load_robot(robot))
+    differ = set()
+    for role, knots in layout.blocks():
+        for constraint in constraints_of(role):
+            first, *others = (constraint.bounds(task, layout, knot) for knot in knots)
+            if any(not np.array_equal(first, other) for other in others):
+                differ.add(constraint)
+    assert differ
+    assert all(constraint.by_knot for constraint in differ)
