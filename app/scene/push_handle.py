@@ -140,7 +140,10 @@ class PushHandle:
         self._arrow.visible = length > _NO_LENGTH
         self._arrow.points = np.array([[shown.origin, shown.tip]], dtype=np.float32)
         self._size.position = shown.tip
-        self._size.text = newton_seconds(shown.impulse) if any(shown.impulse) else _TO_BEGIN
+        there = any(shown.impulse)
+        self._size.text = newton_seconds(shown.impulse) if there else _TO_BEGIN
+        # Below the grip, the words leave the arrow free that a moment ago was drawn of a push.
+        self._size.anchor = "bottom-center" if there else "top-center"
         return True
 
 

@@ -71,9 +71,10 @@ def test_new_plans_are_counted(plan, rollout):
     known = changed(replanned, replan_median_s=0.0101, replan_p95_s=0.0312)
     taken, made = sum(r.applied > 0 for r in known.replans), len(known.replans)
     assert 0 < taken < made
-    assert simulated_line(known)[1].endswith(f"{taken} of {made} new plans followed")
+    assert simulated_line(known)[1].endswith(f"at the end, {taken} of {made} new plans")
+    assert f">{taken} of {made} followed<" in rollout_figures(known)
     assert "10.1 ms, p95 31.2 ms" in rollout_figures(known)
-    assert "new plan" not in rollout_figures(rollout)
+    assert "New plans" not in rollout_figures(rollout)
 
 
 def test_unsolved_ticks_are_told(rollout):
