@@ -38,8 +38,8 @@ from llsrbm.schedule import Schedule
 
 Array = NDArray[np.float64]
 
-# Of a phase on the ground, and of a flight, whose stages take twice as long to solve. Plans have 16:
-# what is left of a phase is shorter, and the next answer comes soon.
+# Of a stance, and of a flight, whose stages take twice as long to solve. Plans have 16 of each; what
+# is left of a phase is shorter, and the next answer comes soon.
 STANCE_INTERVALS, FLIGHT_INTERVALS = 6, 4
 
 SHORTEST = 0.02  # s that what is left of a phase may be shortened to
