@@ -38,7 +38,9 @@ from llsrbm.schedule import Schedule
 
 Array = NDArray[np.float64]
 
-INTERVALS = 6  # of a whole phase; a third of a plan's: what is left of a phase is shorter
+# Of a stance, and of a flight, whose stages take twice as long to solve. Plans have 16 of each; what
+# is left of a phase is shorter, and the next answer comes soon.
+STANCE_INTERVALS, FLIGHT_INTERVALS = 6, 4
 
 SHORTEST = 0.02  # s that what is left of a phase may be shortened to
 LONGER = 0.3  # s by which a phase may outlast its limit: a push upwards is longer in the air
@@ -169,13 +171,16 @@ class Replanner:
         )
 
     def _rest(self, phase: int, time: tuple[float, float]) -> Schedule:
-        return self._task.schedule.rest(phase, time)
+        rest = self._task.schedule.rest(phase, time)
+        shares = (FLIGHT_INTERVALS / STANCE_INTERVALS if p.is_flight else 1.0 for p in rest)
+        phases = tuple(replace(p, share=s) for p, s in zip(rest, shares, strict=True))
+        return replace(rest, phases=phases)
 
     def _formulation(self, rest: Schedule) -> Formulation:
         layout = Layout.of(
             rest,
             len(self._robot.legs) * len(self._robot.corners),
-            NOMINAL_PHASES * INTERVALS,
+            NOMINAL_PHASES * STANCE_INTERVALS,
             self._robot.foot_coordinates,
             clears=False,
             turns=self._task.jump.turns,

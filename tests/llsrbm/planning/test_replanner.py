@@ -109,7 +109,8 @@ def test_it_lands_where_it_falls_and_ends_above_its_feet():
     moved = new.foot_position[-1] - plan().foot_position[-1]
     assert np.ptp(moved, axis=0) == pytest.approx(np.zeros(3), abs=1e-6)
     assert 0.5 * 0.5 * left < moved[0, 1] < 1.5 * 0.5 * left + 0.1
-    assert new.com[-1] - plan().com[-1] == pytest.approx(moved[0], abs=2e-3)
+    above = (new.com[-1] - plan().com[-1] - moved[0])[:2]
+    assert np.abs(above).max() < 0.5 * np.abs(plan().foot_position[-1, :, :2]).min() + 0.02
 
 
 def test_legs_reach_what_is_planned():
@@ -142,7 +143,7 @@ def test_after_touchdown_feet_stay_where_they_are():
     new = found(at)
     knots = rest(new, at.time)
     assert new.foot_position[knots] == pytest.approx(np.tile(at.foot_position, (len(knots), 1, 1)))
-    assert new.com[-1] - plan().com[-1] == pytest.approx(slid.mean(axis=0), abs=2e-3)
+    assert new.com[-1] - plan().com[-1] == pytest.approx(slid.mean(axis=0), abs=0.02)
     turned = Rotation.from_quat(new.base_quat[-1], scalar_first=True).inv()
     turned = turned * Rotation.from_quat(plan().base_quat[-1], scalar_first=True)
     assert turned.magnitude() < 0.01

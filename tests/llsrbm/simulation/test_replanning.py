@@ -1,0 +1,135 @@
+"""Planning anew in the loop: when it is asked, when it is followed, and what it is worth."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from llsrbm.control.controller import WholeBodyController
+from llsrbm.motion.rollout_file import load_rollout
+from llsrbm.push import Push
+from llsrbm.robots import load_robot
+from llsrbm.scenario import Scenario
+from llsrbm.simulation import replanning
+from llsrbm.simulation.replanning import LATENCY, PERIOD
+from llsrbm.simulation.simulate import simulate
+from tests.llsrbm.planning.solved import solved
+
+ROBOT = load_robot("anymal")
+TICK = 1 / ROBOT.file.control.rate
+ASIDE = (0.0, 14.0, 0.0)  # N s: of what few landings recover without planning anew
+
+
+class Clock:
+    """In place of the processor's: every computation takes as long as is said."""
+
+    def __init__(self, seconds):
+        self.seconds, self.now = seconds, 0.0
+
+    def thread_time(self):
+        self.now += self.seconds
+        return self.now
+
+
+@pytest.fixture
+def takes(monkeypatch):
+    """Set how long a computation takes, s, whatever the machine does."""
+    return lambda seconds: monkeypatch.setattr(replanning, "time", Clock(seconds))
+
+
+def plan():
+    return solved("llsrbm-plus", "twist").plan
+
+
+def middle():
+    return (plan().lift_off + plan().touchdown) / 2
+
+
+def test_it_is_asked_at_50_hz_in_flight_and_after_and_followed_after_the_latency(takes):
+    takes(0.008)
+    rollout = simulate(plan(), ROBOT, Scenario(replan=True))
+    asked = np.array([replan.asked for replan in rollout.replans])
+    applied = np.array([replan.applied for replan in rollout.replans])
+    assert rollout.outcome.replans == len(asked) > 20
+    assert asked[0] == pytest.approx(plan().lift_off, abs=2 * TICK)
+    assert np.diff(asked).min() == pytest.approx(PERIOD, abs=1e-6)
+    detected = rollout.outcome.touchdown_detected_s
+    assert (asked > detected).any()
+    followed = ~np.isnan(applied)
+    assert followed.mean() > 0.9  # not the one that touchdown overtook
+    assert applied[followed] - asked[followed] == pytest.approx(LATENCY, abs=1e-6)
+    assert rollout.outcome.replan_median_s == pytest.approx(0.008)
+
+
+def test_a_slow_answer_is_followed_when_it_is_there(takes):
+    takes(0.05)
+    rollout = simulate(plan(), ROBOT, Scenario(replan=True))
+    asked = np.array([replan.asked for replan in rollout.replans])
+    applied = np.array([replan.applied for replan in rollout.replans])
+    followed = ~np.isnan(applied)
+    assert applied[followed] - asked[followed] == pytest.approx(0.05, abs=TICK)
+    assert np.diff(asked).min() >= 0.05 - 1e-6
+    assert rollout.landed
+
+
+def test_where_nothing_happens_it_lands_as_it_does_without(takes):
+    takes(0.01)
+    calm, replanned = (
+        simulate(plan(), ROBOT, Scenario(seed=3, noise=1.0, replan=on)) for on in (False, True)
+    )
+    assert replanned.outcome.strict
+    assert replanned.com[-1] == pytest.approx(calm.com[-1], abs=0.03)
+    before = np.searchsorted(calm.time, plan().lift_off)
+    np.testing.assert_array_equal(replanned.qpos[:before], calm.qpos[:before])
+
+
+def test_a_push_in_mid_flight_is_recovered_from_only_by_planning_anew(takes):
+    takes(0.015)
+    push = (Push(middle(), ASIDE),)
+    outcomes = {
+        on: [
+            simulate(
+                plan(), ROBOT, Scenario(seed=seed, noise=1.0, pushes=push, replan=on)
+            ).outcome.recovered
+            for seed in (1, 2)
+        ]
+        for on in (False, True)
+    }
+    assert not any(outcomes[False])
+    assert all(outcomes[True])
+
+
+def test_what_is_recorded_is_what_was_followed(takes, tmp_path):
+    takes(0.01)
+    rollout = simulate(plan(), ROBOT, Scenario(pushes=(Push(middle(), ASIDE),), replan=True))
+    after = next(replan for replan in rollout.replans if replan.asked > middle() + 0.03)
+    assert after.solved
+    assert after.time[0] == pytest.approx(after.asked + LATENCY, abs=1e-6)
+    assert after.touchdown == pytest.approx(rollout.outcome.touchdown_true_s, abs=0.02)
+    # The CoM comes down where that answer saw it come down.
+    down = np.searchsorted(rollout.time, after.touchdown)
+    seen = after.com[np.argmin(np.abs(after.time - after.touchdown))]
+    assert rollout.com[down] == pytest.approx(seen, abs=0.02)
+    rollout.save(tmp_path / "replanned.npz")
+    read = load_rollout(tmp_path / "replanned.npz")
+    assert len(read.replans) == len(rollout.replans)
+    np.testing.assert_array_equal(read.replans[-1].com, rollout.replans[-1].com)
+
+
+def test_where_nothing_is_found_the_old_plan_goes_on(takes, monkeypatch):
+    takes(0.01)
+    none = replanning.Answer(None, 0, 0.0)
+    monkeypatch.setattr(replanning.Replanner, "replan", lambda self, state: none)
+    lost, calm = (simulate(plan(), ROBOT, Scenario(replan=on)) for on in (True, False))
+    assert lost.replans
+    assert not any(replan.solved for replan in lost.replans)
+    np.testing.assert_array_equal(lost.qpos, calm.qpos)
+
+
+def test_another_reference_is_followed_from_the_next_step_on():
+    controller = WholeBodyController(ROBOT, plan(), Scenario())
+    moved = plan().com + np.array([0.1, 0.0, 0.0])
+    controller.set_reference(controller.reference_of(replace(plan(), com=moved), from_time=0.2))
+    assert controller.target(0.2).com[0] == pytest.approx(plan().com[0, 0] + 0.1, abs=0.05)
