@@ -232,11 +232,13 @@ def _show_so_far(state: TabState, report: SimulatedSoFar) -> Step:
     task, shown, robot = state.work.awaited, state.shown, state.robot
     if not isinstance(task, SimulateJump) or shown is None or robot is None:
         return state, ()
+    start = state.work.replay_from
+    if start is not None and report.time[-1] < start + _AHEAD:
+        return state, ()  # the robot stays where a hand has just pushed it
     so_far = frames_so_far(robot, report.time, report.qpos)
     blocks = tuple(surroundings(robot, shown.plan, task.scenario).blocks)
     shown = Shown(shown.planned, so_far=so_far, blocks=blocks, source=shown.source)
-    state, start = replace(state, shown=shown), state.work.replay_from
-    return replay(state) if start is not None and so_far.end > start + _AHEAD else (state, ())
+    return replay(replace(state, shown=shown))
 
 
 def replay(state: TabState) -> Step:

@@ -176,7 +176,11 @@ def test_it_is_played_once_as_soon_as_there_is_enough_to_see():
         tab.report(SimulatedSoFar(0, 0.5, time, np.tile(state, (len(time), 1))))
         return bool(tab.of(Play))
 
-    assert [report(end) for end in (0.2, 0.5, 1.1, 1.3)] == [False, False, True, False]
+    before = tab.state.shown
+    assert [report(end) for end in (0.2, 0.5)] == [False, False]
+    assert tab.state.shown is before  # it does not go back to where the simulation is
+    assert [report(end) for end in (1.1, 1.3)] == [True, False]
+    assert tab.state.shown.so_far.end == pytest.approx(1.3, abs=0.02)
     tab.finish_simulation()
     assert not tab.of(Play)
 
