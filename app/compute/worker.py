@@ -62,6 +62,7 @@ class LibraryPlanner:
         import llsrbm.api  # noqa: F401
 
         self._solvers: set[Solver] = set()
+        self._replanned: set[Solver] = set()  # whose remains have been planned anew
 
     def prepare(self, robot: str, progress: ProgressListener) -> None:
         """See `app.compute.planner.Planner.prepare`."""
@@ -125,6 +126,13 @@ class LibraryPlanner:
         cancelled: Callable[[], bool],
     ) -> Rollout:
         """See `app.compute.planner.Planner.simulate`."""
+        jump = task.plan.jump
+        if task.scenario.replan and solver_of(jump) not in self._replanned:
+            progress(
+                f"building the solvers that plan anew, of {jump.model} for {jump.robot}: a minute, "
+                "the first time"
+            )
+            self._replanned.add(solver_of(jump))
         shown = -1
         reached = 0.0
 

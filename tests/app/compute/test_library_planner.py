@@ -147,3 +147,13 @@ def test_the_solver_is_announced_once_a_process(called):
     for _ in range(2):
         planner.plan(PlanJump(JUMP), told.append, never)
     assert told == ["building the solver of llsrbm-plus for anymal: half a minute, the first time"]
+
+
+def test_solvers_that_plan_anew_are_announced_where_they_are_needed(called):
+    told = []
+    planner = LibraryPlanner()
+    for replan in (False, True, True):
+        task = SimulateJump(planned(), Scenario(replan=replan))
+        planner.simulate(task, told.append, lambda *_: None, never)
+    (line,) = told
+    assert line.startswith("building the solvers that plan anew, of llsrbm-plus for anymal")
