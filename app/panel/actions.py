@@ -21,6 +21,8 @@ class Action(Enum):
     SCENARIO = auto()
     SIMULATE = auto()
     SEEDS = auto()
+    COMPARE_REPLANNING = auto()
+    COMPARE_MODEL = auto()
     WORST = auto()
     CANCEL = auto()
     NEAREST = auto()

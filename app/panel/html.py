@@ -7,12 +7,16 @@ from html import escape
 
 from app.motion import colours
 from app.motion.colours import Rgb
+from app.motion.push_arrow import ARROW_PER_SPEED
 from app.panel.status import Status, Word
 from app.scene.overlays.centre_of_mass import CentreOfMass
 from app.scene.overlays.forces import ARROW_PER_WEIGHT, Forces
 from app.scene.overlays.ghosts import Ghosts
 from app.scene.overlays.inertia_ellipsoids import InertiaEllipsoids
 from app.scene.overlays.landing_marks import LandingMarks
+from app.scene.overlays.landing_region import LandingRegion
+from app.scene.overlays.new_plans import NewPlans
+from app.scene.overlays.pushes import Pushes
 from app.scene.overlays.trails import Trails
 from llsrbm.numerals import decimal
 
@@ -88,12 +92,15 @@ def table(rows: Iterable[tuple[str, str]], title: str = "") -> str:
     return f'<div style="{SMALL}">{head}<table style="{compact}">{body}</table></div>'
 
 
-def legend(layers: frozenset[str], *, simulated: bool) -> str:
+def legend(
+    layers: frozenset[str], *, simulated: bool, pushed: bool = False, replans: bool = False
+) -> str:
     """The colours of what is drawn.
 
     Args:
         layers: names of the overlays that are drawn.
         simulated: whether there is a simulation.
+        pushed: whether the robot is pushed in it; replans: whether it plans anew.
     """
     rows: list[tuple[Rgb, str]] = []
     if InertiaEllipsoids.name in layers:
@@ -113,6 +120,13 @@ def legend(layers: frozenset[str], *, simulated: bool) -> str:
                 f"contact forces, {kind}; the weight is {ARROW_PER_WEIGHT:g}\u00a0m long",
             )
         )
+    if pushed and Pushes.name in layers:
+        length = f"{ARROW_PER_SPEED:g}\u00a0m"
+        rows.append((colours.PUSH, f"push; one that gives the robot 1\u00a0m/s is {length} long"))
+    if replans and NewPlans.name in layers:
+        rows.append((colours.REPLANNED, "newest plan: path of the centre of mass, footholds"))
+    if (pushed or replans) and LandingRegion.name in layers:
+        rows.append((colours.REPLANNED, "outlines: where the feet can still land"))
     if CentreOfMass.name in layers or Trails.name in layers:
         rows.append((colours.COM, "centre of mass"))
     if LandingMarks.name in layers:

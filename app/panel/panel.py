@@ -168,6 +168,8 @@ class Panel:
         for button, action in (
             (self._simulate, Action.SIMULATE),
             (self.simulation.seeds, Action.SEEDS),
+            (self.simulation.push.with_and_without, Action.COMPARE_REPLANNING),
+            (self.simulation.push.other_model, Action.COMPARE_MODEL),
             (self.simulation.worst, Action.WORST),
             (self._cancel, Action.CANCEL),
             (self._nearest, Action.NEAREST),

@@ -8,6 +8,7 @@ from typing import Any
 import viser
 
 from app.panel.html import note
+from app.panel.push_controls import PushControls
 from app.viser_link.validation import number, put
 from llsrbm.robots import RobotFile
 from llsrbm.scenario import Scenario
@@ -19,7 +20,12 @@ _LARGEST_SEED = 9999
 
 
 class SimulationControls:
-    """Board, disturbance and several seeds, added to the container that is open."""
+    """Board, push, disturbance and several seeds, added to the container that is open.
+
+    Attributes:
+        push: the controls of a push, and of planning anew.
+        seeds: the button for several seeds; worst: the one that opens the worst of them.
+    """
 
     def __init__(self, gui: viser.GuiApi, robot_file: RobotFile) -> None:
         """No board, nothing disturbed; boards that fit under the robot."""
@@ -33,6 +39,7 @@ class SimulationControls:
             initial_value=False,
             hint="Under the front feet only, or under the front half of soles side by side",
         )
+        self.push = PushControls(gui)
         self._disturb = gui.add_checkbox(
             "Disturb",
             initial_value=False,
@@ -54,7 +61,7 @@ class SimulationControls:
     @property
     def handles(self) -> list[Any]:
         """The controls whose updates change the scenario."""
-        return [self._board, self._half, self._disturb, self._seed]
+        return [self._board, self._half, *self.push.handles, self._disturb, self._seed]
 
     def show_seeds(self, results: str, *, worst: bool) -> None:
         """How several seeds went, as HTML; whether the worst of them can be opened."""
@@ -75,7 +82,8 @@ class SimulationControls:
             seed = round(number("Seed", self._seed.value, (0, _LARGEST_SEED), complaints))
         # Half of no board is no board.
         half = bool(self._half.value) and board > 0
-        return replace(current, board=board, half_board=half, seed=seed, noise=noise), complaints
+        scenario = replace(current, board=board, half_board=half, seed=seed, noise=noise)
+        return self.push.read(scenario, complaints), complaints
 
     def show(self, scenario: Scenario, robot_file: RobotFile) -> None:
         """Put the controls where this scenario has them, with boards that fit under the robot."""
@@ -83,6 +91,7 @@ class SimulationControls:
         self._noise = scenario.noise
         put(self._board, round(1000 * scenario.board))
         put(self._half, scenario.half_board)
+        self.push.show(scenario)
         put(self._disturb, scenario.seed is not None)
         if scenario.seed is not None:
             put(self._seed, scenario.seed)

@@ -78,12 +78,24 @@ def simulated_line(rollout: Rollout) -> tuple[Word, str]:
     if outcome.yaw_error_at_touchdown is not None:
         parts.append(f"yaw {_degrees(outcome.yaw_error_at_touchdown)} from the plan at touch-down")
     parts.append(f"{_degrees(outcome.final_yaw_error)} at the end")
-    parts.append(f"{decimal(outcome.real_time_factor, 1)}× real time")
+    if rollout.replans:  # in the place of what matters less, as there are three lines
+        parts.append(f"{_followed(rollout)} new plans")
+    else:
+        parts.append(f"{decimal(outcome.real_time_factor, 1)}× real time")
     if outcome.unsolved_ticks:
         ticks = _counted(outcome.unsolved_ticks, "tick")
         parts.append(f"the controller's QP was unsolved in {ticks}")
     loosely = "" if outcome.strict else ", but failed the strict criterion: "
+    pushed = bool(rollout.scenario.pushes) or rollout.scenario.random_push is not None
+    if pushed and outcome.recovered and not outcome.strict:
+        loosely = ", recovered from the push: "
     return Word.LANDED, loosely + ", ".join(parts)
+
+
+def _followed(rollout: Rollout) -> str:
+    """How many of the new plans were followed."""
+    replans = rollout.replans
+    return f"{sum(math.isfinite(replan.applied) for replan in replans)} of {len(replans)}"
 
 
 def seeds_line(results: Sequence[SeedOutcome]) -> str:
@@ -219,6 +231,12 @@ def rollout_figures(rollout: Rollout) -> str:
         ),
         ("Real-time factor", decimal(outcome.real_time_factor, 1)),
     ]
+    if outcome.replan_median_s is not None and outcome.replan_p95_s is not None:
+        times = (
+            f"{decimal(1e3 * outcome.replan_median_s, 1)} ms, "
+            f"p95 {decimal(1e3 * outcome.replan_p95_s, 1)} ms"
+        )
+        rows += [("New plans", f"{_followed(rollout)} followed"), ("Planning anew", times)]
     if not rollout.landed:
         rows[:0] = [
             (f"Wrong from {decimal(event.time, 2)} s", event.words)
@@ -255,6 +273,11 @@ def _scenario(scenario: Scenario, disturbance: Disturbance) -> str:
             f"contacts {decimal(1e3 * disturbance.contact_time)} ms, "
             f"torque delayed by {_counted(disturbance.torque_delay_ticks, 'tick')}"
         )
+    drawn = disturbance.random_push
+    parts += [
+        f"push of {decimal(math.hypot(*push.impulse), 1)} N s at {decimal(push.time, 2)} s"
+        for push in (*scenario.pushes, *(() if drawn is None else (drawn,)))
+    ]
     return ", ".join(parts)
 
 

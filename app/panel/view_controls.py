@@ -47,9 +47,13 @@ class ViewControls:
             put(box, name in shown)
         put(self._night, night)
 
-    def show_legend(self, shown: frozenset[str], *, simulated: bool) -> None:
+    def show_legend(
+        self, shown: frozenset[str], *, simulated: bool, pushed: bool, replans: bool
+    ) -> None:
         """Meanings of the colours that are drawn."""
-        self._legend.content = html.legend(shown, simulated=simulated)
+        self._legend.content = html.legend(
+            shown, simulated=simulated, pushed=pushed, replans=replans
+        )
 
 
 def configure_theme(gui: viser.GuiApi, *, dark: bool) -> None:

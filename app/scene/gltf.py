@@ -69,6 +69,16 @@ def arrow(colour: Rgb) -> bytes:
     return solid(trimesh.util.concatenate([body, tip]), colour)
 
 
+@lru_cache(maxsize=8)
+def rod(colour: Rgb, opacity: float = 1.0) -> bytes:
+    """From the origin along z, of radius 1."""
+    import trimesh
+
+    body = trimesh.creation.cylinder(1.0, 1.0, sections=6)
+    body.apply_translation([0.0, 0.0, 0.5])
+    return solid(body, colour, opacity)
+
+
 @lru_cache(maxsize=4)
 def pyramid(colour: Rgb, opacity: float) -> bytes:
     """Upside down: its tip in the origin, its base the square |x|, |y| <= 1 at z = 1, open."""

@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import viser
 
+from app.viser_link.validation import numbers
 from llsrbm.jump import Jump
 from llsrbm.robots import Robot
 from llsrbm.robots.schema import Task
@@ -104,22 +105,11 @@ class LandingHandle:
 
 def read_grip(wxyz: object, position: object) -> Grip | None:
     """Where a handle stands, or None: a script may send anything for a pose."""
-    quaternion, place = _numbers(wxyz, 4), _numbers(position, 3)
+    quaternion, place = numbers(wxyz, 4), numbers(position, 3)
     if quaternion is None or place is None:
         return None
     (w, _, _, z), (x, y, _) = quaternion, place
     return Grip(x, y, 2 * math.atan2(z, w))
-
-
-def _numbers(values: object, count: int) -> tuple[float, ...] | None:
-    """So many finite numbers, or None: a script may send anything for a pose."""
-    try:
-        array = np.asarray(values, dtype=float)
-    except (TypeError, ValueError):
-        return None
-    if array.shape != (count,) or not np.isfinite(array).all():
-        return None
-    return tuple(float(value) for value in array)
 
 
 def _within(value: float, ends: tuple[float, float]) -> float:

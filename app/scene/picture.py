@@ -9,6 +9,8 @@ from app.motion.colours import Rgb
 from app.motion.frames import Frames
 from app.motion.planned_motion import PlannedMotion
 from llsrbm.jump import Jump
+from llsrbm.motion.rollout import Rollout
+from llsrbm.push import Push
 from llsrbm.robots import Robot
 from llsrbm.simulation.surroundings import Block
 
@@ -37,6 +39,8 @@ class Picture:
         planned: its plan; None: it stands in its default posture.
         simulated: frames of the robot that follows the plan, as far as they are computed; it is
             drawn solid then, and the plan as a ghost.
+        rollout: the simulation, once it is complete.
+        pushes: of the simulation, as far as it is computed.
         blocks: what stands around: of a plan alone, drawn as what it aims at.
         ghosts: pinned motions.
         layers: names of the overlays that are drawn.
@@ -49,6 +53,8 @@ class Picture:
     robot: Robot | None = None
     planned: PlannedMotion | None = None
     simulated: Frames | None = None
+    rollout: Rollout | None = None
+    pushes: tuple[Push, ...] = ()
     blocks: tuple[Block, ...] = ()
     ghosts: tuple[Ghost, ...] = ()
     layers: frozenset[str] = frozenset()
@@ -84,7 +90,7 @@ def changed_parts(before: Picture, after: Picture) -> frozenset[str]:
     )
 
 
-_PLAIN = (bool, int, frozenset, Jump)
+_PLAIN = (bool, int, frozenset, Jump, Push)
 
 
 def _same(before: Any, after: Any) -> bool:

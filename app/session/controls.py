@@ -6,6 +6,7 @@ from app.panel.actions import Action
 from app.panel.panel import Panel
 from app.session.events import (
     CancelWanted,
+    CompareWanted,
     Event,
     ExportWanted,
     JumpChosen,
@@ -31,6 +32,8 @@ from app.session.state import TabState
 _WITHOUT_VALUES: dict[Action, Event] = {
     Action.SIMULATE: SimulateWanted(),
     Action.SEEDS: SimulateWanted(SEEDS),
+    Action.COMPARE_REPLANNING: CompareWanted("replanning"),
+    Action.COMPARE_MODEL: CompareWanted("model"),
     Action.WORST: WorstWanted(),
     Action.CANCEL: CancelWanted(),
     Action.NEAREST: NearestWanted(),

@@ -103,6 +103,11 @@ class Play:
 
 
 @dataclass(frozen=True)
+class Pause:
+    """Stand still."""
+
+
+@dataclass(frozen=True)
 class Seek:
     """Go to an instant.
 
@@ -137,9 +142,10 @@ Effect = (
     | Notify
     | ResetControls
     | Play
+    | Pause
     | Seek
     | SetPlayback
 )
 
-AFTER_DRAWING = (Share, Play, Seek, SetPlayback)
+AFTER_DRAWING = (Share, Play, Pause, Seek, SetPlayback)
 """Effects on the page that mean what it shows then, not what it showed before."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 from app.compute.opened_file import OpenedFile
 from app.compute.protocol import Report
@@ -69,6 +70,21 @@ class ScenarioChosen:
 
 
 @dataclass(frozen=True)
+class PushDragged:
+    """The push was drawn in the picture.
+
+    Attributes:
+        time: s, the instant that was shown.
+        impulse: N s, (x, y, z), as the arrow stands.
+        ended: whether it was let go of.
+    """
+
+    time: float
+    impulse: tuple[float, float, float]
+    ended: bool
+
+
+@dataclass(frozen=True)
 class DesignChosen:
     """An example was chosen."""
 
@@ -84,6 +100,17 @@ class SimulateWanted:
     """
 
     seeds: int = 0
+
+
+@dataclass(frozen=True)
+class CompareWanted:
+    """What is asked for shall be simulated twice, with one change, and played side by side.
+
+    Attributes:
+        by: the change: with and without replanning, or another model.
+    """
+
+    by: Literal["replanning", "model"]
 
 
 @dataclass(frozen=True)
@@ -281,8 +308,10 @@ Event = (
     | TuningReset
     | TargetDragged
     | ScenarioChosen
+    | PushDragged
     | DesignChosen
     | SimulateWanted
+    | CompareWanted
     | WorstWanted
     | CancelWanted
     | NearestWanted

@@ -8,6 +8,7 @@ from enum import Enum
 
 from app.panel.actions import Action
 from app.scene.landing_handle import Grip
+from app.scene.push_handle import PushGrip
 from app.session.controls import READ_ACTIONS
 from app.session.events import Event
 from app.viser_link.page_link import PageEvent, PageReady
@@ -19,7 +20,7 @@ class End(Enum):
     END = 0
 
 
-Item = Event | Action | Grip | PageEvent | tuple[str, bytes] | End
+Item = Event | Action | Grip | PushGrip | PageEvent | tuple[str, bytes] | End
 """Events, and what becomes one when it is taken out; a name and content are a file."""
 
 
@@ -78,6 +79,16 @@ class Inbox:
             # The latest of its kind counts; every press of a button does.
             if isinstance(item, Action) and item in READ_ACTIONS and item in items:
                 items.remove(item)
-            elif isinstance(item, Grip) and isinstance(items[-1], Grip):
+            elif _outdated(items[-1], item):
                 items.pop()
             items.append(item)
+
+
+def _outdated(before: Item, after: Item) -> bool:
+    """Whether a handle has been moved on; that it was let go of counts, whatever comes next."""
+    match before, after:
+        case Grip(), Grip():
+            return True
+        case PushGrip(ended=ended), PushGrip():
+            return not ended
+    return False

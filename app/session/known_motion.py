@@ -10,7 +10,7 @@ from app.session.effects import Keep, LoadRobot
 from app.session.requests import show_plan
 from app.session.results import show_rollout
 from app.session.state import Known, TabState
-from app.session.steps import Step, played_first, with_status, with_work
+from app.session.steps import Step, played_first, with_status, with_work, without_sequel
 
 
 def show_known(state: TabState, known: Known) -> Step:
@@ -27,12 +27,11 @@ def show_known(state: TabState, known: Known) -> Step:
     work = state.work
     dragging, _ = work.dragging.forget().request(plan.jump, plan.tuning, None)
     state = with_work(
-        replace(state, known=None, note=known.note or state.note),
+        replace(without_sequel(state), known=None, note=known.note or state.note),
         awaited=None,
         dropped=work.newest,
         dragging=dragging,
         nearest=None,
-        simulate_next=None,
     )
     state = show_plan(state, plan, robot, known.source)
     said = f"{known.source}: " if known.source else ""

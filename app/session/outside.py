@@ -16,6 +16,7 @@ from app.session.effects import (
     Keep,
     LoadRobot,
     Notify,
+    Pause,
     Play,
     ResetControls,
     Seek,
@@ -80,6 +81,8 @@ class Outside:
                 self._notes.show(title, body)
             case Play():
                 self.link.play()
+            case Pause():
+                self.link.pause()
             case SetPlayback(speed, loop):
                 self.link.set_playback(speed, loop)
             case Seek(instant):

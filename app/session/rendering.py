@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import viser
 
+from app.compute.protocol import SimulateJump
 from app.motion import colours
 from app.motion.foreign_motion import ForeignMotion
 from app.panel.actions import Act
@@ -20,14 +21,17 @@ from app.plots.plots import PlotChoice, Plots
 from app.scene.landing_handle import Grip, LandingHandle
 from app.scene.overlays.landing_marks import LandingMarks
 from app.scene.picture import Picture
+from app.scene.push_handle import PushGrip, PushHandle
 from app.scene.scene import Scene
 from app.session.comparison import free_colour
 from app.session.events import Event, JumpChosen, ScenarioChosen, ViewChosen
+from app.session.pushing import push_shown
 from app.session.state import Shown, TabState, View
 from app.viser_link.page_link import PageLink
 from llsrbm.analysis.figures import figures_of_plan
 from llsrbm.design import Design
 from llsrbm.motion.timeline import timeline
+from llsrbm.push import Push
 from llsrbm.titles import Decisions, titles_of
 
 
@@ -52,6 +56,7 @@ class Rendering:
         open_file: Callable[[str, bytes], None],
         choose_plots: Callable[[PlotChoice], None],
         drag_target: Callable[[Grip], None],
+        drag_push: Callable[[PushGrip], None],
     ) -> None:
         """Build what every tab has, whatever its state.
 
@@ -60,8 +65,8 @@ class Rendering:
             link: to the scripts in its page.
             state: to begin with; it is drawn by `draw`.
             examples: to choose from.
-            act, choose_example, open_file, choose_plots, drag_target: called on viser's event
-                loop with what the visitor does; must return at once.
+            act, choose_example, open_file, choose_plots, drag_target, drag_push: called on viser's
+                event loop with what the visitor does; must return at once.
         """
         self._client = client
         self._link = link
@@ -80,6 +85,7 @@ class Rendering:
             self._plots = Plots(client, choose_plots)
         self._scene = Scene(client)
         self._handle = LandingHandle(client, drag_target)
+        self._push = PushHandle(client, drag_push)
         self._drawn: TabState | None = None
         # Where the controls stand, as far as they were read or set: what a hand is moving must not
         # be set to where it was a moment ago.
@@ -140,9 +146,11 @@ class Rendering:
             panel.export.show(there=state.shown is not None, busy=busy)
         if before is None or (state.rollout is None) != (before.rollout is None):
             panel.export_options.show(simulated=state.rollout is not None)
-        legend = (state.view.layers, state.rollout is not None)
-        if before is None or legend != (before.view.layers, before.rollout is not None):
-            panel.view.show_legend(legend[0], simulated=legend[1])
+        if before is None or _legend(state) != _legend(before):
+            simulated, pushed, replans = _legend(state)[1]
+            panel.view.show_legend(
+                state.view.layers, simulated=simulated, pushed=pushed, replans=replans
+            )
         if before is None or state.seeds is not before.seeds:
             seeds = state.seeds
             worst = None if seeds is None or seeds.worst is None else seeds.worst.scenario.seed
@@ -185,6 +193,8 @@ class Rendering:
         robot = state.robot if state.ready else None
         visible = LandingMarks.name in state.view.layers and state.shown is not None
         self._handle.draw(state.design.jump, robot, visible=visible)
+        if self._push.draw(push_shown(state)):
+            self._link.settle()
 
     # ---- numbers and curves
 
@@ -241,6 +251,8 @@ def picture_of(state: TabState) -> Picture:
         robot=state.robot,
         planned=None if shown is None else shown.planned,
         simulated=None if shown is None else shown.solid,
+        rollout=state.rollout,
+        pushes=_pushes(state),
         blocks=() if shown is None else shown.blocks,
         ghosts=tuple(pin.ghost for pin in state.pins),
         layers=view.layers,
@@ -249,3 +261,25 @@ def picture_of(state: TabState) -> Picture:
         fine=view.fine,
         prepared=state.prepared,
     )
+
+
+def _legend(state: TabState) -> tuple[frozenset[str], tuple[bool, bool, bool]]:
+    """What the legend is of: overlays; whether simulated, pushed, and planned anew."""
+    rollout = state.rollout
+    if rollout is None:
+        return state.view.layers, (False, False, False)
+    return state.view.layers, (True, bool(_pushes(state)), rollout.scenario.replan)
+
+
+def _pushes(state: TabState) -> tuple[Push, ...]:
+    """Pushes of the simulation that is shown."""
+    shown, task = state.shown, state.work.awaited
+    if shown is None:
+        return ()
+    if shown.so_far is not None and isinstance(task, SimulateJump):
+        return task.scenario.pushes
+    rollout = shown.rollout
+    if rollout is None:
+        return ()
+    drawn = rollout.disturbance.random_push
+    return (*rollout.scenario.pushes, *(() if drawn is None else (drawn,)))

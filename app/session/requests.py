@@ -22,7 +22,7 @@ from app.session.events import (
 )
 from app.session.lanes import Lane
 from app.session.state import History, Seeds, Shown, TabState
-from app.session.steps import Step, also, submit, with_status, with_work
+from app.session.steps import Step, also, submit, with_status, with_work, without_sequel
 from app.viser_link.page_link import TuningChosen
 from app.viser_link.validation import number
 from llsrbm import jump_types
@@ -149,7 +149,7 @@ def redo(state: TabState) -> Step:
 
 
 def _go(state: TabState, design: Design, history: History) -> Step:
-    state = with_work(state, simulate_next=None, instead="")
+    state = with_work(without_sequel(state), instead="")
     return plan_design(replace(state, design=design, history=history, note=design.note))
 
 
@@ -169,7 +169,7 @@ def remember(state: TabState, design: Design, *, settled: bool = False) -> TabSt
     if not changed or changed != history.changing:
         back = (*history.back, state.design)[-_UNDONE_AT_MOST:]
         history = replace(history, back=back)
-    state = with_work(state, simulate_next=None, instead="")
+    state = with_work(without_sequel(state), instead="")
     return replace(state, design=design, history=replace(history, forth=(), changing=changed))
 
 
@@ -225,7 +225,7 @@ def wait_for_rest(state: TabState, task: PlanJump) -> Step:
 def cancel(state: TabState) -> Step:
     """Give up what is being computed; of a request that rests, planning it from scratch."""
     work = state.work
-    state = with_work(state, simulate_next=None)
+    state = without_sequel(state)
     if work.awaited is None and work.dragging.rests:
         state = with_work(state, dragging=work.dragging.forget())
         state = with_status(state, Word.CANCELLED, "Move a slider to plan again.")

@@ -27,14 +27,27 @@ from app.motion.simulated_motion import bake_rollout
 from app.motion.so_far import frames_so_far
 from app.panel import summaries
 from app.panel.status import Word
-from app.session.effects import Keep, LoadRobot, Submit
+from app.session.effects import Keep, LoadRobot, Play, Seek, Submit
 from app.session.events import Reported, RobotLoaded, RobotMissing, SimulateWanted
 from app.session.lanes import Lane
+from app.session.push_comparison import go_on
 from app.session.requests import plan_design, show_plan, simulate, wait_for_rest
 from app.session.state import Shown, TabState
-from app.session.steps import Step, also, joined, played_first, submit, with_status, with_work
+from app.session.steps import (
+    Step,
+    also,
+    joined,
+    played_first,
+    submit,
+    with_status,
+    with_work,
+    without_sequel,
+)
 from llsrbm.motion.rollout import Rollout
 from llsrbm.simulation.surroundings import surroundings
+
+_AHEAD = 0.05
+"""s by which a simulation has to be ahead of a replay that begins before its end."""
 
 
 def take_report(state: TabState, event: Reported) -> Step:
@@ -49,7 +62,7 @@ def take_report(state: TabState, event: Reported) -> Step:
         case Progress():
             return _progress(state, report), ()
         case SimulatedSoFar():
-            return _show_so_far(state, report), ()
+            return _show_so_far(state, report)
         case SeedDone():
             return _count_seed(state, report), ()
     task = work.awaited
@@ -69,7 +82,8 @@ def _outcome(state: TabState, event: Reported, task: Task | None) -> Step:
             rest = f"{state.work.failure} It works with {nearest.changes}."
             return with_status(state, Word.FAILED, rest), ()
         case Simulated(rollout=rollout):
-            return show_rollout(state, rollout), ()
+            state = show_rollout(state, rollout)
+            return go_on(state) if state.work.compare is not None else replay(state)
         case SimulatedSeeds():
             return _finish_seeds(state, event.report), ()
         case Failed():
@@ -175,18 +189,19 @@ def _fail(state: TabState, report: Failed, task: Task | None) -> Step:
                 state = with_work(state, shown=state.work.newest)
                 state = show_plan(state, report.plan, robot)
                 failure += " The picture shows where the solver stopped, no feasible motion."
-            state = with_work(state, failure=failure, simulate_next=None)
+            state = with_work(without_sequel(state), failure=failure)
             line = f"{failure} Looking for the nearest jump ..."
             return submit(
                 with_status(state, Word.FAILED, line, busy=True), FindNearest(jump, tuning)
             )
         case PlanJump():
-            state = with_work(state, dragging=state.work.dragging.forget(), simulate_next=None)
+            state = with_work(state, dragging=state.work.dragging.forget())
+    state = without_sequel(state)
     return with_status(_without_so_far(state), Word.FAILED, report.message), ()
 
 
 def _cancelled(state: TabState, task: Task | None) -> TabState:
-    state = _without_so_far(with_work(state, simulate_next=None))
+    state = _without_so_far(without_sequel(state))
     match task:
         case SimulateJump() | SimulateSeeds():
             return with_status(state, Word.CANCELLED, "The plan is still there.")
@@ -213,14 +228,23 @@ def _progress(state: TabState, report: Progress) -> TabState:
 # ---- simulations
 
 
-def _show_so_far(state: TabState, report: SimulatedSoFar) -> TabState:
+def _show_so_far(state: TabState, report: SimulatedSoFar) -> Step:
     task, shown, robot = state.work.awaited, state.shown, state.robot
     if not isinstance(task, SimulateJump) or shown is None or robot is None:
-        return state
+        return state, ()
     so_far = frames_so_far(robot, report.time, report.qpos)
     blocks = tuple(surroundings(robot, shown.plan, task.scenario).blocks)
     shown = Shown(shown.planned, so_far=so_far, blocks=blocks, source=shown.source)
-    return replace(state, shown=shown)
+    state, start = replace(state, shown=shown), state.work.replay_from
+    return replay(state) if start is not None and so_far.end > start + _AHEAD else (state, ())
+
+
+def replay(state: TabState) -> Step:
+    """Play what was awaited from where it is worth seeing, if it is not being played already."""
+    start = state.work.replay_from
+    if start is None:
+        return state, ()
+    return with_work(state, replay_from=None), (Seek(start), Play())
 
 
 def _without_so_far(state: TabState) -> TabState:

@@ -23,6 +23,7 @@ from app.compute.offered import uploaded_design
 from app.compute.pool import WorkerPool
 from app.panel.actions import Action
 from app.scene.landing_handle import Grip
+from app.scene.push_handle import PushGrip
 from app.session.controls import event_of
 from app.session.effects import AFTER_DRAWING, Effect, Notify, ResetControls
 from app.session.events import (
@@ -31,6 +32,7 @@ from app.session.events import (
     FileChosen,
     Opened,
     PlotsChosen,
+    PushDragged,
     RobotLoaded,
     TargetDragged,
 )
@@ -176,6 +178,7 @@ class Session:
             open_file=lambda name, content: put((name, content)),
             choose_plots=lambda choice: put(PlotsChosen(choice)),
             drag_target=put,
+            drag_push=put,
         )
         name = self.state.design.jump.robot
         if self._initial.file is None and self._initial.plan(name) is not None:
@@ -269,6 +272,8 @@ class Session:
                 return event
             case Grip():
                 return TargetDragged(item.applied_to(self.state.design.jump, self.state.file.task))
+            case PushGrip(time, impulse, ended):
+                return PushDragged(time, impulse, ended)
             case ClipTaken():
                 assert self._outside is not None
                 self._outside.link.take(item)

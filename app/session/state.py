@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Literal
 
 from app.compute.protocol import Nearest, PlanJump, SeedResult, Task
 from app.motion.frames import Frames
@@ -91,6 +92,9 @@ class Work:
         nearest: a jump that can be planned, on offer in place of one that cannot.
         simulate_next: the plan that is awaited shall be simulated, with so many seeds (0: once).
         dragging: the request on its way.
+        replay_from: s, from where the simulation that is awaited shall be played, as soon as there
+            is something to see; None: where the page stands.
+        compare: the change with which the design is simulated again once it has been simulated.
     """
 
     newest: int = 0
@@ -102,6 +106,8 @@ class Work:
     nearest: Nearest | None = None
     simulate_next: int | None = None
     dragging: DragPlanning = field(default_factory=DragPlanning)
+    replay_from: float | None = None
+    compare: Literal["replanning", "model"] | None = None
 
 
 @dataclass(frozen=True, eq=False)

@@ -32,6 +32,11 @@ def with_status(
     return replace(state, status=Status(word, rest, busy, share))
 
 
+def without_sequel(state: TabState) -> TabState:
+    """What was to follow the plan or the simulation that is awaited is not wanted any more."""
+    return with_work(state, simulate_next=None, replay_from=None, compare=None)
+
+
 def submit(state: TabState, task: Task) -> Step:
     """Have the pool work on the tab's motion, in place of what it was to do before."""
     ticket = state.tickets + 1

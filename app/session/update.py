@@ -13,11 +13,11 @@ from __future__ import annotations
 from dataclasses import replace
 
 from app.compute.protocol import Failed, Prepared
-from app.session import files, requests, results
-from app.session.comparison import Pin, free_colour
+from app.session import files, push_comparison, pushing, requests, results
 from app.session.effects import LoadRobot, Notify, Share, Stop
 from app.session.events import (
     CancelWanted,
+    CompareWanted,
     DesignChosen,
     Event,
     ExportWanted,
@@ -28,6 +28,7 @@ from app.session.events import (
     PinChosen,
     PinWanted,
     PlotsChosen,
+    PushDragged,
     RedoWanted,
     Reported,
     Rested,
@@ -52,7 +53,6 @@ from app.session.opening import open_tab
 from app.session.state import TabState
 from app.session.steps import Step, joined
 from app.viser_link.page_link import PageReady, PlaybackChosen, PlayerMoved, TuningChosen
-from llsrbm.design import Design
 
 
 def update(state: TabState, event: Event) -> Step:
@@ -67,7 +67,9 @@ def update(state: TabState, event: Event) -> Step:
         case TargetDragged():
             return requests.drag_target(state, event)
         case ScenarioChosen():
-            return requests.choose_scenario(state, event)
+            return pushing.choose_scenario(state, event)
+        case PushDragged():
+            return pushing.drag_push(state, event)
         case DesignChosen():
             return requests.choose_design(state, event)
         case NearestWanted():
@@ -80,6 +82,8 @@ def update(state: TabState, event: Event) -> Step:
             return requests.rest(state, event)
         case SimulateWanted():
             return requests.simulate(state, event)
+        case CompareWanted():
+            return push_comparison.compare(state, event)
         case WorstWanted():
             return results.show_worst(state)
         case CancelWanted():
@@ -116,7 +120,7 @@ def _update_beside(state: TabState, event: Event) -> Step:
         case ShareWanted():
             return state, (Share(state.design),)
         case PinWanted():
-            return _pin(state), ()
+            return push_comparison.pin(state), ()
         case PinChosen(index):
             return replace(state, pin_chosen=index if index < len(state.pins) else -1), ()
         case UnpinWanted():
@@ -157,18 +161,6 @@ def _prepared(state: TabState, event: Reported) -> Step:
 
 
 # ---- what is compared
-
-
-def _pin(state: TabState) -> TabState:
-    """Keep the motion that is shown."""
-    shown, colour = state.shown, free_colour(state.pins)
-    if shown is None or colour is None:
-        return state
-    plan, rollout = shown.plan, shown.rollout
-    scenario = state.design.scenario if rollout is None else rollout.scenario
-    design = Design(plan.jump, plan.tuning, scenario)
-    pin = Pin(shown.planned, shown.simulated, design, colour)
-    return replace(state, pins=(*state.pins, pin), pin_chosen=len(state.pins))
 
 
 def _unpin(state: TabState) -> TabState:

@@ -12,6 +12,7 @@
   const HURRY = 700; // ms; clips that come faster are drawn coarsely, and without a graphics
   const SPARING = 250; // ms; processor no oftener than this,
   const FRESH = 50; // ms; but for a moment after each clip
+  const ABOVE = "/shove/"; // nodes below are drawn over all else: arrows that begin in a robot
 
   const llsrbm = (window.llsrbm ??= { software: false });
   const listeners = new Set();
@@ -99,7 +100,21 @@
         }
       }
     }
+    raise(viewer);
     viewer.requestRender();
+  }
+
+  function raise(viewer) {
+    for (const [name, node] of Object.entries(viewer.nodeRefFromName))
+      if (node && name.startsWith(ABOVE)) node.traverse(lift);
+  }
+
+  function lift(object) {
+    if (!object.material || object.material.depthTest === false) return;
+    // What is translucent is drawn after all that is not.
+    Object.assign(object.material, { depthTest: false, depthWrite: false, transparent: true });
+    object.material.needsUpdate = true;
+    object.renderOrder = 1;
   }
 
   // ---- time
@@ -259,7 +274,7 @@
       clip = null;
       changed();
     },
-    play, pause, seek,
+    play, pause, seek, settle,
     toggle: () => (playing ? pause() : play()),
     // One step is a sixtieth of a second: the distance between a clip's instants.
     step(frames) {

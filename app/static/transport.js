@@ -31,6 +31,12 @@
     #llsrbm-transport .phase > span { overflow: hidden; text-overflow: ellipsis; min-width: 0; }
     #llsrbm-transport .phase > .feet { flex-shrink: 1000; } /* where it is narrow, the name stays */
     #llsrbm-transport .row > .low { top: 10px; }
+    #llsrbm-transport .row.bars { height: 22px; }
+    #llsrbm-transport .row.bars > .bar { top: auto; padding: 0; width: 4px; margin-left: -2px;
+      background: #d6336c; }
+    #llsrbm-transport .row.bars > .bar.in-time { background: #2f9e62; }
+    #llsrbm-transport .row.bars > .deadline { left: 0; right: 0; top: 50%; padding: 0; bottom: auto;
+      border-top: 1px dashed currentColor; color: var(--mantine-color-text); opacity: 0.6; }
     #llsrbm-transport .mark { position: absolute; top: 0; bottom: 0; width: 2px; margin-left: -1px;
       background: color-mix(in srgb, currentColor 75%, transparent); pointer-events: none; }
     #llsrbm-transport .mark span { position: absolute; top: 0; left: 4px; font-size: 10px;
@@ -97,7 +103,7 @@
         row.append(piece);
       }
       return row;
-    }));
+    }), ...computing(timeline.bars, share));
     const marks = timeline.marks.map(({ time, name, colour }) => {
       const left = time > 0.8 * timeline.end;
       const mark = element("div", { class: left ? "mark left" : "mark", title: name },
@@ -109,6 +115,21 @@
     events.textContent = events.title = timeline.told;
     placeLabels(marks);
     refresh();
+  }
+
+  // A strip of the times that planning anew took; its middle is the deadline.
+  function computing(bars, share) {
+    if (!bars.length) return [];
+    const strip = element("div", { class: "row bars", role: "img",
+      "aria-label": `computing times of ${bars.length} new plans, ` +
+        `${bars.filter((bar) => bar.in_time).length} in time` });
+    for (const { time, height, in_time: inTime, words } of bars) {
+      const bar = element("div", { class: inTime ? "bar in-time" : "bar", title: words });
+      Object.assign(bar.style, { left: share(time), height: `${Math.min(50 * height, 100)}%` });
+      strip.append(bar);
+    }
+    strip.append(element("div", { class: "deadline" }));
+    return [strip];
   }
 
   // Each label in the first line where it lies over no other one; where there is none, the mark's

@@ -157,6 +157,14 @@ class PageLink:
         """Go on, from the start if at the end."""
         self._command("player.play")
 
+    def pause(self) -> None:
+        """Stand still."""
+        self._command("player.pause")
+
+    def settle(self) -> None:
+        """Draw nodes that have just come as the player has them."""
+        self._command("player.settle")
+
     def seek(self, time: float) -> None:
         """Go to an instant, s."""
         self._command("player.seek", repr(float(time)))

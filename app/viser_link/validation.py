@@ -6,6 +6,8 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
+import numpy as np
+
 
 def option(
     label: str, value: Any, valid: Sequence[str], otherwise: str, complaints: list[str]
@@ -30,6 +32,23 @@ def number(label: str, value: Any, ends: tuple[float, float], complaints: list[s
             "the nearest is taken"
         )
     return min(max(float(value), lowest), highest)
+
+
+def numbers(values: object, count: int) -> tuple[float, ...] | None:
+    """So many finite numbers, or None: a script may send anything for a pose."""
+    try:
+        array = np.asarray(values, dtype=float)
+    except (TypeError, ValueError):
+        return None
+    if array.shape != (count,) or not np.isfinite(array).all():
+        return None
+    return tuple(float(value) for value in array)
+
+
+def vector(values: object) -> tuple[float, float, float] | None:
+    """Three finite numbers, or None."""
+    found = numbers(values, 3)
+    return None if found is None else (found[0], found[1], found[2])
 
 
 def put(handle: Any, value: float | str | bool) -> None:

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+
+DEADLINE = 0.02
+"""s of computing time within which an answer is in time: 50 Hz."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,3 +43,9 @@ class Replan:
     base_quat: Array
     foot_position: Array
     foot_quat: Array
+
+
+def followed(replans: Sequence[Replan], time: float) -> Replan | None:
+    """The newest one that is followed at a time, s; None: still the first plan."""
+    taken = [replan for replan in replans if replan.applied <= time]  # nan is never
+    return max(taken, key=lambda replan: replan.applied, default=None)

@@ -11,6 +11,7 @@ import numpy as np
 from llsrbm import palette
 from llsrbm.motion.flights import Flight, flights
 from llsrbm.motion.plan import Plan
+from llsrbm.motion.replan import DEADLINE, Replan
 from llsrbm.motion.rollout import Mode, Rollout
 from llsrbm.palette import Rgb
 from llsrbm.schedule import Schedule
@@ -53,6 +54,19 @@ class Mark:
 
 
 @dataclass(frozen=True)
+class Bar:
+    """How long it took to plan anew, for what was measured at `time`, s.
+
+    `height` is the computing time over its deadline. `in_time`: a solution within it.
+    """
+
+    time: float
+    height: float
+    in_time: bool
+    words: str
+
+
+@dataclass(frozen=True)
 class Timeline:
     """What happens when.
 
@@ -61,12 +75,14 @@ class Timeline:
         marks: in order of time.
         told: the events in one line.
         end: s.
+        bars: computing times of what was planned anew.
     """
 
     rows: tuple[Row, ...]
     marks: tuple[Mark, ...]
     told: str
     end: float
+    bars: tuple[Bar, ...] = ()
 
 
 def timeline(plan: Plan | None, rollout: Rollout | None = None) -> Timeline:
@@ -92,7 +108,8 @@ def timeline(plan: Plan | None, rollout: Rollout | None = None) -> Timeline:
         rows.append(Row("simulation", _simulated(rollout, planned_end)))
         marks += _simulated_marks(rollout)
         told = _events(rollout)
-    return Timeline(tuple(rows), tuple(sorted(marks, key=lambda mark: mark.time)), told, end)
+    bars = () if rollout is None else tuple(_bar(replan) for replan in rollout.replans)
+    return Timeline(tuple(rows), tuple(sorted(marks, key=lambda mark: mark.time)), told, end, bars)
 
 
 def phase_at(events: Timeline, time: float) -> str:
@@ -174,9 +191,30 @@ def _simulated_marks(rollout: Rollout) -> list[Mark]:
         for name, time in (("first contact", flight.touchdown), ("detected", flight.detected))
         if time is not None
     ]
+    marks += _pushes(rollout)
     if not rollout.landed:
         marks.append(Mark("fell", float(rollout.time[-1]), palette.INFEASIBLE))
     return marks
+
+
+def _pushes(rollout: Rollout) -> list[Mark]:
+    drawn = rollout.disturbance.random_push
+    pushes = (*rollout.scenario.pushes, *(() if drawn is None else (drawn,)))
+    return [
+        Mark(f"push {math.hypot(*push.impulse):.3g} N s", push.time, palette.PUSH)
+        for push in pushes
+    ]
+
+
+def _bar(replan: Replan) -> Bar:
+    took = f"{1e3 * replan.computing_time:.1f} ms of {1e3 * DEADLINE:g} ms"
+    if not replan.solved:
+        took += ", no solution"
+    elif math.isnan(replan.applied):
+        took += ", too late to be followed"
+    in_time = replan.solved and replan.computing_time <= DEADLINE
+    words = f"planned anew at {replan.asked:.3f} s: {took}"
+    return Bar(replan.asked, replan.computing_time / DEADLINE, in_time, words)
 
 
 def _numbered(name: str, number: int) -> str:

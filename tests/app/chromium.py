@@ -31,6 +31,18 @@ BASE = "/links/base"  # the node that is there as soon as a robot is
 COMPARE = "Figures"  # the tab with pins
 PACE = 80  # ms between inputs: the page sends at most one change every 50 ms
 
+# Pixels of points (x, y, z) m in a node's own axes.
+PIXELS = """([name, ...points]) => {
+  const { camera, nodeRefFromName, canvas } = window.__viserMutable;
+  const node = nodeRefFromName[name], box = canvas.getBoundingClientRect();
+  camera.updateMatrixWorld();
+  node.updateWorldMatrix(true, false);
+  return points.map((point) => {
+    const place = node.localToWorld(camera.position.clone().set(...point)).project(camera);
+    return [box.left + (1 + place.x) / 2 * box.width, box.top + (1 - place.y) / 2 * box.height];
+  });
+}"""
+
 
 @contextlib.contextmanager
 def chromium():

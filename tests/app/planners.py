@@ -22,6 +22,7 @@ from llsrbm.motion.whole_body import motion_of_states
 from llsrbm.robots import load_robot
 from llsrbm.schedule import together
 from tests.app.synthetic_plan import synthetic_plan
+from tests.app.synthetic_replans import with_replans
 from tests.llsrbm.synthetic_rollout import followed, synthetic_rollout
 
 SLOW = math.radians(51)  # works one second, asks whether to stop
@@ -124,6 +125,8 @@ class SyntheticPlanner:
             rollout = synthetic_rollout(task.plan, fell_at=fell_at, seed=seed)
         else:
             rollout = followed(task.plan)
+        if task.scenario.replan:
+            rollout = with_replans(rollout, task.plan)
         return replace(rollout, scenario=task.scenario)
 
     def open(self, task, progress):

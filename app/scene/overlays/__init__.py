@@ -15,7 +15,10 @@ from app.scene.overlays.friction_cones import FrictionCones
 from app.scene.overlays.ghosts import Ghosts
 from app.scene.overlays.inertia_ellipsoids import InertiaEllipsoids
 from app.scene.overlays.landing_marks import LandingMarks
+from app.scene.overlays.landing_region import LandingRegion
 from app.scene.overlays.link_frames import LinkFrames
+from app.scene.overlays.new_plans import NewPlans
+from app.scene.overlays.pushes import Pushes
 from app.scene.overlays.reach import FeetReach
 from app.scene.overlays.support_polygon import SupportPolygon
 from app.scene.overlays.trails import Trails
@@ -31,6 +34,9 @@ OVERLAYS: dict[str, type[Overlay]] = {
         Trails,
         Ghosts,
         LandingMarks,
+        Pushes,
+        NewPlans,
+        LandingRegion,
         FrictionCones,
         SupportPolygon,
         CentreOfPressure,

@@ -8,9 +8,11 @@ import pytest
 from app.panel.summaries import plan_figures, rollout_figures, simulated_line
 from llsrbm.analysis.diagnosis import diagnose
 from llsrbm.jump import Jump
+from llsrbm.push import Push
 from llsrbm.robots import load_robot
 from llsrbm.scenario import Scenario
 from tests.app.synthetic_plan import FLY, GRAVITY, STAND, synthetic_plan
+from tests.app.synthetic_replans import with_replans
 from tests.llsrbm.synthetic_rollout import synthetic_rollout
 
 
@@ -53,6 +55,26 @@ def test_landed(rollout):
 def test_landed_badly(rollout):
     _, rest = simulated_line(changed(rollout, strict=False))
     assert rest.startswith(", but failed the strict criterion: yaw")
+
+
+def test_a_push_that_was_recovered_from_is_no_failure(rollout):
+    pushed = changed(rollout, strict=False, recovered=True)
+    assert "failed the strict criterion" in simulated_line(pushed)[1]
+    pushed = replace(pushed, scenario=Scenario(pushes=(Push(0.5, (3.0, 4.0, 0.0)),)))
+    _, rest = simulated_line(pushed)
+    assert rest.startswith(", recovered from the push: yaw")
+    assert "push of 5.0 N s at 0.50 s" in rollout_figures(pushed)
+
+
+def test_new_plans_are_counted(plan, rollout):
+    replanned = with_replans(rollout, plan)
+    known = changed(replanned, replan_median_s=0.0101, replan_p95_s=0.0312)
+    taken, made = sum(r.applied > 0 for r in known.replans), len(known.replans)
+    assert 0 < taken < made
+    assert simulated_line(known)[1].endswith(f"at the end, {taken} of {made} new plans")
+    assert f">{taken} of {made} followed<" in rollout_figures(known)
+    assert "10.1 ms, p95 31.2 ms" in rollout_figures(known)
+    assert "New plans" not in rollout_figures(rollout)
 
 
 def test_unsolved_ticks_are_told(rollout):

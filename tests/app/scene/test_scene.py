@@ -118,7 +118,7 @@ def test_overlays_are_made_when_they_are_switched_on_first():
     assert {name.split("/")[1] for name in drawn.nodes} == always
     for name in OVERLAYS:
         _, made, _ = drawn.changes(picture(layers={name}))
-        assert made or name == "ghost", name
+        assert made or name in {"ghost", "new-plans", "landing-region"}, name
         _, made, _ = drawn.changes(picture(layers=()))
         assert made == []
         _, made, _ = drawn.changes(picture(layers={name}))

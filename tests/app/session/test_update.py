@@ -44,6 +44,7 @@ from app.session.update import update
 from app.viser_link.page_link import PageReady, PlaybackChosen, PlayerMoved
 from llsrbm.design import Design
 from llsrbm.jump import Jump
+from llsrbm.push import Push
 from llsrbm.robots import load_robot
 from llsrbm.scenario import Scenario
 from llsrbm.tuning import Tuning
@@ -101,7 +102,11 @@ JUMPS = [
     for twist, forward in ((1.0, 0.0), (1.0, 0.1), (0.3, 0.1))
 ]
 TUNINGS = [Tuning(), Tuning(limits={"friction": 0.4})]
-SCENARIOS = [Scenario(), Scenario(board=0.02, seed=3)]
+SCENARIOS = [
+    Scenario(),
+    Scenario(board=0.02, seed=3),
+    Scenario(pushes=(Push(0.5, (0.0, 9.0, 0.0)),), replan=True),
+]
 DESIGNS = st.builds(
     Design, *map(st.sampled_from, (JUMPS, TUNINGS, SCENARIOS)), st.sampled_from(["", "On ice"])
 )
@@ -121,6 +126,10 @@ WISHES = st.one_of(
         [
             events.SimulateWanted(),
             events.SimulateWanted(2),
+            events.CompareWanted("replanning"),
+            events.CompareWanted("model"),
+            events.PushDragged(0.4, (5.0, 0.0, 0.0), ended=False),
+            events.PushDragged(0.4, (5.0, -1.0, 0.0), ended=True),
             events.WorstWanted(),
             events.CancelWanted(),
             events.NearestWanted(),
@@ -135,6 +144,7 @@ WISHES = st.one_of(
             events.FileChosen("a.csv", b"", 30.0),
             PageReady(software=True),
             PlayerMoved(0.3, playing=True),
+            PlayerMoved(0.6, playing=False),
         ]
     ),
     DESIGNS.map(lambda d: events.JumpChosen(d.jump, d.tuning, ("corrected",) if d.title else ())),

@@ -2,10 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
+import numpy as np
 import pytest
 
 from llsrbm import palette
+from llsrbm.motion.replan import Replan
 from llsrbm.motion.timeline import phase_at, timeline
+from llsrbm.push import Push
+from llsrbm.scenario import Scenario
 from tests.llsrbm.synthetic import TWO_HOPS, TWO_HOPS_DURATIONS, synthetic_plan
 from tests.llsrbm.synthetic_rollout import followed, synthetic_rollout
 
@@ -71,3 +77,54 @@ def test_a_rollout_of_several_jumps(hops):
     assert "touch-down 2 1.650 s planned, 1.640 s simulated, detected +5.0 ms" in events.told
     for instant, name in ((0.55, "rear push"), (1.0, "rebound"), (1.7, "front first")):
         assert phase_at(events, instant) == name
+
+
+def test_pushes_are_marks_by_their_size():
+    rollout = synthetic_rollout()
+    pushes = (Push(0.6, (3.0, 4.0, 0.0)), Push(0.7, (0.0, 0.0, 1.0)))
+    rollout = replace(
+        rollout,
+        scenario=Scenario(pushes=pushes),
+        disturbance=replace(rollout.disturbance, random_push=Push(0.8, (0.0, -7.5, 0.0))),
+    )
+    marks = timeline(rollout.plan, rollout).marks
+    assert [(mark.name, mark.time) for mark in marks if mark.colour == palette.PUSH] == [
+        ("push 5 N s", 0.6),
+        ("push 1 N s", 0.7),
+        ("push 7.5 N s", 0.8),
+    ]
+
+
+def planned_anew(asked, computing_time, *, solved=True, applied=1.0):
+    none = np.zeros((0, 4, 3))
+    return Replan(
+        asked=asked,
+        applied=applied,
+        computing_time=computing_time,
+        solved=solved,
+        iterations=3,
+        touchdown=np.nan,
+        time=np.zeros(0),
+        com=np.zeros((0, 3)),
+        base_quat=np.zeros((0, 4)),
+        foot_position=none,
+        foot_quat=np.zeros((0, 4, 4)),
+    )
+
+
+def test_computing_times_are_bars_over_their_deadline():
+    replans = (
+        planned_anew(0.50, 0.005),
+        planned_anew(0.52, 0.030, applied=np.nan),
+        planned_anew(0.54, 0.010, solved=False, applied=np.nan),
+    )
+    rollout = replace(synthetic_rollout(), replans=replans)
+    bars = timeline(rollout.plan, rollout).bars
+    assert [(bar.time, bar.in_time) for bar in bars] == [(0.50, True), (0.52, False), (0.54, False)]
+    assert [bar.height for bar in bars] == pytest.approx([0.25, 1.5, 0.5])
+    assert [bar.words.partition(": ")[2] for bar in bars] == [
+        "5.0 ms of 20 ms",
+        "30.0 ms of 20 ms, too late to be followed",
+        "10.0 ms of 20 ms, no solution",
+    ]
+    assert timeline(rollout.plan).bars == ()
