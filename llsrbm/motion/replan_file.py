@@ -25,7 +25,7 @@ _NEVER = -1.0
 _EACH = {
     "asked": Quantity((REPLAN,), "s", "when the state was measured"),
     "applied": Quantity((REPLAN,), "s", "when the controller took it over"),
-    "computing_time": Quantity((REPLAN,), "s", "wall time"),
+    "computing_time": Quantity((REPLAN,), "s", "processor time"),
     "solved": Quantity((REPLAN,), "", "whether every constraint is satisfied", kind=Kind.WHOLE),
     "iterations": Quantity((REPLAN,), "", "of the solver", kind=Kind.WHOLE),
     "touchdown": Quantity((REPLAN,), "s", "when the first feet are to meet the ground"),

@@ -168,9 +168,17 @@ class Solver(ABC):
         with nullcontext() if read is None else self._printing(read):
             return self._run(self._cold[patience], arguments)
 
-    def follow(self, problem: Problem, start: Iterate) -> Solution:
-        """Solve from the solution of a problem whose numbers are a little off."""
+    def follow(self, problem: Problem, start: Iterate, too_far: float = TOO_FAR) -> Solution:
+        """Solve from the solution of a problem whose numbers are a little off.
+
+        Args:
+            problem: its numbers.
+            start: the solution.
+            too_far: largest violation of a row with which it is begun.
+        """
         self._renew()
+        if self.miss(problem, start.variables) > too_far:
+            return self._given_up(problem, start)
         return self._follow(problem, start)
 
     @abstractmethod
@@ -288,8 +296,6 @@ class Fatrop(Solver):
         lower, upper = problem.lower, problem.upper
         inequality = lower < upper
         g = self._rows(problem, start.variables)
-        if _largest_violation(problem, g) > TOO_FAR:
-            return self._given_up(problem, start)
         below, above = np.maximum(g - lower, 0.0), np.maximum(upper - g, 0.0)
         # A second bound far away would start at the multiplier 1 as well, far too much for it.
         lower = np.where(inequality & (above < NEARER * below), -np.inf, lower)

@@ -38,7 +38,7 @@ from llsrbm.schedule import Schedule
 
 Array = NDArray[np.float64]
 
-# Of a stance, and of a flight, whose stages take twice as long to solve. Plans have 16 of each; what
+# Of a stance, and of a flight, whose stages take twice as long to solve. Plans have 16; what
 # is left of a phase is shorter, and the next answer comes soon.
 STANCE_INTERVALS, FLIGHT_INTERVALS = 6, 4
 
@@ -52,8 +52,10 @@ GOOD_ENOUGH = 2e-3
 # Shares of the drives, and factors of the robot file's reach, see `in_need`.
 NEED_TORQUE, NEED_SPEED = 0.95, 1.0
 NEED_BOX, NEED_LENGTH, NEED_STANDING = 1.15, 1.03, 0.7
-# The last solution that violates its rows now by more is no start: something has happened since.
-NEAR = 1.0
+# A last solution that violates its rows now by more is no start. Feet at the start of a swing move
+# fast and make 2 in 40 ms.
+NEAR = 4.0
+PUSHED = 0.15  # m/s off the plan; by itself the CoM is off by less than a third of it
 
 
 @dataclass(frozen=True, eq=False)
@@ -146,14 +148,16 @@ class Replanner:
         layout, solver = formulation.layout, formulation.solver
         problem = formulation.problem(task)
         last = self._last.pop(layout, None)
+        if self._was_pushed(state):
+            last = None
         solution: Solution | None = None
         iterations, seconds = 0, 0.0
         for start in ("last", "sampled"):
             if start == "sampled":
                 guess = pack(layout, self._sampled(task, layout, state))
                 solution = solver.solve(problem, guess, patience=FIRST)
-            elif last is not None and solver.miss(problem, last.variables) < NEAR:
-                solution = solver.follow(problem, last)
+            elif last is not None:
+                solution = solver.follow(problem, last, too_far=NEAR)
             if solution is None:
                 continue
             iterations += solution.iterations
@@ -162,6 +166,11 @@ class Replanner:
                 self._last[layout] = solution
                 return layout, solution, iterations, seconds
         return layout, None, iterations, seconds
+
+    def _was_pushed(self, state: State) -> bool:
+        """Whether the CoM moves otherwise than planned: solutions nearby are of another fall."""
+        planned = interpolated(self.plan.time, self.plan.com_velocity, state.time)
+        return float(np.linalg.norm(state.com_velocity - planned)) > PUSHED
 
     @staticmethod
     def _good(formulation: Formulation, problem: Problem, solution: Solution) -> bool:
