@@ -21,11 +21,14 @@ class Column:
         title: its name (`llsrbm.titles`).
         colour: of its ghost in the picture and its curves in the plots.
         figures: its row.
+        recovered: whether it landed by the strict measure but for the feet's place; None: it was
+            not pushed.
     """
 
     title: str
     colour: Rgb
     figures: DesignFigures
+    recovered: bool | None = None
 
 
 def comparison_table(columns: Sequence[Column]) -> str:
@@ -48,6 +51,11 @@ def comparison_table(columns: Sequence[Column]) -> str:
     status = "".join(
         f'<td style="{_CELL}">{escape(column.figures.status)}</td>' for column in columns
     )
+    recovered = ""
+    if any(column.recovered is not None for column in columns):
+        words = {True: "yes", False: "no", None: "–"}
+        cells = "".join(f'<td style="{_CELL}">{words[column.recovered]}</td>' for column in columns)
+        recovered = f"<tr>{_name('Recovered from the push')}{cells}</tr>"
     rows = "".join(
         _row(figure, columns)
         for figure in FIGURES
@@ -58,7 +66,7 @@ def comparison_table(columns: Sequence[Column]) -> str:
         '<table style="border-spacing:0;width:100%;margin-top:0.4em;line-height:1.3;'
         'font-size:0.95em;color:inherit">'
         f"<thead><tr><td></td>{head}</tr></thead>"
-        f"<tbody><tr>{_name('Status')}{status}</tr>{rows}</tbody></table></div>"
+        f"<tbody><tr>{_name('Status')}{status}</tr>{recovered}{rows}</tbody></table></div>"
     )
 
 

@@ -15,10 +15,9 @@ from llsrbm.analysis.diagnosis import diagnose, fall_in_words
 from llsrbm.analysis.figures import figures_of_plan
 from llsrbm.analysis.peak_loads import planned_peak_load
 from llsrbm.motion.plan import Plan, Violation
-from llsrbm.motion.rollout import Disturbance, Outcome, Rollout
+from llsrbm.motion.rollout import Outcome, Rollout
 from llsrbm.numerals import decimal, percent, power
 from llsrbm.robots import load_robot
-from llsrbm.scenario import Scenario
 
 _TOLD_OF_A_FALL = 4  # events; what follows them is the fall itself
 
@@ -86,8 +85,7 @@ def simulated_line(rollout: Rollout) -> tuple[Word, str]:
         ticks = _counted(outcome.unsolved_ticks, "tick")
         parts.append(f"the controller's QP was unsolved in {ticks}")
     loosely = "" if outcome.strict else ", but failed the strict criterion: "
-    pushed = bool(rollout.scenario.pushes) or rollout.scenario.random_push is not None
-    if pushed and outcome.recovered and not outcome.strict:
+    if rollout.pushes and outcome.recovered and not outcome.strict:
         loosely = ", recovered from the push: "
     return Word.LANDED, loosely + ", ".join(parts)
 
@@ -209,7 +207,7 @@ def rollout_figures(rollout: Rollout) -> str:
         f"{_millimetres(outcome.foot_error)} at the end"
     )
     rows = [
-        ("World", _scenario(rollout.scenario, rollout.disturbance)),
+        ("World", _scenario(rollout)),
         ("Yaw at touch-down", _against_plan(outcome.yaw_error_at_touchdown)),
         ("Yaw at the end", _against_plan(outcome.final_yaw_error)),
         ("Detection", _detection(outcome)),
@@ -257,7 +255,8 @@ def residuals(violations: dict[str, Violation]) -> str:
     return table(rows)
 
 
-def _scenario(scenario: Scenario, disturbance: Disturbance) -> str:
+def _scenario(rollout: Rollout) -> str:
+    scenario, disturbance = rollout.scenario, rollout.disturbance
     parts = []
     if scenario.board > 0:
         kind = "half board" if scenario.half_board else "board"
@@ -273,10 +272,9 @@ def _scenario(scenario: Scenario, disturbance: Disturbance) -> str:
             f"contacts {decimal(1e3 * disturbance.contact_time)} ms, "
             f"torque delayed by {_counted(disturbance.torque_delay_ticks, 'tick')}"
         )
-    drawn = disturbance.random_push
     parts += [
         f"push of {decimal(math.hypot(*push.impulse), 1)} N s at {decimal(push.time, 2)} s"
-        for push in (*scenario.pushes, *(() if drawn is None else (drawn,)))
+        for push in rollout.pushes
     ]
     return ", ".join(parts)
 

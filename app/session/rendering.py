@@ -30,6 +30,7 @@ from app.session.state import Shown, TabState, View
 from app.viser_link.page_link import PageLink
 from llsrbm.analysis.figures import figures_of_plan
 from llsrbm.design import Design
+from llsrbm.motion.rollout import Rollout
 from llsrbm.motion.timeline import timeline
 from llsrbm.push import Push
 from llsrbm.titles import Decisions, titles_of
@@ -232,12 +233,12 @@ class Rendering:
         for pin in state.pins:
             name = pin.motion.name if isinstance(pin.motion, ForeignMotion) else next(next_title)
             layers.append(Layer(name, pin.colour, pin.motion, pin.rollout, pinned=True))
-            columns.append(Column(name, pin.colour, pin.figures))
+            columns.append(Column(name, pin.colour, pin.figures, _recovered(pin.rollout)))
         self._layers = tuple(layers)
         self.panel.show_figures(shown.plan, rollout)
         colour = colours.PLANNED if rollout is None else colours.SIMULATED
         self.panel.compare.show(
-            Column(title, colour, figures_of_plan(shown.plan, rollout)),
+            Column(title, colour, figures_of_plan(shown.plan, rollout), _recovered(rollout)),
             columns,
             state.pin_chosen,
             full=free_colour(state.pins) is None,
@@ -271,6 +272,13 @@ def _legend(state: TabState) -> tuple[frozenset[str], tuple[bool, bool, bool]]:
     return state.view.layers, (True, bool(_pushes(state)), rollout.scenario.replan)
 
 
+def _recovered(rollout: Rollout | None) -> bool | None:
+    """Whether a robot that was pushed recovered; None: it was not pushed."""
+    if rollout is None or not rollout.pushes:
+        return None
+    return rollout.outcome.recovered
+
+
 def _pushes(state: TabState) -> tuple[Push, ...]:
     """Pushes of the simulation that is shown."""
     shown, task = state.shown, state.work.awaited
@@ -278,8 +286,4 @@ def _pushes(state: TabState) -> tuple[Push, ...]:
         return ()
     if shown.so_far is not None and isinstance(task, SimulateJump):
         return task.scenario.pushes
-    rollout = shown.rollout
-    if rollout is None:
-        return ()
-    drawn = rollout.disturbance.random_push
-    return (*rollout.scenario.pushes, *(() if drawn is None else (drawn,)))
+    return () if shown.rollout is None else shown.rollout.pushes

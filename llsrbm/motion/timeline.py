@@ -198,11 +198,9 @@ def _simulated_marks(rollout: Rollout) -> list[Mark]:
 
 
 def _pushes(rollout: Rollout) -> list[Mark]:
-    drawn = rollout.disturbance.random_push
-    pushes = (*rollout.scenario.pushes, *(() if drawn is None else (drawn,)))
     return [
         Mark(f"push {math.hypot(*push.impulse):.3g} N s", push.time, palette.PUSH)
-        for push in pushes
+        for push in rollout.pushes
     ]
 
 

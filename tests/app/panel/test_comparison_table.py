@@ -76,6 +76,13 @@ def test_what_no_design_has_is_left_out():
     assert "Flight time [s]" in names
 
 
+def test_whether_a_push_was_recovered_from_is_told_of_those_that_were_pushed():
+    assert "Recovered" not in comparison_table([Column("a", BLUE, LANDED)])
+    columns = [Column(str(known), BLUE, LANDED, known) for known in (True, False, None)]
+    (row,) = [row for row in comparison_table(columns).split("<tr>") if "Recovered" in row]
+    assert [word in row for word in (">yes<", ">no<", ">–<")] == [True] * 3
+
+
 def test_nothing_is_nothing():
     assert comparison_table([]) == ""
 
