@@ -12,6 +12,7 @@ at first, sampled at the new knots.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -23,6 +24,7 @@ from llsrbm.motion.plan import Plan
 from llsrbm.motion.rotation import sign_continuous
 from llsrbm.ocp import solvers
 from llsrbm.ocp.problem import Iterate, Problem, Solution
+from llsrbm.ocp.progress import when_idle
 from llsrbm.planning.assembly import knot_arrays
 from llsrbm.planning.formulation import Formulation
 from llsrbm.planning.headings import relative_yaw_rates, relative_yaws
@@ -113,13 +115,13 @@ class Replanner:
             plan: one that converged, of `robot`.
             robot: as the controller believes it is.
         """
+        when_idle()
         jump = plan.jump
         self.plan = plan
         self._robot = robot.turning if jump.turns else robot
         self._model = make_model(jump.model, self._robot)
         task = make_task(jump, self._robot, plan.tuning.weights, plan.tuning.limits)
         self._task = in_need(task)
-        self._formulations: dict[Layout, Formulation] = {}
         self._last: dict[Layout, Iterate] = {}
 
     def prepare(self, phase: int) -> None:
@@ -195,10 +197,7 @@ class Replanner:
             clears=False,
             turns=self._task.jump.turns,
         )
-        if layout not in self._formulations:
-            solver = cached_solver(solvers.Fatrop, self._model, layout, self._robot)
-            self._formulations[layout] = Formulation(self._robot, self._model, layout, solver)
-        return self._formulations[layout]
+        return _kept(self._robot, self._task.jump.model, layout)
 
     def _task_from(self, state: State) -> Task:
         """What is left, from a state on."""
@@ -398,6 +397,13 @@ def planned_state(plan: Plan, phase: int) -> State:
 
 
 SAME_TIME = 2e-3  # s; a knot of the plan that is nearer to the state's time is left out
+
+
+@lru_cache(maxsize=12)
+def _kept(robot: Robot, model: str, layout: Layout) -> Formulation:
+    """Of all jumps in a row, such as a table's."""
+    made = make_model(model, robot)
+    return Formulation(robot, made, layout, cached_solver(solvers.Fatrop, made, layout, robot))
 
 
 def in_need(task: Task) -> Task:
