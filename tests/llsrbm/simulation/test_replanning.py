@@ -19,7 +19,7 @@ from tests.llsrbm.planning.solved import solved
 
 ROBOT = load_robot("anymal")
 TICK = 1 / ROBOT.file.control.rate
-ASIDE = (0.0, 14.0, 0.0)  # N s: of what few landings recover without planning anew
+ASIDE = (0.0, 17.0, 0.0)  # N s: of what few landings recover without planning anew
 
 
 class Clock:
@@ -88,17 +88,13 @@ def test_where_nothing_happens_it_lands_as_it_does_without(takes):
 def test_a_push_in_mid_flight_is_recovered_from_only_by_planning_anew(takes):
     takes(0.015)
     push = (Push(middle(), ASIDE),)
-    outcomes = {
-        on: [
-            simulate(
-                plan(), ROBOT, Scenario(seed=seed, noise=1.0, pushes=push, replan=on)
-            ).outcome.recovered
-            for seed in (1, 2)
-        ]
+    without, anew = (
+        simulate(plan(), ROBOT, Scenario(seed=2, noise=1.0, pushes=push, replan=on)).outcome
         for on in (False, True)
-    }
-    assert not any(outcomes[False])
-    assert all(outcomes[True])
+    )
+    assert not without.recovered
+    assert anew.recovered
+    assert anew.peak_tilt < 0.6 * without.peak_tilt
 
 
 def test_what_is_recorded_is_what_was_followed(takes, tmp_path):
