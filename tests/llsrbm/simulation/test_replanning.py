@@ -99,7 +99,8 @@ def test_a_push_in_mid_flight_is_recovered_from_only_by_planning_anew(takes):
 
 def test_what_is_recorded_is_what_was_followed(takes, tmp_path):
     takes(0.01)
-    rollout = simulate(plan(), ROBOT, Scenario(pushes=(Push(middle(), ASIDE),), replan=True))
+    gently = (Push(middle(), (0.0, 8.0, 0.0)),)
+    rollout = simulate(plan(), ROBOT, Scenario(pushes=gently, replan=True))
     after = next(replan for replan in rollout.replans if replan.asked > middle() + 0.03)
     assert after.solved
     assert after.time[0] == pytest.approx(after.asked + LATENCY, abs=1e-6)
