@@ -204,8 +204,11 @@ class Replanner:
         task, plan = self._task, self.plan
         elapsed = state.time - float(plan.phase_start[state.phase])
         low, high = task.times(state.phase)
-        # The shortest flight is a plan's, for clearance: one that was pushed down lands before.
-        least = SHORTEST if self._falls(state.phase) else max(low - elapsed, SHORTEST)
+        least = low - elapsed
+        if self._falls(state.phase):  # and is down before where it was pushed down
+            landing = interpolated(plan.time, plan.com, float(plan.phase_start[state.phase + 1]))
+            least = min(least, falling_time(state.com[2] - landing[2], state.com_velocity[2]))
+        least = max(least, SHORTEST)
         rest = self._rest(state.phase, (least, max(high - elapsed, least) + LONGER))
         R_base_world = Rotation.from_quat(state.base_quat, scalar_first=True).inv().as_matrix()
         arms = (state.foot_position - state.com) @ R_base_world.T

@@ -69,7 +69,7 @@ def test_a_slow_answer_is_followed_when_it_is_there(takes):
     asked = np.array([replan.asked for replan in rollout.replans])
     applied = np.array([replan.applied for replan in rollout.replans])
     followed = ~np.isnan(applied)
-    assert applied[followed] - asked[followed] == pytest.approx(0.05, abs=TICK)
+    assert applied[followed] - asked[followed] == pytest.approx(0.05, abs=1.5 * TICK)
     assert np.diff(asked).min() >= 0.05 - 1e-6
     assert rollout.landed
 
