@@ -45,6 +45,7 @@ Array = NDArray[np.float64]
 STANCE_INTERVALS, FLIGHT_INTERVALS = 6, 4
 
 SHORTEST = 0.02  # s that what is left of a phase may be shortened to
+SAME_TIME = 2e-3  # s; a knot of the plan that is nearer to the state's time is left out
 LONGER = 0.3  # s by which a phase may outlast its limit: a push upwards is longer in the air
 # From the sampled plan, which is near a solution where nothing has happened.
 FIRST = solvers.Patience(mu=1e-3, iterations=25, tolerance=1e-3, push=0.05, acceptable=(5e-3, 4))
@@ -194,7 +195,6 @@ class Replanner:
             len(self._robot.legs) * len(self._robot.corners),
             NOMINAL_PHASES * STANCE_INTERVALS,
             self._robot.foot_coordinates,
-            clears=False,
             turns=self._task.jump.turns,
         )
         return _kept(self._robot, self._task.jump.model, layout)
@@ -240,6 +240,7 @@ class Replanner:
             start_quat=quat,
             goal_position=goal,
             motion=motion,
+            clears=False,  # what is to be cleared is behind it, or too late to mind
         )
 
     def _begun(self, state: State) -> Array:
@@ -398,9 +399,6 @@ def planned_state(plan: Plan, phase: int) -> State:
         foot_yaw=2 * np.arctan2(z, w),
         foot_yaw_rate=np.zeros(len(w)),
     )
-
-
-SAME_TIME = 2e-3  # s; a knot of the plan that is nearer to the state's time is left out
 
 
 @lru_cache(maxsize=12)
