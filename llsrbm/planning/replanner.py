@@ -107,6 +107,8 @@ class Replanner:
 
     Attributes:
         plan: the newest one.
+        in_flight: whether it plans flights: of a jump over something it does not see what is to be
+            cleared, and plans the landing alone.
     """
 
     def __init__(self, plan: Plan, robot: Robot) -> None:
@@ -123,6 +125,7 @@ class Replanner:
         self._model = make_model(jump.model, self._robot)
         task = make_task(jump, self._robot, plan.tuning.weights, plan.tuning.limits)
         self._task = in_need(task)
+        self.in_flight = not task.clears
         self._last: dict[Layout, Iterate] = {}
 
     def prepare(self, phase: int) -> None:
@@ -240,7 +243,7 @@ class Replanner:
             start_quat=quat,
             goal_position=goal,
             motion=motion,
-            clears=False,  # what is to be cleared is behind it, or too late to mind
+            clears=False,
         )
 
     def _begun(self, state: State) -> Array:

@@ -59,7 +59,8 @@ class Replanning(Hook):
         self._replanner = Replanner(plan, robot)
         self._first = plan.schedule.flights[0]
         for phase in range(self._first, len(plan.schedule)):
-            self._replanner.prepare(phase)
+            if self._replanner.in_flight or not plan.schedule[phase].is_flight:
+                self._replanner.prepare(phase)
         self._body = WholeBody(robot)
         self._tick = tick
         self._next = 0.0
@@ -71,6 +72,8 @@ class Replanning(Hook):
         contacts = situation.controller.contacts
         self._take_over(situation, now)
         if self._pending is not None or now < self._next or contacts.phase < self._first:
+            return
+        if contacts.flying and not self._replanner.in_flight:
             return
         left = float(self._replanner.plan.phase_start[contacts.phase + 1])
         left -= contacts.plan_time(situation.time) + LATENCY
