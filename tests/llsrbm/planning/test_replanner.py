@@ -10,7 +10,8 @@ import pinocchio as pin
 import pytest
 from scipy.spatial.transform import Rotation
 
-from llsrbm.planning.replanner import LONGER, Replanner, State, interpolated
+from llsrbm.planning.replanner import LONGER, Replanner
+from llsrbm.planning.under_way import State, interpolated
 from llsrbm.robots import load_robot
 from tests.llsrbm.planning.solved import solved
 
