@@ -63,6 +63,9 @@ GOOD_ENOUGH = 2e-3
 # A last solution that violates its rows now by more is no start. Feet at the start of a swing move
 # fast and make 2 in 40 ms.
 NEAR = 4.0
+# A guess that violates rows by more is of a robot that has fallen, or soon will have: guesses after
+# pushes that are recovered from violate them by 1 to 3, and Fatrop may not come back from far away.
+LOST = 8.0
 PUSHED = 0.08  # m/s off the plan; by itself the CoM is off by half of it at most
 
 
@@ -140,6 +143,8 @@ class Replanner:
         for start in ("last", "sampled"):
             if start == "sampled":
                 guess = pack(layout, self._sampled(task, layout, state))
+                if solver.miss(problem, guess) > LOST:
+                    break
                 solution = solver.solve(problem, guess, patience=FIRST)
             elif last is not None:
                 solution = solver.follow(problem, last, too_far=NEAR)
