@@ -103,7 +103,7 @@ class Outcome:
         recovered: whether it landed by the strict measure but for the feet's place, which pushes
             and replanning move; None in files that were written before outcomes had it.
         replans: how often was planned anew, with or without success.
-        replan_median_s, replan_p95_s: wall time of that; None without any.
+        replan_median_s, replan_p95_s: the processor's time for that; None without any.
     """
 
     status: str

@@ -112,7 +112,7 @@ def product(
     def pointer(array: np.ndarray) -> ctypes.c_void_p:
         return ctypes.c_void_p(array.ctypes.data)
 
-    # BLASFEO aligns its matrices by 64 bytes; whoever reads by two numbers needs 16 of them.
+    # BLASFEO aligns its matrices to 64 bytes; kernels that load pairs of numbers need 16.
     A, B, C, D = (_aligned(array.T) for array in (A, B, C, np.zeros((4, 4))))
     scalars = np.array([alpha]), np.array([beta])
     getattr(library, NAME)(

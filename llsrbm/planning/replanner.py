@@ -87,7 +87,7 @@ class Replanner:
     """Plans what remains of one jump; a solver for each phase in which it is asked.
 
     Attributes:
-        plan: the newest one.
+        plan: the one that is followed, to be set when an answer is taken over.
         in_flight: whether it plans flights: of a jump over something it does not see what is to be
             cleared, and plans the landing alone.
     """
@@ -114,21 +114,16 @@ class Replanner:
 
         So that the first answer comes as fast as the later ones.
         """
-        plan = self.plan
-        self.replan(planned_state(plan, phase))
-        self.plan = plan
+        self.replan(planned_state(self.plan, phase))
 
     def replan(self, state: State) -> Answer:
-        """Plan what remains; it becomes `plan` if it is found.
-
-        What is found begins at the state, and replaces the plan from its time on.
-        """
+        """Plan what remains: what is found replaces `plan` from the state's time on."""
         task = self._task_from(state)
         layout, found, iterations, seconds = self._solved(task, state)
         if found is None:
             return Answer(None, iterations, seconds)
-        self.plan = self._spliced(unpack(found.variables, layout, task, self._model), state)
-        return Answer(self.plan, iterations, seconds)
+        plan = self._spliced(unpack(found.variables, layout, task, self._model), state)
+        return Answer(plan, iterations, seconds)
 
     def _solved(self, task: Task, state: State) -> tuple[Layout, Solution | None, int, float]:
         """From the last solution, else from the sampled plan; with all iterations and seconds."""

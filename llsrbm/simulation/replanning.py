@@ -90,6 +90,7 @@ class Replanning(Hook):
         if controller.contacts.phase != pending.phase:
             return
         controller.set_reference(pending.reference)
+        self._replanner.plan = pending.reference.plan
         replan = situation.replans[pending.index]
         situation.replans[pending.index] = replace(replan, applied=situation.time)
 
