@@ -159,36 +159,24 @@ class Replanning(Hook):
 
 
 def _record(asked: float, computing: float, answer: Answer, state: State, offset: float) -> Replan:
-    plan = answer.plan
-    legs = len(state.foot_position)
-    if plan is None:
-        none = np.zeros((0, legs, 3))
-        return Replan(
-            asked=asked,
-            applied=math.nan,
-            computing_time=computing,
-            solved=False,
-            iterations=answer.iterations,
-            touchdown=math.nan,
-            time=np.zeros(0),
-            com=np.zeros((0, 3)),
-            base_quat=np.zeros((0, 4)),
-            foot_position=none,
-            foot_quat=np.zeros((0, legs, 4)),
-        )
-    new = plan.time >= state.time - 1e-9
-    ends = [float(plan.phase_start[p + 1]) for p in plan.schedule.flights]
-    touchdown = next((end for end in ends if end > state.time), math.nan)
+    """What is kept of an answer; `offset` s from the plan's clock to the simulation's."""
+    plan, legs = answer.plan, len(state.foot_position)
+    touchdown = math.nan
+    shapes: dict[str, tuple[int, ...]] = {"time": (), "com": (3,), "base_quat": (4,)}
+    shapes |= {"foot_position": (legs, 3), "foot_quat": (legs, 4)}
+    arrays = {name: np.zeros((0, *shape)) for name, shape in shapes.items()}
+    if plan is not None:
+        new = plan.time >= state.time - 1e-9
+        arrays = {name: getattr(plan, name)[new] for name in shapes}
+        arrays["time"] = arrays["time"] + offset
+        ends = (float(plan.phase_start[p + 1]) for p in plan.schedule.flights)
+        touchdown = next((end + offset for end in ends if end > state.time), math.nan)
     return Replan(
         asked=asked,
         applied=math.nan,
         computing_time=computing,
-        solved=True,
+        solved=plan is not None,
         iterations=answer.iterations,
-        touchdown=touchdown + offset,
-        time=plan.time[new] + offset,
-        com=plan.com[new],
-        base_quat=plan.base_quat[new],
-        foot_position=plan.foot_position[new],
-        foot_quat=plan.foot_quat[new],
+        touchdown=touchdown,
+        **arrays,
     )
