@@ -38,10 +38,12 @@ Matrix = Any  # casadi.SX or casadi.DM
 # Axes closer than this to parallel, or to square, make a planar leg; rad.
 _ALIGNED = 0.02
 # Shares of a leg's length below which the closed forms are bent away from their singularities, the
-# straight leg and the foot at the abduction axis; both are out of any sensible reach.
+# straight leg, the foot at the abduction axis and the foot at the hip; all are out of any sensible
+# reach. Where rows grow a thousandfold Fatrop may look for a direction for ever.
 _NEARLY_STRAIGHT = 0.02
 _AT_THE_AXIS = 0.05
-_REST = 0.01  # share of a floor that is always there
+_AT_THE_HIP = 0.02
+_REST = 0.25  # half of the share of a floor that is left far below it
 _SAMPLES, _SEED = 800, 0
 
 
@@ -169,11 +171,11 @@ class KneeLeg(LegDrives):
         w = ca.DM(c["hip"]) + ca.DM(c["mirror"]) * x[:3]
         along = ca.dot(a, w)
         square = w - along * a
-        rho2 = ca.sumsqr(square)
         length = c["thigh"] + c["shank"]
+        rho2 = _at_least(ca.sumsqr(square), (_AT_THE_HIP * length) ** 2)
         h = ca.sqrt(_at_least(rho2 - c["across"] ** 2, (_AT_THE_AXIS * length) ** 2))
         u = ca.vertcat(along - c["hip_in_plane"][0], h - c["hip_in_plane"][1])
-        u2 = ca.sumsqr(u)
+        u2 = _at_least(ca.sumsqr(u), (_AT_THE_HIP * length) ** 2)
         a2, b2 = c["thigh"] ** 2, c["shank"] ** 2
         cosine = (a2 + b2 - u2) / 2
         area = ca.sqrt(_at_least(a2 * b2 - cosine**2, a2 * b2 * _NEARLY_STRAIGHT**2))
@@ -270,10 +272,9 @@ class _Plane(NamedTuple):
 
 
 def _at_least(value: Matrix, floor: float) -> Matrix:
-    """`value`, bent smoothly towards zero from below some `floor`, always positive."""
-    # The last term outlives the cancellation of the others far below the floor: a division by zero
-    # would keep Fatrop busy for ever.
-    return (value + ca.sqrt(value**2 + floor**2)) / 2 + _REST * floor
+    """`value`, bent smoothly towards a share of `floor` that it never falls below."""
+    root = ca.sqrt(value**2 + floor**2)
+    return (value + root) / 2 + _REST * floor * (1 - value / root)
 
 
 class FittedLeg(LegDrives):
