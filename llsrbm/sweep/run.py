@@ -138,10 +138,10 @@ def connected(workers: int, scheduler: str | None) -> Iterator[distributed.Clien
 def _existing(scheduler: str) -> distributed.Client:
     try:
         return distributed.Client(scheduler, timeout=f"{_ANSWER_TIME}s")
-    except (OSError, ValueError, TypeError) as error:
+    except Exception as error:  # whatever another service's answer makes of Dask's reader
         raise InputError(
-            f"--scheduler {scheduler}: does not answer within {_ANSWER_TIME:.0f} s; expected the "
-            "address of a Dask scheduler that runs, such as tcp://127.0.0.1:8786"
+            f"--scheduler {scheduler}: no Dask scheduler answers there within {_ANSWER_TIME:.0f} "
+            "s; expected the address of one that runs, such as tcp://127.0.0.1:8786"
         ) from error
 
 

@@ -344,8 +344,7 @@ def parse_spec(text: str, where: str) -> Spec:
     except ValidationError as error:
         # A misspelt key is both unknown and missing; the first says more.
         details = sorted(error.errors(), key=lambda detail: detail["type"] != "extra_forbidden")
-        more = f" (and {len(details) - 1} more)" if len(details) > 1 else ""
-        raise InputError(f"{where}: {_sentence(details[0])}{more}") from error
+        raise InputError(f"{where}: {_sentence(details[0])}") from error
 
 
 def _check_axis(where: str, name: str, axis: AxisTable, sampling: str) -> None:
@@ -425,7 +424,13 @@ def _said(message: str) -> PydanticCustomError:
 
 def _sentence(detail: ErrorDetails) -> str:
     """One pydantic complaint as: key, what was wrong, what would be accepted."""
-    location = [str(part) for part in detail["loc"] if not _is_alternative(part)]
+    # A list is the table's "values", whether its file says so or not.
+    hidden = {"values"} if detail["type"] != "extra_forbidden" else set()
+    location = [
+        f"value {part + 1}" if isinstance(part, int) else part
+        for part in detail["loc"]
+        if not _is_alternative(part) and part not in hidden
+    ]
     key, last = printable(".".join(location)), location[-1] if location else ""
     given = printable(repr(detail["input"]))
     match detail["type"]:
@@ -443,6 +448,8 @@ def _sentence(detail: ErrorDetails) -> str:
             return f"{key}: expected a table, got {given}"
         case "too_short":
             return f"{key}: is empty; expected at least one value"
+        case "tuple_type":
+            return f"{key}: expected a list, got {given}"
         case _:
             message = detail["msg"][:1].lower() + detail["msg"][1:]
             return f"{key}: {message}, got {given}"

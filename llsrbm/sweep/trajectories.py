@@ -4,7 +4,8 @@
 
 A group's dimensions are jump, knot, leg, contact, joint and axis; the coordinate `jump` is the
 number of the jump, as in the table's column of that name. Only jumps that were planned are there.
-Quantities are those of a plan, with their units as attributes. Chunks are those of shards.
+Quantities are those of a plan, with their units as attributes. The format is zarr's version 2, of
+which names of joints are a part, too.
 """
 
 from __future__ import annotations
@@ -41,6 +42,9 @@ QUANTITIES: dict[str, tuple[tuple[str, ...], str]] = {
     "joint_velocity": (("knot", "joint"), "rad/s"),
     "joint_torque": (("knot", "joint"), "Nm"),
 }
+_FORMAT = 2
+_CHUNK = 64  # jumps: what is read at a time is a megabyte
+_TOGETHER = 16 * _CHUNK  # jumps of a group that are held before they are written
 _NUMBER, _BETWEEN = "jump", "|"
 _LABELS = {"joint": "joint_names", "leg": "leg_names"}
 """Dimension -> where a plan has what its places are called."""
@@ -93,28 +97,78 @@ def merge(parts: Sequence[Path], store: Path) -> None:
     """
     temporary = store.with_name(store.name + ".new")
     shutil.rmtree(temporary, ignore_errors=True)
+    temporary.mkdir(parents=True)  # also of a sweep without any plan
     begun: set[str] = set()
+    held: dict[str, dict[str, Any]] = {}
     for part in parts:
-        with np.load(part, allow_pickle=False) as file:
-            groups: dict[str, dict[str, Any]] = {}
-            for key in file.files:
-                group, name = key.split(_BETWEEN)
-                groups.setdefault(group, {})[name] = file[key]
-        for group, arrays in groups.items():
-            more = {"append_dim": "jump"} if group in begun else {"mode": "w"}
-            dataset = _dataset(arrays)
-            if group in begun:  # what has no jumps is there already
-                dataset = dataset.drop_vars([*_LABELS])
-            dataset.to_zarr(temporary, group=group, consolidated=False, **more)
-            begun.add(group)
-    if not begun:
-        temporary.mkdir(parents=True)
-    else:
-        import zarr
-
-        zarr.consolidate_metadata(str(temporary))
+        # No later part has jumps before this one's first.
+        _write(held, temporary, begun, before=int(part.stem))
+        for group, arrays in _unpacked(part).items():
+            mine = held.get(group)
+            held[group] = arrays if mine is None else _joined([mine, arrays])
+    _write(held, temporary, begun, before=None)
     shutil.rmtree(store, ignore_errors=True)
     temporary.replace(store)
+
+
+def _unpacked(part: Path) -> dict[str, dict[str, Any]]:
+    groups: dict[str, dict[str, Any]] = {}
+    with np.load(part, allow_pickle=False) as file:
+        for key in file.files:
+            group, name = key.split(_BETWEEN)
+            groups.setdefault(group, {})[name] = file[key]
+    return groups
+
+
+def _joined(several: Sequence[dict[str, Any]]) -> dict[str, Any]:
+    """Arrays of several shards of a group; a quantity that one lacks is left out."""
+    return {
+        name: array if name in _LABELS else np.concatenate([arrays[name] for arrays in several])
+        for name, array in several[0].items()
+        if all(name in arrays for arrays in several)
+    }
+
+
+def _write(
+    held: dict[str, dict[str, Any]], store: Path, begun: set[str], before: int | None
+) -> None:
+    """Append what is held, by jump, of groups that hold enough, and forget it.
+
+    Args:
+        held: group -> arrays.
+        store: the zarr store.
+        begun: groups that it has.
+        before: only jumps before this one; None: all of all groups.
+    """
+    for group, arrays in held.items():
+        jumps = arrays[_NUMBER]
+        if before is not None and len(jumps) < _TOGETHER:
+            continue
+        order = np.argsort(jumps)
+        ready = order if before is None else order[jumps[order] < before]
+        kept = order[len(ready) :]
+        if len(ready):
+            _append(_picked(arrays, ready), store, group, begun)
+        held[group] = _picked(arrays, kept)
+
+
+def _picked(arrays: dict[str, Any], rows: Any) -> dict[str, Any]:
+    return {name: a if name in _LABELS else a[rows] for name, a in arrays.items()}
+
+
+def _append(arrays: dict[str, Any], store: Path, group: str, begun: set[str]) -> None:
+    dataset = _dataset(arrays)
+    if group in begun:  # what has no jumps is there already
+        dataset = dataset.drop_vars([*_LABELS])
+        dataset.to_zarr(store, group=group, zarr_format=_FORMAT, append_dim="jump")
+        return
+    chunks = {
+        name: {"chunks": (_CHUNK, *variable.shape[1:])}
+        for name, variable in dataset.variables.items()
+        if variable.dims[0] == "jump"
+    }
+    dataset.to_zarr(store, group=group, zarr_format=_FORMAT, mode="w", encoding=chunks)
+    begun.add(group)
 
 
 def _dataset(arrays: dict[str, Any]) -> Any:
