@@ -6,6 +6,7 @@ those. How many jumps a shard has follows from the rate measured so far, and cha
 
 from __future__ import annotations
 
+import asyncio
 import logging
 import math
 import time
@@ -13,7 +14,7 @@ from collections import deque
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import CancelledError
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from itertools import islice
 from typing import Any
 
@@ -48,8 +49,7 @@ class Progress:
     Attributes:
         jumps: of the sweep; done: of them, also earlier; begun_at: `done` when this run began.
         workers: at the moment.
-        seconds: of this run; work: of its workers; planning, simulating: of them.
-        statuses: robot -> status -> rows of this run; strict: robot -> rows.
+        seconds: of this run; planning, simulating: of its workers, summed.
     """
 
     jumps: int
@@ -57,11 +57,8 @@ class Progress:
     begun_at: int
     workers: int = 0
     seconds: float = 0.0
-    work: float = 0.0
     planning: float = 0.0
     simulating: float = 0.0
-    statuses: dict[str, dict[str, int]] = field(default_factory=dict)
-    strict: dict[str, int] = field(default_factory=dict)
 
     @property
     def rate(self) -> float:
@@ -82,15 +79,8 @@ class Progress:
     def add(self, shard: Shard) -> None:
         """Count a shard."""
         self.done += len(shard.jumps)
-        self.work += shard.seconds
         self.planning += shard.planning
         self.simulating += shard.simulating
-        for robot, statuses in shard.statuses.items():
-            mine = self.statuses.setdefault(robot, {})
-            for status, count in statuses.items():
-                mine[status] = mine.get(status, 0) + count
-        for robot, count in shard.strict.items():
-            self.strict[robot] = self.strict.get(robot, 0) + count
 
 
 @contextmanager
@@ -137,12 +127,20 @@ def connected(workers: int, scheduler: str | None) -> Iterator[distributed.Clien
 
 def _existing(scheduler: str) -> distributed.Client:
     try:
+        # A client waits for ever for something that takes the connection and says nothing.
+        asyncio.run(asyncio.wait_for(_identity(scheduler), _ANSWER_TIME))
         return distributed.Client(scheduler, timeout=f"{_ANSWER_TIME}s")
     except Exception as error:  # whatever another service's answer makes of Dask's reader
         raise InputError(
             f"--scheduler {scheduler}: no Dask scheduler answers there within {_ANSWER_TIME:.0f} "
             "s; expected the address of one that runs, such as tcp://127.0.0.1:8786"
         ) from error
+
+
+async def _identity(scheduler: str) -> Any:
+    """What a scheduler says of itself."""
+    async with distributed.rpc(scheduler) as remote:
+        return await remote.identity()
 
 
 def run(
