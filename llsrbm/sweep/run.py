@@ -21,7 +21,7 @@ from typing import Any
 import dask
 import distributed
 from distributed.client import FutureCancelledError
-from distributed.comm import CommClosedError
+from distributed.comm import CommClosedError, get_address_host
 from distributed.scheduler import KilledWorker
 
 from llsrbm.errors import Error, InputError
@@ -205,15 +205,26 @@ class _Work:
     def prepare(self) -> None:
         """Have one worker of each machine fill its cache, before all of them do the same."""
         self._wait_for_workers()
-        info = self._client.scheduler_info(n_workers=-1)["workers"]
-        hosts = {worker["host"]: address for address, worker in info.items()}
+        hosts = {get_address_host(address): address for address in self._client.nthreads()}
         futures = [
-            self._client.submit(prepare, self._spec, workers=[address], pure=False)
+            self._client.submit(
+                prepare,
+                self._spec,
+                workers=[address],
+                allow_other_workers=True,  # a worker that dies comes back with another address
+                pure=False,
+            )
             for address in hosts.values()
         ]
         self._told("loading the solvers; those that are built for the first time take a minute")
         for future in futures:
-            self._check(self._result(future))
+            try:
+                self._check(self._result(future))
+            except KilledWorker as error:
+                raise Error(
+                    f"{_DEATHS + 1} workers died while they loaded the solvers; expected about a "
+                    f"gigabyte of memory for each; {GO_ON}"
+                ) from error
         self._start = time.perf_counter()
 
     def run(self) -> None:
@@ -286,13 +297,22 @@ class _Work:
         self._progress(self.so_far)
 
     def _result(self, future: distributed.Future) -> Any:
-        """What a worker hands back; a programming error of ours there is one here."""
+        """What a worker hands back.
+
+        Raises:
+            KilledWorker: workers died of it, or by chance.
+            Error: it could not begin.
+        """
         try:
             return future.result()
-        except ImportError as error:
+        except KilledWorker:
+            raise
+        except Exception as error:
+            if future.status != "error":  # not the worker's, but the connection's
+                raise
             raise Error(
-                f"a worker cannot run the sweep ({error}); expected llsrbm "
-                f"{self._origin['llsrbm']} on every worker; {GO_ON}"
+                f"a worker cannot run the sweep ({type(error).__name__}: {error}); expected "
+                f"llsrbm {self._origin['llsrbm']} and the robots' files on every worker; {GO_ON}"
             ) from error
         finally:
             future.release()

@@ -101,9 +101,15 @@ def test_another_version_on_a_worker_ends_it(tmp_path, client, monkeypatch):
         assert not folder.done.any()
 
 
-def test_a_worker_without_the_package_ends_it(tmp_path, client, monkeypatch):
+@pytest.mark.parametrize(
+    "error",
+    [ModuleNotFoundError("No module named 'llsrbm'"), FileNotFoundError("mine.toml")],
+)
+def test_a_worker_without_the_package_or_a_robots_file_ends_it(
+    tmp_path, client, monkeypatch, error
+):
     def missing(spec):
-        raise ModuleNotFoundError("No module named 'llsrbm'")
+        raise error
 
     monkeypatch.setattr(run, "prepare", missing)
     with opened(tmp_path) as folder, pytest.raises(Error, match=r"expected llsrbm .* on every"):
