@@ -27,6 +27,7 @@ from llsrbm.commands.listing import (
 from llsrbm.commands.plan import plan_command
 from llsrbm.commands.replay import replay_command
 from llsrbm.commands.simulate import simulate_command
+from llsrbm.commands.sweep import sweep_command
 from llsrbm.errors import Error, InputError
 
 _PLUGINS = "llsrbm.commands"  # entry points that add commands, e.g. `serve` of the application
@@ -85,6 +86,7 @@ app.command("tuning")(tuning_command)
 app.command("formats")(formats_command)
 app.command("designs")(designs_command)
 app.command("compare")(compare_command)
+app.command("sweep")(sweep_command)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

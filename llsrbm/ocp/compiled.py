@@ -7,6 +7,7 @@ it solves next. Without a compiler nothing happens.
 from __future__ import annotations
 
 import ctypes
+import fcntl
 import json
 import logging
 import os
@@ -14,6 +15,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import time
 import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -44,6 +46,8 @@ _OPTIONS = (
 _JOB = Path(__file__).with_name("compile_job.py")
 # s that a compiler may take to say which one it is.
 _PATIENCE = 10.0
+# s between looks whether another process has finished.
+_LOOK_EVERY = 0.2
 
 
 @dataclass(frozen=True)
@@ -133,9 +137,22 @@ class Library:
             )
 
     def wait(self) -> None:
-        """Until it has been made, or could not be."""
+        """Until it has been made, or could not be, by this process or by another."""
         if self._job is not None:
             self._job.wait()
+        while not (self.path.exists() or self._failed.exists()) and self._is_in_work():
+            time.sleep(_LOOK_EVERY)
+
+    def _is_in_work(self) -> bool:
+        """Whether some process holds the job's lock, see `llsrbm.ocp.compile_job`."""
+        try:
+            with Path(f"{self.path}.lock").open("rb") as lock:
+                fcntl.flock(lock, fcntl.LOCK_SH | fcntl.LOCK_NB)
+        except BlockingIOError:
+            return True
+        except OSError:
+            return False
+        return False
 
     @property
     def _failed(self) -> Path:

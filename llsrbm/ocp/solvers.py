@@ -89,6 +89,7 @@ class Solver(ABC):
         self._near, self._structure = near, structure
         self._cold = {PATIENT: cold}
         self._faster: Callable[[], Transcribed | None] | None = None
+        self._wait: Callable[[], None] | None = None
 
     @property
     def sizes(self) -> tuple[int, int]:
@@ -120,13 +121,23 @@ class Solver(ABC):
         states, controls, rows, equality = ([int(n) for n in serializer.unpack()] for _ in range(4))
         return cls(cold, near, Structure(states, controls, rows, [bool(n) for n in equality]))
 
-    def replace_by(self, faster: Callable[[], Transcribed | None]) -> None:
+    def replace_by(
+        self, faster: Callable[[], Transcribed | None], wait: Callable[[], None] | None = None
+    ) -> None:
         """Take the same problem's faster functions in the next solve in which they are there.
 
         Args:
             faster: gives them, or None as long as there are none.
+            wait: returns when they are there, or will never be.
         """
-        self._faster = faster
+        self._faster, self._wait = faster, wait
+
+    def settle(self) -> None:
+        """Wait for faster functions that are being made; solves before and after take the same."""
+        if self._faster is not None and self._wait is not None:
+            self._wait()
+        self._renew()
+        self._faster = None
 
     def _renew(self) -> None:
         if self._faster is None or (transcribed := self._faster()) is None:

@@ -107,6 +107,7 @@ class Planner:
         limits: Mapping[str, float] | None = None,
         near: Plan | None = None,
         patient: bool = True,
+        explains: bool = True,
         cancelled: Callable[[], bool] | None = None,
         progress: Progress | None = None,
     ) -> Plan:
@@ -119,6 +120,7 @@ class Planner:
             near: a plan to start from, of another request to the same robot and model: a few
                 degrees or centimetres away it takes a fifth of the time.
             patient: try all there is; otherwise only from `near` and from the analytic guess.
+            explains: whether, with patience, the limits that stop a jump are looked for.
             cancelled: asked before and during every solve.
             progress: told what is being tried, and how it goes.
 
@@ -126,7 +128,7 @@ class Planner:
             InputError: the request is out of the robot's range, or `near` is of no use for it.
             NotConverged: no attempt satisfied every constraint; carries the nearest one. With
                 patience and the default solver it names the limits that stop the jump, after some
-                more seconds; else what the nearest one violates.
+                more seconds, unless it is not to; else what the nearest one violates.
             Cancelled: `cancelled` said so.
         """
         robot, layout = self.formulation.robot, self.formulation.layout
@@ -140,8 +142,8 @@ class Planner:
         try:
             return self._planned(task, near, patient, watch)
         except NotConverged as error:
-            explains = patient and self.formulation.solver.name == solvers.names()[0]
-            if not explains or jump.turns:  # flips beyond the drives: see `CAUTIOUS`
+            can = patient and self.formulation.solver.name == solvers.names()[0]
+            if not (explains and can) or jump.turns:  # flips beyond the drives: see `CAUTIOUS`
                 raise
             raise explained(Scout(self.formulation, watch), error, task) from None
 
@@ -333,15 +335,26 @@ def layout_of(jump: Jump, robot: Robot, intervals: int = INTERVALS) -> Layout:
     )
 
 
-def planner_of(jump: Jump, solver: str = solvers.names()[0], intervals: int = INTERVALS) -> Planner:
+def planner_of(
+    jump: Jump,
+    solver: str = solvers.names()[0],
+    intervals: int = INTERVALS,
+    robot: Robot | None = None,
+) -> Planner:
     """The planner of a jump's robot, model and type, built once a process.
 
     It is built again when the robot's file, or that of the type, has changed.
 
+    Args:
+        jump: a request.
+        solver: its name.
+        intervals: as for three phases.
+        robot: the one that the request names, with other drives (`llsrbm.robots.drives`).
+
     Raises:
         InputError: a whole turn about an axis about which the robot makes none.
     """
-    robot = load_robot(jump.robot)
+    robot = robot or load_robot(jump.robot)
     if jump.turns:
         robot = robot.turning
         _check_turns(jump, robot)

@@ -70,7 +70,7 @@ def cached_solver(
             _log.info("the solver is not compiled: %s", error)
         else:
             library.compile(tool, source)
-            solver.replace_by(library.load)
+            solver.replace_by(library.load, library.wait)
     return solver
 
 

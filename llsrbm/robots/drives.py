@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
+from llsrbm.errors import InputError
 from llsrbm.robots.robot import Robot
 
 Array = NDArray[np.float64]
@@ -48,6 +50,40 @@ def torque_in_direction(robot: Robot, speed: Array, torque: Array) -> Array:
     falling = at_rest - np.copysign(slope, torque) * speed
     most: Array = np.minimum(np.maximum(falling, _ZERO), limit)
     return most
+
+
+@lru_cache(maxsize=32)
+def with_drives(robot: Robot, torque: float = 1.0, speed: float = 1.0) -> Robot:
+    """The robot with stronger or faster drives, or weaker ones; the same object each time.
+
+    Args:
+        robot: whose drives.
+        torque, speed: times what its file, or its URDF, says.
+    """
+    if torque == 1.0 and speed == 1.0:
+        return robot
+    index = robot.leg_joint_index[0]
+    legs_alike = all(
+        (limit[robot.leg_joint_index] == limit[index]).all()
+        for limit in (robot.torque_limit, robot.speed_limit)
+    )
+    if not legs_alike:
+        raise InputError(
+            f"{robot.name}: its legs' drives differ in the URDF; expected limits.torque and "
+            "limits.joint_speed in the robot file, to scale them"
+        )
+    limits = robot.file.limits.model_copy(
+        update={
+            "torque": tuple((torque * robot.torque_limit[index]).tolist()),
+            "joint_speed": tuple((speed * robot.speed_limit[index]).tolist()),
+        }
+    )
+    # The name tells the solvers' places in the cache apart.
+    name = f"{robot.name}-torque-{torque:g}-speed-{speed:g}"
+    file = robot.file.model_copy(update={"name": name, "limits": limits})
+    other = replace(robot, file=file)
+    vars(other)["fit"] = robot.fit  # of the legs' masses and reach, which are the same
+    return other
 
 
 @lru_cache(maxsize=16)

@@ -1,0 +1,215 @@
+"""The jumps of a spec in their order: counted without listing them, made when they are asked for.
+
+Robots, models and types are the slowest to change, then drives, limits and the jump's own axes. A
+drawn sweep asks the same shares of its ranges of every robot, model and type, so that they can be
+compared jump by jump.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass, replace
+from functools import lru_cache
+from itertools import product
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from llsrbm.errors import InputError
+from llsrbm.jump import Jump
+from llsrbm.robots.schema import choices
+from llsrbm.sweep.axes import COUNTED, ROBOT_RANGES
+from llsrbm.sweep.spec import Spec
+
+MOST_ROWS = 10**8
+"""Rows of a sweep at most: two workers take a year for that."""
+
+_BLOCK = 4096  # points of a Sobol sequence drawn at a time; a power of two, as it wants
+_LARGEST_SOBOL = 2**30  # points that SciPy's 32 bits hold
+_ID_DIGITS = 16  # hexadecimal, of an id: two of 10^8 jumps are alike once in 4,000 sweeps
+
+
+@dataclass(frozen=True)
+class Point:
+    """One jump of a sweep.
+
+    Attributes:
+        number: its place in the sweep.
+        jump: the request.
+        limits: limit name -> value, in place of the robot's.
+        drive_torque, drive_speed: times what the robot's file says of its drives.
+        seeds: of its simulations, one a row; None: undisturbed, or planned only.
+    """
+
+    number: int
+    jump: Jump
+    limits: dict[str, float]
+    drive_torque: float
+    drive_speed: float
+    seeds: tuple[int | None, ...]
+
+    @property
+    def rows(self) -> range:
+        """Its places in the table."""
+        return range(self.number * len(self.seeds), (self.number + 1) * len(self.seeds))
+
+    @property
+    def id(self) -> str:
+        """The same for the same request, in whatever sweep it stands."""
+        asked = [asdict(self.jump), self.limits, self.drive_torque, self.drive_speed]
+        text = json.dumps(asked, sort_keys=True)
+        return hashlib.sha256(text.encode()).hexdigest()[:_ID_DIGITS]
+
+
+class Points:
+    """The jumps of a spec, by their number.
+
+    Attributes:
+        spec: what asks for them.
+        count: of jumps; rows: of the table.
+
+    Raises:
+        InputError: too many, or a robot, model, type or limit that there is not.
+        RobotFileError: a robot file is wrong.
+    """
+
+    def __init__(self, spec: Spec) -> None:
+        self.spec = spec
+        self._dimensions = spec.dimensions()
+        self._groups = list(product(spec.robots, spec.models, spec.types))
+        sizes = [dimension.size for dimension in self._dimensions]
+        self._of_group = math.prod(sizes) if spec.sampling == "grid" else spec.count or 0
+        self.count = len(self._groups) * self._of_group
+        self._seeds = spec.rows_a_jump()
+        self.rows = self.count * self._seeds
+        if self.rows > MOST_ROWS or (spec.sampling == "sobol" and self._of_group > _LARGEST_SOBOL):
+            raise InputError(
+                f"the spec asks for {self.rows:.3g} rows; expected at most {MOST_ROWS:.0e}: fewer "
+                "values an axis, or a count with random sampling"
+            )
+        self._ranges = {robot: _checked_ranges(robot, spec) for robot in spec.robots}
+        _check_names(spec)
+
+    def __getitem__(self, number: int) -> Point:
+        if not 0 <= number < self.count:
+            raise IndexError(number)
+        group, place = divmod(number, self._of_group)
+        robot, model, kind = self._groups[group]
+        values = self._values(place, self._ranges[robot])
+        fields: dict[str, Any] = {n: v for (where, n), v in values.items() if where == "axes"}
+        if "hops" in fields:
+            fields["hops"] = int(fields["hops"])
+        jump = _of_type(Jump(robot=robot, model=model, type=kind), fields)
+        rows = range(number * self._seeds, (number + 1) * self._seeds)
+        return Point(
+            number=number,
+            jump=jump,
+            limits={name: v for (where, name), v in values.items() if where == "limits"},
+            drive_torque=values.get(("drives", "torque"), 1.0),
+            drive_speed=values.get(("drives", "speed"), 1.0),
+            seeds=tuple(self.spec.simulation_seed(row) for row in rows),
+        )
+
+    def __iter__(self) -> Iterator[Point]:
+        return (self[number] for number in range(self.count))
+
+    def kinds(self) -> Iterator[Point]:
+        """A jump of everything that solvers are built for: robot, model, type, turns, drives."""
+        listed = [
+            (dimension, [dimension.value(n, {}) for n in range(dimension.size)])
+            for dimension in self._dimensions
+            if dimension.where == "drives" or dimension.name in COUNTED
+        ]
+        for group in range(len(self._groups)):
+            first = self[group * self._of_group]
+            for values in product(*(values for _, values in listed)):
+                fields: dict[str, Any] = {}
+                drives: dict[str, Any] = {}
+                for (dimension, _), value in zip(listed, values, strict=True):
+                    of = drives if dimension.where == "drives" else fields
+                    of[dimension.name] = int(value) if dimension.name == "hops" else value
+                yield replace(
+                    first,
+                    jump=replace(first.jump, **fields),
+                    drive_torque=drives.get("torque", 1.0),
+                    drive_speed=drives.get("speed", 1.0),
+                )
+
+    def _values(
+        self, place: int, ranges: dict[str, tuple[float, float]]
+    ) -> dict[tuple[str, str], float]:
+        """Table and name of what varies -> value, SI."""
+        found = {}
+        if self.spec.sampling != "grid":
+            shares = self._shares(place)
+            for dimension, share in zip(self._dimensions, shares, strict=True):
+                found[dimension.where, dimension.name] = dimension.drawn(float(share), ranges)
+            return found
+        for dimension in reversed(self._dimensions):
+            place, number = divmod(place, dimension.size)
+            found[dimension.where, dimension.name] = dimension.value(number, ranges)
+        return dict(reversed(found.items()))
+
+    def _shares(self, place: int) -> NDArray[np.float64]:
+        """(d,) of each axis' range, 0 to 1."""
+        dimensions, seed = len(self._dimensions), self.spec.seed
+        if self.spec.sampling == "random":
+            # A generator for each point: any of them can be drawn without those before it.
+            return np.random.default_rng([seed, place]).random(dimensions)
+        return _sobol(dimensions, seed, place // _BLOCK)[place % _BLOCK]
+
+
+@lru_cache(maxsize=4)
+def _sobol(dimensions: int, seed: int, block: int) -> NDArray[np.float64]:
+    """(_BLOCK, d) of a scrambled Sobol sequence."""
+    from scipy.stats import qmc
+
+    if dimensions == 0:
+        return np.zeros((_BLOCK, 0))
+    sequence = qmc.Sobol(dimensions, scramble=True, rng=np.random.default_rng(seed))
+    if block:
+        sequence.fast_forward(block * _BLOCK)
+    points: NDArray[np.float64] = sequence.random(_BLOCK)
+    return points
+
+
+def _of_type(jump: Jump, fields: dict[str, Any]) -> Jump:
+    """With what is asked, and of the rest what its type says."""
+    from llsrbm.jump_types import with_defaults
+
+    return with_defaults(replace(jump, **fields), fields)
+
+
+def _checked_ranges(robot: str, spec: Spec) -> dict[str, tuple[float, float]]:
+    """What the robot's file says may be asked, once the names of limits have been checked."""
+    from llsrbm.planning.placement import limits_of
+    from llsrbm.robots import load_robot
+
+    loaded = load_robot(robot)
+    if spec.limits:
+        known = limits_of(loaded)
+        for name in spec.limits:
+            if name not in known:
+                raise InputError(f'limits: {robot} has no limit "{name}"; {choices(name, known)}')
+    return {name: getattr(loaded.file.task, name) for name in ROBOT_RANGES}
+
+
+def _check_names(spec: Spec) -> None:
+    from llsrbm.jump_types import load_type
+    from llsrbm.models import check_name
+
+    for model in spec.models:
+        check_name(model)
+    for kind in spec.types:
+        load_type(kind)
+    scenario = spec.scenario()
+    if scenario is not None:
+        from llsrbm.robots import load_robot
+        from llsrbm.simulation.checks import check_scenario
+
+        for robot in spec.robots:
+            check_scenario(scenario, load_robot(robot))
