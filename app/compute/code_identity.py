@@ -16,6 +16,7 @@ from llsrbm.cache import content_key
 from llsrbm.robots.assets import assets_directory
 from llsrbm.version import package_version
 
+_DATA = ("robots", "jump_types")  # folders of what jumps depend on besides the sources
 _SHOWN = 8  # hexadecimal digits of the key, in messages
 
 
@@ -25,7 +26,7 @@ class CodeIdentity:
 
     Attributes:
         version: of the package.
-        key: hash of the sources of library and page and of the robots' descriptions.
+        key: hash of the sources of library and page, and of what robots and jump types are.
         python: its version, as 3.11.
     """
 
@@ -42,6 +43,6 @@ def code_identity() -> CodeIdentity:
     folders = [Path(str(package.__file__)).parent for package in (app, llsrbm)]
     sources = [path for folder in folders for path in sorted(folder.rglob("*.py"))]
     # Names of the files do not count: sources and wheel have them in other places.
-    data = sorted(assets_directory().rglob("*.toml"))
+    data = [path for kind in _DATA for path in sorted((assets_directory() / kind).glob("*.toml"))]
     key = content_key(*sources, *data).hex()
     return CodeIdentity(package_version(), key, "{}.{}".format(*sys.version_info))

@@ -35,6 +35,10 @@ PROCESSES = min(max(os.cpu_count() or 1, 2), 4)
 # Of this machine: beyond that the pool's one thread would be what they wait for. And of a cluster.
 MOST_PROCESSES = 64
 MOST_ON_CLUSTER = 64
+# Of a cluster's processes every fourth takes nothing that lasts seconds. On the two cores of
+# `benchmarks.many_tabs` every other one gave ten dragging tabs no shorter times, and simulations
+# took nearly twice as long.
+RESERVED_EVERY = 4
 # How long a cancelled job may go on before its process is ended, s: the rest of the 0.2 s that
 # cancelling may take is for ending it.
 CANCEL_GRACE = 0.15
@@ -81,8 +85,8 @@ class WorkerPool:
             cancel_grace: how long a cancelled job may go on before its process is ended, s.
             superseded_grace: how long a patient plan may go on when its tab wants something newer,
                 before it is asked to stop, s.
-            cluster: whose processes compute too, as many as it offers at the time, every other one
-                of them reserved for what is short; closed with the pool.
+            cluster: whose processes compute too, as many as it offers at the time; closed with
+                the pool.
         """
         self.planner = f"{factory.__module__}.{factory.__qualname__}"
         self.remarked: Callable[[str], object] = _ignore
@@ -99,7 +103,7 @@ class WorkerPool:
         ]
         if cluster is not None:
             members += [
-                PoolMember(process, reserved=(processes + i) % 2 == 1, remote=True)
+                PoolMember(process, reserved=(processes + i) % RESERVED_EVERY == 1, remote=True)
                 for i, process in enumerate(
                     cluster.processes(factory, self._inbox, MOST_ON_CLUSTER)
                 )
