@@ -10,7 +10,9 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import logging
+import pickle
 import threading
+import time
 import uuid
 from collections import Counter
 from collections.abc import Callable, Coroutine, Mapping
@@ -35,6 +37,9 @@ LOOK_INTERVAL = 1.0
 LOOK_PATIENCE = 10.0
 # Time between two attempts to get back to a lost scheduler, s.
 RETRY_INTERVAL = 5.0
+# How long a worker where a process could not be started gets no other, s: a lasting defect there
+# shall not keep the terminal busy.
+BARRED = 30.0
 # How long a process whose connection failed waits for the reason, s.
 _REASON_PATIENCE = 1.0
 _CLOSE_PATIENCE = 2.0  # s
@@ -44,7 +49,7 @@ _PRIORITY = 100
 _log = logging.getLogger(__name__)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(eq=False)
 class Place:
     """A worker that has the same code.
 
@@ -52,11 +57,13 @@ class Place:
         address: of the worker.
         threads: so many processes have room there.
         gone: set when it is not there any more.
+        barred_until: nothing is started there before, s (monotonic clock).
     """
 
     address: str
     threads: int
     gone: asyncio.Event = field(default_factory=asyncio.Event)
+    barred_until: float = 0.0
 
 
 class Cluster:
@@ -151,6 +158,11 @@ class Cluster:
                 del self._taken[place]
         self._changed()
 
+    def bar(self, place: Place) -> None:
+        """A process could not be started there: nothing is, for a while."""
+        with self._lock:
+            place.barred_until = time.monotonic() + BARRED
+
     def run(self, work: Coroutine[Any, Any, None]) -> Future[None]:
         """Have it run on the loop."""
         return asyncio.run_coroutine_threadsafe(work, self._loop)
@@ -163,7 +175,10 @@ class Cluster:
         self._stop()
 
     def _freest(self) -> Place | None:
-        free = [p for p in self._places.values() if self._taken[p] < p.threads]
+        now = time.monotonic()
+        free = [
+            p for p in self._places.values() if self._taken[p] < p.threads and now >= p.barred_until
+        ]
         return min(free, key=lambda p: self._taken[p] / p.threads, default=None)
 
     def _stop(self) -> None:
@@ -172,14 +187,15 @@ class Cluster:
 
     # ---- on the loop
 
-    async def actor(self, place: Place, kind: type, *arguments: object) -> tuple[Any, Any]:
-        """An object of this class on a worker: dask's future, to be released, and the actor."""
+    async def actor(self, place: Place, origin: object) -> tuple[Any, Any]:
+        """A copy of an object on a worker: dask's future, to be released, and the actor."""
         if self._client is None:
             raise ConnectionError("the cluster is lost")
         future = self._client.submit(
-            kind,
-            *arguments,
-            key=f"llsrbm-{kind.__name__.lower()}-{uuid.uuid4().hex}",
+            # As bytes: the scheduler reads what it passes on, and need not have our code.
+            pickle.loads,
+            pickle.dumps(origin),
+            key=f"llsrbm-{type(origin).__name__.lower()}-{uuid.uuid4().hex}",
             workers=[place.address],
             allow_other_workers=False,
             actor=True,
@@ -260,6 +276,7 @@ class Cluster:
         fit = {a: worker["nthreads"] for a, worker in seen.items() if a not in self._unfit}
         fit = await self._with_our_code(client, fit)
         self._meet(fit)
+        self._changed()  # a worker may be barred no longer
 
     def _meet(self, fit: Mapping[str, int]) -> None:
         """These workers are there, and have so many threads."""
@@ -269,8 +286,6 @@ class Cluster:
         for address, place in before.items():
             if address not in fit:
                 place.gone.set()
-        if before.keys() != fit.keys():
-            self._changed()
 
     async def _with_our_code(self, client: Any, seen: dict[str, int]) -> dict[str, int]:
         """Those of the workers that have it, or are known to; says which do not."""

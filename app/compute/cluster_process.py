@@ -159,6 +159,7 @@ class _Conversation:
         self._name = name
         self._host: Any = None  # dask's proxy of a `Host`
         self._patience: float | None = None  # s that the process gets, once it shall end
+        self._was_ready = False
         self.process_id: int | None = None
         self.ended: Ended | None = None
         self._future: Future[None] = cluster.run(self._converse())
@@ -195,13 +196,15 @@ class _Conversation:
             how, logged = await self._cluster.explain(self._place, error)
             ended = Ended(how, unexpected=True, logged=logged)
         finally:
+            if not self._was_ready and self._patience is None:
+                self._cluster.bar(self._place)
             self._cluster.give_back(self._place)
             self.ended = ended
             self._inbox.put(Received(self, None))
 
     async def _listen(self) -> Ended:
-        actor = self._cluster.actor(self._place, Host, self._factory, self._name)
-        future, self._host = await actor
+        origin = Host(self._factory, self._name)
+        future, self._host = await self._cluster.actor(self._place, origin)
         try:
             if self._patience is None:
                 self.process_id = await self._ask("start")
@@ -213,6 +216,7 @@ class _Conversation:
                 for message in messages:
                     if isinstance(message, Ended):
                         return message
+                    self._was_ready = True
                     self._inbox.put(Received(self, message))
         finally:
             future.release()

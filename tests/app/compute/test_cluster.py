@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import os
+import queue
 import signal
 import socket
 import subprocess
@@ -31,11 +32,18 @@ from app.compute.protocol import (  # noqa: E402
 from llsrbm.errors import InputError  # noqa: E402
 from llsrbm.jump import Jump  # noqa: E402
 from tests.app import planners  # noqa: E402
-from tests.app.planners import SyntheticPlanner  # noqa: E402
+from tests.app.planners import SyntheticPlanner, broken_factory  # noqa: E402
 from tests.app.pool_tab import Tab  # noqa: E402
 
 DASK = [sys.executable, "-m", "dask"]
-SCHEDULER = [*DASK, "scheduler", "--no-dashboard"]
+# On a machine without our code: only workers need it.
+BARE = """
+import sys
+sys.modules.update({"app": None, "llsrbm": None})
+from dask.__main__ import main
+main()
+"""
+SCHEDULER = [sys.executable, "-c", BARE, "scheduler", "--no-dashboard"]
 WORKER = [*DASK, "worker", "--nthreads", "1", "--no-dashboard"]
 LOOPBACK = ["--host", "127.0.0.1"]
 
@@ -66,9 +74,8 @@ class Hand:
         self.scheduler = self.start([*SCHEDULER, *LOOPBACK, "--port", port])
 
     def start(self, command):
-        process = subprocess.Popen(
-            command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True
-        )
+        quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+        process = subprocess.Popen(command, start_new_session=True, **quiet)
         self.running.append(process)
         return process
 
@@ -282,6 +289,24 @@ def test_closing_leaves_no_process_behind(hand):
         until(lambda: len(ids(pool)) == 3)
         processes = ids(pool)
     until(lambda: not any(map(alive, processes)), 2.0)
+
+
+def test_a_worker_where_no_process_starts_is_left_alone_for_a_while(hand, caplog):
+    with closing(Cluster(hand.address)) as cluster:
+        inbox = queue.SimpleQueue()
+        first, second = cluster.processes(broken_factory, inbox, 2)
+        for process in (first, second):
+            process.start()
+        for _ in range(2):
+            received = inbox.get(timeout=15)
+            assert received.message is None
+        for process in (first, second):
+            process.end(time.monotonic(), unexpected=True)
+            ended = process.poll(time.monotonic())
+            assert (ended.how, ended.unexpected) == ("exit status 1", True)
+            assert not process.exists
+        assert not first.startable
+        assert cluster.room == 2
 
 
 @pytest.mark.parametrize("address", ["tcp://127.0.0.1:1", "nonsense", "foo://127.0.0.1:8786"])
