@@ -30,7 +30,7 @@ from app.compute.planner import PlannerFactory
 from llsrbm.errors import InputError
 
 # How long a scheduler may take to let us in, and its workers to say what code they have, s.
-CONNECT_PATIENCE, IDENTITY_PATIENCE = 6.0, 3.0
+CONNECT_PATIENCE, IDENTITY_PATIENCE = 5.0, 3.0
 # Time between two looks at who is there, s: a worker that joins or leaves is noticed after it.
 LOOK_INTERVAL = 1.0
 # How long a scheduler may take to answer a look, s: one that is busy with a sweep takes its time.
@@ -98,8 +98,10 @@ class Cluster:
             self.run(self._connect()).result()
         except Exception as error:
             self._stop()
+            late = f"no answer within {CONNECT_PATIENCE:g} s"
+            why = late if isinstance(error, TimeoutError) else _reason(error)
             raise InputError(
-                f"--scheduler: {address!r:.80}: {_reason(error)}; expected the address of a "
+                f"--scheduler: {address!r:.80}: {why}; expected the address of a "
                 "running dask scheduler, for example tcp://127.0.0.1:8786"
             ) from error
         self._keeping = self.run(self._keep())
@@ -241,17 +243,17 @@ class Cluster:
                 self._look_now.clear()
                 await self._look()
             except Exception as error:  # noqa: BLE001  # by whatever exception dask says so
-                await self._lost(error)
+                _log.debug("lost: %r", error)
+                await self._lost()
             self._looked.set()
 
-    async def _lost(self, error: Exception) -> None:
+    async def _lost(self) -> None:
         """Say so, and come back when the scheduler has."""
         client, self._client = self._client, None
         self._meet({})
         self._looked.set()
         self._remark(
-            f"The cluster at {self.address} is lost ({_reason(error)}); "
-            "the processes of the server's machine go on."
+            f"The cluster at {self.address} is lost; the processes of the server's machine go on."
         )
         await _close(client)
         while self._client is None:
