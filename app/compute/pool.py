@@ -35,10 +35,9 @@ PROCESSES = min(max(os.cpu_count() or 1, 2), 4)
 # Of this machine: beyond that the pool's one thread would be what they wait for. And of a cluster.
 MOST_PROCESSES = 64
 MOST_ON_CLUSTER = 64
-# Of a cluster's processes every fourth takes nothing that lasts seconds. On the two cores of
-# `benchmarks.many_tabs` every other one gave ten dragging tabs no shorter times, and simulations
-# took nearly twice as long.
-RESERVED_EVERY = 4
+# Of a cluster's processes every other one takes nothing that lasts seconds: who drags notices each
+# tenth, who simulates waits anyway. Figures: docs/page-on-a-cluster.md.
+RESERVED_EVERY = 2
 # How long a cancelled job may go on before its process is ended, s: the rest of the 0.2 s that
 # cancelling may take is for ending it.
 CANCEL_GRACE = 0.15
