@@ -12,6 +12,7 @@ import threading
 from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from multiprocessing.reduction import ForkingPickler
+from typing import Protocol
 
 from app.compute.protocol import Job, Ready, Report
 
@@ -23,11 +24,11 @@ class Received:
     """A message of a process.
 
     Attributes:
-        channel: that it came by.
+        channel: that it came by; of a process of this machine, a `Channel`.
         message: None: the process has gone, or sends rubbish; nothing more will come.
     """
 
-    channel: Channel
+    channel: object
     message: Ready | Report | None
 
 
@@ -35,10 +36,18 @@ Inbox = queue.SimpleQueue[Received | None]
 """Where all channels put their messages; None only wakes the reader."""
 
 
+class Sink(Protocol):
+    """Takes messages from any thread."""
+
+    def put(self, received: Received, /) -> None:
+        """Keep it for its reader; returns at once."""
+        ...
+
+
 class Channel:
     """Our end of a connection."""
 
-    def __init__(self, connection: Connection, inbox: Inbox, name: str) -> None:
+    def __init__(self, connection: Connection, inbox: Sink, name: str) -> None:
         """Begin to read.
 
         Args:

@@ -13,7 +13,8 @@ import time
 
 from app.compute.channel import Inbox, Received
 from app.compute.jobs import Jobs
-from app.compute.process import EXIT_PATIENCE, SILENCE, WorkerProcess
+from app.compute.member import SILENCE, PoolMember
+from app.compute.process import EXIT_PATIENCE, Ended
 from app.compute.scheduler import Entry
 
 # Time between two looks at a process that is ending, s.
@@ -80,13 +81,16 @@ class Dispatcher:
         first = self._jobs.workers[0]
         more = len(self._jobs.turns) > 0 or self._jobs.background.wants_all_processes()
         for member in self._jobs.workers:
-            if member.exists or not member.may_start or not (more or member is first):
+            if member.exists or not member.may_start or not member.process.startable:
+                continue
+            if not (more or member is first):
                 continue
             try:
                 member.start(time.monotonic())
             except OSError as error:
                 self._jobs.note("a computing process cannot be started", error=error)
-                self._does_not_start(member, f"{error.strerror or error}")
+                how = f"{error.strerror or error}"
+                self._does_not_start(member, Ended(how, unexpected=True))
 
     def _take_messages(self) -> None:
         due = self._next_deadline()
@@ -104,7 +108,9 @@ class Dispatcher:
                 return
 
     def _take(self, received: Received) -> None:
-        member = next((m for m in self._jobs.workers if m.channel is received.channel), None)
+        member = next(
+            (m for m in self._jobs.workers if m.process.channel is received.channel), None
+        )
         if member is None:
             return  # of a process that is ending
         if received.message is None:
@@ -120,7 +126,7 @@ class Dispatcher:
                 due += [at for at in (member.stop_at, member.end_at) if at is not None]
                 if member.progress is not None:
                     due.append(member.notify_at)
-                if member.ending:
+                if member.process.ending:
                     due.append(time.monotonic() + POLL_INTERVAL)
                 elif member.starting:
                     due.append(member.start_by)
@@ -142,12 +148,12 @@ class Dispatcher:
         for member in self._jobs.workers:
             ended = member.poll(now)
             if ended is not None and ended.unexpected:
-                if ended.was_ready:
-                    self._died(member, ended.how)
+                if member.was_ready:
+                    self._died(member, ended)
                 else:
-                    self._does_not_start(member, ended.how)
+                    self._does_not_start(member, ended)
 
-    def _keep_deadlines_of_job(self, member: WorkerProcess, entry: Entry, now: float) -> None:
+    def _keep_deadlines_of_job(self, member: PoolMember, entry: Entry, now: float) -> None:
         self._jobs.report_progress(member, entry, now)
         if member.stop_at is not None and now >= member.stop_at:
             member.ask_to_stop()
@@ -159,23 +165,26 @@ class Dispatcher:
             member.plan_to_restore(but=None)
             member.end(now)
 
-    def _died(self, member: WorkerProcess, how: str) -> None:
-        """Fail its job; a new process takes its place."""
-        message = f"The computing process ended unexpectedly ({how}) and was restarted."
-        self._jobs.note(message)
+    def _died(self, member: PoolMember, ended: Ended) -> None:
+        """Fail its job; a new process takes its place, if there is a machine for it."""
+        message = f"The computing process ended unexpectedly ({ended.how})"
+        message += " and was restarted." if member.process.startable else "; please try again."
+        if not ended.logged:
+            self._jobs.note(message)
         with self._jobs.lock:
             entry = member.working_on
             in_background = self._jobs.background.owns(entry)
             member.plan_to_restore(but=entry.job.task if entry and in_background else None)
             self._jobs.fail(member.finish(), message)
 
-    def _does_not_start(self, member: WorkerProcess, how: str) -> None:
+    def _does_not_start(self, member: PoolMember, ended: Ended) -> None:
         """Not again before the next request, so that a lasting defect does not spin.
 
         If no process can start, all jobs that wait fail.
         """
-        message = f"The computing process does not start ({how}); the terminal says why."
-        self._jobs.note(message)
+        message = f"The computing process does not start ({ended.how}); the terminal says why."
+        if not ended.logged:
+            self._jobs.note(message)
         with self._jobs.lock:
             member.may_start = False
             member.todo.clear()
@@ -211,7 +220,7 @@ class Dispatcher:
             self._jobs.fail_all(self._jobs.refusal)
         for member in self._jobs.workers:
             member.end(time.monotonic())
-        while any(member.ending for member in self._jobs.workers):
+        while any(member.process.ending for member in self._jobs.workers):
             time.sleep(POLL_INTERVAL)
             for member in self._jobs.workers:
                 member.poll(time.monotonic())

@@ -16,7 +16,7 @@ from dataclasses import replace
 from functools import partial
 
 from app.compute.deliveries import Call, Deliveries
-from app.compute.process import SILENCE, WorkerProcess
+from app.compute.member import SILENCE, PoolMember
 from app.compute.protocol import (
     Cancelled,
     Failed,
@@ -55,7 +55,7 @@ class Jobs:
         closed: whether the pool shall end.
     """
 
-    def __init__(self, workers: Sequence[WorkerProcess]) -> None:
+    def __init__(self, workers: Sequence[PoolMember]) -> None:
         """No job waits, none runs.
 
         Args:
@@ -116,7 +116,7 @@ class Jobs:
     # ---- the jobs; under the lock
 
     def supersede(
-        self, member: WorkerProcess, tab: Hashable, newer: Task, now: float, grace: float
+        self, member: PoolMember, tab: Hashable, newer: Task, now: float, grace: float
     ) -> None:
         """Have a running job of the tab stop in favour of a newer one, if it may take long.
 
@@ -152,7 +152,7 @@ class Jobs:
                 member.end_at = time.monotonic() + grace
         return sorted(entries, key=lambda entry: entry.job.number)
 
-    def next(self) -> tuple[Entry, WorkerProcess] | None:
+    def next(self) -> tuple[Entry, PoolMember] | None:
         """The job to work on next, a tab's or the warm-up's, and the process that takes it."""
         turn = self.turns.next(self.workers)
         if turn is not None:
@@ -164,7 +164,7 @@ class Jobs:
         job = Job(self.number(), task)
         return Entry(self.background, job, listener, time.monotonic()), member
 
-    def receive(self, member: WorkerProcess, message: Ready | Report) -> None:
+    def receive(self, member: PoolMember, message: Ready | Report) -> None:
         """Take a message of a process and report it to the job's tab."""
         if isinstance(message, Ready):
             member.ready = True
@@ -191,7 +191,7 @@ class Jobs:
         if listening is not None:
             self.report(listening, message)
 
-    def report_progress(self, member: WorkerProcess, entry: Entry, now: float) -> None:
+    def report_progress(self, member: PoolMember, entry: Entry, now: float) -> None:
         """Report the newest progress, unless there was some a moment ago; it waits then."""
         if member.progress is not None and now >= member.notify_at:
             if member.wanted:

@@ -15,18 +15,29 @@ import queue
 import threading
 import time
 from collections.abc import Callable, Hashable, Sequence
+from typing import TYPE_CHECKING
 
 from app.compute import worker
 from app.compute.channel import Inbox
 from app.compute.dispatcher import Dispatcher
 from app.compute.jobs import WAITING_INTERVAL, Jobs
+from app.compute.member import PoolMember
 from app.compute.planner import PlannerFactory
-from app.compute.process import WorkerProcess
+from app.compute.process import LocalProcess
 from app.compute.protocol import Cancelled, Failed, Job, PlanJump, Prepare, Report, Task
 from app.compute.scheduler import MOST_WAITING, Entry, Listener
 
+if TYPE_CHECKING:
+    from app.compute.cluster import Cluster
+
 # One process plans while another simulates; more than four would mostly cost memory (0.3 GB each).
 PROCESSES = min(max(os.cpu_count() or 1, 2), 4)
+# Of this machine: beyond that the pool's one thread would be what they wait for. And of a cluster.
+MOST_PROCESSES = 64
+MOST_ON_CLUSTER = 64
+# Of a cluster's processes every other one takes nothing that lasts seconds: who drags notices each
+# tenth, who simulates waits anyway. Figures: docs/page-on-a-cluster.md.
+RESERVED_EVERY = 2
 # How long a cancelled job may go on before its process is ended, s: the rest of the 0.2 s that
 # cancelling may take is for ending it.
 CANCEL_GRACE = 0.15
@@ -52,6 +63,7 @@ class WorkerPool:
 
     Attributes:
         planner: name of the planner.
+        remarked: called with a line when something has happened to the cluster; may take its time.
     """
 
     def __init__(
@@ -61,31 +73,50 @@ class WorkerPool:
         processes: int = PROCESSES,
         cancel_grace: float = CANCEL_GRACE,
         superseded_grace: float = SUPERSEDED_GRACE,
+        cluster: Cluster | None = None,
     ) -> None:
         """Start the first process; the others follow when it has planned something.
 
         Args:
             factory: makes the planner inside a process.
-            processes: how many; with more than one, the last takes nothing that lasts seconds.
+            processes: how many of this machine; with more than one, the last takes nothing that
+                lasts seconds.
             cancel_grace: how long a cancelled job may go on before its process is ended, s.
             superseded_grace: how long a patient plan may go on when its tab wants something newer,
                 before it is asked to stop, s.
+            cluster: whose processes compute too, as many as it offers at the time; closed with
+                the pool.
         """
         self.planner = f"{factory.__module__}.{factory.__qualname__}"
+        self.remarked: Callable[[str], object] = _ignore
         self._cancel_grace = cancel_grace
         self._superseded_grace = superseded_grace
         context = multiprocessing.get_context("spawn")
         self._inbox: Inbox = queue.SimpleQueue()
-        self._workers = tuple(
-            WorkerProcess(context, factory, self._inbox, i + 1, reserved=0 < i == processes - 1)
+        members = [
+            PoolMember(
+                LocalProcess(context, factory, self._inbox, f"llsrbm-computing-{i + 1}"),
+                reserved=0 < i == processes - 1,
+            )
             for i in range(processes)
-        )
+        ]
+        if cluster is not None:
+            members += [
+                PoolMember(process, reserved=(processes + i) % RESERVED_EVERY == 1, remote=True)
+                for i, process in enumerate(
+                    cluster.processes(factory, self._inbox, MOST_ON_CLUSTER)
+                )
+            ]
+        self._cluster = cluster
+        self._workers = tuple(members)
         self._jobs = Jobs(self._workers)
         self._dispatcher = Dispatcher(self._jobs, self._inbox)
         self._thread = threading.Thread(
             target=self._dispatcher.run, name="worker-pool", daemon=True
         )
         self._thread.start()
+        if cluster is not None:
+            cluster.watch(self._wake, self._note)
 
     # ---- called by tabs, from any thread
 
@@ -156,7 +187,9 @@ class WorkerPool:
         if self._thread.is_alive():
             _log.error("the pool's thread does not end; its processes are killed")
             for member in self._workers:
-                member.kill()
+                member.process.kill()
+        if self._cluster is not None:
+            self._cluster.close()
         self._jobs.close()
 
     @property
@@ -172,6 +205,10 @@ class WorkerPool:
     def _wake(self) -> None:
         self._inbox.put(None)
 
+    def _note(self, remark: str) -> None:
+        self._jobs.note("%s", remark)
+        self._jobs.put_aside(lambda: self.remarked(remark))
 
-def _ignore(_report: Report) -> None:
-    """The listener of a tab that has gone."""
+
+def _ignore(_report: Report | str) -> None:
+    """The listener of a tab that has gone, or of a pool without a page."""

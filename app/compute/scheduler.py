@@ -8,7 +8,10 @@
    another tab's simulation.
 4. A job that may have to build something first (a solver, a robot's meshes) runs on one process at
    a time: the others stay free, and nothing is built twice.
-5. At most `MOST_WAITING` jobs wait; beyond that new tabs are refused until the queue is shorter.
+5. A process of another machine takes nothing that is about files of this one: its meshes, a
+   visitor's file, an export, whose packages that machine may lack. It is the first to be given what
+   lasts seconds, and the last for what is short.
+6. At most `MOST_WAITING` jobs wait; beyond that new tabs are refused until the queue is shorter.
 """
 
 from __future__ import annotations
@@ -92,6 +95,7 @@ class Member:
 
     Attributes:
         reserved: takes no job that lasts seconds.
+        remote: on another machine; takes no job that is about files of this one.
         loaded: the solvers in its memory, each with a task that it has solved.
         ready: it has started.
         working_on: its job, if it has one.
@@ -99,6 +103,7 @@ class Member:
     """
 
     reserved: bool
+    remote: bool = False
     loaded: dict[Solver, PlanJump] = field(default_factory=dict)
     ready: bool = False
     working_on: Entry | None = None
@@ -157,8 +162,7 @@ class Scheduler:
         for entry in self._waiting.values():
             if _claim(entry) in running or not self.may_run(entry.job.task, members):
                 continue
-            long = Kind.of(entry.job.task).long
-            able = [m for m in members if m.idle and not (m.reserved and long)]
+            able = [m for m in members if m.idle and _suits(m, entry.job.task)]
             if able:
                 del self._waiting[entry.tab]
                 return entry, min(able, key=lambda m: self._reluctance(m, entry.job.task))
@@ -175,10 +179,17 @@ class Scheduler:
             self.is_new(m.working_on.job.task) for m in members if m.working_on is not None
         )
 
-    def _reluctance(self, member: Member, task: Task) -> tuple[bool, bool]:
-        """Sorts members: with the solver first; then the reserved one, unless it may take long."""
+    def _reluctance(self, member: Member, task: Task) -> tuple[bool, bool, bool]:
+        """Sorts members: with the solver first; then a reserved one, unless it may take long."""
         loaded = _needs(task) in member.loaded
-        return not loaded, member.reserved == (self.is_new(task) or Kind.of(task).long)
+        long = Kind.of(task).long
+        return not loaded, member.reserved == (self.is_new(task) or long), member.remote != long
+
+
+def _suits(member: Member, task: Task) -> bool:
+    """Whether a member may take a task at all, once it has time."""
+    here = isinstance(task, Prepare | OpenFile | ExportMotion)
+    return not (member.reserved and Kind.of(task).long) and not (member.remote and here)
 
 
 def _claim(entry: Entry) -> tuple[Hashable, Kind]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from app.compute.process import WorkerProcess
+from app.compute.member import PoolMember
 from app.compute.protocol import PlanJump, Prepare, Report, Task
 from app.compute.scheduler import Entry, Listener, Scheduler
 
@@ -16,7 +16,7 @@ class Background:
         listener: called with the reports of the first process.
     """
 
-    def __init__(self, members: Sequence[WorkerProcess], turns: Scheduler) -> None:
+    def __init__(self, members: Sequence[PoolMember], turns: Scheduler) -> None:
         """Nothing is to be loaded.
 
         Args:
@@ -41,7 +41,7 @@ class Background:
         """Whether that is no tab's job."""
         return entry is not None and entry.tab is self
 
-    def next(self) -> tuple[WorkerProcess, Task, Listener] | None:
+    def next(self) -> tuple[PoolMember, Task, Listener] | None:
         """A process with time, the task that it can load, and the listener; taken out of `todo`."""
         if any(self.owns(member.working_on) for member in self._members):
             return None
@@ -76,7 +76,7 @@ class Background:
         """Whether the first process is not through yet."""
         return self._done is not None
 
-    def _may_take(self, member: WorkerProcess) -> bool:
+    def _may_take(self, member: PoolMember) -> bool:
         if not member.todo:
             return False
         new = self._turns.is_new(member.todo[0])

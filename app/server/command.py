@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from contextlib import closing
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -12,6 +13,7 @@ from llsrbm.errors import InputError
 from llsrbm.jump import Jump
 
 if TYPE_CHECKING:
+    from app.compute.cluster import Cluster
     from app.compute.opened_file import OpenedFile
 
 
@@ -42,19 +44,50 @@ def serve(
     fps: Annotated[
         float | None, typer.Option(help="Frames per second of such a file, if it does not say.")
     ] = None,
+    workers: Annotated[
+        int | None,
+        typer.Option(
+            help="Computing processes of this machine, some 0.3 GB each; by default as many as it "
+            "has cores, from 2 to 4."
+        ),
+    ] = None,
+    scheduler: Annotated[
+        str | None,
+        typer.Option(
+            metavar="ADDRESS",
+            help="Of a dask cluster whose workers compute too, for example tcp://127.0.0.1:8786.",
+        ),
+    ] = None,
 ) -> None:
     """Serve the designer, a page where jumps are planned and looked at, until Ctrl-C."""
-    file = None if open_ is None else _opened(open_, robot, fps)
+    from app.compute.pool import MOST_PROCESSES, PROCESSES, WorkerPool
 
-    from app.compute.pool import WorkerPool
+    if workers is not None and not 1 <= workers <= MOST_PROCESSES:
+        raise InputError(f"--workers: expected 1 to {MOST_PROCESSES}, got {workers}")
+    file = None if open_ is None else _opened(open_, robot, fps)
+    cluster = None if scheduler is None else _cluster(scheduler)
 
     # Its first process imports CasADi and loads a solver while this one imports the page.
-    with closing(WorkerPool()) as pool:
+    with closing(WorkerPool(processes=workers or PROCESSES, cluster=cluster)) as pool:
         from app.server.server import serve as serve_designer
 
         serve_designer(
             host, port, allowed_hosts=allow_host or (), token=token, pool=pool, file=file
         )
+
+
+def _cluster(address: str) -> Cluster:
+    """The cluster at this address, announced on the terminal.
+
+    Raises:
+        InputError: nothing answers there.
+    """
+    from app.compute.cluster import Cluster  # dask takes most of a second to import
+
+    cluster = Cluster(address)
+    processes = "1 process" if cluster.room == 1 else f"{cluster.room} processes"
+    print(f"cluster at {address}: room for {processes}", file=sys.stderr, flush=True)
+    return cluster
 
 
 def _opened(path: Path, robot: str, fps: float | None) -> OpenedFile:

@@ -282,6 +282,17 @@ class Rested:
     number: int
 
 
+@dataclass(frozen=True)
+class Remarked:
+    """Something has happened to what computes, of which every tab should know.
+
+    Attributes:
+        remark: in a sentence.
+    """
+
+    remark: str
+
+
 @dataclass(frozen=True, eq=False)
 class Opened:
     """The tab begins.
@@ -332,6 +343,7 @@ Event = (
     | RobotLoaded
     | RobotMissing
     | Rested
+    | Remarked
     | Opened
     | PageReady
     | PlayerMoved

@@ -33,6 +33,7 @@ from app.session.events import (
     Opened,
     PlotsChosen,
     PushDragged,
+    Remarked,
     RobotLoaded,
     TargetDragged,
 )
@@ -136,6 +137,10 @@ class Session:
     def close(self) -> None:
         """The tab has gone, or the server ends; returns at once."""
         self._inbox.put(End.END)
+
+    def remark(self, remark: str) -> None:
+        """Note on the page what has happened to the server; returns at once."""
+        self._inbox.put(Remarked(remark))
 
     def join(self, limit: float) -> bool:
         """Wait for the thread's end, s at most; whether it has ended."""

@@ -30,6 +30,7 @@ from app.session.events import (
     PlotsChosen,
     PushDragged,
     RedoWanted,
+    Remarked,
     Reported,
     Rested,
     RobotLoaded,
@@ -127,6 +128,8 @@ def _update_beside(state: TabState, event: Event) -> Step:
             return _unpin(state), ()
         case TakeUpWanted():
             return _take_up(state)
+        case Remarked(remark):
+            return state, (Notify("The server", remark),)
         case ViewChosen(layers, night):
             return replace(state, view=replace(state.view, layers=layers, night=night)), ()
         case PlotsChosen(choice):

@@ -11,7 +11,7 @@ from contextlib import closing
 
 import pytest
 
-from app.compute import jobs, process, scheduler
+from app.compute import jobs, member, process, scheduler
 from app.compute import pool as pool_module
 from app.compute.dispatcher import BROKEN, DEFECT
 from app.compute.pool import BUSY, CLOSED, WorkerPool
@@ -232,7 +232,7 @@ def test_a_process_that_never_gets_ready_counts_as_one_that_does_not_start(monke
 
 
 def test_a_job_without_a_sign_of_life_is_given_up(monkeypatch):
-    for module in (process, jobs):
+    for module in (member, jobs):
         monkeypatch.setattr(module, "SILENCE", 0.5)
     with closing(WorkerPool(SyntheticPlanner, processes=1)) as pool:
         tab = Tab(pool)

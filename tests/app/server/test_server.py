@@ -179,6 +179,25 @@ def test_a_bad_token_is_one_line_and_nothing_is_served(capfd):
     assert "--token: expected 16 to 256 letters, digits, '-' or '_', or 'none'" in err
 
 
+@pytest.mark.parametrize(
+    ("arguments", "line"),
+    [
+        (["--workers", "0"], "--workers: expected 1 to 64, got 0"),
+        (["--workers", "65"], "--workers: expected 1 to 64, got 65"),
+        (["--scheduler", "tcp://127.0.0.1:1"], "--scheduler: 'tcp://127.0.0.1:1': "),
+        (["--scheduler", "nonsense"], "--scheduler: 'nonsense': "),
+    ],
+)
+def test_processes_that_cannot_be_are_one_line_and_nothing_is_served(
+    arguments, line, capfd, monkeypatch
+):
+    monkeypatch.setattr("app.compute.cluster.CONNECT_PATIENCE", 1.0)
+    assert cli.main(["serve", "--port", "0", *arguments]) == 2
+    out, err = capfd.readouterr()
+    assert (out, err.count("\n")) == ("", 1)
+    assert line in err
+
+
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_it_serves_says_where_and_ends_cleanly(tmp_path, number):
     program = tmp_path / "program.py"

@@ -37,7 +37,7 @@ from app.motion.colours import PINNED
 from app.panel.export_controls import Choice
 from app.plots.choice import PRESETS
 from app.session import events
-from app.session.effects import After, Effect, LoadRobot, Share, Stop, Submit
+from app.session.effects import After, Effect, LoadRobot, Notify, Share, Stop, Submit
 from app.session.opening import first_state, left, resume
 from app.session.state import TabState
 from app.session.update import update
@@ -63,6 +63,7 @@ from tests.app.pure_tab import ROBOTS, plan_of, planned_tab, rollout_of
         (PlaybackChosen(0.25, loop=False), {"playback"}),
         (PageReady(software=False), {"page", "view"}),
         (events.ShareWanted(), set()),
+        (events.Remarked("The cluster is back."), set()),
         (events.SaveWanted(), set()),
         (events.StopExportWanted(), set()),
         (events.UnpinWanted(), {"pins", "pin_chosen"}),
@@ -92,6 +93,12 @@ def test_a_graphics_processor_draws_all_triangles():
 def test_a_design_is_shared_as_it_is():
     state = planned_tab().state
     assert update(state, events.ShareWanted())[1] == (Share(state.design),)
+
+
+def test_a_remark_on_the_server_becomes_a_note():
+    line = "The cluster is lost."
+    effects = update(planned_tab().state, events.Remarked(line))[1]
+    assert effects == (Notify("The server", line),)
 
 
 # ---- any events in any order
