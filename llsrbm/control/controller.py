@@ -13,7 +13,7 @@ from llsrbm.control.detection import CentroidalState, make_detector, model_uncer
 from llsrbm.control.foot_force import FootForces
 from llsrbm.control.inverse_dynamics import Command, InverseDynamics
 from llsrbm.control.measurement import Measurement
-from llsrbm.control.reference import Reference, Target
+from llsrbm.control.reference import Reference, Target, UnderWay
 from llsrbm.control.whole_body import WholeBody
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Mode
@@ -100,9 +100,9 @@ class WholeBodyController:
         """Flights that have begun, in order, each with when its touchdown was detected."""
         return self.contacts.flights
 
-    def reference_of(self, plan: Plan, from_time: float | None = None) -> Reference:
-        """A plan as it can be followed, from a time on its own clock; None: from its start."""
-        return Reference(plan, self._robot.mass * _GRAVITY, from_time)
+    def reference_of(self, plan: Plan, start: UnderWay | None = None) -> Reference:
+        """A plan as it can be followed, from where it begins under way; None: from its start."""
+        return Reference(plan, self._robot.mass * _GRAVITY, start)
 
     def target(self, time: float) -> Target:
         """What is to be tracked at a time, s since the first plan's start."""

@@ -54,6 +54,23 @@ class Target:
     joint_velocity: Array
 
 
+@dataclass(frozen=True, eq=False)
+class UnderWay:
+    """Where a plan that was made under way begins: at one of its knots.
+
+    What comes before that knot is another plan's, and no line is drawn from there.
+
+    Attributes:
+        time: s on the plan's clock.
+        foot_velocity_from_com: (L, 3) m/s, world axes.
+        foot_yaw_rate: (L,) rad/s.
+    """
+
+    time: float
+    foot_velocity_from_com: Array
+    foot_yaw_rate: Array
+
+
 class Reference:
     """The plan at any time; before its start and after its end it stands still.
 
@@ -63,22 +80,24 @@ class Reference:
         plan: what is followed.
     """
 
-    def __init__(self, plan: Plan, weight: float, from_time: float | None = None) -> None:
+    def __init__(self, plan: Plan, weight: float, start: UnderWay | None = None) -> None:
         """Sample the plan.
 
         Args:
             plan: what to follow.
             weight: of the robot, N, carried by all contacts alike after the end.
-            from_time: s since its start, from which it is followed, for a while perhaps: only what
-                comes next is sampled, more as it is asked for; None: all of it at once.
+            start: from where it is followed, for a while perhaps: only what comes next is sampled,
+                more as it is asked for; None: all of it at once.
         """
         self.plan = plan
         self._weight = weight
+        self._start = start
+        self._first = 0 if start is None else int(np.searchsorted(plan.time, start.time - 1e-9))
         self._samples = len(np.arange(0.0, plan.duration + braking_time(plan) + 2 * _STEP, _STEP))
         self._targets: dict[int, Target] = {}
         self._late: dict[int, Target] = {}
-        self._ahead = self._samples if from_time is None else _AHEAD
-        self.at(from_time or 0.0)
+        self._ahead = self._samples if start is None else _AHEAD
+        self.at(0.0 if start is None else start.time)
 
     def at(self, time: float) -> Target:
         """The plan's nearest sample to a time, s since its start."""
@@ -105,11 +124,11 @@ class Reference:
 
     def _sample(self, first: int, end: int) -> None:
         """Keep the samples from one to before another."""
-        plan, weight = self.plan, self._weight
+        plan, weight, knot = self.plan, self._weight, self._first
         times = np.arange(first, end) * _STEP + plan.time[0]
         motion = resample(plan, times)
-        omega, omega_rate = _angular_velocity(plan, times)
-        foot, heading = _swing(plan, times)
+        omega, omega_rate = _angular_velocity(plan, times, knot)
+        foot, heading = _swing(plan, times, knot, self._start)
         moving = times[:, None] < plan.time[-1]
         standing = np.zeros(plan.contact_force.shape[1:])
         standing[:, 2] = weight / len(standing)
@@ -118,16 +137,16 @@ class Reference:
             "com": motion.com,
             "com_velocity": motion.com_velocity * moving,
             "com_acceleration": _without_steps(
-                plan, times, np.diff(plan.com_velocity, axis=0) / dt
+                plan, times, np.diff(plan.com_velocity, axis=0) / dt, knot
             ),
             "R_world_base": Rotation.from_quat(motion.base_quat, scalar_first=True).as_matrix(),
             "angular_velocity": omega * moving,
             "angular_acceleration": omega_rate * moving,
             "angular_momentum": motion.angular_momentum * moving,
             "angular_momentum_rate": _without_steps(
-                plan, times, np.diff(plan.angular_momentum, axis=0) / dt
+                plan, times, np.diff(plan.angular_momentum, axis=0) / dt, knot
             ),
-            "contact_force": _without_steps(plan, times, plan.contact_force[:-1] - standing)
+            "contact_force": _without_steps(plan, times, plan.contact_force[:-1] - standing, knot)
             + standing,
             "foot_from_com": foot[0],
             "foot_velocity_from_com": foot[1],
@@ -172,17 +191,20 @@ def _brake(plan: Plan, times: Array, columns: dict[str, Array], weight: float) -
     columns["angular_momentum_rate"][now] = -plan.angular_momentum[-1] / BRAKING
 
 
-def _without_steps(plan: Plan, times: Array, values: Array) -> Array:
+def _without_steps(plan: Plan, times: Array, values: Array, knot: int) -> Array:
     """Values (N, ...) that are constant over each of the plan's intervals, at K times, (K, ...).
 
-    Straight between the middles of intervals of one phase, so that torques have no steps, and zero
-    from the plan's end on. Only phases begin and end with steps.
+    Straight between the middles of intervals of one phase from a knot on, so that torques have no
+    steps, and zero from the plan's end on. Only phases begin and end with steps.
     """
+    begun = np.arange(len(plan.time) - 1) >= knot
     middle = (plan.time[1:] + plan.time[:-1]) / 2
     smooth = np.zeros((len(times), *values.shape[1:]))
     last = len(plan.schedule) - 1
     for phase in range(len(plan.schedule)):
-        inside = plan.phase[:-1] == phase
+        inside = (plan.phase[:-1] == phase) & begun
+        if not inside.any():
+            continue
         start, end = plan.phase_start[phase], plan.phase_start[phase + 1]
         now = (times >= start) & (times < end)
         at, value = middle[inside], values[inside]
@@ -197,25 +219,29 @@ def _without_steps(plan: Plan, times: Array, values: Array) -> Array:
     return smooth
 
 
-def _angular_velocity(plan: Plan, times: Array) -> tuple[Array, Array]:
+def _angular_velocity(plan: Plan, times: Array, knot: int) -> tuple[Array, Array]:
     """The base's angular velocity and acceleration, (K, 3), from the turns between knots.
 
     Straight between the middles of intervals of one phase, held from the last middle to the phase's
     edge: a line across lift-off would ask ground forces for the flight's rotation before the feet
-    have left, at the price of angular momentum. Where the plan starts or ends at rest, so does it.
+    have left, at the price of angular momentum. Where the plan starts or ends at rest, so does it,
+    and at a knot at which it begins under way it is what the plan says.
     """
     attitude = Rotation.from_quat(plan.base_quat, scalar_first=True)
     dt = np.diff(plan.time)
     turn = (attitude[1:] * attitude[:-1].inv()).as_rotvec() / dt[:, None]
     middle = (plan.time[1:] + plan.time[:-1]) / 2
     omega, rate = np.zeros((2, len(times), 3))
-    first = plan.angular_velocity[0] if plan.jump.speed else np.zeros(3)
+    first = plan.angular_velocity[knot] if plan.jump.speed or knot else np.zeros(3)
+    begun = np.arange(len(dt)) >= knot
     final = plan.angular_velocity[-1] if plan.jump.end_speed else np.zeros(3)
     for phase in range(len(plan.schedule)):
-        inside = plan.phase[:-1] == phase
+        inside = (plan.phase[:-1] == phase) & begun
+        if not inside.any():
+            continue
         at, value = middle[inside], turn[inside]
-        if phase == 0:
-            at, value = np.append(plan.time[0], at), np.vstack([first, value])
+        if phase == plan.phase[knot]:
+            at, value = np.append(plan.time[knot], at), np.vstack([first, value])
         if phase == len(plan.schedule) - 1:
             at, value = np.append(at, plan.time[-1]), np.vstack([value, final])
         now = (times >= plan.phase_start[phase]) & (times < plan.phase_start[phase + 1])
@@ -230,11 +256,14 @@ def _angular_velocity(plan: Plan, times: Array) -> tuple[Array, Array]:
     return omega, rate
 
 
-def _swing(plan: Plan, times: Array) -> tuple[tuple[Array, Array, Array], Array]:
+def _swing(
+    plan: Plan, times: Array, knot: int, start: UnderWay | None
+) -> tuple[tuple[Array, Array, Array], Array]:
     """Feet that swing: position relative to the CoM and two derivatives, (K, L, 3) each; headings.
 
     Cubic splines through the knots of each swing, from which feet leave and at which they meet the
-    ground at rest. Outside of its swings the nearest end of one is held of a foot.
+    ground at rest; from `knot` on of a swing that is under way there, as fast as its foot is.
+    Outside of its swings the nearest end of one is held of a foot.
     """
     legs = plan.foot_position.shape[1]
     motion = np.zeros((3, len(times), legs, 3))
@@ -244,12 +273,16 @@ def _swing(plan: Plan, times: Array) -> tuple[tuple[Array, Array, Array], Array]
         between = (ends[:-1, 1] + ends[1:, 0]) / 2
         nearest = np.searchsorted(between, times, side="right")
         for k, (first, last) in enumerate(swings):
+            rates = [np.tile(-plan.com_velocity[j], (len(feet), 1)) for j in (first, last)]
+            turns = np.zeros((2, len(feet)))
+            if start is not None and first < knot < last:
+                first = knot
+                rates[0], turns[0] = start.foot_velocity_from_com[feet], start.foot_yaw_rate[feet]
             knots, now = slice(first, last + 1), np.flatnonzero(nearest == k)
             relative = plan.foot_position[knots, feet] - plan.com[knots, None]
-            rest = tuple((1, np.tile(-plan.com_velocity[j], (len(feet), 1))) for j in (first, last))
-            place = CubicSpline(plan.time[knots], relative, bc_type=rest)
+            place = CubicSpline(plan.time[knots], relative, bc_type=tuple((1, r) for r in rates))
             headings = np.stack([yaw(plan.foot_quat[knots, i]) for i in feet], axis=1)
-            turn = CubicSpline(plan.time[knots], headings, bc_type="clamped")
+            turn = CubicSpline(plan.time[knots], headings, bc_type=tuple((1, r) for r in turns))
             inside = np.clip(times[now], plan.time[first], plan.time[last])
             moving = (inside == times[now])[:, None]
             rows, columns = now[:, None], np.array(feet)

@@ -56,7 +56,7 @@ SHORTEST = 0.02  # s that what is left of a phase may be shortened to
 SAME_TIME = 2e-3  # s; a knot of the plan that is nearer to the state's time is left out
 LONGER = 0.3  # s by which a phase may outlast its limit: a push upwards is longer in the air
 # From the sampled plan, which is near a solution where nothing has happened.
-FIRST = solvers.Patience(mu=1e-3, iterations=25, tolerance=1e-3, push=0.05, acceptable=(5e-3, 4))
+FIRST = solvers.Patience(mu=1e-4, iterations=25, tolerance=1e-3, push=0.02, acceptable=(5e-3, 4))
 # Rows of an answer may be off by this much, in their units of about 1: a millimetre, a per mille of
 # the weight. The next answer comes 20 ms later.
 GOOD_ENOUGH = 2e-3
@@ -66,7 +66,7 @@ NEAR = 4.0
 # A guess that violates rows by more is of a robot that has fallen, or soon will have: guesses after
 # pushes that are recovered from violate them by 1 to 3, and Fatrop may not come back from far away.
 LOST = 8.0
-PUSHED = 0.08  # m/s off the plan; by itself the CoM is off by half of it at most
+FRESH = 0.12  # s; the last solution is a start for so long, also right after a push
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,7 +107,9 @@ class Replanner:
         task = make_task(jump, self._robot, plan.tuning.weights, plan.tuning.limits)
         self._task = in_need(task)
         self.in_flight = not task.clears
-        self._last: dict[Layout, Iterate] = {}
+        self._last: dict[
+            Layout, tuple[float, Iterate]
+        ] = {}  # and when that was, on the plan's clock
 
     def prepare(self, phase: int) -> None:
         """Load the solver of what remains in a phase, or build it, and solve it as planned.
@@ -130,9 +132,7 @@ class Replanner:
         formulation = self._formulation(task.schedule)
         layout, solver = formulation.layout, formulation.solver
         problem = formulation.problem(task)
-        last = self._last.pop(layout, None)
-        if self._was_pushed(state):
-            last = None
+        asked, last = self._last.pop(layout, (-np.inf, None))
         solution: Solution | None = None
         iterations, seconds = 0, 0.0
         for start in ("last", "sampled"):
@@ -141,21 +141,16 @@ class Replanner:
                 if solver.miss(problem, guess) > LOST:
                     break
                 solution = solver.solve(problem, guess, patience=FIRST)
-            elif last is not None:
+            elif last is not None and state.time - asked < FRESH:
                 solution = solver.follow(problem, last, too_far=NEAR)
             if solution is None:
                 continue
             iterations += solution.iterations
             seconds += solution.solve_time_s
             if self._good(formulation, problem, solution):
-                self._last[layout] = solution
+                self._last[layout] = (state.time, solution)
                 return layout, solution, iterations, seconds
         return layout, None, iterations, seconds
-
-    def _was_pushed(self, state: State) -> bool:
-        """Whether the CoM moves otherwise than planned: solutions nearby are of another fall."""
-        planned = interpolated(self.plan.time, self.plan.com_velocity, state.time)
-        return float(np.linalg.norm(state.com_velocity - planned)) > PUSHED
 
     @staticmethod
     def _good(formulation: Formulation, problem: Problem, solution: Solution) -> bool:

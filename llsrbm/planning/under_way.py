@@ -15,7 +15,7 @@ Array = NDArray[np.float64]
 
 # Shares of the drives, and factors of the robot file's reach, see `in_need`.
 NEED_TORQUE, NEED_SPEED = 0.95, 1.0
-NEED_BOX, NEED_LENGTH, NEED_STANDING = 1.15, 1.03, 0.7
+NEED_BOX, NEED_LENGTH, NEED_STANDING = 1.4, 1.03, 0.7
 
 
 @dataclass(frozen=True, eq=False)

@@ -17,7 +17,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from llsrbm.control.reference import Reference
+from llsrbm.control.reference import Reference, UnderWay
 from llsrbm.control.whole_body import WholeBody
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.replan import Replan
@@ -34,6 +34,7 @@ LATENCY = 0.02  # s from a measurement until its answer is followed, at least
 # s that are left of a flight, or of the last stance, in which the last plan is as good as new ones.
 LEAST_FLIGHT = 0.03
 LEAST_STANCE = 0.10
+FOLLOWS = 0.06  # m from its target: a foot that is nearer is where it is wanted
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,7 +102,10 @@ class Replanning(Hook):
         answer = self._replanner.replan(state)
         reference = None
         if answer.plan is not None:
-            reference = controller.reference_of(answer.plan, from_time=state.time)
+            start = UnderWay(
+                state.time, state.foot_velocity - state.com_velocity, state.foot_yaw_rate
+            )
+            reference = controller.reference_of(answer.plan, start)
         computing = time.thread_time() - began
         offset = asked + LATENCY - state.time  # from the plan's clock to that of the simulation
         situation.replans.append(_record(asked, computing, answer, state, offset))
@@ -135,9 +139,14 @@ class Replanning(Hook):
         x, y, z, w = pin.Quaternion(R).coeffs()
         yaw = np.arctan2(body.R_world_foot[:, 1, 0], body.R_world_foot[:, 0, 0])
         if contacts.flying:
-            from_com = body.foot_velocity - body.com_velocity
-            foot = com + body.foot - body.com + LATENCY * from_com
-            foot_velocity = velocity + from_com
+            rate = body.foot_velocity - body.com_velocity
+            from_com = body.foot - body.com + LATENCY * rate
+            # Feet that follow their targets go on from there: from where they are, how far they lag
+            # behind would be forgotten each time, and they would never catch up.
+            follows = np.linalg.norm(target.foot_from_com - from_com, axis=1) < FOLLOWS
+            from_com[follows] = target.foot_from_com[follows]
+            rate[follows] = target.foot_velocity_from_com[follows]
+            foot, foot_velocity = com + from_com, velocity + rate
             yaw_rate = np.array(body.foot_angular_velocity[:, 2])
             yaw = yaw + LATENCY * yaw_rate
         else:

@@ -128,5 +128,5 @@ def test_where_nothing_is_found_the_old_plan_goes_on(takes, monkeypatch):
 def test_another_reference_is_followed_from_the_next_step_on():
     controller = WholeBodyController(ROBOT, plan(), Scenario())
     moved = plan().com + np.array([0.1, 0.0, 0.0])
-    controller.set_reference(controller.reference_of(replace(plan(), com=moved), from_time=0.2))
+    controller.set_reference(controller.reference_of(replace(plan(), com=moved)))
     assert controller.target(0.2).com[0] == pytest.approx(plan().com[0, 0] + 0.1, abs=0.05)
