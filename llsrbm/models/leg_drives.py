@@ -40,9 +40,9 @@ _ALIGNED = 0.02
 # Shares of a leg's length below which the closed forms are bent away from their singularities, the
 # straight leg, the foot at the abduction axis and the foot at the hip; all are out of any sensible
 # reach. Where rows grow a thousandfold Fatrop may look for a direction for ever.
-_NEARLY_STRAIGHT = 0.02
-_AT_THE_AXIS = 0.05
-_AT_THE_HIP = 0.02
+_NEARLY_STRAIGHT = 0.1
+_AT_THE_AXIS = 0.08
+_AT_THE_HIP = 0.08
 _REST = 0.25  # half of the share of a floor that is left far below it
 _SAMPLES, _SEED = 800, 0
 
@@ -273,7 +273,7 @@ class _Plane(NamedTuple):
 
 def _at_least(value: Matrix, floor: float) -> Matrix:
     """`value`, bent smoothly towards a share of `floor` that it never falls below."""
-    root = ca.sqrt(value**2 + floor**2)
+    root = ca.sqrt(ca.sqrt((value**2) ** 2 + floor**4))
     return (value + root) / 2 + _REST * floor * (1 - value / root)
 
 

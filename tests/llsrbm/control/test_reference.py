@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from llsrbm.control.reference import BRAKING, Reference, com_at_rest
+from llsrbm.control.reference import BRAKING, Reference, UnderWay, com_at_rest
 from llsrbm.schedule import Phase
 from tests.llsrbm.schedules import in_a_row, with_schedule
 from tests.llsrbm.synthetic import quat_about_z, synthetic_plan
@@ -190,3 +190,28 @@ def test_a_speed_at_the_end_is_braked_evenly(plan):
     np.testing.assert_allclose(rest.com - plan.com[-1], [0.2 * BRAKING, 0, 0], atol=1e-9)
     assert not rest.com_velocity.any()
     assert not rest.com_acceleration.any()
+
+
+def test_no_line_is_drawn_from_another_plan(plan):
+    """Of a plan made under way: what is before its first knot was measured otherwise."""
+    k = int(np.argmax(plan.phase == 1)) + 3
+    before = np.arange(len(plan.time)) < k
+    jump = 0.05 * before[:, None]
+    spliced = replace(
+        plan,
+        com_velocity=plan.com_velocity + jump,
+        angular_momentum=plan.angular_momentum + jump,
+        foot_position=plan.foot_position + jump[:, None],
+        base_quat=np.where(before[:, None], plan.base_quat[:1], plan.base_quat),
+    )
+    legs = plan.foot_position.shape[1]
+    velocity = np.tile([0.3, -0.2, 0.1], (legs, 1))
+    target = Reference(spliced, WEIGHT, UnderWay(plan.time[k], velocity, np.zeros(legs))).at(
+        plan.time[k] + 1e-9
+    )
+    dt = plan.time[k + 1] - plan.time[k]
+    ahead = np.diff(plan.com_velocity[k : k + 2], axis=0)[0] / dt
+    np.testing.assert_allclose(target.com_acceleration, ahead, atol=1e-6)
+    np.testing.assert_allclose(target.foot_velocity_from_com, velocity, atol=0.05)
+    np.testing.assert_allclose(target.foot_from_com, plan.foot_position[k] - plan.com[k], atol=5e-4)
+    np.testing.assert_allclose(target.angular_velocity, plan.angular_velocity[k], atol=0.05)

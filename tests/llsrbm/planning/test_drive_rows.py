@@ -5,6 +5,7 @@ from functools import cache
 import numpy as np
 import pytest
 
+from llsrbm.planning.constraints.drives import FAR_BEYOND
 from tests.llsrbm.planning.solved import (
     REQUESTS,
     TYPES,
@@ -17,6 +18,12 @@ from tests.llsrbm.planning.solved import (
 ANYMALS = [("llsrbm-plus", request, "anymal") for request in (*REQUESTS, *TYPES)]
 BOX = ("llsrbm-plus", "box", "slider")
 every_plan = pytest.mark.parametrize("which", [*ANYMALS, BOX], ids=lambda w: f"{w[2]}-{w[1]}")
+
+
+def shares(rows):
+    """What the rows say, without what they leave out of large shares."""
+    square = rows**4 / FAR_BEYOND**2
+    return np.sign(rows) * np.sqrt((square + np.sqrt(square**2 + 4 * rows**4)) / 2)
 
 
 @cache
@@ -42,19 +49,19 @@ def rows_and_loads(which):
     legs, joints = columns.shape
     for k in range(1, layout.knots - 1):
         role = layout.roles[k]
-        here = rows[k]["joint_torque"].reshape(-1, joints)
+        here = shares(rows[k]["joint_torque"]).reshape(-1, joints)
         mean = here[:legs].copy()
         for leg in role.swinging:
             if leg in role.settling:
                 after = here[legs + role.settling.index(leg)]
             else:
-                after = rows[k + 1]["joint_torque"].reshape(-1, joints)[leg]
+                after = shares(rows[k + 1]["joint_torque"]).reshape(-1, joints)[leg]
             mean[leg] = (mean[leg] + after) / 2
         torque.append(of_joints(mean.ravel()))
         if "joint_speed" in rows[k]:
-            speed[k] = of_joints(rows[k]["joint_speed"])
-    shares = loads.joint_torque / robot.torque_limit, loads.joint_velocity / robot.speed_limit
-    return np.array(torque), speed, shares[0][1:], shares[1]
+            speed[k] = of_joints(shares(rows[k]["joint_speed"]))
+    needed = loads.joint_torque / robot.torque_limit, loads.joint_velocity / robot.speed_limit
+    return np.array(torque), speed, needed[0][1:], needed[1]
 
 
 @every_plan

@@ -171,3 +171,16 @@ def test_a_flight_may_last_longer_than_a_jump_may_be_planned():
     new = found(at)
     longer = new.touchdown - plan().touchdown
     assert 0.1 < longer < LONGER + 0.3
+
+
+@pytest.mark.parametrize("phase", [FLIGHT, LANDING])
+def test_robots_that_fall_are_answered_too(phase):
+    """Fatrop once looked for a direction for ever where legs had to be straight."""
+    rng = np.random.default_rng(phase)
+    replanner = Replanner(plan(), ROBOT)
+    start, end = plan().phase_start[phase : phase + 2]
+    for _ in range(12):
+        velocity, momentum = rng.uniform(-1.5, 1.5, 3), rng.uniform(-8.0, 8.0, 3)
+        time = rng.uniform(start, end - 0.08)
+        answer = replanner.replan(state(time, phase, velocity=velocity, momentum=momentum))
+        assert answer.solve_time_s < 5.0
