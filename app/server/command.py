@@ -42,18 +42,31 @@ def serve(
     fps: Annotated[
         float | None, typer.Option(help="Frames per second of such a file, if it does not say.")
     ] = None,
+    atlas: Annotated[
+        list[Path] | None,
+        typer.Option(metavar="DIR", help="A sweep for the page's atlas; repeatable."),
+    ] = None,
 ) -> None:
     """Serve the designer, a page where jumps are planned and looked at, until Ctrl-C."""
     file = None if open_ is None else _opened(open_, robot, fps)
 
     from app.compute.pool import WorkerPool
+    from app.session.atlases import Atlases
+
+    atlases = Atlases(atlas or ())
 
     # Its first process imports CasADi and loads a solver while this one imports the page.
     with closing(WorkerPool()) as pool:
         from app.server.server import serve as serve_designer
 
         serve_designer(
-            host, port, allowed_hosts=allow_host or (), token=token, pool=pool, file=file
+            host,
+            port,
+            allowed_hosts=allow_host or (),
+            token=token,
+            pool=pool,
+            file=file,
+            atlases=atlases,
         )
 
 

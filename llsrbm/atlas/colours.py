@@ -19,11 +19,11 @@ from llsrbm.palette import Rgb
 Array = NDArray[np.float64]
 
 SCALE: tuple[Rgb, ...] = (
-    (247, 209, 61),
-    (122, 191, 90),
-    (38, 148, 140),
-    (46, 96, 139),
-    (66, 30, 104),
+    (250, 241, 205),
+    (170, 214, 184),
+    (76, 166, 178),
+    (42, 104, 156),
+    (36, 48, 104),
 )
 """From the lowest to the highest value: lightness falls evenly, so that grey tells it, too."""
 
@@ -70,10 +70,16 @@ class Colour(ABC):
     def of(self, jumps: Jumps) -> Array:
         """(J,) SI; NaN of a jump that has none."""
 
-    def together(self, values: Array) -> float:
-        """(K,) of several jumps in one; NaN if none has one."""
-        known = values[np.isfinite(values)]
-        return float(known.mean()) if len(known) else float("nan")
+    def together(self, values: Array, cell: NDArray[np.int64], cells: int) -> Array:
+        """(C,) one value a cell, of its jumps that have one; NaN where none has.
+
+        Args:
+            values: (K,) of jumps; cell: (K,) in which they are; cells: how many there are.
+        """
+        known = np.isfinite(values)
+        count = np.bincount(cell[known], minlength=cells)
+        total = np.bincount(cell[known], values[known], minlength=cells)
+        return np.where(count > 0, total / np.maximum(count, 1), np.nan)
 
 
 class Plannable(Colour):
@@ -120,9 +126,11 @@ class StoppedBy(Colour):
     def of(self, jumps: Jumps) -> Array:  # noqa: D102
         return jumps.stop.astype(float)
 
-    def together(self, values: Array) -> float:  # noqa: D102
-        found, counts = np.unique(values, return_counts=True)
-        return float(found[counts.argmax()]) if len(found) else float("nan")
+    def together(self, values: Array, cell: NDArray[np.int64], cells: int) -> Array:  # noqa: D102
+        stops = int(values.max(initial=0)) + 1
+        counts = np.bincount(cell * stops + values.astype(np.int64), minlength=cells * stops)
+        table = counts.reshape(cells, stops)
+        return np.where(table.any(axis=1), table.argmax(axis=1), np.nan)
 
 
 COLOURS: Mapping[str, Colour] = {

@@ -11,11 +11,12 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from llsrbm.atlas.colours import Colour, of_share, of_stop
+from llsrbm.atlas.colours import COLOURS, Colour, of_share, of_stop
 from llsrbm.atlas.jumps import Axis, Jumps
 from llsrbm.palette import Rgb
 
@@ -29,6 +30,7 @@ BORDER = 0.5
 """Share of plannable jumps on the border of what can be done."""
 
 _MOST_CELLS = 60  # along an axis: a cell is some pixels wide
+_LEAST = 1e-3  # of jumps that are as near to the design, the one in the middle of a cell
 _A_CELL = 3  # jumps, of a drawn sweep, in a cell on average
 
 
@@ -61,9 +63,7 @@ class Map:
         x, y: axes; colour: what is shown; projection: one of `PROJECTIONS`.
         jump: place in `jumps` of the jump that a cell opens, -1 where there is none.
         count: jumps of a cell.
-        value: what is shown, SI; NaN where no jump of the cell has one.
-        plannable: share of plannable jumps; NaN where there is none.
-        border: (K, 2) SI, lines at which half of the jumps are plannable.
+        members: (K,) places in `jumps` of what is shown; cell: (K,) in which of all cells.
     """
 
     jumps: Jumps
@@ -73,9 +73,30 @@ class Map:
     projection: str
     jump: NDArray[np.int64]
     count: NDArray[np.int64]
-    value: Array
-    plannable: Array
-    border: tuple[Array, ...]
+    members: NDArray[np.int64]
+    cell: NDArray[np.int64]
+
+    def of(self, colour: Colour) -> Array:
+        """What a colour says of each cell, SI; NaN where no jump has a value."""
+        values = colour.of(self.jumps)[self.members]
+        return colour.together(values, self.cell, self.jump.size).reshape(self.jump.shape)
+
+    @cached_property
+    def value(self) -> Array:
+        """What is shown, SI; NaN where no jump of the cell has a value."""
+        return self.of(self.colour)
+
+    @cached_property
+    def border(self) -> tuple[Array, ...]:
+        """(K, 2) SI, lines at which half of the jumps are plannable; empty cells are left out."""
+        x, y = self.x.centres, self.y.centres
+        if len(x) < 2 or len(y) < 2:
+            return ()
+        from contourpy import contour_generator
+
+        share = np.ma.masked_invalid(self.of(COLOURS["plannable"]))
+        lines = contour_generator(x, y, share).lines(BORDER)
+        return tuple(np.asarray(line, dtype=float) for line in lines)
 
     @property
     def ends(self) -> tuple[float, float]:
@@ -135,22 +156,15 @@ def map_of(
     across, up = (s.cells(jumps.asked[s.axis.name]) for s in scales)
     shape = len(scales[1].centres), len(scales[0].centres)
     away = _away(jumps, (x.name, y.name), design or {})
-    away += 1e-3 * _off_centre(jumps, scales, (across, up))  # among equals the one in the middle
+    away += _LEAST * _off_centre(jumps, scales, (across, up))
     cell = up * shape[1] + across
-    jump = np.full(shape, -1, dtype=np.int64)
-    count = np.zeros(shape, dtype=np.int64)
-    value, plannable = np.full(shape, np.nan), np.full(shape, np.nan)
-    values = colour.of(jumps)
     order = np.lexsort((away, cell))  # cell by cell, the nearest of each first
-    firsts = np.flatnonzero(np.diff(cell[order], prepend=-1))
-    for members in np.split(order, firsts[1:]) if len(order) else ():
-        place = divmod(int(cell[members[0]]), shape[1])
-        jump[place], count[place] = members[0], len(members)
-        of = members[:1] if projection == NEAREST else members
-        value[place] = colour.together(values[of])
-        plannable[place] = jumps.planned[of].mean()
-    border = _border(scales[0].centres, scales[1].centres, plannable)
-    return Map(jumps, *scales, colour, projection, jump, count, value, plannable, border)
+    nearest = order[np.flatnonzero(np.diff(cell[order], prepend=-1))]
+    jump = np.full(shape, -1, dtype=np.int64)
+    jump.flat[cell[nearest]] = nearest
+    count = np.bincount(cell, minlength=jump.size).reshape(shape)
+    members = nearest if projection == NEAREST else np.arange(len(jumps))
+    return Map(jumps, *scales, colour, projection, jump, count, members, cell[members])
 
 
 def _scale(axis: Axis, values: Array) -> Scale:
@@ -187,13 +201,3 @@ def _off_centre(
         for scale, cell in zip(scales, cells, strict=True)
     ]
     return np.hypot(*parts)
-
-
-def _border(x: Array, y: Array, share: Array) -> tuple[Array, ...]:
-    """(K, 2) lines at which half of the jumps are plannable; cells without a jump are left out."""
-    if len(x) < 2 or len(y) < 2:
-        return ()
-    from contourpy import contour_generator
-
-    lines = contour_generator(x, y, np.ma.masked_invalid(share)).lines(BORDER)
-    return tuple(np.asarray(line, dtype=float) for line in lines)

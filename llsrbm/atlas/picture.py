@@ -24,7 +24,11 @@ SUFFIXES = (".png", ".svg", ".pdf")
 
 _WIDTH, _HEIGHT = 3.4, 3.3  # inches of a map
 _DPI = 120  # three maps beside each other are as wide as a page of the README
-_NONE = (0.85, 0.85, 0.85)  # behind cells in which there is nothing to show
+_NONE: dict[str, Any] = {
+    "facecolor": "0.93",
+    "hatch": "////",
+    "edgecolor": "0.75",
+}  # where nothing is to show
 
 
 def write_picture(maps: Sequence[Map], titles: Sequence[str], target: Path) -> None:
@@ -74,7 +78,7 @@ def _draw(axes: Axes, drawn: Map, title: str, ends: tuple[float, float]) -> None
     else:
         low, high = (end * colour.scale for end in ends)
         axes.pcolormesh(*cells, values * colour.scale, cmap=_scale(), vmin=low, vmax=high)
-    axes.set_facecolor(_NONE)
+    axes.axhspan(cells[1][0], cells[1][-1], zorder=0, linewidth=0, **_NONE)
     for line in drawn.border:
         across, up = line[:, 0] * x.axis.scale, line[:, 1] * y.axis.scale
         axes.plot(across, up, color="white", linewidth=3.5)
@@ -97,7 +101,7 @@ def _explain(figure: Figure, row: Sequence[Axes], maps: Sequence[Map]) -> None:
     if any(drawn.border for drawn in maps):
         keys.append(Line2D([], [], color="black", linewidth=1.6, label="border of the plannable"))
     if any((np.isnan(drawn.value) & (drawn.count > 0)).any() for drawn in maps):
-        keys.append(Patch(color=_NONE, label="no plan"))
+        keys.append(Patch(linewidth=0, label="no plan", **_NONE))
     if colour.categorical:
         named = {
             words_of(drawn.jumps.stops[k]): _unit(of_stop(k, drawn.jumps.stops))
