@@ -1,4 +1,4 @@
-"""The controls of the atlas: which sweep, which axes, which colour; the map itself is below them.
+"""The controls of the atlas: which sweep, which axes, which colour; the map itself is above them.
 
 The map is drawn by the page's script (static/atlas.js) from what the session sends.
 """
@@ -36,6 +36,8 @@ class AtlasControls:
         """
         self._sweeps = tuple(sweeps)
         self._axes: dict[str, str] = {}  # title -> name
+        self._map = gui.add_html(_MAP)
+        self._note = gui.add_html("")
         self._sweep = gui.add_dropdown(
             "Sweep", self._sweeps, hint="Jumps that have been planned and simulated before"
         )
@@ -47,8 +49,6 @@ class AtlasControls:
             tuple(_PROJECTIONS),
             hint="The slice nearest to the present design, or all jumps of the sweep together",
         )
-        self._map = gui.add_html(_MAP)
-        self._note = gui.add_html("", visible=False)
 
     @property
     def handles(self) -> list[Any]:
@@ -93,8 +93,7 @@ class AtlasControls:
                 handle.options = titles
             put(handle, chosen[index].heading if chosen else _NONE)
         self._projection.visible = len(varied) > 2
-        self._note.content = note(told)
-        self._note.visible = bool(told)
+        self._note.content = note(told) if told else ""
 
     def _with_axes(self, choice: AtlasChoice, x: str, y: str) -> AtlasChoice:
         """With these axes; who chooses the other axis' one swaps them."""

@@ -58,7 +58,8 @@ def slice_of(drawn: Map) -> str:
             low, high = (short(float(f"{end:.3g}")) for end in (values.min(), values.max()))
             span = low if low == high else f"{low} to {high}"
             parts.append(f"{axis.title} {span} {axis.unit}".rstrip())
-    return ", ".join(parts)
+    told = ", ".join(parts)
+    return f"Slice: {told}" if parts and drawn.projection == NEAREST else told
 
 
 def _axis(scale: Scale) -> dict[str, Any]:

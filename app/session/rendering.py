@@ -44,7 +44,7 @@ class Rendering:
     It holds handles and what was drawn last, and no other fact.
 
     Attributes:
-        panel: the controls; atlas: the map below its own.
+        panel: the controls; atlas: its map.
     """
 
     def __init__(

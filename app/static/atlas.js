@@ -6,8 +6,11 @@
   const PLACE = ".llsrbm-atlas", SVG = "http://www.w3.org/2000/svg";
   const LOOK_EVERY = 300; // ms; viser makes the place anew whenever its tab is opened
   const ASK_EVERY = 3000; // ms until a server that has sent no map is asked again
-  const WIDTH = 320, HEIGHT = 250, LEFT = 44, RIGHT = 8, TOP = 8, BOTTOM = 36;
+  const WIDTH = 320, HEIGHT = 250, LEFT = 50, RIGHT = 8, TOP = 8, BOTTOM = 36;
   const TICKS = 5; // about so many an axis
+
+  // x and y stand side by side.
+  const PAIR = ":has(> div > .llsrbm-atlas) > :is(:nth-child(4), :nth-child(5))";
 
   const STYLE = `
     ${PLACE} { padding: 0 10px; font-size: 0.76rem; line-height: 1.4; }
@@ -24,12 +27,15 @@
       pointer-events: none; }
     ${PLACE} .mark { pointer-events: none; }
     ${PLACE} .told { min-height: 4.2em; margin: 2px 0 4px; }
-    ${PLACE} .legend { display: flex; flex-wrap: wrap; gap: 1px 12px; align-items: center; }
+    ${PLACE} .legend { display: flex; flex-wrap: wrap; gap: 1px 12px; align-items: center;
+      margin-bottom: 8px; }
     ${PLACE} .key { white-space: nowrap; }
     ${PLACE} .key > svg { display: inline-block; width: 18px; height: 12px; margin-right: 5px;
       vertical-align: -2px; cursor: default; border-radius: 2px; }
     ${PLACE} .bar { display: inline-block; width: 90px; height: 10px; margin: 0 5px;
       vertical-align: -1px; border-radius: 2px; }
+    ${PAIR} { display: inline-block; width: 50%; vertical-align: top; }
+    ${PAIR} .mantine-Flex-root > div:first-child { width: 1.6rem !important; }
     ${PLACE} .slice { color: var(--mantine-color-dimmed); }`;
 
   let map = null, mark = null, chosen = -1; // chosen: number of a cell
@@ -63,7 +69,7 @@
     const rough = (edges.at(-1) - edges[0]) / TICKS, power = 10 ** Math.floor(Math.log10(rough));
     const turn = [45, 90, 180].find((each) => each >= rough); // of a circle
     const step = edges.at(-1) - edges[0] > 180 && turn
-      ? turn : [1, 2, 5, 10].map((each) => each * power).find((each) => each >= rough);
+      ? turn : [1, 2, 2.5, 5, 10].map((each) => each * power).find((each) => each >= rough);
     const found = [];
     for (let k = Math.ceil(edges[0] / step - 1e-9); k * step <= edges.at(-1) + 1e-9; k += 1)
       found.push(Number((k * step).toPrecision(6)));
@@ -150,7 +156,7 @@
       text({ x: (LEFT + WIDTH - RIGHT) / 2, y: HEIGHT - 6, "text-anchor": "middle" },
         map.x.heading),
       text({
-        "text-anchor": "middle", transform: `translate(11 ${(TOP + low) / 2}) rotate(-90)`,
+        "text-anchor": "middle", transform: `translate(10 ${(TOP + low) / 2}) rotate(-90)`,
       }, map.y.heading),
     ];
     const made = shape("svg", {
@@ -191,7 +197,7 @@
     const made = element("div", { class: "legend" });
     if (keys) made.append(...keys.map(([colour, words]) => key([square(colour)], words)));
     else
-      made.append(element("span", { class: "key" }, `${map.heading} ${minus(low)}`,
+      made.append(map.heading, element("span", { class: "key" }, minus(low),
         element("span", {
           class: "bar", style: `background: linear-gradient(90deg, ${stops.join()})`,
         }), minus(high)));

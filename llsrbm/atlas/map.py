@@ -89,12 +89,13 @@ class Map:
     @cached_property
     def border(self) -> tuple[Array, ...]:
         """(K, 2) SI, lines at which half of the jumps are plannable; empty cells are left out."""
-        x, y = self.x.centres, self.y.centres
-        if len(x) < 2 or len(y) < 2:
+        if min(self.jump.shape) < 2:
             return ()
         from contourpy import contour_generator
 
-        share = np.ma.masked_invalid(self.of(COLOURS["plannable"]))
+        # The outer cells go on to their outer edges.
+        x, y = (np.r_[s.edges[0], s.centres, s.edges[-1]] for s in (self.x, self.y))
+        share = np.ma.masked_invalid(np.pad(self.of(COLOURS["plannable"]), 1, mode="edge"))
         lines = contour_generator(x, y, share).lines(BORDER)
         return tuple(np.asarray(line, dtype=float) for line in lines)
 
