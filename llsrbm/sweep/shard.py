@@ -103,7 +103,7 @@ def packed(found: list[dict[str, Any]], spec: Spec) -> bytes:
 def lost_shard(spec: Spec, point: Point, message: str) -> Shard:
     """The rows of a jump whose worker died of it again and again."""
     found = [
-        {**_asked(point, index, seed), "status": row.FAILED, "message": message}
+        {**asked(point, index, seed), "status": row.FAILED, "message": message}
         for index, seed in zip(point.rows, point.seeds, strict=True)
     ]
     shard = Shard([point.number], packed(found, spec), origin=origin(spec))
@@ -180,14 +180,14 @@ def _rows_of(point: Point, spec: Spec) -> tuple[list[dict[str, Any]], Plan | Non
     planned["plan_time_s"] = time.perf_counter() - start
     made = []
     for index, seed in zip(point.rows, point.seeds, strict=True):
-        values = {**_asked(point, index, seed), **planned}
+        values = {**asked(point, index, seed), **planned}
         if plan is not None and spec.simulated:
             values |= _simulated(point, plan, spec, seed)
         made.append(values)
     return made, plan
 
 
-def _asked(point: Point, index: int, seed: int | None) -> dict[str, Any]:
+def asked(point: Point, index: int, seed: int | None) -> dict[str, Any]:
     """What the row is about."""
     return {
         "index": index,
