@@ -58,7 +58,8 @@ class AtlasDrawing:
             if jumps is None
             else tuple(design.get(axis.name) for axis in jumps.axes if axis.name not in shown)
         )
-        made_of = (state.atlas, state.design.jump.robot, found, hidden)
+        jump = state.design.jump
+        made_of = (state.atlas, jump.robot, jump.model, jump.type, found, hidden)
         if made_of != self._made_of:
             self._made_of, self._axes = made_of, axes
             self._show(state, found, design)

@@ -3,7 +3,9 @@
 // keys choose a cell, whose jump is described below the map; a click or Enter opens it.
 (() => {
   const { page } = window.llsrbm;
-  const PLACE = ".llsrbm-atlas", SVG = "http://www.w3.org/2000/svg";
+  const PLACE = ".llsrbm-atlas";
+  const SVG = Object.assign(document.createElement("template"), { innerHTML: "<svg></svg>" })
+    .content.firstChild.namespaceURI;
   const LOOK_EVERY = 300; // ms; viser makes the place anew whenever its tab is opened
   const ASK_EVERY = 3000; // ms until a server that has sent no map is asked again
   const WIDTH = 320, HEIGHT = 250, LEFT = 50, RIGHT = 8, TOP = 8, BOTTOM = 36;

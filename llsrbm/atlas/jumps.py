@@ -123,7 +123,11 @@ class Jumps:
         values = {name: float(column[index]) for name, column in self.asked.items()}
         amounts: dict[str, Any] = {name: values[name] for name in AMOUNTS}
         amounts["hops"] = int(amounts["hops"])
-        limits = {n.removeprefix(LIMIT): v for n, v in values.items() if n.startswith(LIMIT)}
+        limits = {
+            name.removeprefix(LIMIT): value
+            for name, value in values.items()
+            if name.startswith(LIMIT) and math.isfinite(value)
+        }
         drives = {name: values[name] for name in DRIVES if values[name] != 1.0}
         jump = Jump(robot=self.robot, model=self.model, type=self.type, **amounts)
         return jump, limits, drives
