@@ -36,6 +36,7 @@ def as_sent(drawn: Map, sweep: str) -> dict[str, Any]:
         "x": _axis(drawn.x),
         "y": _axis(drawn.y),
         "jump": numbers.ravel().tolist(),
+        "at": None if drawn.x.listed and drawn.y.listed else _places(drawn),
         "count": drawn.count.ravel().tolist() if drawn.projection != NEAREST else None,
         "fill": [None if each is None else colours.css(each) for each in painted],
         "figures": figures,
@@ -46,6 +47,12 @@ def as_sent(drawn: Map, sweep: str) -> dict[str, Any]:
         "heading": colour.heading,
         "legend": _categories(drawn) if colour.categorical else _scale(drawn),
     }
+
+
+def _places(drawn: Map) -> list[list[float | None]]:
+    """Where in their cells the jumps of a drawn sweep are, along x and along y."""
+    asked = (drawn.jumps.asked[s.axis.name][drawn.jump] * s.axis.scale for s in (drawn.x, drawn.y))
+    return [_plain(values) for values in asked]
 
 
 def slice_of(drawn: Map) -> str:
@@ -65,7 +72,6 @@ def slice_of(drawn: Map) -> str:
 def _axis(scale: Scale) -> dict[str, Any]:
     axis = scale.axis
     return {
-        "heading": axis.heading,
         "title": axis.title,
         "unit": axis.unit,
         "edges": _plain(scale.edges * axis.scale),

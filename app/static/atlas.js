@@ -96,10 +96,15 @@
   const valued = ({ title, unit }, value) =>
     `${title} ${minus(value)}${unit === "deg" ? "°" : unit ? ` ${unit}` : ""}`;
 
+  // Not as the sliders are labelled: a name in the page means one thing.
+  const heading = ({ title, unit }) => unit ? `${title} (${unit})` : title;
+
   function words(cell) {
     if (cell < 0) return "Point at a cell to read its jump; click to open it.";
     const row = Math.floor(cell / columns()), column = cell % columns();
-    const where = `${valued(map.x, map.x.centres[column])}, ${valued(map.y, map.y.centres[row])}`;
+    const [x, y] = map.at && map.jump[cell] >= 0 ? [map.at[0][cell], map.at[1][cell]]
+      : [map.x.centres[column], map.y.centres[row]];
+    const where = `${valued(map.x, x)}, ${valued(map.y, y)}`;
     if (map.jump[cell] < 0) return `${where}: the sweep has no jump there.`;
     const { plannable, strict, torque, flight } = map.figures;
     const share = (values) => `${Math.round(values[cell])} %`;
@@ -156,10 +161,10 @@
         text({ x: LEFT - 6, y: up(value) + 4, "text-anchor": "end" }, minus(value)),
       ]),
       text({ x: (LEFT + WIDTH - RIGHT) / 2, y: HEIGHT - 6, "text-anchor": "middle" },
-        map.x.heading),
+        heading(map.x)),
       text({
         "text-anchor": "middle", transform: `translate(10 ${(TOP + low) / 2}) rotate(-90)`,
-      }, map.y.heading),
+      }, heading(map.y)),
     ];
     const made = shape("svg", {
       viewBox: `0 0 ${WIDTH} ${HEIGHT}`, tabindex: 0, role: "application",
@@ -197,7 +202,7 @@
   function legend() {
     const { keys, stops, low, high } = map.legend;
     const made = element("div", { class: "legend" });
-    if (keys) made.append(...keys.map(([colour, words]) => key([square(colour)], words)));
+    if (keys) made.append(`${map.heading}:`, ...keys.map(([colour, words]) => key([square(colour)], words)));
     else
       made.append(map.heading, element("span", { class: "key" }, minus(low),
         element("span", {

@@ -24,6 +24,7 @@ SUFFIXES = (".png", ".svg", ".pdf")
 
 _WIDTH, _HEIGHT = 3.4, 3.3  # inches of a map
 _DPI = 120  # three maps beside each other are as wide as a page of the README
+_TURN = 90.0  # degrees between ticks
 _NONE: dict[str, Any] = {
     "facecolor": "0.93",
     "hatch": "////",
@@ -67,6 +68,7 @@ def _ends(maps: Sequence[Map]) -> tuple[float, float]:
 
 def _draw(axes: Axes, drawn: Map, title: str, ends: tuple[float, float]) -> None:
     from matplotlib.colors import ListedColormap
+    from matplotlib.ticker import MultipleLocator
 
     x, y, colour = drawn.x, drawn.y, drawn.colour
     cells = x.edges * x.axis.scale, y.edges * y.axis.scale
@@ -83,6 +85,9 @@ def _draw(axes: Axes, drawn: Map, title: str, ends: tuple[float, float]) -> None
         across, up = line[:, 0] * x.axis.scale, line[:, 1] * y.axis.scale
         axes.plot(across, up, color="white", linewidth=3.5)
         axes.plot(across, up, color="black", linewidth=1.6)
+    for side, axis in ((axes.xaxis, x.axis), (axes.yaxis, y.axis)):
+        if axis.unit == "deg":
+            side.set_major_locator(MultipleLocator(_TURN))
     axes.set_title(title, fontsize=10)
     axes.set_xlabel(x.axis.heading)
     axes.set_xlim(cells[0][0], cells[0][-1])
@@ -99,16 +104,15 @@ def _explain(figure: Figure, row: Sequence[Axes], maps: Sequence[Map]) -> None:
     colour = maps[0].colour
     keys: list[Any] = []
     if any(drawn.border for drawn in maps):
-        keys.append(Line2D([], [], color="black", linewidth=1.6, label="border of the plannable"))
+        keys.append(
+            Line2D([], [], color="black", linewidth=1.6, label="half of the jumps can be planned")
+        )
     if any((np.isnan(drawn.value) & (drawn.count > 0)).any() for drawn in maps):
         keys.append(Patch(linewidth=0, label="no plan", **_NONE))
     if colour.categorical:
-        named = {
-            words_of(drawn.jumps.stops[k]): _unit(of_stop(k, drawn.jumps.stops))
-            for drawn in maps
-            for k in drawn.stops
-        }
-        keys += [Patch(color=painted, label=name) for name, painted in named.items()]
+        stops = maps[0].jumps.stops  # of the whole sweep
+        shown = sorted({place for drawn in maps for place in drawn.stops})
+        keys += [Patch(color=_unit(of_stop(k, stops)), label=words_of(stops[k])) for k in shown]
     else:
         low, high = (end * colour.scale for end in _ends(maps))
         mapped = ScalarMappable(Normalize(low, high), _scale())

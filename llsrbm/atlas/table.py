@@ -36,7 +36,7 @@ NEEDED = ("jump", *_TEXTS, *AMOUNTS, *DRIVES, "robot_hash", *_OUTCOMES, *_FIGURE
 
 _TITLE = b"title"  # of a small file's metadata
 _BATCH = 50_000  # rows that are read at a time
-_MOST = 5_000_000  # rows of a table that is read: about a gigabyte
+_MOST = 1_000_000  # rows of a table: reading them takes 7 s and most of a gigabyte
 _DECIMALS = 9  # to which values of an axis are compared: a grid's differ in their last bits
 _HALF = 0.5  # of a jump's seeds: if fewer land, the jump cannot be done
 

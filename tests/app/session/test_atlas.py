@@ -74,7 +74,11 @@ def test_nothing_is_read_before_the_page_shows_the_atlas(atlases):
     drawn.take(AtlasSeen())
     (sent,) = drawn.maps
     assert json.loads(json.dumps(sent, allow_nan=False)) == sent
-    assert (sent["x"]["heading"], sent["y"]["heading"]) == ("Twist [deg]", "Forward [m]")
+    assert (sent["x"]["title"], sent["x"]["unit"], sent["y"]["title"]) == (
+        "Twist",
+        "deg",
+        "Forward",
+    )
     assert sent["slice"] == "Slice: Landing height 0 m"
     assert len(sent["jump"]) == len(sent["fill"]) == 36
 
