@@ -51,13 +51,11 @@ def serve(
     file = None if open_ is None else _opened(open_, robot, fps)
 
     from app.compute.pool import WorkerPool
-    from app.session.atlases import Atlases
-
-    atlases = Atlases(atlas or ())
 
     # Its first process imports CasADi and loads a solver while this one imports the page.
     with closing(WorkerPool()) as pool:
         from app.server.server import serve as serve_designer
+        from app.session.atlases import Atlases
 
         serve_designer(
             host,
@@ -66,7 +64,7 @@ def serve(
             token=token,
             pool=pool,
             file=file,
-            atlases=atlases,
+            atlases=Atlases(atlas or ()),
         )
 
 

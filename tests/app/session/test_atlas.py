@@ -20,6 +20,7 @@ from llsrbm.errors import InputError
 from llsrbm.jump import Jump
 from llsrbm.tuning import Tuning
 from tests.app.pure_tab import planned_tab
+from tests.llsrbm.atlas.tables import drawn as drawn_rows
 from tests.llsrbm.atlas.tables import grid, row, write
 
 
@@ -191,3 +192,14 @@ def test_sweeps_by_name(folder, tmp_path):
 )
 def test_what_a_page_sends_is_checked(message, event):
     assert read_event(message) == event
+
+
+def test_jumps_of_a_drawn_sweep_are_described_where_they_are(tmp_path):
+    write(tmp_path / "jumps.parquet", drawn_rows())
+    drawn = Drawn(Atlases([tmp_path]))
+    drawn.take(AtlasSeen())
+    sent = drawn.maps[-1]
+    assert (sent["x"]["title"], sent["y"]["title"]) == ("Lateral", "Forward")
+    opened = drawn.drawing.opened(AtlasClicked(sent["sweep"], sent["jump"][30]))
+    assert sent["at"][0][30] == pytest.approx(opened.jump.lateral, rel=1e-3)
+    assert sent["at"][1][30] == pytest.approx(opened.jump.forward, rel=1e-3)
