@@ -10,7 +10,7 @@ import pyarrow.parquet as pq
 
 from llsrbm.sweep import run, shard
 from llsrbm.sweep.rows import NOT_PLANNED, PLANNED, TIMES
-from llsrbm.sweep.spec import parse_spec
+from llsrbm.sweep.spec_file import parse_spec
 
 GRID = """
 title = "a grid"

@@ -8,7 +8,7 @@ import llsrbm
 from llsrbm.robots import load_robot
 from llsrbm.sweep import rows, shard
 from llsrbm.sweep.points import Points
-from llsrbm.sweep.spec import parse_spec
+from llsrbm.sweep.spec_file import parse_spec
 
 SPEC = """
 title = "real plans"
@@ -89,12 +89,9 @@ def test_a_row_is_what_the_library_makes_of_the_same_jump(forth):
     assert set(group["jump"]) == {r["jump"] for r in table_of(forth).to_pylist() if r["apex"]}
 
 
-def test_counts_are_those_of_the_rows(forth):
-    found = table_of(forth).to_pylist()
-    for status, count in forth.statuses["anymal"].items():
-        assert count == sum(row["status"] == status for row in found)
-    assert forth.strict["anymal"] == sum(bool(row["strict"]) for row in found)
-    assert forth.planning + forth.simulating <= forth.seconds
+def test_planning_and_simulation_are_nearly_all_of_the_time(forth):
+    inside = forth.planning + forth.simulating
+    assert 0.9 * forth.seconds < inside <= forth.seconds
 
 
 def test_what_goes_wrong_is_a_row(monkeypatch, spec):
@@ -113,7 +110,6 @@ def test_a_jump_that_killed_its_workers_is_a_row(spec):
     found = table_of(lost).to_pylist()
     assert [row["index"] for row in found] == [6, 7]
     assert {row["status"] for row in found} == {"failed"}
-    assert lost.statuses == {"anymal": {"failed": 2}}
 
 
 def test_drives_are_those_asked_for(spec):

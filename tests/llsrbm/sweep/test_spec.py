@@ -7,7 +7,8 @@ from hypothesis import strategies as st
 from llsrbm.errors import InputError
 from llsrbm.robots.assets import assets_directory
 from llsrbm.sweep.points import Points
-from llsrbm.sweep.spec import Spec, find_spec, parse_spec, read_spec
+from llsrbm.sweep.spec import Spec
+from llsrbm.sweep.spec_file import find_spec, parse_spec, read_spec
 from tests.llsrbm.sweep.specs import GRID, spec
 
 HEAD = 'title = "x"\nrobots = ["anymal"]\n'
