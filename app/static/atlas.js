@@ -94,7 +94,7 @@
 
   const minus = (number) => String(number).replace("-", "−");
   const valued = ({ title, unit }, value) =>
-    `${title} ${minus(value)}${unit === "deg" ? "°" : unit ? ` ${unit}` : ""}`;
+    `${title} ${minus(Number(value.toPrecision(3)))}${unit === "deg" ? "°" : unit ? ` ${unit}` : ""}`;
 
   // Not as the sliders are labelled: a name in the page means one thing.
   const heading = ({ title, unit }) => unit ? `${title} (${unit})` : title;
