@@ -210,6 +210,14 @@ def _seeds(page: Page) -> None:
     page.get_by_role("status").filter(has_text=" seeds.").wait_for(timeout=PATIENCE)
 
 
+def _atlas(page: Page) -> None:
+    plan(page, twist=120, forward=0.3)
+    tab(page, "Atlas")
+    choose(page, "Colour", "What stops it")
+    page.locator(".llsrbm-atlas .legend").wait_for(timeout=PATIENCE)
+    hold(page, 0.55)
+
+
 def _tour(page: Page) -> None:
     page.locator("#llsrbm-tour").wait_for(timeout=PATIENCE)
 
@@ -229,6 +237,7 @@ STATES: dict[str, tuple[dict[str, int], Callable[[Page], None]]] = {
     "failed": (LAPTOP, _failed),
     "fell": (LAPTOP, _fell),
     "seeds": (LAPTOP, _seeds),
+    "atlas": (LAPTOP, _atlas),
     "tour": (LAPTOP, _tour),
     "simulating": (LAPTOP, _simulating),
 }

@@ -14,6 +14,7 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperGroup
 
+from llsrbm.commands.atlas import atlas_command
 from llsrbm.commands.compare import compare_command
 from llsrbm.commands.console import BAD_INPUT, DONE, FAILED, INTERRUPTED, complain
 from llsrbm.commands.design import designs_command
@@ -87,6 +88,7 @@ app.command("formats")(formats_command)
 app.command("designs")(designs_command)
 app.command("compare")(compare_command)
 app.command("sweep")(sweep_command)
+app.command("atlas")(atlas_command)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -30,6 +30,7 @@ class Action(Enum):
     REDO = auto()
     SHARE = auto()
     VIEW = auto()
+    ATLAS = auto()  # its controls
     PIN = auto()
     PIN_CHOSEN = auto()
     UNPIN = auto()

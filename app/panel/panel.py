@@ -7,13 +7,14 @@ rest is in tabs below. The panel holds no facts: it is read (`app.session.contro
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 import viser
 
 from app.panel import html, summaries
 from app.panel.actions import Act, Action, callback
+from app.panel.atlas_controls import AtlasControls
 from app.panel.compare_controls import CompareControls
 from app.panel.design_controls import DesignControls
 from app.panel.export_controls import ExportControls, ExportOptions
@@ -44,6 +45,7 @@ class Panel:
         view: of what is drawn.
         compare: of what is pinned.
         designs: of examples and files.
+        atlas: of what sweeps have found out.
         export, export_options: of what is saved.
         plots_tab: the container for the controls of the plots.
     """
@@ -55,6 +57,7 @@ class Panel:
         robots: Mapping[str, RobotFile],
         examples: Mapping[str, Design],
         shown: frozenset[str],
+        sweeps: Sequence[str],
         *,
         act: Act,
         choose_example: Callable[[Design], None],
@@ -68,6 +71,7 @@ class Panel:
             robots: name -> file of each robot to choose from.
             examples: to choose from.
             shown: names of the overlays that are drawn.
+            sweeps: names of the sweeps whose atlases can be chosen.
             act: called with what the visitor did.
             choose_example: called with the one that was chosen.
             open_file: called with the name and content of a file.
@@ -100,6 +104,8 @@ class Panel:
             with gui.add_folder("Residuals", expand_by_default=False):
                 self._residuals = gui.add_html(html.note(_NO_RESIDUALS))
         self.plots_tab = tabs.add_tab("Plots")
+        with tabs.add_tab("Atlas"):
+            self.atlas = AtlasControls(gui, sweeps)
         with tabs.add_tab("Limits"):
             self.tuning = TuningControls(gui)
         with tabs.add_tab("Files"):
@@ -164,6 +170,8 @@ class Panel:
             handle.on_update(callback(act, Action.SCENARIO))
         for handle in self.view.handles:
             handle.on_update(callback(act, Action.VIEW))
+        for handle in self.atlas.handles:
+            handle.on_update(callback(act, Action.ATLAS))
         self.compare.choice.on_update(callback(act, Action.PIN_CHOSEN))
         for button, action in (
             (self._simulate, Action.SIMULATE),

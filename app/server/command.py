@@ -58,6 +58,10 @@ def serve(
             help="Of a dask cluster whose workers compute too, for example tcp://127.0.0.1:8786.",
         ),
     ] = None,
+    atlas: Annotated[
+        list[Path] | None,
+        typer.Option(metavar="DIR", help="A sweep for the page's atlas; repeatable."),
+    ] = None,
 ) -> None:
     """Serve the designer, a page where jumps are planned and looked at, until Ctrl-C."""
     from app.compute.pool import MOST_PROCESSES, PROCESSES, WorkerPool
@@ -70,9 +74,16 @@ def serve(
     # Its first process imports CasADi and loads a solver while this one imports the page.
     with closing(WorkerPool(processes=workers or PROCESSES, cluster=cluster)) as pool:
         from app.server.server import serve as serve_designer
+        from app.session.atlases import Atlases
 
         serve_designer(
-            host, port, allowed_hosts=allow_host or (), token=token, pool=pool, file=file
+            host,
+            port,
+            allowed_hosts=allow_host or (),
+            token=token,
+            pool=pool,
+            file=file,
+            atlases=Atlases(atlas or ()),
         )
 
 

@@ -21,6 +21,7 @@ SCRIPTS = (
     "tour.js",
     "panel.js",
     "tuning.js",
+    "atlas.js",
     "accessibility.js",
 )
 """In the order in which they need each other."""

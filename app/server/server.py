@@ -24,6 +24,7 @@ from app.server.access import NONE, Access
 from app.server.guard import Guard
 from app.server.page_template import page
 from app.server.self_check import check
+from app.session.atlases import Atlases
 from app.session.initial_plan import InitialPlans, example
 from app.session.session import Session
 from app.session.tabs import Tabs
@@ -49,6 +50,7 @@ class Designer:
         limits: Limits | None = None,
         pool: WorkerPool | None = None,
         file: OpenedFile | None = None,
+        atlases: Atlases | None = None,
     ) -> None:
         """Bind and let tabs in.
 
@@ -61,6 +63,7 @@ class Designer:
             limits: of all that visitors may do.
             pool: computes, and is closed with the server; None: one that uses the library.
             file: with which every tab begins.
+            atlases: of sweeps to choose from; None: the one that ships.
 
         Raises:
             InputError: the address cannot be bound, the port is in use, or no such token can be.
@@ -87,7 +90,7 @@ class Designer:
         self.pool = pool or WorkerPool()
         self.initial = InitialPlans(self.pool.planner, file)
         files = {name: read_robot_file(path) for name, path in robot_files().items()}
-        self.tabs = Tabs(self.pool, self.initial, files)
+        self.tabs = Tabs(self.pool, self.initial, files, atlases or Atlases())
         self.pool.remarked = self.tabs.remark
         _configure(self._server)
         self._server.on_client_connect(self.tabs.connect)
@@ -150,6 +153,7 @@ def serve(
     token: str | None = None,
     pool: WorkerPool | None = None,
     file: OpenedFile | None = None,
+    atlases: Atlases | None = None,
 ) -> None:
     """Serve the page until SIGINT or SIGTERM; prints one line with its URL.
 
@@ -159,7 +163,13 @@ def serve(
     """
     with _stop_on_signal() as stop:
         designer = Designer(
-            host, port, allowed_hosts=allowed_hosts, token=token, pool=pool, file=file
+            host,
+            port,
+            allowed_hosts=allowed_hosts,
+            token=token,
+            pool=pool,
+            file=file,
+            atlases=atlases,
         )
         try:
             print(f"llsrbm designer: {designer.url}", flush=True)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from app.panel.actions import Action
 from app.panel.panel import Panel
 from app.session.events import (
+    AtlasChosen,
     CancelWanted,
     CompareWanted,
     Event,
@@ -48,7 +49,9 @@ _WITHOUT_VALUES: dict[Action, Event] = {
     Action.STOP_EXPORT: StopExportWanted(),
 }
 
-READ_ACTIONS = frozenset({Action.JUMP, Action.SCENARIO, Action.VIEW, Action.PIN_CHOSEN})
+READ_ACTIONS = frozenset(
+    {Action.JUMP, Action.SCENARIO, Action.VIEW, Action.ATLAS, Action.PIN_CHOSEN}
+)
 """Those that mean how controls stand, however often they were moved."""
 
 
@@ -69,6 +72,8 @@ def event_of(action: Action, state: TabState, panel: Panel) -> Event:
             return ScenarioChosen(scenario, tuple(wrong))
         case Action.VIEW:
             return ViewChosen(*panel.view.read())
+        case Action.ATLAS:
+            return AtlasChosen(panel.atlas.read(state.atlas))
         case Action.PIN_CHOSEN:
             return PinChosen(panel.compare.chosen)
         case Action.EXPORT:

@@ -7,10 +7,17 @@ from typing import Literal
 
 from app.compute.opened_file import OpenedFile
 from app.compute.protocol import Report
+from app.panel.atlas_choice import AtlasChoice
 from app.panel.export_controls import Choice
 from app.plots.choice import PlotChoice
 from app.session.lanes import Lane
-from app.viser_link.page_link import PageReady, PlaybackChosen, PlayerMoved, TuningChosen
+from app.viser_link.page_link import (
+    AtlasSeen,
+    PageReady,
+    PlaybackChosen,
+    PlayerMoved,
+    TuningChosen,
+)
 from llsrbm.design import Design
 from llsrbm.jump import Jump
 from llsrbm.motion.plan import Plan
@@ -89,6 +96,27 @@ class DesignChosen:
     """An example was chosen."""
 
     design: Design
+
+
+@dataclass(frozen=True)
+class AtlasChosen:
+    """Another map of the atlas was chosen."""
+
+    choice: AtlasChoice
+
+
+@dataclass(frozen=True)
+class JumpOpened:
+    """A jump of the atlas was chosen.
+
+    Attributes:
+        jump: the request; tuning: with the limits that its sweep varied.
+        other_drives: its sweep had stronger or weaker drives, which a page has not.
+    """
+
+    jump: Jump
+    tuning: Tuning
+    other_drives: bool = False
 
 
 @dataclass(frozen=True)
@@ -321,6 +349,9 @@ Event = (
     | ScenarioChosen
     | PushDragged
     | DesignChosen
+    | AtlasChosen
+    | AtlasSeen
+    | JumpOpened
     | SimulateWanted
     | CompareWanted
     | WorstWanted

@@ -23,6 +23,8 @@ from app.scene.overlays.landing_marks import LandingMarks
 from app.scene.picture import Picture
 from app.scene.push_handle import PushGrip, PushHandle
 from app.scene.scene import Scene
+from app.session.atlas_drawing import AtlasDrawing
+from app.session.atlases import Atlases
 from app.session.comparison import free_colour
 from app.session.events import Event, JumpChosen, ScenarioChosen, ViewChosen
 from app.session.pushing import push_shown
@@ -42,7 +44,7 @@ class Rendering:
     It holds handles and what was drawn last, and no other fact.
 
     Attributes:
-        panel: the controls.
+        panel: the controls; atlas: its map.
     """
 
     def __init__(
@@ -51,6 +53,7 @@ class Rendering:
         link: PageLink,
         state: TabState,
         examples: Mapping[str, Design],
+        atlases: Atlases,
         *,
         act: Act,
         choose_example: Callable[[Design], None],
@@ -65,7 +68,7 @@ class Rendering:
             client: the tab.
             link: to the scripts in its page.
             state: to begin with; it is drawn by `draw`.
-            examples: to choose from.
+            examples, atlases: to choose from.
             act, choose_example, open_file, choose_plots, drag_target, drag_push: called on viser's
                 event loop with what the visitor does; must return at once.
         """
@@ -77,11 +80,13 @@ class Rendering:
             state.robots,
             examples,
             state.view.layers,
+            atlases.names,
             act=act,
             choose_example=choose_example,
             open_file=open_file,
         )
         link.arrange(self.panel.arrangement)
+        self.atlas = AtlasDrawing(self.panel.atlas, link, atlases)
         with self.panel.plots_tab:
             self._plots = Plots(client, choose_plots)
         self._scene = Scene(client)
@@ -120,6 +125,7 @@ class Rendering:
             self._draw_panel(state, before)
             self._draw_picture(state)
             self._draw_numbers(state)
+            self.atlas.draw(state)
         # viser would gather messages for up to a sixtieth of a second.
         self._client.flush()
 

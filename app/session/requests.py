@@ -15,6 +15,7 @@ from app.session.effects import After, Keep, Notify, ResetControls, Stop
 from app.session.events import (
     DesignChosen,
     JumpChosen,
+    JumpOpened,
     Rested,
     ScenarioChosen,
     SimulateWanted,
@@ -113,6 +114,16 @@ def choose_design(state: TabState, event: DesignChosen) -> Step:
     """Plan an example."""
     state = replace(state, note=event.design.note)
     return plan_design(remember(state, event.design, settled=True))
+
+
+def open_jump(state: TabState, event: JumpOpened) -> Step:
+    """Plan a jump of the atlas, with the limits of its sweep; the scenario stays."""
+    state, design = _untitled(state, event.jump, event.tuning)
+    step = plan_design(remember(state, design, settled=True))
+    if not event.other_drives:
+        return step
+    body = "The sweep had other drives there; this page plans with the robot's own."
+    return also(step, Notify("Opened with other drives", body))
 
 
 def take_nearest(state: TabState) -> Step:

@@ -24,6 +24,7 @@ from app.compute.pool import WorkerPool
 from app.panel.actions import Action
 from app.scene.landing_handle import Grip
 from app.scene.push_handle import PushGrip
+from app.session.atlases import Atlases
 from app.session.controls import event_of
 from app.session.effects import AFTER_DRAWING, Effect, Notify, ResetControls
 from app.session.events import (
@@ -45,7 +46,7 @@ from app.session.rendering import Rendering
 from app.session.results import draw_robot
 from app.session.state import TabState
 from app.session.update import update
-from app.viser_link.page_link import ClipTaken, PageLink, PageReady
+from app.viser_link.page_link import AtlasClicked, ClipTaken, PageLink, PageReady
 from llsrbm.design import Design
 from llsrbm.errors import InputError
 from llsrbm.examples import examples
@@ -73,6 +74,7 @@ class Session:
         pool: WorkerPool,
         initial: InitialPlans,
         robots: Mapping[str, RobotFile],
+        atlases: Atlases,
         *,
         take_kept: Callable[[str], TabState | None] = lambda _: None,
         ended: Callable[[Session], None] = lambda _: None,
@@ -84,6 +86,7 @@ class Session:
             pool: plans and simulates for all tabs.
             initial: plans that are there from the beginning.
             robots: name -> file of each robot to choose from.
+            atlases: of sweeps to choose from.
             take_kept: gives the state that a page with this token left; called by the session's
                 thread.
             ended: called by the session's thread as the last thing it does.
@@ -91,6 +94,7 @@ class Session:
         self._client = client
         self._pool = pool
         self._initial = initial
+        self._atlases = atlases
         self._take_kept = take_kept
         self._ended = ended
         self._inbox = Inbox()
@@ -178,6 +182,7 @@ class Session:
             link,
             self.state,
             examples(),
+            self._atlases,
             act=put,
             choose_example=lambda design: put(DesignChosen(design)),
             open_file=lambda name, content: put((name, content)),
@@ -286,6 +291,8 @@ class Session:
             case PageReady():  # its address has got another design, or it was slow to answer
                 self._greet_late(item)
                 return None
+            case AtlasClicked():
+                return rendering.atlas.opened(item)
             case (str(name), bytes(content)):
                 return FileChosen(name, content, rendering.panel.designs.read_rate())
             case End():

@@ -15,6 +15,7 @@ from app.compute.protocol import Nearest, PlanJump, SeedResult, Task
 from app.motion.frames import Frames
 from app.motion.planned_motion import PlannedMotion
 from app.motion.simulated_motion import SimulatedMotion
+from app.panel.atlas_choice import AtlasChoice
 from app.panel.status import Status, Word
 from app.plots.choice import DEFAULT, PlotChoice
 from app.scene.overlays import AT_FIRST
@@ -206,7 +207,7 @@ class TabState:
         status: one line on how it goes.
         work, files, seeds: what is being computed.
         pins: what is compared; pin_chosen: number of the chosen one, -1: none.
-        playback, view, plots: how it is shown.
+        playback, view, plots: how it is shown; atlas: which map of which sweep.
         history: of the design.
         tickets: jobs so far; the next one gets the next number.
         note: on what was opened or chosen, beside the examples.
@@ -229,6 +230,7 @@ class TabState:
     playback: Playback = field(default_factory=Playback)
     view: View = field(default_factory=View)
     plots: PlotChoice = DEFAULT
+    atlas: AtlasChoice = field(default_factory=AtlasChoice)
     history: History = field(default_factory=History)
     tickets: int = 0
     note: str = ""

@@ -12,6 +12,7 @@ from collections.abc import Callable, Mapping
 import viser
 
 from app.compute.pool import WorkerPool
+from app.session.atlases import Atlases
 from app.session.initial_plan import InitialPlans
 from app.session.session import Session
 from app.session.state import TabState
@@ -38,6 +39,7 @@ class Tabs:
         pool: WorkerPool,
         initial: InitialPlans,
         robots: Mapping[str, RobotFile],
+        atlases: Atlases,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
         """No tab yet.
@@ -46,11 +48,13 @@ class Tabs:
             pool: computes for all of them.
             initial: plans with which they begin.
             robots: name -> file of each robot to choose from.
+            atlases: of sweeps to choose from.
             clock: s.
         """
         self._pool = pool
         self._initial = initial
         self._robots = robots
+        self._atlases = atlases
         self._clock = clock
         self._lock = threading.Lock()  # for the two below; nothing that lasts is done under it
         self._sessions: dict[int, Session] = {}
@@ -75,6 +79,7 @@ class Tabs:
             self._pool,
             self._initial,
             self._robots,
+            self._atlases,
             take_kept=self._take_kept,
             ended=self._session_ended,
         )

@@ -16,6 +16,7 @@ from app.compute.protocol import Failed, Prepared
 from app.session import files, push_comparison, pushing, requests, results
 from app.session.effects import LoadRobot, Notify, Share, Stop
 from app.session.events import (
+    AtlasChosen,
     CancelWanted,
     CompareWanted,
     DesignChosen,
@@ -23,6 +24,7 @@ from app.session.events import (
     ExportWanted,
     FileChosen,
     JumpChosen,
+    JumpOpened,
     NearestWanted,
     Opened,
     PinChosen,
@@ -53,7 +55,13 @@ from app.session.lanes import Lane
 from app.session.opening import open_tab
 from app.session.state import TabState
 from app.session.steps import Step, joined
-from app.viser_link.page_link import PageReady, PlaybackChosen, PlayerMoved, TuningChosen
+from app.viser_link.page_link import (
+    AtlasSeen,
+    PageReady,
+    PlaybackChosen,
+    PlayerMoved,
+    TuningChosen,
+)
 
 
 def update(state: TabState, event: Event) -> Step:
@@ -73,6 +81,8 @@ def update(state: TabState, event: Event) -> Step:
             return pushing.drag_push(state, event)
         case DesignChosen():
             return requests.choose_design(state, event)
+        case JumpOpened():
+            return requests.open_jump(state, event)
         case NearestWanted():
             return requests.take_nearest(state)
         case UndoWanted():
@@ -132,6 +142,10 @@ def _update_beside(state: TabState, event: Event) -> Step:
             return state, (Notify("The server", remark),)
         case ViewChosen(layers, night):
             return replace(state, view=replace(state.view, layers=layers, night=night)), ()
+        case AtlasChosen(choice):
+            return replace(state, atlas=choice), ()
+        case AtlasSeen():
+            return replace(state, atlas=replace(state.atlas, seen=True)), ()
         case PlotsChosen(choice):
             return replace(state, plots=choice), ()
         case PageReady(software=software):

@@ -5,7 +5,8 @@
   const AROUND = [0.62, -0.95, 0.34]; // from the right, ahead and above
   const VIEWS = { front: [1, 0, 0.12], side: [0, -1, 0.12], top: [-1e-3, 0, 1], all: AROUND };
   const MARGIN = 0.06; // share of the picture's height that stays free around the robot
-  const TYPED_INTO = "input, textarea, select, [contenteditable], [role=slider], [role=textbox]";
+  const TYPED_INTO = "input, textarea, select, [contenteditable], [role=slider], " +
+    "[role=textbox], [role=application]";
 
   // Every field of viser's that this script uses, below `window.__viserMutable`.
   const needs = [

@@ -96,6 +96,7 @@
   llsrbm.page = {
     connect(uuid) {
       field = uuid;
+      llsrbm.atlas?.forget(); // another session has sent none
       const since = performance.now();
       const check = () => {
         if (field !== uuid) return;

@@ -6,7 +6,8 @@
   const LABEL_LINES = 2, LABEL_HEIGHT = 13, BETWEEN = 4; // lines above the strips; pixels
   const FAR = 6; // frames that an arrow key moves with Shift
   const EMPTY = "no motion yet";
-  const TYPED_INTO = "input, textarea, select, [contenteditable], [role=slider], [role=textbox]";
+  const TYPED_INTO = "input, textarea, select, [contenteditable], [role=slider], " +
+    "[role=textbox], [role=application]";
 
   const STYLE = `
     #llsrbm-transport { position: fixed; z-index: 5; box-sizing: border-box;

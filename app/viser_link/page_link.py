@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 import math
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
@@ -23,6 +23,7 @@ from llsrbm.tuning import Tuning
 
 _LONGEST = 150_000  # characters of a message: a design that is kept and one that is shared
 _MOST_MISSING, _LONGEST_NAME = 20, 100
+_LONGEST_TITLE = 1000  # characters of a sweep's name: its title, and its folder
 _TOKEN = re.compile(r"[0-9a-f]{32}")
 
 
@@ -100,7 +101,27 @@ class TuningChosen:
     value: float | None
 
 
-PageEvent = PageReady | PlayerMoved | PlaybackChosen | ClipTaken | TuningChosen
+@dataclass(frozen=True)
+class AtlasSeen:
+    """The page shows the place of the atlas, and has no map yet."""
+
+
+@dataclass(frozen=True)
+class AtlasClicked:
+    """A jump of the atlas was chosen.
+
+    Attributes:
+        sweep: its name; there may be none of this name.
+        number: of the jump in it; there may be none.
+    """
+
+    sweep: str
+    number: int
+
+
+PageEvent = (
+    PageReady | PlayerMoved | PlaybackChosen | ClipTaken | TuningChosen | AtlasSeen | AtlasClicked
+)
 
 
 class PageLink:
@@ -183,6 +204,14 @@ class PageLink:
         changed = {"weights": dict(tuning.weights), "limits": dict(tuning.limits)}
         self._call("tuning.show", json.dumps(changed))
 
+    def show_atlas(self, sent: Mapping[str, Any] | None) -> None:
+        """Draw a map of the atlas, as `app.panel.atlas_map` has it; None: there is none."""
+        self._call("atlas.show", json.dumps(sent))
+
+    def move_in_atlas(self, x: float, y: float) -> None:
+        """Mark where the present design is in the map, as its axes are shown."""
+        self._call("atlas.mark", repr(float(x)), repr(float(y)))
+
     def arrange(self, controls: dict[str, str | list[str]]) -> None:
         """Say which controls are the panel's rows of buttons, by their uuids (static/panel.js)."""
         self._call("panel.arrange", json.dumps(controls))
@@ -240,6 +269,11 @@ def read_event(message: object) -> PageEvent | None:
         }:
             usable = len(name) <= _LONGEST_NAME and (value is None or math.isfinite(value))
             return TuningChosen(group, name, value) if usable else None
+        case {"kind": "atlas-seen"}:
+            return AtlasSeen()
+        case {"kind": "atlas", "sweep": str(name), "jump": float(number)}:
+            usable = len(name) <= _LONGEST_TITLE and 0 <= number < 2**53
+            return AtlasClicked(name, int(number)) if usable else None
     return None
 
 

@@ -9,7 +9,7 @@ from tests.app.shared_page import visit
 
 pytestmark = pytest.mark.browser
 
-TABS = ("View", "Scenario", "Figures", "Plots", "Limits", "Files", "Help")
+TABS = ("View", "Scenario", "Figures", "Plots", "Atlas", "Limits", "Files", "Help")
 SLIDERS = ("Twist [deg]", "Forward [m]", "Lateral [m]", "Landing height [m]")
 
 

@@ -1,4 +1,4 @@
-"""axe-core over the page: by day and by night, in three tabs, on a desk and on an upright tablet.
+"""axe-core over the page: by day and by night, in four tabs, on a desk and on an upright tablet.
 
 Nothing serious or critical is found, in viser's controls neither: static/accessibility.js and
 static/panel.js supply the names and contrasts that viser lacks.
@@ -16,7 +16,7 @@ from tests.app.shared_page import visit
 pytestmark = pytest.mark.browser
 
 DESK, TABLET = {"width": 1280, "height": 800}, {"width": 820, "height": 1180}
-TABS = ("View", "Scenario", "Limits")
+TABS = ("View", "Scenario", "Atlas", "Limits")
 
 RUN = """async () => {
   const found = await axe.run(document, {

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from unittest.mock import MagicMock
+
 import pytest
 
 from app.compute.file_reading import open_file
@@ -89,3 +91,12 @@ def test_a_bad_file_is_one_line_and_nothing_is_served(
     out, err = capfd.readouterr()
     assert (out, err.count("\n")) == ("", 1)
     assert told in err
+
+
+def test_a_folder_without_a_sweep_is_one_line_and_nothing_is_served(tmp_path, monkeypatch, capfd):
+    monkeypatch.setattr("app.compute.pool.WorkerPool", MagicMock())
+    monkeypatch.setattr("app.server.server.serve", None)  # is not reached
+    assert cli.main(["serve", "--atlas", str(tmp_path)]) == 2
+    out, err = capfd.readouterr()
+    assert (out, err.count("\n")) == ("", 1)
+    assert "no jumps.parquet there" in err

@@ -1,0 +1,111 @@
+"""The controls of the atlas: which sweep, which axes, which colour; the map itself is above them.
+
+The map is drawn by the page's script (static/atlas.js) from what the session sends.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+import viser
+
+from app.panel.atlas_choice import AtlasChoice
+from app.panel.html import note
+from app.viser_link.validation import option, put
+from llsrbm.atlas.colours import COLOURS
+from llsrbm.atlas.jumps import Axis
+from llsrbm.atlas.map import ALL, NEAREST
+
+_COLOURS = {colour.title: colour.name for colour in COLOURS.values()}
+_PROJECTIONS = {"as in the design": NEAREST, "all of the sweep": ALL}
+_NONE = "none"
+_MAP = '<div class="llsrbm-atlas"></div>'  # by which atlas.js finds its place
+
+
+class AtlasControls:
+    """Dropdowns and the place of the map, in the container that is open."""
+
+    def __init__(self, gui: viser.GuiApi, sweeps: Sequence[str]) -> None:
+        """Show the first sweep.
+
+        Args:
+            gui: of the tab.
+            sweeps: names to choose from, one at least.
+        """
+        self._sweeps = tuple(sweeps)
+        self._axes: dict[str, str] = {}  # title -> name
+        self._map = gui.add_html(_MAP)
+        self._note = gui.add_html("")
+        self._sweep = gui.add_dropdown(
+            "Sweep", self._sweeps, hint="Jumps that have been planned and simulated before"
+        )
+        self._x = gui.add_dropdown("x", (_NONE,), hint="Axis to the right")
+        self._y = gui.add_dropdown("y", (_NONE,), hint="Axis upwards")
+        self._colour = gui.add_dropdown("Colour", tuple(_COLOURS))
+        self._projection = gui.add_dropdown(
+            "Other axes",
+            tuple(_PROJECTIONS),
+            hint="The slice nearest to the present design, or all jumps of the sweep together",
+        )
+
+    @property
+    def handles(self) -> list[Any]:
+        """The controls whose updates choose another map."""
+        return [self._sweep, self._x, self._y, self._colour, self._projection]
+
+    def read(self, choice: AtlasChoice) -> AtlasChoice:
+        """The map as the controls stand; what is no option stays as it is chosen."""
+        ignored: list[str] = []
+        sweep = option("Sweep", self._sweep.value, self._sweeps, "", ignored)
+        colour = option("Colour", self._colour.value, tuple(_COLOURS), "", ignored)
+        projection = option("Other axes", self._projection.value, tuple(_PROJECTIONS), "", ignored)
+        x, y = (self._axes.get(str(handle.value), "") for handle in (self._x, self._y))
+        return self._with_axes(
+            replace(
+                choice,
+                sweep=sweep or choice.sweep,
+                colour=_COLOURS.get(colour, choice.colour),
+                projection=_PROJECTIONS.get(projection, choice.projection),
+            ),
+            x,
+            y,
+        )
+
+    def show(self, choice: AtlasChoice, varied: Sequence[Axis], told: str) -> None:
+        """Put the controls where a choice has them.
+
+        Args:
+            choice: to show.
+            varied: axes to choose from; none: there is no map.
+            told: what is to be known about the map; "": nothing.
+        """
+        put(self._sweep, choice.sweep or self._sweeps[0])
+        put(self._colour, COLOURS[choice.colour].title)
+        names = {value: title for title, value in _PROJECTIONS.items()}
+        put(self._projection, names[choice.projection])
+        self._axes = {axis.heading: axis.name for axis in varied}
+        chosen = choice.axes(tuple(varied))
+        for index, handle in enumerate((self._x, self._y)):
+            titles = tuple(self._axes) or (_NONE,)
+            if tuple(handle.options) != titles:
+                handle.options = titles
+            put(handle, chosen[index].heading if chosen else _NONE)
+        self._projection.visible = len(varied) > 2
+        self._note.content = note(told) if told else ""
+
+    def _with_axes(self, choice: AtlasChoice, x: str, y: str) -> AtlasChoice:
+        """With these axes; who chooses the other axis' one swaps them."""
+        before = choice.axes(tuple(_named(self._axes)))
+        if before is None or not x or not y:
+            return choice
+        if x == y:
+            x, y = (x, before[0].name) if y == before[1].name else (before[1].name, y)
+        if (x, y) == (before[0].name, before[1].name):
+            return choice  # also where others stand in for what the choice names
+        return replace(choice, x=x, y=y)
+
+
+def _named(axes: dict[str, str]) -> list[Axis]:
+    return [Axis(name, title) for title, name in axes.items()]

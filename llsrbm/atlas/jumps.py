@@ -1,0 +1,169 @@
+"""The jumps of a sweep: what was asked of each, and how it went, its seeds together."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from llsrbm.jump import Jump
+from llsrbm.sweep.rows import LIMIT, NOT_PLANNED
+
+Array = NDArray[np.float64]
+
+NOTHING = ""
+"""What stops a jump that can be done."""
+
+FALLS = "falls in simulation"
+"""What stops a jump that can be planned, and after which the robot does not stand."""
+
+AMOUNTS = ("twist", "forward", "lateral", "height", "roll", "pitch", "speed", "end_speed", "hops")
+DRIVES = ("drive_torque", "drive_speed")
+"""Columns of a sweep's table that say what was asked, limits aside."""
+
+
+@dataclass(frozen=True)
+class Axis:
+    """Something that a sweep varies.
+
+    Attributes:
+        name: the column's.
+        title: for people; unit: of what they are shown, "" if there is none.
+        scale: shown units per SI unit.
+        otherwise: the SI value of a design that does not say; None: the robot has its own.
+    """
+
+    name: str
+    title: str
+    unit: str = ""
+    scale: float = 1.0
+    otherwise: float | None = 0.0
+
+    @property
+    def heading(self) -> str:
+        """Title and unit."""
+        return f"{self.title} [{self.unit}]" if self.unit else self.title
+
+
+_DEGREES = 180.0 / math.pi
+_AXES = {
+    axis.name: axis
+    for axis in (
+        Axis("twist", "Twist", "deg", _DEGREES),
+        Axis("forward", "Forward", "m"),
+        Axis("lateral", "Lateral", "m"),
+        Axis("height", "Landing height", "m"),
+        Axis("roll", "Roll", "deg", _DEGREES),
+        Axis("pitch", "Pitch", "deg", _DEGREES),
+        Axis("speed", "Speed", "m/s"),
+        Axis("end_speed", "End speed", "m/s"),
+        Axis("hops", "Hops", otherwise=1.0),
+        Axis("drive_torque", "Torque of the drives", "%", 100.0, 1.0),
+        Axis("drive_speed", "Speed of the drives", "%", 100.0, 1.0),
+    )
+}
+
+
+def axis_of(name: str) -> Axis:
+    """The axis of a column."""
+    if name in _AXES:
+        return _AXES[name]
+    title = name.removeprefix(LIMIT).replace("_", " ").capitalize()
+    return Axis(name, f"Limit: {title.lower()}", "SI", otherwise=None)
+
+
+@dataclass(frozen=True, eq=False)
+class Jumps:
+    """Jumps of one robot, model and type.
+
+    Attributes:
+        robot, model, type: of all of them.
+        numbers: (J,) in the sweep.
+        asked: axis name -> (J,) SI; limits begin with "limit_".
+        planned: (J,) 0 or 1: there is a plan.
+        landed, strict: (J,) share of the simulated seeds; NaN where nothing was simulated.
+        flight: (J,) s; torque_share: (J,); NaN where there is no plan.
+        stops: names of what stops a jump; stop: (J,) places therein.
+        robot_hash: of the robot's files.
+    """
+
+    robot: str
+    model: str
+    type: str
+    numbers: NDArray[np.int64]
+    asked: Mapping[str, Array]
+    planned: Array
+    landed: Array
+    strict: Array
+    flight: Array
+    torque_share: Array
+    stops: tuple[str, ...]
+    stop: NDArray[np.int64]
+    robot_hash: str
+
+    def __len__(self) -> int:
+        return len(self.numbers)
+
+    @property
+    def axes(self) -> tuple[Axis, ...]:
+        """What varies among them, in the table's order."""
+        return tuple(axis_of(name) for name, values in self.asked.items() if np.ptp(values) > 0)
+
+    @property
+    def simulated(self) -> bool:
+        """Whether any of them was."""
+        return bool(np.isfinite(self.strict).any())
+
+    def request(self, index: int) -> tuple[Jump, dict[str, float], dict[str, float]]:
+        """What was asked: the jump, limits and drives (times the robot file's)."""
+        values = {name: float(column[index]) for name, column in self.asked.items()}
+        amounts: dict[str, Any] = {name: values[name] for name in AMOUNTS}
+        amounts["hops"] = int(amounts["hops"])
+        limits = {
+            name.removeprefix(LIMIT): value
+            for name, value in values.items()
+            if name.startswith(LIMIT) and math.isfinite(value)
+        }
+        drives = {name: values[name] for name in DRIVES if values[name] != 1.0}
+        jump = Jump(robot=self.robot, model=self.model, type=self.type, **amounts)
+        return jump, limits, drives
+
+
+@dataclass(frozen=True, eq=False)
+class Atlas:
+    """A sweep's jumps.
+
+    Attributes:
+        title: of the sweep.
+        groups: jumps of the same robot, model and type, as the sweep has them.
+    """
+
+    title: str
+    groups: tuple[Jumps, ...]
+
+    @property
+    def robots(self) -> tuple[str, ...]:
+        """Names or paths, as the sweep has them."""
+        return tuple(dict.fromkeys(group.robot for group in self.groups))
+
+    def jumps_of(self, robot: str, model: str = "", kind: str = "") -> Jumps | None:
+        """Jumps of a robot, of this model and type if there are any, else of the first ones."""
+        groups = [group for group in self.groups if group.robot == robot]
+        return max(groups, key=lambda g: (g.type == kind, g.model == model), default=None)
+
+    def find(self, number: int) -> tuple[Jumps, int] | None:
+        """The jump with that number in the sweep: its group, and its place there."""
+        for group in self.groups:
+            place = int(np.searchsorted(group.numbers, number))
+            if place < len(group) and group.numbers[place] == number:
+                return group, place
+        return None
+
+
+def words_of(stop: str) -> str:
+    """What stops a jump, for people."""
+    return {NOTHING: "nothing", NOT_PLANNED: "no plan found"}.get(stop, stop.replace("_", " "))

@@ -1,0 +1,169 @@
+"""`llsrbm atlas`."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from llsrbm.commands import console, options
+from llsrbm.errors import InputError
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from llsrbm.atlas.jumps import Atlas, Axis, Jumps
+    from llsrbm.atlas.map import Map
+
+
+def atlas_command(
+    sweep: Annotated[
+        Path | None,
+        typer.Argument(
+            metavar="[DIR]", help="Folder of a sweep, or its table [default: the one that ships]."
+        ),
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="FILE", help="Picture: .png, .svg or .pdf.")
+    ] = None,
+    table: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="Write the columns that an atlas needs, as parquet."),
+    ] = None,
+    robot: Annotated[
+        list[str] | None, typer.Option(metavar="R", help="Of these alone; repeatable.")
+    ] = None,
+    x: Annotated[str, typer.Option(help="Axis to the right.")] = "twist",
+    y: Annotated[str, typer.Option(help="Axis upwards.")] = "forward",
+    colour: Annotated[
+        str, typer.Option(help="plannable, strict, torque, flight or stopped-by.")
+    ] = "plannable",
+    at: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="AXIS=VALUE",
+            help="Nearest slice, as height=0.1 or twist=90 (deg); repeatable. Without: all slices "
+            "together.",
+        ),
+    ] = None,
+    as_json: options.AsJson = False,
+) -> int:
+    """Map what a robot can do: a sweep's jumps over two of its axes, as a picture.
+
+    The one that ships is renewed by `llsrbm sweep atlas --out DIR`, then
+    `llsrbm atlas DIR --table assets/atlas/jumps.parquet`.
+    """
+    with console.result_stream(as_json=as_json) as stdout:
+        from llsrbm.atlas.colours import COLOURS
+        from llsrbm.atlas.shipped import shipped_atlas
+        from llsrbm.atlas.table import read_atlas, write_small
+        from llsrbm.robots.schema import choices
+
+        source = shipped_atlas() if sweep is None else sweep
+        if colour not in COLOURS:
+            raise InputError(f'--colour: no "{colour}"; {choices(colour, COLOURS)}')
+        atlas = read_atlas(source)
+        groups = _groups(atlas, robot or ())
+        maps = [_map(jumps, x, y, colour, at or ()) for jumps in groups]
+        if out is not None:
+            from llsrbm.atlas.picture import write_picture
+
+            write_picture(maps, [_title(jumps) for jumps in groups], out)
+        if table is not None:
+            write_small(source, table)
+        result = {"title": atlas.title, "maps": [_summary(each) for each in maps]}
+        if as_json:
+            print(json.dumps(result, allow_nan=False), file=stdout)
+        else:
+            console.print_lines(_description(result), stdout)
+    return console.DONE
+
+
+def _groups(atlas: Atlas, robots: Sequence[str]) -> list[Jumps]:
+    from llsrbm.robots.schema import choices
+
+    for name in robots:
+        if name not in atlas.robots:
+            raise InputError(f'--robot: no jumps of "{name}"; {choices(name, atlas.robots)}')
+    return [jumps for jumps in atlas.groups if not robots or jumps.robot in robots]
+
+
+def _map(jumps: Jumps, x: str, y: str, colour: str, at: Sequence[str]) -> Map:
+    from llsrbm.atlas.colours import COLOURS
+    from llsrbm.atlas.map import ALL, NEAREST, map_of
+
+    across, up = _axis(jumps, "--x", x), _axis(jumps, "--y", y)
+    if across.name == up.name:
+        raise InputError(f'--x and --y: both are "{x}"; expected two different axes')
+    slices = dict(_slice(jumps, text) for text in at)
+    how = NEAREST if at else ALL
+    return map_of(jumps, across, up, COLOURS[colour], projection=how, design=slices)
+
+
+def _axis(jumps: Jumps, option: str, name: str) -> Axis:
+    from llsrbm.robots.schema import choices
+
+    axes = {axis.name: axis for axis in jumps.axes}
+    if len(axes) < 2:
+        raise InputError(
+            f"{jumps.robot}: the sweep varies {', '.join(axes) or 'nothing'}; expected two axes"
+        )
+    if name not in axes:
+        raise InputError(
+            f'{option}: the sweep of {jumps.robot} has no axis "{name}"; {choices(name, axes)}'
+        )
+    return axes[name]
+
+
+def _slice(jumps: Jumps, text: str) -> tuple[str, float]:
+    name, _, value = text.partition("=")
+    axis = _axis(jumps, "--at", name)
+    try:
+        number = float(value)
+    except ValueError:
+        number = math.nan
+    if not math.isfinite(number):
+        raise InputError(f'--at: expected AXIS=VALUE with a number, got "{text:.80}"')
+    return name, number / axis.scale
+
+
+def _title(jumps: Jumps) -> str:
+    from llsrbm.errors import Error
+    from llsrbm.robots import load_robot
+
+    try:
+        return load_robot(jumps.robot).file.title
+    except Error:  # of another machine: its name says enough
+        return jumps.robot
+
+
+def _summary(drawn: Map) -> dict[str, Any]:
+    jumps = drawn.jumps
+    strict = jumps.strict[jumps.planned > 0] if jumps.simulated else None
+    return {
+        "robot": jumps.robot,
+        "model": jumps.model,
+        "type": jumps.type,
+        "axes": [axis.name for axis in jumps.axes],
+        "jumps": len(jumps),
+        "plannable_share": float(jumps.planned.mean()),
+        "strict_share": None if strict is None or not len(strict) else float(strict.mean()),
+        "border": [line.tolist() for line in drawn.border],
+    }
+
+
+def _description(result: dict[str, Any]) -> dict[str, str]:
+    from llsrbm.numerals import percent
+
+    lines = {"sweep": result["title"]}
+    for found in result["maps"]:
+        strict = found["strict_share"]
+        told = f"{found['jumps']} jumps, {percent(found['plannable_share'])} plannable"
+        if strict is not None:
+            told += f", of these {percent(strict)} land by the strict measure"
+        name = f"{found['robot']} {found['model']} {found['type']} "
+        lines[name] = f"{told}; axes: {', '.join(found['axes'])}"
+    return lines

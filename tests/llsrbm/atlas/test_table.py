@@ -1,0 +1,108 @@
+from __future__ import annotations
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+import pytest
+
+from llsrbm.atlas.jumps import FALLS
+from llsrbm.atlas.shipped import shipped_atlas
+from llsrbm.atlas.table import read_atlas, write_small
+from llsrbm.errors import InputError
+from llsrbm.robots.assets import robot_files
+from tests.llsrbm.atlas.tables import can, grid, row, stopped, write
+
+
+def test_jumps_of_a_robot_with_what_was_asked_and_what_varies(tmp_path):
+    atlas = read_atlas(write(tmp_path / "jumps.parquet", grid(("anymal", "go2"))))
+    assert atlas.title == tmp_path.name
+    assert atlas.robots == ("anymal", "go2")
+    jumps = atlas.jumps_of("go2")
+    assert len(jumps) == 72
+    assert [axis.name for axis in jumps.axes] == ["twist", "forward", "height"]
+    asked = zip(jumps.asked["twist"], jumps.asked["height"], strict=True)
+    assert jumps.planned.tolist() == [can(*each) for each in asked]
+    assert atlas.jumps_of("slider") is None
+
+
+def test_a_jump_is_found_by_its_number_with_its_request(tmp_path):
+    values = {"twist": 1.0, "height": 0.1, "hops": 2, "limit_friction": 0.3, "drive_torque": 1.2}
+    rows = [row(3), row(7, **values)]
+    atlas = read_atlas(write(tmp_path / "t.parquet", rows, limits=("friction",)))
+    jumps, place = atlas.find(7)
+    jump, limits, drives = jumps.request(place)
+    assert (jump.robot, jump.twist, jump.height, jump.hops) == ("anymal", 1.0, 0.1, 2)
+    assert limits == {"friction": 0.3}
+    assert drives == {"drive_torque": 1.2}
+    assert [atlas.find(number) for number in (-1, 0, 5, 8)] == [None] * 4
+
+
+def test_a_limit_that_a_jump_does_not_state_is_the_robots_own(tmp_path):
+    atlas = read_atlas(write(tmp_path / "t.parquet", [row(0)], limits=("friction",)))
+    _, limits, drives = atlas.groups[0].request(0)
+    assert limits == drives == {}
+
+
+def test_seeds_come_together_whatever_their_order(tmp_path):
+    falls = {"landed": False, "strict": False}
+    rows = [
+        row(1, 0, **falls),
+        row(0, 1, strict=False),
+        row(0, 0),
+        row(1, 1, **falls),
+        row(2, 0, **stopped()),
+        row(2, 1, **stopped()),
+        row(1, 2),
+    ]
+    (jumps,) = read_atlas(write(tmp_path / "t.parquet", rows)).groups
+    assert jumps.planned.tolist() == [1, 1, 0]
+    np.testing.assert_allclose(jumps.strict, [0.5, 1 / 3, np.nan])
+    np.testing.assert_allclose(jumps.landed, [1, 1 / 3, np.nan])
+    assert [jumps.stops[k] for k in jumps.stop] == ["", FALLS, "joint_torque"]
+
+
+def test_models_and_types_are_told_apart(tmp_path):
+    rows = [row(0), row(1, model="srbm"), row(2, model="srbm", type="rear-last")]
+    atlas = read_atlas(write(tmp_path / "t.parquet", rows))
+    found = atlas.jumps_of("anymal", "srbm", "rear-last")
+    assert found.numbers.tolist() == [2]
+    assert atlas.jumps_of("anymal", "srbm", "together").numbers.tolist() == [1]
+    assert atlas.jumps_of("anymal", "llsrbm", "flip").numbers.tolist() == [0]
+
+
+def test_the_small_file_is_the_same_atlas(tmp_path):
+    table = write(tmp_path / "jumps.parquet", grid())
+    write_small(tmp_path, tmp_path / "small.parquet")
+    assert (tmp_path / "small.parquet").stat().st_size < table.stat().st_size / 2
+    (one,), (other,) = (read_atlas(p).groups for p in (table, tmp_path / "small.parquet"))
+    assert read_atlas(tmp_path / "small.parquet").title == tmp_path.name
+    np.testing.assert_array_equal(one.planned, other.planned)
+    np.testing.assert_allclose(one.torque_share, other.torque_share, rtol=1e-6)
+    assert one.stops == other.stops
+
+
+def test_what_is_no_sweeps_table_is_refused_in_one_line(tmp_path):
+    (tmp_path / "text.parquet").write_text("nothing of the kind")
+    pq.write_table(pa.table({"jump": [1]}), tmp_path / "other.parquet")
+    write(tmp_path / "odd.parquet", [row(0, status="maybe")])
+    write(tmp_path / "empty.parquet", [])
+    for name, why in (
+        ("none", "no jumps.parquet there"),
+        ("text.parquet", "cannot be read"),
+        ("other.parquet", 'no column "robot"'),
+        ("odd.parquet", "status 'maybe'"),
+        ("empty.parquet", "has no jumps"),
+    ):
+        with pytest.raises(InputError, match=why) as refused:
+            read_atlas(tmp_path / name)
+        assert "\n" not in str(refused.value)
+
+
+def test_the_shipped_one_is_small_and_of_every_robot():
+    assert shipped_atlas().stat().st_size < 400_000
+    atlas = read_atlas(shipped_atlas())
+    assert {*atlas.robots} == {*robot_files()}
+    for jumps in atlas.groups:
+        assert {"twist", "forward", "height"} == {axis.name for axis in jumps.axes}
+        assert jumps.simulated
+        assert 0 < jumps.planned.mean() <= 1

@@ -1,0 +1,61 @@
+from __future__ import annotations
+
+import json
+
+import pytest
+from PIL import Image
+
+from llsrbm.cli import main
+from tests.llsrbm.atlas.tables import grid, row, write
+
+
+@pytest.fixture
+def table(tmp_path):
+    return write(tmp_path / "jumps.parquet", grid(("anymal", "go2")))
+
+
+def test_shares_and_borders_as_json(table, capfd):
+    assert main(["atlas", str(table.parent), "--at", "height=0", "--json"]) == 0
+    first, second = json.loads(capfd.readouterr().out)["maps"]
+    assert (first["robot"], second["robot"]) == ("anymal", "go2")
+    assert first["axes"] == ["twist", "forward", "height"]
+    assert first["plannable_share"] == pytest.approx(8 / 18)
+    assert first["strict_share"] == 1
+    assert len(first["border"]) == 2
+
+
+@pytest.mark.parametrize("colour", ["plannable", "stopped-by"])
+def test_a_picture_of_every_robot(table, tmp_path, colour):
+    pytest.importorskip("matplotlib")
+    target = tmp_path / "map.png"
+    assert main(["atlas", str(table), "--out", str(target), "--colour", colour]) == 0
+    with Image.open(target) as picture:
+        assert picture.width > 1.5 * picture.height
+    one = tmp_path / "one.png"
+    main(["atlas", str(table), "--robot", "go2", "--out", str(one)])
+    with Image.open(one) as picture:
+        assert picture.width < 1.5 * picture.height
+
+
+@pytest.mark.parametrize(
+    ("arguments", "why"),
+    [
+        (["--colour", "red"], 'no "red"'),
+        (["--x", "lateral"], 'no axis "lateral"'),
+        (["--y", "twist"], "two different axes"),
+        (["--robot", "slider"], 'no jumps of "slider"'),
+        (["--at", "height=high"], "AXIS=VALUE"),
+        (["--out", "map.bmp"], ".png, .svg, .pdf"),
+    ],
+)
+def test_what_cannot_be_is_one_line(table, capfd, arguments, why):
+    assert main(["atlas", str(table), *arguments]) == 2
+    told = capfd.readouterr().err
+    assert why in told
+    assert told.count("\n") == 1
+
+
+def test_a_sweep_of_one_axis_has_no_map(tmp_path, capfd):
+    write(tmp_path / "jumps.parquet", [row(0), row(1, twist=1.0)])
+    assert main(["atlas", str(tmp_path)]) == 2
+    assert "expected two axes" in capfd.readouterr().err
