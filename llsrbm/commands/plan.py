@@ -72,7 +72,7 @@ def _description(plan: Plan) -> dict[str, str]:
     turn = final_yaw(plan.time, plan.base_quat, plan.angular_velocity[:, 2])
     return {
         "request": in_words(plan.jump),
-        "solver": f"{report.status} by {report.solver} in {report.iterations} iterations, "
+        "solver": f"{report.status} by {report.solver} in {report.iterations} iterations {report.guess}, "
         f"{1e3 * report.solve_time_s:.0f} ms ({1e3 * report.total_time_s:.0f} ms from request to "
         f"plan, {report.build_time_s:.2f} s to build the solver)",
         "duration": f"{plan.duration:.2f} s: {_phases(plan)} s",
