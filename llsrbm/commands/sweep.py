@@ -57,13 +57,13 @@ def sweep_command(
         from llsrbm.sweep.estimate import LARGE, estimate
         from llsrbm.sweep.points import Points
         from llsrbm.sweep.shard import origin
-        from llsrbm.sweep.spec import find_spec
+        from llsrbm.sweep.spec_file import find_spec
         from llsrbm.sweep.table import Folder
 
         points = Points(find_spec(spec))
         workers = workers or os.cpu_count() or 1
         expected = estimate(points)
-        _say(f"{points.spec.title}: {expected.in_words(workers)}")
+        _say(f"{points.spec.title}: {expected.in_words(None if scheduler else workers)}")
         if expected.rows > LARGE and not yes:
             raise InputError(
                 f"{spec}: {expected.rows} rows are more than {LARGE}; expected --yes beside so "

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from llsrbm.sweep.points import Points
 
 # s a jump on one core of a cloud machine of 2026, mean of the three robots, failures included.
-SECONDS_A_PLAN = 0.35
+SECONDS_A_PLAN = 0.5
 SECONDS_A_SIMULATION = 1.1
 SECONDS_A_DIAGNOSIS = 3.0  # spread over all jumps
 # bytes; Parquet packs rows of planned jumps to this, and trajectories hardly at all.
@@ -33,13 +33,14 @@ class Estimate:
     seconds: float
     size: float
 
-    def in_words(self, workers: int) -> str:
-        """One line."""
-        return (
-            f"{self.jumps} jumps, {self.rows} rows; expected "
-            f"{duration_in_words(self.seconds / max(workers, 1))} on {workers} workers, "
-            f"{_size_in_words(self.size)}"
-        )
+    def in_words(self, workers: int | None) -> str:
+        """One line; `workers`: how many there will be, None: the cluster's, who knows how many."""
+        if workers is None:
+            long = f"{duration_in_words(self.seconds)} of work for the cluster"
+        else:
+            many = f"{workers} worker{'s' if workers > 1 else ''}"
+            long = f"{duration_in_words(self.seconds / workers)} on {many}"
+        return f"{self.jumps} jumps, {self.rows} rows; expected {long}, {_in_bytes(self.size)}"
 
 
 def estimate(points: Points, jumps: int | None = None) -> Estimate:
@@ -66,7 +67,7 @@ def duration_in_words(seconds: float) -> str:
     return f"{seconds / 86_400:.1f} days"
 
 
-def _size_in_words(size: float) -> str:
+def _in_bytes(size: float) -> str:
     for unit, amount in (("kB", 1e3), ("MB", 1e6), ("GB", 1e9)):
         if size < 1000 * amount:
             return f"about {size / amount:.1f} {unit}"

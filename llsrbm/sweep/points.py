@@ -22,7 +22,8 @@ from numpy.typing import NDArray
 from llsrbm.errors import InputError
 from llsrbm.jump import Jump
 from llsrbm.robots.schema import choices
-from llsrbm.sweep.spec import COUNTED, ROBOT_RANGES, Spec
+from llsrbm.sweep.axes import COUNTED, ROBOT_RANGES
+from llsrbm.sweep.spec import Spec
 
 MOST_ROWS = 10**8
 """Rows of a sweep at most: two workers take a year for that."""

@@ -5,8 +5,9 @@
 outcomes of one that was not simulated. Names are those of `plan --json` and `simulate --json`.
 
 Rows are the same whatever the number of workers and the order in which they work, columns of
-`TIMES` aside; with `diagnose`, which gives up after some seconds, also those of `DIAGNOSED`.
-Another processor, or one without a compiler, may change the last bits.
+`TIMES` aside; with `diagnose`, which gives up after some seconds, also those of `DIAGNOSED`; with
+`replan`, where an answer counts from when it is there, also outcomes. Nothing is rounded. Another
+processor, or a machine without a compiler, may change the last bits.
 """
 
 from __future__ import annotations

@@ -6,6 +6,7 @@ those. How many jumps a shard has follows from the rate measured so far, and cha
 
 from __future__ import annotations
 
+import asyncio
 import logging
 import math
 import time
@@ -13,14 +14,14 @@ from collections import deque
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import CancelledError
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from itertools import islice
 from typing import Any
 
 import dask
 import distributed
 from distributed.client import FutureCancelledError
-from distributed.comm import CommClosedError
+from distributed.comm import CommClosedError, get_address_host
 from distributed.scheduler import KilledWorker
 
 from llsrbm.errors import Error, InputError
@@ -48,8 +49,7 @@ class Progress:
     Attributes:
         jumps: of the sweep; done: of them, also earlier; begun_at: `done` when this run began.
         workers: at the moment.
-        seconds: of this run; work: of its workers; planning, simulating: of them.
-        statuses: robot -> status -> rows of this run; strict: robot -> rows.
+        seconds: of this run; planning, simulating: of its workers, summed.
     """
 
     jumps: int
@@ -57,11 +57,8 @@ class Progress:
     begun_at: int
     workers: int = 0
     seconds: float = 0.0
-    work: float = 0.0
     planning: float = 0.0
     simulating: float = 0.0
-    statuses: dict[str, dict[str, int]] = field(default_factory=dict)
-    strict: dict[str, int] = field(default_factory=dict)
 
     @property
     def rate(self) -> float:
@@ -82,15 +79,8 @@ class Progress:
     def add(self, shard: Shard) -> None:
         """Count a shard."""
         self.done += len(shard.jumps)
-        self.work += shard.seconds
         self.planning += shard.planning
         self.simulating += shard.simulating
-        for robot, statuses in shard.statuses.items():
-            mine = self.statuses.setdefault(robot, {})
-            for status, count in statuses.items():
-                mine[status] = mine.get(status, 0) + count
-        for robot, count in shard.strict.items():
-            self.strict[robot] = self.strict.get(robot, 0) + count
 
 
 @contextmanager
@@ -137,12 +127,20 @@ def connected(workers: int, scheduler: str | None) -> Iterator[distributed.Clien
 
 def _existing(scheduler: str) -> distributed.Client:
     try:
+        # A client waits for ever for something that takes the connection and says nothing.
+        asyncio.run(asyncio.wait_for(_identity(scheduler), _ANSWER_TIME))
         return distributed.Client(scheduler, timeout=f"{_ANSWER_TIME}s")
     except Exception as error:  # whatever another service's answer makes of Dask's reader
         raise InputError(
             f"--scheduler {scheduler}: no Dask scheduler answers there within {_ANSWER_TIME:.0f} "
             "s; expected the address of one that runs, such as tcp://127.0.0.1:8786"
         ) from error
+
+
+async def _identity(scheduler: str) -> Any:
+    """What a scheduler says of itself."""
+    async with distributed.rpc(scheduler) as remote:
+        return await remote.identity()
 
 
 def run(
@@ -207,15 +205,26 @@ class _Work:
     def prepare(self) -> None:
         """Have one worker of each machine fill its cache, before all of them do the same."""
         self._wait_for_workers()
-        info = self._client.scheduler_info(n_workers=-1)["workers"]
-        hosts = {worker["host"]: address for address, worker in info.items()}
+        hosts = {get_address_host(address): address for address in self._client.nthreads()}
         futures = [
-            self._client.submit(prepare, self._spec, workers=[address], pure=False)
+            self._client.submit(
+                prepare,
+                self._spec,
+                workers=[address],
+                allow_other_workers=True,  # a worker that dies comes back with another address
+                pure=False,
+            )
             for address in hosts.values()
         ]
         self._told("loading the solvers; those that are built for the first time take a minute")
         for future in futures:
-            self._check(self._result(future))
+            try:
+                self._check(self._result(future))
+            except KilledWorker as error:
+                raise Error(
+                    f"{_DEATHS + 1} workers died while they loaded the solvers; expected about a "
+                    f"gigabyte of memory for each; {GO_ON}"
+                ) from error
         self._start = time.perf_counter()
 
     def run(self) -> None:
@@ -288,13 +297,22 @@ class _Work:
         self._progress(self.so_far)
 
     def _result(self, future: distributed.Future) -> Any:
-        """What a worker hands back; a programming error of ours there is one here."""
+        """What a worker hands back.
+
+        Raises:
+            KilledWorker: workers died of it, or by chance.
+            Error: it could not begin.
+        """
         try:
             return future.result()
-        except ImportError as error:
+        except KilledWorker:
+            raise
+        except Exception as error:
+            if future.status != "error":  # not the worker's, but the connection's
+                raise
             raise Error(
-                f"a worker cannot run the sweep ({error}); expected llsrbm "
-                f"{self._origin['llsrbm']} on every worker; {GO_ON}"
+                f"a worker cannot run the sweep ({type(error).__name__}: {error}); expected "
+                f"llsrbm {self._origin['llsrbm']} and the robots' files on every worker; {GO_ON}"
             ) from error
         finally:
             future.release()

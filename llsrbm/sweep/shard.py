@@ -14,11 +14,10 @@ from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from llsrbm.cache import content_key
 from llsrbm.errors import Error, InputError, NotConverged
 from llsrbm.sweep import rows as row
+from llsrbm.sweep.figures import figures, short, solved, stopped
 from llsrbm.sweep.points import Point, Points
 from llsrbm.sweep.spec import Spec
 from llsrbm.version import package_version
@@ -30,9 +29,6 @@ if TYPE_CHECKING:
     from llsrbm.robots.robot import Robot
 
 _HASH_DIGITS = 16
-# Share of the robot's weight below which a contact's force says nothing of friction.
-_LOADED = 0.02
-_LONGEST_MESSAGE = 500  # characters of a row's message
 
 
 @dataclass
@@ -44,8 +40,6 @@ class Shard:
         table: their rows, as Arrow's file format.
         trajectories: group -> quantity -> array, see `llsrbm.sweep.trajectories`; empty if not
             asked for.
-        statuses: robot -> status -> rows.
-        strict: robot -> simulated rows that landed by the strict measure.
         origin: what the rows depend on beside the spec, see `origin`.
         seconds: in all; planning: of them from request to plan; simulating: likewise.
     """
@@ -53,8 +47,6 @@ class Shard:
     jumps: list[int]
     table: bytes
     trajectories: dict[str, dict[str, Any]] = field(default_factory=dict)
-    statuses: dict[str, dict[str, int]] = field(default_factory=dict)
-    strict: dict[str, int] = field(default_factory=dict)
     origin: dict[str, str] = field(default_factory=dict)
     seconds: float = 0.0
     planning: float = 0.0
@@ -84,7 +76,9 @@ def run_shard(spec: str, jumps: Sequence[int]) -> Shard:
         from llsrbm.sweep.trajectories import arrays_of
 
         shard.trajectories = arrays_of(plans)
-    _count(shard, found)
+    shard.simulating = sum(values.get("simulation_time_s") or 0.0 for values in found)
+    # Once a jump, not once a row.
+    shard.planning = sum({v["jump"]: v["plan_time_s"] for v in found}.values())
     shard.origin = origin(points.spec)
     shard.seconds = time.perf_counter() - start
     return shard
@@ -104,12 +98,10 @@ def packed(found: list[dict[str, Any]], spec: Spec) -> bytes:
 def lost_shard(spec: Spec, point: Point, message: str) -> Shard:
     """The rows of a jump whose worker died of it again and again."""
     found = [
-        {**_asked(point, index, seed), "status": row.FAILED, "message": message}
+        {**asked(point, index, seed), "status": row.FAILED, "message": message}
         for index, seed in zip(point.rows, point.seeds, strict=True)
     ]
-    shard = Shard([point.number], packed(found, spec), origin=origin(spec))
-    _count(shard, found)
-    return shard
+    return Shard([point.number], packed(found, spec), origin=origin(spec))
 
 
 def prepare(spec: str) -> dict[str, str]:
@@ -181,14 +173,14 @@ def _rows_of(point: Point, spec: Spec) -> tuple[list[dict[str, Any]], Plan | Non
     planned["plan_time_s"] = time.perf_counter() - start
     made = []
     for index, seed in zip(point.rows, point.seeds, strict=True):
-        values = {**_asked(point, index, seed), **planned}
+        values = {**asked(point, index, seed), **planned}
         if plan is not None and spec.simulated:
             values |= _simulated(point, plan, spec, seed)
         made.append(values)
     return made, plan
 
 
-def _asked(point: Point, index: int, seed: int | None) -> dict[str, Any]:
+def asked(point: Point, index: int, seed: int | None) -> dict[str, Any]:
     """What the row is about."""
     return {
         "index": index,
@@ -209,12 +201,12 @@ def _planned(point: Point, spec: Spec) -> tuple[dict[str, Any], Plan | None]:
     try:
         plan = plan_of(point, spec)
     except NotConverged as error:
-        return {**_stopped(error, spec.diagnose), **_solved(error.plan)}, None
+        return {**stopped(error, spec.diagnose), **solved(error.plan)}, None
     except InputError as error:
-        return {"status": row.REFUSED, "message": _short(error)}, None
+        return {"status": row.REFUSED, "message": short(error)}, None
     except Exception as error:  # noqa: BLE001  # a sweep goes on, and the row says why
-        return {"status": row.FAILED, "message": _short(error)}, None
-    return {"status": row.PLANNED, **_solved(plan), **_figures(plan, _robot(point))}, plan
+        return {"status": row.FAILED, "message": short(error)}, None
+    return {"status": row.PLANNED, **solved(plan), **figures(plan, _robot(point))}, plan
 
 
 def plan_of(point: Point, spec: Spec) -> Plan:
@@ -244,115 +236,15 @@ def rollout_of(point: Point, plan: Plan, spec: Spec, seed: int | None) -> Rollou
     return simulate(plan, _robot(point), scenario)
 
 
-def _solved(plan: Plan) -> dict[str, Any]:
-    report = plan.report
-    amounts = [violation.amount for violation in plan.violations.values()]
-    return {
-        "iterations": report.iterations,
-        "attempts": report.attempts,
-        "cost": report.cost,
-        "solve_time_s": report.solve_time_s,
-        "violation": max(amounts, default=None),
-    }
-
-
-def _stopped(error: NotConverged, diagnosed: bool) -> dict[str, Any]:
-    """What stops a jump: diagnosed, the limit; else the constraint that is violated most."""
-    from llsrbm.planning.residuals import severity
-
-    violations = error.plan.violations
-    worst = max(violations, key=lambda name: severity(violations[name]), default=None)
-    values: dict[str, Any] = {
-        "status": row.NOT_PLANNED,
-        "stopped_by": worst,
-        "constraint": worst,
-        "message": _short(error),
-        "violations": {name: violation.amount for name, violation in violations.items()},
-    }
-    if diagnosed and error.stops and error.stops[0].limit is not None:
-        stop = error.stops[0]
-        values |= {
-            "stopped_by": stop.limit,
-            "stop_limit": stop.limit,
-            "stop_value": stop.value,
-            "stop_needed": stop.needed,
-        }
-    return values
-
-
-def _figures(plan: Plan, robot: Robot) -> dict[str, Any]:
-    """Durations, margins and loads of a plan."""
-    from llsrbm.analysis.peak_loads import planned_peak_load, planned_torque_shares
-    from llsrbm.analysis.summary import peak_yaw_rate
-    from llsrbm.motion.rotation import final_yaw
-
-    durations = np.diff(plan.phase_start)
-    load = planned_peak_load(plan)
-    flights = sum(durations[flight] for flight in plan.schedule.flights)
-    values: dict[str, Any] = {
-        "duration_s": plan.duration,
-        "takeoff_s": plan.lift_off,
-        "flight_s": float(flights),
-        "landing_s": plan.duration - plan.touchdown,
-        "lift_off_s": plan.lift_off,
-        "touchdown_s": plan.touchdown,
-        "phase_durations_s": durations.tolist(),
-        "final_yaw": final_yaw(plan.time, plan.base_quat, plan.angular_velocity[:, 2]),
-        "peak_yaw_rate": peak_yaw_rate(plan),
-        "apex": float(plan.com[:, 2].max() - plan.com[0, 2]),
-        "joint_torque_ratio": planned_torque_shares(plan),
-    }
-    if load is not None:
-        values |= {
-            "torque_share": load.ratio,
-            "torque_joint": load.joint,
-            "torque_phase": load.phase,
-        }
-    return values | _joints(plan, robot) | _forces(plan, robot)
-
-
-def _joints(plan: Plan, robot: Robot) -> dict[str, Any]:
-    """Largest speed and smallest margin at knots; between them would take a tenth of a plan."""
-    q, model = plan.joint_position, robot.model
-    room = np.minimum(q - model.lowerPositionLimit[7:], model.upperPositionLimit[7:] - q)
-    tightest = int(room.min(axis=0).argmin())
-    values: dict[str, Any] = {
-        "joint_margin": float(room[:, tightest].min()),
-        "margin_joint": plan.joint_names[tightest],
-    }
-    if plan.joint_velocity is not None:
-        with np.errstate(divide="ignore", invalid="ignore"):  # joints without a speed limit
-            shares = np.abs(plan.joint_velocity).max(axis=0) / robot.speed_limit
-        fastest = int(shares.argmax())
-        values |= {"speed_share": float(shares[fastest]), "speed_joint": plan.joint_names[fastest]}
-    return values
-
-
-def _forces(plan: Plan, robot: Robot) -> dict[str, Any]:
-    """Forces at contacts, and how much of the friction they use."""
-    from llsrbm.planning.stage import GRAVITY
-
-    force = plan.contact_force
-    tangential = np.hypot(force[..., 0], force[..., 1])
-    loaded = force[..., 2] > _LOADED * robot.mass * GRAVITY
-    used = float((tangential[loaded] / force[..., 2][loaded]).max()) if loaded.any() else 0.0
-    friction = plan.tuning.limits.get("friction", robot.file.limits.friction)
-    return {
-        "friction_share": used,
-        "friction_margin": friction - used,
-        "peak_force": float(np.linalg.norm(force, axis=-1).max()),
-    }
-
-
 def _simulated(point: Point, plan: Plan, spec: Spec, seed: int | None) -> dict[str, Any]:
     """How the whole robot did with a plan."""
     start = time.perf_counter()
     try:
         outcome = asdict(rollout_of(point, plan, spec, seed).outcome)
     except InputError as error:
-        return {"status": row.REFUSED, "message": _short(error)}
+        return {"status": row.REFUSED, "message": short(error)}
     except Exception as error:  # noqa: BLE001  # a sweep goes on, and the row says why
-        return {"status": row.FAILED, "message": _short(error)}
+        return {"status": row.FAILED, "message": short(error)}
     known = {column.name for column in row.COLUMNS}
     return {
         **{name: value for name, value in outcome.items() if name in known and name != "status"},
@@ -360,19 +252,3 @@ def _simulated(point: Point, plan: Plan, spec: Spec, seed: int | None) -> dict[s
         "fall": outcome["reason"] or None,
         "simulation_time_s": time.perf_counter() - start,
     }
-
-
-def _count(shard: Shard, found: list[dict[str, Any]]) -> None:
-    for values in found:
-        robot = values["robot"]
-        of_robot = shard.statuses.setdefault(robot, {})
-        of_robot[values["status"]] = of_robot.get(values["status"], 0) + 1
-        shard.strict[robot] = shard.strict.get(robot, 0) + bool(values.get("strict"))
-        shard.simulating += values.get("simulation_time_s") or 0.0
-    # Once a jump, not once a row.
-    shard.planning += sum({v["jump"]: v.get("plan_time_s") or 0.0 for v in found}.values())
-
-
-def _short(error: BaseException) -> str:
-    text = " ".join(str(error).split()) or type(error).__name__
-    return text if len(text) <= _LONGEST_MESSAGE else f"{text[:_LONGEST_MESSAGE]}..."

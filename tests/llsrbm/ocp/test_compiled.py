@@ -2,6 +2,7 @@
 
 import logging
 import shutil
+import time
 from functools import cache
 
 import casadi as ca
@@ -87,6 +88,31 @@ def test_a_solver_takes_them_when_they_are_there(library):
     after = solver.solve(problem(1.0), GUESS)
     assert solver.function("nlp_g").is_a("External", True)
     np.testing.assert_allclose(after.variables, before.variables, atol=1e-8)
+
+
+def test_a_solver_that_settles_waits_for_them_and_changes_no_more(library):
+    there = []
+    waiting, late = (solvers.by_name("fatrop").build(transcription()) for _ in range(2))
+    waiting.replace_by(lambda: library.load() if there else None, lambda: there.append(True))
+    waiting.settle()
+    assert waiting.function("nlp_g").is_a("External", True)
+    there.clear()
+    late.replace_by(lambda: library.load() if there else None)
+    late.settle()
+    there.append(True)
+    late.solve(problem(1.0), GUESS)
+    assert not late.function("nlp_g").is_a("External", True)
+
+
+def test_waiting_is_also_for_another_processs_job(tmp_path):
+    (tmp_path / "kind").mkdir()
+    mine, others = (Library(tmp_path / "kind" / "cart.so") for _ in range(2))
+    others.compile(compiler(), packed(c_files(transcription())))
+    while not (tmp_path / "kind" / "cart.so.lock").exists():
+        assert others._job.poll() is None
+        time.sleep(0.01)
+    mine.wait()
+    assert mine.load() is not None
 
 
 def test_two_jobs_at_once_make_one_library(tmp_path):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from llsrbm.robots import load_robot
-from llsrbm.robots.drives import torque_in_direction, torque_range
+from llsrbm.robots.drives import torque_in_direction, torque_range, with_drives
 
 ROBOT = load_robot("slider")
 LIMIT, SPEED = ROBOT.torque_limit, ROBOT.speed_limit
@@ -31,3 +31,16 @@ def test_many_instants_are_the_same_as_one_at_a_time():
     for index in np.ndindex(4, 3):
         one = torque_range(ROBOT, speed[index])
         np.testing.assert_array_equal((lowest[index], highest[index]), one)
+
+
+def test_other_drives_give_more_and_the_rest_of_the_robot_is_the_same():
+    other = with_drives(ROBOT, torque=1.5, speed=0.5)
+    speed = 0.4 * SPEED  # 80 % of what is left of it: a third of the torque is lost there
+    np.testing.assert_allclose(torque_in_direction(other, 0 * speed, LIMIT), 1.5 * LIMIT)
+    np.testing.assert_allclose(torque_in_direction(other, speed, LIMIT), LIMIT)
+    assert (other.mass, other.joint_names) == (ROBOT.mass, ROBOT.joint_names)
+    assert other.fit is ROBOT.fit
+    assert with_drives(ROBOT, torque=1.5, speed=0.5) is other
+    assert with_drives(ROBOT) is ROBOT
+    # Its solvers lie elsewhere in the cache: those of the robot itself are not pushed out.
+    assert other.name != ROBOT.name

@@ -18,7 +18,7 @@ from llsrbm.sweep import dataset
 from llsrbm.sweep.dataset import make_dataset
 from llsrbm.sweep.points import Points
 from llsrbm.sweep.shard import origin, run_shard
-from llsrbm.sweep.spec import parse_spec
+from llsrbm.sweep.spec_file import parse_spec
 from llsrbm.sweep.table import Folder
 
 SPEC = """

@@ -1,0 +1,128 @@
+"""Reading a sweep's spec, and one line about what is wrong with it."""
+
+from __future__ import annotations
+
+import os
+import tomllib
+from pathlib import Path
+
+from pydantic import ValidationError
+from pydantic_core import ErrorDetails
+
+from llsrbm.errors import InputError, printable
+from llsrbm.robots.assets import assets_directory
+from llsrbm.robots.schema import choices
+from llsrbm.robots.tables import Table, with_tuples
+from llsrbm.sweep.axes import AxisTable, DriveAxes, JumpAxes
+from llsrbm.sweep.spec import Spec
+
+SUFFIX = ".toml"
+_LARGEST = 1_000_000  # bytes; a spec has a few hundred
+
+
+def find_spec(name_or_path: str) -> Spec:
+    """The spec of that name among those that come with the project, or in the file at that path.
+
+    What ends in ".toml" or contains a path separator is a path.
+
+    Raises:
+        InputError: no such name, or the file is no spec; one line that says what is accepted.
+    """
+    if name_or_path.endswith(SUFFIX) or os.sep in name_or_path:
+        return read_spec(Path(name_or_path))
+    known = {path.stem: path for path in sorted((assets_directory() / "sweeps").glob("*.toml"))}
+    if name_or_path not in known:
+        raise InputError(
+            f'no sweep "{name_or_path}"; {choices(name_or_path, known)}, '
+            "or the path of a spec's file (.toml)"
+        )
+    return read_spec(known[name_or_path])
+
+
+def read_spec(path: Path) -> Spec:
+    """Read and check a spec; whether there are such robots and limits is said by `points`.
+
+    Raises:
+        InputError: one line naming the file, the key, what was given and what is accepted.
+    """
+    try:
+        with path.open("rb") as file:
+            content = file.read(_LARGEST + 1)
+        if len(content) > _LARGEST:
+            raise InputError(f"{path}: too large for a sweep's spec; at most {_LARGEST} bytes")
+        return parse_spec(content.decode(), str(path))
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror})") from error
+    except UnicodeDecodeError as error:
+        raise InputError(f"{path}: not a text file in UTF-8") from error
+
+
+def parse_spec(text: str, where: str) -> Spec:
+    """A spec from the text of its file; `where` is what messages call it.
+
+    Raises:
+        InputError: as `read_spec`.
+    """
+    try:
+        table = tomllib.loads(text)
+    except RecursionError as error:
+        raise InputError(f"{where}: not a TOML file: nested too deeply") from error
+    except ValueError as error:  # TOMLDecodeError, or a number of thousands of digits
+        told = str(error).partition("; use sys.")[0]
+        raise InputError(f"{where}: not a TOML file: {printable(told, 200)}") from error
+    try:
+        return Spec.model_validate(with_tuples(table))
+    except ValidationError as error:
+        # A misspelt key is both unknown and missing; the first says more.
+        details = sorted(error.errors(), key=lambda detail: detail["type"] != "extra_forbidden")
+        raise InputError(f"{where}: {_sentence(details[0])}") from error
+
+
+def _sentence(detail: ErrorDetails) -> str:
+    """One pydantic complaint as: key, what was wrong, what would be accepted."""
+    # A list is the table's "values", whether its file says so or not.
+    hidden = {"values"} if detail["type"] != "extra_forbidden" else set()
+    location = [
+        f"value {part + 1}" if isinstance(part, int) else part
+        for part in detail["loc"]
+        if not _is_alternative(part) and part not in hidden
+    ]
+    key, last = printable(".".join(location)), location[-1] if location else ""
+    given = printable(repr(detail["input"]))
+    match detail["type"]:
+        case "extra_forbidden":
+            return f'unknown key "{key}"; {choices(last, _keys(location[:-1]))}'
+        case "missing":
+            return f'missing key "{key}"; expected: {", ".join(_keys(location[:-1]))}'
+        case "said":
+            return f"{key}: {detail['msg']}" if location else detail["msg"]
+        case "model_type" | "dict_type" | "model_attributes_type" if location[:1] == ["axes"]:
+            return f"{key}: expected a number, a list or a table, got {given}"
+        case "model_type" | "dict_type" | "model_attributes_type" | "literal_error" if (
+            last != "sampling"
+        ):
+            return f"{key}: expected a table, got {given}"
+        case "too_short":
+            return f"{key}: is empty; expected at least one value"
+        case "tuple_type":
+            return f"{key}: expected a list, got {given}"
+        case _:
+            message = detail["msg"][:1].lower() + detail["msg"][1:]
+            return f"{key}: {message}, got {given}"
+
+
+def _keys(location: list[str]) -> list[str]:
+    """What may stand in the table at a location."""
+    tables: dict[str, type[Table]] = {"axes": JumpAxes, "drives": DriveAxes}
+    table: type[Table] = Spec
+    if len(location) == 1:
+        table = tables.get(location[0], AxisTable)
+    elif location:
+        table = AxisTable
+    return [info.alias or name for name, info in table.model_fields.items()]
+
+
+def _is_alternative(part: str | int) -> bool:
+    """Whether a part of pydantic's location names one of several kinds that a value may be of."""
+    text = str(part)
+    return "[" in text or text in ("AxisTable", "tuple", "[key]")

@@ -1,0 +1,126 @@
+from itertools import product
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.stats import qmc
+
+from llsrbm.errors import InputError
+from llsrbm.robots import load_robot
+from llsrbm.sweep.points import Points
+from llsrbm.sweep.spec_file import parse_spec
+from tests.llsrbm.sweep.specs import GRID, spec
+
+HEAD = 'title = "x"\nrobots = ["anymal"]\n'
+DRAWN = """title = "x"
+robots = ["anymal", "go2"]
+sampling = "{}"
+count = 50
+seed = 4
+[axes]
+twist = {{ from = -1, to = 1 }}
+height = {{ range = "robot" }}
+forward = [0.0, 0.1, 0.2]
+"""
+
+sizes = st.integers(1, 4)
+
+
+@given(sizes, sizes, sizes, sizes)
+def test_the_count_is_that_of_the_points(twists, forwards, frictions, torques):
+    def ramp(low, high, count):
+        return [low + (high - low) * k / max(count - 1, 1) for k in range(count)]
+
+    twist, forward = ramp(-1, 1, twists), ramp(0, 0.5, forwards)
+    friction, torque = ramp(0.3, 0.5, frictions), ramp(0.8, 1.2, torques)
+    points = Points(
+        parse_spec(
+            HEAD
+            + f"[axes]\ntwist={{from=-1,to={1 if twists > 1 else -1},count={twists}}}\n"
+            + f"forward={forward}\n[limits]\nfriction={friction}\n[drives]\ntorque={torque}\n",
+            "x",
+        )
+    )
+    expected = [*product(torque, friction, twist, forward)]
+    assert points.count == len(expected)
+    assert len({point.id for point in points}) == len(expected)
+    for k, point in enumerate(points):
+        assert point.number == k
+        found = point.drive_torque, point.limits["friction"], point.jump.twist, point.jump.forward
+        assert found == pytest.approx(expected[k])
+
+
+def test_rows_and_ids_say_which_point_it_is():
+    points = Points(spec(GRID + "[simulate]\nseeds = 3\n"))
+    assert points.rows == 3 * points.count
+    assert [row for point in points for row in point.rows] == [*range(points.rows)]
+    # The same request in another sweep.
+    alone = Points(spec(GRID.replace('"anymal", ', "")))
+    assert [p.id for p in alone] == [p.id for p in points if p.jump.robot == "go2"]
+    with pytest.raises(IndexError):
+        points[points.count]
+
+
+@pytest.mark.parametrize("sampling", ["random", "sobol"])
+def test_any_drawn_point_can_be_had_without_those_before_it(sampling):
+    text = DRAWN.format(sampling)
+    forth = [*Points(spec(text))]
+    points = Points(spec(text))
+    assert [points[k] for k in reversed(range(points.count))] == forth[::-1]
+    assert len({point.id for point in forth}) == 100
+    low, high = load_robot("go2").file.task.height
+    heights = [p.jump.height for p in forth[50:]]
+    assert low <= min(heights) < max(heights) <= high
+    assert {p.jump.forward for p in forth} == {0.0, 0.1, 0.2}
+    # Both robots are asked the same.
+    assert [p.jump.twist for p in forth[:50]] == [p.jump.twist for p in forth[50:]]
+
+
+def test_another_seed_draws_others():
+    one, other = (Points(spec(DRAWN.format("random").replace("4", s))) for s in "45")
+    assert one[0].jump != other[0].jump
+
+
+def test_sobol_is_scipys_sequence_beyond_a_block():
+    text = 'title="x"\nrobots=["anymal"]\nsampling="sobol"\ncount=9000\nseed=2\n'
+    points = Points(parse_spec(text + "[axes]\ntwist={from=0,to=1}\nforward={from=0,to=1}", "x"))
+    sequence = qmc.Sobol(2, scramble=True, rng=np.random.default_rng(2)).random(2**14)
+    for k in (0, 4095, 4096, 8999):
+        assert (points[k].jump.twist, points[k].jump.forward) == pytest.approx(tuple(sequence[k]))
+
+
+def test_what_is_not_asked_for_is_as_the_type_says():
+    points = Points(parse_spec(HEAD.replace("anymal", "go2") + 'types = ["flip"]\n', "x"))
+    assert points[0].jump.pitch == pytest.approx(-2 * np.pi)
+
+
+def test_kinds_are_what_solvers_are_built_for():
+    points = Points(
+        parse_spec(
+            HEAD + 'types=["hops"]\n[axes]\nhops=[1,2]\ntwist=[0,1]\n[drives]\ntorque=[1,2]\n', "x"
+        )
+    )
+    kinds = [(p.jump.hops, p.drive_torque) for p in points.kinds()]
+    assert sorted(kinds) == [(1, 1.0), (1, 2.0), (2, 1.0), (2, 2.0)]
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (HEAD.replace("anymal", "anymall"), 'no robot "anymall"; did you mean "anymal"'),
+        (HEAD + 'models = ["point"]', "unknown model 'point'"),
+        (HEAD + 'types = ["cartwheel"]', 'unknown jump type "cartwheel"'),
+        (HEAD + "[limits]\nfrictoin = [0.5]", 'no limit "frictoin"; did you mean "friction"'),
+        (HEAD + '[simulate]\ndetector = "ear"', "ear"),
+        (HEAD + "[axes]\ntwist={from=0,to=1,count=1000000}\nheight={from=0,to=1,count=1000000}\n",
+         "1e+12 rows; expected at most 1e+08"),
+        (HEAD + "sampling='random'\ncount=1000000000000", "1e+12 rows"),
+        (HEAD + "[simulate]\nseeds=1000000000000", "1e+12 rows"),
+    ],
+)  # fmt: skip
+def test_what_there_is_not_is_said_before_anything_begins(text, said):
+    with pytest.raises(InputError) as error:
+        Points(parse_spec(text, "x"))
+    assert said in str(error.value)
+    assert "\n" not in str(error.value)

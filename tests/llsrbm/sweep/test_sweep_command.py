@@ -1,0 +1,93 @@
+import json
+
+import pyarrow.parquet as pq
+import pytest
+
+from llsrbm import cli
+from llsrbm.sweep import run
+from llsrbm.sweep.estimate import duration_in_words, estimate
+from llsrbm.sweep.points import Points
+from tests.llsrbm.sweep.specs import GRID, in_this_process, spec, without_planning
+
+
+@pytest.fixture
+def sweep(tmp_path, monkeypatch):
+    """Run the command with a spec's text; its status."""
+    without_planning(monkeypatch)
+    monkeypatch.setattr(run, "connected", in_this_process(1))
+
+    def command(text=GRID, *options):
+        (tmp_path / "spec.toml").write_text(text)
+        out = ("--out", str(tmp_path / "out"))
+        return cli.main(["sweep", str(tmp_path / "spec.toml"), *out, *options])
+
+    return command
+
+
+def test_a_table_and_a_summary(sweep, tmp_path, capfd):
+    assert sweep() == 0
+    told = capfd.readouterr()
+    assert "40 jumps, 40 rows; expected" in told.err
+    assert "dashboard: http://" in told.err
+    assert "anymal    20 rows: 16 planned, 4 not planned" in told.out
+    assert pq.read_metadata(tmp_path / "out" / "jumps.parquet").num_rows == 40
+
+
+def test_json_is_one_object_and_done_is_done(sweep, capfd):
+    assert sweep(GRID, "--json") == 0
+    first = json.loads(capfd.readouterr().out)
+    assert first["robots"]["go2"] == {"rows": 20, "planned": 16, "not planned": 4}
+    assert first["run"]["jumps"] == 40
+    assert sweep(GRID, "--json") == 0
+    again = capfd.readouterr()
+    assert json.loads(again.out) == first | {"run": None}
+    assert "going on: 40 of 40 jumps are done" in again.err
+
+
+@pytest.mark.parametrize(
+    ("text", "options", "said"),
+    [
+        (GRID.replace("forward", "forwards"), (), 'unknown key "axes.forwards"'),
+        (GRID.replace("go2", "go3"), (), 'no robot "go3"; did you mean "go2"'),
+        (GRID.replace("count = 5", "count = 100000000000"), (), "expected at most 1e+08"),
+        (GRID.replace("count = 5", "count = 200000"), (), "expected --yes"),
+        (GRID, ("--workers", "0"), "--workers 0: expected 1 or more"),
+        (GRID, ("--workers", "2", "--scheduler", "tcp://x:1"), "expected one of them"),
+    ],
+)
+def test_what_cannot_be_is_one_line(sweep, capfd, text, options, said):
+    assert sweep(text, *options) == 2
+    told = capfd.readouterr()
+    *_, last = told.err.splitlines()
+    assert last.startswith("llsrbm: ")
+    assert said in last
+    assert "Traceback" not in told.err
+    assert told.out == ""
+
+
+def test_interrupted_it_says_how_to_go_on(sweep, monkeypatch, capfd):
+    def interrupted(*_, **__):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(run, "run", interrupted)
+    assert sweep() == 130
+    assert "run the same command again to go on" in capfd.readouterr().err
+
+
+def test_an_estimate_counts_what_the_spec_asks():
+    plain = estimate(Points(spec()))
+    assert (plain.jumps, plain.rows) == (40, 40)
+    simulated = estimate(Points(spec(GRID + "[simulate]\nseeds = 3\n")))
+    assert (simulated.jumps, simulated.rows) == (40, 120)
+    assert simulated.seconds > 3 * plain.seconds
+    kept = estimate(Points(spec("trajectories = true\n" + GRID)))
+    assert kept.size > 10 * plain.size
+    assert "on 2 workers" in plain.in_words(2)
+
+
+@pytest.mark.parametrize(
+    ("seconds", "words"),
+    [(40, "40 s"), (720, "12 min"), (12_600, "3.5 h"), (180_000, "50.0 h"), (200_000, "2.3 days")],
+)
+def test_durations_in_words(seconds, words):
+    assert duration_in_words(seconds) == (words if seconds != 180_000 else "2.1 days")
