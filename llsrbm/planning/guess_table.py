@@ -57,10 +57,12 @@ RIDGE = 1e-3  # of slopes, against neighbours that lie in a plane
 # misses its cost by more is of another problem.
 STALE_ROWS = 0.05
 STALE_COST = 0.02
-# Multipliers below this are of bounds that are not met; four bits of the others are more than
-# neighbours agree by. Both make a file small.
-LEAST_MULTIPLIER = 1e-4
+# Beyond what neighbours agree by nothing is kept, which makes a file small: of a variable steps of
+# this share of its largest value, of a multiplier the leading bits, and nothing of those of bounds
+# that are not met.
+VARIABLE_STEP = 2.0**-11
 MULTIPLIER_BITS = 4
+LEAST_MULTIPLIER = 2.0**-13
 
 _log = logging.getLogger(__name__)
 
@@ -94,10 +96,8 @@ class GuessTable:
             place = formulation.layout.variables(knot).get("quat")
             if place is not None:
                 w[place] /= np.linalg.norm(w[place])
-        of_near = self.multipliers[near]
         multipliers = np.zeros(self.all_rows)
-        # A slope may lead beyond zero, where a bound would pull the other way.
-        multipliers[self.rows] = np.clip(share @ of_near, of_near.min(axis=0), of_near.max(axis=0))
+        multipliers[self.rows] = share @ self.multipliers[near]
         return Iterate(w, multipliers)
 
     def solution(self, number: int) -> Iterate:
@@ -180,10 +180,13 @@ def write_table(path: Path, table: GuessTable, formulation: Formulation) -> None
     """
     from llsrbm.motion.archive import write_archive
 
-    kept = np.where(np.abs(table.multipliers) < LEAST_MULTIPLIER, 0.0, table.multipliers)
-    mantissa, exponent = np.frexp(kept)
+    largest = np.abs(table.variables).max(axis=0)
+    step = 2.0 ** np.ceil(np.log2(np.maximum(largest, np.finfo(np.float16).tiny))) * VARIABLE_STEP
+    variables = np.round(table.variables / step) * step
+    mantissa, exponent = np.frexp(table.multipliers)
     steps = 2.0**MULTIPLIER_BITS
     kept = np.ldexp(np.round(mantissa * steps) / steps, exponent)
+    kept[np.abs(kept) < LEAST_MULTIPLIER] = 0.0
     # What is alike lies together: by variables, not by jumps.
     write_archive(
         path,
@@ -194,7 +197,7 @@ def write_table(path: Path, table: GuessTable, formulation: Formulation) -> None
             "scale": table.scale,
             "rows": table.rows.astype(np.int32),
             "all_rows": np.array(table.all_rows),
-            "variables": table.variables.T.astype(np.float16),
+            "variables": variables.T.astype(np.float16),
             "multipliers": kept.T.astype(np.float16),
         },
     )
