@@ -49,8 +49,11 @@ NEARBY = "from solutions nearby"
 CORRECTIONS = 3
 # From a flip's guess Fatrop may get lost and never come back; those that converge take 22 to 60.
 CAUTIOUS = replace(solvers.PATIENT, iterations=100)
-# From between solutions SLIDER's 16 jumps take 13 iterations so, from the analytic guess 18, and
-# with the first patience 16.
+# Between solutions that violate no row by more than this 94 % of Go2's jumps (85 % of SLIDER's) are
+# solved by following, in 4 iterations at the median; of the others every second one, in more.
+NEARBY_MISS = 0.1
+# The others: SLIDER's jumps take 13 iterations so, 16 with the first patience, and 18 from the
+# analytic guess.
 CLOSE = replace(solvers.PATIENT, mu=1e-3, push=0.01, iterations=30)
 
 
@@ -301,9 +304,12 @@ class Planner:
         return _with_all_time(attempts)
 
     def _from_nearby(self, start: Iterate, task: Task, watch: Watch) -> Attempt:
-        """Follow; where the cost is flat, and following creeps, solve from a little further off."""
-        attempts = [self._follow(start, task, watch)]
-        if not attempts[-1].solved and attempts[-1].solution.iterations > 0:
+        """Follow from near; from further off, and where following creeps, solve from there."""
+        attempts: list[Attempt] = []
+        problem = self.formulation.problem(task)
+        if self.formulation.solver.miss(problem, start.variables) < NEARBY_MISS:
+            attempts.append(self._follow(start, task, watch))
+        if not attempts or not attempts[-1].solved:
             attempts.append(self._solve(task, start.variables, watch, CLOSE))
         return _with_all_time(attempts)
 
