@@ -66,7 +66,7 @@ def main() -> None:
         for motion in wanted:
             jump = llsrbm.Jump(robot=arguments.robot, model=model, **motion)
             try:
-                plan = llsrbm.plan(jump)
+                plan = llsrbm.plan(jump, guesses=False)
             except llsrbm.NotConverged as error:
                 failed += 1
                 print(f"  {error}", flush=True)

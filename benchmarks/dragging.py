@@ -86,7 +86,8 @@ def drag(arguments: argparse.Namespace, seed: int) -> tuple[list[tuple[float, ..
         near = plan if plan.solved else near
         if k % arguments.compare == 0 and plan.solved:
             try:
-                ratios.append(plan.report.cost / llsrbm.plan(jump, patient=False).report.cost)
+                cold = llsrbm.plan(jump, guesses=False, patient=False)
+                ratios.append(plan.report.cost / cold.report.cost)
             except llsrbm.NotConverged:
                 continue
     return rows, ratios

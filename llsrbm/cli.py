@@ -17,6 +17,7 @@ from typer.core import TyperGroup
 from llsrbm.commands.atlas import atlas_command
 from llsrbm.commands.compare import compare_command
 from llsrbm.commands.console import BAD_INPUT, DONE, FAILED, INTERRUPTED, complain
+from llsrbm.commands.dataset import dataset_command
 from llsrbm.commands.design import designs_command
 from llsrbm.commands.export import export_command, formats_command
 from llsrbm.commands.listing import (
@@ -89,6 +90,7 @@ app.command("designs")(designs_command)
 app.command("compare")(compare_command)
 app.command("sweep")(sweep_command)
 app.command("atlas")(atlas_command)
+app.command("dataset")(dataset_command)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

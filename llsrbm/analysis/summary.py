@@ -37,6 +37,7 @@ def plan_summary(plan: Plan) -> dict[str, Any]:
         "status": report.status,
         "solver": report.solver,
         "iterations": report.iterations,
+        "guess": report.guess,
         "solve_time_s": report.solve_time_s,
         "total_time_s": report.total_time_s,
         "build_time_s": report.build_time_s,

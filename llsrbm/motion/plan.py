@@ -61,6 +61,7 @@ class SolveReport:
         total_time_s: wall time from request to `Plan`, solver already built.
         build_time_s: wall time to build or load the solver for this request, 0 when it was at hand.
         cost: value of the objective.
+        guess: from where the attempt that is returned began, in words; "" in files of before.
     """
 
     status: str
@@ -71,6 +72,7 @@ class SolveReport:
     total_time_s: float
     build_time_s: float
     cost: float
+    guess: str = ""
 
 
 @dataclass(frozen=True, eq=False)

@@ -24,6 +24,7 @@ from llsrbm.version import package_version
 
 if TYPE_CHECKING:
     from llsrbm.motion.plan import Plan
+    from llsrbm.motion.rollout import Rollout
     from llsrbm.planning.planner import Planner
     from llsrbm.robots.robot import Robot
 
@@ -198,30 +199,48 @@ def asked(point: Point, index: int, seed: int | None) -> dict[str, Any]:
 def _planned(point: Point, spec: Spec) -> tuple[dict[str, Any], Plan | None]:
     """What planning came to, and the plan if it is one."""
     try:
-        planner = _planner(point)
-        plan = planner.plan(
-            point.jump, limits=point.limits, patient=spec.patient, explains=spec.diagnose
-        )
+        plan = plan_of(point, spec)
     except NotConverged as error:
         return {**stopped(error, spec.diagnose), **solved(error.plan)}, None
     except InputError as error:
         return {"status": row.REFUSED, "message": short(error)}, None
     except Exception as error:  # noqa: BLE001  # a sweep goes on, and the row says why
         return {"status": row.FAILED, "message": short(error)}, None
-    return {"status": row.PLANNED, **solved(plan), **figures(plan, planner.robot)}, plan
+    return {"status": row.PLANNED, **solved(plan), **figures(plan, _robot(point))}, plan
+
+
+def plan_of(point: Point, spec: Spec) -> Plan:
+    """A jump's plan, the same wherever and whenever it is asked for.
+
+    Raises:
+        Error: see `Planner.plan`.
+    """
+    return _planner(point).plan(
+        point.jump, limits=point.limits, patient=spec.patient, explains=spec.diagnose
+    )
+
+
+def rollout_of(point: Point, plan: Plan, spec: Spec, seed: int | None) -> Rollout:
+    """What the whole robot does with a plan, likewise.
+
+    Raises:
+        InputError: see `llsrbm.simulate`, or the spec simulates nothing.
+    """
+    from llsrbm.simulation.simulate import simulate
+
+    scenario = spec.scenario()
+    if scenario is None:
+        raise InputError("a sweep of plans has no simulations; expected a spec with [simulate]")
+    if seed is not None:
+        scenario = scenario.but(seed=seed)
+    return simulate(plan, _robot(point), scenario)
 
 
 def _simulated(point: Point, plan: Plan, spec: Spec, seed: int | None) -> dict[str, Any]:
     """How the whole robot did with a plan."""
-    from llsrbm.simulation.simulate import simulate
-
-    scenario = spec.scenario()
-    assert scenario is not None
-    if seed is not None:
-        scenario = scenario.but(seed=seed)
     start = time.perf_counter()
     try:
-        outcome = asdict(simulate(plan, _robot(point), scenario).outcome)
+        outcome = asdict(rollout_of(point, plan, spec, seed).outcome)
     except InputError as error:
         return {"status": row.REFUSED, "message": short(error)}
     except Exception as error:  # noqa: BLE001  # a sweep goes on, and the row says why

@@ -19,8 +19,8 @@ from tests.llsrbm.synthetic import TWO_HOPS, TWO_HOPS_DURATIONS, synthetic_plan
 
 # As the contract has them, in its order.
 PLAN_KEYS = [
-    "status", "solver", "iterations", "solve_time_s", "total_time_s", "build_time_s", "cost",
-    "duration_s", "phase_durations_s", "peak_yaw_rate", "final_yaw", "violations",
+    "status", "solver", "iterations", "guess", "solve_time_s", "total_time_s", "build_time_s",
+    "cost", "duration_s", "phase_durations_s", "peak_yaw_rate", "final_yaw", "violations",
     "joint_torque_ratio", "phases", "request",
 ]  # fmt: skip
 

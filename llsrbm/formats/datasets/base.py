@@ -1,0 +1,53 @@
+"""What a format of many motions is: a file a motion, and what makes a data set of the files."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from llsrbm.formats.base import Options
+from llsrbm.motion.files import Trajectory
+
+
+@dataclass(frozen=True)
+class Episode:
+    """One motion of a data set.
+
+    Attributes:
+        file: where it was written, see `DatasetFormat.write`.
+        task: what it does, in words: the same words for the same request.
+    """
+
+    file: Path
+    task: str
+
+
+@dataclass(frozen=True)
+class DatasetFormat:
+    """One format of many motions.
+
+    Attributes:
+        name: as on the command line.
+        folder: of the data set, that files of single motions are written to.
+        suffix: of those files, with the dot; "" where each is a folder.
+        write: (trajectory, path, options) -> None, writes one motion at exactly that path, whole or
+            not at all. Raises `InputError` if it cannot.
+        options: names of what it takes of `Options`; defaults: what it takes where nothing is said.
+        check: raises `InputError` for options that it cannot take; None: it takes all.
+        finish: (data set's folder, episodes, options) -> None, once all files are there: writes
+            what is about all of them. The files may be gone after that. None: nothing is.
+        one_robot: whether all motions must be of the same robot.
+        finished: of the data set, the file that is there once `finish` is through.
+    """
+
+    name: str
+    folder: str
+    suffix: str
+    write: Callable[[Trajectory, Path, Options], None]
+    options: tuple[str, ...] = ()
+    defaults: Options = field(default_factory=Options)
+    check: Callable[[Options], None] | None = None
+    finish: Callable[[Path, Sequence[Episode], Options], None] | None = None
+    one_robot: bool = False
+    finished: str | None = None
