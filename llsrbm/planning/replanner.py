@@ -60,13 +60,14 @@ FIRST = solvers.Patience(mu=1e-4, iterations=25, tolerance=1e-3, push=0.02, acce
 # Rows of an answer may be off by this much, in their units of about 1: a millimetre, a per mille of
 # the weight. The next answer comes 20 ms later.
 GOOD_ENOUGH = 2e-3
-# A last solution that violates its rows now by more is no start. Feet at the start of a swing move
-# fast and make 2 in 40 ms.
-NEAR = 4.0
+# A last solution that violates its rows now by more is no start: of one that was asked for in the
+# last period, and of an older one. Without a push 40 ms make 0.6, right after one it is 1 and more.
+NEAR_AT_ONCE, NEAR = 4.0, 0.8
+AT_ONCE = 0.025  # s
 # A guess that violates rows by more is of a robot that has fallen, or soon will have: guesses after
 # pushes that are recovered from violate them by 1 to 3, and Fatrop may not come back from far away.
 LOST = 8.0
-FRESH = 0.12  # s; the last solution is a start for so long, also right after a push
+FRESH = 0.12  # s; the last solution is a start for so long
 
 
 @dataclass(frozen=True, eq=False)
@@ -142,7 +143,8 @@ class Replanner:
                     break
                 solution = solver.solve(problem, guess, patience=FIRST)
             elif last is not None and state.time - asked < FRESH:
-                solution = solver.follow(problem, last, too_far=NEAR)
+                too_far = NEAR_AT_ONCE if state.time - asked < AT_ONCE else NEAR
+                solution = solver.follow(problem, last, too_far=too_far)
             if solution is None:
                 continue
             iterations += solution.iterations
