@@ -34,11 +34,12 @@ class Patience:
         iterations: after so many it is given up.
         tolerance: at which it has converged.
         push: how far it begins inside of the bounds it touches; None: Fatrop's own 0.01.
+        within: size of rows, in their units of about 1, beyond which no step leads; None: anywhere.
         acceptable: where the cost is flat Fatrop creeps: the constraints are met, the cost changes
             in the fourth digit, the gradient stays at some 1e-3. At this tolerance, for so many
             iterations, it is as good as solved; None: it creeps on.
 
-    Ipopt keeps its own ways with the last two.
+    Ipopt keeps its own ways with the last three.
     """
 
     mu: float
@@ -46,6 +47,7 @@ class Patience:
     # Fatrop's default of 1e-8 stalls; at 1e-4 the cost agrees to 0.1 %.
     tolerance: float = 1e-4
     push: float | None = None
+    within: float | None = None
     acceptable: tuple[float, int] | None = None
 
 
@@ -64,6 +66,9 @@ NEAR_ITERATIONS = 15
 TOO_FAR = 1.0
 # Likewise of a guess: analytic ones violate rows by some 3.
 HOPELESS = 100.0
+# Rows of plans are smaller than 5. Where they grow, slopes grow faster, and Fatrop may look for a
+# direction for ever: near a solution no step leads to rows beyond this.
+NEAR_WITHIN = 20.0
 # Of a row with two bounds only the one that is nearer by this ratio counts near a solution. Of 0.02
 # to 1 this one loses the fewest solves, and moves the CoM of a solution by less than 0.4 mm.
 NEARER = 0.05
@@ -299,6 +304,8 @@ class Fatrop(Solver):
         available = self._cold[PATIENT].get_function()
         functions = {n: self.function(n) for n in available if n.startswith("nlp_")}
         functions["nlp"] = self.function("nlp")
+        if patience.within is not None:
+            functions["nlp_g"] = _rows_within(functions["nlp_g"], patience.within)
         options = _fatrop_options(patience) | {"print_level": _SILENT}
         return _fatrop(functions, self._structure, options)
 
@@ -351,6 +358,7 @@ def _fatrop(
     nlpsol_options = {
         "print_time": False,
         "error_on_fail": False,
+        "show_eval_warnings": False,  # of rows that are no numbers on purpose
         "structure_detection": "manual",
         "N": len(structure.states) - 1,
         "nx": structure.states,
@@ -386,7 +394,7 @@ def _with_scaled_rows(functions: dict[str, ca.Function]) -> dict[str, ca.Functio
     results = {
         "nlp": [cost, scale * unscaled],
         "nlp_f": [cost],
-        "nlp_g": [scale * unscaled],
+        "nlp_g": [scale * _no_number_beyond(unscaled, NEAR_WITHIN)],
         "nlp_grad_f": [df],
         "nlp_jac_g": [scale * g, ca.MX(pattern, J.nz[:] * scale.nz[pattern.row()])],
         "nlp_hess_l": [ca.MX(x.numel(), 1), H],
@@ -403,6 +411,17 @@ def _with_scaled_rows(functions: dict[str, ca.Function]) -> dict[str, ca.Functio
         )
         for name, outputs in results.items()
     }
+
+
+def _no_number_beyond(rows: ca.MX, within: float) -> ca.MX:
+    """Rows, or none that is a number where one of them is larger: line searches step back there."""
+    return rows / (ca.norm_inf(rows) <= within)
+
+
+def _rows_within(rows: ca.Function, within: float) -> ca.Function:
+    x, p = (ca.MX.sym(rows.name_in(i), rows.sparsity_in(i)) for i in range(2))
+    tamed = _no_number_beyond(rows(x, p), within)
+    return ca.Function(rows.name(), [x, p], [tamed], rows.name_in(), rows.name_out())
 
 
 class Ipopt(Solver):

@@ -56,7 +56,9 @@ SHORTEST = 0.02  # s that what is left of a phase may be shortened to
 SAME_TIME = 2e-3  # s; a knot of the plan that is nearer to the state's time is left out
 LONGER = 0.3  # s by which a phase may outlast its limit: a push upwards is longer in the air
 # From the sampled plan, which is near a solution where nothing has happened.
-FIRST = solvers.Patience(mu=1e-4, iterations=25, tolerance=1e-3, push=0.02, acceptable=(5e-3, 4))
+FIRST = solvers.Patience(
+    mu=1e-4, iterations=25, tolerance=1e-3, push=0.02, within=20.0, acceptable=(5e-3, 4)
+)
 # Rows of an answer may be off by this much, in their units of about 1: a millimetre, a per mille of
 # the weight. The next answer comes 20 ms later.
 GOOD_ENOUGH = 2e-3
