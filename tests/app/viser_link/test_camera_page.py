@@ -155,6 +155,7 @@ def test_following_keeps_the_base_where_it_is_in_the_picture(page):
     assert button.get_attribute("aria-pressed") == "false"
     page.keyboard.press("f")
     assert button.get_attribute("aria-pressed") == "true"
+    page.wait_for_function("name => window.__viserMutable.nodeRefFromName[name]", arg=BASE)
     place, target = looks(page)
     before = page.evaluate(SEEN, [BASE])
     player(page, "seek(0.65)")

@@ -44,6 +44,7 @@ def expected(session, node, time):
 
 
 def test_it_plays_in_real_time_and_the_server_says_nothing(page):
+    page.wait_for_function("name => window.__viserMutable.nodePoseData[name]", arg=NODE)
     page.wait_for_timeout(1500)
     player(page, "play()")
     page.wait_for_timeout(300)

@@ -154,7 +154,7 @@ def test_a_scheduler_that_does_not_answer_is_one_line(monkeypatch):
 
 
 def test_a_scheduler_that_dies_is_one_line(tmp_path, monkeypatch):
-    monkeypatch.setattr(run, "_ANSWER_TIME", 6.0)
+    monkeypatch.setattr(run, "_ANSWER_TIME", 30.0)
     process = subprocess.Popen(
         [
             *(sys.executable, "-m", "dask", "scheduler", "--host", "127.0.0.1"),
