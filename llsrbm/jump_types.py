@@ -23,7 +23,6 @@ for. A file that is read never has a type's file opened that it names; planning 
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Collection
 from dataclasses import replace
 from functools import lru_cache
@@ -40,7 +39,7 @@ from llsrbm.jump import Jump
 from llsrbm.obstacle import wrong_shape
 from llsrbm.robots.assets import assets_directory
 from llsrbm.robots.schema import choices
-from llsrbm.robots.tables import Table, with_tuples
+from llsrbm.robots.tables import Table, read_table
 from llsrbm.schedule import LONGEST_NAME, Phase, Schedule
 
 if TYPE_CHECKING:
@@ -48,7 +47,6 @@ if TYPE_CHECKING:
 
 DEFAULT = "together"
 _TURNS = ("roll", "pitch")  # alternatives: a request that says one of them is not silent
-_LARGEST = 100_000  # bytes; a type has a few hundred
 _SIDE = 0.3  # of the widest hip's distance from the middle: nearer is neither front nor hind
 
 
@@ -280,23 +278,9 @@ class _Edition(NamedTuple):
 @lru_cache(maxsize=32)
 def _read(edition: _Edition) -> JumpType:
     path = edition.path
+    table = read_table(path, "a jump type")
     try:
-        with path.open("rb") as file:
-            content = file.read(_LARGEST + 1)
-        if len(content) > _LARGEST:
-            raise InputError(f"{path}: too large for a jump type; at most {_LARGEST} bytes")
-        table = tomllib.loads(content.decode())
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror})") from error
-    except RecursionError as error:
-        raise InputError(f"{path}: not a TOML file: nested too deeply") from error
-    except UnicodeDecodeError as error:
-        raise InputError(f"{path}: not a text file in UTF-8") from error
-    except ValueError as error:  # TOMLDecodeError, or a number of thousands of digits
-        told = str(error).partition("; use sys.")[0]
-        raise InputError(f"{path}: not a TOML file: {printable(told, 200)}") from error
-    try:
-        return JumpType.model_validate(with_tuples(table))
+        return JumpType.model_validate(table)
     except ValidationError as error:
         # A misspelt key is both unknown and missing; the first says more.
         details = sorted(error.errors(), key=lambda detail: detail["type"] != "extra_forbidden")

@@ -71,8 +71,8 @@ def sweep_command(
             )
         of = origin(points.spec)
         with Folder(out, points, of) as folder:
-            for name in folder.mended:
-                _say(f"{name} is damaged; its jumps are worked off again")
+            for name in folder.damaged:
+                _say(f"{name} is damaged; its jumps are computed again")
             if folder.done.any():
                 _say(f"going on: {int(folder.done.sum())} of {points.count} jumps are done")
             progress = None if folder.done.all() else _run(folder, workers, scheduler, of)

@@ -66,9 +66,9 @@ NEAR_ITERATIONS = 15
 TOO_FAR = 1.0
 # Likewise of a guess: analytic ones violate rows by some 3.
 HOPELESS = 100.0
-# Rows of plans are smaller than 5. Where they grow, slopes grow faster, and Fatrop may look for a
+# Rows of plans reach 5, SLIDER's 12. Where they grow, slopes grow faster, and Fatrop may look for a
 # direction for ever: near a solution no step leads to rows beyond this.
-NEAR_WITHIN = 20.0
+WITHIN = 40.0
 # Of a row with two bounds only the one that is nearer by this ratio counts near a solution. Of 0.02
 # to 1 this one loses the fewest solves, and moves the CoM of a solution by less than 0.4 mm.
 NEARER = 0.05
@@ -394,7 +394,7 @@ def _with_scaled_rows(functions: dict[str, ca.Function]) -> dict[str, ca.Functio
     results = {
         "nlp": [cost, scale * unscaled],
         "nlp_f": [cost],
-        "nlp_g": [scale * _no_number_beyond(unscaled, NEAR_WITHIN)],
+        "nlp_g": [scale * _no_number_beyond(unscaled, WITHIN)],
         "nlp_grad_f": [df],
         "nlp_jac_g": [scale * g, ca.MX(pattern, J.nz[:] * scale.nz[pattern.row()])],
         "nlp_hess_l": [ca.MX(x.numel(), 1), H],

@@ -57,7 +57,7 @@ SAME_TIME = 2e-3  # s; a knot of the plan that is nearer to the state's time is 
 LONGER = 0.3  # s by which a phase may outlast its limit: a push upwards is longer in the air
 # From the sampled plan, which is near a solution where nothing has happened.
 FIRST = solvers.Patience(
-    mu=1e-4, iterations=25, tolerance=1e-3, push=0.02, within=20.0, acceptable=(5e-3, 4)
+    mu=1e-4, iterations=25, tolerance=1e-3, push=0.02, within=solvers.WITHIN, acceptable=(5e-3, 4)
 )
 # Rows of an answer may be off by this much, in their units of about 1: a millimetre, a per mille of
 # the weight. The next answer comes 20 ms later.
@@ -110,9 +110,8 @@ class Replanner:
         task = make_task(jump, self._robot, plan.tuning.weights, plan.tuning.limits)
         self._task = in_need(task)
         self.in_flight = not task.clears
-        self._last: dict[
-            Layout, tuple[float, Iterate]
-        ] = {}  # and when that was, on the plan's clock
+        # And for which time, s on the plan's clock.
+        self._last: dict[Layout, tuple[float, Iterate]] = {}
 
     def prepare(self, phase: int) -> None:
         """Load the solver of what remains in a phase, or build it, and solve it as planned.

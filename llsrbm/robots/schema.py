@@ -6,8 +6,6 @@ Mass properties and leg maps are not in it; they are computed from the URDF.
 from __future__ import annotations
 
 import difflib
-import stat
-import tomllib
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Annotated, Literal, Self
@@ -24,7 +22,7 @@ from llsrbm.robots.tables import (
     PositiveInterval,
     Table,
     Vector,
-    with_tuples,
+    read_table,
 )
 
 # Keys of older robot files -> what does their work now.
@@ -300,9 +298,6 @@ def choices(given: str, valid: Iterable[str], shown: int = 20) -> str:
     return (f'did you mean "{close[0]}"? ' if close else "") + f"valid: {listed}"
 
 
-_LARGEST = 1_000_000  # bytes; a robot file has a few thousand
-
-
 def read_robot_file(path: str | Path) -> RobotFile:
     """Read and check a robot file; the URDF itself is looked at by `llsrbm.robots.load_robot`.
 
@@ -310,26 +305,9 @@ def read_robot_file(path: str | Path) -> RobotFile:
         RobotFileError: one line naming the file, the key, what was given and what is accepted.
     """
     path = Path(path)
+    table = read_table(path, "a robot file", RobotFileError)
     try:
-        # The path may come from a stranger's plan: no device is read, no pipe waited for.
-        kind = path.stat().st_mode
-        if not stat.S_ISREG(kind) and not stat.S_ISDIR(kind):
-            raise RobotFileError(f"{path}: cannot be read (not a regular file)")
-        with path.open("rb") as file:
-            content = file.read(_LARGEST + 1)
-        if len(content) > _LARGEST:
-            raise RobotFileError(f"{path}: too large for a robot file; at most {_LARGEST} bytes")
-        table = tomllib.loads(content.decode())
-    except RecursionError as error:
-        raise RobotFileError(f"{path}: not a TOML file: nested too deeply") from error
-    except OSError as error:
-        raise RobotFileError(f"{path}: cannot be read ({error.strerror})") from error
-    except UnicodeDecodeError as error:
-        raise RobotFileError(f"{path}: not a text file in UTF-8") from error
-    except tomllib.TOMLDecodeError as error:
-        raise RobotFileError(f"{path}: not a TOML file: {error}") from error
-    try:
-        return RobotFile.model_validate(with_tuples(table))
+        return RobotFile.model_validate(table)
     except ValidationError as error:
         # A misspelt key is both unknown and missing; the first says more.
         details = sorted(error.errors(), key=lambda detail: detail["type"] != "extra_forbidden")

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import os
-import tomllib
 from pathlib import Path
+from typing import Any
 
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails
@@ -12,12 +12,11 @@ from pydantic_core import ErrorDetails
 from llsrbm.errors import InputError, printable
 from llsrbm.robots.assets import assets_directory
 from llsrbm.robots.schema import choices
-from llsrbm.robots.tables import Table, with_tuples
+from llsrbm.robots.tables import Table, parse_table, read_table
 from llsrbm.sweep.axes import AxisTable, DriveAxes, JumpAxes
 from llsrbm.sweep.spec import Spec
 
 SUFFIX = ".toml"
-_LARGEST = 1_000_000  # bytes; a spec has a few hundred
 
 
 def find_spec(name_or_path: str) -> Spec:
@@ -45,16 +44,7 @@ def read_spec(path: Path) -> Spec:
     Raises:
         InputError: one line naming the file, the key, what was given and what is accepted.
     """
-    try:
-        with path.open("rb") as file:
-            content = file.read(_LARGEST + 1)
-        if len(content) > _LARGEST:
-            raise InputError(f"{path}: too large for a sweep's spec; at most {_LARGEST} bytes")
-        return parse_spec(content.decode(), str(path))
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror})") from error
-    except UnicodeDecodeError as error:
-        raise InputError(f"{path}: not a text file in UTF-8") from error
+    return _checked(read_table(path, "a sweep's spec"), str(path))
 
 
 def parse_spec(text: str, where: str) -> Spec:
@@ -63,15 +53,12 @@ def parse_spec(text: str, where: str) -> Spec:
     Raises:
         InputError: as `read_spec`.
     """
+    return _checked(parse_table(text, where), where)
+
+
+def _checked(table: dict[str, Any], where: str) -> Spec:
     try:
-        table = tomllib.loads(text)
-    except RecursionError as error:
-        raise InputError(f"{where}: not a TOML file: nested too deeply") from error
-    except ValueError as error:  # TOMLDecodeError, or a number of thousands of digits
-        told = str(error).partition("; use sys.")[0]
-        raise InputError(f"{where}: not a TOML file: {printable(told, 200)}") from error
-    try:
-        return Spec.model_validate(with_tuples(table))
+        return Spec.model_validate(table)
     except ValidationError as error:
         # A misspelt key is both unknown and missing; the first says more.
         details = sorted(error.errors(), key=lambda detail: detail["type"] != "extra_forbidden")

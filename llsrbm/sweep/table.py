@@ -45,7 +45,7 @@ class Folder:
         path: where it is.
         points: the sweep's jumps.
         done: (jumps,) which of them have their rows.
-        mended: names of parts that were damaged, and whose jumps are worked off again.
+        damaged: names of parts that could not be read; their jumps are computed again.
     """
 
     def __init__(self, path: Path, points: Points, origin: Mapping[str, str]) -> None:
@@ -60,7 +60,7 @@ class Folder:
             Error: it cannot be written.
         """
         self.path, self.points = path, points
-        self.mended: list[str] = []
+        self.damaged: list[str] = []
         self._limits = tuple(points.spec.limits)
         with _told(path):
             if path.exists() and not path.is_dir():
@@ -226,7 +226,7 @@ class Folder:
             try:
                 numbers = pq.read_table(path, columns=["jump"])["jump"].to_numpy()
             except (pa.ArrowException, OSError):
-                self.mended.append(path.name)
+                self.damaged.append(path.name)
                 path.unlink()
                 continue
             done[numbers] = True

@@ -151,7 +151,7 @@ def test_names_of_legs(file):
         ("[limits]", "[limits", "not a TOML file: Expected ']' at the end of a table declaration"),
         ("[limits]", "x = " + "[" * 5000, "not a TOML file: nested too deeply"),
         ("[limits]", "x = " + "9" * 5000, "not a TOML file: Exceeds the limit"),
-        ("[limits]", "#" * 100_000, "too large for a jump type; at most 100000 bytes"),
+        ("[limits]", "#" * 1_000_000, "too large for a jump type; at most 1000000 bytes"),
     ],
 )
 def test_a_wrong_file_is_one_line(file, old, new, said):

@@ -40,7 +40,7 @@ COMPARED_TORQUE_ALLOWANCE = 0.40
 COMPARED_SPEED_ALLOWANCE = 0.25
 # Beyond so many times the limit rows grow with its root: near a straight leg shares of thousands
 # come up on the way to a solution, and slopes of millions, with which Fatrop may look for a
-# direction for ever. At the limit 3 % are left out.
+# direction for ever. At the limit 0.2 % are left out.
 FAR_BEYOND = 10.0
 # A drive that has more than this of its torque is not said to have lost any.
 WHOLE = 0.99

@@ -285,6 +285,7 @@ def test_closing_leaves_no_process_behind(hand):
         until(lambda: len(ids(pool)) == 3)
         processes = ids(pool)
     until(lambda: not any(map(alive, processes)), 2.0)
+    assert not any(map(alive, processes))
 
 
 def test_a_worker_where_no_process_starts_is_left_alone_for_a_while(hand, caplog):

@@ -112,6 +112,7 @@ MISTAKES = {
     ),
     "bad name": ('name = "anymal"', 'name = "ANY mal"', ["name", "'ANY mal'"]),
     "not TOML": ("[limits]", "[limits", ["not a TOML file", "line"]),
+    "no such number": ("[limits]", "x = " + "9" * 5000, ["not a TOML file", "Exceeds the limit"]),
 }
 
 

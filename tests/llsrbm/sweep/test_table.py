@@ -86,7 +86,7 @@ def test_what_was_half_written_counts_for_nothing(tmp_path):
     (parts / "000000000009.npz").write_bytes(b"trajectories without their rows")
     (tmp_path / "jumps.parquet.tmp").write_bytes(b"half")
     with folder(tmp_path) as kept:
-        assert kept.mended == [second.name]
+        assert kept.damaged == [second.name]
         assert [*kept.missing()] == [*range(2, 40)]
     assert [path.name for path in parts.iterdir()] == [first.name]
 
