@@ -36,7 +36,7 @@ _SHARD_TIME = (
 _MOST_JUMPS = 500  # of a shard, so that its rows stay below a megabyte
 _UNDER_WAY = 2  # shards a worker, so that it need not wait for its next one
 _ANSWER_TIME = 10.0  # s in which a scheduler has to answer
-_LOOK_TIME = 1.0  # s between looks at the clock while shards are worked off
+_LOOK_TIME = 1.0  # s between looks at the clock while shards are computed
 _COUNT_WORKERS = 5.0  # s between looks at how many workers there are
 _DEATHS = 3  # workers that a shard may lose before it is suspected of killing them
 _MEMORY = 0.2  # how much the newest shard counts in the rate
@@ -151,7 +151,7 @@ def run(
     progress: Callable[[Progress], None],
     told: Callable[[str], None],
 ) -> Progress:
-    """Work off all jumps that are missing.
+    """Compute all jumps that are missing.
 
     Args:
         folder: keeps them.
@@ -282,7 +282,7 @@ class _Work:
                 return
             self._told(f"jump {jumps[0]} kills workers; its rows say so")
             points = self._folder.points
-            message = f"{error.allowed_failures + 1} workers died while they worked it off"
+            message = f"{error.allowed_failures + 1} workers died while they computed it"
             shard = lost_shard(points.spec, points[jumps[0]], message)
         self._keep(shard)
 

@@ -36,7 +36,7 @@ class Shard:
     """What a worker hands back.
 
     Attributes:
-        jumps: numbers of the jumps that were worked off, in order.
+        jumps: numbers of the jumps that were computed, in order.
         table: their rows, as Arrow's file format.
         trajectories: group -> quantity -> array, see `llsrbm.sweep.trajectories`; empty if not
             asked for.

@@ -137,7 +137,7 @@ def test_a_jump_that_kills_workers_is_a_row_and_the_others_are_planned(tmp_path,
         folder.finish()
     found = rows_of(tmp_path / "jumps.parquet").to_pylist()
     assert [row["jump"] for row in found if row["status"] == "failed"] == [DEADLY]
-    assert found[DEADLY]["message"] == "1 workers died while they worked it off"
+    assert found[DEADLY]["message"] == "1 workers died while they computed it"
     assert sum(row["status"] == "planned" for row in found) == 39
 
 
