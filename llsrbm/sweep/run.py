@@ -12,7 +12,7 @@ import math
 import time
 from collections import deque
 from collections.abc import Callable, Iterator, Mapping
-from concurrent.futures import CancelledError
+from concurrent.futures import CancelledError, ThreadPoolExecutor
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from itertools import islice
@@ -128,7 +128,10 @@ def connected(workers: int, scheduler: str | None) -> Iterator[distributed.Clien
 def _existing(scheduler: str) -> distributed.Client:
     try:
         # A client waits for ever for something that takes the connection and says nothing.
-        asyncio.run(asyncio.wait_for(_identity(scheduler), _ANSWER_TIME))
+        # In a thread of its own: this one may have an event loop already, as in a notebook.
+        with ThreadPoolExecutor(1) as thread:
+            asked = asyncio.wait_for(_identity(scheduler), _ANSWER_TIME)
+            thread.submit(asyncio.run, asked).result()
         return distributed.Client(scheduler, timeout=f"{_ANSWER_TIME}s")
     except Exception as error:  # whatever another service's answer makes of Dask's reader
         raise InputError(

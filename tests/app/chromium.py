@@ -27,7 +27,7 @@ FLAGS = (
 VIEW = {"width": 1280, "height": 800}
 PANEL_LEFT = 940  # pixels; the picture is to the left of it
 NOTE = (330, 170)  # viser's note about software rendering covers this corner
-BASE = "/links/base"  # the node that is there as soon as a robot is
+BASE = "/links/base"  # of the first robot that a page draws
 COMPARE = "Figures"  # the tab with pins
 PACE = 80  # ms between inputs: the page sends at most one change every 50 ms
 
@@ -122,6 +122,13 @@ def wait_until(condition, what, timeout=20.0):
     while not condition():
         assert time.monotonic() < end, f"waited in vain for {what}"
         time.sleep(0.1)
+
+
+def base_node(page):
+    """Name of the base of the robot that is drawn solid, once it is drawn."""
+    drawn = "() => window.__viserMutable.nodeRefFromName[llsrbm.camera.sight?.follow]"
+    page.wait_for_function(drawn)
+    return page.evaluate("llsrbm.camera.sight.follow")
 
 
 def picture(page):

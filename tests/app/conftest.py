@@ -4,6 +4,8 @@ import pytest
 
 from app.compute.pool import WorkerPool
 from app.server.server import Designer
+from llsrbm.robots import load_robot
+from llsrbm.robots.visuals import link_visuals
 from tests.app.planners import SyntheticPlanner
 from tests.app.raw_tab import RawTab
 from tests.app.shared_page import fresh, visit
@@ -38,7 +40,8 @@ def script(tab, session):
 
 @pytest.fixture(scope="session")
 def shared_page(browser, designer):
-    """The page that tests share, for one takes seconds to open."""
+    """The page that tests share, for one takes seconds to open; with meshes from the start."""
+    link_visuals(load_robot("anymal"), coarse=True)
     page = visit(browser, designer)
     yield page
     page.context.close()

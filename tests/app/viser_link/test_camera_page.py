@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from tests.app.chromium import BASE, fill, player, wait_until
+from tests.app.chromium import base_node, fill, player, wait_until
 
 pytestmark = pytest.mark.browser
 
@@ -155,15 +155,15 @@ def test_following_keeps_the_base_where_it_is_in_the_picture(page):
     assert button.get_attribute("aria-pressed") == "false"
     page.keyboard.press("f")
     assert button.get_attribute("aria-pressed") == "true"
-    page.wait_for_function("name => window.__viserMutable.nodeRefFromName[name]", arg=BASE)
+    base = base_node(page)
     place, target = looks(page)
-    before = page.evaluate(SEEN, [BASE])
+    before = page.evaluate(SEEN, [base])
     player(page, "seek(0.65)")
     wait_until(lambda: looks(page)[0][2] > place[2] + 0.1, "the camera to go up with the robot", 5)
     page.wait_for_timeout(300)
     moved, aims = looks(page)
     assert moved - aims == pytest.approx(place - target, abs=1e-3)
-    assert page.evaluate(SEEN, [BASE]) == pytest.approx(np.array(before), abs=0.01)
+    assert page.evaluate(SEEN, [base]) == pytest.approx(np.array(before), abs=0.01)
     button.click()
     player(page, "seek(0)")
     page.wait_for_timeout(500)

@@ -5,11 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.app.chromium import BASE, number, player, press, status, wait_until
+from tests.app.chromium import base_node, number, player, press, status, wait_until
 
 pytestmark = pytest.mark.browser
 
-NODE = BASE
 FRAME = 1 / 60  # s
 POSE = """name => {
   const { position, wxyz } = window.__viserMutable.nodePoseData[name];
@@ -44,7 +43,7 @@ def expected(session, node, time):
 
 
 def test_it_plays_in_real_time_and_the_server_says_nothing(page):
-    page.wait_for_function("name => window.__viserMutable.nodePoseData[name]", arg=NODE)
+    base = base_node(page)
     page.wait_for_timeout(1500)
     player(page, "play()")
     page.wait_for_timeout(300)
@@ -52,12 +51,12 @@ def test_it_plays_in_real_time_and_the_server_says_nothing(page):
     assert heard > 0
     poses = []
     for _ in range(8):
-        poses.append(page.evaluate(POSE, NODE))
+        poses.append(page.evaluate(POSE, base))
         page.wait_for_timeout(100)
     assert len(page.heard) == heard
     assert len({pose["time"] for pose in poses}) >= 4
     for pose in poses:
-        position, wxyz = expected(page.session, NODE, pose["time"])
+        position, wxyz = expected(page.session, base, pose["time"])
         assert pose["position"] == pytest.approx(position, abs=1e-4)
         assert abs(np.dot(pose["wxyz"], wxyz)) == pytest.approx(1, abs=1e-4)
 

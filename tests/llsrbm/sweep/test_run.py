@@ -1,3 +1,4 @@
+import asyncio
 import os
 import signal
 import socket
@@ -153,29 +154,49 @@ def test_a_scheduler_that_does_not_answer_is_one_line(monkeypatch):
                 pass
 
 
-def test_a_scheduler_that_dies_is_one_line(tmp_path, monkeypatch):
-    monkeypatch.setattr(run, "_ANSWER_TIME", 30.0)
+@pytest.fixture
+def scheduler(tmp_path):
+    """A scheduler in a process of its own, without workers: the process and its address."""
+    where = tmp_path / "where.json"
     process = subprocess.Popen(
         [
             *(sys.executable, "-m", "dask", "scheduler", "--host", "127.0.0.1"),
-            *("--port", "0", "--no-dashboard", "--scheduler-file", str(tmp_path / "where.json")),
+            *("--port", "0", "--no-dashboard", "--scheduler-file", str(where)),
         ],
         stdout=subprocess.DEVNULL,
         stderr=subprocess.DEVNULL,
     )
     try:
-        with distributed.Client(scheduler_file=str(tmp_path / "where.json")) as client:
+        with distributed.Client(scheduler_file=str(where)) as client:
             address = client.scheduler.address
-        with run.connected(1, address) as client, opened(tmp_path / "out") as folder:
-            told = []
-
-            def tell(line):
-                told.append(line)
-                process.kill()
-
-            with pytest.raises(Error, match=r"the scheduler is lost .*run the same command again"):
-                run.run(folder, client, {}, progress=lambda _: None, told=tell)
-            assert told == ["waiting for workers"]
+        yield process, address
     finally:
         process.kill()
         process.wait()
+
+
+def test_it_connects_where_an_event_loop_runs(scheduler, monkeypatch):
+    """As in a notebook, or beside Playwright."""
+    monkeypatch.setattr(run, "_ANSWER_TIME", 30.0)
+    _, address = scheduler
+
+    async def workers():
+        with run.connected(1, address) as client:
+            return len(client.scheduler_info()["workers"])
+
+    assert asyncio.run(workers()) == 0
+
+
+def test_a_scheduler_that_dies_is_one_line(tmp_path, scheduler, monkeypatch):
+    monkeypatch.setattr(run, "_ANSWER_TIME", 30.0)
+    process, address = scheduler
+    with run.connected(1, address) as client, opened(tmp_path / "out") as folder:
+        told = []
+
+        def tell(line):
+            told.append(line)
+            process.kill()
+
+        with pytest.raises(Error, match=r"the scheduler is lost .*run the same command again"):
+            run.run(folder, client, {}, progress=lambda _: None, told=tell)
+        assert told == ["waiting for workers"]
