@@ -10,7 +10,7 @@ from scipy.interpolate import CubicSpline, make_interp_spline
 from scipy.spatial.transform import Rotation
 
 from llsrbm.motion.plan import Plan
-from llsrbm.motion.resample import resample
+from llsrbm.motion.resample import sampled
 from llsrbm.motion.rotation import yaw
 
 Array = NDArray[np.float64]
@@ -19,6 +19,10 @@ _GRAVITY = 9.81
 _STEP = 5e-4  # s; a reference is at most half of it old
 _JUST_BEFORE = 2 * _STEP  # touchdown, where the nearest sample surely is one of the flight
 _AHEAD = 64  # samples, 32 ms: a plan that is made anew under way is followed for 20
+_SAMPLED = (
+    *("com", "com_velocity", "base_quat", "angular_momentum"),
+    *("joint_position", "joint_velocity"),
+)
 BRAKING = 0.3  # s in which a robot that keeps some speed comes to rest after the plan's end
 
 
@@ -126,7 +130,7 @@ class Reference:
         """Keep the samples from one to before another."""
         plan, weight, knot = self.plan, self._weight, self._first
         times = np.arange(first, end) * _STEP + plan.time[0]
-        motion = resample(plan, times)
+        motion = sampled(plan, times, _SAMPLED)
         omega, omega_rate = _angular_velocity(plan, times, knot)
         foot, heading = _swing(plan, times, knot, self._start)
         moving = times[:, None] < plan.time[-1]
@@ -134,15 +138,15 @@ class Reference:
         standing[:, 2] = weight / len(standing)
         dt = np.diff(plan.time)[:, None]
         columns = {
-            "com": motion.com,
-            "com_velocity": motion.com_velocity * moving,
+            "com": motion["com"],
+            "com_velocity": motion["com_velocity"] * moving,
             "com_acceleration": _without_steps(
                 plan, times, np.diff(plan.com_velocity, axis=0) / dt, knot
             ),
-            "R_world_base": Rotation.from_quat(motion.base_quat, scalar_first=True).as_matrix(),
+            "R_world_base": Rotation.from_quat(motion["base_quat"], scalar_first=True).as_matrix(),
             "angular_velocity": omega * moving,
             "angular_acceleration": omega_rate * moving,
-            "angular_momentum": motion.angular_momentum * moving,
+            "angular_momentum": motion["angular_momentum"] * moving,
             "angular_momentum_rate": _without_steps(
                 plan, times, np.diff(plan.angular_momentum, axis=0) / dt, knot
             ),
@@ -152,8 +156,8 @@ class Reference:
             "foot_velocity_from_com": foot[1],
             "foot_acceleration_from_com": foot[2],
             "foot_heading": heading,
-            "joint_position": motion.joint_position,
-            "joint_velocity": motion.joint_velocity * moving,
+            "joint_position": motion["joint_position"],
+            "joint_velocity": motion["joint_velocity"] * moving,
         }
         if braking_time(plan):
             _brake(plan, times, columns, weight)

@@ -9,7 +9,7 @@ Knots and ticks are reproduced exactly; quaternions come out without jumps of si
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, TypeVar
@@ -41,6 +41,18 @@ def resample(trajectory: _Trajectory, times: Any) -> _Trajectory:
     Raises:
         InputError: a time is not finite.
     """
+    values = sampled(trajectory, times, quantities(type(trajectory)))
+    if isinstance(trajectory, Plan):
+        values["solution"] = None  # is of the knots
+    return replace(trajectory, **values)
+
+
+def sampled(trajectory: Plan | Rollout, times: Any, names: Collection[str]) -> dict[str, Any]:
+    """Some quantities of what `resample` makes, and `time`, by name; those over no time left out.
+
+    Raises:
+        InputError: a time is not finite.
+    """
     times = np.atleast_1d(np.asarray(times, dtype=np.float64))
     if times.ndim != 1 or not np.isfinite(times).all():
         raise InputError("times: expected a list of finite numbers, s")
@@ -49,7 +61,7 @@ def resample(trajectory: _Trajectory, times: Any) -> _Trajectory:
     values: dict[str, Any] = {}
     for name, quantity in quantities(type(trajectory)).items():
         known = getattr(trajectory, name)
-        if TIME not in quantity.axes:
+        if name not in names or TIME not in quantity.axes:
             continue
         if known is None and quantity.between is not Between.JOINT_RATES:
             continue
@@ -63,9 +75,7 @@ def resample(trajectory: _Trajectory, times: Any) -> _Trajectory:
         if quantity.rate:
             values[name][instants.outside] = 0.0
     values["time"] = times
-    if isinstance(trajectory, Plan):
-        values["solution"] = None  # is of the knots
-    return replace(trajectory, **values)
+    return values
 
 
 @dataclass(frozen=True, eq=False)
