@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -98,6 +98,7 @@ class Reference:
         self._start = start
         self._first = 0 if start is None else int(np.searchsorted(plan.time, start.time - 1e-9))
         self._samples = len(np.arange(0.0, plan.duration + braking_time(plan) + 2 * _STEP, _STEP))
+        self._columns: dict[int, tuple[dict[str, Array], int]] = {}  # sampled, and its row there
         self._targets: dict[int, Target] = {}
         self._late: dict[int, Target] = {}
         self._ahead = self._samples if start is None else _AHEAD
@@ -108,9 +109,12 @@ class Reference:
         index = min(max(round(time / _STEP), 0), self._samples - 1)
         target = self._targets.get(index)
         if target is None:
-            self._sample(index, min(index + self._ahead, self._samples))
-            self._ahead *= 2
-            target = self._targets[index]
+            if index not in self._columns:
+                self._sample(index, min(index + self._ahead, self._samples))
+                self._ahead *= 2
+            columns, row = self._columns[index]
+            target = Target(**{name: values[row] for name, values in columns.items()})
+            self._targets[index] = target
         return target
 
     def late(self, flight: int) -> Target:
@@ -161,9 +165,7 @@ class Reference:
         }
         if braking_time(plan):
             _brake(plan, times, columns, weight)
-        names = [field.name for field in fields(Target)]
-        rows = zip(*(columns[name] for name in names), strict=True)
-        self._targets |= {first + k: Target(*row) for k, row in enumerate(rows)}
+        self._columns |= {first + row: (columns, row) for row in range(end - first)}
 
 
 def braking_time(plan: Plan) -> float:

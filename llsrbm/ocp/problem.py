@@ -44,6 +44,7 @@ class Solution(Iterate):
     Attributes:
         converged: the solver's own word.
         iterations, cost, solve_time_s: of this solve.
+        violation: the largest of a row, in their units of about 1.
         message: the solver's status.
     """
 
@@ -51,4 +52,5 @@ class Solution(Iterate):
     iterations: int
     cost: float
     solve_time_s: float
+    violation: float
     message: str

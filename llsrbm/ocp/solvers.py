@@ -172,8 +172,8 @@ class Solver(ABC):
             read: takes the table of iterations, of solvers that print one.
         """
         self._renew()
-        if self.miss(problem, guess) > HOPELESS:
-            return self._given_up(problem, Iterate(guess, np.zeros_like(problem.lower)))
+        if (miss := self.miss(problem, guess)) > HOPELESS:
+            return self._given_up(problem, Iterate(guess, np.zeros_like(problem.lower)), miss)
         if patience not in self._cold:
             self._cold[patience] = self._another(patience)
         arguments = {
@@ -183,7 +183,7 @@ class Solver(ABC):
             "ubg": problem.upper,
         }
         with nullcontext() if read is None else self._printing(read):
-            return self._run(self._cold[patience], arguments)
+            return self._run(self._cold[patience], problem, arguments)
 
     def follow(
         self,
@@ -204,8 +204,8 @@ class Solver(ABC):
         """
         self._renew()
         rows = self._rows(problem, start.variables)
-        if _largest_violation(problem, rows) > too_far:
-            return self._given_up(problem, start)
+        if (miss := _largest_violation(problem, rows)) > too_far:
+            return self._given_up(problem, start, miss)
         if tolerance not in self._nears:
             self._nears[tolerance] = self._another_near(tolerance)
         return self._follow(self._nears[tolerance], problem, start, rows)
@@ -221,7 +221,7 @@ class Solver(ABC):
     def _rows(self, problem: Problem, variables: Array) -> Array:
         return np.array(self.function("nlp_g")(variables, problem.parameters)).ravel()
 
-    def _given_up(self, problem: Problem, start: Iterate) -> Solution:
+    def _given_up(self, problem: Problem, start: Iterate, miss: float) -> Solution:
         """A solve that was not begun."""
         f = self._cold[PATIENT].get_function("nlp_f")
         return Solution(
@@ -231,6 +231,7 @@ class Solver(ABC):
             iterations=0,
             cost=float(f(start.variables, problem.parameters)),
             solve_time_s=0.0,
+            violation=miss,
             message="too far from a solution to begin",
         )
 
@@ -254,7 +255,14 @@ class Solver(ABC):
         """Meanwhile the solver prints its table into `read`; here it prints none."""
         return nullcontext()
 
-    def _run(self, solver: ca.Function, arguments: dict[str, Array]) -> Solution:
+    def _run(
+        self,
+        solver: ca.Function,
+        problem: Problem,
+        arguments: dict[str, Array],
+        scale: float | Array = 1.0,
+    ) -> Solution:
+        """Run one; `scale` (rows,): of its rows, in units of the problem's."""
         if not np.isfinite(arguments["x0"]).all():  # Fatrop would never return
             raise ValueError("the initial guess is not finite")
         start = time.perf_counter()
@@ -263,11 +271,12 @@ class Solver(ABC):
         stats = solver.stats()
         return Solution(
             variables=np.array(result["x"]).ravel(),
-            multipliers=np.array(result["lam_g"]).ravel(),
+            multipliers=scale * np.array(result["lam_g"]).ravel(),
             converged=self._converged(stats),
             iterations=self._iterations(stats),
             cost=float(result["f"]),
             solve_time_s=elapsed,
+            violation=_largest_violation(problem, np.array(result["g"]).ravel() / scale),
             message=str(stats.get("return_status", "")),
         )
 
@@ -337,16 +346,13 @@ class Fatrop(Solver):
         lower = np.where(inequality & (above < NEARER * below), -np.inf, lower)
         upper = np.where(inequality & (below <= NEARER * above), np.inf, upper)
         scale = np.where(inequality, np.maximum(np.abs(start.multipliers), LEAST_SCALE), 1.0)
-        solution = self._run(
-            near,
-            {
-                "x0": start.variables,
-                "p": np.concatenate([problem.parameters, scale]),
-                "lbg": scale * lower,
-                "ubg": scale * upper,
-            },
-        )
-        return replace(solution, multipliers=scale * solution.multipliers)
+        arguments = {
+            "x0": start.variables,
+            "p": np.concatenate([problem.parameters, scale]),
+            "lbg": scale * lower,
+            "ubg": scale * upper,
+        }
+        return self._run(near, problem, arguments, scale)
 
     def _converged(self, stats: dict[str, Any]) -> bool:
         """Within the tolerance, or acceptable for long enough, which nlpsol does not count."""
@@ -500,7 +506,7 @@ class Ipopt(Solver):
             "lbg": problem.lower,
             "ubg": problem.upper,
         }
-        return self._run(near, arguments)
+        return self._run(near, problem, arguments)
 
     def _converged(self, stats: dict[str, Any]) -> bool:
         return bool(stats["success"])

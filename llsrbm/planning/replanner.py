@@ -23,7 +23,7 @@ from llsrbm.models import make_model
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rotation import sign_continuous
 from llsrbm.ocp import solvers
-from llsrbm.ocp.problem import Iterate, Problem, Solution
+from llsrbm.ocp.problem import Iterate, Solution
 from llsrbm.ocp.progress import when_idle
 from llsrbm.planning.assembly import knot_arrays
 from llsrbm.planning.formulation import Formulation
@@ -154,17 +154,10 @@ class Replanner:
                 continue
             iterations += solution.iterations
             seconds += solution.solve_time_s
-            if self._good(formulation, problem, solution):
+            if np.isfinite(solution.variables).all() and solution.violation < GOOD_ENOUGH:
                 self._last[layout] = (state.time, solution)
                 return layout, solution, iterations, seconds
         return layout, None, iterations, seconds
-
-    @staticmethod
-    def _good(formulation: Formulation, problem: Problem, solution: Solution) -> bool:
-        return (
-            bool(np.isfinite(solution.variables).all())
-            and formulation.solver.miss(problem, solution.variables) < GOOD_ENOUGH
-        )
 
     def _rest(self, phase: int, time: tuple[float, float]) -> Schedule:
         rest = self._task.schedule.rest(phase, time)
