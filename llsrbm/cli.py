@@ -28,6 +28,7 @@ from llsrbm.commands.listing import (
 )
 from llsrbm.commands.plan import plan_command
 from llsrbm.commands.replay import replay_command
+from llsrbm.commands.robot import robot_app
 from llsrbm.commands.simulate import simulate_command
 from llsrbm.commands.sweep import sweep_command
 from llsrbm.errors import Error, InputError
@@ -82,6 +83,7 @@ app.command("simulate")(simulate_command)
 app.command("export")(export_command)
 app.command("replay")(replay_command)
 app.command("robots")(robots_command)
+app.add_typer(robot_app)
 app.command("models")(models_command)
 app.command("types")(types_command)
 app.command("tuning")(tuning_command)

@@ -1,0 +1,76 @@
+"""`llsrbm robot new`: a first robot file from a URDF."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from llsrbm.commands import console
+from llsrbm.errors import InputError
+
+robot_app = typer.Typer(
+    name="robot", help="Robot files: write a first one from a URDF.", rich_markup_mode=None
+)
+
+
+@robot_app.callback()
+def _robot() -> None:
+    """Robot files: write a first one from a URDF."""
+
+
+@robot_app.command("new")
+def new_command(
+    urdf: Annotated[
+        str,
+        typer.Argument(
+            metavar="URDF",
+            help="A file, or PACKAGE:PATH of one in a package of robot data, such as "
+            "example-robot-data:b1_description/urdf/b1.urdf.",
+        ),
+    ],
+    name: Annotated[
+        str | None, typer.Option(help="Short name, lower case; the URDF's file name if left out.")
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option(help="Where to write it; NAME.toml here if left out.")
+    ] = None,
+    force: Annotated[bool, typer.Option("--force", help="Replace a file that is there.")] = False,
+) -> int:
+    """Write a robot file: what the URDF says is measured, the rest guessed and marked so."""
+    from llsrbm.robots import draft, load_robot
+    from llsrbm.robots.assets import package_share
+
+    package, colon, inside = urdf.partition(":")
+    if colon and not Path(urdf).exists():
+        share = package_share(package, Path(urdf))
+        path = share / package / "robots" / inside
+        dirs: tuple[Path, ...] = (share,)
+        table = {"package": package, "path": inside}
+    else:
+        path = Path(urdf).absolute()
+        table, dirs = {}, (path.parent, path.parent.parent)
+    if not path.is_file():
+        raise InputError(f"{urdf}: no such file; expected a URDF")
+    name = name or re.sub(r"[^a-z0-9_-]+", "_", path.stem.lower()).strip("_-") or "robot"
+    if not re.fullmatch(r"[a-z0-9][a-z0-9_-]*", name):
+        raise InputError(f"--name {name}: expected lower case letters, digits, - and _")
+    out = Path(f"{name}.toml") if out is None else out
+    if out.exists() and not force:
+        raise InputError(f"{out}: there is a file already; expected --force to replace it")
+    anatomy = draft.read_anatomy(path, dirs)
+    proposal = draft.propose(anatomy)
+    table = table or draft.urdf_beside(path, out)
+    try:
+        out.write_text(draft.robot_file_text(name, table, anatomy, proposal))
+    except OSError as error:
+        raise InputError(f"{out}: cannot be written ({error.strerror})") from error
+    load_robot(str(out.absolute()))  # it is one that can be read
+    print(f"{out}: {len(anatomy.names)} legs of {len(anatomy.joint_ids[0])} joints")
+    print(f"  feet {', '.join(anatomy.feet)}; hips {', '.join(anatomy.hips)}")
+    for key, reason in proposal.guessed.items():
+        print(f"  guessed {key}: {reason}")
+    print(f"try it: llsrbm simulate --robot {out} --twist 45, and docs/add_a_robot.md")
+    return console.DONE

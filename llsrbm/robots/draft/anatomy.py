@@ -1,0 +1,263 @@
+"""Which chains of a URDF are legs, where they end, and what touches the ground there."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from llsrbm.errors import RobotFileError
+from llsrbm.robots.legs import LegChains
+from llsrbm.robots.urdf import BASE_JOINT, frame_id, load_model
+
+Array = NDArray[np.float64]
+
+_FOOT = re.compile(r"foot|sole|toe|ankle|contact", re.IGNORECASE)
+_SOLE = re.compile(r"sole|foot", re.IGNORECASE)
+_JOINTS_OF_A_LEG = (3, 6)  # of point feet; of soles, whose attitude matters too
+_ACROSS = 0.7  # component along y from which on an axis is one about which a leg swings forward
+_ON_THE_GROUND = 0.01  # m between a sole's frame and its lowest point
+
+
+@dataclass(frozen=True, eq=False)
+class Anatomy:
+    """L legs of n joints, as the URDF has them.
+
+    Attributes:
+        urdf: the file; model: Pinocchio's, on a free flyer.
+        names: (L,) made from where the feet are: FL, FR, RL, RR; or left, right.
+        feet: (L,) names of the feet's frames; hips: (L,) of the joints that swing legs forward.
+        joint_ids: (L, n) in the model, from the base outwards.
+        chains: their kinematics.
+        hip_position: (L, 3) m: origins of the hips at zero joint angles, base frame.
+        lower, upper: (L, n) limits of the joints, rad or m; at most a turn.
+        corners: x and y, m, of the contact points in the frame of a foot; one for a point foot.
+        radius: m, of what touches the ground there; None: the URDF has spheres.
+    """
+
+    urdf: Path
+    model: pin.Model
+    names: tuple[str, ...]
+    feet: tuple[str, ...]
+    hips: tuple[str, ...]
+    joint_ids: tuple[tuple[int, ...], ...]
+    chains: LegChains
+    hip_position: Array
+    lower: Array
+    upper: Array
+    corners: tuple[tuple[float, float], ...]
+    radius: float | None
+
+    @property
+    def has_soles(self) -> bool:
+        """Whether the feet have a direction."""
+        return len(self.corners) > 1
+
+    @property
+    def mass(self) -> float:
+        """Kg, of the whole robot."""
+        return float(pin.computeTotalMass(self.model))
+
+
+def read_anatomy(urdf: Path, package_dirs: tuple[Path, ...]) -> Anatomy:
+    """Find the legs of a URDF.
+
+    Args:
+        urdf: the file.
+        package_dirs: where its `package://` names are looked up.
+
+    Raises:
+        RobotFileError: it is no URDF, or none of a robot whose every joint moves a foot.
+    """
+    model = load_model(urdf, urdf)
+    legs = _legs(model, urdf)
+    data = model.createData()
+    pin.framesForwardKinematics(model, data, pin.neutral(model))
+    ends = np.array([data.oMi[leg[-1]].translation for leg in legs])
+    order, names = _named(ends)
+    legs = [legs[k] for k in order]
+    feet = [_foot_frame(model, data, leg) for leg in legs]
+    foot_ids = [frame_id(model, foot) for foot in feet]
+    hips = [_hip(model, data, leg, urdf) for leg in legs]
+    at = [[model.joints[j].idx_q for j in leg] for leg in legs]
+    corners, radius = _contact(model, urdf, package_dirs, foot_ids[0], len(legs[0]))
+    return Anatomy(
+        urdf=urdf,
+        model=model,
+        names=names,
+        feet=tuple(feet),
+        hips=tuple(model.names[hip] for hip in hips),
+        joint_ids=tuple(tuple(leg) for leg in legs),
+        chains=LegChains.from_model(model, [list(leg) for leg in legs], foot_ids),
+        hip_position=np.array([data.oMi[hip].translation for hip in hips]),
+        lower=np.maximum(model.lowerPositionLimit[at], -np.pi),
+        upper=np.minimum(model.upperPositionLimit[at], np.pi),
+        corners=corners,
+        radius=radius,
+    )
+
+
+def _legs(model: pin.Model, urdf: Path) -> list[list[int]]:
+    """Joints from the base to each end; all ends have to be feet."""
+    joints = range(BASE_JOINT + 1, model.njoints)
+    chains = []
+    for end in sorted(set(joints) - {model.parents[j] for j in joints}):
+        chain = [end]
+        while model.parents[chain[0]] > BASE_JOINT:
+            chain.insert(0, model.parents[chain[0]])
+        chains.append(chain)
+    kinds = [tuple(model.joints[j].shortname()[:11] for j in chain) for chain in chains]
+    # Legs are what there are most of that is built alike, and of those what reaches lowest.
+    data = model.createData()
+    pin.forwardKinematics(model, data, pin.neutral(model))
+    heights = {
+        kind: np.mean([data.oMi[c[-1]].translation[2] for c, k in zip(chains, kinds) if k == kind])
+        for kind in kinds
+    }
+    alike = min(heights, key=lambda kind: (kinds.count(kind) < 2, heights[kind]))
+    legs = [chain for chain, kind in zip(chains, kinds, strict=True) if kind == alike]
+    others = [chain for chain, kind in zip(chains, kinds, strict=True) if kind != alike]
+    spare = sorted({j for chain in others for j in chain} - {j for leg in legs for j in leg})
+    shared = sorted({j for leg in legs for j in leg if sum(j in other for other in legs) > 1})
+    if spare or shared:
+        listed = ", ".join(model.names[j] for j in (spare + shared)[:8])
+        more = f" and {len(spare + shared) - 8} more" if len(spare + shared) > 8 else ""
+        raise RobotFileError(
+            f"{urdf}: joints {listed}{more} move no foot, or more than one; expected every joint "
+            'to move one foot: write type="fixed" in place of theirs'
+        )
+    if len(legs) < 2 or len(legs[0]) not in _JOINTS_OF_A_LEG:
+        raise RobotFileError(
+            f"{urdf}: found {len(legs)} legs of {len(legs[0])} joints; expected two legs or more, "
+            "of 3 joints (point feet) or 6 (soles)"
+        )
+    return legs
+
+
+def _named(ends: Array) -> tuple[list[int], tuple[str, ...]]:
+    """The order of the legs and their names, from where they end, (L, 3) m."""
+    left = ends[:, 1] > 0
+    if len(ends) == 2:
+        return [int(np.argmax(left)), int(np.argmin(left))], ("left", "right")
+    if len(ends) == 4:
+        front = ends[:, 0] > np.median(ends[:, 0])
+        order = sorted(range(4), key=lambda k: (not front[k], not left[k]))
+        return order, ("FL", "FR", "RL", "RR")
+    order = sorted(range(len(ends)), key=lambda k: (-ends[k, 0], -ends[k, 1]))
+    return order, tuple(f"leg{k + 1}" for k in range(len(ends)))
+
+
+def _foot_frame(model: pin.Model, data: pin.Data, leg: list[int]) -> str:
+    """The body at the end of a leg: by its name if it has one, else the farthest from its joint."""
+    bodies = [
+        frame
+        for frame in model.frames
+        if frame.parentJoint == leg[-1] and frame.type == pin.FrameType.BODY
+    ]
+    soles = len(leg) > _JOINTS_OF_A_LEG[0]
+    pattern = _SOLE if soles else _FOOT
+    named = [frame for frame in bodies if pattern.search(frame.name)] or bodies
+    # Of soles the lowest frame is the one on the ground; of balls the outermost is the ball.
+    return str(
+        max(
+            named,
+            key=lambda frame: (
+                -round(float((data.oMi[leg[-1]] * frame.placement).translation[2]), 4)
+                if soles
+                else float(np.linalg.norm(frame.placement.translation))
+            ),
+        ).name
+    )
+
+
+def _hip(model: pin.Model, data: pin.Data, leg: list[int], urdf: Path) -> int:
+    """The first joint that swings the leg forward, about an axis across the robot."""
+    for joint in leg:
+        subspace = np.asarray(model.joints[joint].createData().S).reshape(6)
+        if abs((data.oMi[joint].rotation @ subspace[3:])[1]) > _ACROSS:
+            return joint
+    raise RobotFileError(
+        f"{urdf}: no joint of the leg that begins with {model.names[leg[0]]} turns about an axis "
+        "across the robot; expected base axes x forward, y left, z up"
+    )
+
+
+def _contact(
+    model: pin.Model, urdf: Path, package_dirs: tuple[Path, ...], foot: int, joints: int
+) -> tuple[tuple[tuple[float, float], ...], float | None]:
+    """Contact points of a foot in its frame, and their radius where the URDF has no spheres."""
+    import coal
+
+    frame = model.frames[foot]
+    shapes = [
+        shape
+        for shape in _collision(model, urdf, package_dirs)
+        if shape.parentJoint == frame.parentJoint
+    ]
+    spheres = [s for s in shapes if isinstance(s.geometry, coal.Sphere)]
+    if joints == _JOINTS_OF_A_LEG[0]:
+        radius = None if spheres else _ball_radius(frame, shapes)
+        return ((0.0, 0.0),), radius
+    points = _corners_of(frame, shapes)
+    if not len(points):
+        raise RobotFileError(
+            f"{urdf}: the link that carries {frame.name} has no collision geometry; expected some "
+            "there, for its sole is measured from it"
+        )
+    low, high = points.min(axis=0), points.max(axis=0)
+    if abs(low[2]) > _ON_THE_GROUND:
+        raise RobotFileError(
+            f"{urdf}: {frame.name} is {-low[2]:.3f} m above the lowest point of its foot; expected "
+            "a frame on the ground, in the middle of the sole: add a link with a fixed joint there"
+        )
+    radius = min(0.01, (high - low)[:2].min() / 6)
+    x, y = (np.array([high[axis], low[axis]]) for axis in (0, 1))
+    x, y = x - np.sign(x) * radius, y - np.sign(y) * radius
+    corners = tuple((round(float(a), 3), round(float(b), 3)) for a in x for b in y)
+    return corners, None if len(spheres) >= len(corners) else round(float(radius), 4)
+
+
+def _collision(
+    model: pin.Model, urdf: Path, package_dirs: tuple[Path, ...]
+) -> list[pin.GeometryObject]:
+    try:
+        geometry = pin.buildGeomFromUrdf(
+            model,
+            str(urdf),
+            pin.GeometryType.COLLISION,
+            package_dirs=[str(directory) for directory in package_dirs],
+        )
+    except (ValueError, RuntimeError) as error:
+        reason = " ".join(str(error).split())
+        raise RobotFileError(f"{urdf}: its collision geometry cannot be read: {reason}") from error
+    return list(geometry.geometryObjects)
+
+
+def _corners_of(frame: pin.Frame, shapes: list[pin.GeometryObject]) -> Array:
+    """(N, 3) m: corners of the shapes' boxes, in a frame of the same joint."""
+    signs = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)])
+    points = [np.empty((0, 3))]
+    for shape in shapes:
+        shape.geometry.computeLocalAABB()
+        box = shape.geometry.aabb_local
+        inside = box.min_ + signs * (box.max_ - box.min_)
+        placement = frame.placement.inverse() * shape.placement
+        points.append(inside @ placement.rotation.T + placement.translation)
+    return np.concatenate(points)
+
+
+def _ball_radius(frame: pin.Frame, shapes: list[pin.GeometryObject]) -> float:
+    """Half of what the shape around a point foot measures where it is thinnest, m."""
+    around = [
+        points
+        for points in (_corners_of(frame, [shape]) for shape in shapes)
+        if (points.min(axis=0) - 1e-3 <= 0).all() and (points.max(axis=0) + 1e-3 >= 0).all()
+    ]
+    if not around:
+        return 0.02
+    smallest = min(around, key=lambda points: float(np.ptp(points, axis=0).max()))
+    return round(float(np.clip(np.ptp(smallest, axis=0).min() / 2, 0.005, 0.04)), 4)

@@ -1,0 +1,258 @@
+"""Numbers for a robot file: proportions of the robots that are tuned here, times its size."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+from scipy.optimize import least_squares
+
+from llsrbm.errors import RobotFileError
+from llsrbm.robots.draft.anatomy import Anatomy
+from llsrbm.robots.legs import turns_about_z
+
+Array = NDArray[np.float64]
+
+# Shares of the longest distance from a hip to its foot, as ANYmal's, Go2's and SLIDER's files have.
+_STANDING = 0.74
+_NEAREST, _FARTHEST = 0.42, 0.91
+_OF_STROKE = (0.1, 0.4, 0.65)  # of legs that slide: nearest, standing, farthest
+_FORWARD, _SIDEWAYS = 0.38, 0.32
+_LOWEST, _HIGHEST = 0.95, 0.35
+_CLEARANCE, _APART = 0.13, 0.2
+_JUMPS = {"forward": (-0.5, 1.0), "lateral": (-0.5, 0.5), "height": (-0.3, 0.4)}
+# Of legs so long, m, the gains here are right, of point feet and of soles; times go with the root.
+_TUNED_LENGTH = (0.5, 0.9)
+_SAMPLES = 4000  # postures of a leg by which its length is measured
+_WEAKEST, _STRONGEST = 0.05, 3.0  # of m g times the leg's length: other torques are no drive's
+_TORQUE = 0.4  # of m g times the leg's length, where the URDF has none
+_SLOWEST, _FASTEST = 2.0, 100.0  # rad/s, of limits that are meant
+_SPEED = 15.0  # rad/s, where the URDF has none
+_LEVEL = 0.1  # m that a turn of a sole by 1 rad counts
+_STRAIGHT = 1e-3  # how much a joint that is turned counts, so that those that need not are not
+_ALIKE = (
+    1.5  # ways to bend that cost so much more are alike; ANYmal C's hind legs have a straighter
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Proposal:
+    """What goes into a robot file, rounded, and which keys of it are guesses.
+
+    Attributes:
+        values: key, with dots -> value.
+        guessed: key -> what the guess was made from.
+    """
+
+    values: dict[str, Any]
+    guessed: dict[str, str]
+
+
+def propose(anatomy: Anatomy) -> Proposal:
+    """Posture, reach, limits, timing, range and gains of a robot.
+
+    Raises:
+        RobotFileError: no posture stands.
+    """
+    shortest, length = _distances(anatomy)
+    near, standing, far = _NEAREST * length, _STANDING * length, _FARTHEST * length
+    said = f"{length:.3f} m of leg"
+    if anatomy.chains.prismatic.any():  # as much of the stroke to push off with as to land on
+        near, standing, far = (shortest + share * (length - shortest) for share in _OF_STROKE)
+        said = f"a stroke of {length - shortest:.3f} m"
+        length = far / _FARTHEST  # of a leg that bends and reaches as far
+    angles, seen = _posture(anatomy, standing)
+    outward = np.where(anatomy.hip_position[:, 1] < 0, -1.0, 1.0)
+    side = float(np.mean(outward * seen[:, 1]))
+    ahead = float(np.mean(seen[:, 0])) if anatomy.has_soles else 0.0
+    values: dict[str, Any] = {
+        f"posture.{name}": [round(float(q), 4) + 0.0 for q in angles[k]]
+        for k, name in enumerate(anatomy.names)
+    }
+    values |= {
+        "reach.distance": _metres(near, far),
+        "reach.lower": _metres(
+            ahead - _FORWARD * length, side - _SIDEWAYS * length, -_LOWEST * length
+        ),
+        "reach.upper": _metres(
+            ahead + _FORWARD * length, side + _SIDEWAYS * length, -_HIGHEST * length
+        ),
+        "limits.friction": 0.5,
+        "limits.foot_speed": 5.0,
+        "limits.clearance": round(_CLEARANCE * length, 2),
+        "limits.feet_apart": _apart(anatomy, length),
+        "timing.takeoff": [0.3 if anatomy.has_soles else 0.4, 0.8],
+        "timing.flight": [0.3, 0.6],
+        "timing.landing": [0.3 if anatomy.has_soles else 0.5, 0.8],
+        "task.twist": [-3.1416, 3.1416],
+        **{f"task.{name}": _metres(*np.multiply(share, length)) for name, share in _JUMPS.items()},
+        "example.twist": 0.7854,
+    }
+    guessed = {
+        "posture": f"hips {standing:.2f} m above the feet, from {said}",
+        "reach": f"shares of {said}",
+        "limits": "friction, clearance and the feet's distance by the legs' length",
+        "timing": "as of robots that are tuned",
+        "task": "by the legs' length",
+    }
+    _drives(anatomy, length, values, guessed)
+    if anatomy.radius is not None:
+        values["foot.radius"] = anatomy.radius
+        guessed["foot.radius"] = "from the foot's collision geometry, which has no sphere"
+    if anatomy.has_soles:
+        values["foot.corners"] = [list(corner) for corner in anatomy.corners]
+        values["foot.yaw"] = [-0.5, 0.5]
+        guessed["foot"] = "corners from the foot's collision geometry; how far it may turn"
+    _gains(anatomy, length, values, guessed)
+    return Proposal(values, guessed)
+
+
+def _distances(anatomy: Anatomy) -> tuple[float, float]:
+    """Shortest and longest from the first hip to its foot, m, within the joints' limits."""
+    generator = np.random.default_rng(0)
+    lower, upper = anatomy.lower, anatomy.upper
+    q = generator.uniform(lower, upper, (_SAMPLES, *lower.shape))
+    # The straight leg is likely at zero or at a stop, which samples only come near.
+    q[0], q[1], q[2] = np.clip(0.0, lower, upper), lower, upper
+    distance = np.linalg.norm(anatomy.chains.motion(q).foot - anatomy.hip_position, axis=-1)
+    return float(distance.min()), float(distance.max(axis=0).min())
+
+
+def _posture(anatomy: Anatomy, standing: float) -> tuple[Array, Array]:
+    """Joint angles (L, n) with hips so high, m, above their feet; and these (L, 3) m from there."""
+    shift = 0.0
+    for _ in range(8 if anatomy.has_soles else 1):  # until the CoM is above the soles
+        angles = np.array(
+            [
+                _leg_posture(anatomy, leg, np.array([shift, 0.0, -standing]))
+                for leg in range(len(anatomy.names))
+            ]
+        )
+        foot = anatomy.chains.motion(angles).foot
+        off = _com(anatomy, angles)[0] - foot[:, 0].mean()
+        shift += off
+    return angles, foot - anatomy.hip_position
+
+
+def _leg_posture(anatomy: Anatomy, leg: int, foot_from_hip: Array) -> Array:
+    """Joint angles (n,) with a foot there, seen from its hip, level if it is a sole.
+
+    Sideways it is wherever the leg hangs down straight. Of the two ways to bend, knees go
+    backwards if the limits allow both.
+    """
+    chains, lower, upper = anatomy.chains, anatomy.lower[leg], anatomy.upper[leg]
+    hip = anatomy.hip_position[leg]
+    all_legs = np.zeros_like(anatomy.lower)
+
+    def pose(q: Array) -> tuple[Array, Array]:
+        all_legs[leg] = q
+        motion = chains.motion(all_legs)
+        turning, _ = chains.foot_turning(motion)
+        return motion.foot[leg] - hip, turning[leg]
+
+    rest = np.clip(0.0, lower, upper)
+    sideways, _ = pose(rest)
+    goal = foot_from_hip + np.array([0.0, sideways[1], 0.0])
+
+    def residual(q: Array) -> Array:
+        foot, rotation = pose(q)
+        turn = _LEVEL * (rotation - turns_about_z(np.zeros(()))).ravel()
+        return np.concatenate(
+            [foot - goal, turn if anatomy.has_soles else np.zeros(0), _STRAIGHT * (q - rest)]
+        )
+
+    found = []
+    generator = np.random.default_rng(0)
+    for _ in range(24):
+        start = generator.uniform(lower, upper)
+        result = least_squares(residual, start, bounds=(lower - 1e-9, upper + 1e-9))
+        foot, _ = pose(result.x)
+        if np.linalg.norm(foot - goal) < 0.01:
+            knee = _knee(anatomy, leg, result.x)
+            found.append((float(result.cost), bool(knee > 0), result.x + 0.0))
+    if not found:
+        name = anatomy.names[leg]
+        raise RobotFileError(
+            f"{anatomy.urdf}: leg {name} finds no posture with its foot {-foot_from_hip[2]:.2f} m "
+            f"below {anatomy.hips[leg]}; expected joint limits that allow one"
+        )
+    least = min(cost for cost, _, _ in found)
+    # Among those that cost alike knees go backwards.
+    alike = [entry for entry in found if entry[0] <= _ALIKE * least + 1e-9]
+    return min(alike, key=lambda entry: (entry[1], entry[0]))[2]
+
+
+def _knee(anatomy: Anatomy, leg: int, q: Array) -> float:
+    """How far the leg's joints after the hip are in front of the line from hip to foot, m."""
+    all_legs = np.zeros_like(anatomy.lower)
+    all_legs[leg] = q
+    motion = anatomy.chains.motion(all_legs)
+    origin, foot, hip = motion.origin[leg], motion.foot[leg], anatomy.hip_position[leg]
+    return float((origin[:, 0] - (hip[0] + foot[0]) / 2).max(initial=0.0)) + float(
+        (origin[:, 0] - (hip[0] + foot[0]) / 2).min(initial=0.0)
+    )
+
+
+def _com(anatomy: Anatomy, angles: Array) -> Array:
+    model = anatomy.model
+    q = pin.neutral(model)
+    for leg, joints in enumerate(anatomy.joint_ids):
+        q[[model.joints[j].idx_q for j in joints]] = angles[leg]
+    com: Array = pin.centerOfMass(model, model.createData(), q)
+    return com
+
+
+def _apart(anatomy: Anatomy, length: float) -> float:
+    if not anatomy.has_soles:
+        return round(_APART * length, 2)
+    return round(2 * float(np.linalg.norm(anatomy.corners, axis=1).max()), 2)
+
+
+def _drives(
+    anatomy: Anatomy, length: float, values: dict[str, Any], guessed: dict[str, str]
+) -> None:
+    """Torques and speeds: the URDF's where they can be meant."""
+    model, leg = anatomy.model, list(anatomy.joint_ids[0])
+    at = [model.joints[j].idx_v for j in leg]
+    weight = anatomy.mass * 9.81 * length
+    torque, speed = model.effortLimit[at], model.velocityLimit[at]
+    meant = (torque > _WEAKEST * weight) & (torque < _STRONGEST * weight)
+    # Ankles may be weak; of a leg without one strong joint no limit is meant.
+    if not meant.any() or (torque <= 0).any():
+        torque = np.where(meant, torque, _TORQUE * weight)
+        guessed["limits.torque"] = f"{_TORQUE} of the weight times the leg's length"
+    if (speed < _SLOWEST).any() or (speed > _FASTEST).any():
+        speed = np.where((speed >= _SLOWEST) & (speed <= _FASTEST), speed, _SPEED)
+        guessed["limits.joint_speed"] = f"{_SPEED:g} rad/s where the URDF has none"
+    values["limits.torque"] = [float(f"{t:.4g}") for t in torque]
+    values["limits.joint_speed"] = [float(f"{s:.4g}") for s in speed]
+
+
+def _gains(
+    anatomy: Anatomy, length: float, values: dict[str, Any], guessed: dict[str, str]
+) -> None:
+    """The controller's: quicker for short legs; bipeds as SLIDER has them."""
+    quicker = float(np.clip(np.sqrt(_TUNED_LENGTH[anatomy.has_soles] / length), 0.8, 1.5))
+    if anatomy.has_soles:
+        values["control.rate"] = 1000.0
+        values["control.force_phase"] = 0.0
+        tasks = {"com": (100.0, 20.0), "orientation": (150.0, 24.0), "swing": (600.0, 49.0)}
+        values["control.weights.com"] = 10.0
+    elif quicker > 1.1:
+        values["control.rate"] = 800.0
+        tasks = {"com": (300.0, 35.0), "orientation": (150.0, 20.0), "swing": (500.0, 40.0)}
+    else:
+        return
+    for task, (stiffness, damping) in tasks.items():
+        values[f"control.gains.{task}"] = [
+            round(stiffness * quicker**2, 0),
+            round(damping * quicker, 1),
+        ]
+    guessed["control"] = f"gains for legs of {length:.2f} m"
+
+
+def _metres(*lengths: float) -> list[float]:
+    return [round(float(length), 2) for length in lengths]

@@ -1,0 +1,93 @@
+"""A proposal as the text of a robot file, with a comment at everything that is a guess."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import Any
+
+from llsrbm.robots.draft.anatomy import Anatomy
+from llsrbm.robots.draft.proposal import Proposal
+
+_TABLES = ("foot", "reach", "limits", "timing", "task", "example")
+_SAID = {
+    "reach": "Where a foot may be, seen from its hip: x forward, y outward, m.",
+    "limits": "Nm or N and rad/s or m/s, a number a joint of a leg; m, m/s.",
+    "timing": "s, shortest and longest.",
+    "task": "What may be asked: rad, m.",
+    "example": "The jump that a page shows first, rad.",
+    "foot": "What touches the ground, in the frame of a foot, m; turns in rad.",
+    "control": "How the controller follows plans.",
+}
+
+
+def robot_file_text(name: str, urdf: dict[str, str], anatomy: Anatomy, proposal: Proposal) -> str:
+    """A robot file.
+
+    Args:
+        name: of the robot, short; urdf: its table [urdf].
+        anatomy: of the URDF; proposal: for it.
+    """
+    title = name.replace("_", " ").replace("-", " ").title()
+    lines = [
+        f"# {title}, {anatomy.mass:.4g} kg. Written by `llsrbm robot new` from the URDF alone:",
+        '# check what is marked "guessed", docs/add_a_robot.md says how.',
+        f"name = {_value(name)}",
+        f"title = {_value(title)}",
+        "",
+        "[urdf]",
+        *(f"{key} = {_value(value)}" for key, value in urdf.items()),
+        "",
+        "# foot: the frame of the contact point. hip: the joint that swings the leg forward.",
+        "[legs]",
+        *(
+            f"{leg} = {{ foot = {_value(foot)}, hip = {_value(hip)} }}"
+            for leg, foot, hip in zip(anatomy.names, anatomy.feet, anatomy.hips, strict=True)
+        ),
+        "",
+        f"# Guessed: {proposal.guessed['posture']}. Joint angles, rad, from the base outwards.",
+        "[posture]",
+        *(f"{leg} = {_value(proposal.values[f'posture.{leg}'])}" for leg in anatomy.names),
+    ]
+    for table in _TABLES:
+        lines += _table(table, proposal)
+    if any(key.startswith("control.") for key in proposal.values):
+        lines += _table("control", proposal)
+        for inner in ("gains", "weights"):
+            lines += _table(f"control.{inner}", proposal)
+    return "\n".join(lines) + "\n"
+
+
+def _table(table: str, proposal: Proposal) -> list[str]:
+    """Its lines, an empty one before them; none if nothing is proposed."""
+    start = table + "."
+    rows = {
+        key.removeprefix(start): value
+        for key, value in proposal.values.items()
+        if key.startswith(start) and "." not in key.removeprefix(start)
+    }
+    if not rows:
+        return []
+    said = [_SAID[table]] if table in _SAID else []
+    if table in proposal.guessed:
+        said.append(f"Guessed: {proposal.guessed[table]}.")
+    lines = ["", f"[{table}]"] if not said else ["", f"# {' '.join(said)}", f"[{table}]"]
+    for key, value in rows.items():
+        guess = proposal.guessed.get(f"{table}.{key}")
+        lines.append(f"{key} = {_value(value)}" + (f"  # guessed: {guess}" if guess else ""))
+    return lines
+
+
+def _value(value: Any) -> str:
+    """As TOML; strings are names and paths, without control characters."""
+    if isinstance(value, str):
+        escaped = value.replace("\\", "\\\\").replace('"', '\\"')
+        return f'"{escaped}"'
+    if isinstance(value, list):
+        return f"[{', '.join(_value(item) for item in value)}]"
+    return repr(value)
+
+
+def urdf_beside(urdf: Path, out: Path) -> dict[str, str]:
+    """The table [urdf] of a robot file at `out`: where the URDF is, seen from there."""
+    return {"file": Path(os.path.relpath(urdf, out.absolute().parent)).as_posix()}
