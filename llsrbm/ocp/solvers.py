@@ -57,8 +57,8 @@ PATIENT = Patience(mu=1e-2, iterations=150, push=0.05, acceptable=(5e-3, 4))
 
 # A solve near a known solution stops at this tolerance: the cost is 0.02 % from that of a cold one.
 NEAR_TOLERANCE = 3e-4
-# The complementarity at which Fatrop ends, over the tolerance; near a solution it begins there.
-_NEAR_MU = 1 / 11
+# The complementarity at which Fatrop ends for that tolerance; near a solution it begins there.
+NEAR_MU = NEAR_TOLERANCE / 11
 # Near starts converge in 2 to 10 iterations; a cold start is quicker than waiting for more.
 NEAR_ITERATIONS = 15
 # A solution that violates the rows of its neighbour by more, in their units of about 1, is none:
@@ -91,9 +91,8 @@ class Solver(ABC):
     compiled: ClassVar[bool] = False
 
     def __init__(self, cold: ca.Function, near: ca.Function, structure: Structure) -> None:
-        self._structure = structure
+        self._near, self._structure = near, structure
         self._cold = {PATIENT: cold}
-        self._nears = {NEAR_TOLERANCE: near}
         self._faster: Callable[[], Transcribed | None] | None = None
         self._wait: Callable[[], None] | None = None
 
@@ -112,7 +111,7 @@ class Solver(ABC):
         """The solver as text, for a cache."""
         serializer = ca.StringSerializer()
         structure = self._structure
-        serializer.pack([self._cold[PATIENT], self._nears[NEAR_TOLERANCE]])
+        serializer.pack([self._cold[PATIENT], self._near])
         for sizes in (structure.states, structure.controls, structure.rows):
             serializer.pack(sizes)
         serializer.pack([int(equal) for equal in structure.equality])
@@ -149,7 +148,7 @@ class Solver(ABC):
         if self._faster is None or (transcribed := self._faster()) is None:
             return
         new = type(self).build(transcribed)
-        self._cold, self._nears, self._faster = new._cold, new._nears, None
+        self._cold, self._near, self._faster = new._cold, new._near, None
 
     def function(self, name: str) -> ca.Function:
         """One of the problem's functions, as it is evaluated: nlp_f, nlp_g, ...; nlp: f and g."""
@@ -185,33 +184,22 @@ class Solver(ABC):
         with nullcontext() if read is None else self._printing(read):
             return self._run(self._cold[patience], problem, arguments)
 
-    def follow(
-        self,
-        problem: Problem,
-        start: Iterate,
-        *,
-        too_far: float = TOO_FAR,
-        tolerance: float = NEAR_TOLERANCE,
-    ) -> Solution:
+    def follow(self, problem: Problem, start: Iterate, too_far: float = TOO_FAR) -> Solution:
         """Solve from the solution of a problem whose numbers are a little off.
 
         Args:
             problem: its numbers.
             start: the solution.
             too_far: largest violation of a row with which it is begun.
-            tolerance: at which it has converged; from a start with larger violations a larger one
-                takes fewer iterations.
         """
         self._renew()
         rows = self._rows(problem, start.variables)
         if (miss := _largest_violation(problem, rows)) > too_far:
             return self._given_up(problem, start, miss)
-        if tolerance not in self._nears:
-            self._nears[tolerance] = self._another_near(tolerance)
-        return self._follow(self._nears[tolerance], problem, start, rows)
+        return self._follow(problem, start, rows)
 
     @abstractmethod
-    def _follow(self, near: ca.Function, problem: Problem, start: Iterate, rows: Array) -> Solution:
+    def _follow(self, problem: Problem, start: Iterate, rows: Array) -> Solution:
         """See `follow`; `rows` (rows,): g of the start."""
 
     def miss(self, problem: Problem, variables: Array) -> float:
@@ -238,10 +226,6 @@ class Solver(ABC):
     @abstractmethod
     def _another(self, patience: Patience) -> ca.Function:
         """The solver from guesses with another patience; the functions are at hand."""
-
-    @abstractmethod
-    def _another_near(self, tolerance: float) -> ca.Function:
-        """The solver from solutions with another tolerance; the functions are at hand."""
 
     @abstractmethod
     def _converged(self, stats: dict[str, Any]) -> bool:
@@ -314,30 +298,28 @@ class Fatrop(Solver):
     def build(cls, transcription: Transcribed) -> Solver:
         """See `Solver.build`."""
         functions, structure = transcription.functions, transcription.structure
-        near = _near_options(NEAR_TOLERANCE)
+        near = {
+            "mu_init": NEAR_MU,
+            "tolerance": NEAR_TOLERANCE,
+            "max_iter": NEAR_ITERATIONS,
+            "bound_push": NEAR_MU,
+        }
         return cls(
             _fatrop(functions, structure, _fatrop_options(PATIENT)),
             _fatrop(_with_scaled_rows(functions), structure, near),
             structure,
         )
 
-    def _functions(self) -> dict[str, ca.Function]:
+    def _another(self, patience: Patience) -> ca.Function:
         available = self._cold[PATIENT].get_function()
         functions = {n: self.function(n) for n in available if n.startswith("nlp_")}
-        return functions | {"nlp": self.function("nlp")}
-
-    def _another_near(self, tolerance: float) -> ca.Function:
-        options = _near_options(tolerance) | {"print_level": _SILENT}
-        return _fatrop(_with_scaled_rows(self._functions()), self._structure, options)
-
-    def _another(self, patience: Patience) -> ca.Function:
-        functions = self._functions()
+        functions["nlp"] = self.function("nlp")
         if patience.within is not None:
             functions["nlp_g"] = _rows_within(functions["nlp_g"], patience.within)
         options = _fatrop_options(patience) | {"print_level": _SILENT}
         return _fatrop(functions, self._structure, options)
 
-    def _follow(self, near: ca.Function, problem: Problem, start: Iterate, rows: Array) -> Solution:
+    def _follow(self, problem: Problem, start: Iterate, rows: Array) -> Solution:
         """See `Solver.follow`."""
         lower, upper = problem.lower, problem.upper
         inequality = lower < upper
@@ -352,7 +334,7 @@ class Fatrop(Solver):
             "lbg": scale * lower,
             "ubg": scale * upper,
         }
-        return self._run(near, problem, arguments, scale)
+        return self._run(self._near, problem, arguments, scale)
 
     def _converged(self, stats: dict[str, Any]) -> bool:
         """Within the tolerance, or acceptable for long enough, which nlpsol does not count."""
@@ -374,16 +356,6 @@ def _fatrop_options(patience: Patience) -> dict[str, Any]:
         tolerance, iterations = patience.acceptable
         options |= {"tol_acceptable": tolerance, "acceptable_iter": iterations}
     return options
-
-
-def _near_options(tolerance: float) -> dict[str, Any]:
-    mu = tolerance * _NEAR_MU
-    return {
-        "mu_init": mu,
-        "tolerance": tolerance,
-        "max_iter": NEAR_ITERATIONS,
-        "bound_push": mu,
-    }
 
 
 def _fatrop(
@@ -480,24 +452,19 @@ class Ipopt(Solver):
         f, df = functions["nlp_f"](x, p), functions["nlp_grad_f"](x, p)
         gradient = ca.Function("nlp_grad_f", [x, p], [f, df], ["x", "p"], ["f", "grad_f_x"])
         derivatives = {"hess_lag": upper, "jac_g": functions["nlp_jac_g"], "grad_f": gradient}
+        near = replace(PATIENT, mu=NEAR_MU)
         return cls(
             _ipopt(functions["nlp"], derivatives, PATIENT, {}),
-            _ipopt(functions["nlp"], derivatives, _ipopt_near(NEAR_TOLERANCE), _WARM),
+            _ipopt(functions["nlp"], derivatives, near, {"warm_start_init_point": "yes"}),
             transcription.structure,
         )
 
-    def _derivatives(self) -> dict[str, ca.Function]:
-        names = {"hess_lag": "nlp_hess_l", "jac_g": "nlp_jac_g", "grad_f": "nlp_grad_f"}
-        return {option: self.function(name) for option, name in names.items()}
-
     def _another(self, patience: Patience) -> ca.Function:
-        return _ipopt(self.function("nlp"), self._derivatives(), patience, {})
+        names = {"hess_lag": "nlp_hess_l", "jac_g": "nlp_jac_g", "grad_f": "nlp_grad_f"}
+        derivatives = {option: self.function(name) for option, name in names.items()}
+        return _ipopt(self.function("nlp"), derivatives, patience, {})
 
-    def _another_near(self, tolerance: float) -> ca.Function:
-        near = _ipopt_near(tolerance)
-        return _ipopt(self.function("nlp"), self._derivatives(), near, _WARM)
-
-    def _follow(self, near: ca.Function, problem: Problem, start: Iterate, rows: Array) -> Solution:
+    def _follow(self, problem: Problem, start: Iterate, rows: Array) -> Solution:
         """See `Solver.follow`."""
         arguments = {
             "x0": start.variables,
@@ -506,20 +473,13 @@ class Ipopt(Solver):
             "lbg": problem.lower,
             "ubg": problem.upper,
         }
-        return self._run(near, problem, arguments)
+        return self._run(self._near, problem, arguments)
 
     def _converged(self, stats: dict[str, Any]) -> bool:
         return bool(stats["success"])
 
     def _iterations(self, stats: dict[str, Any]) -> int:
         return int(stats["iter_count"])
-
-
-_WARM = {"warm_start_init_point": "yes"}
-
-
-def _ipopt_near(tolerance: float) -> Patience:
-    return replace(PATIENT, mu=tolerance * _NEAR_MU)
 
 
 def _ipopt(
