@@ -202,6 +202,7 @@ def main(
     detector: str = llsrbm.Scenario.detector,
     landing: str = llsrbm.Scenario.landing,
     solver: str = llsrbm.Scenario.solver,
+    replan: Annotated[bool, typer.Option("--replan", help="Plan anew under way.")] = False,
     trunk_mass: Annotated[
         float | None,
         typer.Option(
@@ -212,7 +213,12 @@ def main(
 ) -> None:
     first, last = (int(part) for part in seeds.split(":"))
     scenario = llsrbm.Scenario(
-        noise=noise, detector=detector, landing=landing, solver=solver, trunk_mass=trunk_mass
+        noise=noise,
+        detector=detector,
+        landing=landing,
+        solver=solver,
+        replan=replan,
+        trunk_mass=trunk_mass,
     )
     work = [
         (cell, robot, model, seed, scenario)

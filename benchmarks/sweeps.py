@@ -41,17 +41,21 @@ app = typer.Typer(add_completion=False, help=__doc__)
 
 Jumps = Annotated[int, typer.Option(help="Of the sweep.")]
 Seeds = Annotated[int, typer.Option(help="Simulations a jump; 0: plan only.")]
+Patient = Annotated[bool, typer.Option(help="Try other guesses where the analytic one fails.")]
 
 _SOME = 3  # shards that have come back before something is broken
 
 
-def spec(folder: Path, jumps: int, seeds: int = 0, robot: str = "anymal") -> Path:
+def spec(
+    folder: Path, jumps: int, seeds: int = 0, robot: str = "anymal", *, patient: bool = True
+) -> Path:
     """A spec's file of so many jumps."""
     path = folder / f"{robot}-{jumps}.toml"
     axes = "".join(f'{n} = {{ range = "robot" }}\n' for n in ("twist", "forward", "height"))
     simulate = f"\n[simulate]\nseeds = {seeds}\n" if seeds else ""
     path.write_text(
         f'title = "{jumps} jumps"\nrobots = ["{robot}"]\nsampling = "sobol"\ncount = {jumps}\n'
+        f"patient = {str(patient).lower()}\n"
         f"\n[axes]\n{axes}{simulate}"
     )
     return path
@@ -254,12 +258,14 @@ def scaling(
     jumps: Annotated[str, typer.Option(help="Sizes, with commas.")] = "100,1000,10000",
     workers: int = 2,
     seeds: Seeds = 0,
+    patient: Patient = True,
 ) -> None:
     """Time against the number of jumps."""
     for size in map(int, jumps.split(",")):
         with scratch() as folder:
             start = time.perf_counter()
-            result = finished(spec(folder, size, seeds), folder / "out", "--workers", str(workers))
+            sweep = spec(folder, size, seeds, patient=patient)
+            result = finished(sweep, folder / "out", "--workers", str(workers))
             whole, run = time.perf_counter() - start, result["run"]
             bytes_a_row = (folder / "out" / "jumps.parquet").stat().st_size / result["rows"]
         print(
@@ -327,12 +333,20 @@ def _nothing(number: int) -> int:
 
 
 @app.command()
-def memory(jumps: Jumps = 2000, workers: int = 2, seeds: Seeds = 0, every: float = 5.0) -> None:
-    """Resident memory of client and workers, over time."""
+def memory(
+    jumps: Jumps = 2000,
+    workers: int = 2,
+    seeds: Seeds = 0,
+    every: float = 5.0,
+    patient: Patient = True,
+) -> None:
+    """Resident memory of client and workers over time, and how long it took."""
     with scratch() as folder:
+        sweep = spec(folder, jumps, seeds, patient=patient)
         process = subprocess.Popen(
-            command(spec(folder, jumps, seeds), folder / "out", "--workers", str(workers)),
-            stdout=subprocess.DEVNULL,
+            command(sweep, folder / "out", "--workers", str(workers)),
+            stdout=subprocess.PIPE,
+            text=True,
         )
         client, seen = psutil.Process(process.pid), []
         while process.poll() is None:
@@ -343,6 +357,12 @@ def memory(jumps: Jumps = 2000, workers: int = 2, seeds: Seeds = 0, every: float
                     )
                     seen.append((client.memory_info().rss / 1e6, largest / 1e6))
             time.sleep(every)
+        result = json.loads(process.communicate()[0])
+    run = result["run"]
+    print(
+        f"{result['rows']} rows in {run['seconds']:.0f} s, {run['jumps_per_second']:.2f} jumps/s, "
+        f"{100 * run['busy_share']:.1f} % inside planning and simulation"
+    )
     for name, figures in zip(("client", "largest worker"), np.array(seen).T, strict=True):
         quarters = [np.median(part) for part in np.array_split(figures, 4)]
         print(f"{name}: {', '.join(f'{q:.0f}' for q in quarters)} MB (medians of quarters)")
