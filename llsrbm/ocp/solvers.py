@@ -74,6 +74,9 @@ WITHIN = 40.0
 NEARER = 0.05
 # Scales of rows are the bounds' multipliers, not smaller than this: Fatrop sees scaled violations.
 LEAST_SCALE = 1e-7
+# Multipliers of plans reach 22. Where rows leave next to no room they grow without bounds, 1e7 and
+# more were seen of robots thrown up hard: scaled by these Fatrop looks for a direction for ever.
+LARGEST_SCALE = 1e3
 
 _STOPPED_ACCEPTABLE = 2  # Fatrop's return flag
 _SILENT, _TABLE = 0, 5  # Fatrop's print levels
@@ -328,6 +331,8 @@ class Fatrop(Solver):
         lower = np.where(inequality & (above < NEARER * below), -np.inf, lower)
         upper = np.where(inequality & (below <= NEARER * above), np.inf, upper)
         scale = np.where(inequality, np.maximum(np.abs(start.multipliers), LEAST_SCALE), 1.0)
+        if not scale.max() <= LARGEST_SCALE:
+            return self._given_up(problem, start, _largest_violation(problem, rows))
         arguments = {
             "x0": start.variables,
             "p": np.concatenate([problem.parameters, scale]),

@@ -84,6 +84,17 @@ def test_what_is_too_far_is_not_begun():
         assert not solver("fatrop").solve(far, guess).converged
 
 
+@pytest.mark.parametrize("multiplier", [1e7, 1e17, np.inf, np.nan])
+def test_a_start_with_multipliers_of_no_room_is_not_begun(multiplier):
+    """Rows scaled by them once kept Fatrop looking for a direction for ever."""
+    task = problem(1.0, push=1.1)
+    near = solver("fatrop").solve(task, GUESS)
+    row = np.flatnonzero(task.lower < task.upper)[3]
+    multipliers = np.where(np.arange(near.multipliers.size) == row, multiplier, near.multipliers)
+    followed = solver("fatrop").follow(task, replace(near, multipliers=multipliers))
+    assert (followed.converged, followed.iterations) == (False, 0)
+
+
 @every_solver
 def test_miss_is_the_largest_violation(name):
     assert solver(name).miss(problem(0.7), GUESS) == pytest.approx(0.7)
