@@ -13,15 +13,14 @@ import logging
 import os
 import subprocess
 import sys
-import tempfile
 from functools import lru_cache
 from pathlib import Path
 
 import casadi as ca
 import numpy as np
 
-from llsrbm.cache import cache_path, content_key, forget_old
 from llsrbm.ocp.compiled import Compiler
+from llsrbm.ocp.small_library import compiled_library
 
 _log = logging.getLogger(__name__)
 
@@ -56,8 +55,6 @@ void {NAME}(int n, double *alpha, double *A, double *B, double *beta, double *C,
   d[0] = a0; d[1] = a1; d[2] = a2; d[3] = a3;
 }}
 """
-_OPTIONS = ("-O2", "-march=native", "-fPIC", "-shared", "-w", "-x", "c", "-")
-_PATIENCE = 10.0  # s; it takes a fifth of one
 _TOLERANCE = 1e-13
 
 
@@ -74,7 +71,7 @@ def load_kernel(compiler: Compiler) -> bool:
         original = ctypes.CDLL(str(blasfeo), mode=os.RTLD_LAZY | os.RTLD_LOCAL)
         if not hasattr(original, NAME) or any(hasattr(original, name) for name in _SPECIAL):
             return False
-        path = _compiled(compiler)
+        path = compiled_library(compiler, SOURCE)
         if not _same(original, ctypes.CDLL(str(path), mode=os.RTLD_LOCAL)):
             _log.warning("BLASFEO's kernel is another one than expected; it stays")
             return False
@@ -83,25 +80,6 @@ def load_kernel(compiler: Compiler) -> bool:
         _log.info("going on with BLASFEO's own kernel: %s", error)
         return False
     return True
-
-
-def _compiled(compiler: Compiler) -> Path:
-    path = cache_path("kernel", content_key(SOURCE, repr(_OPTIONS), compiler.identity), ".so")
-    if not path.exists():
-        path.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(dir=path.parent) as folder:
-            made = Path(folder, path.name)
-            command = [compiler.command[0], *_OPTIONS, "-o", str(made)]
-            subprocess.run(
-                command,
-                input=SOURCE.encode("ascii"),
-                capture_output=True,
-                timeout=_PATIENCE,
-                check=True,
-            )
-            made.replace(path)
-        forget_old(path)
-    return path
 
 
 def product(

@@ -15,6 +15,7 @@ from llsrbm.cache import cache_path, cached_bytes, content_key, program
 from llsrbm.models.base import CentroidalModel
 from llsrbm.ocp.c_code import NotInC, c_files
 from llsrbm.ocp.compiled import Library, compiler, packed
+from llsrbm.ocp.direction_guard import load_guard
 from llsrbm.ocp.kernel import load_kernel
 from llsrbm.ocp.solvers import Solver
 from llsrbm.ocp.transcription import Transcription
@@ -57,6 +58,7 @@ def cached_solver(
     name = f"solver-{robot.name}-{model.name}-{kind.name}-{layout.name}"
     library, tool = None, compiler() if kind.compiled else None
     if tool is not None:
+        load_guard(tool)
         load_kernel(tool)
         library = Library(cache_path(name, content_key(key, tool.identity), ".so"))
         if (loaded := library.load()) is not None:

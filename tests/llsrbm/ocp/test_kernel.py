@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from llsrbm.ocp.compiled import compiler
-from llsrbm.ocp.kernel import _compiled, product
+from llsrbm.ocp.kernel import SOURCE, product
+from llsrbm.ocp.small_library import compiled_library
 
 pytestmark = pytest.mark.skipif(
     shutil.which("cc") is None or not sys.platform.startswith("linux"), reason="no C compiler"
@@ -23,7 +24,7 @@ def switched_on(monkeypatch, tmp_path):
 
 
 def test_product(tmp_path):
-    library = ctypes.CDLL(str(_compiled(compiler())))
+    library = ctypes.CDLL(str(compiled_library(compiler(), SOURCE)))
     assert len([*tmp_path.glob("kernel/*")]) == 1
     rng = np.random.default_rng(3)
     for n in (0, 1, 2, 3, 8, 53):
