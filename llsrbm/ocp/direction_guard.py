@@ -63,11 +63,14 @@ def load_guard(compiler: Compiler) -> ctypes.CDLL | None:
     if not found:
         return None
     try:
-        guard = ctypes.CDLL(str(compiled_library(compiler, SOURCE)), mode=os.RTLD_GLOBAL)
+        path = str(compiled_library(compiler, SOURCE))
+        # In front of Fatrop's only when it knows both of them: it calls nothing that is not there.
+        guard = ctypes.CDLL(path, mode=os.RTLD_LOCAL)
         original = ctypes.CDLL(str(found[-1]), mode=os.RTLD_LAZY | os.RTLD_LOCAL)
         for index, name in enumerate(NAMES):
             address = ctypes.cast(original[name], ctypes.c_void_p).value
             ctypes.c_void_p.in_dll(guard, f"original_{index}").value = address
+        ctypes.CDLL(path, mode=os.RTLD_GLOBAL)
     except (OSError, AttributeError, subprocess.SubprocessError) as error:
         _log.info("going on without an end for Fatrop's search for a direction: %s", error)
         return None

@@ -12,7 +12,6 @@ from scipy.optimize import least_squares
 
 from llsrbm.errors import RobotFileError
 from llsrbm.robots.draft.anatomy import Anatomy
-from llsrbm.robots.legs import turns_about_z
 
 Array = NDArray[np.float64]
 
@@ -33,9 +32,8 @@ _SLOWEST, _FASTEST = 2.0, 100.0  # rad/s, of limits that are meant
 _SPEED = 15.0  # rad/s, where the URDF has none
 _LEVEL = 0.1  # m that a turn of a sole by 1 rad counts
 _STRAIGHT = 1e-3  # how much a joint that is turned counts, so that those that need not are not
-_ALIKE = (
-    1.5  # ways to bend that cost so much more are alike; ANYmal C's hind legs have a straighter
-)
+# Ways to bend that cost so much more are alike; of ANYmal C's hind legs one is straighter.
+_ALIKE = 1.5
 
 
 @dataclass(frozen=True, eq=False)
@@ -159,7 +157,7 @@ def _leg_posture(anatomy: Anatomy, leg: int, foot_from_hip: Array) -> Array:
 
     def residual(q: Array) -> Array:
         foot, rotation = pose(q)
-        turn = _LEVEL * (rotation - turns_about_z(np.zeros(()))).ravel()
+        turn = _LEVEL * (rotation - np.eye(3)).ravel()
         return np.concatenate(
             [foot - goal, turn if anatomy.has_soles else np.zeros(0), _STRAIGHT * (q - rest)]
         )
@@ -191,9 +189,8 @@ def _knee(anatomy: Anatomy, leg: int, q: Array) -> float:
     all_legs[leg] = q
     motion = anatomy.chains.motion(all_legs)
     origin, foot, hip = motion.origin[leg], motion.foot[leg], anatomy.hip_position[leg]
-    return float((origin[:, 0] - (hip[0] + foot[0]) / 2).max(initial=0.0)) + float(
-        (origin[:, 0] - (hip[0] + foot[0]) / 2).min(initial=0.0)
-    )
+    ahead = origin[:, 0] - (hip[0] + foot[0]) / 2
+    return float(ahead.max(initial=0.0) + ahead.min(initial=0.0))
 
 
 def _com(anatomy: Anatomy, angles: Array) -> Array:
