@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from llsrbm.errors import RobotFileError
 from llsrbm.robots.robot import Leg, Robot
+from llsrbm.robots.urdf import collision_geometry
 
 Array = NDArray[np.float64]
 
@@ -50,20 +51,7 @@ def collision_shapes(robot: Robot) -> list[pin.GeometryObject]:
     Raises:
         RobotFileError: it cannot be read, for instance for a mesh that is missing.
     """
-    try:
-        geometry = pin.buildGeomFromUrdf(
-            robot.model,
-            str(robot.urdf_path),
-            pin.GeometryType.COLLISION,
-            package_dirs=[str(directory) for directory in robot.package_dirs],
-        )
-    except (ValueError, RuntimeError) as error:
-        reason = " ".join(str(error).split())
-        raise RobotFileError(
-            f"{robot.path}: urdf: the collision geometry of {robot.urdf_path} cannot be read: "
-            f"{reason}"
-        ) from error
-    return list(geometry.geometryObjects)
+    return collision_geometry(robot.model, robot.urdf_path, robot.package_dirs, robot.path)
 
 
 def _foot_contact(robot: Robot, leg: Leg, shapes: list[pin.GeometryObject]) -> FootContact:

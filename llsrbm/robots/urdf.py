@@ -149,3 +149,26 @@ def check_joints(
                 f"{path}: legs.{leg}: its joints differ in number or kind from those of leg "
                 f"{first}; expected all legs alike"
             )
+
+
+def collision_geometry(
+    model: pin.Model, urdf_path: Path, package_dirs: tuple[Path, ...], path: Path
+) -> list[pin.GeometryObject]:
+    """A URDF's collision geometry, placed in the frames of the model's joints.
+
+    Raises:
+        RobotFileError: it cannot be read, for instance for a mesh that is missing.
+    """
+    try:
+        geometry = pin.buildGeomFromUrdf(
+            model,
+            str(urdf_path),
+            pin.GeometryType.COLLISION,
+            package_dirs=[str(directory) for directory in package_dirs],
+        )
+    except (ValueError, RuntimeError) as error:
+        reason = " ".join(str(error).split())
+        raise RobotFileError(
+            f"{path}: urdf: the collision geometry of {urdf_path} cannot be read: {reason}"
+        ) from error
+    return list(geometry.geometryObjects)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from llsrbm.errors import RobotFileError
 from llsrbm.robots.legs import LegChains
-from llsrbm.robots.urdf import BASE_JOINT, frame_id, load_model
+from llsrbm.robots.urdf import BASE_JOINT, collision_geometry, frame_id, load_model
 
 Array = NDArray[np.float64]
 
@@ -195,7 +195,7 @@ def _contact(
     frame = model.frames[foot]
     shapes = [
         shape
-        for shape in _collision(model, urdf, package_dirs)
+        for shape in collision_geometry(model, urdf, package_dirs, urdf)
         if shape.parentJoint == frame.parentJoint
     ]
     spheres = [s for s in shapes if isinstance(s.geometry, coal.Sphere)]
@@ -219,22 +219,6 @@ def _contact(
     x, y = x - np.sign(x) * radius, y - np.sign(y) * radius
     corners = tuple((round(float(a), 3), round(float(b), 3)) for a in x for b in y)
     return corners, None if len(spheres) >= len(corners) else round(float(radius), 4)
-
-
-def _collision(
-    model: pin.Model, urdf: Path, package_dirs: tuple[Path, ...]
-) -> list[pin.GeometryObject]:
-    try:
-        geometry = pin.buildGeomFromUrdf(
-            model,
-            str(urdf),
-            pin.GeometryType.COLLISION,
-            package_dirs=[str(directory) for directory in package_dirs],
-        )
-    except (ValueError, RuntimeError) as error:
-        reason = " ".join(str(error).split())
-        raise RobotFileError(f"{urdf}: its collision geometry cannot be read: {reason}") from error
-    return list(geometry.geometryObjects)
 
 
 def _corners_of(frame: pin.Frame, shapes: list[pin.GeometryObject]) -> Array:
