@@ -9,6 +9,7 @@ import numpy as np
 
 import llsrbm
 from benchmarks.paper.drawing import STYLE, TITLE, axes, phases, snapshots
+from benchmarks.paper.longest import longest
 from benchmarks.paper.result import AGREES, NOT, PARTLY, Result, Table
 from llsrbm.errors import NotConverged
 from llsrbm.motion.rotation import rotation_matrices
@@ -54,19 +55,24 @@ def result(folder: Path) -> Result:
     steadier = pitch["llsrbm"] < pitch["srbm"] - SAME_PITCH
     verdict = AGREES if stretches and steadier else PARTLY if stretches or steadier else NOT
     moving, table = _with_run_up()
+    furthest, limits = longest()
     reason = (
         f"In flight the feet are {stretch['llsrbm']:.3f} m from the CoM along x with LL-SRBM, "
         f"{stretch['srbm']:.3f} m with SRBM; the pitch changes by {pitch['llsrbm']:.2f}° and "
         f"{pitch['srbm']:.2f}°. A jump from stand to stand has no reason to carry angular "
         "momentum: take-off can end with none, and then no inertia changes the pitch. " + moving
     )
+    if furthest.keys() >= {"llsrbm-plus", "srbm"}:
+        more = 100 * (furthest["llsrbm-plus"] - furthest["srbm"])
+        reason += f" At the limit of reach (third table) LL-SRBM+ jumps {more:+.0f} cm further."
+
     heading = ("model", "feet from the CoM, fore and aft", "pitch, planned change in flight",
                "simulated", "largest |Ly|, planned", "strict")  # fmt: skip
     return Result(
         "ANYmal, 30 cm forward",
         "with LL-SRBM the feet stretch out more in the air than with SRBM, to increase the inertia "
         "about y and so reduce the change of the base's pitch.",
-        [Table(heading, rows), table],
+        [Table(heading, rows), table, limits],
         figures,
         verdict,
         reason,
