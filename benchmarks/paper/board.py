@@ -35,7 +35,7 @@ def result(folder: Path) -> Result:
         ("board_snapshots.png", "On the board that was put there in flight"),
     ]
     _curves(runs["norm"][0], shown, folder / figures[0][0])
-    snapshots([("30°, board", shown)], (0.15, 0.3, 0.42, 0.5, 0.8), folder / figures[1][0])
+    snapshots([("30°, board", shown)], (0.1, 0.19, 0.25, 0.32, 0.5), folder / figures[1][0])
     rows = [[told, *_row(runs[name])] for name, told in DETECTORS.items()]
     landed = {name: sum(run.outcome.strict for run in runs[name]) for name in DETECTORS}
     false = {name: sum(run.outcome.false_touchdowns for run in runs[name]) for name in DETECTORS}
@@ -89,7 +89,7 @@ def _curves(norm: llsrbm.Rollout, residual: llsrbm.Rollout, path: Path) -> None:
     slope.set_ylabel("its derivative [1/s]")
     slope.set_ylim(-40, 20)
     signal.plot(residual.time, residual.detection_signal, label="signal")
-    signal.plot(residual.time, residual.detection_threshold, "--", label="threshold")
+    signal.axhline(residual.detection_threshold, linestyle="--", label="threshold")
     signal.set_ylabel("residual [σ]")
     signal.legend()
     total = residual.contact_force[..., 2].sum(axis=1)

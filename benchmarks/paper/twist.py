@@ -30,7 +30,7 @@ def result(folder: Path) -> Result:
     ]
     _curves(rollouts, folder / figures[0][0])
     shown = [(TITLE[m], rollouts[m]) for m in ("llsrbm-plus", "srbm")]
-    snapshots(shown, (0.15, 0.3, 0.4, 0.5, 0.7), folder / figures[1][0])
+    snapshots(shown, (0.1, 0.19, 0.25, 0.32, 0.5), folder / figures[1][0])
     rows, kept, arrived, off = [], {}, {}, {}
     for model in MODELS:
         runs = [llsrbm.simulate(plans[model], llsrbm.Scenario(seed=seed)) for seed in SEEDS]
@@ -56,11 +56,12 @@ def result(folder: Path) -> Result:
     reason = (
         f"Of its yaw rate at lift-off the base keeps {100 * kept['llsrbm-plus']:.0f} % with "
         f"LL-SRBM+, {100 * kept['llsrbm']:.0f} % with LL-SRBM and {100 * kept['srbm']:.0f} % with "
-        "SRBM: the feet are drawn to the axis, as the paper's are. Against SRBM the yaw is reached "
-        f"{1e3 * (arrived['llsrbm'] - arrived['srbm']):+.0f} ms later or earlier (−) with LL-SRBM, "
-        f"{1e3 * (arrived['llsrbm-plus'] - arrived['srbm']):+.0f} ms with LL-SRBM+. What is "
-        "planned for SRBM misses the yaw at touchdown, because its legs turn less than it "
-        "believes; LL-SRBM+ adds the legs' own momentum, without which LL-SRBM misses it too."
+        "SRBM: the feet are drawn to the axis, as the paper's are. The goal is reached at "
+        f"{arrived['llsrbm-plus']:.3f}, {arrived['llsrbm']:.3f} and {arrived['srbm']:.3f} s, "
+        "which is no difference: phases are as long with every model, and with SRBM the base turns "
+        "more before lift-off and less in the air. The paper's SRBM turns less than planned; "
+        "here a plan whose body would turn otherwise than its model says is solved again with the "
+        "difference, so that all three come near to the planned yaw at touchdown."
     )
     heading = ("model", "yaw rate kept in flight", "95 % of the yaw", "yaw − plan at touchdown",
                "feet from the axis", "least Izz [kg m²]", "strict")  # fmt: skip
