@@ -76,6 +76,7 @@ def motion(model: pinocchio.Model, solver: crocoddyl.SolverFDDP) -> dict[str, np
         **{name: np.array(values) for name, values in rows.items()},
         "foot_position": np.array([feet[k] for k in [*kept, len(feet) - 1]]),
         "joint_names": np.array(list(model.names)[2:]),
+        "feet": np.array(FEET),
         "impulse": np.array(impulse),
         "moved": np.array(coms[-1][0] - coms[0][0]),
     }

@@ -169,7 +169,7 @@ def _motion(
     phase = np.repeat(np.arange(3), n)
     return KnotMotion(
         time=np.concatenate([[0.0], np.cumsum(steps)]),
-        schedule=together(tuple(task.robot.legs)),
+        schedule=together(tuple(leg.name for leg in task.robot.legs)),
         phase=np.append(phase, 2),
         com=r,
         com_velocity=H / task.mass,

@@ -135,7 +135,7 @@ class Crocoddyl:
 
 def _crocoddyls(robot: Robot, arrays: dict[str, np.ndarray]) -> Motion:
     order = [list(arrays["joint_names"]).index(name) for name in robot.joint_names]
-    feet = [["LF", "RF", "LH", "RH"].index(name) for name in robot.legs]
+    feet = [list(arrays["feet"]).index(leg.foot_frame) for leg in robot.legs]
     return Motion(
         joint_velocity=arrays["joint_velocity"][:, order],
         joint_torque=arrays["joint_torque"][:, order],
