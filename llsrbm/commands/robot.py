@@ -71,7 +71,8 @@ def new_command(
     print(f"{out}: {len(anatomy.names)} legs of {len(anatomy.joint_ids[0])} joints")
     print(f"  feet {', '.join(anatomy.feet)}; hips {', '.join(anatomy.hips)}")
     if anatomy.held:
-        print(f"  guessed urdf.held: {', '.join(anatomy.held)} stay where they are")
+        first = ", ".join([*anatomy.held][:3])
+        print(f"  guessed urdf.held: {len(anatomy.held)} joints that move no foot ({first}, ...)")
     if anatomy.frames:
         print(f"  guessed urdf.frames: {', '.join(anatomy.frames)} in the middle of their soles")
     for key, reason in proposal.guessed.items():
