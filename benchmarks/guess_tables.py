@@ -1,6 +1,6 @@
 """Makes the planner's first guesses of a sweep's jumps: `python -m benchmarks.guess_tables`.
 
-    python -m benchmarks.guess_tables [--sweep guesses] [--robots anymal,go2,slider]
+    python -m benchmarks.guess_tables [--sweep guesses] [--robots anymal,go2,slider,g1]
 
 `--sweep` is a spec's name or file, or the folder of a sweep that is done; then only what was
 planned there is solved again. Of each jump a second one is made that asks for one or two of its
@@ -87,7 +87,7 @@ def main(
     sweep: Annotated[str, typer.Option(help="Spec's name or file, or a sweep's folder.")] = (
         "guesses"
     ),
-    robots: Annotated[str, typer.Option(help="Names, with commas.")] = "anymal,go2,slider",
+    robots: Annotated[str, typer.Option(help="Names, with commas.")] = "anymal,go2,slider,g1",
 ) -> None:
     for robot in robots.split(","):
         make(robot, sweep)

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 
 from llsrbm import cache
 from llsrbm.errors import RobotFileError
+from llsrbm.robots import load_robot
 from llsrbm.robots.adapted_urdf import adapted_urdf
 from llsrbm.robots.assets import package_share, robot_files
 from llsrbm.robots.urdf_table import AddedFrame, UrdfSource
@@ -265,3 +266,18 @@ def test_what_is_no_urdf_is_one_clear_line(tmp_path, text):
     path.write_text(text)
     with pytest.raises(RobotFileError, match=r"mine\.toml: urdf: .*none\.urdf is not a URDF"):
         adapted(path, {"waist": 0.1})
+
+
+def test_a_robot_is_read_again_when_the_urdf_that_it_is_made_of_changes(tmp_path):
+    source = load_robot("g1").urdf_source
+    path, urdf = tmp_path / "mine.toml", tmp_path / "mine.urdf"
+    lines = robot_files()["g1"].read_text().splitlines()
+    where = lines.index('package = "example-robot-data"')
+    path.write_text("\n".join([*lines[:where], 'file = "mine.urdf"', *lines[where + 2 :]]))
+    urdf.write_text(source.read_text())
+    first = load_robot(str(path))
+    assert first.urdf_path != first.urdf_source == urdf
+    assert first.mass == pytest.approx(load_robot("g1").mass)
+    assert load_robot(str(path)) is first
+    urdf.write_text(source.read_text().replace('<mass value="3.813"/>', '<mass value="4.813"/>'))
+    assert load_robot(str(path)).mass == pytest.approx(first.mass + 1.0)
