@@ -152,10 +152,9 @@ def test_a_sole_whose_frame_is_elsewhere_gets_one_on_the_ground(tmp_path, turn):
     path = tmp_path / "biped.urdf"
     moved = f'<origin xyz="0 0 -0.015" rpy="0 {turn} 0"/>'
     path.write_text(source.replace('<origin xyz="0 0 -0.045"/>', moved))
-    drafted = written(tmp_path / "biped.toml", str(path))
-    tuned = load_robot("slider")
-    assert [leg.foot_frame for leg in drafted.legs] == ["left_sole_middle", "right_sole_middle"]
-    assert drafted.file.foot.corners == tuned.file.foot.corners
+    drafted, tuned = draft.read_anatomy(path, (tmp_path,)), load_robot("slider")
+    assert drafted.feet == tuple(drafted.frames) == ("left_sole_middle", "right_sole_middle")
+    assert drafted.corners == tuned.file.foot.corners
     np.testing.assert_allclose(drafted.chains.foot_offset, tuned.chains.foot_offset, atol=1e-4)
     np.testing.assert_allclose(drafted.chains.foot_rotation, tuned.chains.foot_rotation, atol=1e-6)
 
