@@ -18,13 +18,14 @@ from llsrbm.errors import Error
 from llsrbm.jump import Jump
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
-from llsrbm.robots import load_robot
+from llsrbm.robots import load_robot, names
 from tests.app.damaged import Damaged
 from tests.app.planners import turning_states
 from tests.app.synthetic_plan import synthetic_plan
 from tests.llsrbm.synthetic_rollout import synthetic_rollout
 
 DAMAGED = Damaged()
+ROBOTS = ", ".join(names())
 PLAN = synthetic_plan(Jump(twist=1.0))
 
 
@@ -89,9 +90,7 @@ def test_a_path_in_place_of_a_robot_is_never_looked_for(tmp_path, monkeypatch):
 
     first = {"schema": np.array("llsrbm.plan/1")}  # whose reader looks for the robot
     line = refusal("a.npz", changed(tmp_path, meta=ask, **first))
-    assert line.startswith(
-        "a.npz: request.robot: expected one of anymal, g1, go2, slider, got '/dev/z"
-    )
+    assert line.startswith(f"a.npz: request.robot: expected one of {ROBOTS}, got '/dev/z")
 
     def name_it(meta):
         meta["robot_parameters"]["name"] = "/dev/zero"

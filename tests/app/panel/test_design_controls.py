@@ -10,10 +10,12 @@ from llsrbm.design import Design, dump_design
 from llsrbm.errors import InputError
 from llsrbm.examples import examples
 from llsrbm.jump import Jump
+from llsrbm.robots import names
 from tests.app.design_page import design_page
 from tests.app.raw_tab import RawTab
 
 EXAMPLES = examples()
+ROBOTS = ", ".join(names())
 CONTRACT = (
     "Robot", "Model", "Twist [deg]", "Forward [m]", "Lateral [m]", "Landing height [m]", "Simulate",
     "Cancel", "Play", "Pause", "Export", "Format", "Inertia ellipsoids", "Open", "Share", "Replan",
@@ -105,11 +107,11 @@ def test_an_uploaded_design_is_read():
     [
         (
             Jump(robot="/tmp/mine.toml"),
-            "a.json: jump.robot: expected one of anymal, g1, go2, slider",
+            f"a.json: jump.robot: expected one of {ROBOTS}",
         ),
         (
             Jump(robot="nosuch"),
-            "a.json: jump.robot: expected one of anymal, g1, go2, slider, got 'nos",
+            f"a.json: jump.robot: expected one of {ROBOTS}, got 'nos",
         ),
         (Jump(model="nosuch"), "a.json: jump.model: expected one of srbm, llsrbm, llsrbm-plus,"),
     ],

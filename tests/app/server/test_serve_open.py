@@ -13,6 +13,7 @@ from app.server.server import Designer
 from llsrbm import cli
 from llsrbm.design import Design, dump_design
 from llsrbm.jump import Jump
+from llsrbm.robots import names
 from llsrbm.robots.assets import robot_files
 from llsrbm.robots.schema import read_robot_file
 from llsrbm.scenario import Scenario
@@ -21,6 +22,7 @@ from tests.app.raw_tab import RawTab, planned
 from tests.app.synthetic_plan import synthetic_plan
 from tests.llsrbm.synthetic_rollout import synthetic_rollout
 
+ROBOTS = ", ".join(names())
 JUMP = Jump(robot="go2", model="srbm", twist=0.3)
 
 
@@ -79,7 +81,7 @@ def test_another_tools_motion_is_pinned_beside_its_robots_example(served):
         (["bad.json"], "bad.json: not a JSON file"),
         (
             ["bad.npz", "--robot", "/dev/zero"],
-            "--robot: expected one of anymal, g1, go2, slider, got",
+            f"--robot: expected one of {ROBOTS}, got",
         ),
     ],
 )

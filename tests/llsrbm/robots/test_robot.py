@@ -11,12 +11,7 @@ from llsrbm.robots import load_robot, names
 from llsrbm.robots.assets import robot_files
 
 ANYMAL = robot_files()["anymal"].read_text()
-OTHERS = [
-    Path(__file__).parents[3] / f"benchmarks/robots/{name}.toml"
-    for name in ("a1", "anymal_c", "solo12")
-]
-SHIPPED = [robot_files()[name] for name in ("anymal", "go2")]
-QUADRUPEDS = [pytest.param(str(p), id=p.stem) for p in (*SHIPPED, *OTHERS)]
+QUADRUPEDS = {"anymal": -1, "anymal_c": -1, "solo12": 1, "go2": 1, "go1": 1, "a1": 1}
 
 
 @pytest.fixture(params=QUADRUPEDS)
@@ -118,11 +113,9 @@ def test_the_default_posture_is_within_the_robots_own_reach(robot):
     assert (distance >= reach.distance[0]).all()
 
 
-@pytest.mark.parametrize(
-    ("stem", "hind"), [("anymal", -1), ("anymal_c", -1), ("solo12", -1), ("go2", 1), ("a1", 1)]
-)
-def test_hind_legs_are_mirrored_only_if_they_bend_the_other_way(stem, hind):
-    robot = load_robot(next(param.values[0] for param in QUADRUPEDS if param.id == stem))
+@pytest.mark.parametrize(("name", "hind"), QUADRUPEDS.items())
+def test_hind_legs_are_mirrored_only_if_they_bend_the_other_way(name, hind):
+    robot = load_robot(name)
     assert robot.mirrors.tolist() == [[1, 1, 1], [1, -1, 1], [hind, 1, 1], [hind, -1, 1]]
 
 

@@ -1,7 +1,6 @@
 """The MuJoCo model against Pinocchio's: masses, mass matrix, accelerations, what collides."""
 
 import xml.etree.ElementTree as ET
-from pathlib import Path
 
 import mujoco
 import numpy as np
@@ -12,12 +11,10 @@ import trimesh
 from llsrbm.errors import RobotFileError
 from llsrbm.motion.rollout import Disturbance
 from llsrbm.robots import load_robot
-from llsrbm.robots.assets import robot_files
 from llsrbm.simulation.scene import build_scene
 from llsrbm.simulation.surroundings import Block, Surroundings
 from tests.llsrbm.simulation.sliding_biped import URDF, sliding_biped
 
-OTHERS = Path(__file__).parents[3] / "benchmarks" / "robots"
 GROUND = Surroundings(ground=0.0, blocks=())
 
 
@@ -25,9 +22,7 @@ GROUND = Surroundings(ground=0.0, blocks=())
 def robot(request, tmp_path):
     if request.param == "sliding":
         return sliding_biped(tmp_path)
-    if request.param in robot_files():
-        return load_robot(request.param)
-    return load_robot(str(OTHERS / f"{request.param}.toml"))
+    return load_robot(request.param)
 
 
 def scene_of(robot, **disturbance):
