@@ -1,0 +1,151 @@
+"""Every command of the pages is one that there is, with options that it takes.
+
+A figure stands beside the command that makes it, so a figure whose command has gone fails here.
+Nothing is run, but for the commands that list names.
+"""
+
+from __future__ import annotations
+
+import re
+import tomllib
+
+import pytest
+import typer
+
+from llsrbm import jump_types, models
+from llsrbm.cli import app, main
+from llsrbm.examples import examples
+from llsrbm.formats import FORMATS
+from llsrbm.planning.costs import default_weights
+from llsrbm.planning.limits import limit_unit
+from llsrbm.robots import names as robot_names
+from tests.docs.benchmark_commands import check_benchmark, parse
+from tests.docs.pages import PAGES, ROOT, blocks, commands, inline_code, name_of
+
+ALL = [command for page in PAGES for command in commands(page)]
+LISTING = ("robots", "models", "types", "formats", "designs", "tuning")
+PLACEHOLDER = re.compile(r"[A-Z]+|.*\.(toml|json|npz)")  # FILE, NAME, or a file of the reader's
+INCOMPLETE = ("MissingParameter", "BadOptionUsage")  # as a command within a sentence may be
+
+
+def of(program):
+    """Parameters for a test: the different commands of a program."""
+    different = {(command.words, command.whole): command for command in ALL}
+    chosen = [command for command in different.values() if command.words[0] == program]
+    return pytest.mark.parametrize("command", chosen, ids=str)
+
+
+@of("llsrbm")
+def test_commands_parse(command):
+    words = [word for word in command.words[1:] if word != "..."]
+    try:
+        context = parse(typer.main.get_command(app), words)
+    except typer.TyperException as error:
+        if not command.whole and type(error).__name__ in INCOMPLETE:
+            return
+        raise
+    given = context.params
+    _check_name(given.get("robot"), robot_names())
+    _check_name(given.get("model"), models.names())
+    _check_name(given.get("type"), jump_types.names())
+    examples_by_any_name = [*examples(), *(name.partition("-")[2] for name in examples())]
+    _check_name(given.get("design"), examples_by_any_name)
+    formats = given.get("format_") or []
+    for name in [formats] if isinstance(formats, str) else formats:
+        _check_name(name, [*FORMATS, *(["lerobot"] if context.command.name == "dataset" else [])])
+    for limit in given.get("limit") or [] if context.command.name != "dataset" else []:
+        assert limit_unit(limit.partition("=")[0]) is not None, limit
+    for weight in given.get("weight") or []:
+        assert weight.partition("=")[0] in default_weights(), weight
+
+
+def _check_name(name, known):
+    assert name is None or name in known or PLACEHOLDER.fullmatch(name), (name, list(known))
+
+
+@of("python")
+def test_benchmarks_take_their_options(command):
+    program, *words = command.words[1:]
+    if program == "-m":
+        program, *words = words
+        assert program.startswith("benchmarks."), program
+    name = program.removeprefix("benchmarks").strip("./").removesuffix(".py")
+    assert (ROOT / "benchmarks" / f"{name}.py").is_file(), name
+    check_benchmark(name, [word for word in words if word != "..."])
+
+
+@of("make")
+def test_targets_exist(command):
+    makefile = (ROOT / "Makefile").read_text("utf-8")
+    for word in command.words[1:]:
+        variable, assigned, _ = word.partition("=")
+        if assigned:
+            assert re.search(rf"\$\({variable}\)|^{variable}\s*[:?]?=", makefile, re.MULTILINE)
+        else:
+            assert re.search(rf"^{word}:", makefile, re.MULTILINE), word
+
+
+@of("pip")
+def test_extras_exist(command):
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
+    for extra in re.findall(r"llsrbm\[(\w+)\]", " ".join(command.words)):
+        assert extra in project["optional-dependencies"]
+
+
+def test_commands_were_found():
+    """A pattern that finds nothing would make every test above pass."""
+    programs = [command.words[0] for command in ALL]
+    assert programs.count("llsrbm") > 80
+    assert programs.count("python") > 20
+    assert programs.count("make") > 5
+    assert programs.count("pip") > 2
+
+
+@pytest.mark.parametrize("name", LISTING)
+def test_lists_are_printed(name, capsys):
+    told = {command.words[1:] for command in ALL if command.words[:2] == ("llsrbm", name)}
+    assert told
+    for words in told:
+        if not any(map(str.isupper, words)):
+            assert main(words) == 0
+            assert capsys.readouterr().out.strip()
+
+
+class TestFigures:
+    """Every figure has its command beside it."""
+
+    def test_of_the_readme(self):
+        text = (ROOT / "README.md").read_text("utf-8")
+        head, rows = "| further figures | | made by |\n|---|---|---|\n", []
+        rows = text.partition(head)[2].partition("\n\n")[0].splitlines()
+        assert len(rows) > 3
+        assert [row for row in rows if not re.search(r"\| `python [^`]+` \|$", row)] == []
+
+    @pytest.mark.parametrize("name", ["figures.md", "jump_types.md", "replanning.md"])
+    def test_of_a_page(self, name):
+        page = ROOT / "docs" / name
+        text = page.read_text("utf-8")
+        sections = re.split(r"^##+ (?=.)", text, flags=re.MULTILINE)[1:]
+        bare = []
+        for section in sections:
+            title, _, body = section.partition("\n")
+            has_table = re.search(r"^\|[^a-z\n]*\d", body, re.MULTILINE)
+            command = re.search(r"(`|^ {4})(python|make|llsrbm) [^`\n]+", body, re.MULTILINE)
+            if has_table and not command:
+                bare.append(title)
+        assert bare == []
+
+    def test_commands_of_figures_are_among_those_checked(self):
+        """The checks above see what stands in tables too."""
+        page = ROOT / "README.md"
+        inside = [text for text, _ in inline_code(page) if text.startswith("python ")]
+        checked = [" ".join(c.words) for c in ALL if c.page == name_of(page)]
+        assert inside
+        assert [text for text in inside if text not in checked] == []
+
+
+def test_notes_are_known():
+    """A misspelt comment would leave a block unrun."""
+    for page in PAGES:
+        for block in blocks(page):
+            assert block.note in ("", "run") or block.note.startswith("not run: "), block
