@@ -3,7 +3,8 @@
 #   make test    sets up .venv and a browser, then runs every test
 # Others: make check (style and types), make bench (solve times; AGAINST=commit compares with an
 # older version, BENCH_ARGS=--crocoddyl with Crocoddyl), make range (random requests over all that may
-# be asked, planned and simulated), make lock (renew the pins), make clean.
+# be asked, planned and simulated), make docs (the documentation as a site, in build/site), make lock
+# (renew the pins), make clean.
 
 # The first that is new enough, and python3 to complain about if none is.
 PYTHON ?= $(or $(shell for python in python3 python3.11 python3.12 python3.13; do \
@@ -23,7 +24,7 @@ PIP    := $(BIN)/python -m pip install --disable-pip-version-check --quiet
 APP_STAMP := $(VENV)/.llsrbm-app
 DEV_STAMP := $(VENV)/.llsrbm-dev
 
-.PHONY: app test check format bench range lock clean setup
+.PHONY: app test check format bench range docs lock clean setup
 .DEFAULT_GOAL := app
 
 app: $(APP_STAMP)
@@ -49,6 +50,9 @@ bench: $(APP_STAMP)
 
 range: $(APP_STAMP)
 	$(BIN)/python -m benchmarks.range
+
+docs: $(DEV_STAMP)
+	$(BIN)/python -m mkdocs build --strict --clean
 
 setup: $(DEV_STAMP)
 

@@ -121,8 +121,7 @@ def robot_pages() -> list[Page]:
     ]
     index = [
         "# Robots",
-        "Robots that come with the project. A file of one's own is "
-        "[a robot more](../add_a_robot.md).",
+        "Robots that come with the project. To use another: [add a robot](../add_a_robot.md).",
         _table(("robot", "option"), rows),
     ]
     return [
@@ -163,9 +162,7 @@ def _robot(name: str, path: Path) -> Iterable[str]:
     own = [(key, design) for key, design in examples().items() if design.jump.robot == name]
     if own:
         yield "## Examples"
-        yield _table(
-            ("`--design`", ""), [(f"`{key}`", design.title) for key, design in own]
-        )
+        yield _table(("`--design`", ""), [(f"`{key}`", design.title) for key, design in own])
     yield "## Limits"
     yield f"As `llsrbm tuning --robot {name}` lists them, with the weights."
     yield _table(("limit", "value", "range", "unit", "what raising it does"), _limits(robot))

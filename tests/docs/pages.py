@@ -11,6 +11,7 @@ import shlex
 from collections import Counter
 from collections.abc import Iterator
 from functools import cache
+from itertools import pairwise
 from pathlib import Path
 from typing import NamedTuple
 
@@ -81,7 +82,7 @@ def anchors(page: Path) -> frozenset[str]:
     found: Counter[str] = Counter()
     made = set()
     parsed = tokens(page)
-    for opening, text in zip(parsed, parsed[1:]):
+    for opening, text in pairwise(parsed):
         if opening.type != "heading_open":
             continue
         words = "".join(child.content for child in text.children)
