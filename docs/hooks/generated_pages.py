@@ -13,6 +13,7 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from markdown_text import code, table
 from mkdocs.config.defaults import MkDocsConfig
 from mkdocs.structure.files import File, Files
 
@@ -24,14 +25,14 @@ from llsrbm.errors import InputError  # noqa: E402
 from llsrbm.examples import examples  # noqa: E402
 from llsrbm.formats import FORMATS, Format  # noqa: E402
 from llsrbm.formats.csv_columns import quantity_rows  # noqa: E402
-from llsrbm.jump import AMOUNTS, Jump  # noqa: E402
+from llsrbm.jump import Jump  # noqa: E402
 from llsrbm.jump_types import JumpType  # noqa: E402
-from llsrbm.planning.placement import limits_of  # noqa: E402
-from llsrbm.planning.task import make_task  # noqa: E402
+from llsrbm.planning.placement import limits_of, make_task  # noqa: E402
 from llsrbm.robots import load_robot, read_robot_file  # noqa: E402
 from llsrbm.robots.assets import assets_directory, robot_files  # noqa: E402
 
 ANGLES = ("twist", "roll", "pitch")
+ROOM = 0.1  # m between an obstacle and the feet that land behind it
 
 
 class Page(NamedTuple):
@@ -71,7 +72,7 @@ def format_pages() -> list[Page]:
     index = [
         "# File formats",
         "Written by `llsrbm export`, `llsrbm.export` and the page; listed by `llsrbm formats`.",
-        _table(("format", "what it is"), rows),
+        table(("format", "what it is"), rows),
     ]
     return [
         _page("formats/index.md", index),
@@ -89,7 +90,7 @@ def _format(each: Format) -> Iterable[str]:
     taken = [f"`{name}` (default `{getattr(each.defaults, name)}`)" for name in each.options]
     yield f"# {each.name}"
     yield f"{each.title[:1].upper()}{each.title[1:]}."
-    yield _table(
+    yield table(
         ("", ""),
         [
             ("name ends in", f"`{each.suffix}`" if each.suffix else "(a folder)"),
@@ -98,16 +99,18 @@ def _format(each: Format) -> Iterable[str]:
             ("can be opened", opens),
             (
                 "needs",
-                f'`pip install "llsrbm[{each.extra.name}]"`' if each.extra else "nothing more",
+                f'`pip install "llsrbm[{each.extra.name}]"`'
+                if each.extra
+                else "no further package",
             ),
         ],
     )
-    yield _code("", f"llsrbm export rollout.npz --format {each.name} --out jump{each.suffix}")
+    yield code("", f"llsrbm export rollout.npz --format {each.name} --out jump{each.suffix}")
     yield "## Frames, units, orders"
     yield each.conventions.strip()
     if each.name in ("npz", "csv"):
         yield "## Quantities"
-        yield _code("text", "\n".join(quantity_rows()).strip("\n"))
+        yield code("text", "\n".join(quantity_rows()).strip("\n"))
 
 
 # ---- robots
@@ -122,7 +125,7 @@ def robot_pages() -> list[Page]:
     index = [
         "# Robots",
         "Robots that come with the project. To use another: [add a robot](../add_a_robot.md).",
-        _table(("robot", "option"), rows),
+        table(("robot", "option"), rows),
     ]
     return [
         _page("robots/index.md", index),
@@ -135,13 +138,13 @@ def _robot(name: str, path: Path) -> Iterable[str]:
     file, task = robot.file, robot.file.task
     yield f"# {file.title}"
     yield _head_comment(path)
-    yield _code("", f"llsrbm plan --robot {name}")
+    yield code("", f"llsrbm plan --robot {name}")
     ranges = [
         (each, _interval(getattr(task, each), "rad" if each == "twist" else "m"))
         for each in ("twist", "forward", "lateral", "height")
     ]
     legs = ", ".join(f"`{leg.name}`" for leg in robot.legs)
-    yield _table(
+    yield table(
         ("", ""),
         [
             ("mass", f"{robot.mass:.1f} kg"),
@@ -151,7 +154,7 @@ def _robot(name: str, path: Path) -> Iterable[str]:
         ],
     )
     yield "## Jump types that it takes"
-    yield _table(
+    yield table(
         ("type", ""),
         [
             (f"[`{kind}`](../types/{kind}.md)", each.summary)
@@ -162,12 +165,12 @@ def _robot(name: str, path: Path) -> Iterable[str]:
     own = [(key, design) for key, design in examples().items() if design.jump.robot == name]
     if own:
         yield "## Examples"
-        yield _table(("`--design`", ""), [(f"`{key}`", design.title) for key, design in own])
+        yield table(("`--design`", ""), [(f"`{key}`", design.title) for key, design in own])
     yield "## Limits"
     yield f"As `llsrbm tuning --robot {name}` lists them, with the weights."
-    yield _table(("limit", "value", "range", "unit", "what raising it does"), _limits(robot))
+    yield table(("limit", "value", "range", "unit", "what raising it does"), _limits(robot))
     yield "## Its file"
-    yield _code("toml", path.read_text("utf-8"))
+    yield code("toml", path.read_text("utf-8"))
 
 
 def _limits(robot: Any) -> list[tuple[str, ...]]:
@@ -180,14 +183,18 @@ def _limits(robot: Any) -> list[tuple[str, ...]]:
 
 
 def _takes(robot: str, kind: str) -> bool:
-    """Whether a request of that type that says nothing else is accepted."""
+    """Whether a request of that type is accepted."""
     try:
-        jump = jump_types.with_defaults(Jump(robot=robot, type=kind))
-        make_task(jump, load_robot(robot), None, None)
-    except InputError as error:
-        # Too near to an obstacle: the type is known, the place of the landing is not good.
-        return jump_types.load_type(kind).obstacle is not None and "feet" not in str(error)
+        jump = Jump(robot=robot, type=kind, forward=_beyond(jump_types.load_type(kind)))
+        make_task(jump_types.with_defaults(jump), load_robot(robot), None, None)
+    except InputError:
+        return False
     return True
+
+
+def _beyond(kind: JumpType) -> float:
+    """How far to jump, m: with an obstacle the feet have to land behind it."""
+    return 0.0 if kind.obstacle is None else round(kind.obstacle.far + ROOM, 2)
 
 
 # ---- jump types
@@ -200,7 +207,7 @@ def type_pages() -> list[Page]:
     index = [
         "# Jump types that there are",
         "Listed by `llsrbm types`. How to write one: [jump types](../jump_types.md).",
-        _table(("type", "what it is"), rows),
+        table(("type", "what it is"), rows),
     ]
     return [
         _page("types/index.md", index),
@@ -212,8 +219,8 @@ def _type(name: str, kind: JumpType) -> Iterable[str]:
     yield f"# {kind.title}"
     yield f"{kind.summary[:1].upper()}{kind.summary[1:]}."
     robots = [robot for robot in robot_files() if _takes(robot, name)]
-    yield _code("", f"llsrbm plan --robot {robots[0]} --type {name}{_asked(kind)}")
-    yield _table(
+    yield code("", f"llsrbm plan --robot {robots[0]} --type {name}{_asked(kind)}")
+    yield table(
         ("phase", "feet that stand", "time", "again with each further hop"),
         [
             (row.name, _feet(row.feet), _time(row.time), "yes" if row.each_hop else "")
@@ -231,14 +238,14 @@ def _type(name: str, kind: JumpType) -> Iterable[str]:
     yield f"Robots: {links}."
     yield "## Its file"
     path = assets_directory() / "jump_types" / f"{name}.toml"
-    yield _code("toml", path.read_text("utf-8"))
+    yield code("toml", path.read_text("utf-8"))
 
 
 def _asked(kind: JumpType) -> str:
     """The type's own options with its defaults, as on a command line."""
-    told = ""
+    told = f" --forward {_beyond(kind):g}" if kind.obstacle is not None else ""
     for name, value in kind.defaults.items():
-        shown = math.degrees(value) if name in ANGLES and name in AMOUNTS else value
+        shown = math.degrees(value) if name in ANGLES else value
         told += f" --{name.replace('_', '-')} {shown:g}"
     return told
 
@@ -258,19 +265,6 @@ def _time(time: str | tuple[float, float]) -> str:
 
 def _page(path: str, parts: Iterable[str]) -> Page:
     return Page(path, "\n\n".join(parts) + "\n")
-
-
-def _table(heading: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    lines = [heading, ["---"] * len(heading), *rows]
-    return "\n".join(f"| {' | '.join(map(_cell, line))} |" for line in lines)
-
-
-def _cell(text: str) -> str:
-    return text.replace("|", "\\|").replace("\n", " ")
-
-
-def _code(language: str, text: str) -> str:
-    return f"```{language}\n{text.rstrip()}\n```"
 
 
 def _interval(ends: Sequence[float], unit: str) -> str:

@@ -14,7 +14,7 @@ import typer
 
 from llsrbm import jump_types, models
 from llsrbm.cli import app, main
-from llsrbm.examples import examples
+from llsrbm.examples import find_design
 from llsrbm.formats import FORMATS
 from llsrbm.planning.costs import default_weights
 from llsrbm.planning.limits import limit_unit
@@ -45,22 +45,27 @@ def test_commands_parse(command):
             return
         raise
     given = context.params
-    _check_name(given.get("robot"), robot_names())
-    _check_name(given.get("model"), models.names())
-    _check_name(given.get("type"), jump_types.names())
-    examples_by_any_name = [*examples(), *(name.partition("-")[2] for name in examples())]
-    _check_name(given.get("design"), examples_by_any_name)
-    formats = given.get("format_") or []
-    for name in [formats] if isinstance(formats, str) else formats:
-        _check_name(name, [*FORMATS, *(["lerobot"] if context.command.name == "dataset" else [])])
-    for limit in given.get("limit") or [] if context.command.name != "dataset" else []:
+    _check_names(given.get("robot"), robot_names())
+    _check_names(given.get("model"), models.names())
+    _check_names(given.get("type"), jump_types.names())
+    dataset = context.command.name == "dataset"  # its limit is a number of motions
+    _check_names(given.get("format_"), [*FORMATS, *(["lerobot"] if dataset else [])])
+    if given.get("design") and not PLACEHOLDER.fullmatch(given["design"]):
+        find_design(given["design"])
+    for limit in _listed(None if dataset else given.get("limit")):
         assert limit_unit(limit.partition("=")[0]) is not None, limit
-    for weight in given.get("weight") or []:
+    for weight in _listed(given.get("weight")):
         assert weight.partition("=")[0] in default_weights(), weight
 
 
-def _check_name(name, known):
-    assert name is None or name in known or PLACEHOLDER.fullmatch(name), (name, list(known))
+def _check_names(given, known):
+    for name in _listed(given):
+        assert name in known or PLACEHOLDER.fullmatch(name), (name, list(known))
+
+
+def _listed(given):
+    """A parameter that is there once, several times or not."""
+    return [given] if isinstance(given, str) else given or []
 
 
 @of("python")
