@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import tomllib
+from pathlib import Path
 
 import pytest
+import yaml
 
 from llsrbm import jump_types
 from llsrbm.cli import main
@@ -27,6 +29,8 @@ def toml_of(name):
 def test_python_runs(page, tmp_path, monkeypatch):
     """A page's blocks in order, in one namespace and an empty folder."""
     monkeypatch.chdir(tmp_path)
+    if name_of(page) == "docs/cluster.md":
+        small_sweep()
     namespace = {"__name__": "example"}
     for block in blocks(page):
         if block.language != "python":
@@ -34,6 +38,15 @@ def test_python_runs(page, tmp_path, monkeypatch):
         code = compile(block.text, f"{name_of(page)}:{block.line}", "exec")
         if not block.note.startswith("not run: "):
             exec(code, namespace)
+
+
+def small_sweep():
+    """The results in DIR that a page's example reads, here of two jumps."""
+    Path("two.toml").write_text(
+        'title = "Two jumps"\nrobots = ["anymal"]\ntrajectories = true\n'
+        "[axes]\nforward = [0.0, 0.1]\n"
+    )
+    assert main(["sweep", "two.toml", "--out", "DIR", "--workers", "1"]) == 0
 
 
 @pytest.mark.timeout(900)
@@ -64,6 +77,13 @@ def test_a_jump_type_is_read(tmp_path):
 def test_a_sweep_is_read():
     (text,) = toml_of("cluster.md")
     assert parse_spec(text, "docs/cluster.md").robots == ("anymal",)
+
+
+def test_yaml_is_read():
+    found = [b for page in PAGES for b in blocks(page) if b.language == "yaml"]
+    assert found
+    for block in found:
+        assert all("kind" in part for part in yaml.safe_load_all(block.text))
 
 
 def test_a_robot_file_is_read(tmp_path):
