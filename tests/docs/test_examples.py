@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from pathlib import Path
 
 import pytest
@@ -10,9 +9,10 @@ import yaml
 
 from llsrbm import jump_types
 from llsrbm.cli import main
-from llsrbm.robots import load_robot, read_robot_file
+from llsrbm.robots import load_robot
 from llsrbm.robots.assets import assets_directory, robot_files
 from llsrbm.robots.schema import RobotFile
+from llsrbm.robots.tables import parse_table
 from llsrbm.sweep.spec_file import parse_spec
 from tests.docs.pages import PAGES, ROOT, blocks, command_lines, name_of
 
@@ -88,19 +88,18 @@ def test_yaml_is_read():
 
 def test_a_robot_file_is_read(tmp_path):
     """The guide's tables in place of Go2's; "..." stands for the legs that the page leaves out."""
-    table = tomllib.loads(robot_files()["go2"].read_text("utf-8"))
+    table = parse_table(robot_files()["go2"].read_text("utf-8"), "go2.toml")
     known = {info.alias or name for name, info in RobotFile.model_fields.items()}
     seen = set()
     for text in toml_of("add_a_robot.md"):
         lines = [line for line in text.splitlines() if line.strip() != "..."]
-        for name, value in tomllib.loads("\n".join(lines)).items():
+        for name, value in parse_table("\n".join(lines), "docs/add_a_robot.md").items():
             assert name in known, name
             seen.add(name)
             mixed = isinstance(value, dict) and name in ("legs", "posture", "limits", "reach")
             table[name] = table[name] | value if mixed else value
         RobotFile.model_validate(table)
     assert {"urdf", "legs", "reach", "limits", "control"} <= seen
-    assert read_robot_file(robot_files()["go2"]).name == "go2"
 
 
 def test_examples_were_found():
