@@ -2,17 +2,19 @@
 
 In the repository `[planning](../llsrbm/planning)` is a link to the code. The site has no copy of
 the code, and the repository has no public address, so there the link becomes its path. A path that
-does not exist stays as it is, and the strict build fails on it.
+does not exist is a warning, on which the strict build fails.
 """
 
 from __future__ import annotations
 
+import logging
 import posixpath
 import re
 from pathlib import Path
 from typing import Any
 
 ROOT = Path(__file__).parents[2]
+LOG = logging.getLogger("mkdocs.hooks.source_links")
 LINK = re.compile(r"(?<!!)\[([^\]\[]+)\]\(([^)\s]+)\)")
 
 
@@ -37,7 +39,10 @@ def paths_of_links(markdown: str, source: str) -> str:
             posixpath.join("docs", posixpath.dirname(source), target.partition("#")[0])
         )
         outside = not path.startswith("docs/") or path.startswith("docs/hooks/")
-        if not outside or not (ROOT / path).exists():
+        if not outside:
+            return link.group()
+        if not (ROOT / path).exists():
+            LOG.warning("%s: %s: no such file", source, target)
             return link.group()
         plain = text.strip("`")
         return text if plain == path else f"{text} (`{path}`)"

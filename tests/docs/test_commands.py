@@ -25,6 +25,7 @@ from tests.docs.pages import PAGES, ROOT, blocks, commands, inline_code, name_of
 ALL = [command for page in PAGES for command in commands(page)]
 LISTING = ("robots", "models", "types", "formats", "designs", "tuning")
 PLACEHOLDER = re.compile(r"[A-Z]+|.*\.(toml|json|npz)")  # FILE, NAME, or a file of the reader's
+COMMAND = r"(?m)(`|^ {4})(python|make|llsrbm) [^`\n]+"
 INCOMPLETE = ("MissingParameter", "BadOptionUsage")  # as a command within a sentence may be
 
 
@@ -126,19 +127,13 @@ class TestFigures:
         assert len(rows) > 3
         assert [row for row in rows if not re.search(r"\| `python [^`]+` \|$", row)] == []
 
-    @pytest.mark.parametrize("name", ["figures.md", "jump_types.md", "replanning.md"])
-    def test_of_a_page(self, name):
-        page = ROOT / "docs" / name
-        text = page.read_text("utf-8")
-        sections = re.split(r"^##+ (?=.)", text, flags=re.MULTILINE)[1:]
-        bare = []
-        for section in sections:
-            title, _, body = section.partition("\n")
-            has_table = re.search(r"^\|[^a-z\n]*\d", body, re.MULTILINE)
-            command = re.search(r"(`|^ {4})(python|make|llsrbm) [^`\n]+", body, re.MULTILINE)
-            if has_table and not command:
-                bare.append(title)
-        assert bare == []
+    def test_of_their_page(self):
+        """Every section with a number has a command, or a link to the page that has it."""
+        assert _sections_without("figures.md", r"\d", rf"{COMMAND}|\]\([\w-]+\.md#") == []
+
+    @pytest.mark.parametrize("name", ["jump_types.md", "maths.md", "replanning.md"])
+    def test_of_tables_elsewhere(self, name):
+        assert _sections_without(name, r"(?m)^\|[^a-z\n]*\d", COMMAND) == []
 
     def test_commands_of_figures_are_among_those_checked(self):
         """The checks above see what stands in tables too."""
@@ -147,6 +142,17 @@ class TestFigures:
         checked = [" ".join(c.words) for c in ALL if c.page == name_of(page)]
         assert inside
         assert [text for text in inside if text not in checked] == []
+
+
+def _sections_without(name, figure, command):
+    """Titles of a page's sections that have figures, but no command for them."""
+    text = (ROOT / "docs" / name).read_text("utf-8")
+    sections = [part.partition("\n") for part in re.split(r"(?m)^##+ (?=.)", text)[1:]]
+    return [
+        title
+        for title, _, body in sections
+        if re.search(figure, body) and not re.search(command, body)
+    ]
 
 
 def test_notes_are_known():
