@@ -49,10 +49,14 @@ class Program:
 
     def turn(self) -> None:
         """Measure once."""
+        for name, value in json.loads(self.ask()).items():
+            self.best[name] = min(value, self.best.get(name, value))
+
+    def ask(self) -> str:
+        """What it answers to a line."""
         self._process.stdin.write("again\n")
         self._process.stdin.flush()
-        for name, value in json.loads(self._line()).items():
-            self.best[name] = min(value, self.best.get(name, value))
+        return self._line()
 
     def end(self) -> None:
         self._process.stdin.close()

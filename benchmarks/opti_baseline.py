@@ -16,9 +16,11 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
+from llsrbm.analysis.joint_loads import KnotMotion
 from llsrbm.models.base import CentroidalModel
 from llsrbm.planning.rotations import quat_product, rotation_matrix
 from llsrbm.planning.task import Task
+from llsrbm.schedule import together
 
 GRAVITY = 9.81
 LEG_LENGTH = (0.25, 0.75)  # m, CoM to foot
@@ -33,6 +35,7 @@ class BaselineResult:
     iterations: int
     solve_time_s: float
     final_yaw: float
+    motion: KnotMotion
 
 
 def _solve3(A: ca.MX, b: ca.MX) -> ca.MX:
@@ -143,4 +146,36 @@ def solve_baseline(
         int(stats["iter_count"]),
         solve_time,
         2 * float(np.arctan2(end[3], end[0])),
+        _motion(task, *(solution.value(x).T for x in (T, r, q, H, p, f * unit))),
+    )
+
+
+def _motion(
+    task: Task,
+    T: np.ndarray,
+    r: np.ndarray,
+    q: np.ndarray,
+    H: np.ndarray,
+    p: np.ndarray,
+    f: np.ndarray,
+) -> KnotMotion:
+    """Durations (3,), and a row a knot of everything: positions, turns, momenta, feet, forces."""
+    knots, n = len(r), len(f) // 3
+    steps = np.repeat(T / n, n)
+    feet = p.reshape(knots, -1, 3)
+    forces = f.reshape(len(f), -1, 3)
+    level = np.zeros((*feet.shape[:2], 4))
+    level[..., 0] = 1.0
+    phase = np.repeat(np.arange(3), n)
+    return KnotMotion(
+        time=np.concatenate([[0.0], np.cumsum(steps)]),
+        schedule=together(tuple(leg.name for leg in task.robot.legs)),
+        phase=np.append(phase, 2),
+        com=r,
+        com_velocity=H / task.mass,
+        base_quat=q / np.linalg.norm(q, axis=1, keepdims=True),
+        foot_position=feet,
+        foot_quat=level,
+        contact_point=feet,
+        contact_force=np.concatenate([forces, forces[-1:]]),
     )

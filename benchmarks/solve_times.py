@@ -1,6 +1,6 @@
 """Solve times of the planner against the paper's formulation, all in one run.
 
-    python benchmarks/solve_times.py [--repeats 15] [--baseline-repeats 3]
+    python -m benchmarks.solve_times [--repeats 15] [--baseline-repeats 3]
         [--against COMMIT] [--crocoddyl] [--only-compare]
 
 Cold: from the analytic guess. Warm: each jump from the plan of its neighbour, one slider step
@@ -18,10 +18,10 @@ import statistics
 import sys
 
 import numpy as np
-from interleaved import compare
-from opti_baseline import solve_baseline
 
 import llsrbm
+from benchmarks.interleaved import compare
+from benchmarks.opti_baseline import solve_baseline
 from llsrbm.motion.plan import SolveReport
 from llsrbm.planning.placement import make_task
 from llsrbm.planning.planner import Planner, planner_for

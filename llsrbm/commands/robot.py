@@ -70,6 +70,11 @@ def new_command(
     load_robot(str(out.absolute()))  # it is one that can be read
     print(f"{out}: {len(anatomy.names)} legs of {len(anatomy.joint_ids[0])} joints")
     print(f"  feet {', '.join(anatomy.feet)}; hips {', '.join(anatomy.hips)}")
+    if anatomy.held:
+        first = ", ".join([*anatomy.held][:3])
+        print(f"  guessed urdf.held: {len(anatomy.held)} joints that move no foot ({first}, ...)")
+    if anatomy.frames:
+        print(f"  guessed urdf.frames: {', '.join(anatomy.frames)} in the middle of their soles")
     for key, reason in proposal.guessed.items():
         print(f"  guessed {key}: {reason}")
     print(f"try it: llsrbm simulate --robot {out} --twist 45, and docs/add_a_robot.md")

@@ -35,13 +35,13 @@ def load_robot(name_or_path: str) -> Robot:
     path = _path(name_or_path)
     key = str(path.absolute())
     kept = _kept.get(key)
-    if kept is not None and _stamp(path, kept[1].urdf_path) == kept[0]:
+    if kept is not None and _stamp(path, *_urdfs(kept[1])) == kept[0]:
         return kept[1]
     # Taken before the file is read: a change meanwhile is then noticed the next time.
     stamp = _stamp(path)
     robot = build_robot(path)
     _kept.pop(key, None)
-    _kept[key] = (stamp + _stamp(robot.urdf_path), robot)
+    _kept[key] = (stamp + _stamp(*_urdfs(robot)), robot)
     for oldest in list(_kept)[:-_KEPT]:
         _kept.pop(oldest, None)
     return robot
@@ -59,6 +59,10 @@ def _path(name_or_path: str) -> Path:
             "or the path of a robot file (.toml)"
         )
     return Path(files[name_or_path])
+
+
+def _urdfs(robot: Robot) -> tuple[Path, Path]:
+    return robot.urdf_source, robot.urdf_path
 
 
 def _stamp(*paths: Path) -> _Stamp:

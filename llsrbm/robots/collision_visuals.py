@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 
 _GREY = (148, 156, 166)  # of all bodies: it is a stand-in, and shows it
 _ROUND = 20  # faces around a cylinder
+_MANY_FACES = 2000  # of a mesh; G1's arms and head have 70,000
+_HULL_FACES = 400
 _CREASE = np.radians(40.0)  # edges sharper than this stay sharp under smooth shading
 
 
@@ -88,7 +90,7 @@ def _mesh(shape: pin.GeometryObject) -> trimesh.Trimesh | None:
                 radius=geometry.radius, height=2.0 * geometry.halfLength, sections=_ROUND
             )
         case coal.BVHModelBase():
-            mesh = trimesh.Trimesh(np.asarray(geometry.vertices()), _triangles(geometry))
+            mesh = _mesh_or_hull(geometry)
         case _:
             return None
     mesh = trimesh.graph.smooth_shade(mesh, angle=_CREASE, facet_minarea=None)
@@ -96,6 +98,18 @@ def _mesh(shape: pin.GeometryObject) -> trimesh.Trimesh | None:
     moved = trimesh.Trimesh(mesh.vertices, mesh.faces, vertex_normals=normals, process=False)
     moved.apply_transform(shape.placement.homogeneous)
     return moved
+
+
+def _mesh_or_hull(geometry: coal.BVHModelBase) -> trimesh.Trimesh:
+    """A mesh; of one with many faces its convex hull, as which the trunk is simulated, too."""
+    import trimesh
+
+    vertices = np.asarray(geometry.vertices())
+    if geometry.num_tris > _MANY_FACES:
+        hull = trimesh.convex.convex_hull(vertices)
+        few = len(hull.faces) <= _HULL_FACES
+        return hull if few else hull.simplify_quadric_decimation(face_count=_HULL_FACES)
+    return trimesh.Trimesh(vertices, _triangles(geometry))
 
 
 def _triangles(geometry: coal.BVHModelBase) -> NDArray[np.int64]:

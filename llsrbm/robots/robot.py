@@ -12,6 +12,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from llsrbm.errors import InputError
+from llsrbm.robots.adapted_urdf import adapted_urdf
 from llsrbm.robots.legs import LegChains, solve_legs
 from llsrbm.robots.schema import RobotFile, read_robot_file
 from llsrbm.robots.soles import check_soles
@@ -70,7 +71,9 @@ class Robot:
 
     Attributes:
         file: the robot file's content; path: where it lies.
-        urdf_path: the URDF; package_dirs: where its `package://` names are looked up.
+        urdf_path: the URDF, with the file's held joints fixed and its frames added.
+        urdf_source: the URDF that the file names; without such tables the same.
+        package_dirs: where `package://` names in it are looked up.
         model: Pinocchio model with a free flyer at the root link. Do not change it.
         chains: the legs' kinematics over many postures at once.
         legs: in the order of the file.
@@ -87,6 +90,7 @@ class Robot:
     file: RobotFile
     path: Path
     urdf_path: Path
+    urdf_source: Path
     package_dirs: tuple[Path, ...]
     model: pin.Model
     chains: LegChains
@@ -223,7 +227,9 @@ def build_robot(path: str | Path) -> Robot:
     """
     path = Path(path).resolve()
     file = read_robot_file(path)
-    urdf_path, package_dirs = find_urdf(file, path)
+    urdf_source, package_dirs = find_urdf(file, path)
+    feet = {name: spec.foot for name, spec in file.legs.items()}
+    urdf_path, package_dirs = adapted_urdf(urdf_source, package_dirs, file.urdf, feet, path)
     model = load_model(urdf_path, path)
     chains_of = {name: joint_chain(model, file, path, name) for name in file.legs}
     check_joints(model, file, path, chains_of)
@@ -254,6 +260,7 @@ def build_robot(path: str | Path) -> Robot:
         file=file,
         path=path,
         urdf_path=urdf_path,
+        urdf_source=urdf_source,
         package_dirs=package_dirs,
         model=model,
         chains=chains,

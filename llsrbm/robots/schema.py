@@ -24,6 +24,7 @@ from llsrbm.robots.tables import (
     Vector,
     read_table,
 )
+from llsrbm.robots.urdf_table import AddedFrame, UrdfSource
 
 # Keys of older robot files -> what does their work now.
 REPLACED = {
@@ -38,33 +39,6 @@ REPLACED = {
 }
 
 
-class UrdfSource(Table):
-    """Where the URDF is: in an installed package's data, or beside the robot file.
-
-    Attributes:
-        package: name of the package, for example "example-robot-data".
-        path: the URDF inside that package's robots folder.
-        file: the URDF relative to the robot file; instead of the other two.
-    """
-
-    package: str | None = None
-    path: str | None = None
-    file: str | None = None
-
-    @model_validator(mode="after")
-    def _one_source(self) -> Self:
-        given = (self.package is not None, self.path is not None, self.file is not None)
-        if given not in ((True, True, False), (False, False, True)):
-            raise PydanticCustomError("urdf", 'expected either "package" and "path", or "file"')
-        return self
-
-    def installed(self) -> tuple[str, str]:
-        """Package and path; only where `file` is None."""
-        if self.package is None or self.path is None:
-            raise ValueError("the URDF lies beside the robot file")
-        return self.package, self.path
-
-
 class LegFrames(Table):
     """Names, in the URDF, that make a leg.
 
@@ -75,6 +49,9 @@ class LegFrames(Table):
 
     foot: str
     hip: str
+
+
+_NAMED_TABLES: dict[str, type[BaseModel]] = {"legs": LegFrames, "frames": AddedFrame}
 
 
 class Foot(Table):
@@ -321,11 +298,11 @@ def _keys_beside(location: tuple[int | str, ...]) -> list[str]:
     for key in location[:-1]:
         field = table.model_fields.get(str(key))
         if field is None:
-            # A leg's name is a key the person chose; below it come the names of a leg's frames.
+            # The name of a leg or a frame is one the person chose; below it come a table's keys.
             continue
         inner = field.annotation
-        if key == "legs":
-            table = LegFrames
+        if key in _NAMED_TABLES:
+            table = _NAMED_TABLES[str(key)]
         elif isinstance(inner, type) and issubclass(inner, BaseModel):
             table = inner
     return list(table.model_fields)
@@ -363,4 +340,5 @@ def _sentence(detail: ErrorDetails) -> str:
 def _expected_length(key: str, detail: ErrorDetails) -> str:
     if detail["type"] == "too_short":
         return f"expected at least {detail['ctx']['min_length']}"
-    return "expected 3 values" if key in ("reach.lower", "reach.upper") else "expected 2 values"
+    vectors = ("lower", "upper", "xyz", "rpy")
+    return f"expected {3 if key.rpartition('.')[2] in vectors else 2} values"

@@ -136,7 +136,8 @@ def check_joints(
     if free:
         raise RobotFileError(
             f"{path}: legs: joints {', '.join(free)} of {file.urdf.path or file.urdf.file} belong "
-            f"to no leg; expected every joint to move a foot"
+            f"to no leg; expected every joint to move a foot, or to be held at an angle: "
+            f"{free[0]} = 0.0 in [urdf.held]"
         )
     kinds = {
         leg: tuple(model.joints[j].shortname().startswith("JointModelP") for j in chain)

@@ -96,7 +96,8 @@ def test_a_robot_file_is_read(tmp_path):
         for name, value in parse_table("\n".join(lines), "docs/add_a_robot.md").items():
             assert name in known, name
             seen.add(name)
-            mixed = isinstance(value, dict) and name in ("legs", "posture", "limits", "reach")
+            mixed = isinstance(value, dict) and not {"file", "package"} & set(value)
+            mixed = mixed and name in ("urdf", "legs", "posture", "limits", "reach")
             table[name] = table[name] | value if mixed else value
         RobotFile.model_validate(table)
     assert {"urdf", "legs", "reach", "limits", "control"} <= seen

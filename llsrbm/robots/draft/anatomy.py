@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -11,8 +11,11 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from llsrbm.errors import RobotFileError
+from llsrbm.robots.adapted_urdf import adapted_urdf
+from llsrbm.robots.draft.feet import contact_points, middle_of_sole, new_name
 from llsrbm.robots.legs import LegChains
 from llsrbm.robots.urdf import BASE_JOINT, collision_geometry, frame_id, load_model
+from llsrbm.robots.urdf_table import AddedFrame, UrdfSource
 
 Array = NDArray[np.float64]
 
@@ -20,15 +23,15 @@ _FOOT = re.compile(r"foot|sole|toe|ankle|contact", re.IGNORECASE)
 _SOLE = re.compile(r"sole|foot", re.IGNORECASE)
 _JOINTS_OF_A_LEG = (3, 6)  # of point feet; of soles, whose attitude matters too
 _ACROSS = 0.7  # component along y from which on an axis is one about which a leg swings forward
-_ON_THE_GROUND = 0.01  # m between a sole's frame and its lowest point
 
 
 @dataclass(frozen=True, eq=False)
 class Anatomy:
-    """L legs of n joints, as the URDF has them.
+    """L legs of n joints, as the URDF has them with what moves no foot held.
 
     Attributes:
-        urdf: the file; model: Pinocchio's, on a free flyer.
+        urdf: the file as it is; model: Pinocchio's, with joints held and frames added.
+        held, frames: these, as in a robot file's table [urdf].
         names: (L,) made from where the feet are: FL, FR, RL, RR; or left, right.
         feet: (L,) names of the feet's frames; hips: (L,) of the joints that swing legs forward.
         joint_ids: (L, n) in the model, from the base outwards.
@@ -51,6 +54,8 @@ class Anatomy:
     upper: Array
     corners: tuple[tuple[float, float], ...]
     radius: float | None
+    held: dict[str, float] = field(default_factory=dict)
+    frames: dict[str, AddedFrame] = field(default_factory=dict)
 
     @property
     def has_soles(self) -> bool:
@@ -71,38 +76,81 @@ def read_anatomy(urdf: Path, package_dirs: tuple[Path, ...]) -> Anatomy:
         package_dirs: where its `package://` names are looked up.
 
     Raises:
-        RobotFileError: it is no URDF, or none of a robot whose every joint moves a foot.
+        RobotFileError: it is no URDF, or none of a robot with legs of their own joints.
     """
     model = load_model(urdf, urdf)
-    legs = _legs(model, urdf)
-    data = model.createData()
-    pin.framesForwardKinematics(model, data, pin.neutral(model))
-    ends = np.array([data.oMi[leg[-1]].translation for leg in legs])
-    order, names = _named(ends)
-    legs = [legs[k] for k in order]
-    feet = [_foot_frame(model, data, leg) for leg in legs]
+    legs, spare = _legs(model, urdf)
+    held = {model.names[joint]: _rest(model, joint) for joint in spare}
+    changed = UrdfSource(file=urdf.name, held=held)
+    model, path, dirs = _adapted(urdf, package_dirs, changed)
+    joints = [[model.getJointId(name) for name in leg] for leg in legs]
+    data = _at_zero(model)
+    order, names = _named(np.array([data.oMi[leg[-1]].translation for leg in joints]))
+    joints = [joints[k] for k in order]
+    feet = [_foot_frame(model, data, leg) for leg in joints]
+    shapes = collision_geometry(model, path, dirs, urdf)
+    if len(joints[0]) > _JOINTS_OF_A_LEG[0]:
+        frames = {}
+        for k, leg in enumerate(names):
+            frame = middle_of_sole(model, data, feet[k], shapes, urdf)
+            if frame is not None:
+                feet[k] = new_name(f"{leg}_sole", model)
+                frames[feet[k]] = frame
+        if frames:
+            changed = UrdfSource(file=urdf.name, held=held, frames=frames)
+            model, path, dirs = _adapted(urdf, package_dirs, changed)
+            data = _at_zero(model)
+            shapes = collision_geometry(model, path, dirs, urdf)
     foot_ids = [frame_id(model, foot) for foot in feet]
-    hips = [_hip(model, data, leg, urdf) for leg in legs]
-    at = [[model.joints[j].idx_q for j in leg] for leg in legs]
-    corners, radius = _contact(model, urdf, package_dirs, foot_ids[0], len(legs[0]))
+    hips = [_hip(model, data, leg, urdf) for leg in joints]
+    at = [[model.joints[j].idx_q for j in leg] for leg in joints]
+    corners, radius = contact_points(
+        model.frames[foot_ids[0]], shapes, sole=len(joints[0]) > _JOINTS_OF_A_LEG[0]
+    )
     return Anatomy(
         urdf=urdf,
         model=model,
         names=names,
         feet=tuple(feet),
         hips=tuple(model.names[hip] for hip in hips),
-        joint_ids=tuple(tuple(leg) for leg in legs),
-        chains=LegChains.from_model(model, [list(leg) for leg in legs], foot_ids),
+        joint_ids=tuple(tuple(leg) for leg in joints),
+        chains=LegChains.from_model(model, joints, foot_ids),
         hip_position=np.array([data.oMi[hip].translation for hip in hips]),
         lower=np.maximum(model.lowerPositionLimit[at], -np.pi),
         upper=np.minimum(model.upperPositionLimit[at], np.pi),
         corners=corners,
         radius=radius,
+        held=changed.held,
+        frames=changed.frames,
     )
 
 
-def _legs(model: pin.Model, urdf: Path) -> list[list[int]]:
-    """Joints from the base to each end; all ends have to be feet."""
+def _adapted(
+    urdf: Path, package_dirs: tuple[Path, ...], changed: UrdfSource
+) -> tuple[pin.Model, Path, tuple[Path, ...]]:
+    """The model with joints held and frames added, the URDF that says so, its packages' folders."""
+    path, dirs = adapted_urdf(urdf, package_dirs, changed, {}, urdf)
+    return load_model(path, urdf), path, dirs
+
+
+def _at_zero(model: pin.Model) -> pin.Data:
+    """Where joints and frames are when all joints are at zero."""
+    data = model.createData()
+    pin.framesForwardKinematics(model, data, pin.neutral(model))
+    return data
+
+
+def _rest(model: pin.Model, joint: int) -> float:
+    """Zero, or what a joint's limits allow next to it."""
+    if model.joints[joint].nq != 1:  # turns without limits
+        return 0.0
+    at = model.joints[joint].idx_q
+    lower, upper = model.lowerPositionLimit[at], model.upperPositionLimit[at]
+    return round(float(np.clip(0.0, lower, upper)), 4) + 0.0
+
+
+def _legs(model: pin.Model, urdf: Path) -> tuple[list[list[str]], list[int]]:
+    """The joints of each leg, from the base outwards, by name; and those that move no foot."""
     joints = range(BASE_JOINT + 1, model.njoints)
     chains = []
     for end in sorted(set(joints) - {model.parents[j] for j in joints}):
@@ -112,30 +160,28 @@ def _legs(model: pin.Model, urdf: Path) -> list[list[int]]:
         chains.append(chain)
     kinds = [tuple(model.joints[j].shortname()[:11] for j in chain) for chain in chains]
     # Legs are what there are most of that is built alike, and of those what reaches lowest.
-    data = model.createData()
-    pin.forwardKinematics(model, data, pin.neutral(model))
+    data = _at_zero(model)
     heights = {
         kind: np.mean([data.oMi[c[-1]].translation[2] for c, k in zip(chains, kinds) if k == kind])
         for kind in kinds
     }
     alike = min(heights, key=lambda kind: (kinds.count(kind) < 2, heights[kind]))
     legs = [chain for chain, kind in zip(chains, kinds, strict=True) if kind == alike]
-    others = [chain for chain, kind in zip(chains, kinds, strict=True) if kind != alike]
-    spare = sorted({j for chain in others for j in chain} - {j for leg in legs for j in leg})
     shared = sorted({j for leg in legs for j in leg if sum(j in other for other in legs) > 1})
-    if spare or shared:
-        listed = ", ".join(model.names[j] for j in (spare + shared)[:8])
-        more = f" and {len(spare + shared) - 8} more" if len(spare + shared) > 8 else ""
+    if shared:
+        listed = ", ".join(model.names[j] for j in shared[:8])
+        more = f" and {len(shared) - 8} more" if len(shared) > 8 else ""
         raise RobotFileError(
-            f"{urdf}: joints {listed}{more} move no foot, or more than one; expected every joint "
-            'to move one foot: write type="fixed" in place of theirs'
+            f"{urdf}: joints {listed}{more} move more than one foot; expected every joint to move "
+            'one foot or none: write type="fixed" in place of theirs'
         )
     if len(legs) < 2 or len(legs[0]) not in _JOINTS_OF_A_LEG:
         raise RobotFileError(
             f"{urdf}: found {len(legs)} legs of {len(legs[0])} joints; expected two legs or more, "
             "of 3 joints (point feet) or 6 (soles)"
         )
-    return legs
+    spare = sorted(set(joints) - {j for leg in legs for j in leg})
+    return [[model.names[j] for j in leg] for leg in legs], spare
 
 
 def _named(ends: Array) -> tuple[list[int], tuple[str, ...]]:
@@ -184,64 +230,3 @@ def _hip(model: pin.Model, data: pin.Data, leg: list[int], urdf: Path) -> int:
         f"{urdf}: no joint of the leg that begins with {model.names[leg[0]]} turns about an axis "
         "across the robot; expected base axes x forward, y left, z up"
     )
-
-
-def _contact(
-    model: pin.Model, urdf: Path, package_dirs: tuple[Path, ...], foot: int, joints: int
-) -> tuple[tuple[tuple[float, float], ...], float | None]:
-    """Contact points of a foot in its frame, and their radius where the URDF has no spheres."""
-    import coal
-
-    frame = model.frames[foot]
-    shapes = [
-        shape
-        for shape in collision_geometry(model, urdf, package_dirs, urdf)
-        if shape.parentJoint == frame.parentJoint
-    ]
-    spheres = [s for s in shapes if isinstance(s.geometry, coal.Sphere)]
-    if joints == _JOINTS_OF_A_LEG[0]:
-        radius = None if spheres else _ball_radius(frame, shapes)
-        return ((0.0, 0.0),), radius
-    points = _corners_of(frame, shapes)
-    if not len(points):
-        raise RobotFileError(
-            f"{urdf}: the link that carries {frame.name} has no collision geometry; expected some "
-            "there, for its sole is measured from it"
-        )
-    low, high = points.min(axis=0), points.max(axis=0)
-    if abs(low[2]) > _ON_THE_GROUND:
-        raise RobotFileError(
-            f"{urdf}: {frame.name} is {-low[2]:.3f} m above the lowest point of its foot; expected "
-            "a frame on the ground, in the middle of the sole: add a link with a fixed joint there"
-        )
-    radius = min(0.01, (high - low)[:2].min() / 6)
-    x, y = (np.array([high[axis], low[axis]]) for axis in (0, 1))
-    x, y = x - np.sign(x) * radius, y - np.sign(y) * radius
-    corners = tuple((round(float(a), 3), round(float(b), 3)) for a in x for b in y)
-    return corners, None if len(spheres) >= len(corners) else round(float(radius), 4)
-
-
-def _corners_of(frame: pin.Frame, shapes: list[pin.GeometryObject]) -> Array:
-    """(N, 3) m: corners of the shapes' boxes, in a frame of the same joint."""
-    signs = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)])
-    points = [np.empty((0, 3))]
-    for shape in shapes:
-        shape.geometry.computeLocalAABB()
-        box = shape.geometry.aabb_local
-        inside = box.min_ + signs * (box.max_ - box.min_)
-        placement = frame.placement.inverse() * shape.placement
-        points.append(inside @ placement.rotation.T + placement.translation)
-    return np.concatenate(points)
-
-
-def _ball_radius(frame: pin.Frame, shapes: list[pin.GeometryObject]) -> float:
-    """Half of what the shape around a point foot measures where it is thinnest, m."""
-    around = [
-        points
-        for points in (_corners_of(frame, [shape]) for shape in shapes)
-        if (points.min(axis=0) - 1e-3 <= 0).all() and (points.max(axis=0) + 1e-3 >= 0).all()
-    ]
-    if not around:
-        return 0.02
-    smallest = min(around, key=lambda points: float(np.ptp(points, axis=0).max()))
-    return round(float(np.clip(np.ptp(smallest, axis=0).min() / 2, 0.005, 0.04)), 4)

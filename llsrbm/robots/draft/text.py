@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from pathlib import Path
 from typing import Any
 
@@ -37,6 +38,8 @@ def robot_file_text(name: str, urdf: dict[str, str], anatomy: Anatomy, proposal:
         "",
         "[urdf]",
         *(f"{key} = {_value(value)}" for key, value in urdf.items()),
+        *_held(anatomy),
+        *_frames(anatomy),
         "",
         "# foot: the frame of the contact point. hip: the joint that swings the leg forward.",
         "[legs]",
@@ -56,6 +59,31 @@ def robot_file_text(name: str, urdf: dict[str, str], anatomy: Anatomy, proposal:
         for inner in ("gains", "weights"):
             lines += _table(f"control.{inner}", proposal)
     return "\n".join(lines) + "\n"
+
+
+def _held(anatomy: Anatomy) -> list[str]:
+    """The table of joints that stay where they are; no lines if all joints move feet."""
+    if not anatomy.held:
+        return []
+    rows = [f"{_key(name)} = {_value(angle)}" for name, angle in anatomy.held.items()]
+    said = "# Joints that move no foot stay at these angles, rad. Guessed: at zero, or next to it."
+    return ["", said, "[urdf.held]", *rows]
+
+
+def _frames(anatomy: Anatomy) -> list[str]:
+    """The table of frames that the URDF lacks."""
+    rows = [
+        f"{_key(name)} = {{ link = {_value(frame.link)}, xyz = {_value([*frame.xyz])}"
+        + (f", rpy = {_value([*frame.rpy])}" if any(frame.rpy) else "")
+        + " }"
+        for name, frame in anatomy.frames.items()
+    ]
+    said = "# Middles of the soles on the ground. Guessed: from the feet's collision geometry."
+    return ["", said, "[urdf.frames]", *rows] if rows else []
+
+
+def _key(name: str) -> str:
+    return name if re.fullmatch(r"[A-Za-z0-9_-]+", name) else _value(name)
 
 
 def _table(table: str, proposal: Proposal) -> list[str]:

@@ -89,7 +89,9 @@ def test_a_path_in_place_of_a_robot_is_never_looked_for(tmp_path, monkeypatch):
 
     first = {"schema": np.array("llsrbm.plan/1")}  # whose reader looks for the robot
     line = refusal("a.npz", changed(tmp_path, meta=ask, **first))
-    assert line.startswith("a.npz: request.robot: expected one of anymal, go2, slider, got '/dev/z")
+    assert line.startswith(
+        "a.npz: request.robot: expected one of anymal, g1, go2, slider, got '/dev/z"
+    )
 
     def name_it(meta):
         meta["robot_parameters"]["name"] = "/dev/zero"

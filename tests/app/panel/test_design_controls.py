@@ -103,8 +103,14 @@ def test_an_uploaded_design_is_read():
 @pytest.mark.parametrize(
     ("jump", "complaint"),
     [
-        (Jump(robot="/tmp/mine.toml"), "a.json: jump.robot: expected one of anymal, go2, slider"),
-        (Jump(robot="nosuch"), "a.json: jump.robot: expected one of anymal, go2, slider, got 'nos"),
+        (
+            Jump(robot="/tmp/mine.toml"),
+            "a.json: jump.robot: expected one of anymal, g1, go2, slider",
+        ),
+        (
+            Jump(robot="nosuch"),
+            "a.json: jump.robot: expected one of anymal, g1, go2, slider, got 'nos",
+        ),
         (Jump(model="nosuch"), "a.json: jump.model: expected one of srbm, llsrbm, llsrbm-plus,"),
     ],
 )

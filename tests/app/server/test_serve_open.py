@@ -77,7 +77,10 @@ def test_another_tools_motion_is_pinned_beside_its_robots_example(served):
         (["/dev/null"], "--open: /dev/null: expected a file"),
         (["bad.npz"], "bad.npz: not an npz file"),
         (["bad.json"], "bad.json: not a JSON file"),
-        (["bad.npz", "--robot", "/dev/zero"], "--robot: expected one of anymal, go2, slider, got"),
+        (
+            ["bad.npz", "--robot", "/dev/zero"],
+            "--robot: expected one of anymal, g1, go2, slider, got",
+        ),
     ],
 )
 def test_a_bad_file_is_one_line_and_nothing_is_served(

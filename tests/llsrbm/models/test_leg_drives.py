@@ -15,7 +15,7 @@ from llsrbm.robots import load_robot
 from llsrbm.robots.leg_fit import sampled_legs
 from tests.llsrbm.robots.test_robot import beside
 
-KNEES = ("anymal", "go2", *(f"benchmarks/robots/{n}.toml" for n in ("a1", "anymal_c", "solo12")))
+KNEES = ("anymal", "go2", "a1", "anymal_c", "solo12")
 PLACES = 12
 
 

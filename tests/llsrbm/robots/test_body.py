@@ -36,4 +36,5 @@ def test_the_trunk_ends_where_its_box_does(name, axis):
 
 
 def test_knees():
-    assert [knee_joint(load_robot(name)) for name in ("anymal", "go2", "slider")] == [2, 2, None]
+    knees = {"anymal": 2, "go2": 2, "slider": None, "g1": 3}
+    assert {name: knee_joint(load_robot(name)) for name in knees} == knees

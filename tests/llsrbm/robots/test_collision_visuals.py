@@ -13,6 +13,7 @@ from llsrbm.robots import load_robot, names
 from llsrbm.robots.collision_visuals import collision_visuals, visuals_at_once
 from llsrbm.robots.viewpoint import viewpoint
 from llsrbm.robots.visuals import (
+    FACES,
     forward_kinematics,
     link_visuals,
     link_visuals_at_hand,
@@ -62,6 +63,12 @@ def test_they_are_as_large_as_the_meshes(name):
     rough = standing(robot, collision_visuals(robot))
     for bound in ("min", "max"):
         np.testing.assert_allclose(getattr(rough, bound)(0), getattr(fine, bound)(0), atol=0.12)
+
+
+@pytest.mark.parametrize("name", names())
+def test_they_are_lighter_than_a_robots_meshes_may_be(name):
+    visuals = collision_visuals(load_robot(name))
+    assert sum(len(visual.faces) for visual in visuals) < FACES
 
 
 @pytest.mark.usefixtures("empty_cache")

@@ -37,6 +37,26 @@ MISTAKES = {
         ["reach.standing", "less than 1", "1.0"],
     ),
     "misspelt table": ("[posture]", "[postures]", ['"postures"', 'did you mean "posture"?']),
+    "angle that is none": (
+        "[legs]",
+        '[urdf.held]\nneck = "up"\n[legs]',
+        ["urdf.held.neck", "valid number", "'up'"],
+    ),
+    "misspelt part of a frame": (
+        "[legs]",
+        '[urdf.frames]\nsole = { link = "base", xzy = [0.0, 0.0, 0.0] }\n[legs]',
+        ['unknown key "urdf.frames.sole.xzy"', 'did you mean "xyz"?', "link, xyz, rpy"],
+    ),
+    "frame without its place": (
+        "[legs]",
+        '[urdf.frames]\nsole = { link = "base" }\n[legs]',
+        ['missing key "urdf.frames.sole.xyz"', "expected: link, xyz, rpy"],
+    ),
+    "place of two numbers": (
+        "[legs]",
+        '[urdf.frames]\nsole = { link = "base", xyz = [0.0, 0.0] }\n[legs]',
+        ["urdf.frames.sole.xyz", "expected 3 values", "[0.0, 0.0]"],
+    ),
     "interval turned round": (
         "distance = [0.26, 0.52]",
         "distance = [0.56, 0.52]",

@@ -21,7 +21,7 @@ OTHERS = Path(__file__).parents[3] / "benchmarks" / "robots"
 GROUND = Surroundings(ground=0.0, blocks=())
 
 
-@pytest.fixture(params=["anymal", "a1", "anymal_c", "go2", "sliding", "slider"])
+@pytest.fixture(params=["anymal", "a1", "anymal_c", "go2", "sliding", "slider", "g1"])
 def robot(request, tmp_path):
     if request.param == "sliding":
         return sliding_biped(tmp_path)

@@ -19,12 +19,10 @@ from tests.app.synthetic_plan import synthetic_plan
 from tests.llsrbm.simulation.sliding_biped import sliding_biped
 
 
-@pytest.fixture(params=["anymal", "benchmarks/robots/a1.toml", "sliding"])
-def robot(request, tmp_path, pytestconfig):
+@pytest.fixture(params=["anymal", "a1", "sliding"])
+def robot(request, tmp_path):
     if request.param == "sliding":
         return sliding_biped(tmp_path)
-    if request.param.endswith(".toml"):
-        return load_robot(str(pytestconfig.rootpath / request.param))
     return load_robot(request.param)
 
 

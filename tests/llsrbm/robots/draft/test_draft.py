@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 import tomllib
 from pathlib import Path
@@ -13,6 +14,7 @@ from llsrbm.cli import main
 from llsrbm.errors import RobotFileError
 from llsrbm.robots import draft, load_robot
 from llsrbm.robots.assets import assets_directory, package_share
+from llsrbm.robots.foot_contact import foot_contacts
 
 PACKAGE = "example-robot-data"
 QUADRUPEDS = {
@@ -97,19 +99,71 @@ def test_the_file_says_what_is_guessed(tmp_path):
     assert tomllib.loads(text)["urdf"] == {"package": PACKAGE, "path": QUADRUPEDS["a1"]}
 
 
-def test_arms_are_named_not_guessed_away(tmp_path, capsys):
-    assert main(["robot", "new", f"{PACKAGE}:{G1}", "--out", str(tmp_path / "g1.toml")]) == 2
-    said = capsys.readouterr().err
-    assert "waist_yaw_joint" in said
-    assert 'type="fixed"' in said
-    assert not list(tmp_path.iterdir())
+def test_a_humanoids_arms_are_held_and_its_soles_found(tmp_path, capsys):
+    path = tmp_path / "g1.toml"
+    robot = written(path, f"{PACKAGE}:{G1}")
+    said, text = capsys.readouterr().out, path.read_text()
+    assert "guessed urdf.held: 17 joints" in said
+    held, frames = (tomllib.loads(text)["urdf"][key] for key in ("held", "frames"))
+    assert len(held) == 17
+    assert set(held.values()) == {0.0}
+    assert frames["left_sole"] == {"link": "left_ankle_roll_link", "xyz": [0.035, 0.0, -0.035]}
+    for table in ("[urdf.held]", "[urdf.frames]"):  # each under a line that says what was guessed
+        assert "Guessed:" in text.partition(table)[0].splitlines()[-1]
+    assert [leg.name for leg in robot.legs] == ["left", "right"]
+    assert robot.joint_names[:3] == (
+        "left_hip_pitch_joint", "left_hip_roll_joint", "left_hip_yaw_joint"
+    )  # fmt: skip
+    assert len(robot.joint_names) == 12
+    # On the URDF's own spheres, which lie 5 mm above the soles.
+    assert robot.file.foot.corners[0] == (0.085, 0.03)
+    assert foot_contacts(robot)[1].centres[0] == pytest.approx([0.085, 0.03, 0.005])
+    assert robot.com[2] > 0.5
 
 
-def test_a_sole_whose_frame_is_not_on_the_ground_is_told(tmp_path):
+def test_a_joint_that_cannot_be_at_zero_is_held_next_to_it(tmp_path):
+    share = package_share(PACKAGE, Path())
+    source = (share / PACKAGE / "robots" / G1).read_text()
+    name = '<joint name="left_elbow_joint"'
+    before, after = source.split(name)
+    path = tmp_path / "g1.urdf"
+    path.write_text(before + name + after.replace('lower="-1.0472"', 'lower="0.25"', 1))
+    anatomy = draft.read_anatomy(path, (share,))
+    assert anatomy.held["left_elbow_joint"] == 0.25
+    assert anatomy.held["right_elbow_joint"] == 0.0
+
+
+def test_joints_that_move_both_feet_are_refused(tmp_path):
+    """The root is above a waist."""
+    source = (assets_directory() / "slider" / "slider.urdf").read_text()
+    chest = """<link name="chest"/><joint name="waist" type="revolute"><parent link="chest"/>
+    <child link="pelvis"/><axis xyz="0 0 1"/>
+    <limit lower="-1" upper="1" effort="1" velocity="1"/></joint></robot>"""
+    path = tmp_path / "waist.urdf"
+    path.write_text(source.replace("</robot>", chest))
+    with pytest.raises(RobotFileError, match=r'joints waist move more than one foot.*type="fixed"'):
+        draft.read_anatomy(path, (tmp_path,))
+
+
+@pytest.mark.parametrize("turn", [0.0, 0.3])
+def test_a_sole_whose_frame_is_elsewhere_gets_one_on_the_ground(tmp_path, turn):
+    """SLIDER's own frame 3 cm higher, and turned."""
     source = (assets_directory() / "slider" / "slider.urdf").read_text()
     path = tmp_path / "biped.urdf"
-    path.write_text(source.replace('<origin xyz="0 0 -0.045"/>', '<origin xyz="0 0 -0.015"/>'))
-    with pytest.raises(RobotFileError, match=r"left_sole is 0\.030 m above .* add a link"):
+    moved = f'<origin xyz="0 0 -0.015" rpy="0 {turn} 0"/>'
+    path.write_text(source.replace('<origin xyz="0 0 -0.045"/>', moved))
+    drafted, tuned = draft.read_anatomy(path, (tmp_path,)), load_robot("slider")
+    assert drafted.feet == tuple(drafted.frames) == ("left_sole_middle", "right_sole_middle")
+    assert drafted.corners == tuned.file.foot.corners
+    np.testing.assert_allclose(drafted.chains.foot_offset, tuned.chains.foot_offset, atol=1e-4)
+    np.testing.assert_allclose(drafted.chains.foot_rotation, tuned.chains.foot_rotation, atol=1e-6)
+
+
+def test_a_foot_without_collision_geometry_is_told(tmp_path):
+    source = (assets_directory() / "slider" / "slider.urdf").read_text()
+    path = tmp_path / "biped.urdf"
+    path.write_text(re.sub("<collision.*?</collision>", "", source, flags=re.DOTALL))
+    with pytest.raises(RobotFileError, match="no collision geometry; expected some"):
         draft.read_anatomy(path, (tmp_path,))
 
 

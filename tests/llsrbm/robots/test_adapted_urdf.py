@@ -1,0 +1,283 @@
+"""Held joints and added frames, against Pinocchio's own way to lock joints of the whole robot."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pinocchio as pin
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from llsrbm import cache
+from llsrbm.errors import RobotFileError
+from llsrbm.robots import load_robot
+from llsrbm.robots.adapted_urdf import adapted_urdf
+from llsrbm.robots.assets import package_share, robot_files
+from llsrbm.robots.urdf_table import AddedFrame, UrdfSource
+
+ROBOT_FILE = Path("mine.toml")
+INERTIAL = """<inertial><origin xyz="{c} 0.02 -0.1" rpy="0.1 0.2 {c}"/><mass value="{m}"/>
+<inertia ixx="0.02" iyy="0.03" izz="0.04" ixy="0.001" ixz="0.002" iyz="0.003"/></inertial>"""
+ARMS = {
+    "waist": ("continuous", "0 0 1"),
+    "shoulder": ("revolute", "0.6 0 0.8"),
+    "hand": ("prismatic", "1 2 2"),
+}
+LIMITS = {"waist": (-9.0, 9.0), "shoulder": (-1.0, 2.0), "hand": (-0.1, 0.3)}
+
+
+def link(name: str, mass: float, inside: str = "") -> str:
+    return f'<link name="{name}">{INERTIAL.format(c=mass / 10, m=mass)}{inside}</link>'
+
+
+def joint(name: str, kind: str, parent: str, child: str, axis: str) -> str:
+    lower, upper = LIMITS.get(name, (-2.0, 2.0))
+    return f"""<joint name="{name}" type="{kind}"><origin xyz="0.1 {len(name) / 20} -0.2"
+    rpy="0.3 -0.4 {len(name) / 10}"/><parent link="{parent}"/><child link="{child}"/>
+    <axis xyz="{axis}"/><dynamics damping="1"/>
+    <limit lower="{lower}" upper="{upper}" effort="10" velocity="5"/></joint>"""
+
+
+MESH = '<visual><geometry><mesh filename="{}"/></geometry></visual>'
+SMALL = "\n".join(
+    [
+        '<?xml version="1.0"?><robot name="small"><!-- a leg and an arm of three joints -->',
+        link("trunk", 5.0, MESH.format("../meshes/trunk.stl")),
+        *(link(f"{name}_link", 1.0 + k) for k, name in enumerate(ARMS)),
+        link("thigh", 2.0, MESH.format("package://small/thigh.stl")),
+        link("shank", 1.5),
+        joint("waist", *ARMS["waist"][:1], "trunk", "waist_link", ARMS["waist"][1]),
+        joint("shoulder", "revolute", "waist_link", "shoulder_link", ARMS["shoulder"][1]),
+        joint("hand", "prismatic", "shoulder_link", "hand_link", ARMS["hand"][1]),
+        joint("hip", "revolute", "trunk", "thigh", "0 1 0"),
+        joint("knee", "revolute", "thigh", "shank", "0 1 0"),
+        "</robot>",
+    ]
+)
+FEET = {"leg": "shank"}
+
+
+@pytest.fixture(scope="module", autouse=True)
+def own_cache(tmp_path_factory):
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv(cache.ENVIRONMENT_VARIABLE, str(tmp_path_factory.mktemp("cache")))
+        yield
+
+
+@pytest.fixture(scope="module")
+def small(tmp_path_factory):
+    path = tmp_path_factory.mktemp("urdf") / "small.urdf"
+    path.write_text(SMALL)
+    return path
+
+
+def humanoid():
+    share = package_share("example-robot-data", ROBOT_FILE)
+    return share / "example-robot-data/robots/g1_description/urdf/g1_29dof_rev_1_0.urdf"
+
+
+def adapted(urdf, held=None, frames=None, feet=FEET, dirs=()):
+    source = UrdfSource(file="x.urdf", held=held or {}, frames=frames or {})
+    return adapted_urdf(urdf, dirs, source, feet, ROBOT_FILE)
+
+
+def free(path):
+    return pin.buildModelFromUrdf(str(path), pin.JointModelFreeFlyer())
+
+
+def locked(urdf, held):
+    """The robot with the same joints locked by Pinocchio, read from the URDF as it is."""
+    model = free(urdf)
+    q = pin.neutral(model)
+    for name, angle in held.items():
+        joint = model.joints[model.getJointId(name)]
+        turns = [math.cos(angle), math.sin(angle)]
+        q[joint.idx_q : joint.idx_q + joint.nq] = angle if joint.nq == 1 else turns
+    return pin.buildReducedModel(model, [model.getJointId(name) for name in held], q)
+
+
+def compare(ours, theirs, q_joints, foot):
+    assert list(ours.names) == list(theirs.names)
+    q = np.concatenate([pin.neutral(ours)[:7], q_joints])
+    ours_data, theirs_data = ours.createData(), theirs.createData()
+    for model, data in ((ours, ours_data), (theirs, theirs_data)):
+        pin.ccrba(model, data, q, np.zeros(model.nv))
+        pin.crba(model, data, q)
+        pin.framesForwardKinematics(model, data, q)
+    assert ours_data.Ig.mass == pytest.approx(theirs_data.Ig.mass, rel=1e-12)
+    np.testing.assert_allclose(ours_data.com[0], theirs_data.com[0], atol=1e-10)
+    np.testing.assert_allclose(ours_data.Ig.inertia, theirs_data.Ig.inertia, atol=1e-9)
+    np.testing.assert_allclose(ours_data.M, theirs_data.M, atol=1e-9)  # every joint's share
+    places = [
+        data.oMf[model.getFrameId(foot)].homogeneous
+        for model, data in ((ours, ours_data), (theirs, theirs_data))
+    ]
+    np.testing.assert_allclose(*places, atol=1e-10)
+
+
+@settings(max_examples=60)
+@given(
+    held=st.fixed_dictionaries({}, optional={n: st.floats(*LIMITS[n]) for n in ARMS}),
+    legs=st.tuples(st.floats(-2, 2), st.floats(-2, 2)),
+    others=st.floats(-0.1, 0.3),
+)
+def test_held_joints_are_as_pinocchio_locks_them(small, held, legs, others):
+    path, _ = adapted(small, held)
+    ours, theirs = free(path), locked(small, held)
+    q = np.zeros(theirs.nq)
+    q[:] = pin.neutral(theirs)
+    for name in theirs.names[2:]:
+        joint = theirs.joints[theirs.getJointId(name)]
+        if joint.nq == 1:
+            q[joint.idx_q] = {"hip": legs[0], "knee": legs[1]}.get(name, others)
+    compare(ours, theirs, q[7:], "shank")
+
+
+def test_a_humanoids_arms_and_waist_are_as_pinocchio_locks_them():
+    urdf = humanoid()
+    whole = free(urdf)
+    rng = np.random.default_rng(0)
+    for _ in range(3):
+        held = {
+            name: float(rng.uniform(whole.lowerPositionLimit[at], whole.upperPositionLimit[at]))
+            for name in whole.names[2:]
+            if not any(part in name for part in ("hip", "knee", "ankle"))
+            for at in [whole.joints[whole.getJointId(name)].idx_q]
+        }
+        assert len(held) == 17
+        path, _ = adapted(urdf, held, feet={"left": "left_ankle_roll_link"})
+        theirs = locked(urdf, held)
+        q = rng.uniform(theirs.lowerPositionLimit[7:], theirs.upperPositionLimit[7:])
+        compare(free(path), theirs, q, "right_ankle_roll_link")
+
+
+@settings(max_examples=30)
+@given(
+    xyz=st.tuples(*[st.floats(-1, 1)] * 3),
+    rpy=st.tuples(*[st.floats(-3, 3)] * 3),
+    knee=st.floats(-2, 2),
+)
+def test_an_added_frame_is_where_it_is_said_to_be(small, xyz, rpy, knee):
+    path, _ = adapted(small, frames={"sole": AddedFrame(link="shank", xyz=xyz, rpy=rpy)})
+    model, before = free(path), free(small)
+    assert model.nq == before.nq
+    assert pin.computeTotalMass(model) == pytest.approx(pin.computeTotalMass(before))
+    q = pin.neutral(model)
+    q[model.joints[model.getJointId("knee")].idx_q] = knee
+    data = model.createData()
+    pin.framesForwardKinematics(model, data, q)
+    shank, sole = (data.oMf[model.getFrameId(name)] for name in ("shank", "sole"))
+    expected = shank * pin.SE3(pin.rpy.rpyToMatrix(*rpy), np.array(xyz))
+    np.testing.assert_allclose(sole.homogeneous, expected.homogeneous, atol=1e-10)
+
+
+def test_without_the_tables_nothing_changes(small):
+    assert adapted(small, dirs=(Path("here"),)) == (small, (Path("here"),))
+    for path in robot_files().values():
+        table = UrdfSource(file=path.name).model_dump(mode="json")
+        assert table == {"package": None, "path": None, "file": path.name}
+
+
+def test_the_same_change_is_the_same_file_and_is_not_written_again(small):
+    first, _ = adapted(small, {"waist": 0.3})
+    stamp = first.stat().st_mtime_ns
+    again, _ = adapted(small, {"waist": 0.3})
+    other, _ = adapted(small, {"waist": 0.4})
+    assert again == first != other
+    assert again.stat().st_mtime_ns == stamp
+    first.write_text("damaged")
+    assert free(adapted(small, {"waist": 0.3})[0]).nq == 7 + 4
+
+
+def test_nothing_of_this_machine_is_in_the_file_and_meshes_are_found(small):
+    path, dirs = adapted(small, {"waist": 0.3}, dirs=(Path("packages"),))
+    text = path.read_text()
+    assert str(small.parent) not in text
+    assert 'filename="package://../meshes/trunk.stl"' in text  # seen from a folder of packages
+    assert 'filename="package://small/thigh.stl"' in text
+    assert dirs == (small.parent, Path("packages"))
+
+
+def test_a_cache_that_cannot_be_written_is_done_without(small, tmp_path, monkeypatch):
+    blocked = tmp_path / "file"
+    blocked.write_text("")
+    monkeypatch.setenv(cache.ENVIRONMENT_VARIABLE, str(blocked / "cache"))
+    path, _ = adapted(small, {"waist": 0.3})
+    assert free(path).nq == 7 + 4
+
+
+WRONG = {
+    "no such joint": (
+        {"wiast": 0.0},
+        {},
+        ["urdf.held", '"wiast"', 'did you mean "waist"?', "waist, shoulder, hand, hip, knee"],
+    ),
+    "beyond its limits": (
+        {"shoulder": 2.5},
+        {},
+        ["urdf.held.shoulder", "expected -1 to 2 rad, as the URDF limits it", "got 2.5"],
+    ),
+    "beyond the limits of what slides": (
+        {"hand": -0.2},
+        {},
+        ["expected -0.1 to 0.3 m", "got -0.2"],
+    ),
+    "a foot's joint": (
+        {"knee": 0.0},
+        {},
+        ["urdf.held.knee", "moves the foot of leg leg", "waist, shoulder, hand"],
+    ),
+    "no such link": (
+        {},
+        {"sole": AddedFrame(link="shnak", xyz=(0.0, 0.0, 0.0))},
+        ["urdf.frames.sole.link", '"shnak"', 'did you mean "shank"?'],
+    ),
+    "a name that is taken": (
+        {},
+        {"thigh": AddedFrame(link="shank", xyz=(0.0, 0.0, 0.0))},
+        ["urdf.frames.thigh", "expected a new name"],
+    ),
+}
+
+
+@pytest.mark.parametrize("mistake", WRONG)
+def test_a_mistake_is_one_clear_line(small, mistake):
+    held, frames, expected = WRONG[mistake]
+    with pytest.raises(RobotFileError) as caught:
+        adapted(small, held, frames)
+    message = str(caught.value)
+    assert "\n" not in message
+    for part in ["mine.toml", *expected]:
+        assert part in message
+
+
+def test_a_joint_of_a_foot_that_is_an_added_frame_is_not_held_either(small):
+    frames = {"sole": AddedFrame(link="shank", xyz=(0.0, 0.0, -0.1))}
+    with pytest.raises(RobotFileError, match="moves the foot of leg leg"):
+        adapted(small, {"hip": 0.0}, frames, {"leg": "sole"})
+
+
+@pytest.mark.parametrize("text", ["", "<robot", SMALL.replace('xyz="0 0 1"', 'xyz="0 0 up"')])
+def test_what_is_no_urdf_is_one_clear_line(tmp_path, text):
+    path = tmp_path / "none.urdf"
+    path.write_text(text)
+    with pytest.raises(RobotFileError, match=r"mine\.toml: urdf: .*none\.urdf is not a URDF"):
+        adapted(path, {"waist": 0.1})
+
+
+def test_a_robot_is_read_again_when_the_urdf_that_it_is_made_of_changes(tmp_path):
+    source = load_robot("g1").urdf_source
+    path, urdf = tmp_path / "mine.toml", tmp_path / "mine.urdf"
+    lines = robot_files()["g1"].read_text().splitlines()
+    where = lines.index('package = "example-robot-data"')
+    path.write_text("\n".join([*lines[:where], 'file = "mine.urdf"', *lines[where + 2 :]]))
+    urdf.write_text(source.read_text())
+    first = load_robot(str(path))
+    assert first.urdf_path != first.urdf_source == urdf
+    assert first.mass == pytest.approx(load_robot("g1").mass)
+    assert load_robot(str(path)) is first
+    urdf.write_text(source.read_text().replace('<mass value="3.813"/>', '<mass value="4.813"/>'))
+    assert load_robot(str(path)).mass == pytest.approx(first.mass + 1.0)
