@@ -4,7 +4,8 @@
 # Others: make check (style and types), make bench (solve times; AGAINST=commit compares with an
 # older version, BENCH_ARGS=--crocoddyl with Crocoddyl), make range (random requests over all that may
 # be asked, planned and simulated), make paper (the paper's results into docs/paper.md), make peers
-# (other planners on the same jumps into docs/peers.md), make lock (renew the pins), make clean.
+# (other planners on the same jumps into docs/peers.md), make docs (the documentation as a site, in
+# build/site), make lock (renew the pins), make clean.
 
 # The first that is new enough, and python3 to complain about if none is.
 PYTHON ?= $(or $(shell for python in python3 python3.11 python3.12 python3.13; do \
@@ -24,7 +25,7 @@ PIP    := $(BIN)/python -m pip install --disable-pip-version-check --quiet
 APP_STAMP := $(VENV)/.llsrbm-app
 DEV_STAMP := $(VENV)/.llsrbm-dev
 
-.PHONY: app test check format bench range paper peers lock clean setup
+.PHONY: app test check format bench range paper peers docs lock clean setup
 .DEFAULT_GOAL := app
 
 app: $(APP_STAMP)
@@ -50,6 +51,9 @@ bench: $(APP_STAMP)
 
 range: $(APP_STAMP)
 	$(BIN)/python -m benchmarks.range
+
+docs: $(DEV_STAMP)
+	$(BIN)/python -m mkdocs build --strict --clean
 
 # Both draw or compare with what only the tests' environment has.
 paper: $(DEV_STAMP)

@@ -1,0 +1,108 @@
+"""Code of the pages is run: Python, the shell commands that are marked, and TOML is read."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+import yaml
+
+from llsrbm import jump_types
+from llsrbm.cli import main
+from llsrbm.robots import load_robot
+from llsrbm.robots.assets import assets_directory, robot_files
+from llsrbm.robots.schema import RobotFile
+from llsrbm.robots.tables import parse_table
+from llsrbm.sweep.spec_file import parse_spec
+from tests.docs.pages import PAGES, ROOT, blocks, command_lines, name_of
+
+WITH_PYTHON = [page for page in PAGES if any(b.language == "python" for b in blocks(page))]
+WITH_SHELL = [page for page in PAGES if any(b.note == "run" for b in blocks(page))]
+
+
+def toml_of(name):
+    return [block.text for block in blocks(ROOT / "docs" / name) if block.language == "toml"]
+
+
+@pytest.mark.timeout(900)  # a machine without a cache builds solvers first
+@pytest.mark.parametrize("page", WITH_PYTHON, ids=name_of)
+def test_python_runs(page, tmp_path, monkeypatch):
+    """A page's blocks in order, in one namespace and an empty folder."""
+    monkeypatch.chdir(tmp_path)
+    if name_of(page) == "docs/cluster.md":
+        small_sweep()
+    namespace = {"__name__": "example"}
+    for block in blocks(page):
+        if block.language != "python":
+            continue
+        code = compile(block.text, f"{name_of(page)}:{block.line}", "exec")
+        if not block.note.startswith("not run: "):
+            exec(code, namespace)
+
+
+def small_sweep():
+    """The results in DIR that a page's example reads, here of two jumps."""
+    Path("two.toml").write_text(
+        'title = "Two jumps"\nrobots = ["anymal"]\ntrajectories = true\n'
+        "[axes]\nforward = [0.0, 0.1]\n"
+    )
+    assert main(["sweep", "two.toml", "--out", "DIR", "--workers", "1"]) == 0
+
+
+@pytest.mark.timeout(900)
+@pytest.mark.parametrize("page", WITH_SHELL, ids=name_of)
+def test_shell_runs(page, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    for block in blocks(page):
+        if block.note == "run":
+            for program, *words in command_lines(block.text):
+                assert program == "llsrbm"
+                assert main(words) == 0, (words, capsys.readouterr().err)
+
+
+def test_a_jump_type_is_read(tmp_path):
+    """The page's own file is whole; its other examples go behind a preset's file."""
+    whole, *parts = toml_of("jump_types.md")
+    hops = (assets_directory() / "jump_types" / "hops.toml").read_text("utf-8")
+    assert "title" in whole
+    assert parts
+    for text in (whole, *(f"{hops}\n{part}" for part in parts)):
+        path = tmp_path / "my_jump.toml"
+        path.write_text(text)
+        kind = jump_types.load_type(str(path))
+        for robot in ("anymal", "go2"):
+            kind.schedule(load_robot(robot))
+
+
+def test_a_sweep_is_read():
+    (text,) = toml_of("cluster.md")
+    assert parse_spec(text, "docs/cluster.md").robots == ("anymal",)
+
+
+def test_yaml_is_read():
+    found = [b for page in PAGES for b in blocks(page) if b.language == "yaml"]
+    assert found
+    for block in found:
+        assert all("kind" in part for part in yaml.safe_load_all(block.text))
+
+
+def test_a_robot_file_is_read(tmp_path):
+    """The guide's tables in place of Go2's; "..." stands for the legs that the page leaves out."""
+    table = parse_table(robot_files()["go2"].read_text("utf-8"), "go2.toml")
+    known = {info.alias or name for name, info in RobotFile.model_fields.items()}
+    seen = set()
+    for text in toml_of("add_a_robot.md"):
+        lines = [line for line in text.splitlines() if line.strip() != "..."]
+        for name, value in parse_table("\n".join(lines), "docs/add_a_robot.md").items():
+            assert name in known, name
+            seen.add(name)
+            mixed = isinstance(value, dict) and not {"file", "package"} & set(value)
+            mixed = mixed and name in ("urdf", "legs", "posture", "limits", "reach")
+            table[name] = table[name] | value if mixed else value
+        RobotFile.model_validate(table)
+    assert {"urdf", "legs", "reach", "limits", "control"} <= seen
+
+
+def test_examples_were_found():
+    assert {name_of(page) for page in WITH_PYTHON} >= {"README.md", "docs/first_jump.md"}
+    assert WITH_SHELL
