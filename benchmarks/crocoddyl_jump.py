@@ -62,11 +62,13 @@ def motion(model: pinocchio.Model, solver: crocoddyl.SolverFDDP) -> dict[str, np
     kept, impulse = [], 0.0
     for k, (action, step) in enumerate(zip(problem.runningModels, problem.runningDatas)):
         if isinstance(action, crocoddyl.ActionModelImpulseFwdDynamics):
-            impulse += float(np.linalg.norm(forces(step.multibody.impulses.impulses, step).sum(0)))
+            impulse += float(
+                np.linalg.norm(forces(model, step.multibody.impulses.impulses, step).sum(0))
+            )
             continue
         inner = step.differential
         contacts = inner.multibody.contacts.contacts
-        found = forces(contacts, inner)
+        found = forces(model, contacts, inner)
         kept.append(k)
         rows["joint_velocity"].append(np.array(solver.xs[k][nq + 6 :]))
         rows["joint_torque"].append(np.array(solver.us[k]))
@@ -87,13 +89,14 @@ def names(contacts: object) -> list[str]:
     return [item.key() for item in contacts]
 
 
-def forces(contacts: object, data: object) -> np.ndarray:
+def forces(model: pinocchio.Model, contacts: object, data: object) -> np.ndarray:
     """(4, 3) N, or N s, world frame: of the feet that touch."""
     found = np.zeros((len(FEET), 3))
     for item in contacts:
         contact = item.data()
         index = next(i for i, foot in enumerate(FEET) if foot in item.key())
-        R_world_joint = np.array(data.pinocchio.oMi[contact.joint].rotation)
+        joint = model.frames[model.getFrameId(FEET[index])].parentJoint
+        R_world_joint = np.array(data.pinocchio.oMi[joint].rotation)
         found[index] = R_world_joint @ np.array(contact.fext.linear)
     return found
 

@@ -1,7 +1,6 @@
 """Feet as the URDF's collision spheres, against the URDF's own text."""
 
 import xml.etree.ElementTree as ET
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,12 +12,10 @@ from llsrbm.robots.assets import robot_files
 from llsrbm.robots.foot_contact import foot_contacts
 from tests.llsrbm.simulation.sliding_biped import URDF, sliding_biped
 
-OTHERS = Path(__file__).parents[3] / "benchmarks" / "robots"
-
 
 @pytest.mark.parametrize("name", ["anymal", "a1", "anymal_c"])
 def test_the_sphere_of_each_foots_link(name):
-    robot = load_robot(name if name in robot_files() else str(OTHERS / f"{name}.toml"))
+    robot = load_robot(name)
     links = {link.get("name"): link for link in ET.parse(robot.urdf_path).iter("link")}
     contacts = foot_contacts(robot)
     assert len(contacts) == len(robot.legs)
@@ -46,9 +43,12 @@ def test_of_several_spheres_on_a_leg_the_one_next_to_the_foot(tmp_path):
         assert contact.centres[0] == pytest.approx([0, 0, 0.03], abs=1e-12)
 
 
-def test_feet_of_meshes_without_a_radius_are_refused():
+def test_feet_of_meshes_without_a_radius_are_refused(tmp_path):
+    path = tmp_path / "solo12.toml"
+    text = robot_files()["solo12"].read_text()
+    path.write_text(text.replace("radius = ", "# radius = "))
     with pytest.raises(RobotFileError) as caught:
-        foot_contacts(load_robot(str(OTHERS / "solo12.toml")))
+        foot_contacts(load_robot(str(path)))
     message = str(caught.value)
     assert "\n" not in message
     assert "solo12.toml: legs.FL.foot" in message

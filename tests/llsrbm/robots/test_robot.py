@@ -11,7 +11,7 @@ from llsrbm.robots import load_robot, names
 from llsrbm.robots.assets import robot_files
 
 ANYMAL = robot_files()["anymal"].read_text()
-QUADRUPEDS = {"anymal": -1, "anymal_c": -1, "solo12": 1, "go2": 1, "go1": 1, "a1": 1}
+QUADRUPEDS = {"anymal": -1, "anymal_c": -1, "solo12": -1, "go2": 1, "go1": 1, "a1": 1}
 
 
 @pytest.fixture(params=QUADRUPEDS)
@@ -130,7 +130,7 @@ def test_parameters_are_plain_data(robot):
 
 def test_names_are_listed_and_an_unknown_one_is_refused():
     assert "anymal" in names()
-    with pytest.raises(InputError, match=r'no robot "anymall"; did you mean "anymal"\? valid: any'):
+    with pytest.raises(InputError, match=r'no robot "anymall"; did you mean "anymal"\? valid: a1'):
         load_robot("anymall")
     with pytest.raises(RobotFileError, match=r"nosuch\.toml: cannot be read"):
         load_robot("./nosuch.toml")
