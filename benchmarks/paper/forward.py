@@ -68,7 +68,7 @@ def result(folder: Path) -> Result:
         "plans further the whole robot does not do."
     )
     heading = ("model", "feet from the CoM, fore and aft", "pitch, planned change in flight",
-               "simulated", "largest |Ly|, planned", "strict")  # fmt: skip
+               "simulated", "largest Ly, planned [kg m²/s]", "strict")  # fmt: skip
     return Result(
         "ANYmal, 30 cm forward",
         "with LL-SRBM the feet stretch out more in the air than with SRBM, to increase the inertia "
