@@ -42,7 +42,7 @@ def result(folder: Path) -> Result:
     works = landed["norm"] >= len(SEEDS) - 2 and not false["norm"]
     verdict = AGREES if works else PARTLY if landed["residual"] >= len(SEEDS) - 2 else NOT
     reason = (
-        "The norm goes on rising after this contact, for the base's rate does, and its derivatives "
+        "The norm hardly drops at this contact (the figure's first row), and its derivatives "
         f"find it {rows[0][4]} later at the median; then the robot follows forces as in the paper: "
         f"{landed['norm']} of {len(SEEDS)} disturbed runs land strictly with the paper's "
         f"detector, with {false['norm']} false touchdowns; {landed['residual']} and "
