@@ -59,7 +59,7 @@ class Foot(Table):
 
     Attributes:
         corners: x forward, y left of the contact points in the frame of the foot, m: one for a
-            point foot, two for a line, four for a sole. In the world the sole is level.
+            point foot, four for a sole. In the world the sole is level.
         yaw: how far a foot may turn against the base, rad, outwards positive; not for points.
         turn_speed: the largest speed of that turn, rad/s; not for points.
         radius: of the sphere that is simulated at each corner, m; where the URDF has spheres
