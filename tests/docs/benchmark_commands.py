@@ -25,6 +25,8 @@ def check_benchmark(name: str, words: list[str]) -> None:
     """Fail with one line if there is no such benchmark, or it refuses the words."""
     try:
         module = import_module(f"benchmarks.{name}")
+        if hasattr(module, "__path__"):  # a folder of scripts
+            module = import_module(f"benchmarks.{name}.__main__")
     except ModuleNotFoundError as error:
         pytest.fail(str(error))
     if hasattr(module, "argparse"):

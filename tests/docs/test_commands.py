@@ -76,7 +76,8 @@ def test_benchmarks_take_their_options(command):
         program, *words = words
         assert program.startswith("benchmarks."), program
     name = program.removeprefix("benchmarks").strip("./").removesuffix(".py")
-    assert (ROOT / "benchmarks" / f"{name}.py").is_file(), name
+    places = (f"{name}.py", f"{name}/__main__.py")
+    assert any((ROOT / "benchmarks" / place).is_file() for place in places), name
     check_benchmark(name, [word for word in words if word != "..."])
 
 

@@ -116,7 +116,7 @@ class TestLists:
         assert all(word in out for word in ("plan", "simulate", "export", "robots", "formats"))
 
     def test_robots_models_formats(self, capsys):
-        for command, first in (("robots", "anymal"), ("models", "srbm"), ("formats", "npz")):
+        for command, first in (("robots", "a1"), ("models", "srbm"), ("formats", "npz")):
             assert cli.main([command]) == 0
             lines = capsys.readouterr().out.splitlines()
             assert lines[0].split()[0] == first

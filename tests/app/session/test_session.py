@@ -163,7 +163,7 @@ def test_the_camera_gets_what_there_is_to_see(tab, session, script):
         ("Lateral [m]", math.nan, 0.0, "expected a number, got nan"),
         ("Landing height [m]", math.inf, 0.0, "expected a number, got inf"),
         ("Model", "<b>x</b>", "LL-SRBM+", "expected one of SRBM, LL-SRBM, LL-SRBM+"),
-        ("Robot", "nosuch", "ANYmal B", "expected one of ANYmal B"),
+        ("Robot", "nosuch", "ANYmal B", "expected one of Unitree A1"),
     ],
 )
 def test_a_value_no_control_offers_is_corrected_and_said(tab, session, label, value, shown, told):

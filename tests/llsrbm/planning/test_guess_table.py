@@ -24,7 +24,7 @@ from llsrbm.planning.guess_table import (
 )
 from llsrbm.planning.placement import make_task
 from llsrbm.planning.planner import FOLLOWED, NEARBY, planner_of
-from llsrbm.robots import load_robot, names
+from llsrbm.robots import load_robot
 from llsrbm.robots.drives import with_drives
 from llsrbm.tuning import Tuning
 
@@ -35,6 +35,7 @@ UNSEEN = {
     "slider": [{"forward": 0.15}],
 }
 LARGEST = 2 * 10**6  # bytes
+TABLED = ("anymal", "g1", "go2", "slider")
 
 
 def planner(robot="anymal"):
@@ -53,8 +54,8 @@ def task(**asked):
 # ---- the tables that ship
 
 
-@pytest.mark.parametrize("robot", names())
-def test_every_robot_has_a_table_that_is_in_force(robot):
+@pytest.mark.parametrize("robot", TABLED)
+def test_tables_that_ship_are_in_force(robot):
     """Where it is refused: python -m benchmarks.guess_tables."""
     assert table_path(robot).stat().st_size <= LARGEST
     assert len(table(robot).requests) > 100
@@ -91,7 +92,7 @@ def test_a_near_plan_comes_first():
     assert llsrbm.plan(Jump(twist=1.02), near=near).report.guess == FOLLOWED
 
 
-@pytest.mark.parametrize("robot", names())
+@pytest.mark.parametrize("robot", TABLED)
 def test_attitudes_have_no_jumps_of_sign(robot):
     """From the same start to where half the twist is, so that neighbours can be mixed."""
     of, layout = table(robot), planner(robot).layout
