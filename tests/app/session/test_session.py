@@ -149,10 +149,12 @@ def test_the_camera_gets_what_there_is_to_see(tab, session, script):
         low, high = np.transpose([script.sight["low"], script.sight["high"]]).T
         return (high - low)[2]
 
+    first = height()
     choose(tab, session, "go2")
+    tab.wait(lambda: height() < 0.95 * first, "a view of a smaller robot")
     small = height()
     choose(tab, session, "slider")
-    assert height() > 1.3 * small
+    tab.wait(lambda: height() > 1.3 * small, "a view of a taller one")
 
 
 @pytest.mark.parametrize(
