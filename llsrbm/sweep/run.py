@@ -100,10 +100,11 @@ def connected(workers: int, scheduler: str | None) -> Iterator[distributed.Clien
         # One task less on its way to a worker is one less that its death delays.
         "distributed.admin.low-level-log-length": 0,
     }
-    # Its loggers say in many lines what is said here in one.
-    logger = logging.getLogger("distributed")
-    level, logger_level = logging.CRITICAL, logger.level
-    logger.setLevel(level)
+    # Its loggers, some of which have levels of their own, say in many lines what is said in one.
+    names = {"distributed", "distributed.client", *dask.config.get("logging", {})}
+    levels = {logger: logger.level for logger in map(logging.getLogger, sorted(names))}
+    for logger in levels:
+        logger.setLevel(logging.CRITICAL)
     try:
         with dask.config.set(settings):
             if scheduler is None:
@@ -113,7 +114,7 @@ def connected(workers: int, scheduler: str | None) -> Iterator[distributed.Clien
                         threads_per_worker=1,
                         processes=True,
                         dashboard_address="127.0.0.1:0",
-                        silence_logs=level,
+                        silence_logs=logging.CRITICAL,
                     ) as cluster,
                     distributed.Client(cluster) as client,
                 ):
@@ -122,7 +123,8 @@ def connected(workers: int, scheduler: str | None) -> Iterator[distributed.Clien
             with _existing(scheduler) as client:
                 yield client
     finally:
-        logger.setLevel(logger_level)
+        for logger, level in levels.items():
+            logger.setLevel(level)
 
 
 def _existing(scheduler: str) -> distributed.Client:
