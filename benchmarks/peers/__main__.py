@@ -39,8 +39,8 @@ the postures that realise them, Crocoddyl's as it says.
 - **Crocoddyl** plans the whole body with a given sequence of contacts and given times, from its
   example of a jump (`createJumpingProblem`), 10 ms a knot. It has penalties in place of limits, an
   impact at touchdown, and no problem of a twist; its free end is 10 knots after touchdown.
-- Looked at and left out: aligator and mim-solvers install but bring solvers, no jump of a robot;
-  Drake likewise; TOWR, OCS2, acados and hippopt are not on the package index.
+- Looked for and left out: aligator, mim-solvers, Drake and casadi_horizon are on the package index,
+  but nobody has written this jump for them here; TOWR, OCS2, acados and hippopt are not on it.
 """
 
 
