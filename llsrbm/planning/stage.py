@@ -143,13 +143,15 @@ class Stage:
     def feet_steps(self) -> dict[int, list[tuple[Any, Any]]]:
         """Swinging leg -> (d, 1) changes of xdot in m/s, rad/s, and the times that they take, s.
 
-        From interval to interval it is one of them; from rest at lift-off to the first interval's
-        middle, and from the last one's to rest at touchdown, half of one.
+        From interval to interval it is one of them. Half of one it is to the first interval's
+        middle, from rest at lift-off or from a knot at which it all begins under way, and from the
+        last one's to rest at touchdown.
         """
         stops = self.of_legs("feet_stop")
         steps: dict[int, list[tuple[Any, Any]]] = {}
         for leg, step in self.of_legs("feet_step").items():
-            steps[leg] = [(step, self.dt / 2 if leg in self.role.leaving else self.dt)]
+            begins = leg in self.role.leaving or self.role.initial
+            steps[leg] = [(step, self.dt / 2 if begins else self.dt)]
             if leg in stops:
                 steps[leg].append((stops[leg], self.dt / 2))
         return steps

@@ -101,8 +101,8 @@ class JointTorque(_DriveConstraint):
     )
 
     def applies(self, role: Role) -> bool:
-        """Over every interval but the first, where the robot stands."""
-        return not role.terminal and not role.initial
+        """Over every interval but the first of a plan from rest, where the robot stands."""
+        return not role.terminal and (not role.initial or role.under_way)
 
     def shares(self, stage: Stage) -> Any:
         """Torques as shares of their limits."""
@@ -132,8 +132,8 @@ class TorqueAtSpeed(_DriveConstraint):
     limited_by = ("torque_share",)
 
     def applies(self, role: Role) -> bool:
-        """Over every interval but the first, where the robot stands."""
-        return not role.terminal and not role.initial
+        """Over every interval but the first of a plan from rest, where the robot stands."""
+        return not role.terminal and (not role.initial or role.under_way)
 
     def shares(self, stage: Stage) -> Any:
         """The sum above, times 0.3."""
