@@ -39,7 +39,7 @@ class Patience:
             in the fourth digit, the gradient stays at some 1e-3. At this tolerance, for so many
             iterations, it is as good as solved; None: it creeps on.
 
-    Ipopt keeps its own ways with the last three.
+    Ipopt keeps its own ways with the last three, also near a solution.
     """
 
     mu: float
@@ -78,6 +78,12 @@ LEAST_SCALE = 1e-7
 # more were seen of robots thrown up hard: scaled by these Fatrop looks for a direction for ever.
 LARGEST_SCALE = 1e3
 
+_NEAR_OPTIONS: dict[str, Any] = {
+    "mu_init": NEAR_MU,
+    "tolerance": NEAR_TOLERANCE,
+    "max_iter": NEAR_ITERATIONS,
+    "bound_push": NEAR_MU,
+}
 _STOPPED_ACCEPTABLE = 2  # Fatrop's return flag
 _SILENT, _TABLE = 0, 5  # Fatrop's print levels
 
@@ -187,22 +193,31 @@ class Solver(ABC):
         with nullcontext() if read is None else self._printing(read):
             return self._run(self._cold[patience], problem, arguments)
 
-    def follow(self, problem: Problem, start: Iterate, too_far: float = TOO_FAR) -> Solution:
+    def follow(
+        self,
+        problem: Problem,
+        start: Iterate,
+        too_far: float = TOO_FAR,
+        acceptable: tuple[float, int] | None = None,
+    ) -> Solution:
         """Solve from the solution of a problem whose numbers are a little off.
 
         Args:
             problem: its numbers.
             start: the solution.
             too_far: largest violation of a row with which it is begun.
+            acceptable: as of `Patience`.
         """
         self._renew()
         rows = self._rows(problem, start.variables)
         if (miss := _largest_violation(problem, rows)) > too_far:
             return self._given_up(problem, start, miss)
-        return self._follow(problem, start, rows)
+        return self._follow(problem, start, rows, acceptable)
 
     @abstractmethod
-    def _follow(self, problem: Problem, start: Iterate, rows: Array) -> Solution:
+    def _follow(
+        self, problem: Problem, start: Iterate, rows: Array, acceptable: tuple[float, int] | None
+    ) -> Solution:
         """See `follow`; `rows` (rows,): g of the start."""
 
     def miss(self, problem: Problem, variables: Array) -> float:
@@ -286,6 +301,7 @@ class Fatrop(Solver):
 
     def __init__(self, cold: ca.Function, near: ca.Function, structure: Structure) -> None:
         super().__init__(cold, near, structure)
+        self._creeping: dict[tuple[float, int], ca.Function] = {}  # near ones that stop earlier
         _set_print_level(_SILENT)
 
     @contextmanager
@@ -301,28 +317,42 @@ class Fatrop(Solver):
     def build(cls, transcription: Transcribed) -> Solver:
         """See `Solver.build`."""
         functions, structure = transcription.functions, transcription.structure
-        near = {
-            "mu_init": NEAR_MU,
-            "tolerance": NEAR_TOLERANCE,
-            "max_iter": NEAR_ITERATIONS,
-            "bound_push": NEAR_MU,
-        }
         return cls(
             _fatrop(functions, structure, _fatrop_options(PATIENT)),
-            _fatrop(_with_scaled_rows(functions), structure, near),
+            _fatrop(_with_scaled_rows(functions), structure, _NEAR_OPTIONS),
             structure,
         )
 
-    def _another(self, patience: Patience) -> ca.Function:
+    def _renew(self) -> None:
+        before = self._near
+        super()._renew()
+        if self._near is not before:
+            self._creeping.clear()
+
+    def _functions(self) -> dict[str, ca.Function]:
         available = self._cold[PATIENT].get_function()
         functions = {n: self.function(n) for n in available if n.startswith("nlp_")}
-        functions["nlp"] = self.function("nlp")
+        return functions | {"nlp": self.function("nlp")}
+
+    def _another(self, patience: Patience) -> ca.Function:
+        functions = self._functions()
         if patience.within is not None:
             functions["nlp_g"] = _rows_within(functions["nlp_g"], patience.within)
         options = _fatrop_options(patience) | {"print_level": _SILENT}
         return _fatrop(functions, self._structure, options)
 
-    def _follow(self, problem: Problem, start: Iterate, rows: Array) -> Solution:
+    def _near_until(self, acceptable: tuple[float, int] | None) -> ca.Function:
+        if acceptable is None:
+            return self._near
+        if acceptable not in self._creeping:
+            options = _NEAR_OPTIONS | _acceptable_options(acceptable) | {"print_level": _SILENT}
+            scaled = _with_scaled_rows(self._functions())
+            self._creeping[acceptable] = _fatrop(scaled, self._structure, options)
+        return self._creeping[acceptable]
+
+    def _follow(
+        self, problem: Problem, start: Iterate, rows: Array, acceptable: tuple[float, int] | None
+    ) -> Solution:
         """See `Solver.follow`."""
         lower, upper = problem.lower, problem.upper
         inequality = lower < upper
@@ -339,7 +369,7 @@ class Fatrop(Solver):
             "lbg": scale * lower,
             "ubg": scale * upper,
         }
-        return self._run(self._near, problem, arguments, scale)
+        return self._run(self._near_until(acceptable), problem, arguments, scale)
 
     def _converged(self, stats: dict[str, Any]) -> bool:
         """Within the tolerance, or acceptable for long enough, which nlpsol does not count."""
@@ -358,9 +388,13 @@ def _fatrop_options(patience: Patience) -> dict[str, Any]:
     if patience.push is not None:
         options |= {"bound_push": patience.push, "bound_frac": patience.push}
     if patience.acceptable is not None:
-        tolerance, iterations = patience.acceptable
-        options |= {"tol_acceptable": tolerance, "acceptable_iter": iterations}
+        options |= _acceptable_options(patience.acceptable)
     return options
+
+
+def _acceptable_options(acceptable: tuple[float, int]) -> dict[str, Any]:
+    tolerance, iterations = acceptable
+    return {"tol_acceptable": tolerance, "acceptable_iter": iterations}
 
 
 def _fatrop(
@@ -469,7 +503,9 @@ class Ipopt(Solver):
         derivatives = {option: self.function(name) for option, name in names.items()}
         return _ipopt(self.function("nlp"), derivatives, patience, {})
 
-    def _follow(self, problem: Problem, start: Iterate, rows: Array) -> Solution:
+    def _follow(
+        self, problem: Problem, start: Iterate, rows: Array, acceptable: tuple[float, int] | None
+    ) -> Solution:
         """See `Solver.follow`."""
         arguments = {
             "x0": start.variables,
