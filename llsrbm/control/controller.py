@@ -13,7 +13,8 @@ from llsrbm.control.detection import CentroidalState, make_detector, model_uncer
 from llsrbm.control.foot_force import FootForces
 from llsrbm.control.inverse_dynamics import Command, InverseDynamics
 from llsrbm.control.measurement import Measurement
-from llsrbm.control.reference import Reference, Target, UnderWay
+from llsrbm.control.reference import Reference, Target
+from llsrbm.control.swing import UnderWay
 from llsrbm.control.whole_body import WholeBody
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Mode

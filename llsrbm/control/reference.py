@@ -2,22 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline, make_interp_spline
+from scipy.interpolate import make_interp_spline
 from scipy.spatial.transform import Rotation
 
+from llsrbm.control.swing import UnderWay, swing_motion
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.resample import sampled
-from llsrbm.motion.rotation import yaw
 
 Array = NDArray[np.float64]
-Motion = Callable[[Array, int], Array]
-"""Places (K, L, 3) at K times, or one of their derivatives by its order."""
-
 _GRAVITY = 9.81
 _STEP = 5e-4  # s; a reference is at most half of it old
 _JUST_BEFORE = 2 * _STEP  # touchdown, where the nearest sample surely is one of the flight
@@ -59,23 +55,6 @@ class Target:
     foot_heading: Array
     joint_position: Array
     joint_velocity: Array
-
-
-@dataclass(frozen=True, eq=False)
-class UnderWay:
-    """Where a plan that was made under way begins: at one of its knots.
-
-    What comes before that knot is another plan's, and no line is drawn from there.
-
-    Attributes:
-        time: s on the plan's clock.
-        foot_velocity_from_com: (L, 3) m/s, world axes.
-        foot_yaw_rate: (L,) rad/s.
-    """
-
-    time: float
-    foot_velocity_from_com: Array
-    foot_yaw_rate: Array
 
 
 class Reference:
@@ -139,7 +118,7 @@ class Reference:
         times = np.arange(first, end) * _STEP + plan.time[0]
         motion = sampled(plan, times, _SAMPLED)
         omega, omega_rate = _angular_velocity(plan, times, knot)
-        foot, heading = _swing(plan, times, knot, self._start)
+        foot, heading = swing_motion(plan, times, knot, self._start)
         moving = times[:, None] < plan.time[-1]
         standing = np.zeros(plan.contact_force.shape[1:])
         standing[:, 2] = weight / len(standing)
@@ -263,87 +242,3 @@ def _angular_velocity(plan: Plan, times: Array, knot: int) -> tuple[Array, Array
         omega[now] = (1 - share) * value[piece] + share * value[piece + 1]
         rate[now] = slope[piece] * ((times[now] >= at[0]) & (times[now] <= at[-1]))[:, None]
     return omega, rate
-
-
-def _swing(
-    plan: Plan, times: Array, knot: int, start: UnderWay | None
-) -> tuple[tuple[Array, Array, Array], Array]:
-    """Feet that swing: position relative to the CoM and two derivatives, (K, L, 3) each; headings.
-
-    Cubic splines through the knots of each swing, from which feet leave and at which they meet the
-    ground at rest; of a swing that is under way at `knot`, from there on as fast as its foot is.
-    Outside of its swings the nearest end of one is held of a foot.
-    """
-    legs = plan.foot_position.shape[1]
-    motion = np.zeros((3, len(times), legs, 3))
-    heading = np.zeros((len(times), legs, 3))
-    for swings, feet in _feet_by_swings(plan).items():
-        ends = plan.time[np.array(swings)]
-        between = (ends[:-1, 1] + ends[1:, 0]) / 2
-        nearest = np.searchsorted(between, times, side="right")
-        for k, (first, last) in enumerate(swings):
-            rates = [np.tile(-plan.com_velocity[j], (len(feet), 1)) for j in (first, last)]
-            turns = np.zeros((2, len(feet)))
-            if start is not None and first < knot < last:
-                first = knot
-                rates[0], turns[0] = start.foot_velocity_from_com[feet], start.foot_yaw_rate[feet]
-            knots, now = slice(first, last + 1), np.flatnonzero(nearest == k)
-            relative = plan.foot_position[knots, feet] - plan.com[knots, None]
-            under_way = start is not None and first == knot
-            place = (_evenly_driven if under_way else _clamped)(plan.time[knots], relative, *rates)
-            headings = np.stack([yaw(plan.foot_quat[knots, i]) for i in feet], axis=1)
-            turn = CubicSpline(plan.time[knots], headings, bc_type=tuple((1, r) for r in turns))
-            inside = np.clip(times[now], plan.time[first], plan.time[last])
-            moving = (inside == times[now])[:, None]
-            rows, columns = now[:, None], np.array(feet)
-            for order in range(3):
-                factor = moving if order else np.ones_like(moving)
-                motion[order, rows, columns] = place(inside, order) * factor[:, :, None]
-                heading[rows, columns, order] = turn(inside, order) * factor
-    return (motion[0], motion[1], motion[2]), heading
-
-
-def _clamped(time: Array, place: Array, first: Array, last: Array) -> Motion:
-    """A cubic spline through places (K, L, 3), of which ends have velocities (L, 3)."""
-    return CubicSpline(time, place, bc_type=((1, first), (1, last)))
-
-
-def _evenly_driven(time: Array, place: Array, first: Array, last: Array) -> Motion:
-    """Places (K, L, 3) at K knots as a motion whose accelerations are those of the plan.
-
-    Velocities are straight from the first (L, 3) through those of the intervals, at their middles,
-    to the last (L, 3): as the planner has it when it bounds the torques. A spline through the same
-    knots takes twice the acceleration to leave a velocity that the plan changes at once. What is
-    missing to the last place comes in smoothly over all knots.
-    """
-    start, end = float(time[0]), float(time[-1])
-    span = end - start
-    middle = (time[1:] + time[:-1]) / 2
-    mean = np.diff(place, axis=0) / np.diff(time)[:, None, None]
-    rate = make_interp_spline(
-        np.concatenate([[start], middle, [end]]), np.vstack([first[None], mean, last[None]]), k=1
-    )
-    way = rate.antiderivative()
-    missing = place[-1] - place[0] - (way(end) - way(start))
-
-    def motion(times: Array, order: int) -> Array:
-        u = ((times - start) / span)[:, None, None]
-        if order == 0:
-            found = place[0] + way(times) - way(start) + u**2 * (3 - 2 * u) * missing
-        elif order == 1:
-            found = rate(times) + 6 * u * (1 - u) / span * missing
-        else:
-            found = rate(times, 1) + (6 - 12 * u) / span**2 * missing
-        return np.asarray(found)
-
-    return motion
-
-
-def _feet_by_swings(plan: Plan) -> dict[tuple[tuple[int, int], ...], list[int]]:
-    """Swings, as first and last knots, -> the feet that swing so."""
-    groups: dict[tuple[tuple[int, int], ...], list[int]] = {}
-    for foot, stands in enumerate(plan.contact.T):
-        changes = np.flatnonzero(np.diff(stands)) + 1
-        swings = tuple((int(a), int(b)) for a, b in changes.reshape(-1, 2))
-        groups.setdefault(swings, []).append(foot)
-    return groups

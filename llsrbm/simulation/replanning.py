@@ -17,7 +17,8 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from llsrbm.control.reference import Reference, UnderWay
+from llsrbm.control.reference import Reference
+from llsrbm.control.swing import UnderWay
 from llsrbm.control.whole_body import WholeBody
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.replan import Replan

@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from llsrbm.control.reference import BRAKING, Reference, UnderWay, com_at_rest
+from llsrbm.control.reference import BRAKING, Reference, com_at_rest
+from llsrbm.control.swing import UnderWay
 from llsrbm.schedule import Phase
 from tests.llsrbm.schedules import in_a_row, with_schedule
 from tests.llsrbm.synthetic import quat_about_z, synthetic_plan
