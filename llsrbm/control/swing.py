@@ -63,7 +63,8 @@ def swing_motion(
             headings = np.stack([yaw(plan.foot_quat[knots, i]) for i in feet], axis=1)
             turn = CubicSpline(plan.time[knots], headings, bc_type=tuple((1, r) for r in turns))
             inside = np.clip(times[now], plan.time[first], plan.time[last])
-            moving = (inside == times[now])[:, None]
+            # A sample may be a fraction of a step before the knot where a plan begins under way.
+            moving = ((inside == times[now]) | (under_way & (times[now] < inside)))[:, None]
             rows, columns = now[:, None], np.array(feet)
             for order in range(3):
                 factor = moving if order else np.ones_like(moving)

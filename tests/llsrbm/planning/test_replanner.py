@@ -10,8 +10,12 @@ import pinocchio as pin
 import pytest
 from scipy.spatial.transform import Rotation
 
+from llsrbm.control.reference import Reference
+from llsrbm.control.swing import UnderWay
+from llsrbm.control.whole_body import WholeBody
+from llsrbm.planning.constraints.drives import TORQUE_ALLOWANCE
 from llsrbm.planning.replanner import LONGER, Replanner
-from llsrbm.planning.under_way import State, interpolated
+from llsrbm.planning.under_way import NEED_TORQUE, State, interpolated
 from llsrbm.robots import load_robot
 from tests.llsrbm.planning.solved import solved
 
@@ -155,6 +159,31 @@ def test_near_the_last_answer_a_solve_takes_few_iterations():
     starts = plan().lift_off + 0.1 + 0.02 * np.arange(5)
     taken = [replanner.replan(state(start, FLIGHT)).iterations for start in starts]
     assert max(taken[1:]) <= 5
+
+
+@pytest.mark.parametrize("momentum", [(0.0, -2.0, 0.0), (1.0, 1.0, 0.0)])
+def test_the_drives_can_do_what_is_asked_of_legs_at_once(momentum):
+    """By the whole body's inverse dynamics where it begins, falling freely."""
+    begins = state(plan().lift_off + 0.08, FLIGHT, momentum=momentum)
+    new = found(begins)
+    start = UnderWay(begins.time, begins.foot_velocity - begins.com_velocity, begins.foot_yaw_rate)
+    target = Reference(new, ROBOT.mass * 9.81, start).at(begins.time)
+    knot = int(np.argmin(np.abs(new.time - begins.time)))
+    w, x, y, z = new.base_quat[knot]
+    q = np.concatenate([new.com[knot], [x, y, z, w], new.joint_position[knot]])
+    body = WholeBody(ROBOT)
+    body.update(q, np.zeros(ROBOT.model.nv))
+    from_com = body.foot_jacobian - body.momentum_matrix[:3] / body.mass
+    feet = from_com.reshape(12, -1)
+    wanted = target.foot_velocity_from_com.ravel(), begins.angular_momentum, begins.com_velocity
+    rows = np.vstack([feet, body.momentum_matrix[3:], body.momentum_matrix[:3] / body.mass])
+    body.update(q, np.linalg.solve(rows, np.concatenate(wanted)))
+    com_bias = body.momentum_bias[:3] / body.mass
+    bias = (body.foot_bias - com_bias).ravel()
+    rows = np.vstack([feet, body.M[:6]])
+    right = np.concatenate([target.foot_acceleration_from_com.ravel() - bias, -body.h[:6]])
+    torque = (body.M @ np.linalg.solve(rows, right) + body.h)[6:]
+    assert np.abs(torque / ROBOT.torque_limit).max() < NEED_TORQUE + TORQUE_ALLOWANCE
 
 
 def test_no_answer_leaves_the_plan_as_it_is():

@@ -1,0 +1,77 @@
+"""Feet on their way: under way they are driven as the planner has it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from llsrbm.control.swing import UnderWay, swing_motion
+from tests.llsrbm.planning.solved import solved
+
+FLIGHT = 1
+
+
+@pytest.fixture(scope="module")
+def plan():
+    return solved("llsrbm-plus", "twist").plan
+
+
+def under_way(plan, change):
+    """Times from a knot in flight to touchdown, s, and feet that were slower by `change`, m/s."""
+    knot = int(np.argmax(plan.phase == FLIGHT)) + 4
+    relative = plan.foot_position - plan.com[:, None]
+    mean = (relative[knot + 1] - relative[knot]) / (plan.time[knot + 1] - plan.time[knot])
+    start = UnderWay(plan.time[knot], mean - change, np.zeros(len(mean)))
+    times = np.linspace(plan.time[knot], plan.touchdown, 400)[:-1]
+    (place, velocity, acceleration), _ = swing_motion(plan, times, knot, start)
+    return knot, times, place, velocity, acceleration
+
+
+def test_feet_begin_as_fast_as_they_are_and_end_where_they_land(plan):
+    knot, _, place, velocity, _ = under_way(plan, np.array([1.0, 0.0, 0.0]))
+    relative = plan.foot_position - plan.com[:, None]
+    first = int(np.argmax(plan.phase == FLIGHT + 1))
+    np.testing.assert_allclose(place[0], relative[knot], atol=1e-9)
+    np.testing.assert_allclose(place[-1], relative[first], atol=5e-3)
+    mean = (relative[knot + 1] - relative[knot]) / (plan.time[knot + 1] - plan.time[knot])
+    np.testing.assert_allclose(velocity[0], mean - [1.0, 0.0, 0.0], atol=1e-9)
+
+
+def test_positions_velocities_and_accelerations_belong_together(plan):
+    _, times, place, velocity, acceleration = under_way(plan, np.array([0.5, 0.2, -0.3]))
+    np.testing.assert_allclose(np.gradient(place, times, axis=0)[5:-5], velocity[5:-5], atol=5e-3)
+    driven = np.cumsum(acceleration * np.diff(times, append=times[-1])[:, None, None], axis=0)
+    np.testing.assert_allclose(velocity[0] + driven[-1], velocity[-1], atol=0.1)
+
+
+def test_a_change_of_velocity_takes_the_planned_acceleration(plan):
+    """From the knot to the interval's middle, as the planner's torques have it."""
+    change = np.array([1.0, 0.0, 0.0])
+    knot, _, _, _, slow = under_way(plan, change)
+    _, _, _, _, unchanged = under_way(plan, np.zeros(3))
+    dt = plan.time[knot + 1] - plan.time[knot]
+    added, planned = (slow - unchanged)[0], change / (dt / 2)
+    np.testing.assert_allclose(added, np.tile(planned, (len(added), 1)), rtol=0.15, atol=1.0)
+
+
+def test_a_sample_just_before_the_start_is_as_fast_as_it(plan):
+    """Times are rounded to samples: a tick without velocities would be a kick."""
+    knot, *_ = under_way(plan, np.zeros(3))
+    velocity = np.full((plan.foot_position.shape[1], 3), 0.7)
+    start = UnderWay(plan.time[knot], velocity, np.zeros(len(velocity)))
+    (place, rate, _), _ = swing_motion(plan, plan.time[knot] + np.array([-2e-4, 0.0]), knot, start)
+    np.testing.assert_allclose(rate, [velocity, velocity], atol=1e-9)
+    np.testing.assert_allclose(place[0], place[1], atol=1e-9)
+
+
+def test_without_a_start_swings_are_whole(plan):
+    knot = int(np.argmax(plan.phase == FLIGHT)) + 4
+    at = plan.time[knot : knot + 1]
+    (place, _, _), _ = swing_motion(plan, at, 0, None)
+    np.testing.assert_allclose(place[0], plan.foot_position[knot] - plan.com[knot], atol=1e-9)
+    aside = np.array([0.1, 0.0, 0.0])
+    shifted = replace(plan, foot_position=plan.foot_position + aside)
+    (moved, _, _), _ = swing_motion(shifted, at, 0, None)
+    np.testing.assert_allclose(moved - place, np.broadcast_to(aside, place.shape), atol=1e-9)
