@@ -6,12 +6,15 @@ after one of the plan file's schema; `tests/app/session/test_initial_plan.py` fa
 
 from __future__ import annotations
 
+import typer
+
 import llsrbm
 from app.session.initial_plan import example, shipped_file
 from llsrbm.robots import names
 
 
-def main():
+def main() -> None:
+    """Make the plan of every robot's example."""
     for robot in names():
         plan = llsrbm.plan(example(robot))
         path = shipped_file(robot)
@@ -25,4 +28,4 @@ def main():
 
 
 if __name__ == "__main__":
-    main()
+    typer.run(main)

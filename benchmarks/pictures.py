@@ -175,7 +175,7 @@ def _night(page: Page) -> None:
 def _overlays(page: Page) -> None:
     without_plots(page)
     plan(page, twist=60, forward=0.3)
-    tick(page, "Friction cones", "Support polygon", "Centre of pressure", "Angular momentum")
+    tick(page, "Friction pyramids", "Support polygon", "Centre of pressure", "Angular momentum")
     hold(page, 0.3)
 
 

@@ -66,15 +66,15 @@ def push(page, rng):
     instant = start + length * rng.uniform(*SHARE)
     page.evaluate("t => { llsrbm.player.pause(); llsrbm.player.seek(t); }", instant)
     page.wait_for_function(
-        "window.__viserMutable.nodePoseData['/shove/tip'] !== undefined"
-        " && window.__viserMutable.nodeRefFromName['/shove/tip'] !== undefined"
+        "window.__viserMutable.nodePoseData['/push/tip'] !== undefined"
+        " && window.__viserMutable.nodeRefFromName['/push/tip'] !== undefined"
     )
     page.wait_for_timeout(500)  # the grip has come to where the robot is
     axis = rng.integers(2)
     way = rng.choice((-1, 1)) * rng.uniform(*LENGTH)
     points = np.zeros((2, 3))
     points[:, axis] = GRAB, GRAB + way
-    grab, there = np.array(page.evaluate(PIXELS, ["/shove/tip", *points.tolist()]))
+    grab, there = np.array(page.evaluate(PIXELS, ["/push/tip", *points.tolist()]))
     page.mouse.move(*grab)
     page.wait_for_timeout(PACE)
     page.mouse.down()

@@ -30,7 +30,7 @@ class PushControls:
         self._push = gui.add_checkbox(
             "Push",
             initial_value=False,
-            hint="A shove on the trunk, where the timeline stands: drag its arrow's tip",
+            hint="A push on the trunk, where the timeline stands: drag its arrow's tip",
         )
         self._time = gui.add_number(
             _TIME[0], 0.0, min=0.0, max=_LATEST, step=0.001, visible=False, hint="When it begins"

@@ -1,6 +1,6 @@
 """An arrow on the trunk whose tip is dragged in the picture: a push, drawn.
 
-The page draws what hangs below "/shove" over everything else (static/player.js): it begins inside
+The page draws what hangs below "/push" over everything else (static/player.js): it begins inside
 of the robot.
 """
 
@@ -86,7 +86,7 @@ class PushHandle:
         self._held: PushShown | None = None
         scene = client.scene
         self._grip = scene.add_transform_controls(
-            "/shove/tip",
+            "/push/tip",
             _SIZE,
             line_width=_LINE,
             active_axes=(True, True, False),
@@ -96,7 +96,7 @@ class PushHandle:
             visible=False,
         )
         self._arrow = scene.add_arrows(
-            "/shove/arrow",
+            "/push/arrow",
             np.zeros((1, 2, 3)),
             colours.PUSH,
             shaft_radius=_SHAFT,
@@ -104,7 +104,7 @@ class PushHandle:
             head_length=_HEAD_LENGTH,
             visible=False,
         )
-        self._size = scene.add_label("/shove/size", "", anchor="bottom-center", visible=False)
+        self._size = scene.add_label("/push/size", "", anchor="bottom-center", visible=False)
 
         @self._grip.on_update
         async def _(event: viser.TransformControlsEvent) -> None:

@@ -12,7 +12,7 @@
   const HURRY = 700; // ms; clips that come faster are drawn coarsely, and without a graphics
   const SPARING = 250; // ms; processor no oftener than this,
   const FRESH = 50; // ms; but for a moment after each clip
-  const ABOVE = "/shove/"; // nodes below are drawn over all else: arrows that begin in a robot
+  const ABOVE = "/push/"; // nodes below are drawn over all else: arrows that begin in a robot
 
   const llsrbm = (window.llsrbm ??= { software: false });
   const listeners = new Set();

@@ -11,7 +11,7 @@ from app.scene.overlays.centre_of_mass import CentreOfMass
 from app.scene.overlays.centre_of_pressure import CentreOfPressure
 from app.scene.overlays.collision_shapes import CollisionShapes
 from app.scene.overlays.forces import Forces
-from app.scene.overlays.friction_cones import FrictionCones
+from app.scene.overlays.friction_pyramids import FrictionPyramids
 from app.scene.overlays.ghosts import Ghosts
 from app.scene.overlays.inertia_ellipsoids import InertiaEllipsoids
 from app.scene.overlays.landing_marks import LandingMarks
@@ -37,7 +37,7 @@ OVERLAYS: dict[str, type[Overlay]] = {
         Pushes,
         NewPlans,
         LandingRegion,
-        FrictionCones,
+        FrictionPyramids,
         SupportPolygon,
         CentreOfPressure,
         AngularMomentum,

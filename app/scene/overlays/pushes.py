@@ -29,13 +29,13 @@ class Pushes(RootedOverlay):
     """Of a simulation; the page draws them over everything else (static/player.js)."""
 
     name = "pushes"
-    title = "Shoves"
+    title = "Pushes"
     hint = (
         "Pushes of a simulation, while they act; one that gives the robot 1 m/s is "
         f"{ARROW_PER_SPEED:g} m long."
     )
     at_first = True
-    root = "/shove/past"
+    root = "/push/past"
     parts = frozenset({"robot", "planned", "simulated", "pushes"})
 
     def __init__(self, scene: viser.SceneApi) -> None:

@@ -12,7 +12,7 @@ from app.scene.push_handle import PushHandle, PushShown
 from tests.app.scene.recorded import RecordedClient
 
 SHOWN = PushShown(0.5, (0.1, 0.2, 0.6), (0.0, 10.0, 2.0), 0.05)
-GRIP, ARROW, SIZE = "/shove/tip", "/shove/arrow", "/shove/size"
+GRIP, ARROW, SIZE = "/push/tip", "/push/arrow", "/push/size"
 
 
 class Target:

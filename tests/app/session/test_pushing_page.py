@@ -10,7 +10,7 @@ from tests.app.chromium import PACE, PIXELS, paused_at, press, status, tab, tick
 
 pytestmark = pytest.mark.browser
 
-GRIP = "/shove/tip"
+GRIP = "/push/tip"
 GRAB = 0.15  # m from the tip, on an arrow of the grip
 DRAG = 0.4  # m
 
@@ -89,7 +89,7 @@ def test_its_arrow_is_seen_while_it_acts(page):
     (push,) = pushes(page)
     press(page, "Simulate")
     status(page, "Landed")
-    arrow = "/shove/past/arrow/0"
+    arrow = "/push/past/arrow/0"
     page.wait_for_function(f"window.__viserMutable.nodeRefFromName['{arrow}']")
     for time, seen in (
         (push.time + 0.02, True),

@@ -39,7 +39,7 @@ def pushed(layers, pushes=(PUSH,), **changes):
 
 
 def test_an_arrow_from_the_trunk_along_the_push_while_it_acts():
-    drawn = DrawnOverlay(pushed({"pushes"}), "/shove/past/arrow")
+    drawn = DrawnOverlay(pushed({"pushes"}), "/push/past/arrow")
     (node,) = drawn.nodes
     frames, size = simulated(), drawn.size(node)
     seen = size[:, 2] > 0
@@ -54,14 +54,14 @@ def test_an_arrow_from_the_trunk_along_the_push_while_it_acts():
 
 
 def test_its_words_stand_at_its_tip_and_nowhere_to_be_seen_at_other_times():
-    drawn = DrawnOverlay(pushed({"pushes"}), "/shove/past/words")
+    drawn = DrawnOverlay(pushed({"pushes"}), "/push/past/words")
     (node,) = drawn.nodes
     assert drawn.client.scene.nodes[node].text == "12.4 N s"
     _, track = track_of(drawn.clip, node)
     height = track.position[:, 2]
     there = height < 5
     assert (height[~there] >= 1000).all()
-    assert (there == (drawn.size("/shove/past/arrow/0")[:, 2] > 0)).all()
+    assert (there == (drawn.size("/push/past/arrow/0")[:, 2] > 0)).all()
 
 
 def test_pushes_that_are_gone_leave_nothing():
@@ -69,7 +69,7 @@ def test_pushes_that_are_gone_leave_nothing():
     scene = Scene(client)
     scene.draw(pushed({"pushes"}, (PUSH, Push(0.2, (0.0, 5.0, 0.0)))))
     clip = scene.draw(pushed({"pushes"}, ()))
-    assert not [name for name in names_in(clip) if name.startswith("/shove")]
+    assert not [name for name in names_in(clip) if name.startswith("/push")]
     assert not [name for name in client.scene.seen() if "arrow/" in name]
 
 

@@ -24,7 +24,7 @@ def with_friction(mu, robot):
 def test_its_edges_lie_in_the_cone_of_friction(robot, mu):
     shown = picture(robot, {"friction"}) if mu is None else with_friction(mu, robot)
     expected = load_robot(robot).file.limits.friction if mu is None else mu
-    drawn = DrawnOverlay(shown, "/cones")
+    drawn = DrawnOverlay(shown, "/pyramids")
     frames = shown.planned.frames
     assert len(drawn.nodes) == frames.contact.shape[1]
     for foot, node in enumerate(drawn.nodes):
@@ -39,9 +39,9 @@ def test_its_edges_lie_in_the_cone_of_friction(robot, mu):
 
 
 @pytest.mark.parametrize("simulation", [False, True])
-def test_cones_stand_where_feet_do(simulation):
+def test_pyramids_stand_where_feet_do(simulation):
     shown = picture("anymal", {"friction"}, simulation=simulation)
-    drawn = DrawnOverlay(shown, "/cones")
+    drawn = DrawnOverlay(shown, "/pyramids")
     for foot, node in enumerate(drawn.nodes):
         there = drawn.size(node)[:, 2] > 0
         assert (there == shown.solid.contact[:, foot]).all()

@@ -19,31 +19,31 @@ from llsrbm.robots.friction import INSCRIBED
 _HEIGHT = 0.16  # m
 
 
-class FrictionCones(RootedOverlay):
+class FrictionPyramids(RootedOverlay):
     """Pyramids, since planner and controller keep to the one that is inscribed in the cone.
 
     Its edges lie in the cone; its sides look along the world's axes, as in the constraint.
     """
 
     name = "friction"
-    title = "Friction cones"
+    title = "Friction pyramids"
     hint = "A standing foot's force stays inside: the pyramid in the cone of the plan's friction."
-    root = "/cones"
+    root = "/pyramids"
 
     def __init__(self, scene: viser.SceneApi) -> None:
         """See `Drawing`."""
         super().__init__(scene)
-        self._cones: Copies | None = None
+        self._pyramids: Copies | None = None
 
     def tracks(self, picture: Picture, frames: Frames) -> Sequence[Track]:
         """See `RootedOverlay.tracks`."""
         assert picture.planned is not None
-        self._cones = self._cones or Copies(
+        self._pyramids = self._pyramids or Copies(
             self.scene, self.root, gltf.pyramid(colours.FRICTION, 0.35)
         )
         half = _HEIGHT * INSCRIBED * friction_of(picture.planned.plan)
         size = np.array([half, half, _HEIGHT])
-        names = self._cones.names(frames.contact.shape[1])
+        names = self._pyramids.names(frames.contact.shape[1])
         return [
             # From where the force acts, so that its arrow is seen to stay inside.
             Track((name,), frames.pressed_at[:, foot], None, frames.contact[:, foot, None] * size)
