@@ -15,6 +15,7 @@ from PIL import Image
 from playwright.sync_api import Browser, Page
 
 from benchmarks.page import PROGRAM
+from benchmarks.pushing import drag
 from tests.app.chromium import PACE, chromium, fill, status
 
 FOLDER = Path(__file__).parents[1] / "docs"
@@ -204,6 +205,17 @@ def _fell(page: Page) -> None:
     page.evaluate("() => llsrbm.player.pause()")
 
 
+def _push(page: Page) -> None:
+    without_plots(page)
+    plan(page, twist=60)
+    tab(page, "Scenario")
+    tick(page, "Replan", "Push")
+    drag(page, instant=0.5, axis=1, way=0.35)
+    page.mouse.up()
+    status(page, "Landed", timeout=PATIENCE)
+    hold(page, 0.6)
+
+
 def _seeds(page: Page) -> None:
     tab(page, "Scenario")
     press(page, "Simulate 20 seeds")
@@ -236,6 +248,7 @@ STATES: dict[str, tuple[dict[str, int], Callable[[Page], None]]] = {
     "tablet": (TABLET, _tablet),
     "failed": (LAPTOP, _failed),
     "fell": (LAPTOP, _fell),
+    "push": (LAPTOP, _push),
     "seeds": (LAPTOP, _seeds),
     "atlas": (LAPTOP, _atlas),
     "tour": (LAPTOP, _tour),

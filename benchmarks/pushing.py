@@ -64,14 +64,24 @@ def push(page, rng):
     """Drag an arrow of a random length along x or y; (ms until drawn, the status line)."""
     start, length = page.evaluate(FLIGHT)
     instant = start + length * rng.uniform(*SHARE)
+    axis = rng.integers(2)
+    drag(page, instant, axis, rng.choice((-1, 1)) * rng.uniform(*LENGTH))
+    page.evaluate(WATCH, instant + EARLIEST)
+    page.mouse.up()
+    page.wait_for_function("window.drawnAfter !== null", timeout=30_000)
+    line = page.get_by_role("status")
+    wait_until(lambda: line.inner_text().startswith(("Landed", "Fell")), "the end", 60)
+    return page.evaluate("window.drawnAfter"), line.inner_text()
+
+
+def drag(page, instant, axis, way):
+    """Stop at an instant, s, and drag the arrow's tip by `way`, m, along x or y: 0 or 1."""
     page.evaluate("t => { llsrbm.player.pause(); llsrbm.player.seek(t); }", instant)
     page.wait_for_function(
         "window.__viserMutable.nodePoseData['/push/tip'] !== undefined"
         " && window.__viserMutable.nodeRefFromName['/push/tip'] !== undefined"
     )
     page.wait_for_timeout(500)  # the grip has come to where the robot is
-    axis = rng.integers(2)
-    way = rng.choice((-1, 1)) * rng.uniform(*LENGTH)
     points = np.zeros((2, 3))
     points[:, axis] = GRAB, GRAB + way
     grab, there = np.array(page.evaluate(PIXELS, ["/push/tip", *points.tolist()]))
@@ -81,12 +91,6 @@ def push(page, rng):
     for share in np.linspace(0, 1, STEPS):
         page.mouse.move(*(grab + share * (there - grab)))
         page.wait_for_timeout(PACE)
-    page.evaluate(WATCH, instant + EARLIEST)
-    page.mouse.up()
-    page.wait_for_function("window.drawnAfter !== null", timeout=30_000)
-    line = page.get_by_role("status")
-    wait_until(lambda: line.inner_text().startswith(("Landed", "Fell")), "the end", 60)
-    return page.evaluate("window.drawnAfter"), line.inner_text()
 
 
 def main():
