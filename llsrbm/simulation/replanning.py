@@ -4,7 +4,8 @@ Every `PERIOD` the newest measurement is handed to the replanner, as it will be 
 be followed, `LATENCY` later. Computing takes as long as the processor works on it, whatever else
 the machine does meanwhile: the answer is followed from the tick on at which it is there, at least
 the latency after the measurement, and the next question waits until then. An answer that comes
-after feet have met the ground is dropped, and where none is found the old plan goes on.
+after feet have met the ground is dropped, and where none is found the old plan goes on. So it does
+as long as the robot does what it says: answers are followed once it has departed from it.
 """
 
 from __future__ import annotations
@@ -36,6 +37,11 @@ LATENCY = 0.02  # s from a measurement until its answer is followed, at least
 LEAST_FLIGHT = 0.03
 LEAST_STANCE = 0.10
 FOLLOWS = 0.06  # m from its target: a foot that is nearer is where it is wanted
+# From the plan, of the CoM horizontally and, in flight, vertically, m/s, and of the whole body's
+# mean turning in flight, rad/s: who departs less is as well off with the first plan, whose landing
+# was shaped without haste. Disturbed robots that nobody pushes depart by 0.21 m/s at most, by 0.13
+# at the 95th percentile; ANYmal lands from pushes of 0.3 m/s without new plans, SLIDER of 0.24.
+DEPARTED_ALONG, DEPARTED_UP, DEPARTED_TURNING = 0.2, 0.3, 1.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,6 +73,7 @@ class Replanning(Hook):
         self._body = WholeBody(robot)
         self._tick = tick
         self._next = 0.0
+        self._departed = False  # from the first plan: new ones are followed from then on
         self._pending: _Pending | None = None
 
     def before(self, situation: Situation) -> None:
@@ -112,9 +119,24 @@ class Replanning(Hook):
         situation.replans.append(_record(asked, computing, answer, state, offset))
         ready = asked + max(LATENCY, math.ceil(computing / self._tick) * self._tick)
         self._next = max(asked + PERIOD, ready)
-        if reference is not None:
+        self._departed = self._departed or self._departs(situation, state)
+        if reference is not None and self._departed:
             index = len(situation.replans) - 1
             self._pending = _Pending(index, controller.contacts.phase, ready, reference)
+
+    def _departs(self, situation: Situation, state: State) -> bool:
+        """Whether the plan that is followed is no longer what the robot does."""
+        controller = situation.controller
+        target = controller.target(situation.time + LATENCY)
+        along = state.com_velocity - target.com_velocity
+        momentum = state.angular_momentum - target.angular_momentum
+        turning = np.linalg.solve(self._body.inertia, momentum)
+        flying = controller.contacts.flying
+        return bool(
+            np.hypot(along[0], along[1]) > DEPARTED_ALONG
+            or (flying and abs(along[2]) > DEPARTED_UP)
+            or (flying and np.linalg.norm(turning) > DEPARTED_TURNING)
+        )
 
     def _expected(self, situation: Situation) -> State:
         """The state at the time at which an answer can be followed.
