@@ -15,7 +15,6 @@ from PIL import Image
 from playwright.sync_api import Browser, Page
 
 from benchmarks.page import PROGRAM
-from benchmarks.pushing import drag
 from tests.app.chromium import PACE, chromium, fill, status
 
 FOLDER = Path(__file__).parents[1] / "docs"
@@ -209,10 +208,11 @@ def _push(page: Page) -> None:
     without_plots(page)
     plan(page, twist=60)
     tab(page, "Scenario")
+    hold(page, 0.5)
     tick(page, "Replan", "Push")
-    drag(page, instant=0.5, axis=1, way=0.35)
-    page.mouse.up()
-    status(page, "Landed", timeout=PATIENCE)
+    fill(page, "Push y [N s]", 14)
+    page.wait_for_timeout(300)
+    simulate(page)
     hold(page, 0.6)
 
 

@@ -78,7 +78,7 @@ def simulated_line(rollout: Rollout) -> tuple[Word, str]:
         parts.append(f"yaw {_degrees(outcome.yaw_error_at_touchdown)} from the plan at touch-down")
     parts.append(f"{_degrees(outcome.final_yaw_error)} at the end")
     if rollout.replans:  # in the place of what matters less, as there are three lines
-        parts.append(f"{_followed(rollout)} new plans")
+        parts.append(f"{_followed(rollout)} new plans followed")
     else:
         parts.append(f"{decimal(outcome.real_time_factor, 1)}× real time")
     if outcome.unsolved_ticks:

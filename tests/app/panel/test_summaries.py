@@ -71,7 +71,7 @@ def test_new_plans_are_counted(plan, rollout):
     known = changed(replanned, replan_median_s=0.0101, replan_p95_s=0.0312)
     taken, made = sum(r.applied > 0 for r in known.replans), len(known.replans)
     assert 0 < taken < made
-    assert simulated_line(known)[1].endswith(f"at the end, {taken} of {made} new plans")
+    assert simulated_line(known)[1].endswith(f"at the end, {taken} of {made} new plans followed")
     assert f">{taken} of {made} followed<" in rollout_figures(known)
     assert "10.1 ms, p95 31.2 ms" in rollout_figures(known)
     assert "New plans" not in rollout_figures(rollout)
