@@ -11,7 +11,7 @@ from typing import Any
 from llsrbm.errors import InputError
 from llsrbm.fields import Meaning, Number
 
-DURATION = 0.02  # s that a push takes: a push by hand is longer, a hit by a ball shorter
+DURATION = 0.02  # s that a push takes: one by hand is longer, one by a ball shorter
 LARGEST_IMPULSE = 200.0  # N s; it throws the heaviest robot here, of 54 kg, aside with 4 m/s
 LARGEST_MOMENT = 50.0  # N m s
 MOST_PUSHES = 100  # of one simulation: a page and a file hold them all
