@@ -124,27 +124,33 @@ def _check_replaceable(place: Path, part: Path) -> None:
         raise FileExistsError(0, "it is a folder with other things in it, which would be lost")
 
 
-def _is_ours(folder: Path) -> bool:
-    """Whether a folder is empty or was written by an export."""
-    for _ in range(_ATTEMPTS):
+def _is_ours(place: Path) -> bool:
+    """Whether a folder is empty or was written by an export; also if it has just gone away."""
+    while True:  # each further round is one in which somebody else put theirs there
         try:
-            looked_at = folder.stat().st_ino
-            if not any(folder.iterdir()) or _is_marked(folder):
+            # Held open, so that no other folder can get its inode number meanwhile.
+            folder = os.open(place, os.O_RDONLY | os.O_DIRECTORY)
+        except FileNotFoundError:  # moved aside by somebody who is about to put theirs there
+            return True
+        try:
+            if not os.listdir(folder) or _is_marked(folder):  # noqa: PTH208 (of an open folder)
                 return True
-            if folder.stat().st_ino == looked_at:
-                return False
-        except FileNotFoundError:  # somebody else is putting theirs there
-            continue
-    return False
+            with suppress(FileNotFoundError):
+                if place.stat().st_ino == os.fstat(folder).st_ino:
+                    return False
+        finally:
+            os.close(folder)
 
 
-def _is_marked(folder: Path) -> bool:
-    mark = folder / MARK
+def _is_marked(folder: int) -> bool:
+    """Whether a folder, given by its descriptor, holds the mark of an export."""
     try:
-        if not mark.is_file() or mark.stat().st_size > _LARGEST_MARK:
+        found = os.stat(MARK, dir_fd=folder)
+        if not stat.S_ISREG(found.st_mode) or found.st_size > _LARGEST_MARK:
             return False
-        said = json.loads(mark.read_text(encoding="utf-8"))
-    except (ValueError, RecursionError):
+        with os.fdopen(os.open(MARK, os.O_RDONLY, dir_fd=folder), encoding="utf-8") as mark:
+            said = json.load(mark)
+    except (FileNotFoundError, ValueError, RecursionError):
         return False
     return isinstance(said, dict) and "package_version" in said
 

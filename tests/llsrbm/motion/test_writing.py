@@ -379,7 +379,7 @@ class TestWhatGoesWrong:
 
         def writer(content):
             try:
-                for _ in range(10):
+                for _ in range(50):
                     write_folder(tmp_path / "x", content)
             except InputError as error:
                 errors.append(error)
