@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+import llsrbm
 from llsrbm.control.controller import WholeBodyController
 from llsrbm.motion.rollout_file import load_rollout
 from llsrbm.push import DURATION, Push
@@ -145,3 +146,16 @@ def test_another_reference_is_followed_from_the_next_step_on():
     moved = plan().com + np.array([0.1, 0.0, 0.0])
     controller.set_reference(controller.reference_of(replace(plan(), com=moved)))
     assert controller.target(0.2).com[0] == pytest.approx(plan().com[0, 0] + 0.1, abs=0.05)
+
+
+@pytest.mark.parametrize("moment", ["lift-off", "mid-flight"])
+def test_soles_are_moved_elsewhere_only_where_there_is_time(takes, moment):
+    takes(0.015)
+    slider = llsrbm.plan(llsrbm.Jump(robot="slider", twist=np.radians(45)))
+    middle = (slider.lift_off + slider.touchdown) / 2
+    at = {"lift-off": slider.lift_off - DURATION, "mid-flight": middle}[moment]
+    push = (Push(at, (3.7, 0.0, 0.0)),)
+    rollout = simulate(slider, load_robot("slider"), Scenario(pushes=push, replan=True))
+    followed = [r for r in rollout.replans if r.applied < slider.touchdown - 0.01]
+    assert bool(followed) == (moment == "lift-off")
+    assert rollout.outcome.recovered
