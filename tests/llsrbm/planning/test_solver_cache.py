@@ -23,7 +23,12 @@ PACKAGE = Path(llsrbm.__file__).parent
 def test_all_that_makes_the_problem_is_in_the_key_and_no_search():
     known = set(programs())
     needed = ["models/llsrbm_plus.py", "models/leg_drives.py", "ocp/lifting.py", "ocp/batch.py"]
-    needed += ["ocp/solvers.py", "planning/stage.py", "planning/layout.py", "planning/costs.py"]
+    needed += [
+        "ocp/solvers/fatrop.py",
+        "planning/stage.py",
+        "planning/layout.py",
+        "planning/costs.py",
+    ]
     needed += ["planning/rotations.py", "planning/headings.py", "planning/constraints/turn.py"]
     needed += ["planning/constraints/__init__.py", "planning/solver_cache.py", "planning/task.py"]
     for name in needed:

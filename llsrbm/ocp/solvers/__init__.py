@@ -1,0 +1,43 @@
+"""Problem in, solution out: interior-point solvers through CasADi's nlpsol, chosen by name.
+
+Adding one is one module here, and its class in `_SOLVERS`.
+"""
+
+from __future__ import annotations
+
+from llsrbm.errors import InputError
+from llsrbm.ocp.solvers.base import NEAR_MU, NEAR_TOLERANCE, PATIENT, TOO_FAR, Patience, Solver
+from llsrbm.ocp.solvers.fatrop import WITHIN, Fatrop
+from llsrbm.ocp.solvers.ipopt import Ipopt
+
+__all__ = [
+    "NEAR_MU",
+    "NEAR_TOLERANCE",
+    "PATIENT",
+    "TOO_FAR",
+    "WITHIN",
+    "Fatrop",
+    "Ipopt",
+    "Patience",
+    "Solver",
+    "by_name",
+    "names",
+]
+
+_SOLVERS: dict[str, type[Solver]] = {solver.name: solver for solver in (Fatrop, Ipopt)}
+
+
+def names() -> tuple[str, ...]:
+    """The solvers' names, the default first."""
+    return tuple(_SOLVERS)
+
+
+def by_name(name: str) -> type[Solver]:
+    """The solver called `name`.
+
+    Raises:
+        InputError: no solver has that name.
+    """
+    if name not in _SOLVERS:
+        raise InputError(f"unknown solver {name!r}; the solvers are {', '.join(_SOLVERS)}")
+    return _SOLVERS[name]

@@ -1,0 +1,262 @@
+"""What solvers have in common: patience, a solve from a guess, and one from a near solution."""
+
+from __future__ import annotations
+
+import math
+import time
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from contextlib import AbstractContextManager, nullcontext
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from llsrbm.ocp.problem import Iterate, Problem, Solution
+from llsrbm.ocp.transcription import Structure, Transcribed
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Patience:
+    """How a solve from a guess begins, and when it ends.
+
+    Attributes:
+        mu: complementarity at which it begins.
+        iterations: after so many it is given up.
+        tolerance: at which it has converged.
+        push: how far it begins inside of the bounds it touches; None: Fatrop's own 0.01.
+        within: size of rows, in their units of about 1, beyond which no step leads; None: anywhere.
+        acceptable: where the cost is flat Fatrop creeps: the constraints are met, the cost changes
+            in the fourth digit, the gradient stays at some 1e-3. At this tolerance, for so many
+            iterations, it is as good as solved; None: it creeps on.
+
+    Ipopt keeps its own ways with the last three, also near a solution.
+    """
+
+    mu: float
+    iterations: int
+    # Fatrop's default of 1e-8 stalls; at 1e-4 the cost agrees to 0.1 %.
+    tolerance: float = 1e-4
+    push: float | None = None
+    within: float | None = None
+    acceptable: tuple[float, int] | None = None
+
+
+# From a guess, which is far from the optimum. The push takes 15 % fewer iterations over ten jumps
+# and three models than with the solver's default.
+PATIENT = Patience(mu=1e-2, iterations=150, push=0.05, acceptable=(5e-3, 4))
+
+# A solve near a known solution stops at this tolerance: the cost is 0.02 % from that of a cold one.
+NEAR_TOLERANCE = 3e-4
+# The complementarity at which Fatrop ends for that tolerance; near a solution it begins there.
+NEAR_MU = NEAR_TOLERANCE / 11
+# A solution that violates the rows of its neighbour by more, in their units of about 1, is none:
+# Fatrop may not come back from there. A slider that moves by 30 deg makes 0.3.
+TOO_FAR = 1.0
+# Likewise of a guess: analytic ones violate rows by some 3.
+HOPELESS = 100.0
+
+
+class Solver(ABC):
+    """Solves a transcription's problems with one of nlpsol's plugins.
+
+    Attributes:
+        name: to choose it by.
+        compiled: whether it takes compiled functions.
+    """
+
+    name: ClassVar[str]
+    compiled: ClassVar[bool] = False
+
+    def __init__(self, cold: ca.Function, near: ca.Function, structure: Structure) -> None:
+        self._near, self._structure = near, structure
+        self._cold = {PATIENT: cold}
+        self._faster: Callable[[], Transcribed | None] | None = None
+        self._wait: Callable[[], None] | None = None
+
+    @property
+    def sizes(self) -> tuple[int, int]:
+        """Numbers of variables and of rows."""
+        cold = self._cold[PATIENT]
+        return int(cold.numel_in("x0")), int(cold.numel_in("lbg"))
+
+    @classmethod
+    @abstractmethod
+    def build(cls, transcription: Transcribed) -> Solver:
+        """Build the solver of a transcription."""
+
+    def serialize(self) -> str:
+        """The solver as text, for a cache."""
+        serializer = ca.StringSerializer()
+        structure = self._structure
+        serializer.pack([self._cold[PATIENT], self._near])
+        for sizes in (structure.states, structure.controls, structure.rows):
+            serializer.pack(sizes)
+        serializer.pack([int(equal) for equal in structure.equality])
+        return str(serializer.encode())
+
+    @classmethod
+    def deserialize(cls, text: str) -> Solver:
+        """The solver that `serialize` wrote."""
+        serializer = ca.StringDeserializer(text)
+        cold, near = serializer.unpack()
+        # Whole numbers come back as floats.
+        states, controls, rows, equality = ([int(n) for n in serializer.unpack()] for _ in range(4))
+        return cls(cold, near, Structure(states, controls, rows, [bool(n) for n in equality]))
+
+    def replace_by(
+        self, faster: Callable[[], Transcribed | None], wait: Callable[[], None] | None = None
+    ) -> None:
+        """Take the same problem's faster functions in the next solve in which they are there.
+
+        Args:
+            faster: gives them, or None as long as there are none.
+            wait: returns when they are there, or will never be.
+        """
+        self._faster, self._wait = faster, wait
+
+    def settle(self) -> None:
+        """Wait for faster functions that are being made; solves before and after take the same."""
+        if self._faster is not None and self._wait is not None:
+            self._wait()
+        self._renew()
+        self._faster = None
+
+    def _renew(self) -> None:
+        if self._faster is None or (transcribed := self._faster()) is None:
+            return
+        new = type(self).build(transcribed)
+        self._cold, self._near, self._faster = new._cold, new._near, None
+
+    def function(self, name: str) -> ca.Function:
+        """One of the problem's functions, as it is evaluated: nlp_f, nlp_g, ...; nlp: f and g."""
+        cold = self._cold[PATIENT]
+        return cold.oracle() if name == "nlp" else cold.get_function(name)
+
+    def solve(
+        self,
+        problem: Problem,
+        guess: Array,
+        patience: Patience = PATIENT,
+        read: Callable[[str], None] | None = None,
+    ) -> Solution:
+        """Solve from a guess.
+
+        Args:
+            problem: its numbers.
+            guess: all variables.
+            patience: how long to go on.
+            read: takes the table of iterations, of solvers that print one.
+        """
+        self._renew()
+        if (miss := self.miss(problem, guess)) > HOPELESS:
+            return self._given_up(problem, Iterate(guess, np.zeros_like(problem.lower)), miss)
+        if patience not in self._cold:
+            self._cold[patience] = self._another(patience)
+        arguments = {
+            "x0": guess,
+            "p": problem.parameters,
+            "lbg": problem.lower,
+            "ubg": problem.upper,
+        }
+        with nullcontext() if read is None else self._printing(read):
+            return self._run(self._cold[patience], problem, arguments)
+
+    def follow(
+        self,
+        problem: Problem,
+        start: Iterate,
+        too_far: float = TOO_FAR,
+        acceptable: tuple[float, int] | None = None,
+    ) -> Solution:
+        """Solve from the solution of a problem whose numbers are a little off.
+
+        Args:
+            problem: its numbers.
+            start: the solution.
+            too_far: largest violation of a row with which it is begun.
+            acceptable: as of `Patience`.
+        """
+        self._renew()
+        rows = self._rows(problem, start.variables)
+        if (miss := largest_violation(problem, rows)) > too_far:
+            return self._given_up(problem, start, miss)
+        return self._follow(problem, start, rows, acceptable)
+
+    @abstractmethod
+    def _follow(
+        self, problem: Problem, start: Iterate, rows: Array, acceptable: tuple[float, int] | None
+    ) -> Solution:
+        """See `follow`; `rows` (rows,): g of the start."""
+
+    def miss(self, problem: Problem, variables: Array) -> float:
+        """The largest violation of a row; infinite where a row is not finite."""
+        return largest_violation(problem, self._rows(problem, variables))
+
+    def _rows(self, problem: Problem, variables: Array) -> Array:
+        return np.array(self.function("nlp_g")(variables, problem.parameters)).ravel()
+
+    def _given_up(self, problem: Problem, start: Iterate, miss: float) -> Solution:
+        """A solve that was not begun."""
+        f = self._cold[PATIENT].get_function("nlp_f")
+        return Solution(
+            variables=start.variables,
+            multipliers=start.multipliers,
+            converged=False,
+            iterations=0,
+            cost=float(f(start.variables, problem.parameters)),
+            solve_time_s=0.0,
+            violation=miss,
+            message="too far from a solution to begin",
+        )
+
+    @abstractmethod
+    def _another(self, patience: Patience) -> ca.Function:
+        """The solver from guesses with another patience; the functions are at hand."""
+
+    @abstractmethod
+    def _converged(self, stats: dict[str, Any]) -> bool:
+        """From nlpsol's statistics."""
+
+    @abstractmethod
+    def _iterations(self, stats: dict[str, Any]) -> int:
+        """From nlpsol's statistics."""
+
+    def _printing(self, read: Callable[[str], None]) -> AbstractContextManager[None]:
+        """Meanwhile the solver prints its table into `read`; here it prints none."""
+        return nullcontext()
+
+    def _run(
+        self,
+        solver: ca.Function,
+        problem: Problem,
+        arguments: dict[str, Array],
+        scale: float | Array = 1.0,
+    ) -> Solution:
+        """Run one; `scale` (rows,): of its rows, in units of the problem's."""
+        if not np.isfinite(arguments["x0"]).all():  # Fatrop would never return
+            raise ValueError("the initial guess is not finite")
+        start = time.perf_counter()
+        result = solver(**arguments)
+        elapsed = time.perf_counter() - start
+        stats = solver.stats()
+        return Solution(
+            variables=np.array(result["x"]).ravel(),
+            multipliers=scale * np.array(result["lam_g"]).ravel(),
+            converged=self._converged(stats),
+            iterations=self._iterations(stats),
+            cost=float(result["f"]),
+            solve_time_s=elapsed,
+            violation=largest_violation(problem, np.array(result["g"]).ravel() / scale),
+            message=str(stats.get("return_status", "")),
+        )
+
+
+def largest_violation(problem: Problem, g: Array) -> float:
+    """How far the worst of the rows g (rows,) is out of its bounds; infinite if none is known."""
+    largest = np.maximum(problem.lower - g, g - problem.upper).max()
+    return float(largest) if np.isfinite(largest) else math.inf
