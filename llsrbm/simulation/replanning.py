@@ -144,10 +144,9 @@ class Replanning(Hook):
         turning = np.linalg.solve(self._body.inertia, momentum)
         flying = controller.contacts.flying
         speed = np.hypot(along[0], along[1])
-        if flying and self._soles and speed * self._left(situation) < DEPARTED_ASIDE:
-            speed = 0.0
+        nearby = flying and self._soles and speed * self._left(situation) < DEPARTED_ASIDE
         return bool(
-            speed > DEPARTED_ALONG
+            (speed > DEPARTED_ALONG and not nearby)
             or (flying and abs(along[2]) > DEPARTED_UP)
             or (flying and np.linalg.norm(turning) > DEPARTED_TURNING)
         )
