@@ -17,10 +17,10 @@ import time
 import warnings
 from pathlib import Path
 
-from app.compute.pool import WorkerPool
-from app.server.server import Designer
-from app.session.tabs import MOST_KEPT
-from app.viser_link.limits import Limits, Rate
+from app.designer import Designer
+from app.guard.limits import Limits, Rate
+from app.tab.tabs import MOST_KEPT
+from app.workers.pool import WorkerPool
 from tests.app.planners import SyntheticPlanner
 from tests.app.raw_tab import RawTab
 

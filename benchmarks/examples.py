@@ -10,8 +10,8 @@ import sys
 
 import llsrbm
 from llsrbm.analysis.summary import worst_violation
-from llsrbm.design import Design
-from llsrbm.examples import examples
+from llsrbm.request.design import Design
+from llsrbm.request.examples import examples
 
 COLUMNS = (
     "| example | plan | iterations | solve | duration | simulated | strict | yaw at touchdown "

@@ -13,8 +13,8 @@ from pathlib import Path
 
 import llsrbm
 from llsrbm.formats import FORMATS
+from llsrbm.look.visuals import link_visuals
 from llsrbm.robots import load_robot, names
-from llsrbm.robots.visuals import link_visuals
 
 TWIST = 1.57  # rad
 

@@ -32,9 +32,9 @@ import viser._messages
 from websockets.exceptions import WebSocketException
 from websockets.sync.client import connect
 
-from app.compute.pool import WorkerPool
-from app.server.server import Designer
-from app.viser_link.limits import Limits, Rate
+from app.designer import Designer
+from app.guard.limits import Limits, Rate
+from app.workers.pool import WorkerPool
 from tests.app.planners import SyntheticPlanner
 from tests.app.raw_tab import CAMERA, RawTab
 

@@ -6,7 +6,7 @@
 planned there is solved again. Of each jump a second one is made that asks for one or two of its
 components alone, as most requests do. To be run after a change of a robot file, of the planner's
 constraints or costs, or of the version: until then tables are refused, and
-`tests/llsrbm/planning/test_guess_table.py` fails.
+`tests/llsrbm/planning/solve/test_guess_table.py` fails.
 """
 
 from __future__ import annotations
@@ -23,9 +23,9 @@ import pyarrow.parquet as pq
 import typer
 
 from llsrbm.errors import NotConverged
-from llsrbm.jump import Jump
-from llsrbm.planning.guess_table import REQUEST, make_table, table_path, write_table
-from llsrbm.planning.planner import planner_of
+from llsrbm.planning.solve.guess_table import REQUEST, make_table, table_path, write_table
+from llsrbm.planning.solve.planner import planner_of
+from llsrbm.request.jump import Jump
 from llsrbm.sweep.points import Points
 from llsrbm.sweep.rows import PLANNED
 from llsrbm.sweep.spec import Spec

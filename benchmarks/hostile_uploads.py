@@ -14,7 +14,7 @@ import time
 import traceback
 from collections import Counter
 
-from app.compute.file_reading import UNFORESEEN, open_file
+from app.workers.file_reading import UNFORESEEN, open_file
 from llsrbm.errors import Error
 from tests.app.damaged import Damaged
 

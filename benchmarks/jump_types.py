@@ -23,8 +23,8 @@ import llsrbm
 from llsrbm.commands import options
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Outcome
-from llsrbm.planning.planner import Planner, planner_of
-from llsrbm.tuning import Tuning
+from llsrbm.planning.solve.planner import Planner, planner_of
+from llsrbm.request.tuning import Tuning
 
 app = typer.Typer(help=__doc__, add_completion=False)
 

@@ -26,11 +26,11 @@ from contextlib import closing
 
 import numpy as np
 
-from app.compute.cluster import Cluster
-from app.compute.pool import WorkerPool
-from app.compute.protocol import Failed, Partial, PlanJump, Planned, Simulated, SimulateJump
-from llsrbm.jump import Jump
-from llsrbm.scenario import Scenario
+from app.workers.cluster import Cluster
+from app.workers.pool import WorkerPool
+from app.workers.protocol import Failed, Partial, PlanJump, Planned, Simulated, SimulateJump
+from llsrbm.request.jump import Jump
+from llsrbm.request.scenario import Scenario
 
 TABS, DRAGGING, SIMULATING = 30, 10, 5
 STEP_SECONDS = 0.3  # between two requests of a hand on a slider

@@ -16,10 +16,11 @@ import math
 import numpy as np
 
 import llsrbm
-from llsrbm import jump_types, models
-from llsrbm.analysis.realised import realise
-from llsrbm.jump_types import with_defaults
-from llsrbm.planning.planner import planner_of
+from llsrbm import models
+from llsrbm.body.realised import realise
+from llsrbm.planning.solve.planner import planner_of
+from llsrbm.request import jump_types
+from llsrbm.request.jump_types import with_defaults
 
 
 def main() -> None:

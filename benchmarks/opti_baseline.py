@@ -16,11 +16,11 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
-from llsrbm.analysis.joint_loads import KnotMotion
+from llsrbm.body.joint_loads import KnotMotion
 from llsrbm.models.base import CentroidalModel
-from llsrbm.planning.rotations import quat_product, rotation_matrix
-from llsrbm.planning.task import Task
-from llsrbm.schedule import together
+from llsrbm.planning.problem.rotations import quat_product, rotation_matrix
+from llsrbm.planning.problem.task import Task
+from llsrbm.request.schedule import together
 
 GRAVITY = 9.81
 LEG_LENGTH = (0.25, 0.75)  # m, CoM to foot

@@ -20,10 +20,10 @@ from collections import Counter
 
 import numpy as np
 
-from app.compute.pool import WorkerPool
-from app.compute.protocol import Failed, Partial, PlanJump, Planned, SimulateJump
-from llsrbm.jump import Jump
-from llsrbm.scenario import Scenario
+from app.workers.pool import WorkerPool
+from app.workers.protocol import Failed, Partial, PlanJump, Planned, SimulateJump
+from llsrbm.request.jump import Jump
+from llsrbm.request.scenario import Scenario
 from tests.app.planners import ITERATING, SyntheticPlanner
 from tests.app.synthetic_plan import synthetic_plan
 

@@ -26,7 +26,7 @@ import typer
 from scipy.spatial.transform import Rotation
 
 import llsrbm
-from llsrbm.planning.planner import planner_for
+from llsrbm.planning.solve.planner import planner_for
 from llsrbm.robots import load_robot
 
 COMPONENTS = ("twist", "forward", "lateral", "height")

@@ -13,7 +13,7 @@ import sys
 import time
 
 import llsrbm
-from llsrbm.planning.planner import planner_for
+from llsrbm.planning.solve.planner import planner_for
 
 MODEL = "llsrbm-plus"
 

@@ -22,32 +22,32 @@ from llsrbm.errors import (
     RobotFileError,
     Stop,
 )
-from llsrbm.jump import Jump
-from llsrbm.push import Push
-from llsrbm.scenario import Scenario
-from llsrbm.tuning import Tuning
+from llsrbm.request.jump import Jump
+from llsrbm.request.push import Push
+from llsrbm.request.scenario import Scenario
+from llsrbm.request.tuning import Tuning
 
 if TYPE_CHECKING:
     from llsrbm.api import nearest, plan, simulate
-    from llsrbm.design import Design, dump_design, load_design
+    from llsrbm.files.loading import load
     from llsrbm.formats import export, load_motion
-    from llsrbm.motion.files import load
     from llsrbm.motion.plan import Plan
     from llsrbm.motion.rollout import Rollout
-    from llsrbm.planning.nearest import Nearest
+    from llsrbm.planning.why.nearest import Nearest
+    from llsrbm.request.design import Design, dump_design, load_design
 
 # CasADi and Pinocchio take most of a second to import: only when they are used.
 _LATER = {
     "plan": "llsrbm.api",
     "nearest": "llsrbm.api",
     "simulate": "llsrbm.api",
-    "Design": "llsrbm.design",
-    "dump_design": "llsrbm.design",
-    "load_design": "llsrbm.design",
+    "Design": "llsrbm.request.design",
+    "dump_design": "llsrbm.request.design",
+    "load_design": "llsrbm.request.design",
     "export": "llsrbm.formats",
-    "load": "llsrbm.motion.files",
+    "load": "llsrbm.files.loading",
     "load_motion": "llsrbm.formats",
-    "Nearest": "llsrbm.planning.nearest",
+    "Nearest": "llsrbm.planning.why.nearest",
     "Plan": "llsrbm.motion.plan",
     "Rollout": "llsrbm.motion.rollout",
 }

@@ -11,16 +11,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from llsrbm.errors import InputError
-from llsrbm.jump import Jump
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
 from llsrbm.ocp.solvers import names as solver_names
-from llsrbm.planning.nearest import Nearest, find_nearest
-from llsrbm.planning.placement import make_task
-from llsrbm.planning.planner import INTERVALS, planner_of
-from llsrbm.planning.progress import PlanningProgress
+from llsrbm.planning.problem.placement import make_task
+from llsrbm.planning.solve.planner import INTERVALS, planner_of
+from llsrbm.planning.solve.progress import PlanningProgress
+from llsrbm.planning.why.nearest import Nearest, find_nearest
+from llsrbm.request.jump import Jump
+from llsrbm.request.scenario import Scenario
 from llsrbm.robots import load_robot
-from llsrbm.scenario import Scenario
 
 
 def plan(
@@ -42,8 +42,8 @@ def plan(
         jump: the request.
         solver: "fatrop" or "ipopt".
         intervals: N, shared evenly by the three phases.
-        weights: cost name -> weight, in place of the defaults (`llsrbm.planning.costs`).
-        limits: limit name -> value, in place of the robot's (`llsrbm.planning.limits`).
+        weights: cost name -> weight, in place of the defaults (`llsrbm.planning.problem.costs`).
+        limits: limit name -> value, in place of the robot's (`llsrbm.planning.problem.limits`).
         near: a plan to start from, of another request to the same robot and model: a few degrees
             or centimetres away it takes a fifth of the time.
         guesses: begin from solutions nearby that come with the project, where there are some: with

@@ -37,11 +37,11 @@ class Stop:
     """What stops a plan: a constraint, and the limit in it that would have to be another.
 
     Attributes:
-        constraint: its name (`llsrbm.planning.constraints`).
+        constraint: its name (`llsrbm.planning.problem.constraints`).
         phase: name of the schedule's phase; time: s; where it is worst.
         amount: by how much, in `unit`: the limit would have to change, or, where there is no
             limit, the constraint is violated.
-        limit: its name (`llsrbm.planning.limits`); None: no limit alone would help.
+        limit: its name (`llsrbm.planning.problem.limits`); None: no limit alone would help.
         title: the limit in words.
         value: what the limit is, in `unit`; needed: what it would have to be.
         together: whether the other stops have to be removed as well; else any one does.

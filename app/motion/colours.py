@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from llsrbm.palette import (
+from llsrbm.look.palette import (
     BLOCK,
     COM,
     FOOT,

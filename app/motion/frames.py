@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from llsrbm.analysis.inertia_ellipsoid import ellipsoid
+from llsrbm.look.visuals import forward_kinematics
 from llsrbm.motion.rotation import rotation_matrices
 from llsrbm.motion.whole_body import WholeBodyMotion
-from llsrbm.robots.visuals import forward_kinematics
-from llsrbm.schedule import Schedule
+from llsrbm.request.schedule import Schedule
 
 Array = NDArray[np.float64]
 

@@ -20,7 +20,7 @@ Array = NDArray[np.float64]
 
 
 def frames_so_far(robot: Robot, time: Array, qpos: Array) -> Frames:
-    """Frames at the instants of `app.compute.protocol.SimulatedSoFar`.
+    """Frames at the instants of `app.workers.protocol.SimulatedSoFar`.
 
     Args:
         robot: that is simulated.

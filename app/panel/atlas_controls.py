@@ -11,9 +11,9 @@ from typing import Any
 
 import viser
 
+from app.guard.validation import option, put
 from app.panel.atlas_choice import AtlasChoice
 from app.panel.html import note
-from app.viser_link.validation import option, put
 from llsrbm.atlas.colours import COLOURS
 from llsrbm.atlas.jumps import Axis
 from llsrbm.atlas.map import ALL, NEAREST

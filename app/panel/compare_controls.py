@@ -7,9 +7,9 @@ from typing import Any
 
 import viser
 
+from app.guard.validation import put
 from app.panel.comparison_table import Column, comparison_table
 from app.panel.html import note
-from app.viser_link.validation import put
 
 _NONE = "nothing pinned"
 

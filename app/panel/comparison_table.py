@@ -18,7 +18,7 @@ class Column:
     """One design.
 
     Attributes:
-        title: its name (`llsrbm.titles`).
+        title: its name (`llsrbm.look.titles`).
         colour: of its ghost in the picture and its curves in the plots.
         figures: its row.
         recovered: whether it landed by the strict measure but for the feet's place; None: it was

@@ -7,12 +7,12 @@ from typing import Any
 
 import viser
 
+from app.file_drop import accept_drops
+from app.guard.uploads import take_upload
+from app.guard.validation import number, put
 from app.panel.html import note
-from app.viser_link.file_drop import accept_drops
-from app.viser_link.uploads import take_upload
-from app.viser_link.validation import number, put
-from llsrbm.design import Design
 from llsrbm.formats import readable
+from llsrbm.request.design import Design
 
 _NO_EXAMPLE = "choose ..."
 _RATE = "Rate of the file [1/s]"

@@ -8,8 +8,8 @@ from typing import Any
 
 import viser
 
+from app.guard.validation import number, option, put
 from app.panel.html import SMALL
-from app.viser_link.validation import number, option, put
 from llsrbm.formats import FORMATS, ORDERS, Format, Options
 
 SIMULATION, PLAN = "simulation", "plan"

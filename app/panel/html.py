@@ -9,16 +9,16 @@ from app.motion import colours
 from app.motion.colours import Rgb
 from app.motion.push_arrow import ARROW_PER_SPEED
 from app.panel.status import Status, Word
-from app.scene.overlays.centre_of_mass import CentreOfMass
-from app.scene.overlays.forces import ARROW_PER_WEIGHT, Forces
-from app.scene.overlays.ghosts import Ghosts
-from app.scene.overlays.inertia_ellipsoids import InertiaEllipsoids
-from app.scene.overlays.landing_marks import LandingMarks
-from app.scene.overlays.landing_region import LandingRegion
-from app.scene.overlays.new_plans import NewPlans
-from app.scene.overlays.pushes import Pushes
-from app.scene.overlays.trails import Trails
-from llsrbm.numerals import decimal
+from app.picture.overlays.centre_of_mass import CentreOfMass
+from app.picture.overlays.forces import ARROW_PER_WEIGHT, Forces
+from app.picture.overlays.ghosts import Ghosts
+from app.picture.overlays.inertia_ellipsoids import InertiaEllipsoids
+from app.picture.overlays.landing_marks import LandingMarks
+from app.picture.overlays.landing_region import LandingRegion
+from app.picture.overlays.new_plans import NewPlans
+from app.picture.overlays.pushes import Pushes
+from app.picture.overlays.trails import Trails
+from llsrbm.request.numerals import decimal
 
 PADDING = "padding:0.35em 0.9em"
 SMALL = f"{PADDING};font-size:0.8em;line-height:1.5"

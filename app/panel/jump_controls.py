@@ -9,12 +9,13 @@ from typing import Any
 
 import viser
 
+from app.guard.validation import number, option, put
 from app.panel.turn_choice import turn_amounts, turn_title, turns_offered
 from app.panel.types_offered import title_of_type, types_offered
-from app.viser_link.validation import number, option, put
-from llsrbm import jump_types, models
-from llsrbm.jump import MOST_HOPS, Jump
-from llsrbm.jump_types import JumpType
+from llsrbm import models
+from llsrbm.request import jump_types
+from llsrbm.request.jump import MOST_HOPS, Jump
+from llsrbm.request.jump_types import JumpType
 from llsrbm.robots import Robot, RobotFile
 from llsrbm.robots.schema import Task
 
@@ -203,7 +204,7 @@ class JumpControls:
 def titled(jump: Jump, robots: Mapping[str, RobotFile]) -> Jump:
     """The jump with the titles of its robot and model for their names, to be named by titles.
 
-    The first robot keeps its name: `llsrbm.titles` leaves it out.
+    The first robot keeps its name: `llsrbm.look.titles` leaves it out.
     """
     robot = jump.robot
     if robot != Jump().robot and robot in robots:

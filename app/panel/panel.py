@@ -1,8 +1,8 @@
 """One tab's controls and what they show. Labels are part of the contract.
 
 What is used all the time stands above: the status, the jump, its simulation and its export. The
-rest is in tabs below. The panel holds no facts: it is read (`app.session.controls`) and drawn
-(`app.session.rendering`) by the session's thread.
+rest is in tabs below. The panel holds no facts: it is read (`app.tab.controls`) and drawn
+(`app.tab.rendering`) by the session's thread.
 """
 
 from __future__ import annotations
@@ -23,10 +23,10 @@ from app.panel.simulation_controls import SimulationControls
 from app.panel.status import Status, Word
 from app.panel.tuning_controls import TuningControls
 from app.panel.view_controls import ViewControls
-from app.viser_link.designer_server import uuid_of
-from llsrbm.design import Design
+from app.viser_private import uuid_of
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
+from llsrbm.request.design import Design
 from llsrbm.robots import RobotFile
 
 _HELP = Path(__file__).parents[1] / "static" / "help.md"

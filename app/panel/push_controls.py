@@ -8,10 +8,10 @@ from typing import Any
 
 import viser
 
-from app.viser_link.validation import number, put
+from app.guard.validation import number, put
 from llsrbm.errors import InputError
-from llsrbm.push import LARGEST_IMPULSE, Push
-from llsrbm.scenario import Scenario
+from llsrbm.request.push import LARGEST_IMPULSE, Push
+from llsrbm.request.scenario import Scenario
 
 _LATEST = 10.0  # s; later than any motion ends
 _TIME = ("Push at [s]", 3)  # label and decimals shown

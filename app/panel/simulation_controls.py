@@ -7,11 +7,11 @@ from typing import Any
 
 import viser
 
+from app.guard.validation import number, put
 from app.panel.html import note
 from app.panel.push_controls import PushControls
-from app.viser_link.validation import number, put
+from llsrbm.request.scenario import Scenario
 from llsrbm.robots import RobotFile
-from llsrbm.scenario import Scenario
 from llsrbm.simulation.surroundings import TO_SPARE
 
 _NO_SEEDS = "No seeds tried yet: each one is another disturbance of the same plan."

@@ -13,10 +13,10 @@ from app.panel.html import SMALL, table
 from app.panel.status import Word
 from llsrbm.analysis.diagnosis import diagnose, fall_in_words
 from llsrbm.analysis.figures import figures_of_plan
-from llsrbm.analysis.peak_loads import planned_peak_load
+from llsrbm.body.peak_loads import planned_peak_load
 from llsrbm.motion.plan import Plan, Violation
 from llsrbm.motion.rollout import Outcome, Rollout
-from llsrbm.numerals import decimal, percent, power
+from llsrbm.request.numerals import decimal, percent, power
 from llsrbm.robots import load_robot
 
 _TOLD_OF_A_FALL = 4  # events; what follows them is the fall itself

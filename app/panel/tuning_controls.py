@@ -6,8 +6,8 @@ import viser
 
 from app.panel.html import note
 from app.panel.tuning_table import entries_of, tuning_table
+from llsrbm.request.tuning import Tuning
 from llsrbm.robots import Robot
-from llsrbm.tuning import Tuning
 
 _LINE = "Defaults. Hover a name to see the effect of increasing it."
 _CHANGED = "{} from the defaults. Hover a name to see the effect of increasing it."

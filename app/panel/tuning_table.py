@@ -9,10 +9,10 @@ from dataclasses import dataclass
 from html import escape
 from typing import Literal
 
-from llsrbm import jump_types
-from llsrbm.numerals import short
-from llsrbm.planning.costs import COSTS, default_weights
-from llsrbm.planning.placement import limits_of
+from llsrbm.planning.problem.costs import COSTS, default_weights
+from llsrbm.planning.problem.placement import limits_of
+from llsrbm.request import jump_types
+from llsrbm.request.numerals import short
 from llsrbm.robots import Robot
 
 Group = Literal["weights", "limits"]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Collection
 
-from llsrbm.jump import Jump
+from llsrbm.request.jump import Jump
 
 _TURNS: dict[str, tuple[str, float]] = {
     "back flip": ("pitch", -math.tau),

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from llsrbm import jump_types
 from llsrbm.errors import InputError
-from llsrbm.jump import Jump
-from llsrbm.jump_types import JumpType, with_defaults
+from llsrbm.request import jump_types
+from llsrbm.request.jump import Jump
+from llsrbm.request.jump_types import JumpType, with_defaults
 from llsrbm.robots import Robot
 
 

@@ -6,9 +6,9 @@ from typing import Any
 
 import viser
 
+from app.guard.validation import put
 from app.panel import html
-from app.scene.overlays import OVERLAYS
-from app.viser_link.validation import put
+from app.picture.overlays import OVERLAYS
 
 BRAND = (38, 92, 150)
 

@@ -8,6 +8,7 @@ from typing import Any
 
 import viser
 
+from app.guard.validation import option, put
 from app.plots.charts import Layer, components_offered, name_of
 from app.plots.choice import (
     ALL,
@@ -22,7 +23,6 @@ from app.plots.choice import (
 )
 from app.plots.signal import joint_kinds
 from app.plots.signals import SIGNALS
-from app.viser_link.validation import option, put
 
 _KEYS = {signal.title: key for key, signal in SIGNALS.items()}
 _NONE = "none"

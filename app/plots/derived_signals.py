@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from app.plots.choice import ALL_JOINTS
 from app.plots.course import Course, principal_moments, whole_body_inertia
 from app.plots.signal import Component, Level, Samples, Signal, joint_kinds, joint_tags
-from llsrbm.analysis.peak_loads import torque_share
+from llsrbm.body.peak_loads import torque_share
 from llsrbm.motion.rotation import rotation_matrices, yaw
 
 Array = NDArray[np.float64]

@@ -25,7 +25,7 @@ from app.plots.csv_file import csv_of
 from app.plots.figure import Figure, figure
 from app.plots.legend import legend, note
 from app.plots.uplot_chart import UplotChart
-from app.viser_link.designer_server import run_javascript, uuid_of
+from app.viser_private import run_javascript, uuid_of
 
 __all__ = ["Layer", "PlotChoice", "Plots"]
 

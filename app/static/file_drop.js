@@ -12,7 +12,7 @@
   };
 
   // An empty file of a type of its own says that it is too large: nobody waits for 100 MB that will
-  // be refused (app/viser_link/uploads.py).
+  // be refused (app/guard/uploads.py).
   window.addEventListener("change", (event) => {
     const input = event.target;
     const file = input instanceof HTMLInputElement && input.type === "file" && input.files[0];

@@ -1,4 +1,4 @@
-// The page's side of the link to its session (app/viser_link/page_link.py): it answers when the
+// The page's side of the link to its session (app/link.py): it answers when the
 // session calls, keeps what shall outlive the connection, and makes links that open a design.
 // First of all, it checks every field of viser's that the scripts lean on.
 (() => {

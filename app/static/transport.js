@@ -80,7 +80,7 @@
       back, play, pause, forth, clock, rate, repeat, events), track);
 
   let written = -Infinity;
-  let shown = null; // llsrbm/motion/timeline.py, `Timeline`
+  let shown = null; // llsrbm/look/timeline.py, `Timeline`
 
   function choose({ loop = player.loop, speed = player.speed }) {
     player.setLoop(loop);

@@ -13,8 +13,8 @@ from benchmarks.paper.result import AGREES, NOT, PARTLY, Result, Table
 from benchmarks.solve_child import wait_for_library
 from llsrbm.ocp.problem import Solution
 from llsrbm.ocp.solvers import PATIENT
-from llsrbm.planning.placement import make_task
-from llsrbm.planning.planner import planner_for
+from llsrbm.planning.problem.placement import make_task
+from llsrbm.planning.solve.planner import planner_for
 
 REPEATS = 9
 TASKS = {

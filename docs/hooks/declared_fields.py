@@ -2,8 +2,8 @@
 
 `<!-- fields of Scenario -->` becomes the meaning and range of each field of a request, and
 `<!-- arrays of Plan -->` the shape, unit, frame and meaning of each array of a result. Both stand
-beside the types in the code (`llsrbm.fields`, `llsrbm.motion.quantity`), where docstrings do not
-repeat them.
+beside the types in the code (`llsrbm.request.fields`, `llsrbm.motion.quantity`), where docstrings
+do not repeat them.
 """
 
 from __future__ import annotations
@@ -19,8 +19,8 @@ sys.path.insert(0, str(Path(__file__).parents[2]))  # the declarations of this v
 from markdown_text import table
 
 import llsrbm
-from llsrbm.fields import meanings
 from llsrbm.motion.quantity import quantities
+from llsrbm.request.fields import meanings
 
 PLACE = re.compile(r"<!-- (fields|arrays) of (\w+) -->")
 

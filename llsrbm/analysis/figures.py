@@ -15,14 +15,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from llsrbm.analysis.peak_loads import planned_peak_load
 from llsrbm.analysis.summary import peak_yaw_rate
+from llsrbm.body.peak_loads import planned_peak_load
 from llsrbm.motion.flights import flights, without_contact
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
 from llsrbm.motion.rotation import final_yaw, rotation_matrices
 from llsrbm.motion.whole_body import WholeBodyMotion
-from llsrbm.numerals import decimal
+from llsrbm.request.numerals import decimal
 
 Array = NDArray[np.float64]
 

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from llsrbm.motion.rollout import Rollout
-from llsrbm.schedule import Schedule, together
+from llsrbm.request.schedule import Schedule, together
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from llsrbm.analysis.peak_loads import planned_torque_shares
+from llsrbm.body.peak_loads import planned_torque_shares
 from llsrbm.motion.description import json_value
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rotation import final_yaw

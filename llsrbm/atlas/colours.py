@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from llsrbm.atlas.jumps import Jumps
-from llsrbm.palette import Rgb
+from llsrbm.look.palette import Rgb
 
 Array = NDArray[np.float64]
 

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from llsrbm.jump import Jump
+from llsrbm.request.jump import Jump
 from llsrbm.sweep.rows import LIMIT, NOT_PLANNED
 
 Array = NDArray[np.float64]

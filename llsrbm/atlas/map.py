@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from llsrbm.atlas.colours import COLOURS, Colour, of_share, of_stop
 from llsrbm.atlas.jumps import Axis, Jumps
-from llsrbm.palette import Rgb
+from llsrbm.look.palette import Rgb
 
 Array = NDArray[np.float64]
 

@@ -13,7 +13,7 @@ from llsrbm.atlas.colours import SCALE, of_stop
 from llsrbm.atlas.jumps import words_of
 from llsrbm.atlas.map import Map
 from llsrbm.errors import Error, InputError
-from llsrbm.palette import Rgb
+from llsrbm.look.palette import Rgb
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -156,7 +156,7 @@ def _summary(drawn: Map) -> dict[str, Any]:
 
 
 def _description(result: dict[str, Any]) -> dict[str, str]:
-    from llsrbm.numerals import percent
+    from llsrbm.request.numerals import percent
 
     lines = {"sweep": result["title"]}
     for found in result["maps"]:

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from llsrbm.analysis.figures import DesignFigures
-    from llsrbm.motion.files import Trajectory
+    from llsrbm.files.loading import Trajectory
     from llsrbm.motion.whole_body import WholeBodyMotion
 
 _WIDEST = 10_000  # characters of a line
@@ -73,10 +73,10 @@ def _row(motion: Trajectory | WholeBodyMotion) -> DesignFigures:
 
 def _titles(motions: Sequence[Trajectory | WholeBodyMotion]) -> list[str]:
     """Of designs what tells them apart; of other tools' motions what kind of file they are from."""
+    from llsrbm.look.titles import Decisions, titles_of
     from llsrbm.motion.plan import Plan
     from llsrbm.motion.rollout import Rollout
-    from llsrbm.titles import Decisions, titles_of
-    from llsrbm.tuning import Tuning
+    from llsrbm.request.tuning import Tuning
 
     designs: list[Decisions] = []
     for motion in motions:

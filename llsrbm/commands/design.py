@@ -12,7 +12,7 @@ from llsrbm.commands import console
 from llsrbm.commands.jump_options import requested_jump
 
 if TYPE_CHECKING:
-    from llsrbm.design import Design
+    from llsrbm.request.design import Design
 
 DesignOption = Annotated[
     str | None,
@@ -26,7 +26,7 @@ DesignOption = Annotated[
 
 def designs_command() -> int:
     """List the designs that come with the project."""
-    from llsrbm.examples import examples
+    from llsrbm.request.examples import examples
 
     listed = examples()
     width = max(len(name) for name in listed)
@@ -39,11 +39,11 @@ def requested_design(name_or_path: str | None, asked: Mapping[str, Any]) -> Desi
     """The design that was named, its jump as the options of a command line change it.
 
     Args:
-        name_or_path: as `llsrbm.examples.find_design` takes it; None: only the jump.
+        name_or_path: as `llsrbm.request.examples.find_design` takes it; None: only the jump.
         asked: as `llsrbm.commands.jump_options.requested_jump` takes it.
     """
-    from llsrbm.design import Design
-    from llsrbm.examples import find_design
+    from llsrbm.request.design import Design
+    from llsrbm.request.examples import find_design
 
     if name_or_path is None:
         return Design(requested_jump(asked))

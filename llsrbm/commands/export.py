@@ -44,8 +44,8 @@ def export_command(
 
     Options that are left out are as each format has them; see `llsrbm formats --format F`.
     """
+    from llsrbm.files.loading import load
     from llsrbm.formats import export
-    from llsrbm.motion.files import load
 
     values: dict[str, Any] = {"fps": fps, "pad": pad, "order": order}
     given = {name: value for name, value in values.items() if options.is_given(context, name)}
@@ -76,7 +76,7 @@ def formats_command(
 
 def _told(format_: Format) -> list[str]:
     """What there is to know about a format, line by line."""
-    from llsrbm.formats.csv_columns import quantity_rows
+    from llsrbm.formats.tables.csv_columns import quantity_rows
 
     lines = [f"{format_.name}: {format_.title}{_needs(format_)}", ""]
     lines += format_.conventions.strip().splitlines()

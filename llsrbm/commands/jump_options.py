@@ -12,7 +12,7 @@ from typing import Any, get_type_hints
 import typer
 
 from llsrbm.commands import options
-from llsrbm.jump import ASKABLE, Jump
+from llsrbm.request.jump import ASKABLE, Jump
 
 ANGLES = frozenset({"twist", "roll", "pitch"})  # degrees on the command line
 
@@ -79,7 +79,7 @@ def requested_jump(asked: Mapping[str, Any], jump: Jump | None = None) -> Jump:
     changed = replace(jump or Jump(), **asked)
     if "type" not in asked:
         return changed
-    from llsrbm.jump_types import with_defaults  # slow to import
+    from llsrbm.request.jump_types import with_defaults  # slow to import
 
     return with_defaults(changed, asked)
 

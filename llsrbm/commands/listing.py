@@ -9,7 +9,7 @@ from llsrbm.commands import console, options
 from llsrbm.commands.jump_options import ANGLES
 
 if TYPE_CHECKING:
-    from llsrbm.jump_types import JumpType
+    from llsrbm.request.jump_types import JumpType
 
 
 def robots_command() -> int:
@@ -31,7 +31,7 @@ def models_command() -> int:
 
 def types_command() -> int:
     """List the types of jumps, with the options that each takes beside where to land."""
-    from llsrbm import jump_types
+    from llsrbm.request import jump_types
 
     rows = {
         name: f"{kind.title}: {kind.summary}{_asked(kind)}"
@@ -54,8 +54,8 @@ def _asked(kind: JumpType) -> str:
 
 def tuning_command(robot: options.Robot = "anymal") -> int:
     """List the weights and limits that a request may change, with the robot's own values."""
-    from llsrbm.planning.costs import COSTS, default_weights
-    from llsrbm.planning.placement import limits_of
+    from llsrbm.planning.problem.costs import COSTS, default_weights
+    from llsrbm.planning.problem.placement import limits_of
     from llsrbm.robots import load_robot
 
     loaded = load_robot(robot)

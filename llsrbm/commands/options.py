@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from llsrbm.errors import InputError
-from llsrbm.tuning import Tuning
+from llsrbm.request.tuning import Tuning
 
 Robot = Annotated[str, typer.Option(help="A name (see `llsrbm robots`) or a robot file's path.")]
 Planner = Annotated[str, typer.Option(help="fatrop or ipopt.")]
@@ -52,7 +52,7 @@ def requested_tuning(tuning: Tuning, weight: list[str] | None, limit: list[str] 
     Raises:
         InputError: not NAME=VALUE. Names and ranges are checked when something is planned.
     """
-    from llsrbm.planning.limits import limit_unit
+    from llsrbm.planning.problem.limits import limit_unit
 
     weights = dict(_assignment("--weight", given) for given in weight or [])
     limits = dict(_assignment("--limit", given) for given in limit or [])

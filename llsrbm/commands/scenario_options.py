@@ -11,9 +11,9 @@ from typing import Any, get_type_hints
 import typer
 
 from llsrbm.commands import options
-from llsrbm.fields import meanings
-from llsrbm.push import PushList, parse_push
-from llsrbm.scenario import Scenario
+from llsrbm.request.fields import meanings
+from llsrbm.request.push import PushList, parse_push
+from llsrbm.request.scenario import Scenario
 
 _PARAMETERS = {"solver": "qp_solver"}  # `--solver` is the planner's
 _FLAGS = {"half_board": "--half-board/--whole-board", "pushes": "--push"}

@@ -15,8 +15,8 @@ from llsrbm.commands.design import DesignOption, requested_design
 from llsrbm.commands.jump_options import in_words, with_jump_options
 from llsrbm.commands.scenario_options import with_scenario_options
 from llsrbm.errors import InputError
-from llsrbm.push import Push
-from llsrbm.scenario import Scenario
+from llsrbm.request.push import Push
+from llsrbm.request.scenario import Scenario
 
 if TYPE_CHECKING:
     from llsrbm.motion.plan import Plan

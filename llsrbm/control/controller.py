@@ -18,9 +18,9 @@ from llsrbm.control.swing import UnderWay
 from llsrbm.control.whole_body import WholeBody
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Mode
+from llsrbm.request.scenario import Scenario
 from llsrbm.robots import Robot
 from llsrbm.robots.drives import torque_range
-from llsrbm.scenario import Scenario
 
 Array = NDArray[np.float64]
 

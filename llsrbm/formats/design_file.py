@@ -2,18 +2,18 @@
 
 The request, the weights and limits that differ from the robot's own, and of a simulation its
 scenario: what `llsrbm plan --design`, `llsrbm simulate --design` and the page open. SI units,
-angles in rad; `llsrbm.design` says what stands where.
+angles in rad; `llsrbm.request.design` says what stands where.
 """
 
 from __future__ import annotations
 
 from pathlib import Path
 
-from llsrbm.design import SUFFIX, Design, dump_design
 from llsrbm.errors import InputError
+from llsrbm.files.loading import Trajectory
 from llsrbm.formats.base import Format, Options
-from llsrbm.motion.files import Trajectory
 from llsrbm.motion.plan import Plan
+from llsrbm.request.design import SUFFIX, Design, dump_design
 
 
 def write_design(trajectory: Trajectory, path: Path, options: Options) -> None:

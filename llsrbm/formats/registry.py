@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from llsrbm.errors import InputError
 from llsrbm.formats.base import Format
-from llsrbm.formats.csv_table import CSV
 from llsrbm.formats.design_file import DESIGN
 from llsrbm.formats.logs.mcap_log import MCAP
 from llsrbm.formats.logs.rerun_log import RRD
 from llsrbm.formats.mujoco.folder import MUJOCO
-from llsrbm.formats.npz import NPZ
 from llsrbm.formats.pictures.gif import GIF
 from llsrbm.formats.pictures.html_replay import HTML
 from llsrbm.formats.pictures.mp4 import MP4
@@ -18,6 +16,8 @@ from llsrbm.formats.references.mimickit_pkl import MIMICKIT_PKL
 from llsrbm.formats.references.motion_imitation_json import MOTION_IMITATION_JSON
 from llsrbm.formats.references.motion_npz import MOTION_NPZ
 from llsrbm.formats.references.unitree_csv import UNITREE_CSV
+from llsrbm.formats.tables.csv_table import CSV
+from llsrbm.formats.tables.npz import NPZ
 
 # In the order in which they are listed and offered.
 FORMATS: dict[str, Format] = {

@@ -28,7 +28,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from llsrbm.robots.body import knee_joint
+from llsrbm.body.trunk_and_knees import knee_joint
 from llsrbm.robots.leg_fit import quadratic_features, sampled_legs
 from llsrbm.robots.robot import Robot
 

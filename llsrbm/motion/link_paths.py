@@ -42,7 +42,7 @@ def link_paths(
     Args:
         robot: whose.
         body_position: (K, B, 3) m and body_quat: (K, B, 4) w, x, y, z, as
-            `llsrbm.robots.visuals.forward_kinematics` gives them.
+            `llsrbm.look.visuals.forward_kinematics` gives them.
         world: what the root link's parent is called.
     """
     model = robot.model

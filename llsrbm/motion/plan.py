@@ -10,7 +10,6 @@ from typing import Annotated, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from llsrbm.jump import Jump
 from llsrbm.motion.quantity import (
     CONTACT,
     HIP,
@@ -25,10 +24,11 @@ from llsrbm.motion.quantity import (
     Kind,
     Quantity,
 )
-from llsrbm.obstacle import Obstacle
 from llsrbm.ocp.problem import Iterate
-from llsrbm.schedule import Schedule, together
-from llsrbm.tuning import Tuning
+from llsrbm.request.jump import Jump
+from llsrbm.request.obstacle import Obstacle
+from llsrbm.request.schedule import Schedule, together
+from llsrbm.request.tuning import Tuning
 
 
 @dataclass(frozen=True)
@@ -243,7 +243,7 @@ class Plan:
             (TIME, JOINT),
             "Nm",
             "by inverse dynamics of the whole body in the middle of the interval that begins "
-            "there (`llsrbm.analysis.joint_loads`); the last instant's are those of standing",
+            "there (`llsrbm.body.joint_loads`); the last instant's are those of standing",
             Between.HELD,
         ),
     ] = None
@@ -325,7 +325,7 @@ class Plan:
 
     def save(self, path: str | Path) -> None:
         """Write the native npz file (schema llsrbm.plan/2); see `llsrbm.load`."""
-        from llsrbm.motion.plan_file import save_plan
+        from llsrbm.files.plan_file import save_plan
 
         save_plan(self, path)
 

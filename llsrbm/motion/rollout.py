@@ -10,7 +10,6 @@ from typing import Annotated, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from llsrbm.jump import Jump
 from llsrbm.motion.plan import Plan, leg_names, sliding_joints
 from llsrbm.motion.quantity import (
     JOINT,
@@ -28,9 +27,10 @@ from llsrbm.motion.quantity import (
 )
 from llsrbm.motion.replan import Replan
 from llsrbm.motion.rotation import rotation_matrices
-from llsrbm.push import Push
-from llsrbm.scenario import Scenario
-from llsrbm.schedule import Schedule, together
+from llsrbm.request.jump import Jump
+from llsrbm.request.push import Push
+from llsrbm.request.scenario import Scenario
+from llsrbm.request.schedule import Schedule, together
 
 
 class Mode(IntEnum):
@@ -423,6 +423,6 @@ class Rollout:
         Raises:
             InputError: the file cannot be written.
         """
-        from llsrbm.motion.rollout_file import save_rollout
+        from llsrbm.files.rollout_file import save_rollout
 
         save_rollout(self, path)

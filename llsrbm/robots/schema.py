@@ -211,7 +211,7 @@ class RobotFile(Table):
         foot, reach, limits, timing, task, example, control, uncertainty: see there.
         turning: likewise; a robot without it does no flips.
         planning: cost name -> weight, where this robot wants another one than
-            `llsrbm.planning.costs` has.
+            `llsrbm.planning.problem.costs` has.
     """
 
     name: Annotated[str, Field(pattern=r"^[a-z0-9][a-z0-9_-]*$")]

@@ -8,9 +8,9 @@ from typing import Any
 from llsrbm.control import detection, landing, solvers
 from llsrbm.errors import InputError
 from llsrbm.motion.plan import Plan
-from llsrbm.planning.residuals import describe_worst
+from llsrbm.planning.why.residuals import describe_worst
+from llsrbm.request.scenario import Scenario
 from llsrbm.robots import Robot
-from llsrbm.scenario import Scenario
 from llsrbm.simulation.sensors import check_estimator
 
 _SAME_MASS = 1e-6  # relative; what arithmetic of another machine may make of the same URDF

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from llsrbm.motion.rollout import Disturbance
-from llsrbm.scenario import Scenario
+from llsrbm.request.scenario import Scenario
 
 # Spread of the robustness benchmark, at noise 1. What the controller believes about its own errors
 # is stated elsewhere, in the robot file's [uncertainty]: the two are independent.

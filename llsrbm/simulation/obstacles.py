@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from llsrbm.obstacle import Obstacle
+from llsrbm.request.obstacle import Obstacle
 from llsrbm.simulation.block import Block
 
 Array = NDArray[np.float64]

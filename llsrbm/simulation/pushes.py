@@ -8,8 +8,8 @@ import numpy as np
 
 from llsrbm.errors import InputError
 from llsrbm.motion.plan import Plan
-from llsrbm.push import DURATION, Push
-from llsrbm.scenario import Scenario
+from llsrbm.request.push import DURATION, Push
+from llsrbm.request.scenario import Scenario
 from llsrbm.simulation.episode import Hook, Situation
 
 

@@ -23,9 +23,9 @@ from llsrbm.control.swing import UnderWay
 from llsrbm.control.whole_body import WholeBody
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.replan import Replan
-from llsrbm.planning.replanner import Answer, Replanner
-from llsrbm.planning.stage import GRAVITY
-from llsrbm.planning.under_way import State
+from llsrbm.planning.problem.stage import GRAVITY
+from llsrbm.planning.replan.replanner import Answer, Replanner
+from llsrbm.planning.replan.under_way import State
 from llsrbm.robots import Robot
 from llsrbm.simulation.episode import Hook, Situation
 

@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 from llsrbm.control.measurement import Measurement
 from llsrbm.errors import InputError
 from llsrbm.motion.rollout import Disturbance
+from llsrbm.request.scenario import Scenario
 from llsrbm.robots import Robot
-from llsrbm.scenario import Scenario
 from llsrbm.simulation.world import TickResult
 
 Array = NDArray[np.float64]

@@ -12,8 +12,8 @@ from llsrbm.control.controller import WholeBodyController
 from llsrbm.control.reference import braking_time
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
+from llsrbm.request.scenario import Scenario
 from llsrbm.robots import Robot
-from llsrbm.scenario import Scenario
 from llsrbm.simulation.disturbance import draw_disturbance
 from llsrbm.simulation.episode import Episode, Hook
 from llsrbm.simulation.pushes import Pushes

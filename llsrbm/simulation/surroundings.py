@@ -13,9 +13,9 @@ from llsrbm.motion.footholds import foothold_knots
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.resample import resample
 from llsrbm.motion.rotation import yaw
+from llsrbm.request.scenario import Scenario
 from llsrbm.robots.foot_contact import foot_contacts
 from llsrbm.robots.robot import Robot
-from llsrbm.scenario import Scenario
 from llsrbm.simulation.block import Block as Block
 from llsrbm.simulation.obstacles import Standing, ground_and_blocks
 

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Disturbance
+from llsrbm.request.scenario import Scenario
 from llsrbm.robots.robot import Robot
-from llsrbm.scenario import Scenario
 from llsrbm.simulation.contacts import ContactReader
 from llsrbm.simulation.drives import Drives
 from llsrbm.simulation.scene import build_scene

@@ -10,7 +10,7 @@ from pydantic import BeforeValidator, Field, model_validator
 from pydantic_core import PydanticCustomError
 
 from llsrbm.errors import InputError
-from llsrbm.jump import Jump
+from llsrbm.request.jump import Jump
 from llsrbm.robots.tables import Table
 
 DEGREES = "_deg"

@@ -20,11 +20,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from llsrbm.errors import Error, InputError
+from llsrbm.files.writing import staged
 from llsrbm.formats.base import Options
 from llsrbm.formats.datasets.base import DatasetFormat, Episode
 from llsrbm.formats.datasets.registry import find_dataset_format
-from llsrbm.jump import Jump
-from llsrbm.motion.writing import staged
+from llsrbm.request.jump import Jump
 from llsrbm.sweep import rows as row
 from llsrbm.sweep.points import Point
 from llsrbm.sweep.shard import origin, plan_of, rollout_of
@@ -35,7 +35,7 @@ from llsrbm.version import package_version
 if TYPE_CHECKING:
     import pyarrow as pa
 
-    from llsrbm.motion.files import Trajectory
+    from llsrbm.files.loading import Trajectory
 
 SOURCES = ("rollout", "plan")
 SCHEMA = "llsrbm.dataset/1"

@@ -33,7 +33,7 @@ def solved(plan: Plan) -> dict[str, Any]:
 
 def stopped(error: NotConverged, diagnosed: bool) -> dict[str, Any]:
     """What stops a jump: diagnosed, the limit; else the constraint that is violated most."""
-    from llsrbm.planning.residuals import severity
+    from llsrbm.planning.why.residuals import severity
 
     violations = error.plan.violations
     worst = max(violations, key=lambda name: severity(violations[name]), default=None)
@@ -57,8 +57,8 @@ def stopped(error: NotConverged, diagnosed: bool) -> dict[str, Any]:
 
 def figures(plan: Plan, robot: Robot) -> dict[str, Any]:
     """Durations, margins and loads of a plan."""
-    from llsrbm.analysis.peak_loads import planned_peak_load, planned_torque_shares
     from llsrbm.analysis.summary import peak_yaw_rate
+    from llsrbm.body.peak_loads import planned_peak_load, planned_torque_shares
     from llsrbm.motion.rotation import final_yaw
 
     durations = np.diff(plan.phase_start)
@@ -105,7 +105,7 @@ def _joints(plan: Plan, robot: Robot) -> dict[str, Any]:
 
 def _forces(plan: Plan, robot: Robot) -> dict[str, Any]:
     """Forces at contacts, and how much of the friction they use."""
-    from llsrbm.planning.stage import GRAVITY
+    from llsrbm.planning.problem.stage import GRAVITY
 
     force = plan.contact_force
     tangential = np.hypot(force[..., 0], force[..., 1])

@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from llsrbm.errors import InputError
-from llsrbm.jump import Jump
+from llsrbm.request.jump import Jump
 from llsrbm.robots.schema import choices
 from llsrbm.sweep.axes import COUNTED, ROBOT_RANGES
 from llsrbm.sweep.spec import Spec
@@ -179,14 +179,14 @@ def _sobol(dimensions: int, seed: int, block: int) -> NDArray[np.float64]:
 
 def _of_type(jump: Jump, fields: dict[str, Any]) -> Jump:
     """With what is asked, and of the rest what its type says."""
-    from llsrbm.jump_types import with_defaults
+    from llsrbm.request.jump_types import with_defaults
 
     return with_defaults(replace(jump, **fields), fields)
 
 
 def _checked_ranges(robot: str, spec: Spec) -> dict[str, tuple[float, float]]:
     """What the robot's file says may be asked, once the names of limits have been checked."""
-    from llsrbm.planning.placement import limits_of
+    from llsrbm.planning.problem.placement import limits_of
     from llsrbm.robots import load_robot
 
     loaded = load_robot(robot)
@@ -199,8 +199,8 @@ def _checked_ranges(robot: str, spec: Spec) -> dict[str, tuple[float, float]]:
 
 
 def _check_names(spec: Spec) -> None:
-    from llsrbm.jump_types import load_type
     from llsrbm.models import check_name
+    from llsrbm.request.jump_types import load_type
 
     for model in spec.models:
         check_name(model)

@@ -25,7 +25,7 @@ from llsrbm.version import package_version
 if TYPE_CHECKING:
     from llsrbm.motion.plan import Plan
     from llsrbm.motion.rollout import Rollout
-    from llsrbm.planning.planner import Planner
+    from llsrbm.planning.solve.planner import Planner
     from llsrbm.robots.robot import Robot
 
 _HASH_DIGITS = 16
@@ -159,7 +159,7 @@ def _robot(point: Point) -> Robot:
 
 
 def _planner(point: Point) -> Planner:
-    from llsrbm.planning.planner import planner_of
+    from llsrbm.planning.solve.planner import planner_of
 
     planner = planner_of(point.jump, robot=_robot(point))
     planner.formulation.solver.settle()

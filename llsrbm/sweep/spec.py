@@ -34,9 +34,9 @@ from pydantic import AfterValidator, Field, model_validator
 from pydantic_core import PydanticCustomError
 
 from llsrbm.errors import InputError, printable
-from llsrbm.jump import Jump
+from llsrbm.request.jump import Jump
+from llsrbm.request.scenario import Scenario
 from llsrbm.robots.tables import Table, with_tuples
-from llsrbm.scenario import Scenario
 from llsrbm.sweep.axes import (
     DEGREES,
     Axis,

@@ -2,10 +2,10 @@ from __future__ import annotations
 
 import pytest
 
-from app.compute.pool import WorkerPool
-from app.server.server import Designer
+from app.designer import Designer
+from app.workers.pool import WorkerPool
+from llsrbm.look.visuals import link_visuals
 from llsrbm.robots import load_robot
-from llsrbm.robots.visuals import link_visuals
 from tests.app.planners import SyntheticPlanner
 from tests.app.raw_tab import RawTab
 from tests.app.shared_page import fresh, visit

@@ -12,11 +12,11 @@ from pathlib import Path
 
 import numpy as np
 
-from llsrbm.design import Design, dump_design
-from llsrbm.jump import Jump
 from llsrbm.ocp.problem import Iterate
-from llsrbm.scenario import Scenario
-from llsrbm.tuning import Tuning
+from llsrbm.request.design import Design, dump_design
+from llsrbm.request.jump import Jump
+from llsrbm.request.scenario import Scenario
+from llsrbm.request.tuning import Tuning
 from tests.app.synthetic_plan import synthetic_plan
 from tests.llsrbm.synthetic_rollout import synthetic_rollout
 

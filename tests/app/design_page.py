@@ -5,12 +5,12 @@ from __future__ import annotations
 import contextlib
 import queue
 
+from app.guard.access import Access
+from app.guard.guard import Guard
+from app.page_template import page
 from app.panel.design_controls import DesignControls
-from app.server.access import Access
-from app.server.guard import Guard
-from app.server.page_template import page
-from app.viser_link.designer_server import DesignerServer
-from llsrbm.examples import examples
+from app.viser_private import DesignerServer
+from llsrbm.request.examples import examples
 
 
 class DesignPage:

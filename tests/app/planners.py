@@ -11,16 +11,16 @@ from pathlib import Path
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from app.compute.file_reading import open_file
-from app.compute.opened_file import OpenedFile, States
-from app.compute.worker import exported
+from app.workers.file_reading import open_file
+from app.workers.opened_file import OpenedFile, States
+from app.workers.worker import exported
 from llsrbm import errors
 from llsrbm.errors import InputError
-from llsrbm.jump import Jump
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.whole_body import motion_of_states
+from llsrbm.request.jump import Jump
+from llsrbm.request.schedule import together
 from llsrbm.robots import load_robot
-from llsrbm.schedule import together
 from tests.app.synthetic_plan import synthetic_plan
 from tests.app.synthetic_replans import with_replans
 from tests.llsrbm.synthetic_rollout import followed, synthetic_rollout

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import queue
 
-from app.compute.protocol import Partial, PlanJump, Progress, SimulateJump
-from llsrbm.jump import Jump
-from llsrbm.scenario import Scenario
+from app.workers.protocol import Partial, PlanJump, Progress, SimulateJump
+from llsrbm.request.jump import Jump
+from llsrbm.request.scenario import Scenario
 from tests.app.synthetic_plan import synthetic_plan
 
 

@@ -7,12 +7,12 @@ from functools import cache
 
 import numpy as np
 
-from app.compute.protocol import Planned, Prepared, Simulated
-from app.session.effects import After, Keep, LoadRobot, Notify, Submit
-from app.session.events import JumpChosen, Reported, RobotLoaded
-from app.session.opening import first_state
-from app.session.results import draw_robot
-from app.session.update import update
+from app.tab.effects import After, Keep, LoadRobot, Notify, Submit
+from app.tab.events import JumpChosen, Reported, RobotLoaded
+from app.tab.opening import first_state
+from app.tab.results import draw_robot
+from app.tab.update import update
+from app.workers.protocol import Planned, Prepared, Simulated
 from llsrbm.ocp.problem import Iterate
 from llsrbm.robots import load_robot, read_robot_file
 from llsrbm.robots.assets import robot_files

@@ -5,8 +5,8 @@ from __future__ import annotations
 import sys
 import threading
 
-from app.compute.pool import WorkerPool
-from app.server.server import Designer
+from app.designer import Designer
+from app.workers.pool import WorkerPool
 from tests.app.planners import SyntheticPlanner
 
 if __name__ == "__main__":

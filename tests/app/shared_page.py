@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+from app.picture.overlays import AT_FIRST
 from app.plots.choice import DEFAULT
-from app.scene.overlays import AT_FIRST
-from app.session.events import DesignChosen, Opened, PlotsChosen, UnpinWanted, ViewChosen
-from app.session.opening import first_state
+from app.tab.events import DesignChosen, Opened, PlotsChosen, UnpinWanted, ViewChosen
+from app.tab.opening import first_state
 from tests.app.chromium import BASE, VIEW, opened, status, tab, wait_until
 from tests.app.synthetic_plan import synthetic_plan
 

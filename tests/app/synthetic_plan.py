@@ -11,11 +11,11 @@ import numpy as np
 import pinocchio as pin
 from scipy.spatial.transform import Rotation
 
-from llsrbm.jump import Jump
-from llsrbm.jump_types import schedule_of
 from llsrbm.motion.plan import Plan, SolveReport, Violation
+from llsrbm.request.jump import Jump
+from llsrbm.request.jump_types import schedule_of
+from llsrbm.request.schedule import Schedule
 from llsrbm.robots import load_robot
-from llsrbm.schedule import Schedule
 
 GRAVITY = 9.81
 STAND, FLY = 0.4, 0.5

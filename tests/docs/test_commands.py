@@ -12,12 +12,13 @@ import tomllib
 import pytest
 import typer
 
-from llsrbm import jump_types, models
+from llsrbm import models
 from llsrbm.cli import app, main
-from llsrbm.examples import find_design
 from llsrbm.formats import FORMATS
-from llsrbm.planning.costs import default_weights
-from llsrbm.planning.limits import limit_unit
+from llsrbm.planning.problem.costs import default_weights
+from llsrbm.planning.problem.limits import limit_unit
+from llsrbm.request import jump_types
+from llsrbm.request.examples import find_design
 from llsrbm.robots import names as robot_names
 from tests.docs.benchmark_commands import check_benchmark, parse
 from tests.docs.pages import PAGES, ROOT, blocks, commands, inline_code, name_of

@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 import yaml
 
-from llsrbm import jump_types
 from llsrbm.cli import main
+from llsrbm.request import jump_types
 from llsrbm.robots import load_robot
 from llsrbm.robots.assets import assets_directory, robot_files
 from llsrbm.robots.schema import RobotFile

@@ -9,8 +9,8 @@ import sys
 import pytest
 
 import llsrbm
-from llsrbm import jump_types
 from llsrbm.formats import FORMATS
+from llsrbm.request import jump_types
 from llsrbm.robots import names
 from tests.docs.pages import ROOT
 

@@ -18,19 +18,19 @@ import numpy as np
 
 from llsrbm.analysis.figures import figures_of_plan, figures_of_rollout
 from llsrbm.analysis.summary import plan_summary, worst_violation
-from llsrbm.design import Design, dump_design, load_design
 from llsrbm.errors import Error, FileFormatError, InputError
+from llsrbm.files.loading import load
+from llsrbm.files.plan_file import FIRST_LAYOUT, FIRST_SCHEMA
 from llsrbm.formats import export
-from llsrbm.jump import Jump
+from llsrbm.look.timeline import timeline
+from llsrbm.look.titles import title_of
 from llsrbm.motion.description import description
-from llsrbm.motion.files import load
 from llsrbm.motion.plan import Plan
-from llsrbm.motion.plan_file import FIRST_LAYOUT, FIRST_SCHEMA
 from llsrbm.motion.resample import resample
-from llsrbm.motion.timeline import timeline
 from llsrbm.motion.whole_body import whole_body_motion
+from llsrbm.request.design import Design, dump_design, load_design
+from llsrbm.request.jump import Jump
 from llsrbm.robots import load_robot
-from llsrbm.titles import title_of
 from tests.llsrbm.synthetic import TWO_HOPS, TWO_HOPS_DURATIONS, synthetic_plan
 from tests.llsrbm.synthetic_rollout import followed, synthetic_rollout
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from llsrbm.errors import FileFormatError
-from llsrbm.motion.files import load
+from llsrbm.files.loading import load
 
 
 def rewritten(path, out, **changes):

@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.quantity import TIME, quantities
 from llsrbm.motion.rotation import sign_continuous
-from llsrbm.schedule import TIMINGS, Phase, Schedule
+from llsrbm.request.schedule import TIMINGS, Phase, Schedule
 from tests.llsrbm.synthetic import LEGS
 
 _POINTS = ("com", "base_position", "foot_position", "contact_point", "leg_com")

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from llsrbm.jump import Jump
 from llsrbm.motion.plan import Plan, SolveReport, Violation
-from llsrbm.schedule import Phase, Schedule, together
+from llsrbm.request.jump import Jump
+from llsrbm.request.schedule import Phase, Schedule, together
 
 GRAVITY = np.array([0.0, 0.0, -9.81])
 LEGS = ("LF", "RF", "LH", "RH")

@@ -10,7 +10,7 @@ from scipy.interpolate import BPoly
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.resample import resample
 from llsrbm.motion.rollout import Disturbance, Mode, Outcome, Rollout
-from llsrbm.scenario import Scenario
+from llsrbm.request.scenario import Scenario
 from tests.llsrbm.synthetic import GRAVITY, quat_about_z, rotation_about_z, synthetic_plan
 
 RATE = 400.0  # Hz

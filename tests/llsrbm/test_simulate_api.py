@@ -12,8 +12,8 @@ import pytest
 import llsrbm
 from llsrbm.errors import InputError
 from llsrbm.motion.plan import Violation
+from llsrbm.request.scenario import Scenario
 from llsrbm.robots import load_robot
-from llsrbm.scenario import Scenario
 from llsrbm.simulation import simulate as simulator
 from tests.llsrbm.synthetic import synthetic_plan
 from tests.llsrbm.synthetic_rollout import synthetic_rollout

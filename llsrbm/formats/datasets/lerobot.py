@@ -27,11 +27,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from llsrbm.errors import InputError
+from llsrbm.files.loading import Trajectory
+from llsrbm.files.writing import staged
 from llsrbm.formats.base import Options
 from llsrbm.formats.datasets.base import DatasetFormat, Episode
-from llsrbm.motion.files import Trajectory
 from llsrbm.motion.whole_body import WholeBodyMotion, whole_body_motion
-from llsrbm.motion.writing import staged
 
 if TYPE_CHECKING:
     import pyarrow as pa

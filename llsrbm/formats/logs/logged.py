@@ -9,14 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from llsrbm.motion.files import Trajectory
+from llsrbm.files.loading import Trajectory
+from llsrbm.look.visuals import LinkVisual, forward_kinematics
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.resample import resample
 from llsrbm.motion.rollout import Rollout
 from llsrbm.motion.whole_body import WholeBodyMotion, whole_body_motion
+from llsrbm.request.scenario import Scenario
 from llsrbm.robots import Robot
-from llsrbm.robots.visuals import LinkVisual, forward_kinematics
-from llsrbm.scenario import Scenario
 from llsrbm.simulation.surroundings import Surroundings, surroundings
 
 Array = NDArray[np.float64]

@@ -32,6 +32,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from llsrbm.analysis.inertia_ellipsoid import ellipsoid
+from llsrbm.files.loading import Trajectory
 from llsrbm.formats.base import Extra, Format, Options
 from llsrbm.formats.logs.foxglove_messages import (
     colour,
@@ -56,11 +57,10 @@ from llsrbm.formats.logs.logged import (
     standing_around,
 )
 from llsrbm.formats.sidecar import described
-from llsrbm.motion.files import Trajectory
+from llsrbm.look.palette import BLOCK, COM, FORCE, GROUND, PLANNED, Rgb
+from llsrbm.look.visuals import link_visuals
 from llsrbm.motion.link_paths import link_paths
 from llsrbm.motion.rollout import Rollout
-from llsrbm.palette import BLOCK, COM, FORCE, GROUND, PLANNED, Rgb
-from llsrbm.robots.visuals import link_visuals
 from llsrbm.simulation.surroundings import Surroundings
 
 if TYPE_CHECKING:

@@ -33,6 +33,7 @@ from numpy.typing import NDArray
 
 from llsrbm.analysis.inertia_ellipsoid import ellipsoid
 from llsrbm.errors import InputError
+from llsrbm.files.loading import Trajectory
 from llsrbm.formats.base import Extra, Format, Options
 from llsrbm.formats.logs.logged import (
     GHOST,
@@ -46,10 +47,9 @@ from llsrbm.formats.logs.logged import (
     standing_around,
 )
 from llsrbm.formats.sidecar import described
-from llsrbm.motion.files import Trajectory
+from llsrbm.look.palette import BLOCK, COM, FOOT, FORCE, GROUND, PLANNED, Rgb
+from llsrbm.look.visuals import link_visuals
 from llsrbm.motion.rollout import Rollout
-from llsrbm.palette import BLOCK, COM, FOOT, FORCE, GROUND, PLANNED, Rgb
-from llsrbm.robots.visuals import link_visuals
 from llsrbm.simulation.surroundings import Surroundings
 
 if TYPE_CHECKING:

@@ -41,18 +41,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from llsrbm.errors import InputError
+from llsrbm.files.archive import write_archive
+from llsrbm.files.loading import Trajectory
+from llsrbm.files.writing import MARK
 from llsrbm.formats.base import Format, Options
 from llsrbm.formats.mujoco.motion import read_motion, recognises
 from llsrbm.formats.sidecar import described
-from llsrbm.motion.archive import write_archive
-from llsrbm.motion.files import Trajectory
 from llsrbm.motion.flights import flights
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Disturbance, Rollout
 from llsrbm.motion.whole_body import WholeBodyMotion, motion_of_states, whole_body_motion
-from llsrbm.motion.writing import MARK
+from llsrbm.request.scenario import Scenario
 from llsrbm.robots import Robot
-from llsrbm.scenario import Scenario
 
 if TYPE_CHECKING:
     from llsrbm.formats.mujoco.scene import Keyframe

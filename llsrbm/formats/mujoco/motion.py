@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from llsrbm.errors import FileFormatError
-from llsrbm.motion.archive import (
+from llsrbm.files.archive import (
     LARGEST,
     Arrays,
     read_archive,

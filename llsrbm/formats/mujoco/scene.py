@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.cluster.hierarchy import fcluster, linkage
 
+from llsrbm.look.visuals import LinkVisual, link_visuals
 from llsrbm.motion.rollout import Disturbance
 from llsrbm.robots import Robot
-from llsrbm.robots.visuals import LinkVisual, link_visuals
 from llsrbm.simulation.scene import compiled, joints_in_model_order, moving_bodies, scene_spec
 from llsrbm.simulation.surroundings import Surroundings
 

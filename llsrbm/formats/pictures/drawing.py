@@ -9,23 +9,23 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from llsrbm import palette
 from llsrbm.analysis.inertia_ellipsoid import ellipsoid
 from llsrbm.errors import InputError
+from llsrbm.files.loading import Trajectory
 from llsrbm.formats.pictures.wording import title, told
-from llsrbm.motion.files import Trajectory
+from llsrbm.look import palette
+from llsrbm.look.palette import Rgb
+from llsrbm.look.timeline import Timeline, timeline
+from llsrbm.look.viewpoint import viewpoint
+from llsrbm.look.visuals import LinkVisual, forward_kinematics, link_visuals
 from llsrbm.motion.instants import evenly, with_events
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.resample import resample
 from llsrbm.motion.rollout import Rollout
 from llsrbm.motion.rotation import rotation_matrices
-from llsrbm.motion.timeline import Timeline, timeline
 from llsrbm.motion.whole_body import whole_body_motion
-from llsrbm.palette import Rgb
+from llsrbm.request.scenario import Scenario
 from llsrbm.robots import Robot
-from llsrbm.robots.viewpoint import viewpoint
-from llsrbm.robots.visuals import LinkVisual, forward_kinematics, link_visuals
-from llsrbm.scenario import Scenario
 from llsrbm.simulation.surroundings import Surroundings, surroundings
 
 Array = NDArray[np.float64]

@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from llsrbm import palette
 from llsrbm.errors import Error, InputError
+from llsrbm.files.loading import Trajectory
 from llsrbm.formats.base import Options
 from llsrbm.formats.pictures.drawing import (
     FIELD_OF_VIEW,
@@ -27,10 +27,10 @@ from llsrbm.formats.pictures.drawing import (
     view_of,
 )
 from llsrbm.formats.pictures.process import NO_OPENGL
-from llsrbm.motion.files import Trajectory
-from llsrbm.motion.timeline import phase_at
-from llsrbm.palette import Rgb
-from llsrbm.robots.visuals import LinkVisual
+from llsrbm.look import palette
+from llsrbm.look.palette import Rgb
+from llsrbm.look.timeline import phase_at
+from llsrbm.look.visuals import LinkVisual
 
 if TYPE_CHECKING:
     from PIL import Image

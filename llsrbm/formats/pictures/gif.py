@@ -13,12 +13,12 @@ from pathlib import Path
 
 import numpy as np
 
-from llsrbm import palette
 from llsrbm.errors import InputError
+from llsrbm.files.loading import Trajectory
 from llsrbm.formats.base import Format, Options
 from llsrbm.formats.pictures.film import Picture, pictures
 from llsrbm.formats.sidecar import described
-from llsrbm.motion.files import Trajectory
+from llsrbm.look import palette
 
 FASTEST = 50.0  # pictures/s; browsers slow down what is faster
 _COLOURS = 255

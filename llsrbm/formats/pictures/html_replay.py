@@ -27,7 +27,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from llsrbm import palette
+from llsrbm.files.loading import Trajectory
 from llsrbm.formats.base import Format, Options
 from llsrbm.formats.pictures.drawing import (
     FIELD_OF_VIEW,
@@ -37,13 +37,13 @@ from llsrbm.formats.pictures.drawing import (
     draw,
     view_of,
 )
+from llsrbm.look import palette
+from llsrbm.look.palette import Rgb, css
+from llsrbm.look.timeline import Timeline
+from llsrbm.look.visuals import LinkVisual
 from llsrbm.motion.description import description
-from llsrbm.motion.files import Trajectory
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rotation import sign_continuous
-from llsrbm.motion.timeline import Timeline
-from llsrbm.palette import Rgb, css
-from llsrbm.robots.visuals import LinkVisual
 from llsrbm.version import package_version
 
 _ASPECT = 16 / 9  # of the window that the camera is placed for

@@ -7,10 +7,10 @@ from dataclasses import replace
 from pathlib import Path
 
 from llsrbm.analysis.diagnosis import fall_in_words
-from llsrbm.jump import Jump
-from llsrbm.motion.files import Trajectory
+from llsrbm.files.loading import Trajectory
+from llsrbm.look.titles import title_of
 from llsrbm.motion.plan import Plan
-from llsrbm.titles import title_of
+from llsrbm.request.jump import Jump
 
 
 def title(trajectory: Trajectory) -> str:

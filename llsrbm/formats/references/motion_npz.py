@@ -33,12 +33,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from llsrbm.errors import FileFormatError
+from llsrbm.files.archive import Arrays, checked, keys, read_archive, text, write_archive
+from llsrbm.files.loading import Trajectory
 from llsrbm.formats.base import ORDERS, Format, Options
 from llsrbm.formats.references.states import checked_motion, checked_rate, joint_columns
 from llsrbm.formats.sidecar import described
-from llsrbm.motion.archive import Arrays, checked, keys, read_archive, text, write_archive
 from llsrbm.motion.bodies import body_motion, body_order, root_com
-from llsrbm.motion.files import Trajectory
 from llsrbm.motion.quantity import BODY, JOINT, TIME, WXYZ, XYZ, Kind, Quantity
 from llsrbm.motion.rotation import rotation_matrices
 from llsrbm.motion.whole_body import WholeBodyMotion, whole_body_motion

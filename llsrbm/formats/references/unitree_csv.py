@@ -25,6 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from llsrbm.errors import FileFormatError
+from llsrbm.files.loading import Trajectory
 from llsrbm.formats.base import Format, Options
 from llsrbm.formats.references.states import (
     MOST_FRAMES,
@@ -33,7 +34,6 @@ from llsrbm.formats.references.states import (
     joint_columns,
 )
 from llsrbm.formats.sidecar import read_sidecar, write_sidecar
-from llsrbm.motion.files import Trajectory
 from llsrbm.motion.whole_body import WholeBodyMotion, whole_body_motion
 from llsrbm.robots import Robot
 

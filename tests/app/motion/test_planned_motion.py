@@ -8,7 +8,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from app.motion.planned_motion import bake_plan, presentable
-from llsrbm.jump import Jump
+from llsrbm.request.jump import Jump
 from llsrbm.robots import load_robot
 from tests.app.synthetic_plan import synthetic_plan
 

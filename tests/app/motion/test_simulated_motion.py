@@ -12,9 +12,9 @@ from scipy.spatial.transform import Rotation
 from app.motion.clip import Strand
 from app.motion.frames import FRAME_RATE
 from app.motion.simulated_motion import bake_rollout, means_from
-from llsrbm.jump import Jump
+from llsrbm.look.timeline import force_phases
 from llsrbm.motion.rollout import Mode
-from llsrbm.motion.timeline import force_phases
+from llsrbm.request.jump import Jump
 from llsrbm.robots import load_robot
 from tests.app.synthetic_plan import synthetic_plan
 from tests.llsrbm.synthetic_rollout import synthetic_rollout

@@ -9,8 +9,8 @@ import pytest
 
 from app.motion.frames import make_frames
 from app.motion.so_far import frames_so_far
-from llsrbm.jump import Jump
 from llsrbm.motion.whole_body import motion_of_states
+from llsrbm.request.jump import Jump
 from llsrbm.robots import load_robot, names
 from tests.app.planners import standing_motion
 from tests.app.synthetic_plan import FLY, STAND, synthetic_plan

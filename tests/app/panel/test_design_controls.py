@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import pytest
 
-from app.compute.offered import uploaded_design
-from app.viser_link.limits import MAX_UPLOAD
-from llsrbm.design import Design, dump_design
+from app.guard.limits import MAX_UPLOAD
+from app.workers.offered import uploaded_design
 from llsrbm.errors import InputError
-from llsrbm.examples import examples
-from llsrbm.jump import Jump
+from llsrbm.request.design import Design, dump_design
+from llsrbm.request.examples import examples
+from llsrbm.request.jump import Jump
 from llsrbm.robots import names
 from tests.app.design_page import design_page
 from tests.app.raw_tab import RawTab

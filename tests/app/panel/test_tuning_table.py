@@ -6,9 +6,9 @@ from html import unescape
 import pytest
 
 from app.panel.tuning_table import entries_of, tuning_table
-from llsrbm import jump_types
-from llsrbm.planning.costs import COSTS, default_weights
-from llsrbm.planning.placement import limits_of
+from llsrbm.planning.problem.costs import COSTS, default_weights
+from llsrbm.planning.problem.placement import limits_of
+from llsrbm.request import jump_types
 from llsrbm.robots import load_robot
 
 ROW = re.compile(r"<tr data-group.*?</tr>")

@@ -6,8 +6,8 @@ import pytest
 
 from app.panel.turn_choice import turn_amounts, turn_title, turns_offered
 from app.panel.types_offered import title_of_type, types_offered, with_type
-from llsrbm import jump_types
-from llsrbm.jump import Jump
+from llsrbm.request import jump_types
+from llsrbm.request.jump import Jump
 from llsrbm.robots import load_robot
 
 TURNS = ("back flip", "front flip", "roll left", "roll right")

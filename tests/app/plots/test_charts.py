@@ -21,10 +21,10 @@ from app.plots.choice import (
 from app.plots.figure import everything, figure
 from app.plots.signal import joint_kinds
 from app.plots.signals import SIGNALS
-from llsrbm.jump import Jump
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.quantity import TIME, derived, quantities
 from llsrbm.motion.rollout import Disturbance, Rollout
+from llsrbm.request.jump import Jump
 from llsrbm.robots import load_robot
 from tests.app.synthetic_plan import FLY, GRAVITY, STAND, TORQUE_SHARE, synthetic_plan
 from tests.llsrbm.synthetic_rollout import THRESHOLD, YAW_SHORTFALL, synthetic_rollout

@@ -11,7 +11,7 @@ from app.motion.planned_motion import bake_plan
 from app.plots.charts import Layer, charts, shown_layers
 from app.plots.choice import LANDING, PRESETS, ChartChoice, PlotChoice
 from app.plots.csv_file import csv_of
-from llsrbm.jump import Jump
+from llsrbm.request.jump import Jump
 from llsrbm.robots import load_robot
 from tests.app.synthetic_plan import synthetic_plan
 from tests.llsrbm.synthetic_rollout import synthetic_rollout

@@ -12,7 +12,7 @@ from app.plots.choice import LANDING, OVERVIEW, PRESETS
 from app.plots.figure import figure
 from app.plots.legend import legend
 from app.plots.time_grid import ABOVE
-from llsrbm.jump import Jump
+from llsrbm.request.jump import Jump
 from llsrbm.robots import load_robot
 from tests.app.synthetic_plan import FLY, STAND, synthetic_plan
 from tests.llsrbm.synthetic_rollout import synthetic_rollout

@@ -8,17 +8,17 @@ from dataclasses import replace
 
 import pytest
 
+from app.guard.access import Access
+from app.guard.guard import Guard
 from app.motion import colours
 from app.motion.planned_motion import bake_plan
+from app.page_template import page as designer_page
 from app.plots.charts import Layer, shown_layers
 from app.plots.choice import DEFAULT, LANDING, OVERVIEW, PRESETS, TORQUES, ChartChoice
 from app.plots.csv_file import csv_of
 from app.plots.plots import Plots
-from app.server.access import Access
-from app.server.guard import Guard
-from app.server.page_template import page as designer_page
-from app.viser_link.designer_server import DesignerServer
-from llsrbm.jump import Jump
+from app.viser_private import DesignerServer
+from llsrbm.request.jump import Jump
 from llsrbm.robots import load_robot
 from tests.app.raw_tab import RawTab
 from tests.app.synthetic_plan import synthetic_plan

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from llsrbm.analysis.diagnosis import diagnose, fall_in_words
-from llsrbm.schedule import Phase
+from llsrbm.request.schedule import Phase
 from tests.llsrbm.schedules import in_a_row, with_schedule
 from tests.llsrbm.synthetic import quat_about_z, synthetic_plan
 from tests.llsrbm.synthetic_rollout import RATE, TORQUE_LIMIT, synthetic_rollout

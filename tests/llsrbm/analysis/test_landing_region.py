@@ -14,8 +14,8 @@ from llsrbm.analysis.landing_region import (
     expected_touchdown,
     landing_regions,
 )
-from llsrbm.jump import Jump
 from llsrbm.motion.replan import Replan, followed
+from llsrbm.request.jump import Jump
 from llsrbm.robots import load_robot
 from tests.app.synthetic_plan import FLY, STAND, synthetic_plan
 from tests.llsrbm.synthetic_rollout import synthetic_rollout

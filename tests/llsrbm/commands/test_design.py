@@ -8,11 +8,11 @@ from dataclasses import replace
 import pytest
 
 from llsrbm import cli
-from llsrbm.design import Design, dump_design
-from llsrbm.examples import examples
-from llsrbm.jump import Jump
-from llsrbm.scenario import Scenario
-from llsrbm.tuning import Tuning
+from llsrbm.request.design import Design, dump_design
+from llsrbm.request.examples import examples
+from llsrbm.request.jump import Jump
+from llsrbm.request.scenario import Scenario
+from llsrbm.request.tuning import Tuning
 from tests.llsrbm.synthetic import synthetic_plan
 from tests.llsrbm.synthetic_rollout import synthetic_rollout
 

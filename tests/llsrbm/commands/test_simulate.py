@@ -14,11 +14,11 @@ from llsrbm import cli
 from llsrbm.analysis.diagnosis import diagnose
 from llsrbm.analysis.rollout_summary import rollout_summary
 from llsrbm.errors import NotConverged
-from llsrbm.fields import meanings
-from llsrbm.motion.files import load
+from llsrbm.files.loading import load
 from llsrbm.motion.replan import Replan
-from llsrbm.push import Push
-from llsrbm.scenario import Scenario
+from llsrbm.request.fields import meanings
+from llsrbm.request.push import Push
+from llsrbm.request.scenario import Scenario
 from tests.llsrbm.commands.process import run
 from tests.llsrbm.synthetic import synthetic_plan
 from tests.llsrbm.synthetic_rollout import synthetic_rollout

@@ -6,10 +6,10 @@ import pytest
 from llsrbm.cli import main
 from llsrbm.commands.options import requested_tuning
 from llsrbm.errors import InputError
-from llsrbm.planning.costs import COSTS
-from llsrbm.planning.placement import limits_of
+from llsrbm.planning.problem.costs import COSTS
+from llsrbm.planning.problem.placement import limits_of
+from llsrbm.request.tuning import Tuning
 from llsrbm.robots import load_robot
-from llsrbm.tuning import Tuning
 
 
 def test_the_table_has_every_weight_and_limit_of_the_robot(capsys):
@@ -44,7 +44,7 @@ def test_a_plan_under_another_limit(capfd, tmp_path):
     out = tmp_path / "plan.npz"
     arguments = ["plan", "--model", "srbm", "--limit", "flight_min=0.4", "--weight", "time=10"]
     assert main([*arguments, "--json", "--out", str(out)]) == 0
-    from llsrbm.motion.files import load
+    from llsrbm.files.loading import load
 
     plan = load(out)
     assert plan.tuning == Tuning(weights={"time": 10.0}, limits={"flight_min": 0.4})

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from llsrbm.control.contact_schedule import ContactSchedule
-from llsrbm.schedule import Phase
+from llsrbm.request.schedule import Phase
 from tests.llsrbm.schedules import in_a_row, with_schedule
 from tests.llsrbm.synthetic import synthetic_plan
 

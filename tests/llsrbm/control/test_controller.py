@@ -9,8 +9,8 @@ from llsrbm.control.controller import WholeBodyController
 from llsrbm.control.foot_force import FootForces
 from llsrbm.control.measurement import Measurement
 from llsrbm.control.whole_body import WholeBody
+from llsrbm.request.scenario import Scenario
 from llsrbm.robots import load_robot
-from llsrbm.scenario import Scenario
 from tests.llsrbm.planning.solved import solved
 
 ROBOT = load_robot("anymal")

@@ -7,7 +7,7 @@ import pytest
 
 from llsrbm.control.reference import BRAKING, Reference, com_at_rest
 from llsrbm.control.swing import UnderWay
-from llsrbm.schedule import Phase
+from llsrbm.request.schedule import Phase
 from tests.llsrbm.schedules import in_a_row, with_schedule
 from tests.llsrbm.synthetic import quat_about_z, synthetic_plan
 

@@ -11,8 +11,8 @@ import numpy as np
 import llsrbm
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Disturbance, Rollout
+from llsrbm.request.schedule import Phase, Schedule
 from llsrbm.robots import load_robot
-from llsrbm.schedule import Phase, Schedule
 from llsrbm.simulation.scene import build_scene
 from llsrbm.simulation.surroundings import Surroundings
 

@@ -6,12 +6,12 @@ from dataclasses import replace
 
 import pytest
 
-from llsrbm.design import Design, load_design
 from llsrbm.errors import InputError
 from llsrbm.formats import export, file_name
-from llsrbm.push import Push
-from llsrbm.scenario import Scenario
-from llsrbm.tuning import Tuning
+from llsrbm.request.design import Design, load_design
+from llsrbm.request.push import Push
+from llsrbm.request.scenario import Scenario
+from llsrbm.request.tuning import Tuning
 from tests.llsrbm.synthetic import synthetic_plan
 from tests.llsrbm.synthetic_rollout import synthetic_rollout
 

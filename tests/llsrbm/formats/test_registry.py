@@ -9,8 +9,8 @@ from dataclasses import replace
 import pytest
 
 from llsrbm.errors import InputError
+from llsrbm.files.loading import load
 from llsrbm.formats import FORMATS, Options, export, file_name, find
-from llsrbm.motion.files import load
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.resample import resample
 from llsrbm.robots import load_robot

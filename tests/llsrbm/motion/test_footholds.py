@@ -3,7 +3,7 @@ from __future__ import annotations
 import numpy as np
 
 from llsrbm.motion.footholds import foothold_knots
-from llsrbm.schedule import Phase
+from llsrbm.request.schedule import Phase
 from tests.llsrbm.schedules import in_a_row, with_schedule
 from tests.llsrbm.synthetic import synthetic_plan
 

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from llsrbm.look.visuals import forward_kinematics
 from llsrbm.motion.link_paths import link_paths
 from llsrbm.robots import load_robot
-from llsrbm.robots.visuals import forward_kinematics
 
 
 @pytest.fixture(scope="module")

@@ -12,14 +12,14 @@ import pytest
 
 import llsrbm
 from llsrbm import cli
+from llsrbm.files.loading import load
+from llsrbm.files.plan_file import FIRST_LAYOUT, FIRST_SCHEMA, LAYOUT
+from llsrbm.files.rollout_file import SCHEMA
 from llsrbm.formats import export
-from llsrbm.formats.csv_columns import columns
-from llsrbm.motion.files import load
+from llsrbm.formats.tables.csv_columns import columns
 from llsrbm.motion.plan import Plan
-from llsrbm.motion.plan_file import FIRST_LAYOUT, FIRST_SCHEMA, LAYOUT
 from llsrbm.motion.quantity import JOINT, SIZES, TIME, Between, Kind, derived, quantities
 from llsrbm.motion.rollout import Rollout
-from llsrbm.motion.rollout_file import SCHEMA
 from tests.llsrbm.synthetic import synthetic_plan
 from tests.llsrbm.synthetic_rollout import synthetic_rollout
 

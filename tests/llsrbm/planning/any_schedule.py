@@ -7,11 +7,11 @@ from dataclasses import replace
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from llsrbm.jump import Jump
-from llsrbm.planning.placement import make_task
-from llsrbm.planning.task import Footholds, Task, contact_points
+from llsrbm.planning.problem.placement import make_task
+from llsrbm.planning.problem.task import Footholds, Task, contact_points
+from llsrbm.request.jump import Jump
+from llsrbm.request.schedule import Schedule
 from llsrbm.robots.robot import Robot
-from llsrbm.schedule import Schedule
 
 
 def task_of(schedule: Schedule, robot: Robot, shift=(0.1, 0.0, 0.0), twist: float = 0.0) -> Task:

@@ -8,14 +8,14 @@ from typing import Any
 
 import numpy as np
 
-from llsrbm.jump import Jump
 from llsrbm.motion.plan import Plan
-from llsrbm.planning.horizon import constraints_of
-from llsrbm.planning.knots import Knots
-from llsrbm.planning.layout import Layout
-from llsrbm.planning.placement import parameters as parameters_of
-from llsrbm.planning.planner import Planner, planner_of
-from llsrbm.planning.task import Task
+from llsrbm.planning.problem.horizon import constraints_of
+from llsrbm.planning.problem.knots import Knots
+from llsrbm.planning.problem.layout import Layout
+from llsrbm.planning.problem.placement import parameters as parameters_of
+from llsrbm.planning.problem.task import Task
+from llsrbm.planning.solve.planner import Planner, planner_of
+from llsrbm.request.jump import Jump
 
 REQUESTS: dict[str, dict[str, Any]] = {
     "twist": {"twist": np.pi / 2},

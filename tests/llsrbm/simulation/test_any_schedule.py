@@ -10,9 +10,9 @@ import pytest
 from llsrbm.analysis.diagnosis import diagnose
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Mode
+from llsrbm.request.scenario import Scenario
+from llsrbm.request.schedule import Phase
 from llsrbm.robots import load_robot
-from llsrbm.scenario import Scenario
-from llsrbm.schedule import Phase
 from llsrbm.simulation.simulate import simulate
 from llsrbm.simulation.world import World
 from tests.llsrbm.planning.solved import solved

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from llsrbm.motion.rollout import Disturbance
-from llsrbm.scenario import MOST_NOISE, Scenario
+from llsrbm.request.scenario import MOST_NOISE, Scenario
 from llsrbm.simulation.disturbance import draw_disturbance
 
 SEEDS = st.integers(0, 2**32)

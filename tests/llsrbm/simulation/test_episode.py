@@ -8,8 +8,8 @@ import pytest
 from llsrbm.control.controller import WholeBodyController
 from llsrbm.errors import Cancelled
 from llsrbm.motion.rollout import Disturbance
+from llsrbm.request.scenario import Scenario
 from llsrbm.robots import load_robot
-from llsrbm.scenario import Scenario
 from llsrbm.simulation.episode import Episode, Hook
 from llsrbm.simulation.recorder import Recorder
 from llsrbm.simulation.sensors import Sensors

@@ -6,9 +6,9 @@ import pytest
 
 from llsrbm.analysis.diagnosis import diagnose, fall_in_words
 from llsrbm.motion.rollout import Disturbance
+from llsrbm.request.scenario import Scenario
 from llsrbm.robots import load_robot
 from llsrbm.robots.drives import torque_in_direction
-from llsrbm.scenario import Scenario
 from llsrbm.simulation import drives
 from llsrbm.simulation import simulate as loop
 from tests.llsrbm.planning.solved import solved

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from llsrbm.errors import InputError
-from llsrbm.motion.rollout_file import load_rollout
-from llsrbm.push import DURATION, Push
+from llsrbm.files.rollout_file import load_rollout
+from llsrbm.request.push import DURATION, Push
+from llsrbm.request.scenario import Scenario
 from llsrbm.robots import load_robot
-from llsrbm.scenario import Scenario
 from llsrbm.simulation.episode import Situation
 from llsrbm.simulation.pushes import Pushes, drawn_push
 from llsrbm.simulation.simulate import simulate

@@ -9,10 +9,10 @@ import pytest
 
 import llsrbm
 from llsrbm.control.controller import WholeBodyController
-from llsrbm.motion.rollout_file import load_rollout
-from llsrbm.push import DURATION, Push
+from llsrbm.files.rollout_file import load_rollout
+from llsrbm.request.push import DURATION, Push
+from llsrbm.request.scenario import Scenario
 from llsrbm.robots import load_robot
-from llsrbm.scenario import Scenario
 from llsrbm.simulation import replanning
 from llsrbm.simulation.replanning import LATENCY, PERIOD
 from llsrbm.simulation.simulate import simulate

@@ -11,8 +11,8 @@ import pytest
 from llsrbm.errors import InputError
 from llsrbm.motion.rollout import Disturbance
 from llsrbm.motion.rotation import tilt, yaw
+from llsrbm.request.scenario import Scenario
 from llsrbm.robots import load_robot
-from llsrbm.scenario import Scenario
 from llsrbm.simulation import sensors as module
 from llsrbm.simulation.sensors import DELAY, Drift, Sensors, estimator_names
 from llsrbm.simulation.simulate import simulate

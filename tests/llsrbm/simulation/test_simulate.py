@@ -14,10 +14,10 @@ from llsrbm.control import solvers
 from llsrbm.control.solvers import QpSolver
 from llsrbm.control.solvers.quadprog import Quadprog
 from llsrbm.errors import Cancelled, InputError
+from llsrbm.files.rollout_file import load_rollout
 from llsrbm.motion.rollout import Mode, Rollout
-from llsrbm.motion.rollout_file import load_rollout
+from llsrbm.request.scenario import Scenario
 from llsrbm.robots import load_robot
-from llsrbm.scenario import Scenario
 from llsrbm.simulation.recorder import Recorder
 from llsrbm.simulation.simulate import STANDING, simulate
 from llsrbm.simulation.world import Diverged, World

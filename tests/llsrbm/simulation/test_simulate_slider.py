@@ -12,8 +12,8 @@ import pytest
 import llsrbm
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rotation import yaw
+from llsrbm.request.scenario import Scenario
 from llsrbm.robots import load_robot
-from llsrbm.scenario import Scenario
 from llsrbm.simulation.simulate import simulate
 
 JUMPS = {

@@ -8,8 +8,8 @@ import pinocchio as pin
 import pytest
 
 from llsrbm.errors import InputError
-from llsrbm.jump import Jump
 from llsrbm.motion.rollout import Disturbance
+from llsrbm.request.jump import Jump
 from llsrbm.robots import load_robot
 from llsrbm.robots.foot_contact import foot_contacts
 from llsrbm.simulation.scene import build_scene

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from llsrbm.jump import Jump
+from llsrbm.request.jump import Jump
 from llsrbm.simulation.verdict import _yaw_error, fallen
 from llsrbm.simulation.world import TickResult
 from tests.app.synthetic_plan import synthetic_plan

@@ -10,12 +10,12 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from llsrbm.errors import InputError
-from llsrbm.jump import Jump
 from llsrbm.motion.rollout import Disturbance
-from llsrbm.obstacle import Obstacle
+from llsrbm.request.jump import Jump
+from llsrbm.request.obstacle import Obstacle
+from llsrbm.request.scenario import Scenario
 from llsrbm.robots import load_robot
 from llsrbm.robots.foot_contact import foot_contacts
-from llsrbm.scenario import Scenario
 from llsrbm.simulation.start import standing_state
 from llsrbm.simulation.world import Diverged, World
 from tests.app.synthetic_plan import FLY, STAND, synthetic_plan

@@ -15,9 +15,9 @@ from scipy.spatial.transform import Rotation
 
 from llsrbm.errors import InputError
 from llsrbm.formats import FORMATS, export
+from llsrbm.look.visuals import link_visuals
 from llsrbm.motion.instants import events
 from llsrbm.robots import load_robot
-from llsrbm.robots.visuals import link_visuals
 from tests.llsrbm.formats.logs.logs import (
     BOARD,
     ROBOTS,

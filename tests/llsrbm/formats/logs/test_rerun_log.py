@@ -16,9 +16,9 @@ from scipy.spatial.transform import Rotation
 
 from llsrbm.errors import InputError
 from llsrbm.formats import FORMATS, export
+from llsrbm.look.visuals import link_visuals
 from llsrbm.motion.instants import events
 from llsrbm.robots import load_robot
-from llsrbm.robots.visuals import link_visuals
 from tests.llsrbm.formats.logs.logs import BOARD, ROBOTS, link_poses, plan_of, rollout, sampled
 from tests.llsrbm.synthetic import FLIGHT
 

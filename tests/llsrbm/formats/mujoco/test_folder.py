@@ -16,11 +16,11 @@ import pytest
 import llsrbm
 from llsrbm.errors import InputError
 from llsrbm.formats import export
+from llsrbm.look.visuals import link_visuals
 from llsrbm.motion.resample import resample
 from llsrbm.motion.rollout import Disturbance
+from llsrbm.request.scenario import Scenario
 from llsrbm.robots import load_robot
-from llsrbm.robots.visuals import link_visuals
-from llsrbm.scenario import Scenario
 from llsrbm.simulation.scene import build_scene
 from llsrbm.simulation.surroundings import Surroundings
 

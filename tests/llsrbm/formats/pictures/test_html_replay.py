@@ -17,10 +17,10 @@ from scipy.spatial.transform import Rotation
 
 from llsrbm.errors import InputError
 from llsrbm.formats import export
+from llsrbm.look.visuals import link_visuals
 from llsrbm.motion.resample import resample
 from llsrbm.motion.whole_body import whole_body_motion
 from llsrbm.robots import load_robot
-from llsrbm.robots.visuals import link_visuals
 from tests.llsrbm.formats.pictures.shown import motion_of
 from tests.llsrbm.kinematics import link_poses
 

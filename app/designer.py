@@ -1,0 +1,265 @@
+"""The server: binds where it was told or says why not, one session a tab, ends cleanly."""
+
+from __future__ import annotations
+
+import contextlib
+import errno
+import ipaddress
+import signal
+import socket
+import sys
+import threading
+from collections.abc import Collection, Iterator
+from types import FrameType
+
+import viser
+
+from app.guard.access import NONE, Access
+from app.guard.guard import Guard
+from app.guard.limits import Limits
+from app.guard.self_check import check
+from app.page_template import page
+from app.panel.view_controls import configure_theme
+from app.picture.lighting import configure_world
+from app.picture.robot_nodes import extents, meshes
+from app.tab.atlases import Atlases
+from app.tab.initial_plan import InitialPlans, example
+from app.tab.session import Session
+from app.tab.tabs import Tabs
+from app.viser_private import DesignerServer
+from app.workers.opened_file import OpenedFile
+from app.workers.pool import WorkerPool
+from app.workers.protocol import Failed, PlanJump, Planned, Prepare, Prepared, Progress, Report
+from llsrbm import models
+from llsrbm.errors import InputError
+from llsrbm.request.jump import Jump
+from llsrbm.robots import load_robot, read_robot_file
+from llsrbm.robots.assets import robot_files
+
+
+class Designer:
+    """A running designer: the web server, the computing processes and the sessions of all tabs."""
+
+    def __init__(
+        self,
+        host: str = "127.0.0.1",
+        port: int = 8080,
+        *,
+        allowed_hosts: Collection[str] = (),
+        token: str | None = None,
+        limits: Limits | None = None,
+        pool: WorkerPool | None = None,
+        file: OpenedFile | None = None,
+        atlases: Atlases | None = None,
+    ) -> None:
+        """Bind and let tabs in.
+
+        Args:
+            host: address or name of this machine to bind to.
+            port: 1 to 65535, or 0 for any free one.
+            allowed_hosts: further names under which browsers may reach the page.
+            token: without which nobody enters; "none": anybody does; None: none on loopback, and
+                else one that is made now.
+            limits: of all that visitors may do.
+            pool: computes, and is closed with the server; None: one that uses the library.
+            file: with which every tab begins.
+            atlases: of sweeps to choose from; None: the one that ships.
+
+        Raises:
+            InputError: the address cannot be bound, the port is in use, or no such token can be.
+            GuardMissing: the server would let in what it must refuse.
+        """
+        check_bindable(host, port)
+        loopback = is_loopback(host)
+        self._access = Access.chosen(token, loopback=loopback)
+        names = {socket.gethostname(), host, *allowed_hosts}
+        self._guard = Guard(self._access, names, loopback=loopback, limits=limits)
+        self._server = DesignerServer(host, port, self._guard, page)
+        self.port: int = self._server.get_port()
+        self._access.port = self.port
+        try:
+            if port not in (0, self.port):
+                raise _in_use(host, port)
+            with self._guard.refusals.unlogged():
+                check(host, self.port, token=self._access.required)
+        except BaseException:
+            self._server.stop()
+            raise
+        self.host = host
+        self.open_to_all = not loopback and not self._access.required
+        self.pool = pool or WorkerPool()
+        self.initial = InitialPlans(self.pool.planner, file)
+        files = {name: read_robot_file(path) for name, path in robot_files().items()}
+        self.tabs = Tabs(self.pool, self.initial, files, atlases or Atlases())
+        self.pool.remarked = self.tabs.remark
+        _configure(self._server)
+        self._server.on_client_connect(self.tabs.connect)
+        self._server.on_client_disconnect(self.tabs.disconnect)
+
+    @property
+    def url(self) -> str:
+        """Where a browser on this machine finds the page, with the token that opens it."""
+        host = {"0.0.0.0": "127.0.0.1", "::": "[::1]"}.get(self.host, self.host)  # noqa: S104
+        if ":" in host and not host.startswith("["):
+            host = f"[{host}]"
+        return f"http://{host}:{self.port}{self._access.query}"
+
+    @property
+    def sessions(self) -> tuple[Session, ...]:
+        """Of the tabs that are open."""
+        return self.tabs.sessions
+
+    def warm_up(self, robot: str) -> None:
+        """Prepare a robot and load the solver of every model before anybody asks.
+
+        Tells the terminal what is being done, and when all of it is.
+        """
+        first = example(robot)
+        others = [name for name in models.names() if name != first.model]
+        jumps = [first, *(Jump(robot=robot, model=name) for name in others)]
+        self.initial.recall(robot)
+
+        said = ""
+
+        def announce(report: Report) -> None:
+            nonlocal said
+            match report:
+                case Progress() if report.text != said:
+                    said = report.text
+                    _say(f"  {said} ...")
+                case Failed():
+                    _say(f"  {report.message}")
+                case Prepared():
+                    threading.Thread(target=_get_drawn, args=(robot,), daemon=True).start()
+                case Planned() if report.plan.jump == first:
+                    self.initial.keep(report.plan)
+
+        tasks: list[Prepare | PlanJump] = [Prepare(robot), *map(PlanJump, jumps)]
+        self.pool.warm_up(tasks, announce, lambda: _say("ready"))
+
+    def close(self) -> None:
+        """End the sessions, the server and the computing processes."""
+        self.tabs.close()
+        self._server.stop()
+        self._guard.refusals.summarise()
+        self.pool.close()
+
+
+def serve(
+    host: str = "127.0.0.1",
+    port: int = 8080,
+    *,
+    allowed_hosts: Collection[str] = (),
+    token: str | None = None,
+    pool: WorkerPool | None = None,
+    file: OpenedFile | None = None,
+    atlases: Atlases | None = None,
+) -> None:
+    """Serve the page until SIGINT or SIGTERM; prints one line with its URL.
+
+    Raises:
+        InputError: the address cannot be bound, the port is in use, or no such token can be.
+        GuardMissing: the server would let in what it must refuse.
+    """
+    with _stop_on_signal() as stop:
+        designer = Designer(
+            host,
+            port,
+            allowed_hosts=allowed_hosts,
+            token=token,
+            pool=pool,
+            file=file,
+            atlases=atlases,
+        )
+        try:
+            print(f"llsrbm designer: {designer.url}", flush=True)
+            if designer.open_to_all:
+                _say(f"warning: --token {NONE}: anybody who reaches this address may use it")
+            designer.warm_up(Jump().robot)
+            stop.wait()
+        finally:
+            designer.close()
+
+
+def check_bindable(host: str, port: int) -> None:
+    """Find out by trying, because viser would take another port, or hang.
+
+    Raises:
+        InputError: which says why not.
+    """
+    if not 0 <= port <= 65535:
+        raise InputError(f"--port: expected 0 to 65535, got {port}")
+    try:
+        addresses = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE)
+    except (socket.gaierror, UnicodeError) as error:
+        raise InputError(f"--host: {host!r} is no address or name of this machine") from error
+    for family, kind, protocol, _, address in addresses:
+        with socket.socket(family, kind, protocol) as probe:
+            # As the server itself does: a port that merely lingers after a restart is free.
+            probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+            if family == socket.AF_INET6:
+                probe.setsockopt(socket.IPPROTO_IPV6, socket.IPV6_V6ONLY, 1)
+            try:
+                probe.bind(address)
+                probe.listen(1)
+            except PermissionError as error:
+                raise InputError(
+                    f"--port: {port} needs more rights than this user has; try 1024 or above"
+                ) from error
+            except OSError as error:
+                if error.errno == errno.EADDRINUSE:
+                    raise _in_use(host, port) from error
+                raise InputError(
+                    f"--host: cannot listen on {host!r} ({error.strerror}); "
+                    "expected an address of this machine, for example 127.0.0.1"
+                ) from error
+
+
+def is_loopback(host: str) -> bool:
+    """Whether nobody but this machine reaches an address, or any that a name stands for."""
+    found = socket.getaddrinfo(host, None, type=socket.SOCK_STREAM)
+    addresses = (str(address[0]).partition("%")[0] for *_, address in found)
+    return all(ipaddress.ip_address(address).is_loopback for address in addresses)
+
+
+def _get_drawn(robot: str) -> None:
+    """Load what a tab draws of a robot, so that the first one need not wait for it."""
+    loaded = load_robot(robot)
+    meshes(loaded)
+    extents(loaded)
+
+
+def _say(line: str) -> None:
+    """To the terminal, if it still listens: the server outlives `llsrbm serve 2>&1 | head`."""
+    with contextlib.suppress(OSError):
+        print(line, file=sys.stderr, flush=True)
+
+
+def _in_use(host: str, port: int) -> InputError:
+    return InputError(
+        f"--port: {port} on {host} is in use; choose another with --port, or 0 for any free one"
+    )
+
+
+def _configure(server: viser.ViserServer) -> None:
+    """The look that all tabs share."""
+    configure_theme(server.gui, dark=False)
+    configure_world(server)
+    server.gui.main_panel.dock_right()
+    server.gui.set_panel_label("Jump designer")
+
+
+@contextlib.contextmanager
+def _stop_on_signal() -> Iterator[threading.Event]:
+    """An event that SIGINT and SIGTERM set; the former handlers come back at the end."""
+    stop = threading.Event()
+
+    def handle(_number: int, _frame: FrameType | None) -> None:
+        stop.set()
+
+    former = {number: signal.signal(number, handle) for number in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        yield stop
+    finally:
+        for number, handler in former.items():
+            signal.signal(number, handler)

@@ -1,0 +1,311 @@
+"""The link between a tab's session and the scripts in its page (app/static).
+
+The session calls functions of `window.llsrbm`; the page answers through a text field that nobody
+sees. What it answers is a visitor's word, and checked here.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass
+from typing import Any, Literal
+
+import viser
+
+from app.motion import colours
+from app.motion.clip import Clip
+from app.viser_private import run_javascript, uuid_of
+from llsrbm.look.timeline import Timeline
+from llsrbm.request.tuning import Tuning
+
+_LONGEST = 150_000  # characters of a message: a design that is kept and one that is shared
+_MOST_MISSING, _LONGEST_NAME = 20, 100
+_LONGEST_TITLE = 1000  # characters of a sweep's name: its title, and its folder
+_TOKEN = re.compile(r"[0-9a-f]{32}")
+
+
+@dataclass(frozen=True)
+class PageReady:
+    """The scripts run.
+
+    Attributes:
+        software: the browser has no graphics processor.
+        missing: fields of viser's that they need and do not find.
+        tab: by which the page is known again when it comes back.
+        shared: the design in the address, as text; kept: the one that the browser kept.
+        time: s, where the page's motion is; playing: whether it moves. Of a page that has lost its
+            server, and comes to another one.
+    """
+
+    software: bool
+    missing: tuple[str, ...] = ()
+    tab: str | None = None
+    shared: str | None = None
+    kept: str | None = None
+    time: float = 0.0
+    playing: bool = False
+
+
+@dataclass(frozen=True)
+class PlayerMoved:
+    """It was paused, started or moved, or has come to its end.
+
+    Attributes:
+        time: s.
+        playing: whether it plays now.
+    """
+
+    time: float
+    playing: bool
+
+
+@dataclass(frozen=True)
+class PlaybackChosen:
+    """Speed and repetition were chosen in the page.
+
+    Attributes:
+        speed: seconds of motion a second.
+        loop: start again at the end.
+    """
+
+    speed: float
+    loop: bool
+
+
+@dataclass(frozen=True)
+class ClipTaken:
+    """The page has a clip, and can be sent the next one.
+
+    Attributes:
+        number: of the clip.
+    """
+
+    number: int
+
+
+@dataclass(frozen=True)
+class TuningChosen:
+    """A number of the table of weights and limits was changed.
+
+    Attributes:
+        group: "weights" or "limits".
+        name: of the number; there may be none of this name.
+        value: None: the robot's own.
+    """
+
+    group: Literal["weights", "limits"]
+    name: str
+    value: float | None
+
+
+@dataclass(frozen=True)
+class AtlasSeen:
+    """The page shows the place of the atlas, and has no map yet."""
+
+
+@dataclass(frozen=True)
+class AtlasClicked:
+    """A jump of the atlas was chosen.
+
+    Attributes:
+        sweep: its name; there may be none of this name.
+        number: of the jump in it; there may be none.
+    """
+
+    sweep: str
+    number: int
+
+
+PageEvent = (
+    PageReady | PlayerMoved | PlaybackChosen | ClipTaken | TuningChosen | AtlasSeen | AtlasClicked
+)
+
+
+class PageLink:
+    """One tab's; for the session's thread, except for the callback that viser makes.
+
+    A page that is slow to take a clip gets the newest one next, not all of them.
+    """
+
+    def __init__(self, client: viser.ClientHandle, callback: Callable[[PageEvent], None]) -> None:
+        """Ask the page whether its scripts run; it answers with `PageReady`.
+
+        Args:
+            client: the tab.
+            callback: called on viser's event loop, must return at once.
+        """
+        self._client = client
+        self._field = client.gui.add_text("", "", visible=False)
+        self._number = 0  # of the clip that was sent last
+        self._taken = 0  # of the clip that the page took last
+        self._waiting: tuple[Clip, Timeline | None] | None = None
+        self._commands: list[tuple[str, ...]] = []  # that are about the waiting clip
+
+        @self._field.on_update
+        async def _(event: viser.GuiEvent[Any]) -> None:
+            found = read_event(event.target.value) if event.client_id is not None else None
+            if found is not None:
+                callback(found)
+
+        self._call("page.connect", json.dumps(uuid_of(self._field)))
+
+    def load(self, clip: Clip, events: Timeline | None) -> None:
+        """Play another clip from now on, and show what happens in it; time goes on.
+
+        Args:
+            clip: how everything moves.
+            events: None: nothing happens, it stands.
+        """
+        if self._number > self._taken:
+            self._waiting = clip, events
+        else:
+            self._send(clip, events)
+
+    def take(self, event: ClipTaken) -> None:
+        """The page has a clip: send the newest one, if there has been another since."""
+        self._taken = max(self._taken, min(event.number, self._number))
+        if self._waiting is not None and self._taken == self._number:
+            waiting, self._waiting = self._waiting, None
+            self._send(*waiting)
+            commands, self._commands = self._commands, []
+            for command in commands:
+                self._call(*command)
+
+    def play(self) -> None:
+        """Go on, from the start if at the end."""
+        self._command("player.play")
+
+    def pause(self) -> None:
+        """Stand still."""
+        self._command("player.pause")
+
+    def settle(self) -> None:
+        """Draw nodes that have just come as the player has them."""
+        self._command("player.settle")
+
+    def seek(self, time: float) -> None:
+        """Go to an instant, s."""
+        self._command("player.seek", repr(float(time)))
+
+    def set_playback(self, speed: float, loop: bool) -> None:
+        """Play so many seconds of motion a second, and start again at the end or not."""
+        self._command("player.setSpeed", repr(float(speed)))
+        self._command("player.setLoop", json.dumps(loop))
+
+    def keep(self, design: str) -> None:
+        """Have the browser keep a design, as text."""
+        self._call("page.keep", json.dumps(design))
+
+    def show_tuning(self, tuning: Tuning) -> None:
+        """Put the numbers of the table of weights and limits where a design has them."""
+        changed = {"weights": dict(tuning.weights), "limits": dict(tuning.limits)}
+        self._call("tuning.show", json.dumps(changed))
+
+    def show_atlas(self, sent: Mapping[str, Any] | None) -> None:
+        """Draw a map of the atlas, as `app.panel.atlas_map` has it; None: there is none."""
+        self._call("atlas.show", json.dumps(sent))
+
+    def move_in_atlas(self, x: float, y: float) -> None:
+        """Mark where the present design is in the map, as its axes are shown."""
+        self._call("atlas.mark", repr(float(x)), repr(float(y)))
+
+    def arrange(self, controls: dict[str, str | list[str]]) -> None:
+        """Say which controls are the panel's rows of buttons, by their uuids (static/panel.js)."""
+        self._call("panel.arrange", json.dumps(controls))
+
+    def share(self, design: str) -> None:
+        """Show a link that opens a design, given as text; it is made in the page."""
+        self._call("page.share", json.dumps(design))
+
+    def _send(self, clip: Clip, events: Timeline | None) -> None:
+        self._number += 1
+        header, blob = clip.encoded
+        if events is None:
+            self._call("transport.clear")
+        else:
+            self._call("transport.show", json.dumps(_plain(events)))
+        self._call("player.load", header, json.dumps(blob), str(self._number))
+
+    def _command(self, function: str, *arguments: str) -> None:
+        """Call a function of the player, when it has the clip that was loaded last."""
+        if self._waiting is None:
+            self._call(function, *arguments)
+        else:
+            self._commands.append((function, *arguments))
+
+    def _call(self, function: str, *arguments: str) -> None:
+        owner = function.split(".")[0]
+        run_javascript(
+            self._client,
+            f"window.llsrbm?.{owner} && window.llsrbm.{function}({','.join(arguments)})",
+        )
+
+
+def read_event(message: object) -> PageEvent | None:
+    """The event that a page reports, or None for one that no page can have reported."""
+    if not isinstance(message, str) or len(message) > _LONGEST:
+        return None
+    try:
+        found = json.loads(message, parse_int=float)
+    except (ValueError, RecursionError):
+        return None
+    match found:
+        case {"kind": "ready", "software": bool(software)}:
+            return _ready(software, found)
+        case {"kind": "state", "time": float(time), "playing": bool(playing)}:
+            return PlayerMoved(time, playing) if _is_time(time) else None
+        case {"kind": "playback", "speed": float(speed), "loop": bool(loop)}:
+            return PlaybackChosen(speed, loop) if 0 < speed <= 1 else None
+        case {"kind": "clip", "number": float(number)}:
+            return ClipTaken(int(number)) if 0 <= number < 2**53 else None
+        case {
+            "kind": "tuning",
+            "group": "weights" | "limits" as group,
+            "name": str(name),
+            "value": float() | None as value,
+        }:
+            usable = len(name) <= _LONGEST_NAME and (value is None or math.isfinite(value))
+            return TuningChosen(group, name, value) if usable else None
+        case {"kind": "atlas-seen"}:
+            return AtlasSeen()
+        case {"kind": "atlas", "sweep": str(name), "jump": float(number)}:
+            usable = len(name) <= _LONGEST_TITLE and 0 <= number < 2**53
+            return AtlasClicked(name, int(number)) if usable else None
+    return None
+
+
+def _ready(software: bool, found: dict[str, Any]) -> PageReady:
+    missing = found.get("missing")
+    names = missing if isinstance(missing, list) else []
+    tab, time = found.get("tab"), found.get("time")
+    return PageReady(
+        software,
+        tuple(str(name)[:_LONGEST_NAME] for name in names[:_MOST_MISSING]),
+        tab if isinstance(tab, str) and _TOKEN.fullmatch(tab) else None,
+        _text(found.get("shared")),
+        _text(found.get("kept")),
+        time if isinstance(time, float) and _is_time(time) else 0.0,
+        found.get("playing") is True,
+    )
+
+
+def _is_time(time: float) -> bool:
+    return math.isfinite(time) and time >= 0
+
+
+def _text(value: object) -> str | None:
+    return value if isinstance(value, str) and value else None
+
+
+def _plain(events: Timeline) -> dict[str, Any]:
+    """For JSON; colours as style sheets have them."""
+    plain = asdict(events)
+    for row in plain["rows"]:
+        for piece in row["pieces"]:
+            piece["colour"] = colours.css(piece["colour"])
+    for mark in plain["marks"]:
+        mark["colour"] = colours.css(mark["colour"])
+    return plain

@@ -1,0 +1,57 @@
+"""The page as it is served: viser's, with a title of its own and our scripts before all others."""
+
+from __future__ import annotations
+
+import gzip
+from functools import lru_cache
+from pathlib import Path
+
+import viser
+
+from llsrbm.errors import Error
+
+SCRIPTS = (
+    "address.js",
+    "graphics.js",
+    "page.js",
+    "dialog.js",
+    "player.js",
+    "transport.js",
+    "camera.js",
+    "tour.js",
+    "panel.js",
+    "tuning.js",
+    "atlas.js",
+    "accessibility.js",
+)
+"""In the order in which they need each other."""
+
+_TITLE = "<title>Viser</title>"
+_FOLDER = Path(__file__).parent / "static"
+
+
+@lru_cache(maxsize=1)
+def page_html() -> bytes:
+    """Read once.
+
+    Raises:
+        Error: viser's page has no place for our scripts.
+    """
+    page = (Path(viser.__file__).parent / "client" / "build" / "index.html").read_text("utf-8")
+    if _TITLE not in page:
+        raise Error(f"the page of viser {viser.__version__} has no place for our scripts")
+    scripts = "".join(
+        f"<script>\n{(_FOLDER / name).read_text('utf-8')}</script>\n" for name in SCRIPTS
+    )
+    return page.replace(_TITLE, f"<title>Jump designer</title>\n{scripts}", 1).encode("utf-8")
+
+
+@lru_cache(maxsize=1)
+def page_gzip() -> bytes:
+    """The same, compressed once."""
+    return gzip.compress(page_html(), 6)
+
+
+def page(gzipped: bool) -> bytes:
+    """As the browser takes it."""
+    return page_gzip() if gzipped else page_html()

@@ -1,0 +1,98 @@
+"""Blocks that the simulated robot stands and lands on, while they are there."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+import viser
+from numpy.typing import NDArray
+
+from app.motion import colours
+from app.motion.clip import Strand, Track
+from app.picture.drawing import Drawing
+from app.picture.picture import Picture
+from llsrbm.simulation.surroundings import Block
+
+Array = NDArray[np.float64]
+
+
+class Blocks(Drawing):
+    """Boxes; of a plan alone they are drawn with the landing marks, as what it aims at."""
+
+    parts = frozenset({"planned", "simulated", "blocks"})
+
+    def __init__(self, scene: viser.SceneApi) -> None:
+        """See `Drawing`."""
+        super().__init__(scene)
+        self._nodes: list[viser.BoxHandle] = []
+        self._shown = 0
+
+    def draw(self, picture: Picture) -> Sequence[Strand]:
+        """See `Drawing.draw`."""
+        frames = picture.simulated
+        blocks = () if frames is None else picture.blocks
+        while len(self._nodes) < len(blocks):
+            self._nodes.append(
+                self.scene.add_box(
+                    f"/blocks/{len(self._nodes)}", colours.BLOCK, opacity=0.55, cast_shadow=False
+                )
+            )
+        for node, block in zip(self._nodes, blocks, strict=False):
+            node.dimensions = (float(block.size[0]), float(block.size[1]), float(block.size[2]))
+            node.position = block.centre
+            node.wxyz = attitude(block)
+        self._shown = len(blocks)
+        self.show(visible=True)
+        if frames is None or not blocks:
+            return ()
+        pairs = zip(self._nodes, blocks, strict=False)
+        return [
+            Strand(
+                frames.time, tuple(_track(node.name, block, frames.time) for node, block in pairs)
+            )
+        ]
+
+    def show(self, *, visible: bool) -> None:
+        """See `Drawing.show`."""
+        for index, node in enumerate(self._nodes):
+            node.visible = visible and index < self._shown
+
+
+def tops_under(blocks: Sequence[Block], points: Array, time: Array, ground: float) -> Array:
+    """(F,) m: heights of what lies below points (F, 3) m: the ground's, or a block's top.
+
+    Args:
+        blocks: what stands around.
+        points: (F, 3) m, at the instants `time` (F,) s.
+        time: s.
+        ground: m.
+    """
+    tops = np.full(len(points), ground)
+    for block in blocks:
+        c, s = math.cos(block.yaw), math.sin(block.yaw)
+        x, y = (points - block.centre)[:, :2].T
+        above = np.abs(np.stack([c * x + s * y, c * y - s * x], axis=1)) <= block.size[:2] / 2
+        there = _stands(block, time) & above.all(axis=1)
+        top = float(block.centre[2] + block.size[2] / 2)
+        tops = np.where(there, np.maximum(tops, top), tops)
+    return tops
+
+
+def attitude(block: Block) -> tuple[float, float, float, float]:
+    """Of a block, w, x, y, z."""
+    return math.cos(block.yaw / 2), 0.0, 0.0, math.sin(block.yaw / 2)
+
+
+def _track(name: str, block: Block, time: Array) -> Track:
+    """At its place at those of the instants (F,) s at which it stands there."""
+    return Track(
+        (name,),
+        np.broadcast_to(block.centre, (len(time), 3)),
+        scale=np.repeat(_stands(block, time)[:, None], 3, axis=1).astype(float),
+    )
+
+
+def _stands(block: Block, time: Array) -> NDArray[np.bool_]:
+    return (block.from_s <= time) & (time < block.until_s)

@@ -1,0 +1,124 @@
+"""A handle on the ground where the robot shall land: to be dragged and turned in the picture."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+import viser
+
+from app.guard.validation import numbers
+from llsrbm.request.jump import Jump
+from llsrbm.robots import Robot
+from llsrbm.robots.schema import Task
+
+_REACH = 1.3  # length of the arrows, in the feet's distance from their middle
+_LINE = 3.0  # pixels
+
+
+@dataclass(frozen=True)
+class Grip:
+    """Where the handle was dragged to.
+
+    Attributes:
+        x, y: m, world frame.
+        yaw: rad; the same up to whole turns.
+    """
+
+    x: float
+    y: float
+    yaw: float
+
+    def applied_to(self, jump: Jump, task: Task) -> Jump:
+        """The request with the landing place where the handle stands, within the robot's ranges.
+
+        Args:
+            jump: the request as it is; height, robot and model stay.
+            task: the robot's ranges.
+        """
+        # The handle turns on beyond half a turn; of the angles that look alike, the nearest one.
+        twist = jump.twist + math.remainder(self.yaw - jump.twist, 2 * math.pi)
+        return replace(
+            jump,
+            twist=_whole_degrees(_within(twist, task.twist)),
+            forward=_whole_centimetres(_within(self.x, task.forward)),
+            lateral=_whole_centimetres(_within(self.y, task.lateral)),
+        )
+
+
+class LandingHandle:
+    """Arrows along x and y, and a ring to turn it; stands at the target unless it is held."""
+
+    def __init__(self, client: viser.ClientHandle, moved: Callable[[Grip], None]) -> None:
+        """Hidden.
+
+        Args:
+            client: whose scene.
+            moved: called from viser's thread with where the handle was dragged to; must return at
+                once.
+        """
+        self._target: Jump | None = None
+        self._robot: Robot | None = None
+        self._held = False
+        self._handle = client.scene.add_transform_controls(
+            "/goal",
+            line_width=_LINE,
+            active_axes=(True, True, False),
+            opacity=0.7,
+            visible=False,
+        )
+
+        @self._handle.on_update
+        async def _(event: viser.TransformControlsEvent) -> None:
+            self._held = event.phase != "end"
+            # Wherever it was let go: the next drawing puts it where the target is.
+            self._target = None
+            grip = read_grip(self._handle.wxyz, self._handle.position)
+            if grip is not None:
+                moved(grip)
+
+    def draw(self, target: Jump | None, robot: Robot | None, *, visible: bool) -> None:
+        """Stand where a jump shall land, unless it is being dragged.
+
+        Args:
+            target: the jump; None: hidden.
+            robot: its arrows reach out from under this one.
+            visible: whether it is shown at all.
+        """
+        shown = visible and target is not None and robot is not None
+        self._handle.visible = shown
+        if target is None or robot is None:
+            return
+        if robot is not self._robot:
+            self._robot = robot
+            across = robot.feet[:, :2] - robot.feet[:, :2].mean(axis=0)
+            self._handle.scale = float(_REACH * np.linalg.norm(across, axis=1).max())
+        if self._held or target == self._target:
+            return
+        self._target = target
+        half = target.twist / 2
+        self._handle.position = (target.forward, target.lateral, target.height)
+        self._handle.wxyz = (math.cos(half), 0.0, 0.0, math.sin(half))
+
+
+def read_grip(wxyz: object, position: object) -> Grip | None:
+    """Where a handle stands, or None: a script may send anything for a pose."""
+    quaternion, place = numbers(wxyz, 4), numbers(position, 3)
+    if quaternion is None or place is None:
+        return None
+    (w, _, _, z), (x, y, _) = quaternion, place
+    return Grip(x, y, 2 * math.atan2(z, w))
+
+
+def _within(value: float, ends: tuple[float, float]) -> float:
+    return min(max(value, ends[0]), ends[1])
+
+
+def _whole_degrees(angle: float) -> float:
+    return math.radians(round(math.degrees(angle)))
+
+
+def _whole_centimetres(length: float) -> float:
+    return round(length, 2)

@@ -1,0 +1,102 @@
+"""The shapes with which the simulation lets the robot touch the world."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import lru_cache
+from typing import TYPE_CHECKING
+
+import coal
+import numpy as np
+import viser
+
+from app.motion import colours
+from app.motion.clip import Track
+from app.motion.frames import Frames
+from app.picture import gltf
+from app.picture.drawing import Copies, RootedOverlay
+from app.picture.picture import Picture
+from llsrbm.robots import Robot
+from llsrbm.robots.foot_contact import collision_shapes, foot_contacts
+from llsrbm.robots.urdf import BASE_JOINT
+
+if TYPE_CHECKING:
+    import trimesh
+
+_OPACITY = 0.45
+
+
+class CollisionShapes(RootedOverlay):
+    """The trunk's boxes, cylinders, spheres and convex hulls, and the feet's spheres.
+
+    As `llsrbm.simulation.scene` builds them; legs pass through the ground there, too.
+    """
+
+    name = "collision"
+    title = "Collision shapes"
+    hint = "The shapes that touch the ground in a simulation: the trunk's and the feet's."
+    root = "/hulls"
+
+    def __init__(self, scene: viser.SceneApi) -> None:
+        """See `Drawing`."""
+        super().__init__(scene)
+        self._bodies: list[Copies] = []
+
+    def tracks(self, picture: Picture, frames: Frames) -> Sequence[Track]:
+        """See `RootedOverlay.tracks`."""
+        assert picture.robot is not None
+        shapes = _meshes(picture.robot)
+        for copies in self._bodies[len(shapes) :]:
+            copies.names(0)
+        tracks = []
+        for index, (body, glb) in enumerate(shapes):
+            if index == len(self._bodies):
+                self._bodies.append(Copies(self.scene, f"{self.root}/{index}", glb))
+            self._bodies[index].replace(glb)
+            nodes = tuple(self._bodies[index].names(1))
+            tracks.append(Track(nodes, frames.body_position[:, body], frames.body_wxyz[:, body]))
+        return tracks
+
+
+@lru_cache(maxsize=8)
+def _meshes(robot: Robot) -> tuple[tuple[int, bytes], ...]:
+    return tuple(
+        (body, gltf.solid(mesh, colours.COLLISION, _OPACITY)) for body, mesh in shapes_of(robot)
+    )
+
+
+def shapes_of(robot: Robot) -> list[tuple[int, trimesh.Trimesh]]:
+    """Index of a body and its shapes in the frame of its joint: the base's, then each foot's."""
+    import trimesh
+
+    trunk = []
+    for shape in collision_shapes(robot):
+        mesh = _mesh(shape.geometry) if shape.parentJoint == BASE_JOINT else None
+        if mesh is not None:
+            mesh.apply_transform(shape.placement.homogeneous)
+            trunk.append(mesh)
+    found = [(BASE_JOINT - 1, trimesh.util.concatenate(trunk))] if trunk else []
+    for leg, contact in zip(robot.legs, foot_contacts(robot), strict=True):
+        frame = robot.model.frames[leg.foot_frame_id]
+        spheres = []
+        for centre in contact.centres:
+            sphere = trimesh.creation.icosphere(subdivisions=2, radius=contact.radius)
+            sphere.apply_translation(frame.placement.act(centre))
+            spheres.append(sphere)
+        found.append((leg.joint_ids[-1] - 1, trimesh.util.concatenate(spheres)))
+    return found
+
+
+def _mesh(geometry: coal.CollisionGeometry) -> trimesh.Trimesh | None:
+    """A shape that the simulation has, too; None: of another kind."""
+    import trimesh
+
+    if isinstance(geometry, coal.Sphere):
+        return trimesh.creation.icosphere(subdivisions=2, radius=geometry.radius)
+    if isinstance(geometry, coal.Box):
+        return trimesh.creation.box(extents=2 * np.asarray(geometry.halfSide))
+    if isinstance(geometry, coal.Cylinder):
+        return trimesh.creation.cylinder(geometry.radius, 2 * geometry.halfLength, sections=24)
+    if isinstance(geometry, coal.BVHModelBase):
+        return trimesh.convex.convex_hull(np.asarray(geometry.vertices()))
+    return None

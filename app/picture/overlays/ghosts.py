@@ -1,0 +1,55 @@
+"""Translucent robots: the plan beside its simulation, and pinned motions."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import chain, count
+
+import viser
+
+from app.motion import colours
+from app.motion.clip import Strand
+from app.picture.drawing import Overlay
+from app.picture.picture import Picture
+from app.picture.robot_nodes import RobotNodes, RobotShelf
+
+
+class Ghosts(Overlay):
+    """Each with a time of its own."""
+
+    name = "ghost"
+    title = "Ghost"
+    hint = "The plan beside its simulation, and what is pinned."
+    at_first = True
+    parts = frozenset({"robot", "planned", "simulated", "ghosts", "prepared"})
+    needs_motion = False
+
+    def __init__(self, scene: viser.SceneApi) -> None:
+        """See `Drawing`."""
+        super().__init__(scene)
+        names = chain(["/shade"], (f"/shade-{number}" for number in count(2)))
+        self._plans = RobotShelf(scene, names)
+        self._pins = RobotShelf(scene, (f"/pinned/{number}" for number in count(1)))
+        self._plan: list[RobotNodes] = []
+        self._pinned: list[RobotNodes] = []
+
+    def draw(self, picture: Picture) -> Sequence[Strand]:
+        """See `Drawing.draw`."""
+        self._plan, self._pinned = [], []
+        strands = []
+        for ghost in picture.ghosts:
+            nodes = self._pins.take(ghost.robot, ghost=ghost.colour)
+            self._pinned.append(nodes)
+            strands.append(Strand(ghost.frames.time, tuple(nodes.track(ghost.frames))))
+        if picture.robot is not None and picture.planned is not None and picture.simulated:
+            nodes = self._plans.take(picture.robot, ghost=colours.PLANNED)
+            self._plan.append(nodes)
+            frames = picture.planned.frames
+            strands.append(Strand(frames.time, tuple(nodes.track(frames))))
+        self.show(visible=True)
+        return strands
+
+    def show(self, *, visible: bool) -> None:
+        """See `Drawing.show`."""
+        self._plans.show_only(self._plan if visible else ())
+        self._pins.show_only(self._pinned if visible else ())

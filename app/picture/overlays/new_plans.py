@@ -1,0 +1,99 @@
+"""What is planned anew while the robot is under way: at each instant the plan that is followed."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import viser
+from numpy.typing import NDArray
+
+from app.motion import colours
+from app.motion.clip import Strand, Track
+from app.picture import gltf
+from app.picture.drawing import Copies, Overlay
+from app.picture.picture import Picture
+from app.picture.turns import z_to
+from llsrbm.motion.replan import Replan
+
+Array = NDArray[np.float64]
+
+_PIECES = 14  # of the CoM's path
+_THICK = 0.006  # m, radius of the path
+_FOOTHOLD = 0.032  # m, radius of a foothold
+_FLAT = 0.03  # of a foothold, thickness over radius
+_ABOVE = 0.006  # m, over the marks of the first plan's landing
+_SWITCH = 1e-4  # s that it takes to go on to the next plan
+
+
+class NewPlans(Overlay):
+    """The path of the CoM and the footholds; of a simulation that is complete."""
+
+    name = "new-plans"
+    title = "New plans"
+    hint = "With replanning: the plan that is followed, its centre of mass and footholds."
+    at_first = True
+    parts = frozenset({"robot", "planned", "rollout"})
+    _ROOT = "/anew"
+
+    def __init__(self, scene: viser.SceneApi) -> None:
+        """See `Drawing`."""
+        super().__init__(scene)
+        self._root: viser.FrameHandle | None = None
+        self._path: Copies | None = None
+        self._feet: Copies | None = None
+
+    def draw(self, picture: Picture) -> Sequence[Strand]:
+        """See `Drawing.draw`."""
+        rollout = picture.rollout
+        taken = () if rollout is None else [r for r in rollout.replans if np.isfinite(r.applied)]
+        if not taken:
+            self.show(visible=False)
+            return ()
+        if self._root is None or self._path is None or self._feet is None:
+            self._root = self.scene.add_frame(self._ROOT, show_axes=False)
+            self._path = Copies(self.scene, f"{self._ROOT}/path", gltf.rod(colours.REPLANNED))
+            self._feet = Copies(self.scene, f"{self._ROOT}/foothold", gltf.disc(colours.REPLANNED))
+        paths = np.stack([_path(replan) for replan in taken])
+        start, along = paths[:, :-1], np.diff(paths, axis=1)
+        length = np.linalg.norm(along, axis=2)
+        along = np.where(length[..., None] > 0, along, [0.0, 0.0, 1.0])
+        size = np.stack([np.full_like(length, _THICK)] * 2 + [length], axis=2)
+        time, which = _times(taken)
+        there = np.append(0.0, np.ones(len(which) - 1))[:, None]  # none before the first one
+        tracks = [
+            Track((name,), start[which, k], z_to(along[which, k]), there * size[which, k])
+            for k, name in enumerate(self._path.names(_PIECES))
+        ]
+        feet = np.stack([replan.foot_position[-1] for replan in taken])
+        feet[..., 2] += _ABOVE
+        flat = np.array([_FOOTHOLD, _FOOTHOLD, _FOOTHOLD * _FLAT])
+        tracks += [
+            Track((name,), feet[which, foot], None, there * flat)
+            for foot, name in enumerate(self._feet.names(feet.shape[1]))
+        ]
+        self.show(visible=True)
+        return [Strand(time, tuple(tracks))]
+
+    def show(self, *, visible: bool) -> None:
+        """See `Drawing.show`."""
+        if self._root is not None:
+            self._root.visible = visible
+
+
+def _path(replan: Replan) -> Array:
+    """Points of a plan's CoM, (_PIECES + 1, 3) m, evenly spaced in time."""
+    times = np.linspace(replan.time[0], replan.time[-1], _PIECES + 1)
+    return np.stack([np.interp(times, replan.time, axis) for axis in replan.com.T], axis=1)
+
+
+def _times(taken: Sequence[Replan]) -> tuple[Array, NDArray[np.int64]]:
+    """Instants at which a plan begins and ends to be followed, and its number."""
+    times, which = [max(0.0, taken[0].applied - _SWITCH)], [0]
+    for number, replan in enumerate(taken):
+        if number:
+            times.append(max(replan.applied - _SWITCH, times[-1] + _SWITCH / 2))
+            which.append(number - 1)
+        times.append(max(replan.applied, times[-1] + _SWITCH / 2))
+        which.append(number)
+    return np.array(times), np.array(which)

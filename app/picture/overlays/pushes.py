@@ -1,0 +1,86 @@
+"""An arrow on the trunk while it is pushed, with the push's size."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import viser
+from numpy.typing import NDArray
+
+from app.motion import colours
+from app.motion.clip import Strand, Track
+from app.motion.frames import FRAME_RATE, Frames
+from app.motion.push_arrow import ARROW_PER_SPEED, metres_per_newton_second, trunk_com
+from app.picture import gltf
+from app.picture.drawing import Copies, RootedOverlay
+from app.picture.picture import Picture
+from app.picture.push_handle import newton_seconds
+from app.picture.turns import z_to
+
+Array = NDArray[np.float64]
+
+_SEEN = 0.1  # s for which a push is seen; it is over after a fifth of that
+_WIDE = 1.6  # times as thick as the arrow of a force
+_AWAY = (0.0, 0.0, 1000.0)  # m, where words are that nobody shall see: they have no size
+
+
+class Pushes(RootedOverlay):
+    """Of a simulation; the page draws them over everything else (static/player.js)."""
+
+    name = "pushes"
+    title = "Pushes"
+    hint = (
+        "Pushes of a simulation, while they act; one that gives the robot 1 m/s is "
+        f"{ARROW_PER_SPEED:g} m long."
+    )
+    at_first = True
+    root = "/push/past"
+    parts = frozenset({"robot", "planned", "simulated", "pushes"})
+
+    def __init__(self, scene: viser.SceneApi) -> None:
+        """See `Drawing`."""
+        super().__init__(scene)
+        self._arrows: Copies | None = None
+        self._words: list[viser.LabelHandle] = []
+
+    def draw(self, picture: Picture) -> Sequence[Strand]:
+        """See `Drawing.draw`."""
+        strands = super().draw(picture)
+        return strands if picture.pushes else ()
+
+    def tracks(self, picture: Picture, frames: Frames) -> Sequence[Track]:
+        """See `RootedOverlay.tracks`."""
+        self._arrows = self._arrows or Copies(
+            self.scene, f"{self.root}/arrow", gltf.arrow(colours.PUSH)
+        )
+        pushes, robot = picture.pushes, picture.robot
+        assert robot is not None
+        while len(self._words) < len(pushes):
+            self._words.append(
+                self.scene.add_label(
+                    f"{self.root}/words/{len(self._words)}", "", anchor="bottom-center"
+                )
+            )
+        for label in self._words:
+            label.position = _AWAY
+        origin = trunk_com(robot, frames)
+        tracks = []
+        for push, arrow, label in zip(
+            pushes, self._arrows.names(len(pushes)), self._words, strict=False
+        ):
+            label.text = newton_seconds(push.impulse)
+            reach = metres_per_newton_second(robot) * np.array(push.impulse)
+            length = float(np.linalg.norm(reach))
+            if length == 0:
+                reach = np.array([0.0, 0.0, 1.0])  # a moment alone has no arrow
+            seen = (frames.time > push.time - 1 / FRAME_RATE) & (frames.time < push.time + _SEEN)
+            seen &= length > 0
+            size = np.array([_WIDE, _WIDE, length])
+            tip = np.where(seen[:, None], origin + reach, _AWAY)
+            along = z_to(np.tile(reach, (len(origin), 1)))
+            tracks += [
+                Track((arrow,), origin, along, seen[:, None] * size),
+                Track((label.name,), tip),
+            ]
+        return tracks

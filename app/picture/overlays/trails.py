@@ -1,0 +1,81 @@
+"""The paths of the CoM and, in flight, of the feet."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import viser
+from numpy.typing import NDArray
+
+from app.motion import colours
+from app.motion.clip import Strand
+from app.picture.drawing import Overlay
+from app.picture.picture import Picture
+
+Array = NDArray[np.float64]
+
+_ALONG = 2  # frames between the points of a trail
+_NOTHING = np.zeros((1, 2, 3), dtype=np.float32)  # a line without a length
+
+
+class Trails(Overlay):
+    """Lines that do not move; those of a plan that breaks constraints have a warning colour."""
+
+    name = "trails"
+    title = "Trails"
+    hint = "The paths of the centre of mass and, in flight, of the feet."
+    at_first = True
+
+    def __init__(self, scene: viser.SceneApi) -> None:
+        """See `Drawing`."""
+        super().__init__(scene)
+        self._lines: tuple[viser.LineSegmentsHandle, viser.LineSegmentsHandle] | None = None
+
+    def draw(self, picture: Picture) -> Sequence[Strand]:
+        """See `Drawing.draw`."""
+        planned, frames = picture.planned, picture.solid
+        assert planned is not None
+        assert frames is not None
+        if self._lines is None:
+            self._lines = self._add("com", colours.COM, 3.0), self._add("feet", colours.FOOT, 2.0)
+        com, feet = self._lines
+        last = len(frames.time) - 1
+        kept = np.append(np.arange(0, last, _ALONG), last)
+        com.points = _segments(frames.com[kept, None])
+        feet.points = np.concatenate(
+            [_NOTHING]  # a robot that fell early may never have flown
+            + [
+                _segments(frames.foot_position[start:end:_ALONG, foot, None])
+                for foot in range(frames.stands.shape[1])
+                for start, end in _stretches(~frames.stands[:, foot])
+            ]
+        )
+        # One colour for all, as when the node was made.
+        colour = colours.COM if planned.plan.solved else colours.INFEASIBLE
+        com.colors = np.array(colour, dtype=np.uint8)
+        return ()
+
+    def show(self, *, visible: bool) -> None:
+        """See `Drawing.show`."""
+        for line in self._lines or ():
+            line.visible = visible
+
+    def _add(
+        self, name: str, colour: tuple[int, int, int], thickness: float
+    ) -> viser.LineSegmentsHandle:
+        return self.scene.add_line_segments(
+            f"/path/{name}", _NOTHING, colour, thickness=thickness, thickness_units="screen"
+        )
+
+
+def _stretches(there: NDArray[np.bool_]) -> list[tuple[int, int]]:
+    """First frame and the one after the last, of each stretch of frames (F,) that are there."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], there, [False]]).astype(int)))
+    return [(int(start), int(end)) for start, end in edges.reshape(-1, 2)]
+
+
+def _segments(points: Array) -> NDArray[np.float32]:
+    """Paths (K, n, 3) as their pieces, (n (K - 1), 2, 3)."""
+    pieces = np.stack([points[:-1], points[1:]], axis=2)
+    return pieces.reshape(-1, 2, 3).astype(np.float32)

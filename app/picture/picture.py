@@ -1,0 +1,107 @@
+"""A picture, as a value: made from a tab's state, drawn by `app.picture.scene.Scene`."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from typing import Any
+
+from app.motion.colours import Rgb
+from app.motion.frames import Frames
+from app.motion.planned_motion import PlannedMotion
+from llsrbm.motion.rollout import Rollout
+from llsrbm.request.jump import Jump
+from llsrbm.request.push import Push
+from llsrbm.robots import Robot
+from llsrbm.simulation.surroundings import Block
+
+
+@dataclass(frozen=True, eq=False)
+class Ghost:
+    """A pinned motion, drawn translucent.
+
+    Attributes:
+        robot: whose.
+        frames: of its motion.
+        colour: of the ghost.
+    """
+
+    robot: Robot
+    frames: Frames
+    colour: Rgb
+
+
+@dataclass(frozen=True, eq=False)
+class Picture:
+    """Everything that the scene draws of a tab's state; parts that stay are the same objects.
+
+    Attributes:
+        robot: that is shown; None: none yet.
+        planned: its plan; None: it stands in its default posture.
+        simulated: frames of the robot that follows the plan, as far as they are computed; it is
+            drawn solid then, and the plan as a ghost.
+        rollout: the simulation, once it is complete.
+        pushes: of the simulation, as far as it is computed.
+        blocks: what stands around: of a plan alone, drawn as what it aims at.
+        ghosts: pinned motions.
+        layers: names of the overlays that are drawn.
+        target: where the landing handle stands.
+        night: a dark ground and dim light.
+        fine: with all triangles: the browser has a graphics processor.
+        prepared: the robot's meshes are there; else its collision shapes stand in for them.
+    """
+
+    robot: Robot | None = None
+    planned: PlannedMotion | None = None
+    simulated: Frames | None = None
+    rollout: Rollout | None = None
+    pushes: tuple[Push, ...] = ()
+    blocks: tuple[Block, ...] = ()
+    ghosts: tuple[Ghost, ...] = ()
+    layers: frozenset[str] = frozenset()
+    target: Jump | None = None
+    night: bool = False
+    fine: bool = False
+    prepared: bool = True
+
+    @property
+    def solid(self) -> Frames | None:
+        """The motion of the robot that is drawn solid; None: it stands in its default posture."""
+        if self.planned is None:
+            return None
+        return self.simulated or self.planned.frames
+
+    @property
+    def ground(self) -> float:
+        """Height of the ground, m: a landing below the start, or a gap, moves it down."""
+        if self.planned is None:
+            return 0.0
+        plan = self.planned.plan
+        deepest = 0.0 if plan.obstacle is None else plan.obstacle.height
+        return min(plan.jump.height, deepest, 0.0)
+
+
+def changed_parts(before: Picture, after: Picture) -> frozenset[str]:
+    """Names of the fields in which two pictures differ: of large parts, which object it is."""
+    if before is after:
+        return frozenset()
+    names = (field.name for field in fields(Picture))
+    return frozenset(
+        name for name in names if not _same(getattr(before, name), getattr(after, name))
+    )
+
+
+_PLAIN = (bool, int, frozenset, Jump, Push)
+
+
+def _same(before: Any, after: Any) -> bool:
+    if before is after:
+        return True
+    if isinstance(before, Ghost) and isinstance(after, Ghost):
+        parts = zip(vars(before).values(), vars(after).values(), strict=True)
+        return all(_same(one, other) for one, other in parts)
+    if isinstance(before, tuple) and isinstance(after, tuple):
+        pairs = zip(before, after, strict=False)
+        return len(before) == len(after) and all(_same(one, other) for one, other in pairs)
+    if isinstance(before, _PLAIN) and isinstance(after, _PLAIN):
+        return before == after
+    return False

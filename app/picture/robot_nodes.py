@@ -1,0 +1,273 @@
+"""Robots' links as nodes of a scene: solid, or translucent as ghosts.
+
+Meshes are by far the largest that a tab is sent, so none is sent to it twice: a robot that is not
+shown any more is hidden, and found again when it is shown next.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator
+from functools import lru_cache
+
+import numpy as np
+import viser
+from numpy.typing import NDArray
+
+from app.motion.clip import Strand, Track
+from app.motion.colours import Rgb, linear
+from app.motion.frames import Frames
+from llsrbm.look.collision_visuals import collision_visuals, visuals_at_once
+from llsrbm.look.visuals import (
+    LinkVisual,
+    forward_kinematics,
+    link_visuals,
+    needs_preparation,
+)
+from llsrbm.motion.rotation import rotation_matrices
+from llsrbm.robots import Robot
+
+Array = NDArray[np.float64]
+
+KEPT = 4
+"""Hidden robots that a tab keeps, the ones shown last: some MB of memory each in a browser."""
+
+_GHOST_OPACITY = 0.25
+
+
+@lru_cache(maxsize=16)
+def meshes(
+    robot: Robot, *, fine: bool = False, ghost: Rgb | None = None, stand_in: bool = False
+) -> tuple[tuple[str, int, bytes], ...]:
+    """(link, body index, glTF) of each body, made once for all tabs; ghosts in one colour.
+
+    With `stand_in`, collision shapes in place of meshes.
+    """
+    from trimesh import Trimesh
+    from trimesh.visual import TextureVisuals
+    from trimesh.visual.material import PBRMaterial
+
+    def glb(visual: LinkVisual) -> bytes:
+        if ghost is None:
+            solid: bytes = visual.mesh().export(file_type="glb")
+            return solid
+        material = PBRMaterial(
+            baseColorFactor=[*linear(ghost), _GHOST_OPACITY],
+            metallicFactor=0.0,
+            roughnessFactor=0.9,
+            alphaMode="BLEND",
+        )
+        translucent: bytes = Trimesh(
+            vertices=visual.vertices,
+            faces=visual.faces,
+            vertex_normals=visual.normals,
+            visual=TextureVisuals(material=material),
+            process=False,
+        ).export(file_type="glb")
+        return translucent
+
+    visuals = collision_visuals(robot) if stand_in else link_visuals(robot, coarse=not fine)
+    return tuple((visual.link, visual.joint_id - 1, glb(visual)) for visual in visuals)
+
+
+class RobotNodes:
+    """One drawn robot, in its default posture until it is moved.
+
+    Attributes:
+        robot: that is drawn.
+        base: name of the node of its first body.
+    """
+
+    def __init__(
+        self,
+        scene: viser.SceneApi,
+        robot: Robot,
+        name: str,
+        *,
+        ghost: Rgb | None = None,
+        fine: bool = False,
+    ) -> None:
+        """Visible.
+
+        Args:
+            scene: a tab's.
+            robot: what to draw.
+            name: of the node above the links.
+            ghost: translucent, in this colour.
+            fine: with all triangles. A browser without a graphics processor draws the coarse ones
+                in half the time, and every page opens sooner with them; ghosts never need more.
+        """
+        self.robot = robot
+        self._scene = scene
+        self._name = name
+        self._ghost = ghost
+        self._fine = fine
+        self._stand_in = needs_preparation(robot)
+        self._frame = scene.add_frame(name, show_axes=False)
+        self._nodes: dict[str, viser.GlbHandle] = {}
+        self._bodies: dict[str, int] = {}
+        self._draw()
+        self.base = next(iter(self._nodes), name)
+
+    def refine(self) -> None:
+        """Draw all triangles from now on."""
+        if not self._fine:
+            self._fine = True
+            self._draw()
+
+    def complete(self) -> None:
+        """Draw the meshes, if collision shapes stood in for them and they are prepared by now.
+
+        Bodies may be added and removed: a clip has to be sent anew after it.
+        """
+        if self._stand_in and not needs_preparation(self.robot):
+            self._stand_in = False
+            self._draw()
+
+    def _draw(self) -> None:
+        """Have a node for each body; those of before keep their poses."""
+        position, wxyz = _default_pose(self.robot)
+        bodies = meshes(
+            self.robot,
+            fine=self._fine and not self._stand_in,
+            ghost=self._ghost,
+            stand_in=self._stand_in,
+        )
+        before, self._bodies = self._nodes, {}
+        self._nodes = {}
+        for link, body, glb in bodies:
+            node = f"{self._name}/{link}"
+            self._bodies[node] = body
+            handle = before.pop(node, None)
+            if handle is not None:
+                handle.glb_data = glb
+            self._nodes[node] = handle or self._scene.add_glb(
+                node,
+                glb,
+                position=position[body],
+                wxyz=wxyz[body],
+                # Onto the floor, if a lamp casts any; robots that are black by themselves, as
+                # ANYmal is, have nothing to gain from shadows on them.
+                cast_shadow=self._ghost is None,
+                receive_shadow=False,
+            )
+        for handle in before.values():
+            handle.remove()
+
+    def track(self, frames: Frames) -> list[Track]:
+        """Every body's way through a motion of this robot."""
+        return [
+            Track((name,), frames.body_position[:, body], frames.body_wxyz[:, body])
+            for name, body in self._bodies.items()
+        ]
+
+    def still(self) -> Strand:
+        """Every body where it is in the default posture."""
+        position, wxyz = _default_pose(self.robot)
+        return Strand(
+            np.zeros(1),
+            tuple(
+                Track((name,), position[body, None], wxyz[body, None])
+                for name, body in self._bodies.items()
+            ),
+        )
+
+    def show(self, *, visible: bool) -> None:
+        """Show or hide."""
+        self._frame.visible = visible
+
+    def remove(self) -> None:
+        """Remove for good."""
+        self._frame.remove()
+
+
+class RobotShelf:
+    """The robots of one kind that a tab has been sent: solid ones, or ghosts."""
+
+    def __init__(self, scene: viser.SceneApi, names: Iterator[str]) -> None:
+        """None.
+
+        Args:
+            scene: a tab's.
+            names: of their nodes.
+        """
+        self._scene = scene
+        self._names = names
+        # In the order in which they were taken last.
+        self._made: dict[tuple[Robot, Rgb | None], RobotNodes] = {}
+
+    def take(self, robot: Robot, *, ghost: Rgb | None = None, fine: bool = False) -> RobotNodes:
+        """The nodes of a robot: those of before, with meshes prepared meanwhile, or new ones."""
+        key = (robot, ghost)
+        nodes = self._made.pop(key, None)
+        if nodes is None:
+            nodes = RobotNodes(self._scene, robot, next(self._names), ghost=ghost, fine=fine)
+        else:
+            nodes.complete()
+            if fine:
+                nodes.refine()
+        self._made[key] = nodes
+        return nodes
+
+    def show_only(self, shown: Collection[RobotNodes]) -> None:
+        """Show these and hide all others; of the others, remove those that were taken long ago."""
+        hidden = []
+        for key, nodes in self._made.items():
+            visible = nodes in shown
+            nodes.show(visible=visible)
+            if not visible:
+                hidden.append(key)
+        for key in hidden[: max(0, len(hidden) - KEPT)]:
+            self._made.pop(key).remove()
+
+
+@lru_cache(maxsize=8)
+def extents(robot: Robot) -> tuple[tuple[int, ...], Array]:
+    """Of every body that has a mesh: its index, and the corners (8, 3) m of a box around it."""
+    corners = []
+    visuals = visuals_at_once(robot)  # collision shapes are as large, to some centimetres
+    for visual in visuals:
+        low, high = visual.vertices.min(axis=0), visual.vertices.max(axis=0)
+        corners.append(
+            [
+                [x, y, z]
+                for x in _ends(low, high, 0)
+                for y in _ends(low, high, 1)
+                for z in _ends(low, high, 2)
+            ]
+        )
+    return tuple(visual.joint_id - 1 for visual in visuals), np.reshape(corners, (-1, 8, 3))
+
+
+def around(robot: Robot, position: Array, wxyz: Array) -> tuple[Array, Array]:
+    """Corners `low` and `high`, (3,) m, of a box around a robot in all of its poses.
+
+    Args:
+        robot: with at least one mesh, or its bodies' origins count.
+        position: (F, B, 3) m of its bodies.
+        wxyz: (F, B, 4).
+    """
+    bodies, corners = extents(robot)
+    if not bodies:
+        return position.min(axis=(0, 1)), position.max(axis=(0, 1))
+    turn = rotation_matrices(wxyz[:, bodies])
+    points = position[:, bodies, None] + np.einsum("fbij,bcj->fbci", turn, corners)
+    return points.min(axis=(0, 1, 2)), points.max(axis=(0, 1, 2))
+
+
+def around_default(robot: Robot) -> tuple[Array, Array]:
+    """The same of a robot in its default posture."""
+    position, wxyz = _default_pose(robot)
+    return around(robot, position[None], wxyz[None])
+
+
+@lru_cache(maxsize=16)
+def _default_pose(robot: Robot) -> tuple[Array, Array]:
+    """(B, 3) m and (B, 4): of every body."""
+    position, wxyz = forward_kinematics(
+        robot, robot.base_position[None], [[1.0, 0.0, 0.0, 0.0]], robot.posture[None, 7:]
+    )
+    return position[0], wxyz[0]
+
+
+def _ends(low: Array, high: Array, axis: int) -> tuple[float, float]:
+    return float(low[axis]), float(high[axis])

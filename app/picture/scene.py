@@ -1,0 +1,113 @@
+"""The picture of one tab: makes nodes and says how they move, as a clip; a player moves them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+import viser
+from numpy.typing import NDArray
+
+from app.motion.clip import Clip, Strand, Track
+from app.picture.blocks import Blocks
+from app.picture.drawing import Drawing, Overlay
+from app.picture.lighting import Lighting
+from app.picture.overlays import OVERLAYS
+from app.picture.picture import Picture, changed_parts
+from app.picture.solid_robot import ContactShadow, SolidRobot
+
+Array = NDArray[np.float64]
+
+
+class Scene:
+    """Draws pictures, one after the other; to be used by one thread.
+
+    It owns nodes, and what was drawn last, and no facts.
+    """
+
+    # Browser tests find controls by label. viser's scene tree has labels, too, made from the names
+    # of nodes, so these avoid the words of the panel (a node "robot" would be found as "Robot").
+
+    def __init__(self, client: viser.ClientHandle) -> None:
+        """An empty floor.
+
+        Args:
+            client: whose tab.
+        """
+        self._client = client
+        self._drawn = Picture()
+        scene = client.scene
+        self._robot = SolidRobot(scene)
+        self._always: tuple[Drawing, ...] = (
+            Lighting(scene),
+            self._robot,
+            ContactShadow(scene),
+            Blocks(scene),
+        )
+        self._overlays: dict[str, Overlay] = {}
+        self._strands: dict[Drawing, Sequence[Strand]] = {}
+        self._outdated: set[Drawing] = set()
+
+    def draw(self, picture: Picture) -> Clip | None:
+        """Draw this picture in place of the one before, as far as it differs.
+
+        Args:
+            picture: all of it; parts that are the same objects as before are left alone.
+
+        Returns:
+            how everything moves, if that has changed.
+        """
+        changed = changed_parts(self._drawn, picture)
+        if not changed:
+            return None
+        self._drawn = picture
+        before = dict(self._strands)
+        with self._client.atomic():
+            for name in sorted(picture.layers & OVERLAYS.keys() - self._overlays.keys()):
+                overlay = self._overlays[name] = OVERLAYS[name](self._client.scene)
+                self._outdated.add(overlay)
+            for drawing in self._always:
+                self._update(drawing, picture, changed, wanted=True)
+            for name, overlay in self._overlays.items():
+                self._update(overlay, picture, changed, wanted=name in picture.layers)
+        same = all(before.get(drawing, ()) is strands for drawing, strands in self._strands.items())
+        return None if same and before.keys() == self._strands.keys() else self._clip()
+
+    def _update(
+        self, drawing: Drawing, picture: Picture, changed: frozenset[str], *, wanted: bool
+    ) -> None:
+        """Draw, or leave alone, or hide."""
+        if drawing.parts & changed:
+            self._outdated.add(drawing)
+        visible = wanted and (picture.planned is not None or not drawing.needs_motion)
+        if not visible:
+            # What is hidden need not move; drawn anew when it is shown again.
+            if self._strands.pop(drawing, None):
+                self._outdated.add(drawing)
+            drawing.show(visible=False)
+        elif drawing in self._outdated:
+            self._outdated.discard(drawing)
+            strands = tuple(drawing.draw(picture))
+            # None before and none now: nothing has changed in how it moves.
+            if strands or drawing in self._strands:
+                self._strands[drawing] = strands
+            drawing.show(visible=True)
+        else:
+            drawing.show(visible=True)
+
+    def _clip(self) -> Clip:
+        strands = _joined(strand for part in self._strands.values() for strand in part)
+        end = max((float(strand.time[-1]) for strand in strands), default=0.0)
+        planned = self._drawn.planned
+        request = {} if planned is None else planned.plan.jump.as_dict()
+        return Clip(strands, end, request, self._robot.sight)
+
+
+def _joined(strands: Iterable[Strand]) -> tuple[Strand, ...]:
+    """The same, with one strand for all tracks that share their instants."""
+    times: dict[int, Array] = {}
+    tracks: dict[int, list[Track]] = {}
+    for strand in strands:
+        times[id(strand.time)] = strand.time
+        tracks.setdefault(id(strand.time), []).extend(strand.tracks)
+    return tuple(Strand(times[key], tuple(tracks[key])) for key in times if tracks[key])

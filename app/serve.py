@@ -1,0 +1,122 @@
+"""`llsrbm serve`, found by the command line through the entry points "llsrbm.commands"."""
+
+from __future__ import annotations
+
+import sys
+from contextlib import closing
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from llsrbm.errors import InputError
+from llsrbm.request.jump import Jump
+
+if TYPE_CHECKING:
+    from app.workers.cluster import Cluster
+    from app.workers.opened_file import OpenedFile
+
+
+def serve(
+    host: Annotated[str, typer.Option(help="Address to listen on.")] = "127.0.0.1",
+    port: Annotated[int, typer.Option(help="Port; 0 takes any free one.")] = 8080,
+    allow_host: Annotated[
+        list[str] | None,
+        typer.Option(help="Further name under which browsers may reach the page; repeatable."),
+    ] = None,
+    token: Annotated[
+        str | None,
+        typer.Option(
+            metavar="TOKEN|none",
+            help="Without which nobody enters. By default none is needed on this machine alone, "
+            "and for all other addresses one is made at each start.",
+        ),
+    ] = None,
+    open_: Annotated[
+        Path | None,
+        typer.Option(
+            "--open", metavar="FILE", help="A design, plan, simulation or motion to begin with."
+        ),
+    ] = None,
+    robot: Annotated[
+        str, typer.Option(metavar="R", help="Whose motion it is, if FILE is another tool's.")
+    ] = Jump().robot,
+    fps: Annotated[
+        float | None, typer.Option(help="Frames per second of such a file, if it does not say.")
+    ] = None,
+    workers: Annotated[
+        int | None,
+        typer.Option(
+            help="Computing processes of this machine, some 0.3 GB each; by default as many as it "
+            "has cores, from 2 to 4."
+        ),
+    ] = None,
+    scheduler: Annotated[
+        str | None,
+        typer.Option(
+            metavar="ADDRESS",
+            help="Of a dask cluster whose workers compute too, for example tcp://127.0.0.1:8786.",
+        ),
+    ] = None,
+    atlas: Annotated[
+        list[Path] | None,
+        typer.Option(metavar="DIR", help="A sweep for the page's atlas; repeatable."),
+    ] = None,
+) -> None:
+    """Serve the designer, a page where jumps are planned and looked at, until Ctrl-C."""
+    from app.workers.pool import MOST_PROCESSES, PROCESSES, WorkerPool
+
+    if workers is not None and not 1 <= workers <= MOST_PROCESSES:
+        raise InputError(f"--workers: expected 1 to {MOST_PROCESSES}, got {workers}")
+    file = None if open_ is None else _opened(open_, robot, fps)
+    cluster = None if scheduler is None else _cluster(scheduler)
+
+    # Its first process imports CasADi and loads a solver while this one imports the page.
+    with closing(WorkerPool(processes=workers or PROCESSES, cluster=cluster)) as pool:
+        from app.designer import serve as serve_designer
+        from app.tab.atlases import Atlases
+
+        serve_designer(
+            host,
+            port,
+            allowed_hosts=allow_host or (),
+            token=token,
+            pool=pool,
+            file=file,
+            atlases=Atlases(atlas or ()),
+        )
+
+
+def _cluster(address: str) -> Cluster:
+    """The cluster at this address, announced on the terminal.
+
+    Raises:
+        InputError: nothing answers there.
+    """
+    from app.workers.cluster import Cluster  # dask takes most of a second to import
+
+    cluster = Cluster(address)
+    processes = "1 process" if cluster.room == 1 else f"{cluster.room} processes"
+    print(f"cluster at {address}: room for {processes}", file=sys.stderr, flush=True)
+    return cluster
+
+
+def _opened(path: Path, robot: str, fps: float | None) -> OpenedFile:
+    """The content of a file, its robot ready to be drawn.
+
+    Raises:
+        InputError: it cannot be opened.
+    """
+    from app.workers.protocol import OpenFile
+    from app.workers.worker import LibraryPlanner
+    from llsrbm.robots import names
+
+    if robot not in names():
+        raise InputError(f"--robot: expected one of {', '.join(names())}, got {robot!r:.80}")
+    try:
+        if path.exists() and not path.is_file():
+            raise InputError(f"--open: {path}: expected a file")
+        content = path.read_bytes()
+    except OSError as error:
+        raise InputError(f"--open: {path}: cannot be read ({error.strerror})") from error
+    return LibraryPlanner().open(OpenFile(path.name, content, robot, fps), lambda *_, **__: None)

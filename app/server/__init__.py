@@ -1,1 +1,0 @@
-"""The command, the server, who may enter it, and the page it serves."""

@@ -1,0 +1,137 @@
+"""The atlas of a tab: which map of a sweep is drawn, where the design is in it, what a click opens.
+
+The map is made and sent anew only where it changes: with the choice, with the robot, and with what
+the design says of axes that are not shown. The design's point moves with every slider.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from app.link import AtlasClicked, PageLink
+from app.panel.atlas_controls import AtlasControls
+from app.panel.atlas_map import as_sent
+from app.panel.types_offered import title_of_type
+from app.tab.atlases import Atlases
+from app.tab.events import JumpOpened
+from app.tab.state import TabState
+from llsrbm.atlas.colours import COLOURS
+from llsrbm.atlas.jumps import Axis, Jumps
+from llsrbm.atlas.map import map_of
+from llsrbm.errors import Error, InputError
+from llsrbm.planning.problem.placement import limits_of
+from llsrbm.request.design import Design
+from llsrbm.request.jump import Jump
+from llsrbm.request.tuning import Tuning
+from llsrbm.robots import Robot
+from llsrbm.sweep.rows import LIMIT
+from llsrbm.sweep.shard import robot_hash
+
+
+class AtlasDrawing:
+    """One tab's; for the session's thread. It knows what was sent last, and no other fact."""
+
+    def __init__(self, controls: AtlasControls, link: PageLink, atlases: Atlases) -> None:
+        """Nothing is drawn yet.
+
+        Args:
+            controls: of the tab; link: to its page; atlases: to choose from.
+        """
+        self._controls, self._link, self._atlases = controls, link, atlases
+        self._made_of: tuple[Any, ...] = ()
+        self._sent: dict[str, Any] | None = None
+        self._axes: tuple[Axis, Axis] | None = None
+
+    def draw(self, state: TabState) -> None:
+        """Draw what has changed, once the page has shown the atlas."""
+        if not state.atlas.seen or not state.ready or state.robot is None:
+            return
+        found = self._jumps(state)
+        jumps = found if isinstance(found, Jumps) else None
+        design = placed(state.design, state.robot, () if jumps is None else jumps.axes)
+        axes = None if jumps is None else state.atlas.axes(jumps.axes)
+        shown = () if axes is None else (axes[0].name, axes[1].name)
+        # Of the design only what its slice is of: a map takes longer than a slider's next step.
+        hidden = (
+            ()
+            if jumps is None
+            else tuple(design.get(axis.name) for axis in jumps.axes if axis.name not in shown)
+        )
+        jump = state.design.jump
+        made_of = (state.atlas, jump.robot, jump.model, jump.type, found, hidden)
+        if made_of != self._made_of:
+            self._made_of, self._axes = made_of, axes
+            self._show(state, found, design)
+        if axes is not None:
+            x, y = (design.get(axis.name, 0.0) * axis.scale for axis in axes)
+            self._link.move_in_atlas(x, y)
+
+    def _show(self, state: TabState, found: Jumps | str, design: dict[str, float]) -> None:
+        choice = state.atlas
+        if isinstance(found, str):
+            self._controls.show(choice, (), found)
+            self._send(None)
+            return
+        axes = choice.axes(found.axes)
+        if axes is None:
+            self._controls.show(choice, (), "This sweep varies one axis; a map needs two.")
+            self._send(None)
+            return
+        self._controls.show(choice, found.axes, _told(found, state.design.jump))
+        colour = COLOURS[choice.colour]
+        drawn = map_of(found, *axes, colour, projection=choice.projection, design=design)
+        self._send(as_sent(drawn, choice.sweep or self._atlases.names[0]))
+
+    def _send(self, sent: dict[str, Any] | None) -> None:
+        if sent != self._sent or sent is None:
+            self._sent = sent
+            self._link.show_atlas(sent)
+
+    def _jumps(self, state: TabState) -> Jumps | str:
+        """Jumps of the design's robot, or why there are none."""
+        jump = state.design.jump
+        try:
+            atlas = self._atlases.named(state.atlas.sweep)
+        except Error as error:
+            return str(error)
+        jumps = atlas and atlas.jumps_of(jump.robot, jump.model, jump.type)
+        return jumps or f"This sweep has no jumps of {state.file.title}."
+
+    # ---- clicks
+
+    def opened(self, click: AtlasClicked) -> JumpOpened | None:
+        """The jump that a page asks for; None if there is none."""
+        try:
+            atlas = self._atlases.named(click.sweep)
+        except InputError:
+            return None
+        found = atlas and atlas.find(click.number)
+        if not found:
+            return None
+        jumps, place = found
+        jump, limits, drives = jumps.request(place)
+        return JumpOpened(jump, Tuning(limits=limits), other_drives=bool(drives))
+
+
+def placed(design: Design, robot: Robot, axes: Sequence[Axis]) -> dict[str, float]:
+    """Axis name -> a design's value there, SI."""
+    jump = design.jump.as_dict()
+    values: dict[str, float] = {}
+    for axis in axes:
+        if axis.name.startswith(LIMIT):
+            name = axis.name.removeprefix(LIMIT)
+            values[axis.name] = design.tuning.limits.get(name, limits_of(robot)[name][1])
+        else:  # a page's drives are those of the robot's file
+            values[axis.name] = float(jump.get(axis.name, axis.otherwise or 0.0))
+    return values
+
+
+def _told(jumps: Jumps, jump: Jump) -> str:
+    """What is to be known about a map beside what it shows."""
+    told = []
+    if (jumps.model, jumps.type) != (jump.model, jump.type):
+        told.append(f"The sweep's jumps are {title_of_type(jumps.type)}, {jumps.model}.")
+    if jumps.robot_hash != robot_hash(jump.robot):
+        told.append("The robot's file has changed since this sweep.")
+    return " ".join(told)

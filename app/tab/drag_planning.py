@@ -1,0 +1,94 @@
+"""Planning while a slider moves: what to plan next, and from which plan to start.
+
+While a request changes, plans are sought quickly, each from the one before. When it has rested, it
+is planned once more from scratch: what is shown in the end does not depend on the way there, and is
+what the command line finds for the same request.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+from app.workers.protocol import PlanJump
+from llsrbm.motion.plan import Plan
+from llsrbm.request.jump import Jump
+from llsrbm.request.tuning import Tuning
+
+REST = 0.5
+"""s without a change after which a request counts as made; twice what a hand takes between steps of
+a slider."""
+
+_NEAR_TWIST = math.radians(30)  # rad; a plan farther away is a worse start than none
+_NEAR_MOVE = 0.15  # m, likewise
+_NEAR_SPEED = 0.3  # m/s, likewise
+
+
+@dataclass(frozen=True)
+class DragPlanning:
+    """One tab's request on its way.
+
+    Attributes:
+        requested: what was planned last, or is being planned; None: nothing that counts.
+        rests: whether it has its quick answer, and rests until it is planned from scratch.
+        rest: number of rests so far, so that one that was broken off is not taken for a later one.
+    """
+
+    requested: tuple[Jump, Tuning] | None = None
+    rests: bool = False
+    rest: int = 0
+
+    def request(
+        self, jump: Jump, tuning: Tuning, shown: Plan | None
+    ) -> tuple[DragPlanning, PlanJump | None]:
+        """The request on its way, and what to plan for it: None if that is under way.
+
+        Args:
+            jump: what is wanted.
+            tuning: under which weights and limits.
+            shown: the plan that is shown, to start from if it is a near one.
+        """
+        if (jump, tuning) == self.requested:
+            return self, None
+        moved = replace(self, requested=(jump, tuning), rests=False)
+        alike = shown is not None and _kind(shown.jump) == _kind(jump)
+        if shown is None or not alike or not shown.solved:
+            return moved, PlanJump(jump, tuning)
+        # A plan from an old file has no solution.
+        near = shown if shown.solution is not None and _near(shown.jump, jump) else None
+        return moved, PlanJump(jump, tuning, near=near, patient=False)
+
+    def answered(self, task: PlanJump) -> DragPlanning:
+        """The newest request has its answer; a quick one will be planned again."""
+        if task.patient:
+            return self
+        return replace(self, rests=True, rest=self.rest + 1)
+
+    def forget(self) -> DragPlanning:
+        """Nothing was requested: the same request counts as a new one."""
+        return replace(self, requested=None, rests=False)
+
+    def rested(self, number: int) -> tuple[DragPlanning, PlanJump | None]:
+        """The task now that the rest with this number is over; None: it was broken off."""
+        if not self.rests or number != self.rest or self.requested is None:
+            return self, None
+        return replace(self, rests=False), PlanJump(*self.requested)
+
+
+def _kind(jump: Jump) -> tuple[object, ...]:
+    """What two requests must share for one's plan to be a start for the other's.
+
+    Phases are of a type, and of a number of hops; whole turns differ by turns.
+    """
+    return jump.robot, jump.model, jump.type, jump.hops, jump.roll, jump.pitch
+
+
+def _near(one: Jump, other: Jump) -> bool:
+    def apart(*names: str) -> float:
+        return max(abs(getattr(one, name) - getattr(other, name)) for name in names)
+
+    return (
+        apart("twist") <= _NEAR_TWIST
+        and apart("forward", "lateral", "height") <= _NEAR_MOVE
+        and apart("speed", "end_speed") <= _NEAR_SPEED
+    )

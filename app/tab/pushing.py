@@ -1,0 +1,101 @@
+"""A push: drawn in the picture or entered in the panel, simulated when it is let go of."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from app.motion.push_arrow import metres_per_newton_second, trunk_com
+from app.picture.push_handle import PushShown
+from app.tab import requests
+from app.tab.effects import Pause, Seek
+from app.tab.events import PushDragged, ScenarioChosen, SimulateWanted
+from app.tab.state import TabState
+from app.tab.steps import Step, with_work
+from app.workers.protocol import SimulateJump, SimulateSeeds
+from llsrbm.request.push import DURATION, LARGEST_IMPULSE, Push
+
+USUAL_SPEED = 0.3
+"""m/s that a push gives the robot, to begin with: seen, and survived."""
+
+_LEAST = 0.05  # N s; a smaller push is a click that nobody dragged
+_DECIMALS = 1  # of a dragged impulse, N s
+
+
+def choose_scenario(state: TabState, event: ScenarioChosen) -> Step:
+    """Simulate in another scenario from now on; a push that is new begins where the page stands."""
+    scenario, before = event.scenario, state.design.scenario.pushes
+    if not scenario.pushes or (before and before[0].time == scenario.pushes[0].time):
+        return requests.choose_scenario(state, event)
+    first, *others = scenario.pushes
+    if not before:
+        first = _first_push(state, first)
+    step = requests.choose_scenario(
+        state, replace(event, scenario=replace(scenario, pushes=(first, *others)))
+    )
+    state, effects = step
+    state = replace(state, history=replace(state.history, changing=()))
+    if state.shown is None:
+        return state, effects
+    return state, (*effects, Pause(), Seek(first.time))
+
+
+def drag_push(state: TabState, event: PushDragged) -> Step:
+    """Have the push that is drawn; simulate it when it is let go of."""
+    scenario = state.design.scenario
+    first, *others = scenario.pushes or (None,)
+    size = math.hypot(*event.impulse)
+    if state.shown is None or first is None or size < _LEAST:
+        return state, ()
+    # Rounded towards zero, a push of the largest size stays one.
+    share = min(1.0, LARGEST_IMPULSE / size)
+    x, y, z = (math.trunc(share * value * 10**_DECIMALS) / 10**_DECIMALS for value in event.impulse)
+    push = Push(event.time, (x, y, z), first.moment)
+    scenario = replace(scenario, pushes=(push, *others))
+    state = requests.remember(state, replace(state.design, scenario=scenario))
+    if not event.ended:
+        return state, ()
+    state = replace(state, history=replace(state.history, changing=()))
+    state, effects = requests.simulate(state, SimulateWanted())
+    return with_work(state, replay_from=replay_start(state)), effects
+
+
+def replay_start(state: TabState) -> float:
+    """From where a simulation of the design is played, s: it goes on where the push was drawn."""
+    pushes = state.design.scenario.pushes
+    return pushes[0].time if pushes else 0.0
+
+
+def push_shown(state: TabState) -> PushShown | None:
+    """The push as it is drawn to be dragged; None: it is not asked for, or something moves."""
+    shown, robot, pushes = state.shown, state.robot, state.design.scenario.pushes
+    if not pushes or shown is None or robot is None or not state.ready or not shown.plan.solved:
+        return None
+    if state.playback.playing or isinstance(state.work.awaited, SimulateJump | SimulateSeeds):
+        return None
+    frames = shown.solid or shown.planned.frames
+    time = min(state.playback.time, frames.end)
+    at = [float(np.interp(time, frames.time, axis)) for axis in trunk_com(robot, frames).T]
+    push = pushes[0]
+    begins = abs(push.time - time) <= DURATION
+    return PushShown(
+        time=push.time if begins else time,
+        origin=(at[0], at[1], at[2]),
+        impulse=push.impulse if begins else (0.0, 0.0, 0.0),
+        metres_per_newton_second=metres_per_newton_second(robot),
+    )
+
+
+def _first_push(state: TabState, push: Push) -> Push:
+    """A push at the instant that is shown, of the usual size if none was entered."""
+    time, plan, robot = state.playback.time, state.plan, state.robot
+    if plan is not None and (state.playback.playing or not 0 < time <= plan.duration):
+        # Nobody points at an instant of a motion that runs: in the middle of the first flight.
+        flight = plan.schedule.flights[0]
+        time = float(plan.phase_start[flight : flight + 2].mean())
+    impulse = push.impulse
+    if not any(impulse) and robot is not None:
+        impulse = (0.0, float(round(USUAL_SPEED * robot.mass)), 0.0)
+    return Push(round(time, 3), impulse, push.moment)

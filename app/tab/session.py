@@ -1,0 +1,340 @@
+"""One tab's session: events in, effects out, and what has changed is drawn.
+
+Two threads have to do with a tab:
+
+- viser's event loop, one for all tabs, on which callbacks of controls and of the page run, and
+  connections come and go. It only puts into `inbox`.
+- The session's own thread, one for each tab. It alone has the state, reads and sets controls,
+  draws, submits to the pool and loads robots. The pool passes results by putting into `inbox`.
+
+A browser may skip values while a slider moves, so a callback only says what was done (`Action`);
+the thread reads the controls as they stand then. The latest counts.
+"""
+
+from __future__ import annotations
+
+import logging
+import threading
+from collections.abc import Callable, Mapping
+
+import viser
+
+from app.link import AtlasClicked, ClipTaken, PageLink, PageReady
+from app.panel.actions import Action
+from app.picture.landing_handle import Grip
+from app.picture.push_handle import PushGrip
+from app.tab.atlases import Atlases
+from app.tab.controls import event_of
+from app.tab.effects import AFTER_DRAWING, Effect, Notify, ResetControls
+from app.tab.events import (
+    DesignChosen,
+    Event,
+    FileChosen,
+    Opened,
+    PlotsChosen,
+    PushDragged,
+    Remarked,
+    RobotLoaded,
+    TargetDragged,
+)
+from app.tab.inbox import End, Inbox, Item
+from app.tab.initial_plan import InitialPlans
+from app.tab.opening import first_state, left, resume
+from app.tab.outside import Outside, loaded
+from app.tab.rendering import Rendering
+from app.tab.results import draw_robot
+from app.tab.state import TabState
+from app.tab.update import update
+from app.workers.offered import uploaded_design
+from app.workers.pool import WorkerPool
+from llsrbm.errors import InputError
+from llsrbm.motion.plan import Plan
+from llsrbm.motion.rollout import Rollout
+from llsrbm.request.design import Design
+from llsrbm.request.examples import examples
+from llsrbm.robots import RobotFile
+
+# Until a tab begins without its page's scripts, which answer when they are shown, s.
+_PAGE_PATIENCE = 1.5
+
+_log = logging.getLogger(__name__)
+
+
+class Session:
+    """A tab's state and its thread.
+
+    Attributes:
+        token: by which the page is known again when it comes back; None: it has not said.
+        failed: a defect has ended it.
+    """
+
+    def __init__(
+        self,
+        client: viser.ClientHandle,
+        pool: WorkerPool,
+        initial: InitialPlans,
+        robots: Mapping[str, RobotFile],
+        atlases: Atlases,
+        *,
+        take_kept: Callable[[str], TabState | None] = lambda _: None,
+        ended: Callable[[Session], None] = lambda _: None,
+    ) -> None:
+        """Nothing happens before `start`.
+
+        Args:
+            client: the tab.
+            pool: plans and simulates for all tabs.
+            initial: plans that are there from the beginning.
+            robots: name -> file of each robot to choose from.
+            atlases: of sweeps to choose from.
+            take_kept: gives the state that a page with this token left; called by the session's
+                thread.
+            ended: called by the session's thread as the last thing it does.
+        """
+        self._client = client
+        self._pool = pool
+        self._initial = initial
+        self._atlases = atlases
+        self._take_kept = take_kept
+        self._ended = ended
+        self._inbox = Inbox()
+        self._thread = threading.Thread(
+            target=self._run, name=f"session-{client.client_id}", daemon=True
+        )
+        self.token: str | None = None
+        self.failed = False
+        self.state = first_state(robots)
+        self._outside: Outside | None = None
+        self._rendering: Rendering | None = None
+
+    @property
+    def design(self) -> Design:
+        """The design that is asked for."""
+        return self.state.design
+
+    @property
+    def plan(self) -> Plan | None:
+        """The plan that is shown."""
+        return self.state.plan
+
+    @property
+    def rollout(self) -> Rollout | None:
+        """The simulation that is shown."""
+        return self.state.rollout
+
+    @property
+    def left(self) -> TabState | None:
+        """The state to keep once its thread has ended; None of one that has led to a defect."""
+        return left(self.state) if self.state.page and not self.failed else None
+
+    @property
+    def is_own_thread(self) -> bool:
+        """Whether the caller is the session itself."""
+        return threading.current_thread() is self._thread
+
+    # ---- from any thread
+
+    def start(self) -> None:
+        """Build the page and begin to plan."""
+        self._thread.start()
+
+    def close(self) -> None:
+        """The tab has gone, or the server ends; returns at once."""
+        self._inbox.put(End.END)
+
+    def remark(self, remark: str) -> None:
+        """Note on the page what has happened to the server; returns at once."""
+        self._inbox.put(Remarked(remark))
+
+    def join(self, limit: float) -> bool:
+        """Wait for the thread's end, s at most; whether it has ended."""
+        if self._thread.is_alive() and not self.is_own_thread:
+            self._thread.join(limit)
+        return not self._thread.is_alive()
+
+    # ---- the thread
+
+    def _run(self) -> None:
+        try:
+            if self._build():
+                while self._step():
+                    pass
+        except Exception:  # noqa: BLE001  # whatever it is, the page says so
+            self.failed = True
+            _log.exception("the session of tab %d has failed", self._client.client_id)
+            self._client.add_notification(
+                "This page has failed",
+                "A defect of the designer; reload the page. The terminal has the details.",
+                color="red",
+            )
+        finally:
+            if self._outside is not None:
+                self._outside.give_up()
+            self._ended(self)
+
+    def _build(self) -> bool:
+        """Draw what every tab begins with, then its own; False: it has gone meanwhile."""
+        client, put = self._client, self._inbox.put
+        link = PageLink(client, put)  # first: the page answers while the rest is built and sent
+        self._outside = Outside(client, self._pool, link, self._inbox)
+        self._rendering = Rendering(
+            client,
+            link,
+            self.state,
+            examples(),
+            self._atlases,
+            act=put,
+            choose_example=lambda design: put(DesignChosen(design)),
+            open_file=lambda name, content: put((name, content)),
+            choose_plots=lambda choice: put(PlotsChosen(choice)),
+            drag_target=put,
+            drag_push=put,
+        )
+        name = self.state.design.jump.robot
+        if self._initial.file is None and self._initial.plan(name) is not None:
+            # Its meshes take longest to send.
+            robot = loaded(name)
+            if isinstance(robot, RobotLoaded):
+                self._take(draw_robot(self.state, robot))
+        self._rendering.draw(self.state)
+        page = self._inbox.wait_for_page(_PAGE_PATIENCE)
+        if self._inbox.ended:
+            return False
+        self._begin(page)
+        return True
+
+    def _begin(self, page: PageReady | None) -> None:
+        """Go on where the page was, or begin."""
+        if page is None or not self._resume(page):
+            self._take(update(self.state, self._opened(page)))
+        if page is not None:
+            self._meet(page)
+
+    def _resume(self, page: PageReady) -> bool:
+        """Go on where the page was; False: nothing is known of it."""
+        self.token = page.tab
+        kept = None if page.tab is None else self._take_kept(page.tab)
+        if kept is None:
+            return False
+        self._take(resume(kept, page, self.state.tickets))
+        self._open_shared(page)
+        return True
+
+    def _opened(self, page: PageReady | None) -> Opened:
+        complaints: list[str] = []
+        design = None
+        for text, name in (
+            (page and page.shared, "the link"),
+            (page and page.kept, "the design that this browser kept"),
+        ):
+            if text and design is None:
+                try:
+                    design = uploaded_design(name, text.encode(errors="replace"))
+                except InputError as error:
+                    complaints.append(str(error))
+        plan = self._initial.plan(self.state.design.jump.robot)
+        # A link was chosen for what it holds.
+        file = None if page is not None and page.shared is not None else self._initial.file
+        time, playing = (0.0, False) if page is None else (page.time, page.playing)
+        return Opened(design, plan, file, tuple(complaints), time, playing)
+
+    def _meet(self, page: PageReady) -> None:
+        """The page's scripts run, or miss something."""
+        if page.missing:
+            names = ", ".join(page.missing)
+            body = f"Its viewer lacks {names}; expected that of viser {viser.__version__}."
+            self._do(Notify("This page cannot play", body))
+        self._take(update(self.state, page))
+
+    def _step(self) -> bool:
+        """Take what has happened, draw what has changed; False at the end."""
+        assert self._rendering is not None
+        drawn_first: list[Effect] = []
+        for item in self._inbox.take():
+            if item is End.END:
+                return False
+            event = self._event_of(item)
+            if event is None:
+                continue
+            self.state, effects = update(self.state, event)
+            drawn_first += self._do_now(effects)
+        self._rendering.draw(self.state)
+        for effect in drawn_first:
+            self._do(effect)
+        return True
+
+    def _take(self, step: tuple[TabState, tuple[Effect, ...]]) -> None:
+        """Have a step's state, and draw it before what has to be done on what is drawn."""
+        assert self._rendering is not None
+        self.state, effects = step
+        later = self._do_now(effects)
+        self._rendering.draw(self.state)
+        for effect in later:
+            self._do(effect)
+
+    def _event_of(self, item: Item) -> Event | None:
+        rendering = self._rendering
+        assert rendering is not None
+        match item:
+            case Action():
+                event = event_of(item, self.state, rendering.panel)
+                rendering.note(event)
+                return event
+            case Grip():
+                return TargetDragged(item.applied_to(self.state.design.jump, self.state.file.task))
+            case PushGrip(time, impulse, ended):
+                return PushDragged(time, impulse, ended)
+            case ClipTaken():
+                assert self._outside is not None
+                self._outside.link.take(item)
+                return None
+            case PageReady():  # its address has got another design, or it was slow to answer
+                self._greet_late(item)
+                return None
+            case AtlasClicked():
+                return rendering.atlas.opened(item)
+            case (str(name), bytes(content)):
+                return FileChosen(name, content, rendering.panel.designs.read_rate())
+            case End():
+                return None
+            case _:
+                return item
+
+    def _greet_late(self, page: PageReady) -> None:
+        if self.state.page:
+            self._open_shared(page)
+        elif not self._resume(page):
+            # It has begun without the page's designs; a visitor may have gone on from there.
+            untouched = not self.state.history.back and self._initial.file is None
+            if page.shared is not None:
+                self._open_shared(page)
+            elif page.kept is not None and untouched:
+                self._take(update(self.state, self._opened(page)))
+        self._meet(page)
+
+    def _open_shared(self, page: PageReady) -> None:
+        """Open the design in the page's address, if there is one."""
+        if page.shared is not None:
+            try:
+                design = uploaded_design("the link", page.shared.encode(errors="replace"))
+            except InputError as error:
+                self._do(Notify("Not opened", str(error)))
+            else:
+                self._inbox.put(DesignChosen(design))
+
+    # ---- effects
+
+    def _do_now(self, effects: tuple[Effect, ...]) -> list[Effect]:
+        """Do what need not wait for the picture; the rest."""
+        for effect in effects:
+            if not isinstance(effect, AFTER_DRAWING):
+                self._do(effect)
+        return [effect for effect in effects if isinstance(effect, AFTER_DRAWING)]
+
+    def _do(self, effect: Effect) -> None:
+        assert self._outside is not None
+        assert self._rendering is not None
+        if isinstance(effect, ResetControls):
+            self._rendering.reset_controls(self.state)
+        else:
+            self._outside.carry_out(effect)

@@ -1,0 +1,62 @@
+"""A file that a visitor has opened, as it goes from a computing process to the server."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from typing import Any
+
+from llsrbm.motion.plan import Plan
+from llsrbm.motion.rollout import Rollout
+from llsrbm.motion.whole_body import WholeBodyMotion
+from llsrbm.request.design import Design
+from llsrbm.robots import load_robot
+
+
+@dataclass(frozen=True, eq=False)
+class States:
+    """A motion of another tool's file, as it goes from one process to another.
+
+    Attributes:
+        robot: name of the robot that moves.
+        values: the other fields of `WholeBodyMotion`.
+    """
+
+    robot: str
+    values: Mapping[str, Any]
+
+    @staticmethod
+    def of(motion: WholeBodyMotion, robot: str) -> States:
+        """Everything but the robot itself, which every process loads once."""
+        names = (field.name for field in fields(motion) if field.name != "robot")
+        return States(robot, {name: getattr(motion, name) for name in names})
+
+    def motion(self) -> WholeBodyMotion:
+        """The motion, of the robot as this process has it."""
+        return WholeBodyMotion(robot=load_robot(self.robot), **self.values)
+
+
+@dataclass(frozen=True, eq=False)
+class OpenedFile:
+    """A file that can be shown.
+
+    Attributes:
+        name: of the file, in one printable line.
+        holds: what is in it.
+        remarks: sentences on what is not as one would expect.
+    """
+
+    name: str
+    holds: Design | Plan | Rollout | States
+    remarks: tuple[str, ...] = ()
+
+    @property
+    def is_alone(self) -> bool:
+        """Whether it is a motion without a plan, for looking."""
+        holds = self.holds
+        return isinstance(holds, States) or (isinstance(holds, Rollout) and holds.plan is None)
+
+    @property
+    def robot(self) -> str:
+        """Name of its robot."""
+        return self.holds.robot if isinstance(self.holds, States) else self.holds.jump.robot

@@ -1,0 +1,459 @@
+"""What each joint must do over a plan: speeds and torques of the whole body, by Pinocchio.
+
+Nothing of the planner's models enters. Of each interval between two knots the plan fixes the CoM's
+acceleration (forces are constant), the turn of the base and the motion of the feet. From these
+follow:
+
+- velocities at the knots, by Jacobians. They are continuous: on both sides of lift-off and
+  touchdown the feet are at rest in the world, at both ends of the plan everything is. Elsewhere the
+  base's rate and the flying feet's velocity at a knot are the means of the two intervals beside it.
+  At lift-off and touchdown the base's rate is extrapolated from the side on which the feet stand:
+  a plan's rates have a step there, because its feet move as fast in the whole first interval of
+  flight, and in the last.
+- accelerations over an interval: the velocities at its end minus those at its start, over its
+  length. So they belong to its middle, and no difference is taken across lift-off or touchdown.
+- torques in the middle of an interval, by inverse dynamics of the floating base,
+
+      tau = M(q) a + h(q, v) - J^T f,
+
+  with the plan's contact forces. The base's linear acceleration is that with which the CoM
+  accelerates as planned. The six rows of the base have no drive: what is left there shows by how
+  much the plan's centroidal dynamics are not those of the whole body.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from llsrbm.body.peak_loads import PeakLoad, peak_load, torque_share
+from llsrbm.body.postures import Postures, joint_speeds, solve_postures
+from llsrbm.motion.plan import Plan
+from llsrbm.motion.rotation import slerp
+from llsrbm.request.schedule import Schedule
+from llsrbm.robots.drives import torque_in_direction
+from llsrbm.robots.legs import apply, cross, rotation_matrices, skew
+from llsrbm.robots.robot import Robot
+
+Array = NDArray[np.float64]
+
+_BASE = 6  # velocities of the floating base
+_AT_REST = 1e-3  # m/s of the CoM: where a plan ends at rest, a solver is that far off
+_UPWARD_GRAVITY = np.array([0.0, 0.0, 9.81])  # m/s2: what a body at rest feels
+
+
+@dataclass(frozen=True, eq=False)
+class KnotMotion:
+    """What a plan says at N + 1 knots; arrays as in `llsrbm.motion.plan.Plan`.
+
+    Attributes:
+        schedule: which feet stand in a phase.
+        joint_position: (N+1, J) postures at the knots; None to have them solved.
+    """
+
+    time: Array
+    schedule: Schedule
+    phase: NDArray[np.int64]
+    com: Array
+    com_velocity: Array
+    base_quat: Array
+    foot_position: Array
+    foot_quat: Array
+    contact_point: Array
+    contact_force: Array
+    joint_position: Array | None = None
+
+    @property
+    def standing(self) -> NDArray[np.bool_]:
+        """(N, L) whether a foot stands over an interval."""
+        return self.schedule.stands[self.phase[:-1]]
+
+    @staticmethod
+    def of_plan(plan: Plan) -> KnotMotion:
+        """The knots of a plan, with its postures."""
+        return KnotMotion(
+            time=plan.time,
+            schedule=plan.schedule,
+            phase=plan.phase,
+            com=plan.com,
+            com_velocity=plan.com_velocity,
+            base_quat=plan.base_quat,
+            foot_position=plan.foot_position,
+            foot_quat=plan.foot_quat,
+            contact_point=plan.contact_point,
+            contact_force=plan.contact_force,
+            joint_position=plan.joint_position,
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class JointLoads:
+    """Joint motion and torques in the middle of N intervals, J joints; SI units.
+
+    Attributes:
+        time: (N,) s; phase: (N,) of the schedule; knot_time: (N+1,) s, where the intervals end.
+        schedule: which feet stand in a phase.
+        joint_names: (J,).
+        joint_position, joint_velocity, joint_acceleration: (N, J) rad or m, and per s, per s2.
+        joint_torque: (N, J) Nm or N.
+        torque_available: (N, J) Nm or N, what the drives can give at that speed in the direction of
+            the torque (`llsrbm.robots.drives`).
+        base_residual: (N, 6) N, Nm: force on the base and moment about its origin, base axes, that
+            the plan lacks; the force is the plan's own balance of linear momentum.
+        foot_residual: (N,) m: what inverse kinematics could not reach.
+        knot_position, knot_velocity: (N+1, J) at the knots.
+        standing_torque: (J,) Nm or N: at rest in the last knot's posture, with the smallest contact
+            forces that carry the robot; standing_limit: (J,) what the drives give at rest.
+    """
+
+    time: Array
+    knot_time: Array
+    schedule: Schedule
+    phase: NDArray[np.int64]
+    joint_names: tuple[str, ...]
+    joint_position: Array
+    joint_velocity: Array
+    joint_acceleration: Array
+    joint_torque: Array
+    torque_available: Array
+    base_residual: Array
+    foot_residual: Array
+    knot_position: Array
+    knot_velocity: Array
+    standing_torque: Array
+    standing_limit: Array
+
+    @property
+    def contact(self) -> NDArray[np.bool_]:
+        """(N, L) whether a foot stands over an interval."""
+        return self.schedule.stands[self.phase]
+
+    @property
+    def torque_ratio(self) -> Array:
+        """(N, J) |torque| as a share of what is available; infinite where nothing is, 0 of 0."""
+        return torque_share(self.joint_torque, self.torque_available)
+
+    @property
+    def power(self) -> Array:
+        """(N, J) W that the drives give to the joints; negative when they brake."""
+        return self.joint_torque * self.joint_velocity
+
+    @property
+    def residual_rms(self) -> tuple[float, float]:
+        """RMS of `base_residual`: of the force's length, N, and of the moment's, Nm."""
+        square = np.sum(self.base_residual.reshape(-1, 2, 3) ** 2, axis=-1)
+        force, moment = np.sqrt(np.mean(square, axis=0))
+        return float(force), float(moment)
+
+    def at_knots(self) -> dict[str, Any]:
+        """What a plan stores of it at its N + 1 knots; empty where numbers are not finite.
+
+        Of torques and their limits, knot k has those of the interval that starts there, and the
+        last knot those of standing.
+        """
+        arrays = {
+            "joint_velocity": self.knot_velocity,
+            "joint_torque": np.vstack([self.joint_torque, self.standing_torque]),
+            "joint_torque_limit": np.vstack([self.torque_available, self.standing_limit]),
+        }
+        return arrays if all(np.isfinite(a).all() for a in arrays.values()) else {}
+
+    def worst(self) -> PeakLoad:
+        """The largest share of the available torque."""
+        return peak_load(
+            self.joint_names,
+            self.knot_time,
+            self.phase,
+            self.schedule,
+            self.joint_torque,
+            self.torque_available,
+        )
+
+
+def joint_loads(robot: Robot, motion: KnotMotion) -> JointLoads:
+    """Speeds and torques of every joint over a motion; see the module's description.
+
+    Args:
+        robot: the whole body.
+        motion: its knots. Of a motion that is none (time that does not increase, feet out of reach)
+            the numbers are meaningless, and may not be finite.
+    """
+    with np.errstate(all="ignore"):
+        return _joint_loads(robot, motion)
+
+
+def _joint_loads(robot: Robot, motion: KnotMotion) -> JointLoads:
+    dt = np.diff(motion.time)[:, None]
+    knots, middles = _states(robot, motion)
+    angles = motion.joint_position
+    if angles is None:
+        angles = _postures(robot, knots).joint_position
+    postures = _postures(robot, middles, near=(angles[1:] + angles[:-1]) / 2)
+    position = postures.joint_position
+    knot_velocity, velocity = _speeds(robot, angles, knots), _speeds(robot, position, middles)
+    acceleration = np.diff(knot_velocity, axis=0) / dt
+
+    R_base_world = np.swapaxes(rotation_matrices(middles.base_quat), -1, -2)
+    effort = _inverse_dynamics(
+        robot,
+        position,
+        velocity,
+        acceleration,
+        apply(R_base_world, middles.omega),
+        apply(R_base_world, np.diff(knots.omega, axis=0) / dt),
+        apply(R_base_world, np.diff(motion.com_velocity, axis=0) / dt + _UPWARD_GRAVITY),
+    )
+    # Where there are forces, the points rest over the interval.
+    arm = motion.contact_point[:-1] - postures.base_position[:, None]
+    effort -= _contact_effort(
+        robot, position, _rows(R_base_world, arm), _rows(R_base_world, motion.contact_force[:-1])
+    )
+    torque = effort[:, _BASE:]
+    return JointLoads(
+        time=(motion.time[1:] + motion.time[:-1]) / 2,
+        knot_time=motion.time,
+        schedule=motion.schedule,
+        phase=motion.phase[:-1],
+        joint_names=robot.joint_names,
+        joint_position=position,
+        joint_velocity=velocity,
+        joint_acceleration=acceleration,
+        joint_torque=torque,
+        torque_available=torque_in_direction(robot, velocity, torque),
+        base_residual=effort[:, :_BASE],
+        foot_residual=postures.residual_m,
+        knot_position=angles,
+        knot_velocity=knot_velocity,
+        standing_torque=_standing_torque(robot, motion, angles[-1]),
+        standing_limit=robot.torque_limit,
+    )
+
+
+# ---- motion of the CoM, the base and the feet
+
+
+@dataclass(frozen=True, eq=False)
+class _States:
+    """K instants, world frame.
+
+    Attributes:
+        com, com_velocity: (K, 3) m, m/s.
+        base_quat: (K, 4); omega: (K, 3) rad/s, of the base.
+        foot, foot_velocity: (K, L, 3) m, m/s.
+        foot_quat: (K, L, 4); foot_omega: (K, L, 3) rad/s; None of points.
+    """
+
+    com: Array
+    com_velocity: Array
+    base_quat: Array
+    omega: Array
+    foot: Array
+    foot_velocity: Array
+    foot_quat: Array | None
+    foot_omega: Array | None
+
+
+def _states(robot: Robot, motion: KnotMotion) -> tuple[_States, _States]:
+    """The N + 1 knots and the middles of the N intervals."""
+    dt = np.diff(motion.time)
+    standing = motion.standing
+    quat, v = motion.base_quat, motion.com_velocity
+    R_knot = rotation_matrices(quat)
+    middle_quat = slerp(quat[:-1], quat[1:], np.array(0.5))
+    R_middle = rotation_matrices(middle_quat)
+    rate = _turns(quat[:-1], quat[1:]) / dt[:, None]
+    com = (motion.com[1:] + motion.com[:-1]) / 2 - np.diff(v, axis=0) * dt[:, None] / 8
+    com_velocity = (v[1:] + v[:-1]) / 2
+    # Flying feet are seen from the CoM in base axes, where they move on straight lines.
+    seen = (motion.foot_position - motion.com[:, None]) @ R_knot
+    seen_rate = np.diff(seen, axis=0) / dt[:, None, None]
+    lever = ((seen[1:] + seen[:-1]) / 2) @ np.swapaxes(R_middle, -1, -2)
+    foot_velocity = (
+        com_velocity[:, None]
+        + seen_rate @ np.swapaxes(R_middle, -1, -2)
+        + cross(np.broadcast_to(rate[:, None], lever.shape), lever)
+    )
+    rests = standing[..., None]
+    middles = _States(
+        com=com,
+        com_velocity=com_velocity,
+        base_quat=middle_quat,
+        omega=rate,
+        foot=np.where(rests, motion.foot_position[:-1], com[:, None] + lever),
+        foot_velocity=np.where(rests, 0.0, foot_velocity),
+        foot_quat=None,
+        foot_omega=None,
+    )
+
+    omega = _base_rates(rate, dt, standing)
+    for end in (0, -1):
+        if np.linalg.norm(v[end]) > _AT_REST:  # of a run-up, or a landing that keeps some speed
+            omega[end] = rate[end]
+    lever = motion.foot_position - motion.com[:, None]
+    seen_rate = _flying(_means(seen_rate, dt), standing)
+    foot_velocity = (
+        v[:, None]
+        + seen_rate @ np.swapaxes(R_knot, -1, -2)
+        + cross(np.broadcast_to(omega[:, None], lever.shape), lever)
+    )
+    knots = _States(
+        com=motion.com,
+        com_velocity=v,
+        base_quat=quat,
+        omega=omega,
+        foot=motion.foot_position,
+        foot_velocity=_flying(foot_velocity, standing),
+        foot_quat=None,
+        foot_omega=None,
+    )
+    if robot.foot_coordinates == 3:
+        return knots, middles
+    feet = motion.foot_quat
+    foot_rate = _turns(feet[:-1], feet[1:]) / dt[:, None, None]
+    flying = slerp(feet[:-1], feet[1:], np.array(0.5))
+    return (
+        replace(knots, foot_quat=feet, foot_omega=_flying(_means(foot_rate, dt), standing)),
+        replace(
+            middles,
+            foot_quat=np.where(rests, feet[:-1], flying),
+            foot_omega=np.where(rests, 0.0, foot_rate),
+        ),
+    )
+
+
+def _turns(start: Array, end: Array) -> Array:
+    """Rotation vectors (..., 3) rad, world frame, between attitudes (..., 4), the shorter way."""
+    first, last = (Rotation.from_quat(q.reshape(-1, 4), scalar_first=True) for q in (start, end))
+    turns: Array = (last * first.inv()).as_rotvec().reshape(*start.shape[:-1], 3)
+    return turns
+
+
+def _means(rates: Array, dt: Array) -> Array:
+    """Values (N+1, ...) at the knots of what (N, ...) holds in the middles; zero at both ends."""
+    shaped = dt.reshape(-1, *[1] * (rates.ndim - 1))
+    values = np.zeros((len(rates) + 1, *rates.shape[1:]))
+    before, after = shaped[:-1], shaped[1:]
+    values[1:-1] = (rates[:-1] * after + rates[1:] * before) / (before + after)
+    return values
+
+
+def _flying(values: Array, standing: NDArray[np.bool_]) -> Array:
+    """Values (N+1, L, 3), zero at knots at which the foot stands just before or just after."""
+    flying = np.zeros(values.shape[:2], dtype=bool)
+    flying[1:-1] = ~standing[:-1] & ~standing[1:]
+    return np.where(flying[..., None], values, 0.0)
+
+
+def _base_rates(rate: Array, dt: Array, standing: NDArray[np.bool_]) -> Array:
+    """(N+1, 3) rad/s at the knots, of (N, 3) over the intervals.
+
+    Where feet leave or land, from the side on which more of them stand.
+    """
+    values = _means(rate, dt)
+    for knot in np.flatnonzero((standing[1:] != standing[:-1]).any(axis=1)) + 1:
+        lift_off = standing[knot - 1].sum() > standing[knot].sum()
+        near, far = (knot - 1, knot - 2) if lift_off else (knot, knot + 1)
+        values[knot] = rate[near]
+        if 0 <= far < len(rate) and (standing[far] == standing[near]).all():
+            share = dt[near] / (dt[near] + dt[far])
+            values[knot] += (rate[near] - rate[far]) * share
+    return values
+
+
+def _postures(robot: Robot, at: _States, near: Array | None = None) -> Postures:
+    return solve_postures(robot, at.com, at.base_quat, at.foot, at.foot_quat, near=near)
+
+
+def _speeds(robot: Robot, joint_position: Array, at: _States) -> Array:
+    return joint_speeds(
+        robot,
+        joint_position,
+        at.base_quat,
+        at.omega,
+        at.com_velocity,
+        at.foot_velocity,
+        at.foot_omega,
+    )
+
+
+# ---- dynamics: efforts (K, 6 + J) of base and joints, base axes
+
+
+def _inverse_dynamics(
+    robot: Robot,
+    position: Array,
+    velocity: Array,
+    acceleration: Array,
+    omega: Array,
+    omega_rate: Array,
+    com_acceleration: Array,
+) -> Array:
+    """M a + h, with the CoM's acceleration given instead of the base's.
+
+    Gravity acts like a uniform acceleration: both are in the base's linear acceleration, which is
+    chosen so that the sum of all forces is m `com_acceleration`. So the base's attitude and linear
+    velocity do not matter.
+
+    Args:
+        robot: the body.
+        position, velocity, acceleration: (K, J) of the joints.
+        omega, omega_rate: (K, 3) of the base, base axes.
+        com_acceleration: (K, 3) m/s2, base axes, with gravity's reaction.
+    """
+    model, data = robot.model, robot.model.createData()
+    count, joints = position.shape
+    q = np.tile(np.append(np.zeros(6), 1.0), (count, 1))
+    q = np.concatenate([q, position], axis=1)
+    v = np.concatenate([np.zeros((count, 3)), omega, velocity], axis=1)
+    a = np.concatenate([np.zeros((count, 3)), omega_rate, acceleration], axis=1)
+    effort = np.empty((count, _BASE + joints))
+    for k in range(count):
+        force = pin.rnea(model, data, q[k], v[k], a[k])[:3]
+        a[k, :3] = com_acceleration[k] - force / robot.mass
+        effort[k] = pin.rnea(model, data, q[k], v[k], a[k])
+    return effort
+
+
+def _contact_effort(robot: Robot, position: Array, arm: Array, force: Array) -> Array:
+    """J^T f of contact forces (K, C, 3) N at points (K, C, 3) m from the base's origin."""
+    count, legs = len(position), len(robot.legs)
+    motion = robot.chains.motion(position[:, robot.leg_joint_index])
+    _, turning = robot.chains.foot_turning(motion)
+    on_foot = force.reshape(count, legs, -1, 3)
+    from_foot = arm.reshape(on_foot.shape) - motion.foot[:, :, None]
+    moment = cross(from_foot, on_foot).sum(axis=2)
+    of_legs = apply(np.swapaxes(motion.foot_jacobian, -1, -2), on_foot.sum(axis=2))
+    of_legs += apply(np.swapaxes(turning, -1, -2), moment)
+    effort = np.empty((count, _BASE + position.shape[1]))
+    effort[:, :3] = force.sum(axis=1)
+    effort[:, 3:_BASE] = cross(arm, force).sum(axis=1)
+    effort[:, _BASE + robot.leg_joint_index] = of_legs
+    return effort
+
+
+def _standing_torque(robot: Robot, motion: KnotMotion, angles: Array) -> Array:
+    """(J,) in the last knot's posture, at rest on all contacts."""
+    position, rest = angles[None], np.zeros((1, len(angles)))
+    R_world_base = rotation_matrices(motion.base_quat[-1])
+    still = np.zeros((1, 3))
+    up = (_UPWARD_GRAVITY @ R_world_base)[None]
+    effort = _inverse_dynamics(robot, position, rest, rest, still, still, up)
+    # The feet's places from the base's origin, so that it need not be known in the world.
+    legs = robot.chains.motion(position[:, robot.leg_joint_index]).foot[0]
+    corners = motion.contact_point[-1].reshape(len(legs), -1, 3) - motion.foot_position[-1][:, None]
+    arm = (legs[:, None] + corners @ R_world_base).reshape(-1, 3)
+    grasp = np.concatenate([np.tile(np.eye(3), len(arm)), np.concatenate(skew(arm), axis=1)])
+    force = (np.linalg.pinv(grasp) @ effort[0, :_BASE]).reshape(1, -1, 3)
+    torque: Array = (effort - _contact_effort(robot, position, arm[None], force))[0, _BASE:]
+    return torque
+
+
+def _rows(matrix: Array, vectors: Array) -> Array:
+    """Matrices (K, 3, 3) times vectors (K, n, 3)."""
+    turned: Array = vectors @ np.swapaxes(matrix, -1, -2)
+    return turned

@@ -1,0 +1,131 @@
+"""The largest loads of the joints: of arrays that a plan, or an analysis of one, holds."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from llsrbm.motion.plan import Plan
+from llsrbm.request.schedule import Schedule
+
+Array = NDArray[np.float64]
+
+
+def torque_share(torque: Array, available: Array) -> Array:
+    """|torque| as a share of what is available, (...); infinite where nothing is, 0 of 0."""
+    size = np.abs(torque)
+    some = available > 0
+    return np.where(some, size / np.where(some, available, 1.0), np.where(size > 0, np.inf, 0.0))
+
+
+class PeakLoad(NamedTuple):
+    """The joint, and the interval, with the largest share of the torque that is available there.
+
+    Attributes:
+        joint: its name.
+        phase: name of the interval's; time: s, its middle; event: "lift-off" or "touchdown" where
+            it begins or ends with that of a foot, else "".
+        torque: Nm or N, with its sign; available: what the drive can give in that direction.
+    """
+
+    joint: str
+    phase: str
+    time: float
+    event: str
+    torque: float
+    available: float
+
+    @property
+    def ratio(self) -> float:
+        """Share of what is available; infinite where nothing is."""
+        return float(torque_share(np.array(self.torque), np.array(self.available)))
+
+    def in_words(self, sliding_joints: frozenset[str] = frozenset()) -> str:
+        """Without the joint's name, for instance "34 of 40 Nm at lift-off (85 %)".
+
+        Args:
+            sliding_joints: names of those whose torque is a force (`Robot.sliding_joints`).
+        """
+        unit = "N" if self.joint in sliding_joints else "Nm"
+        when = when_in_words(self.phase, self.time, self.event)
+        load = f"{abs(self.torque):.0f} of {self.available:.0f} {unit} {when}"
+        if not np.isfinite(self.ratio):
+            return f"{load} (too fast for any torque)"
+        return f"{load} ({100 * self.ratio:.0f} %)"
+
+
+def event_beside(contact: NDArray[np.bool_], interval: int) -> str:
+    """Either "lift-off" or "touchdown" where an interval begins or ends with that of a foot, or "".
+
+    Args:
+        contact: (N, L) whether a foot stands over an interval; interval: of the N.
+    """
+    around = contact[max(0, interval - 1) : interval + 2]
+    if (around[:-1] & ~around[1:]).any():
+        return "lift-off"
+    if (~around[:-1] & around[1:]).any():
+        return "touchdown"
+    return ""
+
+
+def when_in_words(phase: str, time: float, event: str) -> str:
+    """For instance "at lift-off" or "in flight at 0.52 s".
+
+    Args:
+        phase: its name in the schedule.
+        time: s.
+        event: as `event_beside` has it.
+    """
+    return f"at {event}" if event else f"in {phase} at {time:.2f} s"
+
+
+def peak_load(
+    names: tuple[str, ...],
+    time: Array,
+    phase: NDArray[np.int64],
+    schedule: Schedule,
+    torque: Array,
+    available: Array,
+) -> PeakLoad:
+    """The largest load over N intervals of J joints.
+
+    Args:
+        names: (J,).
+        time: (N+1,) s, their ends; phase: (N,) index into the schedule's phases.
+        schedule: which feet stand in them.
+        torque, available: (N, J) Nm or N.
+    """
+    k, j = np.unravel_index(np.argmax(torque_share(torque, available)), torque.shape)
+    return PeakLoad(
+        joint=names[j],
+        phase=schedule[int(phase[k])].name,
+        time=float(time[k] + time[k + 1]) / 2,
+        event=event_beside(schedule.stands[phase], int(k)),
+        torque=float(torque[k, j]),
+        available=float(available[k, j]),
+    )
+
+
+def planned_peak_load(plan: Plan) -> PeakLoad | None:
+    """The most loaded joint of a plan; None if its torques are not known."""
+    if plan.joint_torque is None or plan.joint_torque_limit is None:
+        return None
+    intervals = slice(0, -1)  # the last knot's are those of standing
+    return peak_load(
+        plan.joint_names,
+        plan.time,
+        plan.phase[intervals],
+        plan.schedule,
+        plan.joint_torque[intervals],
+        plan.joint_torque_limit[intervals],
+    )
+
+
+def planned_torque_shares(plan: Plan) -> dict[str, float]:
+    """Joint -> largest share of the torque available at its speed; empty if that is not known."""
+    if plan.joint_torque is None or plan.joint_torque_limit is None:
+        return {}
+    largest = torque_share(plan.joint_torque, plan.joint_torque_limit).max(axis=0)
+    return dict(zip(plan.joint_names, largest.tolist(), strict=True))

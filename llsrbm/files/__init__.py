@@ -1,0 +1,1 @@
+"""This project's own files: plans and simulations as npz without pickle."""

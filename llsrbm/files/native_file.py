@@ -1,0 +1,187 @@
+"""What the native files of plans and rollouts share: a schema, JSON at `meta`, finite arrays."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Annotated, Any, TypeVar
+
+import numpy as np
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError, field_validator
+
+from llsrbm.errors import Error, FileFormatError, InputError, printable
+from llsrbm.files.archive import LARGEST_NUMBER, Arrays, text
+from llsrbm.motion.quantity import WXYZ, Kind, Quantity
+from llsrbm.request.jump import Jump
+from llsrbm.version import package_version
+
+_UNIT_QUATERNION = 1e-3  # largest deviation of a norm from 1 that still is an attitude
+_SAME_INSTANT = 1e-9  # s
+_LONGEST = 100.0  # s; jumps take two
+_LARGEST_WHOLE = 2**64
+_STORED: dict[Kind, type[np.generic]] = {
+    Kind.REAL: np.float64,
+    Kind.WHOLE: np.int64,
+    Kind.TEXT: np.str_,
+}
+
+
+def _one_line(text: str) -> str:
+    if not text.isprintable():
+        raise ValueError("expected one line of printable text")
+    return text
+
+
+_Name = Annotated[str, Field(min_length=1, max_length=200), AfterValidator(_one_line)]
+_Names = list[_Name]
+_Vector = Annotated[list[float], Field(min_length=3, max_length=3)]
+
+
+def _first(error: ValidationError) -> str:
+    """The first complaint, and where."""
+    first = error.errors()[0]
+    place = printable(".".join(str(part) for part in first["loc"])) or "JSON"
+    return f"{place}: {printable(first['msg'].removeprefix('Value error, '), 200)}"
+
+
+class _RobotNumbers(BaseModel):
+    """Those of a robot's numbers that the library itself looks at, where a file has them."""
+
+    name: str = ""
+    mass: Annotated[float, Field(gt=0, le=1e6)] = 1.0
+    inertia: Annotated[list[_Vector], Field(min_length=3, max_length=3)] | None = None
+    legs: dict[_Name, Any] = Field(default_factory=dict)
+    joint_names: _Names = Field(default_factory=list)
+    sliding_joints: _Names = Field(default_factory=list)
+
+
+class Meta(BaseModel):
+    """The JSON at `meta`: where the arrays come from."""
+
+    # JSON has no NaN, which the cost of a plan that did not converge may be.
+    model_config = ConfigDict(ser_json_inf_nan="strings")
+
+    request: Jump
+    model: str
+    robot_parameters: dict[str, Any]
+    package_version: str
+
+    @field_validator("robot_parameters")
+    @classmethod
+    def _as_they_are_used(cls, value: dict[str, Any]) -> dict[str, Any]:
+        try:
+            _RobotNumbers.model_validate(value, strict=True)
+        except ValidationError as error:
+            raise ValueError(_first(error)) from None
+        return value
+
+
+_MetaType = TypeVar("_MetaType", bound=Meta)
+
+
+def native_arrays(
+    schema: str, meta: Meta, trajectory: Any, layout: Mapping[str, Quantity]
+) -> Arrays:
+    """What a file holds of a trajectory: the attributes that `layout` names, schema and `meta`.
+
+    Raises:
+        Error: the trajectory holds numbers that are not finite.
+    """
+    arrays: Arrays = {"schema": np.array(schema), "meta": np.array(meta.model_dump_json())}
+    for key, entry in layout.items():
+        value = np.asarray(getattr(trajectory, key), dtype=_STORED[entry.kind])
+        if value.dtype.kind == "f" and not (np.abs(value) <= LARGEST_NUMBER).all():
+            what = type(trajectory).__name__.lower()
+            raise Error(
+                f"{what}.{key} holds numbers that are not finite or "
+                f"beyond {LARGEST_NUMBER:g}; it is not written"
+            )
+        arrays[key] = value
+    return arrays
+
+
+def check_schema(arrays: Arrays, path: str | Path, known: Sequence[str]) -> str:
+    """The schema of an archive, which is one of `known`, the newest of a kind before older ones.
+
+    Raises:
+        FileFormatError: it is another, perhaps one of a newer version.
+    """
+    schema = text(arrays, "schema", path)
+    if schema in known:
+        return schema
+    found = re.fullmatch(r"(llsrbm\.(?:plan|rollout)/)([1-9]\d{0,5})", schema)
+    newest = [int(k.removeprefix(found[1])) for k in known if found and k.startswith(found[1])]
+    if found and newest and int(found[2]) > max(newest):
+        raise FileFormatError(
+            f'{path}: schema "{schema}", written by a newer llsrbm{_version(arrays, path)}; '
+            f"llsrbm {package_version()} reads {', '.join(known)}; expected an older file, or "
+            "update llsrbm"
+        )
+    quoted = " or ".join(f'"{each}"' for each in known)
+    raise FileFormatError(f'{path}: schema "{printable(schema)}"; expected {quoted}')
+
+
+def _version(arrays: Arrays, path: str | Path) -> str:
+    """Of the package that wrote the file, as far as that can be read in a file of any version."""
+    try:
+        version = json.loads(text(arrays, "meta", path))["package_version"]
+    except (FileFormatError, ValueError, LookupError, TypeError, RecursionError):
+        return ""
+    return f" ({printable(str(version), 20)})"
+
+
+def read_meta(kind: type[_MetaType], arrays: Arrays, path: str | Path) -> _MetaType:
+    """What an archive has at `meta`.
+
+    Raises:
+        FileFormatError: missing, no JSON, or not what `kind` describes.
+    """
+    content = text(arrays, "meta", path)
+    where = f'{path}: key "meta"'
+    try:
+        meta = kind.model_validate_json(content)
+    except ValidationError as error:
+        raise FileFormatError(f"{where}: {_first(error)}") from error
+    except InputError as error:  # the request's own checks
+        raise FileFormatError(f"{where}: {printable(str(error), 200)}") from error
+    if _has_endless_numbers(meta.model_dump()):
+        raise FileFormatError(f"{where}: expected whole numbers up to 2^64")
+    return meta
+
+
+def _has_endless_numbers(value: Any) -> bool:
+    """Whether a whole number is so large that it may be no floating-point number."""
+    if isinstance(value, dict):
+        return any(map(_has_endless_numbers, value.values()))
+    if isinstance(value, list | tuple):
+        return any(map(_has_endless_numbers, value))
+    return isinstance(value, int) and abs(value) > _LARGEST_WHOLE
+
+
+def check_times(time: Any, path: str | Path) -> None:
+    """Raise `FileFormatError` unless there are two or more times that increase from 0 on."""
+    apart = (np.diff(time) >= _SAME_INSTANT).all()
+    if len(time) < 2 or not apart or abs(time[0]) > _SAME_INSTANT or time[-1] > _LONGEST:
+        raise FileFormatError(
+            f'{path}: key "time": expected 2 or more strictly increasing times from 0 s on, up to '
+            f"{_LONGEST:g} s"
+        )
+
+
+def check_numbers(values: Arrays, layout: Mapping[str, Quantity], path: str | Path) -> None:
+    """Raise `FileFormatError` unless attitudes are unit quaternions and codes are known ones."""
+    for key, quantity in layout.items():
+        where = f'{path}: key "{key}"'
+        if quantity.axes[-1:] == (WXYZ,):
+            check_attitudes(values[key], where)
+        if quantity.codes and not np.isin(values[key], range(len(quantity.codes))).all():
+            meanings = (f"{number} ({meaning})" for number, meaning in enumerate(quantity.codes))
+            raise FileFormatError(f"{where}: expected {', '.join(meanings)}")
+
+
+def check_attitudes(quat: Any, where: str) -> None:
+    """Raise `FileFormatError` unless (..., 4) are unit quaternions."""
+    if (np.abs(np.linalg.norm(quat, axis=-1) - 1) > _UNIT_QUATERNION).any():
+        raise FileFormatError(f"{where}: expected unit quaternions w, x, y, z")

@@ -1,0 +1,1 @@
+"""Tables of a motion: CSV and npz."""

@@ -1,0 +1,1 @@
+"""How robots and designs look: meshes, colours, titles, the timeline."""

@@ -1,0 +1,127 @@
+"""Short names of designs: what matters about one, and what tells several apart."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Sequence
+from pathlib import Path
+
+from llsrbm.request.jump import Jump
+from llsrbm.request.push import Push
+from llsrbm.request.scenario import Scenario
+from llsrbm.request.tuning import Tuning
+
+Decisions = tuple[Jump, Tuning, Scenario | None]
+"""What a title is made from; without a scenario where nothing is simulated."""
+
+_ALWAYS = ("robot", "task", "model")
+_IN_WORDS = (  # fields of a scenario whose names and values alone would say too little
+    *("board", "half_board", "trunk_mass"),
+    *("pushes", "random_push", "estimator", "replan"),
+)
+
+
+def title_of(jump: Jump, tuning: Tuning | None = None, scenario: Scenario | None = None) -> str:
+    """A design's name by what was decided about it: "90° llsrbm-plus, friction 0.4"."""
+    return _joined(_parts(jump, tuning or Tuning(), scenario))
+
+
+def titles_of(designs: Sequence[Decisions]) -> tuple[str, ...]:
+    """Names of several designs beside each other: the jump and model of each, and what differs.
+
+    What they all share besides is left out; designs that are named alike are numbered.
+    """
+    every = [_parts(*design) for design in designs]
+    keys = {key for parts in every for key in parts}
+    told = {key for key in keys if len({parts.get(key) for parts in every}) > 1}
+    told |= {"task", "model"}
+    titles = [_joined({key: text for key, text in parts.items() if key in told}) for parts in every]
+    counts, seen = Counter(titles), Counter[str]()
+    for index, title in enumerate(titles):
+        if counts[title] > 1:
+            seen[title] += 1
+            titles[index] = f"{title} ({seen[title]})"
+    return tuple(titles)
+
+
+def _parts(jump: Jump, tuning: Tuning, scenario: Scenario | None) -> dict[str, str]:
+    """What was decided, in order: a key and how it is said; no defaults but the model's."""
+    parts = {}
+    if jump.robot != Jump().robot:
+        parts["robot"] = Path(jump.robot).stem
+    parts |= {"task": _task(jump), "model": jump.model}
+    for name, value in {**tuning.weights, **tuning.limits}.items():
+        parts[f"tuning {name}"] = f"{name.replace('_', ' ')} {value:g}"
+    if scenario is None:
+        return parts
+    for name, value in scenario.stated().items():
+        if name not in _IN_WORDS:
+            parts[name] = f"{name} {value:g}" if isinstance(value, float | int) else str(value)
+    if scenario.trunk_mass is not None:
+        parts["trunk_mass"] = f"trunk {100 * scenario.trunk_mass:+g} %"
+    if scenario.board:
+        kind = "half board" if scenario.half_board else "board"
+        parts["board"] = f"{kind} {1e3 * scenario.board:g} mm"
+    if scenario.pushes:
+        parts["pushes"] = _pushes(scenario.pushes)
+    if scenario.random_push is not None:
+        parts["random_push"] = f"random push {scenario.random_push:g} N s"
+    if scenario.estimator != Scenario.estimator:
+        parts["estimator"] = f"estimator {scenario.estimator}"
+    if scenario.replan:
+        parts["replan"] = "replanning"
+    return parts
+
+
+def _pushes(pushes: Sequence[Push]) -> str:
+    """One push by size and moment, several by their number: "push 12 N s at 0.45 s"."""
+    if len(pushes) > 1:
+        return f"{len(pushes)} pushes"
+    (push,) = pushes
+    sizes = [(push.impulse, "N s"), (push.moment, "N m s")]
+    told = [f"{math.hypot(*vector):.3g} {unit}" for vector, unit in sizes if any(vector)]
+    return f"push {' + '.join(told) or 'of nothing'} at {push.time:.3g} s"
+
+
+def _task(jump: Jump) -> str:
+    """The jump itself: "90° + 30 cm forward", "back flip", "2 hops of 20 cm forward"."""
+    moves = (
+        (jump.forward, "forward", "back"),
+        (jump.lateral, "left", "right"),
+        (jump.height, "up", "down"),
+    )
+    turns = [
+        *_turns(jump.pitch, "front flip", "back flip"),
+        *_turns(jump.roll, "roll to the right", "roll to the left"),
+    ]
+    parts = [*turns, f"{round(math.degrees(jump.twist), 1):g}°"] if jump.twist else turns
+    parts += [
+        f"{round(100 * abs(length), 1):g} cm {onwards if length > 0 else backwards}"
+        for length, onwards, backwards in moves
+        if length
+    ]
+    task = " + ".join(parts) or "on the spot"
+    several = jump.hops > 1
+    if several:
+        task = f"{jump.hops} hops {'of ' if parts else ''}{task}"
+    # A type that its hops or turns tell of already is not named; one may be a file.
+    if jump.type not in {Jump.type, "hops" if several else "", "flip" if turns else ""}:
+        task = f"{Path(jump.type).stem} {task}"
+    if jump.speed:
+        task += f" from {jump.speed:g} m/s"
+    if jump.end_speed:
+        task += f" to {jump.end_speed:g} m/s"
+    return task
+
+
+def _turns(angle: float, onwards: str, backwards: str) -> list[str]:
+    """Whole turns in words, if there are any: "back flip", "2 x back flip"."""
+    count = round(abs(angle) / math.tau)
+    words = onwards if angle > 0 else backwards
+    return [words if count == 1 else f"{count} x {words}"] if count else []
+
+
+def _joined(parts: dict[str, str]) -> str:
+    head = " ".join(parts[key] for key in _ALWAYS if key in parts)
+    return ", ".join([head, *(text for key, text in parts.items() if key not in _ALWAYS)])

@@ -1,0 +1,1 @@
+"""The optimal control problem of a jump: variables, constraints, costs."""

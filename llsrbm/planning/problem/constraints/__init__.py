@@ -1,0 +1,46 @@
+"""What a plan must respect: the paper's constraints and what a real robot needs beside them.
+
+One small class each, found by name, that says the same thing three times over: as rows for the
+solver, as their bounds in numbers, and as a check of the finished plan in NumPy, which does not use
+the rows. Adding a constraint is one class and its place in `CONSTRAINTS`.
+"""
+
+from __future__ import annotations
+
+from llsrbm.planning.problem.constraints.base import Constraint
+from llsrbm.planning.problem.constraints.body_clearance import BodyClearance
+from llsrbm.planning.problem.constraints.contacts import FeetAtRest, FrictionPyramid, GivenContacts
+from llsrbm.planning.problem.constraints.drives import JointSpeed, JointTorque, TorqueAtSpeed
+from llsrbm.planning.problem.constraints.edge import Edge
+from llsrbm.planning.problem.constraints.motion import FinalPlace, FinalState, MomentumBalance
+from llsrbm.planning.problem.constraints.reach import FeetApart, Reach
+from llsrbm.planning.problem.constraints.swing import Clearance, FootSpeed
+from llsrbm.planning.problem.constraints.timing import PhaseTimes
+from llsrbm.planning.problem.constraints.truth import TrueTurn
+from llsrbm.planning.problem.constraints.turn import FootTurn, FootYaw
+from llsrbm.planning.problem.constraints.upright import UprightLanding
+
+__all__ = ["CONSTRAINTS", "Constraint"]
+
+CONSTRAINTS: tuple[Constraint, ...] = (
+    MomentumBalance(),
+    GivenContacts(),
+    FeetAtRest(),
+    FrictionPyramid(),
+    PhaseTimes(),
+    Reach(),
+    Clearance(),
+    Edge(),
+    BodyClearance(),
+    FeetApart(),
+    FootSpeed(),
+    FootYaw(),
+    FootTurn(),
+    JointTorque(),
+    TorqueAtSpeed(),
+    JointSpeed(),
+    UprightLanding(),
+    FinalState(),
+    FinalPlace(),
+    TrueTurn(),
+)

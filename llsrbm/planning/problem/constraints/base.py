@@ -1,0 +1,156 @@
+"""What a constraint is: rows for the solver, their bounds, and a check of the finished plan."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import BaseModel
+
+from llsrbm.planning.problem.knots import Knots
+from llsrbm.planning.problem.layout import Layout, Role
+from llsrbm.planning.problem.stage import Stage
+from llsrbm.planning.problem.task import Task
+
+Array = NDArray[np.float64]
+
+Bounds = tuple[Any, Any]
+
+
+@dataclass(frozen=True)
+class Limit:
+    """A number in a constraint's bounds that a request may change.
+
+    Attributes:
+        name: as in requests and files.
+        title: the same in words.
+        unit: SI; angles in rad.
+        effect: what raising it does.
+        lowest, highest: what is accepted; shares of the robot's own value if `relative`.
+        place: where a `Task` has it: names of attributes, the index in a tuple.
+        relative: see `lowest`; `llsrbm.planning.problem.limits.limits_of` has them in `unit`.
+        lower_bound: whether raising it forbids more, instead of allowing more.
+    """
+
+    name: str
+    title: str
+    unit: str
+    effect: str
+    lowest: float
+    highest: float
+    place: tuple[str | int, ...]
+    relative: bool = False
+    lower_bound: bool = False
+
+    @property
+    def loosest(self) -> float:
+        """The end of the range that allows most."""
+        return self.lowest if self.lower_bound else self.highest
+
+    def of(self, task: Task) -> float:
+        """The value that holds in a task."""
+        value: Any = task
+        for key in self.place:
+            value = value[key] if isinstance(key, int) else getattr(value, key)
+        return float(value)
+
+    def put(self, task: Task, value: float) -> Task:
+        """The task with another value."""
+        changed: Task = _put(task, self.place, value)
+        return changed
+
+
+def _put(whole: Any, place: tuple[str | int, ...], value: float) -> Any:
+    if not place:
+        return value
+    key, rest = place[0], place[1:]
+    if isinstance(key, int):
+        return (*whole[:key], _put(whole[key], rest, value), *whole[key + 1 :])
+    part = _put(getattr(whole, key), rest, value)
+    if isinstance(whole, BaseModel):
+        return whole.model_copy(update={key: part})
+    return replace(whole, **{key: part})
+
+
+class Demand(NamedTuple):
+    """The largest demand on a joint that a plan may not make.
+
+    Attributes:
+        words: joint, amount, where, and what the drive has, in one line.
+        interval: in which it is made.
+    """
+
+    words: str
+    interval: int
+
+
+class Constraint(ABC):
+    """Rows lower <= rows(stage) <= upper at every stage whose role applies.
+
+    Attributes:
+        name: as in reports and files.
+        unit: of `violation`.
+        equality: whether lower equals upper.
+        limits: the numbers in its bounds that a request may change.
+        limited_by: names of limits of other constraints that are in its rows, too.
+        by_knot: whether the bounds of knots of one role differ.
+    """
+
+    name: ClassVar[str]
+    unit: ClassVar[str]
+    equality: ClassVar[bool] = False
+    limits: ClassVar[tuple[Limit, ...]] = ()
+    limited_by: ClassVar[tuple[str, ...]] = ()
+    by_knot: ClassVar[bool] = False
+
+    def concerns(self, task: Task) -> bool:
+        """Whether the robot has what is limited."""
+        return True
+
+    def checked(self, task: Task) -> bool:
+        """Whether plans of a task are checked for it."""
+        return True
+
+    @abstractmethod
+    def applies(self, role: Role) -> bool:
+        """Whether stages of that role have these rows."""
+
+    @abstractmethod
+    def rows(self, stage: Stage) -> Any:
+        """(n, 1) expressions."""
+
+    @abstractmethod
+    def bounds(self, task: Task, layout: Layout, knot: int) -> Bounds:
+        """Lower and upper bounds of the rows, anything that broadcasts to (n,).
+
+        Which of them are infinite must be the same in all tasks of a robot: Fatrop looks at that
+        only in its first solve.
+        """
+
+    @abstractmethod
+    def violation(self, knots: Knots) -> Array:
+        """(N+1,) amount of the violation at or after each knot, in `unit`; 0 when satisfied."""
+
+    def demand(self, knots: Knots) -> Demand | None:
+        """What a motion asks of a joint beyond the limits; None if it does not, or of no joint."""
+        return None
+
+
+def spread(knots: Knots, amounts: Array, where: NDArray[np.bool_] | None = None) -> Array:
+    """(N+1,) the largest amount at each knot; never negative.
+
+    Args:
+        knots: of which.
+        amounts: (N+1, ...) at the knots, or (N, ...) over the intervals.
+        where: (N+1, L) or (N, L) legs that count, along the amounts' second axis; None: all.
+    """
+    out = np.zeros(len(knots.time))
+    if where is not None:
+        counts = where[: len(amounts)]
+        shape = (*counts.shape, *[1] * (amounts.ndim - 2))
+        amounts = np.where(counts.reshape(shape), amounts, 0.0)
+    out[: len(amounts)] = amounts.reshape(len(amounts), -1).max(axis=1, initial=0.0)
+    return out

@@ -1,0 +1,130 @@
+"""Feet on the ground: where they stand and what they push with."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from llsrbm.planning.problem.constraints.base import Array, Bounds, Constraint, Limit, spread
+from llsrbm.planning.problem.headings import across
+from llsrbm.planning.problem.knots import Knots
+from llsrbm.planning.problem.layout import Layout, Role
+from llsrbm.planning.problem.stage import Stage
+from llsrbm.planning.problem.task import Task
+from llsrbm.robots.friction import INSCRIBED
+
+
+class GivenContacts(Constraint):
+    """p_i = p_i* at lift-off and at touchdown: the feet leave where they stood, land on target.
+
+    Soles look where they stood, or shall stand: n . R (cos phi, sin phi, 0) = 0 with n across it.
+    """
+
+    name = "given_contacts"
+    unit = "m, rad"
+    equality = True
+
+    def applies(self, role: Role) -> bool:
+        """Where feet have just left the ground, or met it."""
+        return bool(role.leaving or role.landing)
+
+    def rows(self, stage: Stage) -> Any:
+        """(d n, 1) of n feet: p_i - p_i*, then the sines of what the headings miss."""
+        r, R, legs = stage.position, stage.R_world_base, stage.edge_legs
+        feet = [r + ca.mtimes(R, stage.foot_from_com(i)) for i in legs]
+        places = [stage.standing_feet[:, i] for i in legs]
+        misses = []
+        if stage.layout.foot_coordinates > 3:
+            for i in legs:
+                phi, psi = stage.relative_yaw(i), stage.standing_yaw[i]
+                seen = ca.vertcat(ca.cos(phi), ca.sin(phi))
+                misses.append(ca.dot(across(R, psi)[:2], seen))
+        return ca.vertcat(ca.vertcat(*feet) - ca.vertcat(*places), *misses)
+
+    def bounds(self, task: Task, layout: Layout, knot: int) -> Bounds:
+        """Zero."""
+        return (_edge_rows(layout, knot),) * 2
+
+    def violation(self, knots: Knots) -> Array:
+        """|p_i - p_i*| and what the headings miss, at lift-off and touchdown."""
+        place = np.abs(knots.model_feet - knots.standing_feet).max(axis=-1)
+        heading = np.abs(np.sin(knots.model_headings - knots.standing_yaw))
+        return spread(knots, np.maximum(place, heading), knots.at_edge)
+
+
+class FeetAtRest(Constraint):
+    """The feet leave the ground and meet it at rest, also in how soles turn."""
+
+    name = "feet_at_rest"
+    unit = "m/s, rad/s"
+    equality = True
+
+    def applies(self, role: Role) -> bool:
+        """Where feet have just left the ground, or met it."""
+        return bool(role.leaving or role.landing)
+
+    def rows(self, stage: Stage) -> Any:
+        """(d n, 1) of n feet: velocities in base axes, then turning rates."""
+        return ca.vertcat(ca.vec(stage.foot_velocity_at_knot), stage.foot_turn_at_knot)
+
+    def bounds(self, task: Task, layout: Layout, knot: int) -> Bounds:
+        """Zero."""
+        return (_edge_rows(layout, knot),) * 2
+
+    def violation(self, knots: Knots) -> Array:
+        """The largest speed along an axis, at lift-off and touchdown."""
+        return spread(knots, np.abs(knots.foot_velocity_at_knots), knots.at_edge)
+
+
+class FrictionPyramid(Constraint):
+    """|f_x|, |f_y| <= mu / sqrt(2) f_z: the pyramid (section IV-D) inside the cone of friction mu.
+
+    The paper's, with mu itself, reaches out of the cone by 41 % at its edges, where the ground does
+    not hold. The cone as such, one curved row a contact, makes five times the iterations: forces
+    fade to nothing at lift-off, which is its tip.
+    """
+
+    name = "friction_pyramid"
+    unit = "N"
+    limits = (
+        Limit(
+            "friction",
+            "coefficient of friction",
+            "1",
+            "feet may push sideways harder for the load they carry",
+            lowest=0.1,
+            highest=1.5,
+            place=("limits", "friction"),
+        ),
+    )
+
+    def applies(self, role: Role) -> bool:
+        """In contact."""
+        return role.in_contact
+
+    def rows(self, stage: Stage) -> Any:
+        """(4 standing contacts, 1), at most 0."""
+        mu = stage.parameters["friction"] * INSCRIBED
+        columns = []
+        for fx, fy, fz in (ca.vertsplit(c) for c in ca.horzsplit(stage.force)):
+            columns += [fx - mu * fz, -fx - mu * fz, fy - mu * fz, -fy - mu * fz]
+        return ca.vertcat(*columns)
+
+    def bounds(self, task: Task, layout: Layout, knot: int) -> Bounds:
+        """At most zero."""
+        rows = 4 * layout.corners * len(layout.roles[knot].standing)
+        return np.full(rows, -np.inf), np.zeros(rows)
+
+    def violation(self, knots: Knots) -> Array:
+        """Tangential force, along its larger component, beyond the pyramid's share."""
+        f = knots.force
+        excess = np.abs(f[..., :2]) - INSCRIBED * knots.task.limits.friction * f[..., 2:]
+        return spread(knots, excess)
+
+
+def _edge_rows(layout: Layout, knot: int) -> Array:
+    """Zeros, one for each coordinate of the feet that have just left or met the ground."""
+    role = layout.roles[knot]
+    return np.zeros(layout.foot_coordinates * len({*role.leaving, *role.landing}))

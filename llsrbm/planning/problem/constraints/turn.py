@@ -1,0 +1,123 @@
+"""How far and how fast soles turn about the vertical; points have no such rows."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from llsrbm.planning.problem.constraints.base import Array, Bounds, Constraint, Limit, spread
+from llsrbm.planning.problem.headings import heading_rates
+from llsrbm.planning.problem.knots import Knots
+from llsrbm.planning.problem.layout import Layout, Role
+from llsrbm.planning.problem.stage import Stage
+from llsrbm.planning.problem.task import Task
+
+
+class FootYaw(Constraint):
+    """A foot's yaw against the base stays in the robot file's range, outwards positive."""
+
+    name = "foot_yaw"
+    unit = "rad"
+    limits = (
+        Limit(
+            "foot_yaw_min",
+            "furthest turn of a foot inward",
+            "rad",
+            "feet may turn inward less far",
+            lowest=0.0,
+            highest=1.25,
+            place=("foot", "yaw", 0),
+            relative=True,
+            lower_bound=True,
+        ),
+        Limit(
+            "foot_yaw_max",
+            "furthest turn of a foot outward",
+            "rad",
+            "feet may turn outward further",
+            lowest=0.0,
+            highest=1.25,
+            place=("foot", "yaw", 1),
+            relative=True,
+        ),
+    )
+
+    def concerns(self, task: Task) -> bool:
+        """Soles only."""
+        return not task.foot.is_point
+
+    def applies(self, role: Role) -> bool:
+        """Wherever the posture is free."""
+        return not role.terminal and not role.initial
+
+    def rows(self, stage: Stage) -> Any:
+        """(L, 1) rad."""
+        return ca.vec(stage.feet_in_hip[3:, :])
+
+    def bounds(self, task: Task, layout: Layout, knot: int) -> Bounds:
+        """The range."""
+        low, high = task.foot.yaw
+        rows = layout.legs if layout.foot_coordinates > 3 else 0
+        return np.full(rows, low), np.full(rows, high)
+
+    def violation(self, knots: Knots) -> Array:
+        """Angle out of range."""
+        low, high = knots.task.foot.yaw
+        yaw = knots.feet_in_hip[..., 3:]
+        beyond = np.maximum(low - yaw, yaw - high)
+        beyond[[0, -1]] = 0.0  # the postures there are given
+        return spread(knots, beyond)
+
+
+class FootTurn(Constraint):
+    """How fast feet turn in flight: against the base, and in the world."""
+
+    name = "foot_turn"
+    unit = "rad/s"
+    limits = (
+        Limit(
+            "foot_turn_speed",
+            "turning speed of a foot",
+            "rad/s",
+            "feet may turn faster in flight",
+            lowest=0.2,
+            highest=2.0,
+            place=("foot", "turn_speed"),
+            relative=True,
+        ),
+    )
+
+    def concerns(self, task: Task) -> bool:
+        """Soles only."""
+        return not task.foot.is_point
+
+    def applies(self, role: Role) -> bool:
+        """While feet swing; not as a motion that is under way begins: that is as it is."""
+        return bool(role.swinging) and not role.initial
+
+    def rows(self, stage: Stage) -> Any:
+        """(2 swinging, 1) rad/s."""
+        rates = stage.feet_mid[1]
+        of_feet = [rates[3:, i] for i in stage.role.swinging]
+        return ca.vertcat(*of_feet, stage.foot_turn)
+
+    def bounds(self, task: Task, layout: Layout, knot: int) -> Bounds:
+        """Plus and minus the limit."""
+        role = layout.roles[knot]
+        turning = len(role.swinging) if layout.foot_coordinates > 3 else 0
+        limit = np.full(2 * turning, task.foot.turn_speed)
+        return -limit, limit
+
+    def violation(self, knots: Knots) -> Array:
+        """Speed beyond the limit."""
+        top = knots.task.foot.turn_speed
+        if knots.model.coordinates == 3:
+            return np.zeros(len(knots.time))
+        R, _, _ = knots.mid
+        x, xdot = knots.feet_mid
+        side = knots.model.turn_mirrors
+        turn = heading_rates(R, side * x[..., 3], side * xdot[..., 3], knots.rotation_rate)
+        fastest = np.maximum(np.abs(xdot[..., 3]), np.abs(turn))
+        return spread(knots, fastest - top, knots.swings_freely)

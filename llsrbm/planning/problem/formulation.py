@@ -1,0 +1,116 @@
+"""Jumps of one robot with one model as optimal control problems: task in, solved motion out."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from llsrbm.models.base import CentroidalModel
+from llsrbm.motion.plan import Violation
+from llsrbm.ocp.problem import Problem, Solution
+from llsrbm.ocp.solvers import Solver
+from llsrbm.planning.problem.horizon import make_problem
+from llsrbm.planning.problem.knots import Knots, rolled_out, unpack
+from llsrbm.planning.problem.layout import Layout
+from llsrbm.planning.problem.placement import place_task
+from llsrbm.planning.problem.task import Task
+from llsrbm.planning.solve.guess import analytic_guess
+from llsrbm.planning.why.residuals import satisfied, violations
+from llsrbm.request.jump import Jump
+from llsrbm.robots.robot import Robot
+
+Array = NDArray[np.float64]
+
+# Flight time of a second guess, s: long flights leave room for what a short one cannot.
+PATIENT_FLIGHT = 0.45
+# Shares of the request that are solved before all of it, when that cannot be solved at once.
+EASIER = (0.34, 0.67)
+# Shares of the drives that a flip is solved with first: a guess of it is far from what drives can
+# do, and from much stronger ones the way is short.
+STRONGER = (3.0, 2.0, 1.5, 1.2, 1.0, 0.95)
+
+
+@dataclass(frozen=True, eq=False)
+class Attempt:
+    """A solve of a task, and the motion it ended with.
+
+    Attributes:
+        violations: of the motion, recomputed.
+        label: from where it began, in words.
+    """
+
+    task: Task
+    solution: Solution
+    knots: Knots
+    violations: dict[str, Violation]
+    label: str = ""
+
+    @property
+    def solved(self) -> bool:
+        """Whether the solver converged and the motion satisfies every constraint."""
+        return self.solution.converged and satisfied(self.violations)
+
+
+@dataclass(frozen=True, eq=False)
+class Formulation:
+    """What is solved, and with what; it keeps nothing of a solve."""
+
+    robot: Robot
+    model: CentroidalModel
+    layout: Layout
+    solver: Solver
+
+    def problem(self, task: Task) -> Problem:
+        """The task's numbers."""
+        return make_problem(self.layout, task)
+
+    def guess(self, task: Task, flight_time: float | None = None) -> Array:
+        """All variables; the flight time in s, None chooses one."""
+        return analytic_guess(task, self.layout, self.model, flight_time)
+
+    def moved(self, near: Attempt, task: Task) -> Array:
+        """A guess: another task's solution, moved as the analytic guesses of the two differ."""
+        w = near.solution.variables + self.guess(task) - self.guess(near.task)
+        for knot in range(self.layout.knots):
+            place = self.layout.variables(knot).get("quat")
+            if place is not None:
+                w[place] /= np.linalg.norm(w[place])
+        return w
+
+    def easier(self, task: Task) -> Iterator[Task]:
+        """Shares of the jump under the task's limits; at last the task itself."""
+        for share in EASIER:
+            yield replace(
+                place_task(scaled(task.jump, share), self.robot, task.tuning),
+                limits=task.limits,
+                reach=task.reach,
+                timing=task.timing,
+                foot=task.foot,
+                body_margin=task.body_margin,
+                obstacle=None,  # feet of a shorter jump would land on it
+            )
+        yield task
+
+    def stronger(self, task: Task) -> Iterator[Task]:
+        """The task with drives that give more, from much more on; at last the task itself."""
+        own = task.limits
+        for share in STRONGER:
+            shares = {
+                name: max(share, getattr(own, name)) for name in ("torque_share", "speed_share")
+            }
+            yield replace(task, limits=own.model_copy(update=shares))
+        yield task
+
+    def judged(self, task: Task, solution: Solution) -> Attempt:
+        """The motion of a solution, checked."""
+        knots = rolled_out(unpack(solution.variables, self.layout, task, self.model))
+        return Attempt(task, solution, knots, violations(knots))
+
+
+def scaled(jump: Jump, share: float) -> Jump:
+    """A share of the displacement that is asked; whole turns, speeds and hops stay."""
+    motion = {k: share * getattr(jump, k) for k in ("twist", "forward", "lateral", "height")}
+    return replace(jump, **motion)

@@ -1,0 +1,120 @@
+"""Layout, stages, constraints and costs as an optimal control problem, and a task's numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Hashable
+from dataclasses import replace
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from llsrbm.models.base import CentroidalModel
+from llsrbm.ocp.horizon import Horizon, Row, Run, StageExpressions
+from llsrbm.ocp.problem import Problem
+from llsrbm.planning.problem.constraints import CONSTRAINTS, Constraint
+from llsrbm.planning.problem.costs import COSTS, weight_parameter
+from llsrbm.planning.problem.layout import Layout, Role
+from llsrbm.planning.problem.placement import (
+    CORRECTION,
+    local_parameters,
+    parameter_sizes,
+    parameters,
+)
+from llsrbm.planning.problem.stage import Stage
+from llsrbm.planning.problem.task import Task
+
+Array = NDArray[np.float64]
+
+
+def constraints_of(role: Role) -> tuple[Constraint, ...]:
+    """The constraints that apply to a role, in the order of their rows."""
+    return tuple(c for c in CONSTRAINTS if c.applies(role))
+
+
+def make_horizon(model: CentroidalModel, layout: Layout) -> Horizon:
+    """The stages of a model's jumps; one run is a block of knots of the same role."""
+    sizes = parameter_sizes(layout)
+    symbols = {name: ca.SX.sym(name, size) for name, size in sizes.items()}
+    ends = np.cumsum(list(sizes.values())).tolist()
+    places = {
+        name: slice(end - size, end) for (name, size), end in zip(sizes.items(), ends, strict=True)
+    }
+
+    def builder(role: Role, following: Role | None) -> Callable[[], StageExpressions]:
+        return lambda: _expressions(Stage(role, layout, model, symbols), following)
+
+    def own(knot: int) -> slice:
+        start = places[CORRECTION].start + 3 * knot
+        return slice(start, start + 3)
+
+    runs = []
+    for role, knots in layout.blocks():
+        following = None if role.terminal else layout.roles[knots[-1] + 1]
+        runs.append(
+            Run(
+                family=_family(role, following, layout),
+                count=len(knots),
+                build=builder(role, following),
+                local=tuple(places[name] for name in local_parameters(role.phase)),
+                own=() if role.terminal else tuple(own(knot) for knot in knots),
+            )
+        )
+    return Horizon(tuple(runs), sum(sizes.values()))
+
+
+def _expressions(stage: Stage, following: Role | None) -> StageExpressions:
+    """A stage's expressions; `following` is the next knot's role, None at the end."""
+    own = ca.SX(0, 1) if stage.role.terminal else stage.correction
+    cost = ca.SX(0)
+    for term in COSTS:
+        if term.applies(stage.role):
+            cost += stage.parameters[weight_parameter(term)] * term.term(stage)
+    rows = tuple(Row(c, c.rows(stage), c.equality) for c in constraints_of(stage.role))
+    return StageExpressions(
+        name=stage.role.describe(),
+        variables=stage.variables,
+        states=stage.layout.state_size(stage.role),
+        shared=ca.vertcat(*stage.parameters.values()),
+        local=ca.vertcat(stage.local, own),
+        cost=cost,
+        rows=rows,
+        next_state=None if following is None else stage.next_state(following),
+        lift=stage.lift,
+    )
+
+
+def _family(role: Role, following: Role | None, layout: Layout) -> Hashable:
+    """Equal for stages with the same expressions: inner ones of take-off and landing are."""
+    # The phase as such does not enter an expression, nor which interval of it this is.
+    kind = replace(role, phase=0, first=False, last=False, final=False)
+    names = layout.states(role), layout.controls(role)
+    states = None
+    if following is not None:
+        sets = following.standing, following.in_air
+        states = layout.states(following), sets
+    return kind, names, states, tuple(cost.applies(role) for cost in COSTS), constraints_of(role)
+
+
+def make_problem(layout: Layout, task: Task) -> Problem:
+    """A task's numbers."""
+    lower, upper = row_bounds(layout, task)
+    return Problem(np.concatenate(list(parameters(layout, task).values())), lower, upper)
+
+
+def row_bounds(layout: Layout, task: Task) -> tuple[Array, Array]:
+    """Lower and upper bounds of g for a task, (rows,): gaps, then each stage's constraints."""
+    lower, upper = [], []
+    for role, knots in layout.blocks():
+        constraints = constraints_of(role)
+        alike = {c: c.bounds(task, layout, knots[0]) for c in constraints if not c.by_knot}
+        for knot in knots:
+            if not role.terminal:
+                gap = np.zeros(layout.state_size(layout.roles[knot + 1]))
+                lower.append(gap)
+                upper.append(gap)
+            for constraint in constraints:
+                low, high = alike.get(constraint) or constraint.bounds(task, layout, knot)
+                lower.append(low)
+                upper.append(high)
+    return np.concatenate(lower), np.concatenate(upper)

@@ -1,0 +1,380 @@
+"""Which variables exist at which knot, in which units, and where they sit in the vector.
+
+The horizon has the schedule's phases of n intervals each. Only what a phase needs is a variable:
+no positions of feet that stand, no forces of feet that swing; the start is fixed. A phase's
+duration T is a state with zero dynamics, chosen as a control when the phase begins, and so are the
+first forces of feet that land and the first position and velocity of feet that leave.
+
+A schedule that is under way begins with a robot that moves: its angular momentum and the feet that
+swing are given, too. Where it lands next is free: all places after the next flight are shifted
+alike, by a state with zero dynamics.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from llsrbm.request.schedule import Schedule
+
+Array = NDArray[np.float64]
+
+BODY = ("position", "quat", "velocity", "momentum")
+SHIFT = "shift"
+_SIZES = {"position": 3, "quat": 4, "velocity": 3, "momentum": 3, "rotation_rate": 3, SHIFT: 2}
+_SCALARS = ("duration", "next_duration")
+
+LEAST_INTERVALS = 3  # of a phase
+NOMINAL_PHASES = 3  # the number of intervals that is asked for is shared by so many
+
+
+@dataclass(frozen=True)
+class Role:
+    """What kind of stage a knot has; knots of one role share their expressions.
+
+    Attributes:
+        phase: index.
+        intervals: of the phase.
+        standing: legs whose feet stand over the interval that starts here; swinging: the others.
+        leaving, landing: at a phase's first knot, legs whose feet have just left or met the ground.
+        rising, settling: over a phase's last interval, legs whose feet leave or meet it at its end.
+        initial: the very first knot; terminal: the very last, after which nothing follows.
+        first, last: of the phase's intervals.
+        final: in the schedule's last phase.
+        clears: whether trunk, knees and flying feet are kept clear of something.
+        lands_upright: after the last flight of a body that turns over.
+        under_way: of a motion that began under way.
+        shifts: whether where feet will land is a variable; shifted: whether they have landed there.
+    """
+
+    phase: int
+    intervals: int
+    standing: tuple[int, ...]
+    swinging: tuple[int, ...]
+    leaving: tuple[int, ...] = ()
+    landing: tuple[int, ...] = ()
+    rising: tuple[int, ...] = ()
+    settling: tuple[int, ...] = ()
+    initial: bool = False
+    terminal: bool = False
+    first: bool = False
+    last: bool = False
+    final: bool = False
+    clears: bool = False
+    lands_upright: bool = False
+    under_way: bool = False
+    shifts: bool = False
+    shifted: bool = False
+
+    @property
+    def in_contact(self) -> bool:
+        """Whether forces act over the interval that starts here."""
+        return bool(self.standing) and not self.terminal
+
+    @property
+    def in_air(self) -> tuple[int, ...]:
+        """Legs whose feet are variables at the knot: those that swing, and those just landed."""
+        return tuple(sorted({*self.swinging, *self.landing}))
+
+    @property
+    def flying(self) -> tuple[int, ...]:
+        """Legs whose feet are off the ground at the knot and after it."""
+        return tuple(leg for leg in self.swinging if leg not in self.leaving)
+
+    @property
+    def flies(self) -> bool:
+        """Whether feet are off the ground at the knot, which is not where it all begins."""
+        return bool(self.flying) and not self.initial
+
+    @property
+    def staying(self) -> tuple[int, ...]:
+        """Standing legs whose feet stand after the interval, too."""
+        return tuple(leg for leg in self.standing if leg not in self.rising)
+
+    @property
+    def is_flight(self) -> bool:
+        """Whether no foot stands."""
+        return not self.standing
+
+    @property
+    def moves_feet(self) -> bool:
+        """Whether a foot leaves, swings or lands here: where joints are fast."""
+        return bool(self.swinging or self.rising or self.landing)
+
+    def describe(self) -> str:
+        """For names of functions and messages."""
+        tags = ("first", self.first), ("last", self.last), ("terminal", self.terminal)
+        return "_".join([f"phase{self.phase}", *(tag for tag, on in tags if on)])
+
+
+def split(intervals: int, schedule: Schedule) -> tuple[int, ...]:
+    """Intervals of each phase: N / 3 each, times its share (the paper: N / 3 each)."""
+    third, rest = divmod(intervals, NOMINAL_PHASES)
+    counts = [max(LEAST_INTERVALS, round(third * phase.share)) for phase in schedule]
+    counts[schedule.flights[0] if schedule.flights else 0] += rest
+    return tuple(counts)
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Names, sizes and places of all variables.
+
+    In scaled units: position m; quat w, x, y, z; velocity m/s; momentum (angular, about the CoM)
+    L / m in m2/s; force in m g / contacts; duration s; feet x_i, (d, legs), m in the hip frames,
+    with d = 4 their yaw, rad; feet_velocity, that of the interval before, m/s, rad/s; feet_step,
+    what is added to it as an interval begins, m/s, rad/s; feet_stop, what is added at touchdown;
+    rotation_rate: the base's angular velocity over the interval, base axes, rad/s; shift: of where
+    feet land, horizontally, m. Of feet and forces a variable has the legs that `legs_of` says.
+
+    Attributes:
+        contacts: C, L times the corners of a foot.
+        stands: (P, L) whether a foot stands in a phase.
+        intervals: (P,) of each phase.
+        foot_coordinates: d, see `Robot.foot_coordinates`.
+        clears: whether the whole body has something to clear (`constraints.body_clearance`).
+        turns: whether the body turns over, so fast that legs feel it (`Stage.joint_torques`).
+        under_way: whether it begins in motion, and where feet land next is free.
+    """
+
+    contacts: int
+    stands: tuple[tuple[bool, ...], ...]
+    intervals: tuple[int, ...]
+    foot_coordinates: int = 3
+    clears: bool = False
+    turns: bool = False
+    under_way: bool = False
+
+    @classmethod
+    def of(
+        cls,
+        schedule: Schedule,
+        contacts: int,
+        intervals: int,
+        foot_coordinates: int,
+        *,
+        clears: bool = False,
+        turns: bool = False,
+    ) -> Layout:
+        """Of a schedule; `intervals` as for three phases."""
+        stands = tuple(tuple(bool(foot) for foot in row) for row in schedule.stands)
+        counts, under_way = split(intervals, schedule), schedule.under_way
+        return cls(contacts, stands, counts, foot_coordinates, clears, turns, under_way)
+
+    @property
+    def legs(self) -> int:
+        """L."""
+        return len(self.stands[0])
+
+    @property
+    def phases(self) -> int:
+        """P."""
+        return len(self.stands)
+
+    @property
+    def corners(self) -> int:
+        """Contact points of a foot."""
+        return self.contacts // self.legs
+
+    @property
+    def total(self) -> int:
+        """N intervals."""
+        return sum(self.intervals)
+
+    @property
+    def knots(self) -> int:
+        """N + 1."""
+        return self.total + 1
+
+    @property
+    def name(self) -> str:
+        """Which feet stand in which phase, for names of files: "1111-0000-1111"."""
+        text = "-".join("".join(str(int(foot)) for foot in row) for row in self.stands)
+        flags = ("-clears", self.clears), ("-turns", self.turns), ("-under-way", self.under_way)
+        return text + "".join(tag for tag, on in flags if on)
+
+    @cached_property
+    def roles(self) -> tuple[Role, ...]:
+        """(N + 1) roles."""
+        roles: list[Role] = []
+        last_phase, upright = self.phases - 1, self.turns
+        flights = [p for p, row in enumerate(self.stands) if not any(row)]
+        last_flight = max(flights, default=-1)
+        shifts = self.under_way and bool(flights)
+        for p, count in enumerate(self.intervals):
+            now = np.array(self.stands[p])
+            before = np.array(self.stands[max(p - 1, 0)])
+            after = np.array(self.stands[min(p + 1, last_phase)])
+
+            def legs(mask: NDArray[np.bool_]) -> tuple[int, ...]:
+                return tuple(int(leg) for leg in np.flatnonzero(mask))
+
+            for k in range(count):
+                first, last = k == 0, k == count - 1
+                roles.append(
+                    Role(
+                        phase=p,
+                        intervals=count,
+                        standing=legs(now),
+                        swinging=legs(~now),
+                        leaving=legs(before & ~now) if first else (),
+                        landing=legs(~before & now) if first else (),
+                        rising=legs(now & ~after) if last else (),
+                        settling=legs(~now & after) if last else (),
+                        initial=p == 0 and first,
+                        first=first,
+                        last=last,
+                        final=p == last_phase,
+                        clears=self.clears and not (p == 0 and first),
+                        lands_upright=upright and p > last_flight,
+                        under_way=self.under_way,
+                        shifts=shifts,
+                        shifted=shifts and p > flights[0],
+                    )
+                )
+        end = Role(
+            last_phase,
+            self.intervals[-1],
+            standing=tuple(range(self.legs)),
+            swinging=(),
+            terminal=True,
+            final=True,
+            under_way=self.under_way,
+            shifts=shifts,
+            shifted=shifts,
+        )
+        return (*roles, end)
+
+    @cached_property
+    def phase(self) -> NDArray[np.int64]:
+        """(N + 1,) index of each knot's phase."""
+        return np.array([role.phase for role in self.roles], dtype=np.int64)
+
+    @cached_property
+    def progress(self) -> Array:
+        """(N + 1,) share of the knot's phase that is over, 0 ... 1."""
+        return np.concatenate([*(np.arange(c) / c for c in self.intervals), [1.0]])
+
+    @cached_property
+    def standing(self) -> NDArray[np.bool_]:
+        """(N + 1, L) whether a foot stands over the interval that starts at the knot."""
+        return np.array(self.stands)[self.phase]
+
+    @cached_property
+    def first_knots(self) -> NDArray[np.int64]:
+        """(P + 1,) knots at which phases begin, and the last."""
+        return np.concatenate([[0], np.cumsum(self.intervals)]).astype(np.int64)
+
+    @cached_property
+    def swings(self) -> tuple[tuple[int, int, int], ...]:
+        """(leg, knot of lift-off, knot of touchdown) of every swing of every foot."""
+        found = []
+        for leg in range(self.legs):
+            stands = self.standing[:, leg]
+            edges = np.flatnonzero(stands[1:] != stands[:-1]) + 1
+            if not stands[0]:  # under way: what is left of a swing
+                edges = np.concatenate([[0], edges])
+            found += [(leg, int(a), int(b)) for a, b in zip(edges[::2], edges[1::2], strict=True)]
+        return tuple(found)
+
+    @cached_property
+    def swing_progress(self) -> tuple[Array, Array]:
+        """(N + 1, L) share of a foot's swing that is over, by knots, and a knot's share of it.
+
+        NaN at knots at which the foot stands, the two ends not among them.
+        """
+        progress, step = np.full((2, self.knots, self.legs), np.nan)
+        for leg, lift, touch in self.swings:
+            progress[lift : touch + 1, leg] = np.arange(touch - lift + 1) / (touch - lift)
+            step[lift : touch + 1, leg] = 1 / (touch - lift)
+        return progress, step
+
+    def legs_of(self, name: str, role: Role) -> tuple[int, ...]:
+        """The legs that a variable has; () of one that is the body's."""
+        sets = {
+            "feet": role.in_air,
+            "feet_velocity": role.in_air,
+            "feet_step": role.swinging,
+            "feet_stop": role.settling,
+            "next_feet": role.rising,
+            "next_feet_velocity": role.rising,
+            "force": role.standing,
+            "force_step": role.staying if role.last else role.standing,
+            "next_force": role.settling,
+        }
+        return sets.get(name, ())
+
+    def size(self, name: str, role: Role) -> int:
+        """Scalars of the variable called `name` at a knot of that role."""
+        if name in _SIZES:
+            return _SIZES[name]
+        if name in _SCALARS:
+            return 1
+        per_leg = 3 * self.corners if "force" in name else self.foot_coordinates
+        return per_leg * len(self.legs_of(name, role))
+
+    def states(self, role: Role) -> tuple[str, ...]:
+        """Names of the states at a knot of that role."""
+        shift = (SHIFT,) if role.shifts else ()
+        if role.terminal:
+            return (*BODY, *shift)
+        feet = ("feet", "feet_velocity") if role.in_air and not role.initial else ()
+        force = ("force",) if role.standing else ()
+        return (*(() if role.initial else BODY), *feet, *force, "duration", *shift)
+
+    def controls(self, role: Role) -> tuple[str, ...]:
+        """Names of the controls over the interval that starts at a knot of that role."""
+        if role.terminal:
+            return ()
+        names = ["force_step"] if self._force_steps(role) else []
+        names += ["feet_step"] if role.swinging else []
+        names += ["feet_stop"] if role.settling else []
+        names += ["next_feet", "next_feet_velocity"] if role.rising else []
+        names += ["next_force"] if role.settling else []
+        names += ["next_duration"] if role.last and not role.final else []
+        return (*names, "rotation_rate")
+
+    @staticmethod
+    def _force_steps(role: Role) -> bool:
+        if not role.standing:
+            return False
+        return not role.last or (not role.final and bool(role.staying))
+
+    def state_size(self, role: Role) -> int:
+        """nx of a stage."""
+        return sum(self.size(name, role) for name in self.states(role))
+
+    def control_size(self, role: Role) -> int:
+        """nu of a stage."""
+        return sum(self.size(name, role) for name in self.controls(role))
+
+    @cached_property
+    def _places(self) -> tuple[dict[str, slice], ...]:
+        places, start = [], 0
+        for role in self.roles:
+            here = {}
+            for name in (*self.states(role), *self.controls(role)):
+                here[name] = slice(start, start + self.size(name, role))
+                start += self.size(name, role)
+            places.append(here)
+        return tuple(places)
+
+    @property
+    def size_total(self) -> int:
+        """Number of variables of the whole problem."""
+        return sum(self.state_size(r) + self.control_size(r) for r in self.roles)
+
+    def variables(self, knot: int) -> dict[str, slice]:
+        """Name -> place in the vector of all variables, states first."""
+        return self._places[knot]
+
+    def blocks(self) -> Iterator[tuple[Role, range]]:
+        """Runs of knots with the same role, in order."""
+        start = 0
+        for k in range(1, self.knots + 1):
+            if k == self.knots or self.roles[k] != self.roles[start]:
+                yield self.roles[start], range(start, k)
+                start = k

@@ -1,0 +1,265 @@
+"""The request in numbers: where everything starts and ends, and the limits that hold between."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from llsrbm.request.jump import Jump
+from llsrbm.request.obstacle import Obstacle
+from llsrbm.request.schedule import Schedule
+from llsrbm.request.tuning import Tuning
+from llsrbm.robots.robot import Robot
+from llsrbm.robots.schema import Foot, Limits, Reach, Timing
+
+Array = NDArray[np.float64]
+
+# What trunk, knees and feet keep from what they clear, m: feet of simulated jumps are 2 cm lower
+# than planned where they cross a hurdle, and knees are thick.
+BODY_MARGIN = 0.04
+
+
+@dataclass(frozen=True, eq=False)
+class Footholds:
+    """Where feet stand in one place.
+
+    Attributes:
+        feet: (L, 3) m; yaw: (L,) rad, headings of the feet; points look nowhere, 0.
+        contacts: (C, 3) m, legs x corners.
+        heading: rad, of the robot that stands there.
+        origin: (3,) m: where the origin of the default posture is, on the surface.
+    """
+
+    feet: Array
+    yaw: Array
+    contacts: Array
+    heading: float
+    origin: Array
+
+    @property
+    def height(self) -> float:
+        """m, of the surface."""
+        return float(self.origin[2])
+
+
+@dataclass(frozen=True, eq=False)
+class Edges:
+    """The edge between two places that each foot crosses, if their surfaces differ in height.
+
+    Attributes:
+        towards: (L, 2) horizontal directions across it; zeros where there is none to mind.
+        gap: (L,) m: how far it is from start to target along `towards`.
+        rise: m, of the second surface above the first.
+    """
+
+    towards: Array
+    gap: Array
+    rise: float
+
+    @classmethod
+    def between(cls, start: Footholds, goal: Footholds) -> Edges:
+        """Of the landing heading's axes the one that leaves the widest gap counts.
+
+        Onto a higher surface from a foot's own start to all of the target, to a lower one from all
+        of the start to the foot's own target.
+        """
+        c, s = np.cos(goal.heading), np.sin(goal.heading)
+        axes = np.array([(c, s), (-c, -s), (-s, c), (s, -c)])
+        legs = len(start.feet)
+        before, after = (
+            place.contacts[:, :2].reshape(legs, -1, 2) @ axes.T for place in (start, goal)
+        )
+        rise = goal.height - start.height
+        if rise < 0:
+            gaps = after.min(axis=1) - before.max(axis=(0, 1))
+        else:
+            gaps = after.min(axis=(0, 1)) - before.max(axis=1)
+        widest = gaps.max(axis=1)
+        towards = axes[gaps.argmax(axis=1)] * (widest[:, None] > 0)
+        return cls(towards, np.maximum(widest, 0.0), rise)
+
+
+@dataclass(frozen=True, eq=False)
+class InMotion:
+    """The state of a robot that is under way, beside its CoM's and its attitude.
+
+    Attributes:
+        momentum: (3,) kg m2/s, angular, about the CoM.
+        feet, feet_velocity: (L, d) x_i m, rad and their rates (`llsrbm.models.base`).
+        heights: (L,) m, of the feet in the world.
+        begun: (L,) shares of the feet's swings that are over; 0 of feet that stand.
+    """
+
+    momentum: Array
+    feet: Array
+    feet_velocity: Array
+    heights: Array
+    begun: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Task:
+    """What the planner solves.
+
+    Attributes:
+        jump: the request.
+        schedule: which feet stand in which phase, and in which place.
+        mass: kg.
+        places: (displacements + 1) where feet stand, the start first.
+        start_position, goal_position: (3,) m, CoM.
+        start_quat: (4,) w, x, y, z; goal_quat: likewise, continuous in the twist (w < 0 beyond 180
+            degrees) and through whole turns.
+        start_velocity, goal_velocity: (3,) m/s, CoM.
+        motion: the rest of the state at the start of a schedule that is under way; else None.
+        corners: (c, 3) m, contact points of a foot in its frame.
+        limits, reach, timing, foot: of the robot file, with what the request changes.
+        robot: whose drives and whole body a plan is checked with.
+        weights: cost name -> weight, of every cost.
+        tuning: what of weights and limits the request changes.
+        correction: (N, 3) kg m2/s, base axes: by how much the whole body's angular momentum exceeds
+            the model's over each interval of an earlier solution; None: it is not known.
+        obstacle: what is jumped over, if anything.
+        clears: whether trunk and knees are kept clear of it, or of the ground.
+        body_margin: m that they keep.
+    """
+
+    jump: Jump
+    schedule: Schedule
+    mass: float
+    places: tuple[Footholds, ...]
+    start_position: Array
+    goal_position: Array
+    start_quat: Array
+    goal_quat: Array
+    start_velocity: Array
+    goal_velocity: Array
+    corners: Array
+    limits: Limits
+    reach: Reach
+    timing: Timing
+    foot: Foot
+    robot: Robot
+    weights: dict[str, float]
+    tuning: Tuning
+    motion: InMotion | None = None
+    correction: Array | None = None
+    obstacle: Obstacle | None = None
+    clears: bool = False
+    body_margin: float = BODY_MARGIN
+
+    @property
+    def start_momentum(self) -> Array:
+        """(3,) kg m2/s, angular, about the CoM; zero unless it is under way."""
+        return np.zeros(3) if self.motion is None else self.motion.momentum
+
+    @property
+    def joints(self) -> int:
+        """J."""
+        return len(self.robot.joint_names)
+
+    @cached_property
+    def lowest_hips(self) -> float:
+        """How high the hips stay above standing feet, m."""
+        robot = self.robot
+        stands = float((robot.base_position + robot.hips - robot.feet)[:, 2].mean())
+        return self.reach.standing * stands
+
+    def times(self, phase: int) -> tuple[float, float]:
+        """Shortest and longest duration of a phase, s."""
+        time = self.schedule[phase].time
+        if isinstance(time, str):
+            low, high = getattr(self.timing, time)
+            return float(low), float(high)
+        return time
+
+    @cached_property
+    def _stood(self) -> NDArray[np.int64]:
+        """(P, L) the place in which a foot stands in a phase, or stood last."""
+        stands, first = self.schedule.stands, self.schedule[0].place
+        stood = np.full(stands.shape, first, dtype=np.int64)
+        for p, phase in enumerate(self.schedule):
+            stood[p] = np.where(stands[p], phase.place, stood[max(p - 1, 0)])
+        return stood
+
+    @cached_property
+    def _lands(self) -> NDArray[np.int64]:
+        """(P, L) the place in which a foot stands in a phase, or stands next."""
+        stands, lands = self.schedule.stands, self._stood.copy()
+        for p in reversed(range(len(stands) - 1)):
+            lands[p] = np.where(stands[p], self.schedule[p].place, lands[p + 1])
+        return lands
+
+    def stood(self, phase: int) -> Footholds:
+        """Where feet stand in a phase, or stood last."""
+        return self._footholds[0][phase]
+
+    def lands(self, phase: int) -> Footholds:
+        """Where feet stand in a phase, or stand next."""
+        return self._footholds[1][phase]
+
+    @cached_property
+    def _footholds(self) -> tuple[list[Footholds], list[Footholds]]:
+        """Where feet stood, and where they land, of each phase."""
+        stood, lands = ([self._each_in(row) for row in rows] for rows in (self._stood, self._lands))
+        return stood, lands
+
+    def _each_in(self, places: NDArray[np.int64]) -> Footholds:
+        """Each foot where it stands in its place (L,)."""
+        rows = [self.places[place] for place in places]
+        legs, corners = range(len(rows)), len(self.corners)
+        return Footholds(
+            feet=np.array([row.feet[i] for i, row in zip(legs, rows, strict=True)]),
+            yaw=np.array([row.yaw[i] for i, row in zip(legs, rows, strict=True)]),
+            contacts=np.concatenate(
+                [row.contacts[i * corners : (i + 1) * corners] for i, row in enumerate(rows)]
+            ),
+            heading=rows[0].heading,
+            origin=rows[0].origin,
+        )
+
+    def landing_place(self, phase: int, leg: int) -> int:
+        """The place in which a foot stands in a phase, or stands next."""
+        return int(self._lands[phase, leg])
+
+    def edges(self, phase: int, leg: int) -> Edges:
+        """What a foot that swings in a phase crosses, as all feet would."""
+        return self._edges[int(self._stood[phase, leg]), int(self._lands[phase, leg])]
+
+    @cached_property
+    def _edges(self) -> dict[tuple[int, int], Edges]:
+        pairs = zip(self._stood.ravel().tolist(), self._lands.ravel().tolist(), strict=True)
+        return {(a, b): Edges.between(self.places[a], self.places[b]) for a, b in set(pairs)}
+
+    def swing_share(self, phase: int, progress: Array) -> Array:
+        """Shares of the feet's whole swings, of shares of what is left of them in a phase."""
+        if self.motion is None or phase > 0:
+            return progress
+        begun: Array = self.motion.begun
+        return begun + (1 - begun) * progress
+
+    def towards(self, phase: int) -> Array:
+        """(L, 2) directions across the edges that swinging feet cross; zeros of feet that stand."""
+        legs = range(len(self.schedule.legs))
+        flying = ~self.schedule.stands[phase]
+        return np.array([self.edges(phase, i).towards[i] * flying[i] for i in legs])
+
+
+def contact_points(feet: Array, yaw: Array, corners: Array) -> Array:
+    """Contact points of level feet.
+
+    Args:
+        feet: (..., L, 3) m, world frame.
+        yaw: (..., L) rad, headings.
+        corners: (c, 3) m, in the frame of a foot.
+
+    Returns:
+        (..., L c, 3) m, world frame, legs x corners.
+    """
+    c, s = np.cos(yaw)[..., None], np.sin(yaw)[..., None]
+    x, y, z = corners.T
+    turned = np.stack([c * x - s * y, s * x + c * y, np.broadcast_to(z, (c * x).shape)], axis=-1)
+    points: Array = feet[..., None, :] + turned
+    return points.reshape(*yaw.shape[:-1], -1, 3)

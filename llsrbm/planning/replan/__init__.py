@@ -1,0 +1,1 @@
+"""Planning again while the robot moves."""

@@ -1,0 +1,367 @@
+"""What remains of a jump, planned anew from a measured state, fast enough to do it at 50 Hz.
+
+The same stages, constraints and costs as a plan's, from a state in which the robot is under way: in
+flight the CoM's parabola and the angular momentum are what they are, and what is left to choose is
+how the legs move, when and where they meet the ground, and the forces after that. All places where
+feet will land are shifted alike (`Layout`); feet that stand stay where they are.
+
+The horizon is short, a few intervals a phase, and each solve starts from the last one: of the plan
+at first, sampled at the new knots.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from llsrbm.models import make_model
+from llsrbm.motion.plan import Plan
+from llsrbm.motion.rotation import sign_continuous
+from llsrbm.ocp import solvers
+from llsrbm.ocp.problem import Iterate, Solution
+from llsrbm.ocp.progress import when_idle
+from llsrbm.planning.problem.assembly import knot_arrays
+from llsrbm.planning.problem.formulation import Formulation
+from llsrbm.planning.problem.headings import relative_yaw_rates, relative_yaws
+from llsrbm.planning.problem.knots import Knots, unpack
+from llsrbm.planning.problem.layout import NOMINAL_PHASES, Layout
+from llsrbm.planning.problem.packing import Sampled, pack
+from llsrbm.planning.problem.placement import make_task
+from llsrbm.planning.problem.stage import GRAVITY
+from llsrbm.planning.problem.task import Footholds, InMotion, Task, contact_points
+from llsrbm.planning.replan.under_way import (
+    State,
+    falling_time,
+    in_need,
+    interpolated,
+    plan_quat,
+    planned_state,
+)
+from llsrbm.planning.solve.solver_cache import cached_solver
+from llsrbm.request.schedule import Schedule
+from llsrbm.robots.robot import Robot
+
+Array = NDArray[np.float64]
+
+# Of a stance, and of a flight, whose stages take twice as long to solve. Plans have 16; what
+# is left of a phase is shorter, and the next answer comes soon.
+STANCE_INTERVALS, FLIGHT_INTERVALS = 6, 4
+
+SHORTEST = 0.02  # s that what is left of a phase may be shortened to
+SAME_TIME = 2e-3  # s; a knot of the plan that is nearer to the state's time is left out
+LONGER = 0.3  # s by which a phase may outlast its limit: a push upwards is longer in the air
+# From the sampled plan, which is near a solution where nothing has happened.
+FIRST = solvers.Patience(
+    mu=1e-4, iterations=25, tolerance=1e-3, push=0.02, within=solvers.WITHIN, acceptable=(5e-3, 4)
+)
+# Near solutions creep as well, SLIDER's for all iterations that they are given: stopped so, half of
+# them come 10 ms sooner, and as many land.
+CREEPING = (5e-3, 1)
+# Rows of an answer may be off by this much, in their units of about 1: a millimetre, a per mille of
+# the weight. The next answer comes 20 ms later.
+GOOD_ENOUGH = 2e-3
+# A last solution that violates its rows now by more is no start: of one that was asked for in the
+# last period, and of an older one. Without a push 40 ms make 0.6, right after one it is 1 and more.
+# Of 70 pushes at the edge of what is recovered from 66 are with 8, 62 with 4. Looser solves take
+# fewer iterations from there, and of their plans fewer land: 52 at ten times the tolerance.
+NEAR_AT_ONCE, NEAR = 8.0, 0.8
+AT_ONCE = 0.025  # s
+# A guess that violates rows by more is of a robot that has fallen, or soon will have: guesses after
+# pushes that are recovered from violate them by 1 to 3, and Fatrop may not come back from far away.
+LOST = 8.0
+FRESH = 0.12  # s; the last solution is a start for so long
+
+
+@dataclass(frozen=True, eq=False)
+class Answer:
+    """What was found from a state.
+
+    Attributes:
+        plan: the whole jump, with what remains of it planned anew; None if nothing was found.
+        iterations, solve_time_s: of the solves.
+    """
+
+    plan: Plan | None
+    iterations: int
+    solve_time_s: float
+
+
+class Replanner:
+    """Plans what remains of one jump; a solver for each phase in which it is asked.
+
+    Attributes:
+        plan: the one that is followed, to be set when an answer is taken over.
+        in_flight: whether it plans flights: of a jump over something it does not see what is to be
+            cleared, and plans the landing alone.
+    """
+
+    def __init__(self, plan: Plan, robot: Robot) -> None:
+        """Nothing has been planned anew.
+
+        Args:
+            plan: one that converged, of `robot`.
+            robot: as the controller believes it is.
+        """
+        when_idle()
+        jump = plan.jump
+        self.plan = plan
+        self._robot = robot.turning if jump.turns else robot
+        self._model = make_model(jump.model, self._robot)
+        task = make_task(jump, self._robot, plan.tuning.weights, plan.tuning.limits)
+        self._task = in_need(task)
+        self.in_flight = not task.clears
+        # And for which time, s on the plan's clock.
+        self._last: dict[Layout, tuple[float, Iterate]] = {}
+
+    def prepare(self, phase: int) -> None:
+        """Load the solvers of what remains in a phase, or build them, and solve it as planned.
+
+        Twice, as guesses and solutions have solvers of their own: so that the first answer comes as
+        fast as the later ones.
+        """
+        for _ in range(2):
+            self.replan(planned_state(self.plan, phase))
+
+    def replan(self, state: State) -> Answer:
+        """Plan what remains: what is found replaces `plan` from the state's time on."""
+        task = self._task_from(state)
+        layout, found, iterations, seconds = self._solved(task, state)
+        if found is None:
+            return Answer(None, iterations, seconds)
+        plan = self._spliced(unpack(found.variables, layout, task, self._model), state)
+        return Answer(plan, iterations, seconds)
+
+    def _solved(self, task: Task, state: State) -> tuple[Layout, Solution | None, int, float]:
+        """From the last solution, else from the sampled plan; with all iterations and seconds."""
+        formulation = self._formulation(task.schedule)
+        layout, solver = formulation.layout, formulation.solver
+        problem = formulation.problem(task)
+        asked, last = self._last.pop(layout, (-np.inf, None))
+        solution: Solution | None = None
+        iterations, seconds = 0, 0.0
+        for start in ("last", "sampled"):
+            if start == "sampled":
+                guess = pack(layout, self._sampled(task, layout, state))
+                if solver.miss(problem, guess) > LOST:
+                    break
+                solution = solver.solve(problem, guess, patience=FIRST)
+            elif last is not None and state.time - asked < FRESH:
+                too_far = NEAR_AT_ONCE if state.time - asked < AT_ONCE else NEAR
+                solution = solver.follow(problem, last, too_far, CREEPING)
+            if solution is None:
+                continue
+            iterations += solution.iterations
+            seconds += solution.solve_time_s
+            if np.isfinite(solution.variables).all() and solution.violation < GOOD_ENOUGH:
+                self._last[layout] = (state.time, solution)
+                return layout, solution, iterations, seconds
+        return layout, None, iterations, seconds
+
+    def _rest(self, phase: int, time: tuple[float, float]) -> Schedule:
+        rest = self._task.schedule.rest(phase, time)
+        shares = (FLIGHT_INTERVALS / STANCE_INTERVALS if p.is_flight else 1.0 for p in rest)
+        phases = tuple(replace(p, share=s) for p, s in zip(rest, shares, strict=True))
+        return replace(rest, phases=phases)
+
+    def _formulation(self, rest: Schedule) -> Formulation:
+        layout = Layout.of(
+            rest,
+            len(self._robot.legs) * len(self._robot.corners),
+            NOMINAL_PHASES * STANCE_INTERVALS,
+            self._robot.foot_coordinates,
+            turns=self._task.jump.turns,
+        )
+        return _kept(self._robot, self._task.jump.model, layout)
+
+    def _task_from(self, state: State) -> Task:
+        """What is left, from a state on."""
+        task, plan = self._task, self.plan
+        elapsed = state.time - float(plan.phase_start[state.phase])
+        low, high = task.times(state.phase)
+        least = low - elapsed
+        if self._falls(state.phase):  # and is down before where it was pushed down
+            landing = interpolated(plan.time, plan.com, float(plan.phase_start[state.phase + 1]))
+            least = min(least, falling_time(state.com[2] - landing[2], state.com_velocity[2]))
+        least = max(least, SHORTEST)
+        rest = self._rest(state.phase, (least, max(high - elapsed, least) + LONGER))
+        R_base_world = Rotation.from_quat(state.base_quat, scalar_first=True).inv().as_matrix()
+        arms = (state.foot_position - state.com) @ R_base_world.T
+        omega = R_base_world @ state.angular_velocity
+        rates = (state.foot_velocity - state.com_velocity) @ R_base_world.T - np.cross(omega, arms)
+        if self._robot.foot_coordinates > 3:
+            R = R_base_world.T[None]
+            yaw = relative_yaws(R, state.foot_yaw[None])[0]
+            turn = relative_yaw_rates(R, state.foot_yaw[None], omega[None])[0]
+            arms = np.column_stack([arms, yaw])
+            rates = np.column_stack([rates, turn + state.foot_yaw_rate])
+        everything = np.ones((1, len(arms)), dtype=bool)
+        motion = InMotion(
+            momentum=state.angular_momentum,
+            feet=self._model.feet_of(arms[None], everything)[0],
+            feet_velocity=self._model.feet_rate_of(rates[None], everything)[0],
+            heights=state.foot_position[:, 2],
+            begun=self._begun(state),
+        )
+        places, goal = self._places(state)
+        # The goal's sign is that of the way there.
+        quat = state.base_quat * np.sign(plan_quat(plan, state.time) @ state.base_quat)
+        return replace(
+            task,
+            schedule=rest,
+            places=places,
+            start_position=state.com,
+            start_velocity=state.com_velocity,
+            start_quat=quat,
+            goal_position=goal,
+            motion=motion,
+            clears=False,
+        )
+
+    def _begun(self, state: State) -> Array:
+        """(L,) share of its swing that is over of each foot."""
+        start, stands = self.plan.phase_start, self.plan.schedule.stands
+        begun = np.zeros(stands.shape[1])
+        for leg in np.flatnonzero(~stands[state.phase]):
+            before = np.flatnonzero(stands[: state.phase, leg])[-1]
+            after = state.phase + np.flatnonzero(stands[state.phase :, leg])[0]
+            lift, touch = start[before + 1], start[after]
+            begun[leg] = np.clip((state.time - lift) / (touch - lift), 0.0, 1.0)
+        return begun
+
+    def _places(self, state: State) -> tuple[tuple[Footholds, ...], Array]:
+        """Where feet stand and will stand, and where the CoM ends.
+
+        Standing feet are where they are; what comes after is moved by as much as their mean.
+        """
+        task = self._task
+        phase = task.schedule[state.phase]
+        places = list(task.places)
+        stands = task.schedule.stands[state.phase]
+        if not stands.any():
+            return tuple(places), task.goal_position
+        planned = places[phase.place]
+        moved = (state.foot_position - planned.feet)[stands].mean(axis=0) * [1.0, 1.0, 0.0]
+        corners = task.corners
+        for k in range(phase.place, len(places)):
+            feet, yaw = places[k].feet + moved, places[k].yaw.copy()
+            if k == phase.place:
+                feet[stands, :2] = state.foot_position[stands, :2]
+                yaw[stands] = state.foot_yaw[stands]
+            places[k] = replace(
+                places[k],
+                feet=feet,
+                yaw=yaw,
+                contacts=contact_points(feet, yaw, corners),
+                origin=places[k].origin + moved,
+            )
+        return tuple(places), task.goal_position + moved
+
+    def _sampled(self, task: Task, layout: Layout, state: State) -> Sampled:
+        """The newest plan from the state's time on, moved to where the state is.
+
+        In flight the CoM falls from the state to the height at which it is planned to land. By what
+        it is off there all that follows is moved; other differences fade until the end.
+        """
+        plan, flying = self.plan, self._falls(state.phase)
+        starts = plan.phase_start[state.phase :].copy()
+        starts[0] = state.time
+        planned = np.diff(starts)
+        durations = planned.copy()
+        landing = interpolated(plan.time, plan.com, starts[1])
+        if flying:
+            durations[0] = falling_time(state.com[2] - landing[2], state.com_velocity[2])
+        limits = np.array([task.times(p) for p in range(layout.phases)])
+        durations = np.clip(durations, *limits.T)
+        # Of the plan: a flight that takes longer is as far at the same share of it.
+        times = starts[layout.phase] + layout.progress * planned[layout.phase]
+        since = layout.progress * durations[0]
+        com, velocity, momentum, quat, omega, feet = (
+            interpolated(plan.time, values, times)
+            for values in (
+                plan.com,
+                plan.com_velocity,
+                plan.angular_momentum,
+                plan.base_quat,
+                plan.angular_velocity,
+                plan.foot_in_hip,
+            )
+        )
+        shift = np.zeros(3)
+        fading = 1 - (times - state.time)[:, None] / (starts[-1] - state.time)
+        position = com + fading * (state.com - com[0])
+        speed = velocity + fading * (state.com_velocity - velocity[0])
+        if flying:
+            fall = np.array([0.0, 0.0, -GRAVITY])
+            T = durations[0]
+            shift[:2] = (state.com + T * state.com_velocity - landing)[:2]
+            t, falls = since[:, None], (layout.phase == 0)[:, None]
+            parabola = state.com + t * state.com_velocity + t**2 / 2 * fall
+            position = np.where(falls, parabola, com + shift)
+            speed = np.where(falls, state.com_velocity + t * fall, speed)
+        assert task.motion is not None
+        feet[0] = task.motion.feet
+        steps = np.concatenate([durations[p : p + 1] for p in layout.phase[:-1]])
+        steps = steps / np.array([role.intervals for role in layout.roles[:-1]])
+        rate = np.concatenate(
+            [task.motion.feet_velocity[None], np.diff(feet, axis=0) / steps[:, None, None]]
+        )
+        quat = sign_continuous(quat / np.linalg.norm(quat, axis=1, keepdims=True))
+        quat = quat * (np.sign(quat[0] @ task.start_quat) or 1.0)
+        R = Rotation.from_quat(quat, scalar_first=True)
+        unit = task.mass * GRAVITY / layout.contacts
+        at = np.clip(np.searchsorted(plan.time, times + 1e-6) - 1, 0, len(plan.time) - 2)
+        force = plan.contact_force[at].reshape(len(times), layout.legs, layout.corners, 3) / unit
+        first = layout.first_knots[1] if flying else 0
+        return Sampled(
+            durations=durations,
+            position=position,
+            velocity=speed,
+            quat=quat,
+            momentum=(momentum + fading * (state.angular_momentum - momentum[0])) / task.mass,
+            rotation_rate=R.inv().apply(omega),
+            feet=feet,
+            feet_velocity=rate,
+            force=force,
+            landing_force=force[first],
+            shift=shift[:2],
+        )
+
+    def _falls(self, phase: int) -> bool:
+        return self._task.schedule[phase].is_flight
+
+    def _spliced(self, knots: Knots, state: State) -> Plan:
+        """The plan until the state, and what was found from there on."""
+        plan = self.plan
+        near = interpolated(plan.time, plan.joint_position, state.time + knots.time)
+        knots = replace(knots, near_angles=near)
+        before = plan.time < state.time - SAME_TIME
+        before |= (plan.phase < state.phase) & (plan.time < state.time - 1e-6)
+        found = knot_arrays(knots)
+        found["time"] = found["time"] + state.time
+        found["phase"] = found["phase"] + state.phase
+        arrays: dict[str, Any] = {
+            name: values
+            if name == "leg_mass"
+            else np.concatenate([getattr(plan, name)[before], values])
+            for name, values in found.items()
+        }
+        return replace(
+            plan,
+            **arrays,
+            joint_velocity=None,
+            joint_torque=None,
+            joint_torque_limit=None,
+            solution=None,
+        )
+
+
+@lru_cache(maxsize=12)
+def _kept(robot: Robot, model: str, layout: Layout) -> Formulation:
+    """Of all jumps in a row, such as a table's."""
+    made = make_model(model, robot)
+    return Formulation(robot, made, layout, cached_solver(solvers.Fatrop, made, layout, robot))

@@ -1,0 +1,111 @@
+"""A robot under way: its state, and what may be asked of it where a push has to be caught."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from llsrbm.motion.plan import Plan
+from llsrbm.planning.problem.stage import GRAVITY
+from llsrbm.planning.problem.task import Task
+
+Array = NDArray[np.float64]
+
+# Shares of the drives, and factors of the robot file's reach, see `in_need`.
+NEED_TORQUE, NEED_SPEED = 0.95, 1.0
+NEED_BOX, NEED_LENGTH, NEED_STANDING = 1.4, 1.03, 0.7
+
+
+@dataclass(frozen=True, eq=False)
+class State:
+    """A robot under way: L legs, world frame; heights above the plan's ground.
+
+    Attributes:
+        time: s on the plan's clock, which touchdowns set.
+        phase: of the plan's schedule.
+        com, com_velocity: (3,) m, m/s.
+        base_quat: (4,) w, x, y, z; angular_velocity: (3,) rad/s of the base.
+        angular_momentum: (3,) kg m2/s about the CoM.
+        foot_position, foot_velocity: (L, 3) m, m/s.
+        foot_yaw, foot_yaw_rate: (L,) rad, rad/s: headings of soles; zeros of points.
+    """
+
+    time: float
+    phase: int
+    com: Array
+    com_velocity: Array
+    base_quat: Array
+    angular_velocity: Array
+    angular_momentum: Array
+    foot_position: Array
+    foot_velocity: Array
+    foot_yaw: Array
+    foot_yaw_rate: Array
+
+
+def planned_state(plan: Plan, phase: int) -> State:
+    """Where a plan is as one of its phases begins; headings of feet do not turn there."""
+    time = float(plan.phase_start[phase])
+    k = int(np.argmax(plan.phase == phase))
+    w, z = plan.foot_quat[k, :, 0], plan.foot_quat[k, :, 3]
+    return State(
+        time=time,
+        phase=phase,
+        com=plan.com[k],
+        com_velocity=plan.com_velocity[k],
+        base_quat=plan.base_quat[k],
+        angular_velocity=plan.angular_velocity[k],
+        angular_momentum=plan.angular_momentum[k],
+        foot_position=plan.foot_position[k],
+        foot_velocity=np.zeros_like(plan.foot_position[k]),
+        foot_yaw=2 * np.arctan2(z, w),
+        foot_yaw_rate=np.zeros(len(w)),
+    )
+
+
+def in_need(task: Task) -> Task:
+    """The task under limits for a robot that has been pushed.
+
+    A plan leaves something of the drives and of the legs' reach to feedback, and does not crouch as
+    deep as it could; what catches a fall may use nearly all of it. Friction stays.
+    """
+    limits, reach = task.limits, task.reach
+    shares = {
+        "torque_share": max(limits.torque_share, NEED_TORQUE),
+        "speed_share": max(limits.speed_share, NEED_SPEED),
+    }
+    lower, upper = np.array(reach.lower), np.array(reach.upper)
+    wider = {
+        "lower": tuple((lower - (NEED_BOX - 1) * np.abs(lower)).tolist()),
+        "upper": tuple((upper + (NEED_BOX - 1) * np.abs(upper)).tolist()),
+        "distance": (reach.distance[0], NEED_LENGTH * reach.distance[1]),
+        "standing": NEED_STANDING * reach.standing,
+    }
+    return replace(
+        task, limits=limits.model_copy(update=shares), reach=reach.model_copy(update=wider)
+    )
+
+
+def falling_time(height: float, speed: float) -> float:
+    """S in which a body with `speed`, m/s upwards, comes down by `height`, m; 0 if it never is."""
+    under_root = speed**2 + 2 * GRAVITY * height
+    return float((speed + np.sqrt(under_root)) / GRAVITY) if under_root > 0 else 0.0
+
+
+def interpolated(time: Array, values: Array, at: Array | float) -> Array:
+    """Values (N+1, ...) at other times, (K, ...) or of one time (...), straight between knots."""
+    flat = values.reshape(len(time), -1)
+    at_all = np.atleast_1d(at)
+    index = np.clip(np.searchsorted(time, at_all, side="right") - 1, 0, len(time) - 2)
+    share = np.clip((at_all - time[index]) / np.diff(time)[index], 0.0, 1.0)[:, None]
+    found = (1 - share) * flat[index] + share * flat[index + 1]
+    shaped: Array = found.reshape(len(at_all), *values.shape[1:])
+    return shaped if np.ndim(at) else shaped[0]
+
+
+def plan_quat(plan: Plan, time: float) -> Array:
+    """(4,) of the nearest knot, with the plan's sign."""
+    quat: Array = plan.base_quat[int(np.argmin(np.abs(plan.time - time)))]
+    return quat

@@ -1,0 +1,1 @@
+"""From a request to a plan: guesses, attempts, solvers kept in the cache."""

@@ -1,0 +1,417 @@
+"""Request in, plan out: one warm solver for each robot, model, solver and number of intervals."""
+
+from __future__ import annotations
+
+import logging
+import time
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
+from functools import cached_property, lru_cache, partial
+
+import numpy as np
+
+from llsrbm.errors import InputError, NotConverged
+from llsrbm.models import check_name, make_model
+from llsrbm.models.base import CentroidalModel
+from llsrbm.motion.plan import Plan, SolveReport
+from llsrbm.ocp import solvers
+from llsrbm.ocp.problem import Iterate
+from llsrbm.ocp.progress import when_idle
+from llsrbm.planning.problem.assembly import assemble_plan
+from llsrbm.planning.problem.constraints.truth import TrueTurn, correction
+from llsrbm.planning.problem.formulation import PATIENT_FLIGHT, Array, Attempt, Formulation
+from llsrbm.planning.problem.knots import Knots
+from llsrbm.planning.problem.layout import Layout
+from llsrbm.planning.problem.placement import make_task
+from llsrbm.planning.problem.task import Task
+from llsrbm.planning.solve.guess_table import Guesses
+from llsrbm.planning.solve.progress import Progress, Watch
+from llsrbm.planning.solve.scout import Scout
+from llsrbm.planning.solve.solver_cache import cached_solver
+from llsrbm.planning.why.explanation import explained
+from llsrbm.planning.why.residuals import TOLERANCE, describe_worst, excess, stops
+from llsrbm.request.jump import Jump
+from llsrbm.request.jump_types import load_type, schedule_of
+from llsrbm.robots import load_robot
+from llsrbm.robots.robot import Robot
+
+_log = logging.getLogger(__name__)
+
+INTERVALS = 48
+MIN_INTERVALS, MAX_INTERVALS = 9, 300  # 3 a phase; more than 300 take minutes to build
+
+# Solves from the last plan before it is given up: the second one mends what the first let slip, a
+# far bound that was passed or rows that Fatrop saw scaled.
+FOLLOWS = 2
+FOLLOWED = "from the last plan"
+NEARBY = "from solutions nearby"
+# Solves with a corrected model; each takes the error down by some nine tenths.
+CORRECTIONS = 3
+# From a flip's guess Fatrop may get lost and never come back; those that converge take 22 to 60.
+CAUTIOUS = replace(solvers.PATIENT, iterations=100)
+# Between solutions that violate no row by more than this 94 % of Go2's jumps (85 % of SLIDER's) are
+# solved by following, in 4 iterations at the median; of the others every second one, in more.
+NEARBY_MISS = 0.1
+# The others: SLIDER's jumps take 13 iterations so, 16 with the first patience, and 18 from the
+# analytic guess.
+CLOSE = replace(solvers.PATIENT, mu=1e-3, push=0.01, iterations=30)
+
+
+class Planner:
+    """Plans jumps of one robot with one model, of types with the same feet in the same phases.
+
+    Attributes:
+        formulation: what it solves, and with what.
+        last: the last plan's attempt, for tests and studies; None when it failed.
+    """
+
+    def __init__(
+        self,
+        robot: Robot,
+        model: str,
+        solver: str = solvers.names()[0],
+        layout: Layout | None = None,
+    ) -> None:
+        """Load the solver from the cache, or build and keep it.
+
+        Args:
+            robot, model: whose jumps, and what it believes of its inertia.
+            solver: its name.
+            layout: which feet stand in which phase; None: the jump type `together`.
+
+        Raises:
+            InputError: an unknown model or solver.
+        """
+        check_name(model)
+        kind = solvers.by_name(solver)
+        when_idle()
+        made = make_model(model, robot)
+        layout = layout or layout_of(Jump(robot=robot.name), robot)
+        self.formulation = Formulation(
+            robot, made, layout, cached_solver(kind, made, layout, robot)
+        )
+        self.last: Attempt | None = None
+
+    @cached_property
+    def guesses(self) -> Guesses:
+        """Solutions that are at hand."""
+        return Guesses(self.formulation)
+
+    @property
+    def robot(self) -> Robot:
+        """Whose jumps are planned."""
+        return self.formulation.robot
+
+    @property
+    def model(self) -> CentroidalModel:
+        """With which they are."""
+        return self.formulation.model
+
+    @property
+    def layout(self) -> Layout:
+        """Of the solver's variables."""
+        return self.formulation.layout
+
+    def plan(
+        self,
+        jump: Jump,
+        *,
+        weights: Mapping[str, float] | None = None,
+        limits: Mapping[str, float] | None = None,
+        near: Plan | None = None,
+        guesses: bool = False,
+        patient: bool = True,
+        explains: bool = True,
+        cancelled: Callable[[], bool] | None = None,
+        progress: Progress | None = None,
+    ) -> Plan:
+        """Plan a jump.
+
+        Args:
+            jump: the request; robot and model are this planner's.
+            weights: cost name -> weight, in place of the defaults.
+            limits: limit name -> value, in place of the robot's (`llsrbm.planning.problem.limits`).
+            near: a plan to start from, of another request to the same robot and model: a few
+                degrees or centimetres away it takes a fifth of the time.
+            guesses: begin from solutions nearby, if some are at hand (`planning.guess_table`).
+                Otherwise what comes out depends on the request alone.
+            patient: try all there is; otherwise only from `near`, from solutions nearby and from
+                the analytic guess.
+            explains: whether, with patience, the limits that stop a jump are looked for.
+            cancelled: asked before and during every solve.
+            progress: told what is being tried, and how it goes.
+
+        Raises:
+            InputError: the request is out of the robot's range, or `near` is of no use for it.
+            NotConverged: no attempt satisfied every constraint; carries the nearest one. With
+                patience and the default solver it names the limits that stop the jump, after some
+                more seconds, unless it is not to; else what the nearest one violates.
+            Cancelled: `cancelled` said so.
+        """
+        robot, layout = self.formulation.robot, self.formulation.layout
+        task = make_task(jump, robot, weights, limits)
+        if replace(layout_of(jump, robot), intervals=layout.intervals) != layout:
+            raise InputError(
+                f"this planner's feet stand as {layout.name}, those of the jump do not; expected "
+                "a jump of the same type (planner_of finds its planner)"
+            )
+        watch = Watch(cancelled, progress)
+        try:
+            return self._planned(task, near, guesses, patient, watch)
+        except NotConverged as error:
+            can = patient and self.formulation.solver.name == solvers.names()[0]
+            if not (explains and can) or jump.turns:  # flips beyond the drives: see `CAUTIOUS`
+                raise
+            raise explained(Scout(self.formulation, watch), error, task) from None
+
+    def _planned(
+        self, task: Task, near: Plan | None, guesses: bool, patient: bool, watch: Watch
+    ) -> Plan:
+        """The best attempt's plan."""
+        start = time.perf_counter()
+        watch.wait()
+        tried: list[Attempt] = []
+        for label, solve in self._attempts(task, near, guesses, patient, watch):
+            watch.begin(f"attempt {len(tried) + 1}: {label}")
+            tried.append(replace(self._corrected(solve(), watch), label=label))
+            if tried[-1].solved:
+                break
+            _log.info("attempt %d, %s, failed", len(tried), label)
+        best = min(tried, key=lambda attempt: (not attempt.solved, excess(attempt.violations)))
+        self.last = best if best.solved else None
+
+        def report() -> SolveReport:
+            return SolveReport(
+                status="solved" if best.solved else "not-converged",
+                solver=self.formulation.solver.name,
+                iterations=best.solution.iterations,
+                attempts=len(tried),
+                solve_time_s=sum(attempt.solution.solve_time_s for attempt in tried),
+                total_time_s=time.perf_counter() - start,
+                build_time_s=0.0,
+                cost=best.solution.cost,
+                guess=best.label,
+            )
+
+        plan = assemble_plan(self.robot, best, report)
+        if not best.solved:
+            raise NotConverged(
+                f"no plan found in {len(tried)} attempts ({_describe(task.jump)}); the nearest, "
+                f"{best.label}: {describe_worst(best.violations, best.knots)}",
+                plan,
+                stops(best.knots),
+            )
+        return plan
+
+    def _attempts(
+        self, task: Task, near: Plan | None, guesses: bool, patient: bool, watch: Watch
+    ) -> Iterator[tuple[str, Callable[[], Attempt]]]:
+        """What is tried, in order, each only when the one before failed."""
+        guess = self.formulation.guess
+        if near is not None:
+            start = self._start(near)
+            yield FOLLOWED, lambda: self._follow(start, task, watch)
+        if guesses and (nearby := self.guesses.start(task)) is not None:
+            yield NEARBY, lambda: self._from_nearby(nearby, task, watch)
+        yield "from the analytic guess", lambda: self._solve(task, guess(task), watch)
+        if task.jump.turns:
+            # Part of how a flip is planned, also in a hurry.
+            yield "by way of stronger drives", lambda: self._by_stronger_drives(task, watch)
+        elif patient:
+            yield (
+                "from a longer flight",
+                lambda: self._solve(task, guess(task, PATIENT_FLIGHT), watch),
+            )
+            yield "by way of easier jumps", lambda: self._by_easier_jumps(task, watch)
+
+    def _corrected(self, attempt: Attempt, watch: Watch) -> Attempt:
+        """An attempt solved again with what the model lacks there, where that alone is wrong.
+
+        The legs' maps are a few per cent wrong far from where they were fitted, which a body that
+        turns over shows as a dozen degrees. The whole body's angular momentum in the postures found
+        says by how much; a few solves agree with it.
+        """
+        attempts = [attempt]
+        while len(attempts) <= CORRECTIONS and _lacks_truth(attempts[-1]):
+            last = attempts[-1]
+            task = replace(last.task, correction=correction(last.knots))
+            attempts.append(self._solve(task, last.solution.variables, watch))
+        return _with_all_time(attempts)
+
+    def _by_stronger_drives(self, task: Task, watch: Watch) -> Attempt:
+        """Solve with drives that give more first, then with less, each from the one before."""
+        attempts: list[Attempt] = []
+        start: Array | None = None
+        for stronger in self.formulation.stronger(task):
+            guess = self.formulation.guess(stronger) if start is None else start
+            attempts.append(self._solve(stronger, guess, watch))
+            if attempts[-1].solution.converged:
+                start = attempts[-1].solution.variables
+            elif start is not None:
+                break
+        return _with_all_time(attempts)
+
+    def _by_easier_jumps(self, task: Task, watch: Watch) -> Attempt:
+        """Solve a share of the jump first, then larger ones, each from the one before."""
+        attempts: list[Attempt] = []
+        for easier in self.formulation.easier(task):
+            if attempts:
+                guess = self.formulation.moved(attempts[-1], easier)
+            else:
+                guess = self.formulation.guess(easier)
+            attempts.append(self._solve(easier, guess, watch))
+        return _with_all_time(attempts)
+
+    def _start(self, near: Plan) -> Iterate:
+        """What a plan holds for the next one.
+
+        Raises:
+            InputError: it is not this planner's.
+        """
+        knots, of = len(near.time), near.jump
+        if (of.model, knots) != (self.model.name, self.layout.knots) or (
+            near.robot_parameters != self.robot.parameters()
+        ):
+            raise InputError(
+                f"near: a plan of {of.robot} with {of.model} and {knots - 1} intervals cannot be "
+                f"started from; expected {self.robot.name} as it is now with {self.model.name} "
+                f"and {self.layout.knots - 1} intervals"
+            )
+        solution = near.solution
+        if solution is None:
+            raise InputError(
+                "near: a plan that did not converge, or whose file was written before files held "
+                "what that takes, cannot be started from; expected one that converged"
+            )
+        sizes = len(solution.variables), len(solution.multipliers)
+        expected = self.formulation.solver.sizes
+        if sizes != expected:
+            raise InputError(
+                f"near: the plan is of another version of the planner: {sizes[0]} variables and "
+                f"{sizes[1]} constraints; expected {expected[0]} and {expected[1]}"
+            )
+        return solution
+
+    def _follow(self, start: Iterate, task: Task, watch: Watch) -> Attempt:
+        problem = self.formulation.problem(task)
+        attempts: list[Attempt] = []
+        for _ in range(FOLLOWS):
+            follow = partial(self.formulation.solver.follow, problem, start)
+            attempts.append(self.formulation.judged(task, watch.over(follow)))
+            if attempts[-1].solved or not attempts[-1].solution.converged:
+                break
+            start = attempts[-1].solution
+        return _with_all_time(attempts)
+
+    def _from_nearby(self, start: Iterate, task: Task, watch: Watch) -> Attempt:
+        """Follow from near; from further off, and where following creeps, solve from there."""
+        attempts: list[Attempt] = []
+        problem = self.formulation.problem(task)
+        if self.formulation.solver.miss(problem, start.variables) < NEARBY_MISS:
+            attempts.append(self._follow(start, task, watch))
+        if not attempts or not attempts[-1].solved:
+            attempts.append(self._solve(task, start.variables, watch, CLOSE))
+        return _with_all_time(attempts)
+
+    def _solve(
+        self, task: Task, guess: Array, watch: Watch, patience: solvers.Patience | None = None
+    ) -> Attempt:
+        problem = self.formulation.problem(task)
+        patience = patience or (CAUTIOUS if task.jump.turns else solvers.PATIENT)
+        solver = self.formulation.solver
+        solve = partial(solver.solve, problem, guess, patience=patience, read=watch.read)
+        return self.formulation.judged(task, watch.over(solve))
+
+    def last_knots(self) -> Knots:
+        """The last solution in full, for tests and studies."""
+        if self.last is None:
+            raise InputError("this planner has no solution yet")
+        return self.last.knots
+
+
+def _lacks_truth(attempt: Attempt) -> bool:
+    """Whether a solution is one but for what the whole body makes of it."""
+    broken = [name for name, v in attempt.violations.items() if v.amount > TOLERANCE]
+    return attempt.solution.converged and TrueTurn.name in broken
+
+
+def _with_all_time(attempts: list[Attempt]) -> Attempt:
+    """The last attempt, with the time that all of them took."""
+    last, seconds = attempts[-1], sum(attempt.solution.solve_time_s for attempt in attempts)
+    return replace(last, solution=replace(last.solution, solve_time_s=seconds))
+
+
+def _describe(jump: Jump) -> str:
+    return (
+        f"twist {np.degrees(jump.twist):g} deg, forward {jump.forward:g} m, "
+        f"lateral {jump.lateral:g} m, height {jump.height:g} m, {jump.model}"
+    )
+
+
+def layout_of(jump: Jump, robot: Robot, intervals: int = INTERVALS) -> Layout:
+    """Which variables the plan of a jump has; `intervals` as for three phases.
+
+    Raises:
+        InputError: a number of intervals that cannot be, or a jump type that is none.
+    """
+    if not MIN_INTERVALS <= intervals <= MAX_INTERVALS:
+        raise InputError(
+            f"intervals: {intervals} given; expected {MIN_INTERVALS} to {MAX_INTERVALS}"
+        )
+    contacts = len(robot.legs) * len(robot.corners)
+    return Layout.of(
+        schedule_of(jump, robot),
+        contacts,
+        intervals,
+        robot.foot_coordinates,
+        clears=load_type(jump.type).clears,
+        turns=jump.turns,
+    )
+
+
+def planner_of(
+    jump: Jump,
+    solver: str = solvers.names()[0],
+    intervals: int = INTERVALS,
+    robot: Robot | None = None,
+) -> Planner:
+    """The planner of a jump's robot, model and type, built once a process.
+
+    It is built again when the robot's file, or that of the type, has changed.
+
+    Args:
+        jump: a request.
+        solver: its name.
+        intervals: as for three phases.
+        robot: the one that the request names, with other drives (`llsrbm.robots.drives`).
+
+    Raises:
+        InputError: a whole turn about an axis about which the robot makes none.
+    """
+    robot = robot or load_robot(jump.robot)
+    if jump.turns:
+        robot = robot.turning
+        _check_turns(jump, robot)
+    return _kept(robot, jump.model, solver, layout_of(jump, robot, intervals))
+
+
+def _check_turns(jump: Jump, robot: Robot) -> None:
+    axes = robot.file.turning_axes
+    for axis in ("roll", "pitch"):
+        if getattr(jump, axis) and axis not in axes:
+            raise InputError(
+                f"{axis}: no plan of {robot.name} with whole turns of {axis} is known; expected "
+                f'{" or ".join(axes)}, or {axis} among "axes" of [turning] in its file'
+            )
+
+
+def planner_for(
+    robot: str, model: str, solver: str = solvers.names()[0], intervals: int = INTERVALS
+) -> Planner:
+    """The planner of a robot's name or file and a model's name, for jumps of the default type."""
+    return planner_of(Jump(robot=robot, model=model), solver, intervals)
+
+
+@lru_cache(maxsize=12)
+def _kept(robot: Robot, model: str, solver: str, layout: Layout) -> Planner:
+    return Planner(robot, model, solver, layout)

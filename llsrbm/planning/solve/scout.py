@@ -1,0 +1,115 @@
+"""Fast feasibility check of many tasks, each solved from a neighbour's solution.
+
+A solve that succeeds from a near solution takes some tens of iterations; one that fails would go
+on to the planner's limit. A hurried solve gives up early, which makes a failure as cheap as a
+success, at the price of a few tasks at the very edge that patience would have solved.
+"""
+
+from __future__ import annotations
+
+import math
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from llsrbm.motion.plan import Plan, SolveReport
+from llsrbm.ocp.solvers import PATIENT, Patience
+from llsrbm.planning.problem.assembly import assemble_plan
+from llsrbm.planning.problem.formulation import PATIENT_FLIGHT, Attempt, Formulation
+from llsrbm.planning.problem.task import Task
+from llsrbm.planning.solve.progress import Watch
+
+Array = NDArray[np.float64]
+
+# From a neighbour's solution. Its limits are active elsewhere, so more is undone than when a slider
+# moves by a step: hence the complementarity. Of 60 such solves that succeeded with more iterations,
+# five took more.
+HURRIED = Patience(mu=1e-3, iterations=60)
+
+
+class OutOfTime(Exception):
+    """The scout's budget is spent."""
+
+
+class Scout:
+    """Solves tasks of one robot and model; counts what it does.
+
+    Attributes:
+        formulation: what it solves, and with what.
+        about: what is looked for, for progress messages.
+        solves, seconds: how often, and in how much time, so far.
+        budget_s: after so much time a solve ends with `OutOfTime`.
+    """
+
+    def __init__(self, formulation: Formulation, watch: Watch | None = None) -> None:
+        """`watch` is told before each solve, and asked before and during it.
+
+        Raises:
+            Cancelled: it is not wanted any more.
+        """
+        self.formulation = formulation
+        self.about = ""
+        self.solves, self.seconds = 0, 0.0
+        self.budget_s = math.inf
+        self._watch = Watch() if watch is None else watch
+        self._watch.wait()
+
+    def solve(self, task: Task, near: Attempt | None = None) -> Attempt | None:
+        """A task's solution from a neighbour's, or from the planner's guesses; None: not found.
+
+        Raises:
+            Cancelled: it is not wanted any more.
+            OutOfTime: the budget is spent.
+        """
+        formulation = self.formulation
+        if near is not None:
+            return self._run(task, formulation.moved(near, task), HURRIED)
+        for flight_time in (None, PATIENT_FLIGHT):
+            found = self._run(task, formulation.guess(task, flight_time), PATIENT)
+            if found is not None:
+                return found
+        return self._by_easier_jumps(task)
+
+    def _by_easier_jumps(self, task: Task) -> Attempt | None:
+        """Shares of the jump, each from the one before, under the task's limits."""
+        found = None
+        for easier in self.formulation.easier(task):
+            if found is None:
+                found = self._run(easier, self.formulation.guess(easier), PATIENT)
+            else:
+                found = self._run(easier, self.formulation.moved(found, easier), HURRIED)
+            if found is None:
+                return None
+        return found
+
+    def _run(self, task: Task, guess: Array, patience: Patience) -> Attempt | None:
+        if self.seconds > self.budget_s:
+            raise OutOfTime
+        self.solves += 1
+        self._watch.begin(f"{self.about}, try {self.solves}")
+        formulation = self.formulation
+        solve = partial(formulation.solver.solve, formulation.problem(task), guess, patience)
+        solution = self._watch.over(solve)
+        self.seconds += solution.solve_time_s
+        if not solution.converged:
+            return None
+        attempt = formulation.judged(task, solution)
+        return attempt if attempt.solved else None
+
+    def plan(self, found: Attempt) -> Plan:
+        """The plan of a solution; its report counts everything the scout did."""
+
+        def report() -> SolveReport:
+            return SolveReport(
+                status="solved",
+                solver=self.formulation.solver.name,
+                iterations=found.solution.iterations,
+                attempts=self.solves,
+                solve_time_s=self.seconds,
+                total_time_s=self.seconds,
+                build_time_s=0.0,
+                cost=found.solution.cost,
+            )
+
+        return assemble_plan(self.formulation.robot, found, report)

@@ -1,0 +1,209 @@
+"""What a result is worth: every constraint and the dynamics, recomputed in NumPy."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from llsrbm.errors import Stop
+from llsrbm.motion.plan import Violation
+from llsrbm.planning.problem.constraints import CONSTRAINTS, Constraint
+from llsrbm.planning.problem.constraints.base import Demand, Limit
+from llsrbm.planning.problem.knots import Knots
+
+Array = NDArray[np.float64]
+
+# A plan is solved when no violation exceeds this in its own SI unit: 1 mm, 1 mN, 1 mm/s ...
+TOLERANCE = 1e-3
+
+# What counts as equally bad in different units, to name the worst violation and the best attempt.
+SCALES = {
+    "m": 0.05,
+    "m/s": 0.5,
+    "rad": 0.1,
+    "rad/s": 3.0,
+    "N": 30.0,
+    "Nm": 10.0,
+    "kg m2/s": 0.5,
+    "s": 0.1,
+}
+
+# How far a limit is moved, times its value, to see whether it is the one that is exceeded.
+FAR = 20.0
+
+
+def dynamics_defects(knots: Knots) -> dict[str, tuple[str, Array]]:
+    """Name -> unit and (N,) |x[k+1] - F(x[k], u[k])| (eq. 8), from the stored knots alone."""
+    dt = knots.dt[:, None]
+    v, a, r = knots.velocity, knots.acceleration, knots.position
+    q = Rotation.from_quat(knots.quat, scalar_first=True)
+    turned = q[:-1] * Rotation.from_rotvec(knots.rotation_rate * dt)
+    defects = {
+        "dynamics_position": ("m", r[1:] - r[:-1] - v[:-1] * dt - a * dt**2 / 2),
+        "dynamics_velocity": ("m/s", v[1:] - v[:-1] - a * dt),
+        "dynamics_attitude": ("rad", (turned.inv() * q[1:]).as_rotvec()),
+        "dynamics_momentum": (
+            "kg m2/s",
+            knots.momentum[1:] - knots.momentum[:-1] - knots.momentum_step,
+        ),
+    }
+    return {name: (unit, np.abs(error).max(axis=1)) for name, (unit, error) in defects.items()}
+
+
+def violations(knots: Knots) -> dict[str, Violation]:
+    """Constraint name -> its largest violation."""
+    amounts = dynamics_defects(knots) | {
+        c.name: (c.unit, c.violation(knots)) for c in CONSTRAINTS if c.checked(knots.task)
+    }
+    return {name: _largest(knots, unit, amount) for name, (unit, amount) in amounts.items()}
+
+
+def violation(knots: Knots, constraint: Constraint) -> Violation:
+    """The largest violation of one constraint."""
+    return _largest(knots, constraint.unit, constraint.violation(knots))
+
+
+def _largest(knots: Knots, unit: str, amount: Array) -> Violation:
+    # A solver that diverges leaves NaN: the worst there can be.
+    amount = np.where(np.isfinite(amount), amount, np.inf)
+    worst = int(np.argmax(amount))
+    return Violation(
+        amount=float(amount[worst]),
+        unit=unit,
+        phase=phase_name(knots, worst),
+        time=float(knots.time[worst]),
+    )
+
+
+def phase_name(knots: Knots, knot: int) -> str:
+    """Of the phase that a knot is in."""
+    return knots.task.schedule[int(knots.phase[knot])].name
+
+
+def satisfied(found: dict[str, Violation]) -> bool:
+    """Whether no violation exceeds the tolerance."""
+    return all(v.amount <= TOLERANCE for v in found.values())
+
+
+def excess(found: dict[str, Violation]) -> float:
+    """The largest violation in the units of `SCALES`."""
+    return max(map(severity, found.values()))
+
+
+def severity(violation: Violation) -> float:
+    """A violation in the units of `SCALES`."""
+    # A constraint of several units is named with the first.
+    return violation.amount / SCALES[violation.unit.split(",")[0]]
+
+
+def describe_worst(found: dict[str, Violation], knots: Knots | None = None) -> str:
+    """The violated constraints in words, the worst first, at most three.
+
+    Args:
+        found: constraint name -> its largest violation.
+        knots: of which they are; with them, limits of the drives are described by the joint.
+    """
+    broken = sorted(
+        ((name, v) for name, v in found.items() if v.amount > TOLERANCE),
+        key=lambda item: -severity(item[1]),
+    )
+    if not broken:
+        return "no constraint is violated, the optimum was not reached"
+    constraints = {c.name: c for c in CONSTRAINTS}
+    words = []
+    for name, v in broken:
+        constraint = constraints.get(name)
+        demand = constraint.demand(knots) if constraint and knots else None
+        where = f"in {v.phase} at {v.time:.2f} s"
+        plain = f"{name} is violated by {v.amount:.3g} {v.unit} {where}"
+        words.append(plain if demand is None else demand.words)
+    # Torque at rest and torque at speed may be exceeded by the same joint.
+    return "; ".join(list(dict.fromkeys(words))[:3])
+
+
+def stops(knots: Knots) -> tuple[Stop, ...]:
+    """What a result violates, the worst first, with the limits that would have to be others.
+
+    Of a solve that failed this is what it could not mend, which need not be what made it fail:
+    `llsrbm.planning.why.explanation` finds that, with further solves.
+    """
+    found = violations(knots)
+    broken = sorted(
+        (name for name, v in found.items() if v.amount > TOLERANCE),
+        key=lambda name: -severity(found[name]),
+    )
+    constraints = {c.name: c for c in CONSTRAINTS}
+    return tuple(
+        _stop_of(knots, constraints[name], found[name])
+        if name in constraints
+        else _plain_stop(name, found[name])
+        for name in broken
+    )
+
+
+def _plain_stop(name: str, v: Violation) -> Stop:
+    return Stop(name, v.phase, v.time, v.amount, v.unit)
+
+
+def _stop_of(knots: Knots, constraint: Constraint, v: Violation) -> Stop:
+    exceeded = _exceeded(knots, constraint)
+    if exceeded is not None:
+        return exceeded
+    return with_demand(_plain_stop(constraint.name, v), constraint.demand(knots), knots)
+
+
+def _exceeded(knots: Knots, constraint: Constraint) -> Stop | None:
+    """The limit of a violated constraint that would have to be another, if there is one."""
+    for limit in constraint.limits:
+        value = limit.of(knots.task)
+        step = FAR * max(abs(value), TOLERANCE) * (-1 if limit.lower_bound else 1)
+        enough, too_little = value + step, value
+        if violation_with(knots, constraint, limit, enough).amount > TOLERANCE:
+            continue
+        while abs(enough - too_little) > 1e-3 * abs(enough) + TOLERANCE / 10:
+            middle = (enough + too_little) / 2
+            if violation_with(knots, constraint, limit, middle).amount > TOLERANCE:
+                too_little = middle
+            else:
+                enough = middle
+        where = violation(knots, constraint)
+        found = stop(constraint, limit, value, enough, where)
+        return with_demand(found, constraint.demand(knots), knots)
+    return None
+
+
+def violation_with(knots: Knots, constraint: Constraint, limit: Limit, value: float) -> Violation:
+    """What the largest violation of a constraint would be, had one of its limits that value."""
+    return violation(knots.under(limit.put(knots.task, value)), constraint)
+
+
+def stop(
+    constraint: Constraint, limit: Limit, value: float, needed: float, where: Violation
+) -> Stop:
+    """A limit that would have to be `needed`, as `where` shows."""
+    return Stop(
+        constraint=constraint.name,
+        phase=where.phase,
+        time=where.time,
+        amount=abs(needed - value),
+        unit=limit.unit,
+        limit=limit.name,
+        title=limit.title,
+        value=value,
+        needed=needed,
+    )
+
+
+def with_demand(stop: Stop, demand: Demand | None, knots: Knots) -> Stop:
+    """A stop with the joint, the amount and the place of a demand, if there is one."""
+    if demand is None:
+        return stop
+    return replace(
+        stop,
+        phase=phase_name(knots, demand.interval),
+        time=float(knots.time[demand.interval]),
+        detail=demand.words,
+    )

@@ -1,0 +1,390 @@
+"""Jump types: presets in assets/jump_types, or a person's own TOML file in the same form.
+
+    title = "Rear last"
+    summary = "the front feet leave first, the hind feet push on"
+
+    [[phase]]
+    name = "take-off"
+    feet = "all"              # all, none, front, hind, left, right, or names of legs
+    time = "takeoff"          # a row of the robot file's [timing], or [shortest, longest], s
+    ...
+
+Where there is something to jump over, it says that, too:
+
+    [obstacle]
+    from = 0.1                # where it begins and ends, m ahead of the foremost foot at the start
+    to = 0.2
+    height = 0.12             # m above the ground at the start; below zero: a gap, so deep
+
+A type says what is contact: the phases, and what of weights and limits they need. Where to, how
+fast and how far round is the request's (`llsrbm.Jump`); `with_defaults` has it say what a type asks
+for. A file that is read never has a type's file opened that it names; planning has.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import replace
+from functools import lru_cache
+from itertools import takewhile
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple
+
+from pydantic import AfterValidator, BaseModel, Field, ValidationError, model_validator
+from pydantic_core import ErrorDetails, PydanticCustomError
+
+from llsrbm.errors import InputError, printable
+from llsrbm.request.jump import ASKABLE as ASKABLE
+from llsrbm.request.jump import Jump
+from llsrbm.request.obstacle import wrong_shape
+from llsrbm.request.schedule import LONGEST_NAME, Phase, Schedule
+from llsrbm.robots.assets import assets_directory
+from llsrbm.robots.schema import choices
+from llsrbm.robots.tables import Table, read_table
+
+if TYPE_CHECKING:
+    from llsrbm.robots.robot import Robot
+
+DEFAULT = "together"
+_TURNS = ("roll", "pitch")  # alternatives: a request that says one of them is not silent
+_SIDE = 0.3  # of the widest hip's distance from the middle: nearer is neither front nor hind
+
+
+def _one_line(text: str) -> str:
+    if not text.isprintable():
+        raise PydanticCustomError("text", "expected one line of printable text")
+    return text
+
+
+_OneLine = AfterValidator(_one_line)
+
+
+class PhaseRow(Table):
+    """One phase as a file has it.
+
+    Attributes:
+        name: as on the timeline.
+        feet: "all", "none", "front", "hind", "left", "right", "pivot" or names of legs. The feet on
+            which a body that turns over stands last: hind in a back flip, front in a front flip.
+        time: a row of the robot file's [timing], or shortest and longest duration, s.
+        share: of the intervals that a whole phase gets.
+        each_hop: whether the phase, with its neighbours that say so too, comes again with every
+            further hop; a single hop has none of it.
+    """
+
+    name: Annotated[str, Field(min_length=1, max_length=LONGEST_NAME), _OneLine]
+    feet: str | tuple[str, ...]
+    time: str | tuple[float, float]
+    share: float = 1.0
+    each_hop: bool = False
+
+
+class Displacement(Table):
+    """Where one of several jumps leads, in place of the request's.
+
+    Attributes:
+        twist: rad; forward, lateral, height: m.
+    """
+
+    twist: float | None = None
+    forward: float | None = None
+    lateral: float | None = None
+    height: float | None = None
+
+
+class ObstacleRow(Table):
+    """A hurdle or a gap as a file has it.
+
+    Attributes:
+        near, far: m ahead of the foremost contact point at the start; "from" and "to" in files.
+        height: m above the ground at the start; below zero: a gap, so deep.
+    """
+
+    near: Annotated[float, Field(alias="from")]
+    far: Annotated[float, Field(alias="to")]
+    height: float
+
+    @model_validator(mode="after")
+    def _check(self) -> ObstacleRow:
+        why = wrong_shape(self.near, self.far, self.height)
+        if why:
+            raise PydanticCustomError("obstacle", "{why}", {"why": f"obstacle: {why}"})
+        return self
+
+
+class JumpType(Table):
+    """A jump type's file.
+
+    Attributes:
+        title: name to show; summary: one line.
+        asks: what a request of this type says beside where to land, of `ASKABLE`.
+        defaults: what it says if it is silent.
+        weights, limits: cost or limit name -> value, in place of the robot's.
+        displacement: of each jump of several; none: the request's for all.
+        obstacle: what is jumped over, if anything.
+        clears_ground: whether trunk and knees have to be kept off the ground, as of robots that
+            turn over.
+        phase: in order.
+    """
+
+    title: Annotated[str, Field(min_length=1, max_length=LONGEST_NAME), _OneLine]
+    summary: Annotated[str, Field(min_length=1, max_length=200), _OneLine]
+    asks: tuple[Literal["roll", "pitch", "speed", "end_speed", "hops"], ...] = ()
+    defaults: dict[str, float | int] = Field(default_factory=dict)
+    weights: dict[str, float] = Field(default_factory=dict)
+    limits: dict[str, float] = Field(default_factory=dict)
+    displacement: tuple[Displacement, ...] = ()
+    obstacle: ObstacleRow | None = None
+    clears_ground: bool = False
+    phase: Annotated[tuple[PhaseRow, ...], Field(min_length=1)]
+
+    @model_validator(mode="after")
+    def _check_defaults(self) -> JumpType:
+        for name in self.defaults:
+            if name not in self.asks:
+                asked = ", ".join(self.asks) or "nothing"
+                why = (
+                    f'defaults.{printable(name)}: the type asks for {asked}; expected one of "asks"'
+                )
+                raise PydanticCustomError("defaults", "{why}", {"why": why})
+        try:
+            replace(Jump(), **self.defaults)  # type: ignore[arg-type]
+        except InputError as error:
+            raise PydanticCustomError("defaults", "{why}", {"why": str(error)}) from error
+        return self
+
+    @property
+    def clears(self) -> bool:
+        """Whether the whole body has something to clear, not the feet alone."""
+        return self.clears_ground or self.obstacle is not None
+
+    def schedule(self, robot: Robot, jump: Jump | None = None) -> Schedule:
+        """The phases with this robot's feet.
+
+        Args:
+            robot: whose.
+            jump: the request, for the number of hops and the direction in which it turns over;
+                None: one that the type's defaults make.
+
+        Raises:
+            InputError: it has no such feet, or the phases are no schedule.
+        """
+        jump = jump or replace(Jump(), **self.defaults)  # type: ignore[arg-type]
+        hops = jump.hops
+        if hops > 1 and not any(row.each_hop for row in self.phase):
+            raise InputError(
+                f'hops: "{self.title}" is one jump; expected 1, or a type with phases of each hop'
+            )
+        phases: list[Phase] = []
+        place = 0
+        for row in _repeated(self.phase, hops):
+            feet = _feet(row, robot, _pivot(jump))
+            if phases and feet and phases[-1].is_flight:
+                place += 1
+            phases.append(Phase(row.name, feet, row.time, place, row.share))
+        return Schedule(tuple(leg.name for leg in robot.legs), tuple(phases))
+
+
+_TABLES: dict[str, type[BaseModel]] = {
+    "phase": PhaseRow,
+    "displacement": Displacement,
+    "obstacle": ObstacleRow,
+}
+_EXPECTED = {
+    "feet": "all, none, front, hind, left, right, pivot, or an array of legs' names",
+    "time": "takeoff, flight, landing, or [shortest, longest] in s",
+    "asks": f"some of {', '.join(ASKABLE)}",
+}
+
+
+def names() -> dict[str, JumpType]:
+    """The presets: name -> type, the default first."""
+    found = {path.stem: load_type(path.stem) for path in sorted(_directory().glob("*.toml"))}
+    return {DEFAULT: found.pop(DEFAULT), **found}
+
+
+def load_type(name: str) -> JumpType:
+    """A preset by its name, or a file by its path.
+
+    Raises:
+        InputError: no such preset or file, or not a jump type; one line.
+    """
+    presets = {path.stem: path for path in _directory().glob("*.toml")}
+    if name in presets:
+        return _read(_Edition.of(presets[name]))
+    path = Path(name)
+    if path.suffix != ".toml":
+        raise InputError(
+            f'unknown jump type "{printable(name)}"; {choices(name, sorted(presets))}, or the path '
+            "of a .toml file"
+        )
+    if not path.is_file():  # a device is none: it is not read, nor a pipe waited for
+        raise InputError(f"{printable(name, 200)}: no such file; expected a jump type (TOML)")
+    return _read(_Edition.of(path))
+
+
+def schedule_of(jump: Jump, robot: Robot) -> Schedule:
+    """The schedule that a request asks for.
+
+    Raises:
+        InputError: see `load_type` and `JumpType.schedule`.
+    """
+    return load_type(jump.type).schedule(robot, jump)
+
+
+def with_defaults(jump: Jump, given: Collection[str] = ()) -> Jump:
+    """The request with what its type says where it is silent, in the fields of `ASKABLE`.
+
+    A roll is enough said of the turn: a request that has one keeps its pitch, and the other way
+    round.
+
+    Args:
+        jump: a request.
+        given: names of the fields that were asked for; the others of `ASKABLE` become the type's
+            defaults, or those of `Jump` where it has none.
+
+    Raises:
+        InputError: see `load_type`.
+    """
+    defaults = load_type(jump.type).defaults
+    turned = any(name in given for name in _TURNS)
+    plain = Jump().as_dict()
+    silent: dict[str, Any] = {
+        name: plain[name] if turned and name in _TURNS else defaults.get(name, plain[name])
+        for name in ASKABLE
+        if name not in given
+    }
+    return replace(jump, **silent)
+
+
+def _directory() -> Path:
+    return assets_directory() / "jump_types"
+
+
+class _Edition(NamedTuple):
+    """A file as it is since its last change."""
+
+    path: Path
+    changed_ns: int
+
+    @staticmethod
+    def of(path: Path) -> _Edition:
+        try:
+            return _Edition(path, path.stat().st_mtime_ns)
+        except OSError as error:
+            raise InputError(f"{path}: cannot be read ({error.strerror})") from error
+
+
+@lru_cache(maxsize=32)
+def _read(edition: _Edition) -> JumpType:
+    path = edition.path
+    table = read_table(path, "a jump type")
+    try:
+        return JumpType.model_validate(table)
+    except ValidationError as error:
+        # A misspelt key is both unknown and missing; the first says more.
+        details = sorted(error.errors(), key=lambda detail: detail["type"] != "extra_forbidden")
+        raise InputError(f"{path}: {_sentence(details[0])}") from error
+
+
+def _sentence(detail: ErrorDetails) -> str:
+    """One pydantic complaint as: key, what was wrong, what would be accepted."""
+    location = list(takewhile(lambda part: not _is_alternative(part), detail["loc"]))
+    if location[:1] == ["asks"]:
+        location = location[:1]
+    place = [str(part + 1) if isinstance(part, int) else part for part in location]
+    key, last = printable(".".join(place)), str(location[-1]) if location else ""
+    table: type[BaseModel] = _TABLES.get(str(location[0]), JumpType) if location[1:] else JumpType
+    given = printable(repr(detail["input"]))
+    match detail["type"]:
+        case "extra_forbidden":
+            return f'unknown key "{key}"; {choices(last, _keys(table))}'
+        case "missing" if last in _keys(table):
+            return f'missing key "{key}"; expected: {", ".join(_keys(table))}'
+        case "defaults" | "obstacle":
+            return detail["msg"]
+        case _ if last in _EXPECTED:
+            return f"{key}: expected {_EXPECTED[last]}, got {given}"
+        case "model_type" | "dict_type":
+            return f"{key}: expected a table, got {given}"
+        case "tuple_type":
+            return f"{key}: expected an array, got {given}"
+        case _:
+            message = detail["msg"][:1].lower() + detail["msg"][1:]
+            return f"{key}: {message}, got {given}"
+
+
+def _keys(table: type[BaseModel]) -> list[str]:
+    """As they are called in files."""
+    return [field.alias or name for name, field in table.model_fields.items()]
+
+
+def _is_alternative(part: str | int) -> bool:
+    """Whether a part of pydantic's location names one of several kinds that a value may be of."""
+    return part in ("str", "int", "float") or str(part).startswith("tuple[")
+
+
+def _repeated(rows: tuple[PhaseRow, ...], hops: int) -> list[PhaseRow]:
+    """The rows, runs of `each_hop` as often as there are further hops."""
+    phases: list[PhaseRow] = []
+    k = 0
+    while k < len(rows):
+        end = k
+        while end < len(rows) and rows[end].each_hop:
+            end += 1
+        if end > k:
+            phases += list(rows[k:end]) * (hops - 1)
+            k = end
+        else:
+            phases.append(rows[k])
+            k += 1
+    return phases
+
+
+def _pivot(jump: Jump) -> str:
+    """The side about which a body turns over: it goes down as the other one rises; "" of none."""
+    if jump.pitch:
+        return "hind" if jump.pitch < 0 else "front"
+    if jump.roll:
+        return "right" if jump.roll > 0 else "left"
+    return ""
+
+
+def _feet(row: PhaseRow, robot: Robot, pivot: str) -> tuple[str, ...]:
+    legs = tuple(leg.name for leg in robot.legs)
+    if isinstance(row.feet, tuple):
+        return row.feet
+    if row.feet in ("all", "none"):
+        return legs if row.feet == "all" else ()
+    groups = _groups(robot)
+    if row.feet == "pivot" and not pivot:
+        raise InputError(
+            f'phase "{row.name}": "pivot" are the feet on which a body that turns over stands '
+            "last; expected a whole turn of pitch or roll (-360 deg of pitch: a back flip)"
+        )
+    name = pivot if row.feet == "pivot" else row.feet
+    if name not in groups:
+        if row.feet in legs:
+            return (row.feet,)
+        accepted = ", ".join(dict.fromkeys(["all", "none", *groups, *legs]))
+        raise InputError(
+            f'phase "{row.name}": {robot.name} has no {name!r} feet; expected one of {accepted}'
+        )
+    return groups[name]
+
+
+def _groups(robot: Robot) -> dict[str, tuple[str, ...]]:
+    """The groups of feet that this robot has: name -> legs."""
+    hips = robot.hips - robot.hips.mean(axis=0)
+    groups = {}
+    for axis, ahead, behind in ((0, "front", "hind"), (1, "left", "right")):
+        far = _SIDE * abs(hips[:, axis]).max()
+        if far < 0.01:  # m: all hips in one line
+            continue
+        for name, side in ((ahead, 1), (behind, -1)):
+            groups[name] = tuple(
+                leg.name
+                for leg, hip in zip(robot.legs, hips[:, axis], strict=True)
+                if side * hip > far
+            )
+    return groups

@@ -1,0 +1,138 @@
+"""`Scenario`: what a simulation is asked for besides the plan."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, fields, replace
+from typing import Annotated, Any
+
+from llsrbm.errors import InputError
+from llsrbm.request.fields import Flag, Name, Number, Whole, meanings
+from llsrbm.request.push import LARGEST_IMPULSE, SYMBOL, Push, PushList
+
+_THICKEST = 1.0  # m; beyond any robot, what passes under its feet is checked with the plan
+MOST_NOISE = 3.0  # beyond it no floor is that slippery
+LARGEST_TRUNK_MASS = 0.5  # share of the trunk's mass, either way
+
+
+@dataclass(frozen=True)
+class Scenario:
+    """What a simulation is asked for besides the plan; every field says beside its type what it is.
+
+    `seed` and `noise` go together. With neither nothing is disturbed; of a scenario that is asked
+    for one of them alone the seed is 0, or the noise 1. So both are None, or none is, and a
+    disturbed scenario becomes an undisturbed one by `seed=None, noise=None`. A random push and an
+    estimator's errors are drawn by the seed too, or by seed 0 where nothing else is disturbed.
+
+    Whether the names are known, a board passes under the feet and pushes come while the robot
+    moves is said when it is simulated.
+
+    Raises:
+        InputError: a value of another type or out of range, or half a board without a board.
+    """
+
+    board: Annotated[
+        float,
+        Number("Thickness of a board that is slid in in mid-flight", "M", 0.0, _THICKEST, "m"),
+    ] = 0.0
+    half_board: Annotated[bool, Flag("The board lies under the front feet only")] = False
+    seed: Annotated[
+        int | None,
+        Whole("Draws a disturbance (`llsrbm.simulation.disturbance`); without: none", "N"),
+    ] = None
+    noise: Annotated[
+        float | None,
+        Number("Scale of the disturbance, 1 as in the robustness benchmark", "S", 0.0, MOST_NOISE),
+    ] = None
+    detector: Annotated[str, Name("Contact detector: residual or norm")] = "residual"
+    landing: Annotated[
+        str,
+        Name("Landing strategy: auto (as the robot file has it), scaled, planned or tracking"),
+    ] = "auto"
+    solver: Annotated[str, Name("QP solver of the controller: quadprog or proxqp")] = "quadprog"
+    trunk_mass: Annotated[
+        float | None,
+        Number(
+            "Error of the trunk's mass in place of the drawn one, such as 0.12: the simulated "
+            "trunk weighs 1 + this of what the controller believes",
+            "SHARE",
+            -LARGEST_TRUNK_MASS,
+            LARGEST_TRUNK_MASS,
+            "of it",
+        ),
+    ] = None
+    pushes: Annotated[
+        tuple[Push, ...],
+        PushList(
+            "A push on the trunk's CoM: when it begins, s, impulse, N s, and moment, N m s, in the "
+            "world frame",
+            SYMBOL,
+        ),
+    ] = ()
+    random_push: Annotated[
+        float | None,
+        Number(
+            "Impulse of one more push, drawn by the seed: horizontal, between start and touchdown",
+            "NS",
+            0.0,
+            LARGEST_IMPULSE,
+            "N s",
+        ),
+    ] = None
+    estimator: Annotated[
+        str,
+        Name("State estimate that the controller is given: truth, or drift as of a legged robot's"),
+    ] = "truth"
+    replan: Annotated[
+        bool, Flag("Flight and landing are planned anew, 50 times a second, from what is measured")
+    ] = False
+
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            value = getattr(self, field.name)
+            if value is None and field.default is None:
+                continue
+            meaning = meanings(Scenario)[field.name]
+            value = meaning.checked(field.name.replace("_", " "), value)
+            object.__setattr__(self, field.name, value)
+        if self.half_board and self.board == 0:
+            raise InputError("half board: expected the board's thickness beside it, got none")
+        if self.seed is None and self.noise is not None:
+            object.__setattr__(self, "seed", 0)
+        if self.noise is None and self.seed is not None:
+            object.__setattr__(self, "noise", 1.0)
+
+    def but(self, **changes: Any) -> Scenario:
+        """This scenario with other values in the fields that are named.
+
+        Raises:
+            InputError: no such field, or a value that makes no sense.
+        """
+        known = [field.name for field in fields(self)]
+        for name in changes:
+            if name not in known:
+                from llsrbm.robots.schema import choices  # slow to import, for a message
+
+                given = json.dumps(name)  # a file's keys may hold anything
+                raise InputError(f"unknown field {given:.60}; {choices(name, known)}")
+        return replace(self, **changes)
+
+    def stated(self) -> dict[str, Any]:
+        """The fewest fields that ask for this scenario: name -> value."""
+        plain = asdict(Scenario(seed=self.seed)) | {"seed": None}
+        return {name: value for name, value in asdict(self).items() if value != plain[name]}
+
+
+def with_scenario(table: Mapping[str, Any]) -> dict[str, Any]:
+    """A file's table with its scenario at "scenario".
+
+    Older files call it "conditions", and may state a noise, to no effect, where there is no seed.
+    """
+    if "conditions" not in table or "scenario" in table:
+        return dict(table)
+    scenario = table["conditions"]
+    if isinstance(scenario, Mapping) and scenario.get("seed") is None:
+        scenario = {name: value for name, value in scenario.items() if name != "noise"}
+    others = {name: value for name, value in table.items() if name != "conditions"}
+    return others | {"scenario": scenario}

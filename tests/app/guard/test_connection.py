@@ -1,0 +1,307 @@
+"""Counting connections, and those that send too much, too fast, too slowly or not at all."""
+
+from __future__ import annotations
+
+import contextlib
+import logging
+import random
+import socket
+import time
+
+import msgspec
+import pytest
+import viser
+from websockets.exceptions import ConnectionClosed
+from websockets.frames import Frame, Opcode
+from websockets.sync.client import connect
+
+from app.guard.access import Access
+from app.guard.guard import Guard
+from app.guard.limits import MAX_UPLOAD, Limits, Rate
+from app.viser_private import run_javascript
+from tests.app.chromium import wait_until
+from tests.app.design_page import design_page
+from tests.app.raw_http import UPGRADE, asked, sent
+from tests.app.raw_tab import CAMERA, RawTab
+
+PROTOCOL = f"viser-v{viser.__version__}"
+SMALL = Limits(
+    tabs=5,
+    pending=6,
+    pending_per_peer=4,
+    request_s=0.5,
+    answer_s=3.0,
+    close_s=0.5,
+    messages=Rate(100, 100),
+    flood_s=1.0,
+    controls=Rate(1, 20),
+    fragments=50,
+    backlog_bytes=8 << 20,
+    backlog_messages=2000,
+    stalled_s=2.0,
+)
+
+
+@pytest.fixture(scope="module")
+def page():
+    with design_page(Guard(Access(None), (), loopback=True, limits=SMALL)) as running:
+        yield running
+
+
+@pytest.fixture
+def door(page):
+    door = page.server.door
+    gone = lambda: not door.pending | door.admitted and not page.server.get_clients()  # noqa: E731
+    wait_until(gone, "an empty server")
+    page.guard.refusals.forget()
+    return door
+
+
+def opened(page, **options):
+    options = {"subprotocols": [PROTOCOL], "max_size": None} | options
+    return connect(f"ws://127.0.0.1:{page.port}", **options)
+
+
+def noted(caplog):
+    """Lines of the server's log."""
+    return [record.getMessage() for record in caplog.records if record.name != "websockets.client"]
+
+
+def closing(socket):
+    """How the server ended a connection."""
+    try:
+        while True:
+            socket.recv(timeout=20)
+    except ConnectionClosed as closed:
+        return closed.rcvd and closed.rcvd.code
+
+
+# ---- counting
+
+
+def test_only_open_websockets_are_tabs(page, door):
+    address = ("127.0.0.1", page.port)
+    with socket.create_connection(address), opened(page), opened(page):
+        wait_until(lambda: len(door.pending) == 1, "the silent one")
+        assert len(door.tabs) == len(door.admitted) == 2
+        assert asked(page.port).status == 200
+        assert len(door.tabs) == 2
+    wait_until(lambda: not door.pending | door.admitted | door.tabs, "all gone")
+    assert not door._per_peer
+
+
+def test_failed_handshakes_leave_nothing_behind(page, door):
+    for i in range(40):
+        match i % 4:
+            case 0:
+                asked(page.port, headers=UPGRADE | {"Sec-WebSocket-Key": "bad"})
+            case 1:
+                asked(page.port, headers=UPGRADE | {"Origin": "http://evil.example"})
+            case 2:
+                sent(page.port, b"GET / HTTP/1.1\r\n\r\n")
+            case 3:  # gone in the middle of it
+                with socket.create_connection(("127.0.0.1", page.port)) as plain:
+                    plain.sendall(b"GET / HTTP/1.1\r\nHost: 127.0.0.1\r\nUpgrade: websocket\r\n")
+    wait_until(lambda: not door.pending | door.admitted, "all gone")
+    assert not door._per_peer
+
+
+def test_the_tab_beyond_the_limit_is_refused_and_one_that_goes_makes_room(page, door):
+    with contextlib.ExitStack() as stack:
+        tabs = [stack.enter_context(opened(page)) for _ in range(SMALL.tabs)]
+        answer = asked(page.port, headers=UPGRADE)
+        assert (answer.status, answer.headers["Retry-After"]) == (503, "1")
+        assert b"too many open tabs (at most 5)" in answer.body
+        assert asked(page.port).status == 200
+        tabs[0].close()
+        wait_until(lambda: len(door.admitted) < SMALL.tabs, "its end")
+        stack.enter_context(opened(page))
+
+
+def test_silent_connections_are_cut_and_limited(page, door, caplog):
+    with contextlib.ExitStack() as stack:
+        begun = time.monotonic()
+        waiting = [
+            stack.enter_context(socket.create_connection(("127.0.0.1", page.port)))
+            for _ in range(SMALL.pending_per_peer + 3)
+        ]
+        for plain in waiting[:4]:
+            plain.sendall(b"GET / HTTP/1.1\r\n")
+        for plain in waiting:
+            plain.settimeout(20)
+            with contextlib.suppress(ConnectionResetError):
+                assert plain.recv(100) == b""
+        assert time.monotonic() - begun < 10
+    assert "refused 127.0.0.1: too many connections at a time" in noted(caplog)
+    assert "refused 127.0.0.1: request that does not end" in noted(caplog)
+    wait_until(lambda: not door.pending, "all gone")
+
+
+def test_a_page_that_is_not_fetched_is_given_up(page, door):
+    with socket.socket() as plain:
+        plain.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
+        plain.connect(("127.0.0.1", page.port))
+        plain.sendall(b"GET / HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n")
+        wait_until(lambda: len(door.pending) == 1, "the request")
+        wait_until(lambda: not door.pending, "its end")
+
+
+# ---- what a tab sends
+
+
+def test_a_tab_that_floods_is_slowed_down_and_closed(page, door, caplog):
+    with RawTab(page.port) as honest, opened(page) as flooding:
+        honest.control("Save design")
+        # The camera's alone: nothing answers.
+        message = msgspec.msgpack.encode(CAMERA)
+        with contextlib.suppress(ConnectionClosed):
+            while True:
+                flooding.send(message)
+        assert closing(flooding) in (1008, None)
+        honest.press("Save design")
+        while page.next() != ("save",):
+            pass
+        wait_until(lambda: len(page.server.get_clients()) == 1, "its end")
+    assert noted(caplog) == ["refused 127.0.0.1: too many messages; closed"]
+
+
+def test_faster_messages_wait_in_order_and_none_is_lost(page, door):
+    values = list(range(1, 171))
+    with RawTab(page.port) as tab:
+        tab.control("Twist [deg]")
+        begun = time.monotonic()
+        for value in values:
+            tab.set("Twist [deg]", value)
+        assert [page.next() for _ in values] == [("slider", value) for value in values]
+        assert time.monotonic() - begun > 0.5  # 100 at once, and 100 a second
+        assert not tab.closed.is_set()
+
+
+def test_dragging_and_a_large_file_are_not_slowed_down():
+    limits = Limits()
+    # 20 changes of controls and 50 of the camera a second, in the long run.
+    assert limits.messages.per_second >= 2 * 70
+    assert limits.messages.burst >= MAX_UPLOAD / limits.message_bytes
+
+
+def test_pings_are_limited(page, door, caplog):
+    with opened(page) as tab:
+        with contextlib.suppress(ConnectionClosed):
+            for _ in range(100):
+                tab.ping()
+        closing(tab)
+    assert noted(caplog) == ["refused 127.0.0.1: too many pings; closed"]
+
+
+def test_a_message_of_endless_fragments_is_cut(page, door, caplog):
+    with opened(page) as tab:
+        frames = [Frame(Opcode.BINARY, b"", fin=False)]
+        frames += [Frame(Opcode.CONT, b"", fin=False)] * 100
+        tab.socket.sendall(b"".join(frame.serialize(mask=True) for frame in frames))
+        closing(tab)
+    assert noted(caplog) == ["refused 127.0.0.1: message in too many fragments; closed"]
+
+
+@pytest.mark.parametrize(
+    "frame",
+    [
+        b"\xff\xff" + bytes(20),  # reserved bits
+        b"\x82\x05hello",  # not masked
+        b"\x83\x80\x00\x00\x00\x00",  # no such kind
+        b"\x89\xfe\x01\x00" + bytes(300),  # a long ping
+        b"\x80\x80\x00\x00\x00\x00",  # the rest of nothing
+        b"\x82\xff" + b"\xff" * 12,  # as long as can be
+        b"\x81\x82\x00\x00\x00\x00\xff\xfe",  # no UTF-8
+    ],
+)
+def test_malformed_frames_close_their_connection_and_no_other(page, door, frame, caplog):
+    with RawTab(page.port) as honest, opened(page) as bad:
+        honest.control("Save design")
+        bad.socket.sendall(frame)
+        closing(bad)
+        honest.press("Save design")
+        while page.next() != ("save",):
+            pass
+    assert all(not record.exc_info for record in caplog.records)
+
+
+# ---- what a tab does not read
+
+
+def deaf_tab(page, stack):
+    """A tab that reads nothing, as the server sees it."""
+    known = set(page.server.get_clients())
+    plain = stack.enter_context(socket.socket())
+    plain.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
+    plain.connect(("127.0.0.1", page.port))
+    wanted = UPGRADE | {"Host": "127.0.0.1", "Sec-WebSocket-Protocol": PROTOCOL}
+    lines = ["GET / HTTP/1.1", *(f"{name}: {value}" for name, value in wanted.items()), "", ""]
+    plain.sendall("\r\n".join(lines).encode())
+    assert plain.recv(100).startswith(b"HTTP/1.1 101")
+    camera = Frame(Opcode.BINARY, msgspec.msgpack.encode(CAMERA))
+    plain.sendall(camera.serialize(mask=True))
+    wait_until(lambda: set(page.server.get_clients()) - known, "it")
+    (number,) = set(page.server.get_clients()) - known
+    client = page.server.get_clients()[number]
+    client.plain = plain
+    return client
+
+
+def noise(size):
+    """Text that cannot be compressed to much less."""
+    return random.Random(0).randbytes(size // 2).hex()
+
+
+def test_a_tab_that_reads_nothing_is_closed(page, door, caplog):
+    with contextlib.ExitStack() as stack:
+        client = deaf_tab(page, stack)
+        for _ in range(4):  # compressed to half
+            run_javascript(client, noise(1_000_000))
+        wait_until(lambda: not door.tabs, "its end")
+    assert noted(caplog) == ["refused 127.0.0.1: a tab took nothing for 2 s; closed"]
+
+
+@pytest.mark.parametrize(("count", "size"), [(12, 1_000_000), (10_000, 10)])
+def test_what_waits_for_a_tab_is_bounded(page, door, caplog, count, size):
+    with contextlib.ExitStack() as stack:
+        client = deaf_tab(page, stack)
+        run_javascript(client, noise(4_000_000))  # is on its way
+        queue = client._websock_connection.get_message_buffer()
+        wait_until(lambda: not queue.message_from_id, "its beginning")
+        for _ in range(count):
+            run_javascript(client, noise(size))
+        wait_until(lambda: not door.tabs, "its end")
+        wait_until(lambda: queue.done, "no more of it")
+    assert noted(caplog) == ["refused 127.0.0.1: too much waits for a tab; closed"]
+
+
+def test_a_tab_that_reads_slowly_stays(page, door, caplog):
+    with contextlib.ExitStack() as stack:
+        stack.enter_context(opened(page))
+        client = deaf_tab(page, stack)
+        plain = client.plain
+        run_javascript(client, noise(10_000_000))
+        begun = time.monotonic()
+        while time.monotonic() - begun < 1.6 * SMALL.stalled_s:
+            plain.recv(20_000)
+            time.sleep(0.01)
+        assert client._websock_connection.get_message_buffer().done is False
+        assert len(door.tabs) == 2
+    assert noted(caplog) == []
+
+
+# ---- the log
+
+
+def test_ten_thousand_of_a_kind_are_one_line(page, door, caplog):
+    with caplog.at_level(logging.INFO, "app"), RawTab(page.port) as tab:
+        uuid = tab.control("Twist [deg]")["uuid"]
+        for _ in range(150):
+            tab.send({"type": "GuiUpdateMessage", "uuid": uuid, "updates": {"value": "x"}})
+            asked(page.port, host="evil.example")
+            sent(page.port, b"GET / HTTP/9\r\n\r\n")
+        tab.press("Save design")
+        while page.next() != ("save",):
+            pass
+    assert len(noted(caplog)) == len(set(noted(caplog))) == 3
+    assert all(not record.exc_info for record in caplog.records)

@@ -1,0 +1,161 @@
+from __future__ import annotations
+
+import contextlib
+import math
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from app.picture.landing_handle import LandingHandle
+from llsrbm.request.jump import Jump
+from llsrbm.robots import load_robot
+
+ROBOT = load_robot("anymal")
+TASK = ROBOT.file.task
+JUMP = Jump(robot="anymal", model="srbm", twist=0.5, height=0.1)
+
+
+class Gizmo(SimpleNamespace):
+    """What viser's handle offers of itself."""
+
+    def on_update(self, callback):
+        self.callback = callback
+
+    def drag(self, phase="update"):
+        with contextlib.suppress(StopIteration):  # it waits for nothing
+            self.callback(SimpleNamespace(phase=phase)).send(None)
+
+    def place(self, x, y, yaw):
+        self.position = np.array([x, y, 0.0])
+        self.wxyz = np.array([math.cos(yaw / 2), 0.0, 0.0, math.sin(yaw / 2)])
+
+
+class Target:
+    def __init__(self):
+        self.grips = []
+        scene = SimpleNamespace(add_transform_controls=self._add)
+        self.handle = LandingHandle(SimpleNamespace(scene=scene), self.grips.append)
+
+    def _add(self, name, **options):
+        self.gizmo = Gizmo(name=name, **options)
+        self.gizmo.place(0.0, 0.0, 0.0)
+        return self.gizmo
+
+    def draw(self, jump, robot=ROBOT, *, visible=True):
+        self.handle.draw(jump, robot, visible=visible)
+
+    def read(self, jump, task):
+        """The request after the handle was dragged to where it stands."""
+        before = len(self.grips)
+        self.gizmo.drag()
+        return self.grips[-1].applied_to(jump, task) if len(self.grips) > before else jump
+
+
+def test_it_stands_where_the_jump_lands():
+    target = Target()
+    target.draw(replace(JUMP, forward=0.3, lateral=-0.1))
+    assert target.gizmo.position == pytest.approx((0.3, -0.1, 0.1))
+    assert target.gizmo.wxyz == pytest.approx((math.cos(0.25), 0, 0, math.sin(0.25)))
+
+
+def test_where_it_was_dragged_to_is_asked_for_in_the_sliders_steps():
+    target = Target()
+    target.gizmo.place(0.3149, -0.1051, math.radians(30.4))
+    expected = replace(JUMP, forward=0.31, lateral=-0.11, twist=math.radians(30))
+    assert target.read(JUMP, TASK) == expected
+
+
+def test_beyond_the_robots_range_the_nearest_is_taken():
+    target = Target()
+    target.gizmo.place(9.0, -9.0, 0.0)
+    read = target.read(JUMP, TASK)
+    assert (read.forward, read.lateral) == (TASK.forward[1], TASK.lateral[0])
+
+
+@pytest.mark.parametrize("broken", [(math.nan, 0, 0), (0, math.inf, 0), (0, 0, math.nan)])
+def test_what_is_no_place_changes_nothing(broken):
+    target = Target()
+    target.gizmo.place(*broken)
+    assert target.read(JUMP, TASK) == JUMP
+
+
+@pytest.mark.parametrize("nonsense", ["here", None, [], [1.0, 0.0], [[0.0] * 4], [None] * 4, {}])
+@pytest.mark.parametrize("field", ["position", "wxyz"])
+def test_what_is_no_pose_changes_nothing(field, nonsense):
+    target = Target()
+    setattr(target.gizmo, field, nonsense)
+    assert target.read(JUMP, TASK) == JUMP
+
+
+def test_it_turns_on_beyond_half_a_turn():
+    """The attitude is the same as that of the angle less a whole turn; the nearer one counts."""
+    target, wide = Target(), TASK.model_copy(update={"twist": (-7.0, 7.0)})
+    jump = replace(JUMP, twist=math.radians(170))
+    for degrees in range(175, 350, 5):
+        target.gizmo.place(0.0, 0.0, math.radians(degrees))
+        jump = target.read(jump, wide)
+        assert math.degrees(jump.twist) == pytest.approx(degrees)
+
+
+def test_turned_past_its_range_it_stays_at_the_end():
+    target = Target()
+    target.gizmo.place(0.0, 0.0, math.radians(-175))
+    read = target.read(replace(JUMP, twist=math.radians(178)), TASK)
+    assert math.degrees(read.twist) == pytest.approx(180, abs=0.5)
+
+
+@given(st.floats(-5, 5), st.floats(-5, 5), st.floats(-20, 20), st.floats(-3.1, 3.1))
+def test_whatever_is_dragged_is_within_the_ranges(x, y, yaw, twist):
+    target = Target()
+    target.gizmo.place(x, y, yaw)
+    read = target.read(replace(JUMP, twist=twist), TASK)
+    for name in ("forward", "lateral", "twist"):
+        lowest, highest = getattr(TASK, name)
+        assert lowest - 0.01 <= getattr(read, name) <= highest + 0.01
+    assert (read.robot, read.model, read.height) == (JUMP.robot, JUMP.model, JUMP.height)
+
+
+def test_it_stays_in_the_hand_that_holds_it():
+    target = Target()
+    target.gizmo.place(0.2, 0.1, 0.0)
+    target.gizmo.drag("start")
+    target.draw(replace(JUMP, forward=0.2))
+    assert target.gizmo.position == pytest.approx((0.2, 0.1, 0.0))
+    target.gizmo.drag("end")
+    target.draw(replace(JUMP, forward=0.2))
+    assert target.gizmo.position == pytest.approx((0.2, 0.0, 0.1))
+    assert len(target.grips) == 2
+
+
+def test_let_go_of_where_it_must_not_stand_it_goes_back():
+    target = Target()
+    target.draw(JUMP)
+    target.gizmo.place(9.0, 9.0, 0.0)
+    target.gizmo.drag("end")
+    target.draw(JUMP)
+    assert target.gizmo.position == pytest.approx((0.0, 0.0, 0.1))
+
+
+def test_it_is_shown_where_there_is_a_target():
+    target = Target()
+    for jump, robot, visible in (
+        (None, ROBOT, True),
+        (JUMP, None, True),
+        (JUMP, ROBOT, False),
+    ):
+        target.draw(jump, robot, visible=visible)
+        assert not target.gizmo.visible
+    target.draw(JUMP)
+    assert target.gizmo.visible
+
+
+@pytest.mark.parametrize("name", ["anymal", "slider"])
+def test_its_arrows_reach_out_from_under_the_robot(name):
+    target, robot = Target(), load_robot(name)
+    target.draw(JUMP, robot)
+    width = np.ptp(robot.feet[:, :2], axis=0).max()
+    assert width / 2 < target.gizmo.scale < 1.5 * width

@@ -1,0 +1,309 @@
+"""Tabs that go and come back, over a connection and without a browser."""
+
+from __future__ import annotations
+
+import json
+import logging
+import threading
+import time
+
+import pytest
+
+from app.tab.tabs import KEPT, MOST_KEPT
+from llsrbm.request.design import Design, dump_design, load_design
+from llsrbm.request.jump import Jump
+from llsrbm.request.scenario import Scenario
+from tests.app import planners
+from tests.app.raw_tab import RawTab, pinned, planned
+
+LOOPS = 30
+
+
+def token(number):
+    return f"{number:032x}"
+
+
+def session_of(designer, tab):
+    """The server's side of a tab, by its token: of two, the newer one."""
+    return [each for each in designer.sessions if each.token == tab.page.known["tab"]][-1]
+
+
+def opened(designer, number, **known):
+    """A tab whose page has a token, when it is known to the server."""
+    before = designer.sessions
+    tab = RawTab(designer.port, {"tab": token(number), **known})
+
+    def known_now():
+        new = [each for each in designer.sessions if each not in before]
+        return any(each.state.page and each.token == token(number) for each in new)
+
+    tab.wait(known_now, "its session")
+    return tab
+
+
+def wait_until(condition, what, timeout=20.0):
+    until = time.monotonic() + timeout
+    while not condition():
+        assert time.monotonic() < until, what
+        time.sleep(0.01)
+
+
+def gone(designer, session):
+    wait_until(lambda: session not in designer.sessions, "the session's end")
+
+
+def worked_on(designer, number):
+    """A tab with a plan, a pin, a simulation and a place on the timeline."""
+    tab = opened(designer, number)
+    tab.set("Forward [m]", 0.2)
+    session = session_of(designer, tab)
+    planned(tab, session, lambda jump: jump.forward == 0.2, "a plan")
+    tab.wait_for_status("Planned")
+    tab.press("Pin")
+    tab.wait(lambda: len(pinned(tab)) == 1, "a ghost")
+    tab.press("Simulate")
+    tab.wait_for_status("Landed")
+    tab.page.say(kind="state", time=0.7, playing=False)
+    wait_until(lambda: session.state.playback.time == 0.7, "the place")
+    return tab, session
+
+
+@pytest.mark.parametrize("lost", [False, True], ids=["a reload", "a lost connection"])
+def test_a_tab_finds_everything_again(designer, lost):
+    number = 1 + lost
+    tab, before = worked_on(designer, number)
+    if not lost:
+        tab.close()
+        gone(designer, before)
+    again = opened(designer, number, **({"time": 0.9, "playing": True} if lost else {}))
+    session = session_of(designer, again)
+    try:
+        assert session is not before
+        again.wait_for_status("Landed")
+        again.wait(lambda: len(pinned(again)) == 1, "the pin's ghost")
+        assert again.value("Forward [m]") == 0.2
+        assert session.plan is before.plan
+        assert session.rollout is before.rollout
+        again.wait(lambda: again.page.calls("player.seek"), "its place")
+        assert {"/shade/base", "/links/base"} < again.page.nodes()
+        assert again.page.calls("player.seek") == [[0.9 if lost else 0.7]]
+        again.wait(lambda: len(again.page.calls("player.play")) == lost, "its motion")
+        gone(designer, before)
+        again.set("Forward [m]", 0.25)
+        planned(again, session, lambda jump: jump.forward == 0.25, "the next plan")
+    finally:
+        again.close()
+        tab.close()
+
+
+def test_a_running_simulation_is_begun_again(designer):
+    tab = opened(designer, 12)
+    tab.wait_for_status("Planned")
+    tab.set("Disturb", True)
+    tab.set("Seed", planners.SLOWLY)
+    tab.press("Simulate")
+    tab.wait_for_status("Simulating")
+    tab.close()
+    with opened(designer, 12) as again:
+        again.wait(lambda: again.status().startswith("Simulating 1"), "its progress")
+        assert again.value("Seed") == planners.SLOWLY
+        again.press("Cancel")
+        again.wait_for_status("Cancelled")
+
+
+def test_each_tab_finds_its_own(designer):
+    tabs = [opened(designer, number) for number in (3, 4)]
+    for tab, forward in zip(tabs, (0.1, 0.3), strict=True):
+        tab.set("Forward [m]", forward)
+        session = session_of(designer, tab)
+        planned(tab, session, lambda jump, f=forward: jump.forward == f, "a plan")
+        tab.wait_for_status("Planned")
+    for tab in tabs:
+        tab.close()
+    for number, forward in ((4, 0.3), (3, 0.1), (5, 0.0)):
+        with opened(designer, number) as again:
+            again.wait_for_status("Planned")
+            assert session_of(designer, again).plan.jump.forward == forward
+
+
+def test_a_page_that_greets_late_finds_its_tab_again(designer, monkeypatch):
+    tab, before = worked_on(designer, 6)
+    tab.close()
+    gone(designer, before)
+    monkeypatch.setattr("app.tab.session._PAGE_PATIENCE", 0.0)
+    with RawTab(designer.port, None) as again:
+        again.wait_for_status("Planned")
+        again.page.known = {"tab": token(6)}
+        again.page.greet()
+        again.wait_for_status("Landed")
+        assert session_of(designer, again).rollout is before.rollout
+        assert len(pinned(again)) == 1
+
+
+def test_a_page_that_greets_late_brings_its_design(designer, monkeypatch):
+    monkeypatch.setattr("app.tab.session._PAGE_PATIENCE", 0.0)
+    with RawTab(designer.port, None) as tab:
+        tab.wait_for_status("Planned")
+        tab.page.known = {"tab": token(7), "kept": dump_design(Design(Jump(forward=0.3)))}
+        tab.page.greet()
+        tab.wait(lambda: tab.value("Forward [m]") == 0.3, "the kept design")
+
+
+def test_states_are_dropped_after_their_time_and_beyond_their_number(designer, monkeypatch):
+    tabs, now = designer.tabs, [1000.0]
+    monkeypatch.setattr(tabs, "_clock", lambda: now[0])
+    monkeypatch.setattr(tabs, "_kept", {})
+    tab = opened(designer, 8)
+    tab.wait_for_status("Planned")
+    session = session_of(designer, tab)
+    tab.close()
+    gone(designer, session)
+    assert token(8) in tabs._kept
+    now[0] += KEPT - 1
+    assert tabs._take_kept(token(8)) is not None
+    tabs._session_ended(session)
+    now[0] += KEPT + 1
+    assert tabs._take_kept(token(8)) is None
+    for number in range(MOST_KEPT + 5):
+        session.token = token(100 + number)
+        tabs._session_ended(session)
+    assert tabs.kept == MOST_KEPT
+    assert tabs._take_kept(token(104)) is None
+    assert tabs._take_kept(token(105)) is not None
+
+
+def test_tabs_that_close_at_once_leave_nothing_behind(designer):
+    # Pages that other tests share may be open.
+    others, threads = set(designer.sessions), set(threading.enumerate())
+    for number in range(LOOPS):
+        known = {} if number % 2 else {"tab": token(200 + number % 3)}
+        RawTab(designer.port, known).close()
+    wait_until(lambda: set(designer.sessions) <= others, "the sessions' end")
+
+    def left():
+        found = set(threading.enumerate()) - threads
+        return [thread for thread in found if thread.name.startswith("session-")]
+
+    wait_until(lambda: not left(), "the threads' end")
+    assert designer.tabs.kept <= MOST_KEPT
+    with RawTab(designer.port) as tab:
+        tab.wait_for_status("Planned")
+
+
+def test_a_session_that_cannot_be_built_says_so(designer, monkeypatch, caplog):
+    def broken(*_args, **_options):
+        raise ZeroDivisionError("a defect")
+
+    with monkeypatch.context() as patched, caplog.at_level(logging.ERROR):
+        patched.setattr("app.tab.session.Rendering", broken)
+        with RawTab(designer.port, {"tab": token(9)}) as tab:
+            tab.wait(lambda: tab.notifications, "a note")
+            assert tab.notifications[0][0] == "This page has failed"
+            assert "reload" in tab.notifications[0][1]
+    assert "ZeroDivisionError: a defect" in caplog.text
+    with opened(designer, 9) as again:
+        again.wait_for_status("Planned")
+
+
+def test_a_state_that_led_to_a_defect_is_not_found_again(designer, monkeypatch):
+    tab = opened(designer, 10)
+    tab.wait_for_status("Planned")
+    session = session_of(designer, tab)
+
+    def broken(*_args):
+        raise ZeroDivisionError("a defect")
+
+    monkeypatch.setattr(session._rendering, "draw", broken)
+    tab.set("Forward [m]", 0.3)
+    tab.wait(lambda: tab.notifications, "a note")
+    gone(designer, session)
+    tab.close()
+    assert session.left is None
+    with opened(designer, 10) as again:
+        again.wait_for_status("Planned")
+        assert again.value("Forward [m]") == 0.0
+
+
+def test_a_slow_page_is_sent_the_newest_clip_next(designer, tab, session, script):
+    loads = len(script.calls("player.load"))
+    taken, script.take = script.take, lambda source: None  # it does not take clips any more
+    for forward in (0.1, 0.2, 0.3):
+        tab.set("Forward [m]", forward)
+        planned(tab, session, lambda jump, f=forward: jump.forward == f, "a plan")
+    tab.wait_for_status("Planned")
+    sent = script.calls("player.load")
+    assert len(sent) == loads + 1
+    script.take = taken
+    script.say(kind="clip", number=sent[-1][2])
+    tab.wait(lambda: len(script.calls("player.load")) == loads + 2, "the newest")
+    plan = session.plan
+    end = plan.base_position[-1]
+    assert script.at("/links/base", plan.duration)[0] == pytest.approx(end, abs=1e-5)
+
+
+def test_every_press_of_undo_counts(tab, session):
+    for forward in (0.1, 0.2):
+        tab.set("Forward [m]", forward)
+        planned(tab, session, lambda jump, f=forward: jump.forward == f, "a plan")
+        tab.wait_for_status("Planned")
+    for _ in range(2):
+        tab.press("Undo")
+    planned(tab, session, lambda jump: jump.forward == 0.0, "the first design's plan")
+    tab.wait(lambda: tab.value("Forward [m]") == 0.0, "the slider")
+
+
+# ---- links and pages
+
+
+def test_a_link_holds_the_design_and_opens_it(designer, tab, session, script):
+    tab.set("Forward [m]", 0.2)
+    tab.set("Board [mm]", 20)
+    planned(tab, session, lambda jump: jump.forward == 0.2, "a plan")
+    wait_until(lambda: session.design.scenario.board == 0.02, "the board")
+    tab.press("Share")
+    tab.wait(lambda: script.calls("page.share"), "a link")
+    ((text,),) = script.calls("page.share")
+    assert load_design(text.encode()) == session.design
+    with RawTab(designer.port, {"shared": text, "kept": "{}"}) as other:
+        other.wait(lambda: other.value("Forward [m]") == 0.2, "the shared design")
+        assert other.value("Board [mm]") == 20
+        other.wait_for_status("Planned")
+        assert not other.notifications
+
+
+def test_a_link_is_opened_in_a_tab_that_has_been_there(designer):
+    tab, before = worked_on(designer, 11)
+    tab.close()
+    gone(designer, before)
+    design = Design(Jump(forward=0.4), scenario=Scenario(board=0.02))
+    with opened(designer, 11, shared=dump_design(design)) as again:
+        planned(again, session_of(designer, again), lambda jump: jump.forward == 0.4, "its plan")
+        assert len(pinned(again)) == 1
+
+
+def test_a_link_that_was_cut_is_one_line(designer, script, tab):
+    with RawTab(designer.port, {"shared": "a link that was cut"}) as other:
+        other.wait(lambda: other.notifications, "a note")
+        assert other.notifications[0][0] == "The last design was not opened"
+        assert other.notifications[0][1].startswith("the link: ")
+        other.wait_for_status("Planned")
+    tab.page.say(kind="ready", software=True, shared="{}")
+    tab.wait(lambda: tab.notifications, "a note")
+    assert tab.notifications[0][0] == "Not opened"
+
+
+def test_the_design_is_kept_by_the_browser(designer, tab, session, script):
+    tab.set("Forward [m]", 0.2)
+    planned(tab, session, lambda jump: jump.forward == 0.2, "a plan")
+    tab.wait_for_status("Planned")
+    tab.wait(lambda: script.kept and json.loads(script.kept)["jump"]["forward"] == 0.2, "it")
+    with RawTab(designer.port, {"kept": script.kept}) as other:
+        other.wait(lambda: other.value("Forward [m]") == 0.2, "the kept design")
+
+
+def test_a_page_that_lacks_something_says_what(designer):
+    with RawTab(designer.port, {"missing": ["__viserMutable.nodePoseData", "x"]}) as tab:
+        tab.wait(lambda: tab.notifications, "a note")
+        title, body = tab.notifications[0]
+        assert title == "This page cannot play"
+        assert "__viserMutable.nodePoseData, x" in body

@@ -1,0 +1,295 @@
+"""A page that is loaded anew, loses its connection, or its server, in a real browser."""
+
+from __future__ import annotations
+
+import contextlib
+import re
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from tests.app.chromium import (
+    COMPARE,
+    fill,
+    number,
+    opened,
+    player,
+    press,
+    status,
+    tab,
+    wait_until,
+)
+from tests.app.shared_page import find_session, fresh, shows_motion, visit
+
+pytestmark = pytest.mark.browser
+
+FORWARD = 0.3  # m, of the design that is found again
+INSTANT = 0.65  # s, place on the timeline
+
+
+@pytest.fixture(scope="module")
+def visitor(browser, designer):
+    """A page that may be loaded anew, for its tokens are in its own context."""
+    page = visit(browser, designer)
+    yield page
+    page.context.close()
+
+
+@pytest.fixture
+def page(visitor):
+    fresh(visitor)
+    yield visitor
+    faults = visitor.faults[:]
+    visitor.faults.clear()
+    assert faults == []
+
+
+def plan_pin_and_simulate(page):
+    """Leave something to be found again: a pin of the example, and a simulation of another jump."""
+    tab(page, COMPARE)
+    press(page, "Pin")
+    fill(page, "Forward [m]", FORWARD)
+    wait_until(lambda: page.session.plan.jump.forward == FORWARD, "the plan")
+    status(page, "Planned")
+    press(page, "Simulate")
+    status(page, "Landed")
+    page.evaluate("t => { llsrbm.player.pause(); llsrbm.player.seek(t); }", INSTANT)
+    wait_until(lambda: page.session.state.playback.time == pytest.approx(INSTANT), "the place")
+
+
+def everything_is_there(page):
+    state = find_session(page).state
+    status(page, "Landed")
+    assert state.plan.jump.forward == FORWARD
+    assert len(state.pins) == 1
+    assert state.rollout is not None
+    wait_until(lambda: float(number(page, "Forward [m]").input_value()) == FORWARD, "the slider")
+    page.wait_for_function("llsrbm.player.clip?.request.forward === 0.3")
+    wait_until(lambda: player(page, "time") == pytest.approx(INSTANT), "the place")
+    assert player(page, "playing") is False
+    clip = "n => llsrbm.player.clip.strands.some(s => s.tracks.some(t => t.nodes.includes(n)))"
+    assert page.evaluate(clip, "/pinned/1/base")
+    assert page.locator('[title="simulation: force control"]').count() == 1
+    tab(page, COMPARE)
+    page.get_by_role("button", name="Unpin", exact=True).wait_for()
+
+
+def test_a_reload_finds_everything_again(page):
+    plan_pin_and_simulate(page)
+    page.reload()
+    everything_is_there(page)
+
+
+def test_a_lost_connection_finds_everything_again(page, designer):
+    plan_pin_and_simulate(page)
+    designer._server._websock_server.disconnect_all_clients()
+    everything_is_there(page)
+
+
+def test_a_second_tab_has_the_design_and_nothing_else(page, designer):
+    plan_pin_and_simulate(page)
+    before = designer.sessions
+    with page.context.expect_page() as event:
+        page.evaluate("void window.open(location.href)")  # a copy of this tab's storage goes along
+    with contextlib.closing(event.value) as second:
+        shows_motion(second)
+        (session,) = [each for each in designer.sessions if each not in before]
+        assert session.token not in (None, page.session.token)
+        assert session.plan.jump.forward == FORWARD
+        assert session.rollout is None
+        assert session.state.pins == ()
+        # Each goes its own way.
+        fill(second, "Forward [m]", 0.1)
+        wait_until(lambda: session.plan.jump.forward == 0.1, "its plan")
+        assert page.session.plan.jump.forward == FORWARD
+        assert page.session.rollout is not None
+
+
+def test_the_next_visit_begins_with_the_last_design(page, designer):
+    fill(page, "Forward [m]", FORWARD)
+    wait_until(lambda: page.session.plan.jump.forward == FORWARD, "the plan")
+    wait_until(
+        lambda: re.search(
+            rf"forward\W+{FORWARD}\b",
+            page.evaluate("localStorage.getItem('llsrbm.design')"),
+        ),
+        "the browser to keep it",
+    )
+    before = designer.sessions
+    with contextlib.closing(page.context.new_page()) as second:
+        second.goto(designer.url)
+        shows_motion(second)
+        (session,) = [each for each in designer.sessions if each not in before]
+        assert session.plan.jump.forward == FORWARD
+        assert float(number(second, "Forward [m]").input_value()) == FORWARD
+
+
+def test_a_link_is_made_in_the_page_and_opens_the_design(page, browser, designer):
+    fill(page, "Forward [m]", FORWARD)
+    wait_until(lambda: page.session.plan.jump.forward == FORWARD, "the plan")
+    press(page, "Share")
+    dialog = page.get_by_role("dialog", name="Share this design")
+    dialog.wait_for()
+    address = dialog.get_by_label("Link").input_value()
+    assert address.startswith(f"{designer.url.rstrip('/')}/#design=")
+    dialog.get_by_role("button", name="Close").click()
+    assert not dialog.is_visible()
+    before = designer.sessions
+    with contextlib.closing(browser.new_context()) as context:
+        other = context.new_page()
+        other.goto(address)
+        shows_motion(other)
+        (session,) = [each for each in designer.sessions if each not in before]
+        wait_until(lambda: session.plan.jump.forward == FORWARD, "the design of the link")
+        assert "#" not in other.evaluate("location.href")  # a reload finds what came of it
+
+
+def test_a_link_is_opened_in_a_page_that_is_there(page, tmp_path):
+    design = page.session.design
+    fill(page, "Forward [m]", FORWARD)
+    wait_until(lambda: page.session.plan.jump.forward == FORWARD, "the plan")
+    press(page, "Share")
+    dialog = page.get_by_role("dialog", name="Share this design")
+    dialog.wait_for()
+    fragment = dialog.get_by_label("Link").input_value().partition("#")[2]
+    dialog.get_by_role("button", name="Close").click()
+    press(page, "Undo")
+    wait_until(lambda: page.session.plan.jump == design.jump, "the plan before")
+    page.evaluate("fragment => { location.hash = fragment; }", fragment)
+    wait_until(lambda: page.session.plan.jump.forward == FORWARD, "the design of the link")
+    assert "#" not in page.evaluate("location.href")
+
+
+# ---- undo
+
+
+def test_changes_are_undone_and_done_again(page):
+    undo = page.get_by_role("button", name="Undo", exact=True)
+    redo = page.get_by_role("button", name="Redo", exact=True)
+    twist = np.degrees(page.session.design.jump.twist)
+
+    def shows(label, value):
+        field = number(page, label)
+        wait_until(
+            lambda: float(field.input_value()) == pytest.approx(value, abs=1e-3), f"{label} {value}"
+        )
+
+    fill(page, "Twist [deg]", 40)
+    wait_until(lambda: np.degrees(page.session.plan.jump.twist) == pytest.approx(40), "a plan")
+    fill(page, "Forward [m]", 0.2)
+    wait_until(lambda: page.session.plan.jump.forward == 0.2, "a plan")
+    assert redo.is_disabled()
+    undo.click()
+    shows("Forward [m]", 0)
+    shows("Twist [deg]", 40)
+    undo.click()
+    shows("Twist [deg]", twist)
+    redo.click()
+    shows("Twist [deg]", 40)
+    redo.click()
+    shows("Forward [m]", 0.2)
+    wait_until(redo.is_disabled, "nothing left to do again")
+    wait_until(lambda: page.session.plan.jump.forward == 0.2, "its plan")
+
+
+# ---- the server
+
+
+@contextlib.contextmanager
+def serving(port=0):
+    """A server in a process of its own; its port."""
+    process = subprocess.Popen(
+        [sys.executable, "-m", "tests.app.served", str(port)], stdout=subprocess.PIPE, text=True
+    )
+    try:
+        yield process, int(process.stdout.readline())
+    finally:
+        process.kill()
+        process.wait()
+        process.stdout.close()
+
+
+def test_the_server_is_killed_and_the_page_goes_on_with_the_next_one(browser):
+    with serving() as (process, port):
+        page = opened(browser, f"http://127.0.0.1:{port}/")
+        shows_motion(page)
+        fill(page, "Forward [m]", FORWARD)
+        page.wait_for_function("llsrbm.player.clip.request.forward === 0.3")
+        wait_until(
+            lambda: '"forward": 0.3' in page.evaluate("sessionStorage.getItem('llsrbm.design')"),
+            "the browser to keep it",
+        )
+        page.evaluate("llsrbm.player.pause(), llsrbm.player.seek(0.65)")
+        page.evaluate("window.before = llsrbm.player.clip")
+        process.kill()
+        process.wait()
+    with serving(port) as (_, again):
+        assert again == port
+        page.wait_for_function("llsrbm.player.clip !== window.before")
+        status(page, "Planned")
+        wait_until(
+            lambda: float(number(page, "Forward [m]").input_value()) == FORWARD, "the design"
+        )
+        page.wait_for_function("llsrbm.player.clip.request.forward === 0.3")
+        assert player(page, "time") == pytest.approx(INSTANT)
+        assert player(page, "playing") is False
+        # It plans and plays as before.
+        fill(page, "Forward [m]", 0.1)
+        page.wait_for_function("llsrbm.player.clip.request.forward === 0.1")
+        press(page, "Play")
+        wait_until(lambda: player(page, "time") > 0.7, "motion")
+        assert page.faults == []
+    page.context.close()
+
+
+# ---- browsers that lack something
+
+HIDDEN = """
+let whole;
+const without = { get: (owner, name) => name === "HIDDEN" ? undefined : Reflect.get(owner, name) };
+Object.defineProperty(window, "__viserMutable", {
+  get: () => whole,
+  set: (value) => { whole = new Proxy(value, without); },
+});
+"""
+
+
+def test_a_page_whose_viewer_lacks_a_field_says_so(browser, designer):
+    context = browser.new_context()
+    context.add_init_script(HIDDEN.replace("HIDDEN", "nodeRefFromName"))
+    page = context.new_page()
+    faults = []
+    page.on("pageerror", lambda error: faults.append(str(error)))
+    page.goto(designer.url)
+    page.get_by_text("This page cannot play").wait_for()
+    page.get_by_text("Its viewer lacks __viserMutable.nodeRefFromName").wait_for()
+    status(page, "Planned")  # all else works
+    assert faults == []
+    context.close()
+
+
+FORBIDS_STORAGE = """
+for (const name of ["localStorage", "sessionStorage"])
+  Object.defineProperty(window, name, {
+    get() { throw new DOMException("denied", "SecurityError"); },
+  });
+"""
+
+
+def test_a_browser_that_forbids_storage_works_without(browser, designer):
+    context = browser.new_context()
+    context.add_init_script(FORBIDS_STORAGE)
+    page = context.new_page()
+    faults = []
+    page.on("pageerror", lambda error: faults.append(str(error)))
+    before = designer.sessions
+    page.goto(designer.url)
+    shows_motion(page)
+    (session,) = [each for each in designer.sessions if each not in before]
+    fill(page, "Forward [m]", FORWARD)
+    wait_until(lambda: session.plan.jump.forward == FORWARD, "the plan")
+    assert player(page, "playing")
+    assert faults == []
+    context.close()

@@ -1,0 +1,123 @@
+"""What is pinned beside the present design, as values."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from app.motion.colours import PINNED
+from app.tab.comparison import Pin, free_colour
+from app.tab.events import (
+    PinChosen,
+    PinWanted,
+    ScenarioChosen,
+    SimulateWanted,
+    TakeUpWanted,
+    UnpinWanted,
+)
+from app.tab.state import TabState
+from llsrbm.request.scenario import Scenario
+from tests.app.pure_tab import PureTab, planned_tab
+
+
+@pytest.fixture
+def tab():
+    return planned_tab()
+
+
+def pin_at(tab, *places):
+    for forward in places:
+        tab.move(forward=forward)
+        tab.settle()
+        tab.take(PinWanted())
+    return tab
+
+
+def places(state: TabState):
+    return [pin.design.jump.forward for pin in state.pins]
+
+
+def test_a_pin_keeps_the_motion_and_all_that_was_asked_for(tab):
+    tab.take(ScenarioChosen(Scenario(board=0.02)))
+    tab.take(PinWanted())
+    (pin,) = tab.state.pins
+    assert pin.design == tab.state.design
+    assert pin.motion is tab.state.shown.planned
+    assert pin.rollout is None
+    assert pin.ghost.frames is tab.state.shown.planned.frames
+    assert pin.ghost.colour == pin.colour == PINNED[0]
+    assert pin.decisions == (tab.state.design.jump, tab.state.design.tuning, None)
+
+
+def test_a_pinned_simulation_keeps_the_scenario_it_ran_in(tab):
+    tab.take(ScenarioChosen(Scenario(board=0.02)))
+    tab.take(SimulateWanted())
+    tab.finish_simulation()
+    tab.take(ScenarioChosen(Scenario()))
+    tab.take(PinWanted())
+    (pin,) = tab.state.pins
+    assert pin.rollout is tab.state.rollout
+    assert pin.design.scenario == Scenario(board=0.02)
+    assert pin.ghost.frames is tab.state.shown.simulated.frames
+    assert pin.figures is pin.figures
+
+
+def test_there_are_no_more_pins_than_colours(tab):
+    pin_at(tab, 0.05, 0.1, 0.15)
+    assert [pin.colour for pin in tab.state.pins] == list(PINNED)
+    before = tab.state
+    tab.take(PinWanted())
+    assert tab.state is before
+
+
+def test_a_colour_that_was_let_go_is_taken_again(tab):
+    pin_at(tab, 0.05, 0.1, 0.15)
+    tab.take(PinChosen(1))
+    tab.take(UnpinWanted())
+    assert places(tab.state) == [0.05, 0.15]
+    assert tab.state.pin_chosen == 1
+    pin_at(tab, 0.2)
+    assert tab.state.pins[-1].colour == PINNED[1]
+    for _ in range(4):
+        tab.take(UnpinWanted())
+    assert (tab.state.pins, tab.state.pin_chosen) == ((), -1)
+
+
+def test_without_a_motion_nothing_is_pinned():
+    tab = PureTab()
+    tab.take(PinWanted())
+    assert tab.state.pins == ()
+
+
+def test_the_chosen_pin_is_taken_up(tab):
+    pin_at(tab, 0.05, 0.1)
+    tab.take(PinChosen(0))
+    tab.take(TakeUpWanted())
+    assert tab.one.task.jump.forward == 0.05
+    assert places(tab.state) == [0.05, 0.1]
+
+
+@pytest.mark.parametrize("index", [-1, 5])
+def test_no_pin_is_chosen(tab, index):
+    pin_at(tab, 0.05)
+    tab.take(PinChosen(index))
+    assert tab.state.pin_chosen == -1
+    assert tab.take(TakeUpWanted()) == ()
+
+
+def test_pins_survive_a_change_of_robot(tab):
+    pin_at(tab, 0.05)
+    tab.move(robot="slider")
+    tab.settle()
+    assert places(tab.state) == [0.05]
+    tab.take(TakeUpWanted())
+    tab.settle()
+    assert (tab.state.plan.jump.robot, tab.state.plan.jump.forward) == ("anymal", 0.05)
+
+
+def test_free_colours_are_those_that_no_pin_has(tab):
+    pins = tuple(Pin(tab.state.shown.planned, None, None, colour) for colour in PINNED)
+    assert free_colour(()) == PINNED[0]
+    assert free_colour((pins[0], pins[2])) == PINNED[1]
+    assert free_colour(tuple(map(replace, pins))) is None

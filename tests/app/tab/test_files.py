@@ -1,0 +1,286 @@
+"""Files opened and saved, as values."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from app.motion.colours import PINNED
+from app.panel.export_controls import PLAN, Choice
+from app.panel.status import Word
+from app.tab.effects import Download, Keep, LoadRobot, Notify, ResetControls, Stop
+from app.tab.events import (
+    ExportWanted,
+    FileChosen,
+    RobotLoaded,
+    SaveWanted,
+    SimulateWanted,
+    StopExportWanted,
+    TakeUpWanted,
+    UndoWanted,
+)
+from app.tab.lanes import Lane
+from app.workers.opened_file import OpenedFile
+from app.workers.protocol import Cancelled, Exported, Failed, Opened, OpenFile, Progress
+from llsrbm.request.design import Design, load_design
+from llsrbm.request.jump import Jump
+from llsrbm.request.scenario import Scenario
+from llsrbm.request.tuning import Tuning
+from llsrbm.robots import load_robot
+from tests.app.planners import turning_states
+from tests.app.pure_tab import PureTab, plan_of, planned_tab, rollout_of
+
+JUMP = Jump(model="srbm", twist=1.234, forward=0.123)
+SCENARIO = Scenario(board=0.02, seed=7, noise=2.0)
+
+
+@pytest.fixture
+def tab():
+    return planned_tab()
+
+
+@pytest.fixture(scope="module")
+def states():
+    return turning_states("anymal")
+
+
+def rollout(jump=JUMP, **changes):
+    return replace(rollout_of(plan_of(jump)), scenario=SCENARIO, **changes)
+
+
+def opened(tab, holds, name="mine.npz", *remarks):
+    tab.take(FileChosen(name, b"content", 30.0))
+    return tab.report(Opened(0, OpenedFile(name, holds, remarks)))
+
+
+# ---- opening
+
+
+@pytest.mark.parametrize(("name", "rate"), [("a.npz", None), ("a.CSV", 25.0)])
+def test_a_file_is_read_in_a_lane_of_its_own(tab, name, rate):
+    tab.move(forward=0.1)
+    tab.take(FileChosen(name, b"content", 25.0))
+    assert tab.one.lane is Lane.OPEN
+    task = tab.one.task
+    assert isinstance(task, OpenFile)
+    assert (task.name, task.content, task.robot, task.fps) == (name, b"content", "anymal", rate)
+    assert tab.state.csv_rate == (rate is not None)
+    assert tab.state.planning
+
+
+def test_of_two_files_the_newer_one_counts(tab):
+    tab.take(FileChosen("a.npz", b"", 1.0))
+    older = tab.one
+    tab.take(FileChosen("b.npz", b"", 1.0))
+    before = tab.state
+    tab.report(Opened(0, OpenedFile("a.npz", plan_of(JUMP))), submit=older)
+    assert tab.state is before
+    tab.report(Opened(0, OpenedFile("b.npz", plan_of(JUMP))))
+    assert tab.told[1].startswith("from file b.npz")
+
+
+def test_only_waiting_is_told(tab):
+    tab.take(FileChosen("a.npz", b"", 1.0))
+    tab.report(Progress(0, "opening a.npz"))
+    assert tab.state.files.opening_note == ""
+    tab.report(Progress(0, "waiting: two others"))
+    assert tab.state.files.opening_note == "waiting: two others"
+    tab.report(Failed(0, "a.npz: no"))
+    assert tab.state.files.opening_note == ""
+    assert tab.notes() == [("Not opened", "a.npz: no")]
+    assert tab.state.note == "Not opened: a.npz: no"
+
+
+def test_a_plan_is_shown_without_planning(tab):
+    plan = plan_of(JUMP)
+    before = tab.state.design
+    opened(tab, plan, "mine.npz", "It is old.")
+    assert tab.one == Keep(tab.state.design)
+    assert tab.state.plan is plan
+    assert tab.state.design == Design(JUMP)
+    assert tab.state.note == "Opened mine.npz. It is old."
+    assert tab.told[0] is Word.PLANNED
+    assert tab.told[1].startswith("from file mine.npz: in 12 ms")
+    assert tab.move() == ()  # it counts as planned
+    tab.move(forward=0.13)
+    assert tab.one.task.near is plan
+    assert tab.state.note == ""
+    tab.take(UndoWanted())
+    tab.take(UndoWanted())
+    assert tab.state.design == before
+
+
+def test_a_file_ends_what_is_being_planned(tab):
+    tab.move(forward=0.1)
+    running = tab.one
+    opened(tab, plan_of(JUMP))
+    assert not tab.state.status.busy
+    before = tab.state
+    assert tab.finish_plan(running) == ()
+    assert tab.report(Cancelled(0), submit=running) == ()
+    assert tab.state is before
+
+
+def test_one_that_did_not_converge_says_so(tab):
+    opened(tab, plan_of(JUMP, "not-converged"), "bad.npz")
+    assert tab.told[0] is Word.FAILED
+    assert tab.told[1].startswith("from file bad.npz: the planner did not converge")
+
+
+def test_a_simulation_is_shown_with_its_plan_and_scenario(tab):
+    run = rollout()
+    opened(tab, run, "run.npz")
+    assert (tab.state.plan, tab.state.rollout) == (run.plan, run)
+    assert tab.state.design == Design(JUMP, Tuning(), SCENARIO)
+    assert tab.told[0] is Word.LANDED
+    assert tab.told[1].startswith("from file run.npz: yaw")
+    tab.take(SimulateWanted())
+    assert tab.submits[-1].task.scenario == SCENARIO
+
+
+def test_another_robots_plan_waits_for_its_robot(tab):
+    plan = plan_of(Jump(robot="slider", twist=0.3))
+    opened(tab, plan)
+    assert tab.one == LoadRobot("slider")
+    assert tab.state.plan is not plan
+    tab.take(RobotLoaded(load_robot("slider")))
+    assert tab.state.plan is plan
+    assert tab.state.robot.name == "slider"
+    assert tab.state.known is None
+
+
+def test_a_plan_that_waits_for_its_robot_is_dropped_when_something_else_is_asked_for(tab):
+    opened(tab, plan_of(Jump(robot="slider", twist=0.3)))
+    tab.take(UndoWanted())
+    assert tab.take(RobotLoaded(load_robot("slider"))) == ()
+    assert tab.state.robot.name == tab.state.plan.jump.robot == "anymal"
+
+
+def test_a_design_is_planned(tab):
+    design = Design(JUMP, Tuning(limits={"friction": 0.4}), SCENARIO, "Mine", "Look at it.")
+    opened(tab, design, "mine.jump.json")
+    assert tab.one.task.jump == JUMP
+    assert tab.state.design == design
+    assert tab.state.note == "Look at it."
+
+
+def test_numbers_that_no_design_may_have_are_refused(tab):
+    huge = plan_of(JUMP)
+    far = replace(huge, jump=replace(JUMP, twist=1e6))
+    before = tab.state.design, tab.state.plan
+    for holds in (far, rollout(), replace(rollout(), plan=None)):
+        odd = holds if holds is far else replace(holds, jump=far.jump)
+        if getattr(odd, "plan", None) is not None:
+            odd = replace(odd, plan=far)
+        opened(tab, odd, "far.npz")
+        ((title, body),) = tab.notes()
+        assert title == "Not opened"
+        assert body.startswith("far.npz: ")
+        assert "jump.twist" in body
+        assert (tab.state.design, tab.state.plan) == before
+        assert tab.state.pins == ()
+
+
+# ---- for looking
+
+
+def test_a_motion_without_a_plan_is_pinned(tab, states):
+    shown = tab.state.shown
+    assert opened(tab, states, "turn.csv") == ()
+    (pin,) = tab.state.pins
+    assert (pin.design, pin.rollout, tab.state.pin_chosen) == (None, None, 0)
+    assert tab.state.shown is shown
+    assert tab.state.note == "turn.csv is pinned for looking and comparing, at 50 frames/s."
+    tab.take(TakeUpWanted())
+    assert tab.notes()[0][0] == "Not taken up"
+
+
+def test_an_old_simulation_knows_its_request(tab):
+    opened(tab, rollout(plan=None), "old.npz")
+    (pin,) = tab.state.pins
+    assert pin.design == Design(JUMP, scenario=SCENARIO)
+    tab.take(TakeUpWanted())
+    assert tab.one.task.jump == JUMP
+
+
+def test_there_are_no_more_pins_than_colours(tab, states):
+    for _ in PINNED:
+        opened(tab, states, "turn.csv")
+    assert {pin.colour for pin in tab.state.pins} == set(PINNED)
+    opened(tab, states, "turn.csv")
+    assert tab.notes() == [("Not opened", "turn.csv: unpin something first; all colours are taken")]
+    assert len(tab.state.pins) == len(PINNED)
+
+
+def test_beside_a_pin_something_is_planned(states):
+    tab = PureTab()
+    opened(tab, states, "turn.csv")
+    assert tab.one.lane is Lane.MOTION
+
+
+# ---- saving
+
+
+def choice(*formats, of=PLAN):
+    return Choice(of=of, formats=formats, zipped=False, options={})
+
+
+def test_a_design_is_saved_as_it_is(tab):
+    tab.take(SaveWanted())
+    assert isinstance(tab.one, Download)
+    assert load_design(tab.one.content) == tab.state.design
+
+
+def test_there_must_be_something_to_export():
+    tab = PureTab()
+    tab.take(ExportWanted(choice("npz"), ("Format: no",)))
+    assert tab.effects == (
+        Notify("Corrected", "Format: no"),
+        ResetControls(),
+        Notify("Nothing to export", "There is no plan yet."),
+    )
+
+
+def test_plan_or_simulation_is_exported(tab):
+    tab.take(ExportWanted(choice("npz", of="simulation")))
+    assert tab.one.task.trajectory is tab.state.plan  # there is no simulation
+    tab.take(SimulateWanted())
+    tab.finish_simulation()
+    for of, trajectory in ((PLAN, tab.state.plan), ("simulation", tab.state.rollout)):
+        tab.take(ExportWanted(choice("npz", "csv", of=of)))
+        assert tab.one.lane is Lane.SAVE
+        assert tab.one.task.trajectory is trajectory
+        assert tab.state.files.saving_note == "Exporting npz, csv ..."
+
+
+@pytest.mark.parametrize(
+    ("report", "effect"),
+    [
+        (Exported(0, "a.npz", b"1"), Download("a.npz", b"1")),
+        (Failed(0, "no room"), Notify("Not exported", "no room")),
+        (Cancelled(0), Notify("Not exported", "Stopped: npz")),
+    ],
+)
+def test_saving_ends(tab, report, effect):
+    tab.take(ExportWanted(choice("npz")))
+    submit = tab.one
+    tab.report(Progress(0, "waiting: others"))
+    assert tab.state.files.saving_note == "Exporting npz (waiting: others) ..."
+    assert tab.take(StopExportWanted()) == (Stop(Lane.SAVE),)
+    assert tab.report(report) == (effect,)
+    assert (tab.state.files.saving, tab.state.files.saving_note) == (0, "")
+    before = tab.state
+    assert tab.report(report, submit=submit) == ()
+    assert tab.state is before
+
+
+def test_a_format_whose_package_is_missing_is_refused(tab, monkeypatch):
+    from llsrbm.formats import FORMATS
+
+    name = next(name for name, each in FORMATS.items() if each.extra is not None)
+    monkeypatch.setattr(type(FORMATS[name].extra), "missing", True)
+    tab.take(ExportWanted(choice(name)))
+    ((title, body),) = tab.notes()
+    assert title == "Not exported"
+    assert "pip install" in body

@@ -1,0 +1,122 @@
+"""Jumps of another type, as values: chosen, undone, on another robot."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import pytest
+
+from app.panel.status import Word
+from app.tab.events import DesignChosen, RedoWanted, UndoWanted
+from app.workers.protocol import PlanJump
+from llsrbm.request import jump_types
+from llsrbm.request.design import Design
+from llsrbm.request.jump import Jump
+from tests.app.pure_tab import PureTab, planned_tab
+
+BACK = -2 * math.pi
+
+
+@pytest.fixture
+def tab():
+    return planned_tab()
+
+
+def test_a_type_comes_with_its_defaults_and_is_planned_from_scratch(tab):
+    tab.move(type="run-up")
+    jump = tab.state.design.jump
+    assert (jump.type, jump.forward) == ("run-up", 0.01)
+    assert jump.speed == jump_types.load_type("run-up").defaults["speed"] > 0
+    assert tab.one.task == PlanJump(jump)
+
+
+def test_what_a_type_does_not_ask_for_goes(tab):
+    tab.move(robot="go2")
+    tab.settle()
+    tab.move(type="flip")
+    assert tab.state.design.jump.pitch == BACK
+    tab.settle()
+    tab.move(type="hops")
+    jump = tab.state.design.jump
+    assert (jump.pitch, jump.hops) == (0.0, 2)
+    tab.settle()
+    tab.move(type="together")
+    assert tab.state.design.jump == replace(jump, type="together", hops=1)
+
+
+def test_a_number_of_the_type_is_a_number_like_others(tab):
+    tab.move(type="run-up")
+    tab.settle()
+    shown = tab.state.plan
+    tab.move(speed=0.6)
+    assert tab.one.task == PlanJump(tab.state.design.jump, near=shown, patient=False)
+    tab.take(UndoWanted())
+    assert tab.state.design.jump == shown.jump
+    tab.take(UndoWanted())
+    assert tab.state.design.jump.type == "together"
+    tab.take(RedoWanted())
+    assert tab.state.design.jump == shown.jump
+
+
+@pytest.mark.parametrize(
+    ("before", "after"),
+    [
+        ({"type": "flip"}, {"pitch": -BACK}),
+        ({"type": "flip"}, {"pitch": 0.0, "roll": BACK}),
+        ({"type": "hops"}, {"hops": 3}),
+    ],
+)
+def test_a_plan_of_other_phases_or_turns_is_no_start(tab, before, after):
+    tab.move(robot="go2")
+    tab.settle()
+    tab.move(**before)
+    tab.settle()
+    tab.move(**after)
+    assert tab.one.task == PlanJump(tab.state.design.jump)
+
+
+def test_a_type_stays_on_another_robot_within_its_ranges(tab):
+    tab.move(type="hops", forward=0.6)
+    tab.settle()
+    tab.move(robot="go2")
+    tab.settle()
+    jump = tab.state.plan.jump
+    assert (jump.robot, jump.type, jump.hops) == ("go2", "hops", 2)
+    assert jump.forward == min(0.6, tab.state.file.task.forward[1])
+
+
+def test_a_flip_on_a_robot_that_does_none_is_told_and_together_instead(tab):
+    tab.move(robot="go2")
+    tab.settle()
+    tab.move(type="flip")
+    tab.settle()
+    tab.move(robot="anymal")
+    tab.settle()
+    assert (tab.state.plan.jump.robot, tab.state.plan.jump.type) == ("anymal", "together")
+    assert tab.state.plan.jump.pitch == 0
+
+
+def test_a_type_without_feet_on_another_robot_is_told_and_together_instead(tab):
+    tab.move(type="rear-last")
+    tab.settle()
+    tab.move(robot="slider")
+    tab.finish_robot()
+    assert tab.state.design.jump.type == "together"
+    assert tab.one.task.jump.type == "together"
+    said = 'SLIDER cannot do "Rear last": "Together" instead.'
+    assert tab.told == (Word.PLANNING, f"{said} ...")
+    tab.finish_plan()
+    word, rest = tab.told
+    assert word is Word.PLANNED
+    assert rest.startswith(f"{said} in ")
+    tab.move(forward=0.05)
+    tab.settle()
+    assert tab.told[1].startswith("in ")
+
+
+def test_a_design_of_a_type_that_its_robot_lacks_is_told_too():
+    tab = PureTab("slider")
+    tab.take(DesignChosen(Design(Jump(robot="slider", type="rear-last"), title="Odd")))
+    assert tab.told[1].startswith('SLIDER cannot do "Rear last"')
+    assert tab.state.design == Design(Jump(robot="slider"))

@@ -1,0 +1,305 @@
+"""A push as the page has it: where it begins, dragged, simulated, undone, compared."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from app.link import PlayerMoved
+from app.motion.push_arrow import ARROW_PER_SPEED, trunk_com
+from app.tab.effects import Keep, Pause, Play, Seek
+from app.tab.events import (
+    CancelWanted,
+    CompareWanted,
+    PushDragged,
+    RedoWanted,
+    ScenarioChosen,
+    SimulateWanted,
+    UndoWanted,
+)
+from app.tab.pushing import push_shown
+from app.workers.protocol import Cancelled, PlanJump, Simulated, SimulatedSoFar, SimulateJump
+from llsrbm.request.push import DURATION, LARGEST_IMPULSE, Push
+from llsrbm.request.scenario import Scenario
+from tests.app.pure_tab import planned_tab, rollout_of
+from tests.app.synthetic_plan import FLY, STAND
+
+NOTHING = Push(0.0, (0.0, 0.0, 0.0))
+
+
+@pytest.fixture
+def tab():
+    return planned_tab()
+
+
+def pushes(tab):
+    return tab.state.design.scenario.pushes
+
+
+def stand_at(tab, time, *, playing=False):
+    tab.take(PlayerMoved(time, playing))
+
+
+def tick_push(tab, push=NOTHING, **scenario):
+    return tab.take(ScenarioChosen(Scenario(pushes=(push,), **scenario)))
+
+
+def pushed_tab(time=0.5, **scenario):
+    tab = planned_tab()
+    stand_at(tab, time)
+    tick_push(tab, **scenario)
+    return tab
+
+
+def drag(tab, impulse, *, time=0.5, ended=True):
+    return tab.take(PushDragged(time, impulse, ended))
+
+
+# ---- where it begins
+
+
+def test_a_push_begins_where_the_timeline_stands_and_the_page_shows_that(tab):
+    stand_at(tab, 0.3)
+    effects = tick_push(tab)
+    (push,) = pushes(tab)
+    assert push.time == 0.3
+    assert np.linalg.norm(push.impulse) == pytest.approx(0.3 * tab.state.robot.mass, abs=0.5)
+    assert [e for e in effects if not isinstance(e, Keep)] == [Pause(), Seek(0.3)]
+
+
+@pytest.mark.parametrize(("time", "playing"), [(0.3, True), (0.0, False), (99.0, False)])
+def test_of_no_instant_in_particular_it_begins_in_mid_flight(tab, time, playing):
+    stand_at(tab, time, playing=playing)
+    tick_push(tab)
+    assert pushes(tab)[0].time == pytest.approx(STAND + FLY / 2)
+
+
+def test_a_size_that_was_entered_before_is_kept(tab):
+    tick_push(tab, Push(0.1, (1.0, -2.0, 0.5)))
+    assert pushes(tab)[0].impulse == (1.0, -2.0, 0.5)
+
+
+def test_another_time_is_shown_and_another_size_changes_nothing_else():
+    tab = pushed_tab()
+    push = pushes(tab)[0]
+    effects = tick_push(tab, replace(push, time=0.2))
+    assert Seek(0.2) in effects
+    effects = tick_push(tab, Push(0.2, (3.0, 0.0, 0.0)))
+    assert [type(e) for e in effects] == [Keep]
+
+
+def test_the_push_goes_with_its_box():
+    tab = pushed_tab()
+    tab.take(ScenarioChosen(Scenario()))
+    assert pushes(tab) == ()
+    assert push_shown(tab.state) is None
+    tab.take(UndoWanted())
+    assert len(pushes(tab)) == 1
+
+
+# ---- dragged
+
+
+def test_the_end_of_a_drag_starts_a_simulation_and_nothing_before_does():
+    tab = pushed_tab()
+    for y in (1.0, 2.0, 3.0):
+        assert drag(tab, (0.0, y, 0.0), ended=False) == ()
+    assert pushes(tab)[0].impulse == (0.0, 3.0, 0.0)
+    before = len(tab.submits)
+    drag(tab, (0.0, 4.0, 0.0))
+    (submit,) = tab.submits[before:]
+    assert isinstance(submit.task, SimulateJump)
+    assert submit.task.scenario.pushes == (Push(0.5, (0.0, 4.0, 0.0)),)
+    assert tab.kept()[-1].scenario.pushes == (Push(0.5, (0.0, 4.0, 0.0)),)
+
+
+def test_a_drag_is_one_step_back_and_the_next_one_another():
+    tab = pushed_tab()
+    first = pushes(tab)
+    for way in (1.0, 2.0):
+        drag(tab, (way, 0.0, 0.0), ended=False)
+        drag(tab, (2 * way, 0.0, 0.0))
+    tab.take(UndoWanted())
+    assert pushes(tab)[0].impulse == (2.0, 0.0, 0.0)
+    tab.take(UndoWanted())
+    assert pushes(tab) == first
+    tab.take(RedoWanted())
+    assert pushes(tab)[0].impulse == (2.0, 0.0, 0.0)
+
+
+def test_a_click_on_the_trunk_pushes_nobody():
+    tab = pushed_tab()
+    before, submits = pushes(tab), len(tab.submits)
+    drag(tab, (0.0, 0.01, 0.0), time=0.7)
+    assert pushes(tab) == before
+    assert len(tab.submits) == submits
+
+
+def test_beyond_the_largest_push_its_direction_counts():
+    tab = pushed_tab()
+    drag(tab, (3e4, -4e4, 0.0))
+    push = np.array(pushes(tab)[0].impulse)
+    assert LARGEST_IMPULSE - 0.2 <= np.linalg.norm(push) <= LARGEST_IMPULSE
+    assert push / np.linalg.norm(push) == pytest.approx([0.6, -0.8, 0], abs=1e-3)
+
+
+def test_further_pushes_of_a_design_stay_and_so_does_the_moment():
+    tab = planned_tab()
+    pair = (Push(0.4, (1.0, 0.0, 0.0), (0.0, 0.0, 2.0)), Push(0.9, (0.0, 5.0, 0.0)))
+    tab.take(ScenarioChosen(Scenario(pushes=pair)))
+    drag(tab, (0.0, 2.0, 0.0), time=0.6)
+    first, second = pushes(tab)
+    assert first == Push(0.6, (0.0, 2.0, 0.0), (0.0, 0.0, 2.0))
+    assert second == pair[1]
+
+
+def test_a_dragged_push_is_played_from_where_it_was_drawn():
+    tab = pushed_tab()
+    drag(tab, (0.0, 4.0, 0.0))
+    tab.finish_simulation()
+    assert [e for e in tab.effects if isinstance(e, Seek | Play)] == [Seek(0.5), Play()]
+    tab.take(SimulateWanted())
+    tab.finish_simulation()
+    assert not tab.of(Play)
+
+
+def test_it_is_played_once_as_soon_as_there_is_enough_to_see():
+    tab = pushed_tab()
+    drag(tab, (0.0, 4.0, 0.0))
+    qpos = tab.state.robot.posture
+    state = np.concatenate([qpos[:3], qpos[6:7], qpos[3:6], qpos[7:]])
+
+    def report(end):
+        time = np.arange(round(60 * end)) / 60
+        tab.report(SimulatedSoFar(0, 0.5, time, np.tile(state, (len(time), 1))))
+        return bool(tab.of(Play))
+
+    before = tab.state.shown
+    assert [report(end) for end in (0.2, 0.5)] == [False, False]
+    assert tab.state.shown is before  # it does not go back to where the simulation is
+    assert [report(end) for end in (1.1, 1.3)] == [True, False]
+    assert tab.state.shown.so_far.end == pytest.approx(1.3, abs=0.02)
+    tab.finish_simulation()
+    assert not tab.of(Play)
+
+
+def test_a_cancelled_one_is_not_played_later():
+    tab = pushed_tab()
+    drag(tab, (0.0, 4.0, 0.0))
+    tab.take(CancelWanted())
+    tab.report(Cancelled(0))
+    tab.take(SimulateWanted())
+    tab.finish_simulation()
+    assert not tab.of(Play)
+
+
+# ---- its arrow
+
+
+def test_the_arrow_begins_at_the_trunk_and_is_as_long_as_the_speed_that_it_gives():
+    tab = pushed_tab()
+    drag(tab, (0.0, 0.1 * tab.state.robot.mass, 0.0), ended=False)
+    stand_at(tab, 0.5)
+    shown = push_shown(tab.state)
+    frames = tab.state.shown.planned.frames
+    at = int(np.abs(frames.time - 0.5).argmin())
+    assert shown.origin == pytest.approx(trunk_com(tab.state.robot, frames)[at], abs=0.05)
+    length = np.linalg.norm(np.subtract(shown.tip, shown.origin))
+    assert length == pytest.approx(0.1 * ARROW_PER_SPEED, rel=0.05)
+    assert shown.impulse_to(shown.tip) == pytest.approx(shown.impulse)
+
+
+def test_at_another_instant_the_arrow_begins_anew():
+    tab = pushed_tab()
+    stand_at(tab, 0.5 + DURATION / 2)
+    assert push_shown(tab.state).impulse == pushes(tab)[0].impulse
+    stand_at(tab, 0.8)
+    shown = push_shown(tab.state)
+    assert shown.impulse == (0.0, 0.0, 0.0)
+    assert shown.time == 0.8
+    assert shown.tip == shown.origin
+
+
+def test_while_anything_moves_there_is_nothing_to_drag():
+    tab = pushed_tab()
+    stand_at(tab, 0.5, playing=True)
+    assert push_shown(tab.state) is None
+    stand_at(tab, 0.5)
+    assert push_shown(tab.state) is not None
+    tab.take(SimulateWanted())
+    assert push_shown(tab.state) is None
+    tab.finish_simulation()
+    assert push_shown(tab.state) is not None
+
+
+# ---- compared
+
+
+def test_with_and_without_replanning_are_two_simulations_and_one_is_pinned():
+    tab = pushed_tab()
+    push = pushes(tab)
+    tab.take(CompareWanted("replanning"))
+    assert tab.submits[-1].task.scenario == Scenario(pushes=push)
+    tab.finish_simulation()
+    (pin,) = tab.state.pins
+    assert pin.rollout.scenario == Scenario(pushes=push)
+    assert tab.submits[-1].task.scenario == Scenario(pushes=push, replan=True)
+    tab.finish_simulation()
+    assert tab.state.rollout.scenario.replan
+    assert tab.state.design.scenario.replan
+    assert tab.of(Play)
+    assert len(tab.state.pins) == 1
+
+
+def test_what_is_simulated_already_is_not_simulated_again():
+    tab = pushed_tab(replan=True)
+    tab.take(SimulateWanted())
+    tab.finish_simulation()
+    before = len(tab.submits)
+    tab.take(CompareWanted("replanning"))
+    tab.finish_simulation()
+    assert [s.task.scenario.replan for s in tab.submits[before:]] == [False]
+    assert [pin.rollout.scenario.replan for pin in tab.state.pins] == [True]
+
+
+@pytest.mark.parametrize(("model", "other"), [("llsrbm-plus", "srbm"), ("srbm", "llsrbm-plus")])
+def test_another_model_is_planned_and_simulated(model, other):
+    tab = planned_tab(model=model)
+    stand_at(tab, 0.5)
+    tick_push(tab)
+    tab.take(CompareWanted("model"))
+    tab.finish_simulation()
+    task = tab.submits[-1].task
+    assert isinstance(task, PlanJump)
+    assert task.jump.model == other
+    tab.settle()
+    assert isinstance(tab.submits[-1].task, SimulateJump)
+    tab.finish_simulation()
+    assert tab.of(Play)
+    assert [pin.rollout.jump.model for pin in tab.state.pins] == [model]
+    assert tab.state.rollout.jump.model == other
+    assert tab.state.rollout.scenario.pushes == pushes(tab)
+
+
+def test_a_full_comparison_says_so():
+    tab = pushed_tab()
+    for _ in range(3):
+        tab.take(CompareWanted("replanning"))
+        while isinstance(tab.state.work.awaited, SimulateJump):
+            tab.finish_simulation()
+    assert len(tab.state.pins) == 3
+    before = len(tab.submits)
+    tab.take(CompareWanted("replanning"))
+    assert len(tab.submits) == before
+    assert "unpin" in tab.notes()[0][1]
+
+
+def test_a_failed_first_one_ends_the_comparison():
+    tab = pushed_tab()
+    tab.take(CompareWanted("replanning"))
+    tab.report(Cancelled(0))
+    tab.take(SimulateWanted())
+    tab.report(Simulated(0, rollout_of(tab.state.plan)))
+    assert tab.state.pins == ()

@@ -1,0 +1,158 @@
+"""A push drawn with the mouse, simulated with replanning and compared; in a real browser."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from llsrbm.request.push import Push
+from tests.app.chromium import PACE, PIXELS, paused_at, press, status, tab, tick, wait_until
+
+pytestmark = pytest.mark.browser
+
+GRIP = "/push/tip"
+GRAB = 0.15  # m from the tip, on an arrow of the grip
+DRAG = 0.4  # m
+
+
+@pytest.fixture
+def page(page):
+    """With a push in mid-flight, the mouse nowhere near it."""
+    tab(page, "Scenario")
+    page.get_by_label("Push", exact=True).check()
+    page.wait_for_timeout(PACE)
+    wait_until(lambda: len(pushes(page)) == 1, "the push")
+    page.wait_for_function(f"window.__viserMutable.nodeRefFromName['{GRIP}']?.visible")
+    page.wait_for_timeout(500)
+    yield page
+    tab(page, "Scenario")
+    for label in ("Push", "Replan"):
+        page.get_by_label(label, exact=True).set_checked(False)
+        page.wait_for_timeout(PACE)
+    wait_until(lambda: not pushes(page) and not replans(page), "no push")
+
+
+def pushes(page):
+    return page.session.design.scenario.pushes
+
+
+def replans(page):
+    return page.session.design.scenario.replan
+
+
+def drag(page, axis, length):
+    """Draw the tip along an axis."""
+    points = np.zeros((2, 3))
+    points[:, axis] = GRAB, GRAB + length
+    grab, there = np.array(page.evaluate(PIXELS, [GRIP, *points.tolist()]))
+    page.mouse.move(*grab)
+    page.wait_for_timeout(PACE)
+    page.mouse.down()
+    for share in np.linspace(0, 1, 5):
+        page.mouse.move(*(grab + share * (there - grab)))
+        page.wait_for_timeout(PACE)
+    page.mouse.up()
+
+
+def simulated(page):
+    wait_until(lambda: page.session.rollout is not None, "the simulation")
+    return page.session.rollout
+
+
+def visible(page, node):
+    """Whether a node of the scene has a size and is shown."""
+    return page.evaluate(
+        "name => { const node = window.__viserMutable.nodeRefFromName[name];"
+        " return Boolean(node?.visible) && node.scale.z > 0; }",
+        node,
+    )
+
+
+def test_a_push_is_drawn_and_what_comes_of_it_is_played(page):
+    (before,) = pushes(page)
+    drag(page, 0, -DRAG)
+    rollout = simulated(page)
+    (push,) = rollout.scenario.pushes
+    assert push.time == before.time
+    assert push.impulse[1:] == before.impulse[1:]
+    # As far as the hand goes: 2 m an m/s.
+    expected = -DRAG / 2 * page.session.state.robot.mass
+    assert push.impulse[0] == pytest.approx(expected, rel=0.2)
+    page.wait_for_function("llsrbm.player.playing")
+    assert page.evaluate("llsrbm.player.time") >= push.time
+    assert page.get_by_label("Push x [N s]", exact=True).input_value() == f"{push.impulse[0]:g}"
+    press(page, "Undo")
+    wait_until(lambda: pushes(page) == (before,), "the push of before")
+
+
+def test_its_arrow_is_seen_while_it_acts(page):
+    (push,) = pushes(page)
+    press(page, "Simulate")
+    status(page, "Landed")
+    arrow = "/push/past/arrow/0"
+    page.wait_for_function(f"window.__viserMutable.nodeRefFromName['{arrow}']")
+    for time, seen in (
+        (push.time + 0.02, True),
+        (push.time - 0.1, False),
+        (push.time + 0.2, False),
+    ):
+        paused_at(page, time)
+        assert visible(page, arrow) == seen
+    words = page.locator("#llsrbm-transport .mark", has_text="push")
+    assert words.inner_text() == f"push {abs(push.impulse[1]):g} N s"
+
+
+def test_computing_times_are_bars_under_the_timeline(page):
+    assert page.locator("#llsrbm-transport .bar").count() == 0
+    page.get_by_label("Replan", exact=True).check()
+    page.wait_for_timeout(PACE)
+    press(page, "Simulate")
+    rollout = simulated(page)
+    bars = page.locator("#llsrbm-transport .bar")
+    page.wait_for_function("document.querySelector('#llsrbm-transport .bar')")
+    assert bars.count() == len(rollout.replans)
+    in_time = page.locator("#llsrbm-transport .bar.in-time")
+    assert (
+        0
+        < in_time.count()
+        == sum(replan.solved and replan.computing_time <= 0.02 for replan in rollout.replans)
+    )
+    replan = rollout.replans[3]
+    assert (
+        bars.nth(3)
+        .get_attribute("title")
+        .endswith(f"{1e3 * replan.computing_time:.1f} ms of 20 ms")
+    )
+    strip = page.locator("#llsrbm-transport .bars").bounding_box()
+    box = bars.nth(3).bounding_box()
+    end = page.evaluate("llsrbm.player.clip.end")
+    assert (box["x"] + 2 - strip["x"]) / strip["width"] == pytest.approx(
+        replan.asked / end, abs=0.01
+    )
+    assert box["height"] / strip["height"] == pytest.approx(replan.computing_time / 0.04, abs=0.1)
+    taken = next(replan.applied for replan in rollout.replans if np.isfinite(replan.applied))
+    paused_at(page, taken + 0.01)
+    assert visible(page, "/anew/foothold/0")
+    tick(page, "New plans", ticked=False)
+    page.wait_for_function("!window.__viserMutable.nodeRefFromName['/anew']?.visible")
+
+
+def test_the_same_push_both_ways_side_by_side(page):
+    press(page, "With and without replanning")
+    wait_until(lambda: page.session.state.pins and replans(page), "the second one")
+    wait_until(lambda: page.session.state.work.awaited is None, "the second simulation")
+    (pin,) = page.session.state.pins
+    assert not pin.rollout.scenario.replan
+    assert page.session.rollout.scenario.replan
+    page.wait_for_function("window.__viserMutable.nodeRefFromName['/pinned/1']?.visible")
+
+
+def test_a_number_puts_the_arrow_where_it_says(page):
+    page.get_by_label("Push at [s]", exact=True).fill("0.3")
+    page.wait_for_timeout(PACE)
+    wait_until(lambda: pushes(page)[0].time == 0.3, "another time")
+    page.wait_for_function("Math.abs(llsrbm.player.time - 0.3) < 1e-3")
+    page.get_by_label("Push y [N s]", exact=True).fill("-4")
+    page.wait_for_timeout(PACE)
+    wait_until(lambda: pushes(page) == (Push(0.3, (0.0, -4.0, 0.0)),), "another size")
+    assert page.session.rollout is None  # it is simulated when that is asked for

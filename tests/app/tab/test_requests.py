@@ -1,0 +1,352 @@
+"""Requests of a visitor, as values: no server, no thread, no planner."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import pytest
+
+from app.panel.status import Word
+from app.picture.landing_handle import Grip
+from app.tab.drag_planning import REST
+from app.tab.effects import After, Keep, LoadRobot, Notify, ResetControls, Stop
+from app.tab.events import (
+    CancelWanted,
+    DesignChosen,
+    JumpChosen,
+    NearestWanted,
+    RedoWanted,
+    Rested,
+    RobotLoaded,
+    RobotMissing,
+    ScenarioChosen,
+    SimulateWanted,
+    TargetDragged,
+    UndoWanted,
+)
+from app.tab.lanes import Lane
+from app.tab.opening import example_design
+from app.workers.protocol import PlanJump, Prepare, Prepared, SimulateJump, SimulateSeeds
+from llsrbm.request.design import Design
+from llsrbm.request.jump import Jump
+from llsrbm.request.scenario import Scenario
+from llsrbm.request.tuning import Tuning
+from llsrbm.robots import load_robot
+from tests.app.planners import Nearest
+from tests.app.pure_tab import ROBOTS, PureTab, plan_of, planned_tab
+
+EXAMPLE = Design(Jump(forward=0.2), Tuning(limits={"friction": 0.2}), title="Ice", note="Look.")
+
+
+@pytest.fixture
+def tab():
+    return planned_tab()
+
+
+# ---- planning while a slider moves
+
+
+def test_the_first_request_is_planned_with_patience_and_played():
+    tab = PureTab()
+    tab.move(forward=0.1)
+    submit = tab.one
+    assert submit.lane is Lane.MOTION
+    assert submit.task == PlanJump(tab.state.design.jump)
+    assert tab.told[0] is Word.PLANNING
+    assert tab.state.status.busy
+    tab.finish_plan()
+    assert [type(effect).__name__ for effect in tab.effects] == ["Play", "Keep"]
+    assert tab.told[0] is Word.PLANNED
+    assert tab.state.plan.jump.forward == 0.1
+
+
+def test_a_moving_slider_is_followed_quickly_from_what_is_shown(tab):
+    shown = tab.state.plan
+    tab.move(forward=0.05)
+    assert tab.one.task == PlanJump(tab.state.design.jump, near=shown, patient=False)
+    tab.finish_plan()
+    assert isinstance(tab.one, After)
+    assert vars(tab.one) == {"seconds": REST, "event": Rested(tab.state.work.dragging.rest)}
+    assert tab.told[0] is Word.PLANNING
+    assert "while you drag" in tab.told[1]
+    assert tab.state.plan.jump.forward == 0.05
+
+
+def test_a_request_that_has_rested_is_planned_from_scratch_and_kept(tab):
+    tab.move(forward=0.05)
+    tab.finish_plan()
+    tab.take(tab.one.event)
+    assert tab.one.task == PlanJump(tab.state.design.jump)
+    tab.finish_plan()
+    assert tab.one == Keep(tab.state.design)
+    assert tab.told[0] is Word.PLANNED
+    assert not tab.state.status.busy
+
+
+def test_a_rest_that_was_broken_off_leads_to_nothing(tab):
+    tab.move(forward=0.05)
+    tab.finish_plan()
+    rested = tab.one.event
+    tab.move(forward=0.06)
+    assert tab.take(rested) == ()
+    tab.finish_plan()
+    assert tab.take(rested) == ()  # of the rest before
+
+
+def test_the_same_request_is_not_planned_twice(tab):
+    before = tab.state.design
+    assert tab.move() == ()
+    assert tab.state.design is before
+    tab.move(forward=0.05)
+    assert tab.move() == ()
+
+
+def test_cancel_ends_a_rest_too(tab):
+    tab.move(forward=0.05)
+    tab.finish_plan()
+    rested = tab.one.event
+    assert tab.take(CancelWanted()) == (Stop(Lane.MOTION), Stop(Lane.SAVE))
+    assert tab.told[0] is Word.CANCELLED
+    assert not tab.state.status.busy
+    assert tab.take(rested) == ()
+    tab.move()  # the same request counts as a new one
+    assert isinstance(tab.one.task, PlanJump)
+
+
+def test_a_dragged_handle_is_a_request(tab):
+    grip = Grip(0.352, -0.118, math.radians(30))
+    tab.take(TargetDragged(grip.applied_to(tab.state.design.jump, tab.state.file.task)))
+    assert tab.one.task.jump == replace(
+        tab.state.design.jump, twist=math.radians(30), forward=0.35, lateral=-0.12
+    )
+
+
+def test_other_weights_and_limits_are_planned(tab):
+    tuning = Tuning(limits={"friction": 0.3})
+    tab.take(JumpChosen(tab.state.design.jump, tuning))
+    assert tab.one.task.tuning == tuning
+    tab.take(JumpChosen(tab.state.design.jump, None))  # controls of another robot's tuning
+    assert tab.state.design.tuning == tuning
+
+
+def test_corrections_are_noted_and_the_controls_put_right(tab):
+    jump = replace(tab.state.design.jump, forward=0.6)
+    tab.take(JumpChosen(jump, Tuning(), ("Forward [m]: too far", "Lateral [m]: too far")))
+    _, *after = tab.effects
+    assert after == [
+        Notify("Corrected", "Forward [m]: too far; Lateral [m]: too far"),
+        ResetControls(),
+    ]
+    tab.take(ScenarioChosen(Scenario(), ("Seed: too large",)))
+    assert tab.effects[1:] == (Notify("Corrected", "Seed: too large"), ResetControls())
+
+
+# ---- undone and done again
+
+
+def steps_back(tab):
+    """Designs on the way back, and the tab is where it was."""
+    found, here = [], tab.state.design
+    while tab.state.history.back:
+        tab.take(UndoWanted())
+        found.append(tab.state.design)
+    for _ in found:
+        tab.take(RedoWanted())
+    assert tab.state.design == here
+    return found
+
+
+def test_changes_of_the_same_number_are_one_step_back():
+    tab = planned_tab()
+    first = len(tab.state.history.back)
+    for forward in (0.05, 0.1, 0.15):
+        tab.move(forward=forward)
+    for twist in (0.1, 0.2):
+        tab.move(twist=twist)
+    assert len(tab.state.history.back) == first + 2
+    tab.take(UndoWanted())
+    assert (tab.state.design.jump.forward, tab.state.design.jump.twist) == (
+        0.15,
+        pytest.approx(1.5708),
+    )
+    tab.take(UndoWanted())
+    assert tab.state.design.jump.forward == 0.01
+    assert isinstance(tab.one.task, PlanJump)
+
+
+def test_a_number_that_rested_begins_another_step(tab):
+    first = len(tab.state.history.back)
+    for forward in (0.05, 0.1):
+        tab.move(forward=forward)
+        tab.settle()
+    assert len(tab.state.history.back) == first + 2
+
+
+def test_every_design_comes_back_and_forth(tab):
+    designs = [tab.state.design]
+    for event in (
+        lambda: JumpChosen(replace(tab.state.design.jump, lateral=0.1), Tuning()),
+        lambda: ScenarioChosen(Scenario(board=0.02)),
+        lambda: DesignChosen(EXAMPLE),
+        lambda: JumpChosen(replace(tab.state.design.jump, robot="go2"), None),
+        lambda: JumpChosen(tab.state.design.jump, Tuning(weights={"force": 2.0})),
+    ):
+        tab.take(event())
+        designs.append(tab.state.design)
+    assert len(set(map(repr, designs))) == len(designs)
+    assert steps_back(tab)[: len(designs) - 1] == designs[-2::-1]
+
+
+def test_a_change_ends_what_could_be_done_again(tab):
+    tab.move(forward=0.1)
+    tab.take(UndoWanted())
+    assert tab.state.history.forth
+    tab.move(lateral=0.1)
+    assert not tab.state.history.forth
+    assert tab.take(RedoWanted()) == ()
+
+
+def test_the_oldest_designs_are_let_go(tab):
+    for number in range(120):
+        tab.take(DesignChosen(replace(EXAMPLE, title=f"{number}")))
+    assert len(tab.state.history.back) == 100
+    assert tab.state.history.back[-1].title == "118"
+
+
+def test_nothing_to_undo_is_nothing():
+    tab = PureTab()
+    before = tab.state
+    assert tab.take(UndoWanted()) == tab.take(RedoWanted()) == ()
+    assert tab.state is before
+
+
+def test_an_examples_note_goes_and_comes_with_it(tab):
+    tab.take(DesignChosen(EXAMPLE))
+    assert (tab.state.note, tab.state.design) == ("Look.", EXAMPLE)
+    tab.move(forward=0.25)
+    assert (tab.state.note, tab.state.design.title, tab.state.design.note) == ("", "", "")
+    assert tab.state.design.tuning == EXAMPLE.tuning
+    tab.take(UndoWanted())
+    assert (tab.state.note, tab.state.design) == ("Look.", EXAMPLE)
+
+
+# ---- robots
+
+
+def test_another_robot_brings_its_example_and_is_prepared_first(tab):
+    tab.move(robot="slider", forward=0.6)
+    example = example_design(ROBOTS["slider"]).jump
+    assert tab.state.design == Design(example)
+    assert tab.one.task == Prepare("slider")
+    assert (tab.state.robot.name, tab.state.ready) == ("anymal", False)
+    tab.move()
+    assert tab.effects == ()  # it is under way
+    tab.report(Prepared(0, "slider"))
+    assert tab.one == LoadRobot("slider")
+    tab.take(RobotLoaded(load_robot("slider")))
+    assert tab.one.task == PlanJump(example)
+    assert tab.state.shown is None
+    tab.finish_plan()
+    assert tab.state.plan.jump == example
+
+
+def test_what_is_entered_while_a_robot_is_prepared_counts(tab):
+    tab.move(robot="go2")
+    tab.move(lateral=0.2)
+    tab.settle()
+    assert (tab.state.plan.jump.robot, tab.state.plan.jump.lateral) == ("go2", 0.2)
+
+
+def test_a_robot_that_is_not_wanted_any_more_is_not_drawn(tab):
+    tab.move(robot="go2")
+    tab.report(Prepared(0, "go2"))
+    tab.take(UndoWanted())  # while it is loaded
+    (submit,) = tab.effects
+    assert tab.take(RobotLoaded(load_robot("go2"))) == ()
+    assert tab.take(RobotMissing("go2", "no meshes")) == ()
+    assert tab.state.robot.name == "anymal"
+    tab.finish_plan(submit)
+    assert tab.state.plan.jump.robot == "anymal"
+    assert tab.told[1] != "no meshes"
+
+
+def test_a_robot_that_cannot_be_drawn_is_a_sentence(tab):
+    tab.move(robot="go2")
+    tab.report(Prepared(0, "go2"))
+    tab.take(RobotMissing("go2", "no meshes"))
+    assert tab.told == (Word.FAILED, "no meshes")
+    tab.move(lateral=0.1)  # another try
+    assert tab.one.task == Prepare("go2")
+
+
+# ---- simulations
+
+
+def test_the_plan_that_is_shown_is_simulated_in_the_designs_scenario(tab):
+    tab.take(ScenarioChosen(Scenario(board=0.02)))
+    assert tab.one == Keep(tab.state.design)
+    tab.take(SimulateWanted())
+    submit, keep = tab.effects
+    assert isinstance(submit.task, SimulateJump)
+    assert (submit.task.plan, submit.task.scenario) == (tab.state.plan, Scenario(board=0.02))
+    assert keep == Keep(tab.state.design)
+    assert tab.told[0] is Word.SIMULATING
+
+
+@pytest.mark.parametrize(("seeds", "kind"), [(0, SimulateJump), (20, SimulateSeeds)])
+def test_the_plan_that_is_awaited_is_simulated_when_it_has_rested(tab, seeds, kind):
+    tab.move(forward=0.1)
+    assert tab.take(SimulateWanted(seeds)) == ()
+    tab.finish_plan()
+    (after,) = tab.of(After)
+    tab.take(after.event)
+    tab.finish_plan()
+    (submit,) = (effect for effect in tab.effects if not isinstance(effect, Keep))
+    assert isinstance(submit.task, kind)
+    assert submit.task.plan.jump.forward == 0.1
+    assert tab.state.work.simulate_next is None
+
+
+@pytest.mark.parametrize(
+    "event", [CancelWanted(), UndoWanted(), DesignChosen(EXAMPLE), ScenarioChosen(Scenario(seed=1))]
+)
+def test_it_is_not_simulated_when_something_else_was_asked_for_meanwhile(tab, event):
+    tab.move(forward=0.1)
+    tab.take(SimulateWanted())
+    tab.take(event)
+    assert tab.state.work.simulate_next is None
+
+
+def test_seeds_are_simulated_in_turn(tab):
+    tab.take(SimulateWanted(5))
+    assert tab.one.task.seeds == (0, 1, 2, 3, 4)
+    assert (tab.state.seeds.plan, tab.state.seeds.count) == (tab.state.plan, 5)
+
+
+def test_there_must_be_a_plan_that_converged():
+    tab = PureTab()
+    tab.take(SimulateWanted())
+    assert tab.notes() == [("Not simulated", "There is no plan yet.")]
+    tab = planned_tab()
+    tab.move(robot="slider")
+    tab.take(SimulateWanted())
+    assert tab.notes() == [("Not simulated", "There is no plan yet.")]
+    tab = PureTab()
+    tab.move(forward=0.1)
+    tab.finish_plan(status="not-converged")
+    tab.take(SimulateWanted())
+    assert tab.notes() == [
+        ("Not simulated", "The planner did not converge, so there is no motion to follow.")
+    ]
+
+
+def test_the_jump_on_offer_is_taken(tab):
+    assert tab.take(NearestWanted()) == ()
+    jump = replace(tab.state.design.jump, height=0.2)
+    work = replace(tab.state.work, nearest=Nearest(jump, plan_of(jump), "height 0.2 m"))
+    tab.state = replace(tab.state, work=work)
+    tab.take(NearestWanted())
+    assert tab.one.task.jump == jump
+    assert tab.state.work.nearest is None
+    assert tab.state.history.back[-1].jump.height == 0

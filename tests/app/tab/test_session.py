@@ -1,0 +1,344 @@
+"""One tab, spoken to as a browser (or a hostile script) would."""
+
+from __future__ import annotations
+
+import io
+import math
+import time
+
+import numpy as np
+import pytest
+
+from app.tab.initial_plan import example
+from llsrbm import models
+from llsrbm.formats import FORMATS
+from llsrbm.robots import load_robot, names
+from tests.app import planners
+from tests.app.raw_tab import RawTab, choose, planned
+
+
+def test_the_first_plan_comes_by_itself_and_the_page_plays_it(tab, session, script):
+    assert session.plan.jump == example("anymal")
+    assert "12 ms, 7 iterations, largest violation 2.0e-07 N (friction)" in tab.status()
+    tab.wait(lambda: script.calls("player.play") == [[]], "its motion")
+    assert script.end == pytest.approx(session.plan.duration)
+    assert {"/com", "/links/base", "/ellipsoid/srbm/wires", "/arrows/3"} < script.nodes()
+    for time_shown in (0.0, 0.65, 1.3):
+        position, wxyz, _ = script.at("/links/base", time_shown)
+        plan = session.plan
+        expected = [np.interp(time_shown, plan.time, axis) for axis in plan.base_position.T]
+        assert position == pytest.approx(expected, abs=0.02)
+        assert np.linalg.norm(wxyz) == pytest.approx(1, abs=1e-6)
+
+
+def test_nothing_is_sent_while_the_page_plays(tab, script):
+    script.say(kind="state", time=0.1, playing=True)
+    time.sleep(0.5)
+    before = tab.received.total()
+    time.sleep(0.7)
+    assert tab.received.total() == before
+
+
+def test_every_label_of_the_contract_is_there(tab):
+    for label in ("Twist [deg]", "Forward [m]", "Lateral [m]", "Landing height [m]"):
+        assert tab.control(label)["type"] == "GuiSliderMessage"
+    for label in ("Robot", "Model", "Format"):
+        assert tab.control(label)["type"] == "GuiDropdownMessage"
+    assert tab.control("Inertia ellipsoids")["type"] == "GuiCheckboxMessage"
+    for label in ("Simulate", "Cancel", "Export", "Open"):
+        assert tab.control(label)["type"] in ("GuiButtonMessage", "GuiUploadButtonMessage")
+    titles = [load_robot(name).file.title for name in names()]
+    assert tab.control("Robot")["props"]["options"] == titles
+    assert tab.control("Model")["props"]["options"] == ["SRBM", "LL-SRBM", "LL-SRBM+"]
+    assert len(models.names()) == 3
+    assert tab.control("Format")["props"]["options"] == list(FORMATS)
+
+
+def test_slider_ranges_come_from_the_robot_file(tab):
+    def ends(label):
+        props = tab.control(label)["props"]
+        return props["min"], props["max"]
+
+    assert ends("Twist [deg]") == (-180, 180)
+    assert ends("Forward [m]") == (-0.3, 0.6)
+    assert ends("Landing height [m]") == (-0.2, 0.3)
+
+
+def test_a_slider_plans_anew(tab, session):
+    tab.set("Forward [m]", 0.4)
+    plan = planned(tab, session, lambda jump: jump.forward == 0.4, "the new plan")
+    assert plan.jump.twist == pytest.approx(
+        math.pi / 2, abs=1e-5
+    )  # the example's, as its file has it
+    tab.wait(
+        lambda: (
+            tab.nodes["/target/foot0"]["position"][0] == pytest.approx(plan.foot_position[-1, 0, 0])
+        ),
+        "the landing mark",
+    )
+    tab.wait_for_status("Planned")
+
+
+def test_the_last_of_many_slider_values_wins(tab, session):
+    for twist in range(90, -91, -1):
+        tab.set("Twist [deg]", twist)
+    planned(tab, session, lambda jump: jump.twist == pytest.approx(-math.pi / 2), "the last value")
+    tab.wait_for_status("Planned")
+    time.sleep(0.2)
+    assert session.plan.jump.twist == pytest.approx(-math.pi / 2)
+
+
+def test_the_model_reaches_the_planner(tab, session):
+    tab.set("Model", "srbm")
+    planned(tab, session, lambda jump: jump.model == "srbm", "a plan with srbm")
+
+
+def test_a_robot_brings_its_ranges_and_its_example(tab, session):
+    tab.set("Forward [m]", 0.6)
+    tab.set("Model", "srbm")
+    tab.set("Board [mm]", 60)
+    planned(tab, session, lambda jump: jump.forward == 0.6, "a plan out of SLIDER's range")
+    choose(tab, session, "slider")
+    file = load_robot("slider").file
+    forward = tab.control("Forward [m]")
+    assert (forward["props"]["min"], forward["props"]["max"]) == file.task.forward
+    assert session.plan.jump.model == "srbm"
+    shown = {
+        "twist": math.radians(tab.value("Twist [deg]")),
+        "forward": forward["value"],
+        "height": tab.value("Landing height [m]"),
+    }
+    for name, value in shown.items():
+        assert value == pytest.approx(getattr(file.example, name), abs=0.01)
+        assert getattr(session.plan.jump, name) == pytest.approx(value)
+    choose(tab, session, "go2")
+    assert tab.control("Board [mm]")["props"]["max"] == 40
+    assert tab.value("Board [mm]") == 0  # what was asked of the other robot is not for this one
+    assert not tab.notifications
+
+
+def test_what_is_entered_while_a_robot_is_prepared_counts(tab, session):
+    tab.set("Robot", "go2")
+    tab.wait(lambda: tab.control("Landing height [m]")["props"]["max"] == 0.25, "Go2's ranges")
+    tab.set("Lateral [m]", 0.2)
+    planned(tab, session, lambda jump: jump.robot == "go2" and jump.lateral == 0.2, "that plan")
+
+
+def test_soles_are_marked_and_their_corners_forces_drawn_as_one(tab, session, script):
+    choose(tab, session, "slider")
+    tab.set("Twist [deg]", 60)
+    planned(tab, session, lambda jump: jump.twist == pytest.approx(math.pi / 3), "a twist")
+    tab.wait_for_status("Planned")
+    plan = session.plan
+    for i in range(2):
+        position, wxyz, scale = script.at(f"/arrows/{i}", 0.0)
+        assert position == pytest.approx(plan.foot_position[0, i], abs=1e-6)
+        assert wxyz == pytest.approx([1, 0, 0, 0])
+        assert scale == pytest.approx([1, 1, 0.4], rel=1e-3)
+    for i, (foot, wxyz) in enumerate(zip(plan.foot_position[-1], plan.foot_quat[-1], strict=True)):
+        mark = tab.nodes[f"/target/foot{i}"]
+        assert mark["dimensions"][:2] == pytest.approx((0.164, 0.098))
+        assert mark["position"][:2] == pytest.approx(foot[:2])
+        assert mark["wxyz"] == pytest.approx(wxyz)
+    assert "/target/foot2" not in tab.nodes
+    assert "/arrows/2" not in script.nodes()
+
+
+def test_the_camera_gets_what_there_is_to_see(tab, session, script):
+    def height():
+        low, high = np.transpose([script.sight["low"], script.sight["high"]]).T
+        return (high - low)[2]
+
+    first = height()
+    choose(tab, session, "go2")
+    tab.wait(lambda: height() < 0.95 * first, "a view of a smaller robot")
+    small = height()
+    choose(tab, session, "slider")
+    tab.wait(lambda: height() > 1.3 * small, "a view of a taller one")
+
+
+@pytest.mark.parametrize(
+    ("label", "value", "shown", "told"),
+    [
+        ("Twist [deg]", 999.0, 180.0, "expected -180 to 180, got 999; the nearest is taken"),
+        ("Forward [m]", -5.0, -0.3, "expected -0.3 to 0.6, got -5; the nearest is taken"),
+        ("Lateral [m]", math.nan, 0.0, "expected a number, got nan"),
+        ("Landing height [m]", math.inf, 0.0, "expected a number, got inf"),
+        ("Model", "<b>x</b>", "LL-SRBM+", "expected one of SRBM, LL-SRBM, LL-SRBM+"),
+        ("Robot", "nosuch", "ANYmal B", "expected one of Unitree A1"),
+    ],
+)
+def test_a_value_no_control_offers_is_corrected_and_said(tab, session, label, value, shown, told):
+    tab.set(label, value)
+    tab.wait(lambda: tab.notifications, "a notification")
+    title, body = tab.notifications[0]
+    assert title == "Corrected"
+    assert body.startswith(f"{label}: {told}")
+    tab.wait(lambda: tab.value(label) == shown, "the corrected value")
+    tab.wait_for_status("Planned")
+
+
+def test_overwriting_a_controls_inside_breaks_its_own_tab_at_most(designer, tab, session):
+    """viser lets a client set any attribute of a handle."""
+    with RawTab(designer.port) as hostile:
+        hostile.wait_for_status("Planned")
+        hostile.set("Forward [m]", 50.0, prop="props")
+        hostile.set("Forward [m]", 7.0)
+        time.sleep(0.3)
+    tab.set("Forward [m]", 0.35)
+    planned(tab, session, lambda jump: jump.forward == 0.35, "the new plan")
+
+
+def test_garbage_closes_its_own_connection_only(designer, tab):
+    with RawTab(designer.port) as hostile:
+        hostile._connection.send(b"\xff\x00garbage")
+        assert hostile.closed.wait(10)
+    tab.set("Forward [m]", 0.2)
+    tab.wait_for_status("Planned")
+
+
+def test_cancel_says_so_and_the_next_value_plans_again(tab, session):
+    tab.set("Twist [deg]", math.degrees(planners.SLOW))
+    tab.wait(lambda: tab.control("Cancel")["props"]["visible"], "Cancel")
+    tab.press("Cancel")
+    tab.wait_for_status("Cancelled")
+    assert not tab.control("Cancel")["props"]["visible"]
+    tab.set("Twist [deg]", 10.0)
+    tab.wait_for_status("Planned")
+
+
+def test_a_crash_is_shown_and_survived(tab, session, capfd):
+    tab.set("Twist [deg]", math.degrees(planners.CRASH))
+    assert "ended unexpectedly (exit status 9) and was restarted" in tab.wait_for_status("Failed")
+    tab.set("Twist [deg]", 20.0)
+    tab.wait_for_status("Planned")
+
+
+def test_no_convergence_shows_where_the_solver_stopped(tab, session):
+    tab.set("Twist [deg]", math.degrees(planners.UNSOLVABLE))
+    tab.wait_for_status("Failed")
+    assert not session.plan.solved
+    # What is looked for next is not found.
+    tab.wait(lambda: "nothing can be planned within 10 N" in tab.status(), "the search's end")
+    assert "reach violated in flight by 0.02 m" in tab.status()
+    assert "no feasible motion" in tab.status()
+    assert not tab.control("Use nearest feasible")["props"]["visible"]
+    assert list(tab.nodes["/path/com"]["colors"][:3]) == [220, 40, 40]
+    tab.set("Twist [deg]", 30.0)
+    tab.wait_for_status("Planned")
+    assert list(tab.nodes["/path/com"]["colors"][:3]) == [90, 60, 180]
+
+
+def test_a_refused_request_is_a_sentence(tab):
+    tab.set("Twist [deg]", math.degrees(planners.REFUSED))
+    assert tab.wait_for_status("Failed") == "Failed twist: expected -1 to 1 rad, got more"
+
+
+def drag(tab, session, wxyz, position):
+    """As viser's page does when the landing handle is dragged and let go."""
+    names = {"name": "/goal", "owner": str(session._client.client_id)}
+    pose = {"wxyz": wxyz, "position": position}
+    tab.send({"type": "TransformControlsDragStartMessage", **names})
+    tab.send({"type": "TransformControlsUpdateMessage", **pose, **names})
+    tab.send({"type": "TransformControlsDragEndMessage", **names})
+
+
+def test_the_landing_handle_moves_the_sliders_and_the_plan(tab, session):
+    yaw = math.radians(30)
+    drag(tab, session, (math.cos(yaw / 2), 0, 0, math.sin(yaw / 2)), (0.352, -0.118, 0.4))
+    jump = planned(tab, session, lambda jump: jump.forward == 0.35, "the plan").jump
+    assert (jump.twist, jump.lateral, jump.height) == pytest.approx((yaw, -0.12, 0))
+    shown = {"Twist [deg]": 30, "Forward [m]": 0.35, "Lateral [m]": -0.12}
+    tab.wait(lambda: {label: tab.value(label) for label in shown} == shown, "the sliders")
+    # Let go, it stands on the sliders' steps.
+    tab.wait(
+        lambda: list(tab.nodes["/goal"].get("position", ())) == pytest.approx([0.35, -0.12, 0]),
+        "the handle",
+    )
+
+
+def test_a_handle_that_is_nowhere_is_not_followed(tab, session):
+    drag(tab, session, (math.nan,) * 4, (math.inf,) * 3)
+    time.sleep(0.3)
+    tab.set("Forward [m]", 0.15)
+    jump = planned(tab, session, lambda jump: jump.forward == 0.15, "a plan all the same").jump
+    assert (jump.twist, jump.lateral) == (pytest.approx(math.pi / 2), 0)
+
+
+def test_layers_can_be_hidden(tab):
+    tab.wait(lambda: tab.nodes["/ellipsoid/planned"].get("visible"), "the ellipsoid")
+    tab.set("Inertia ellipsoids", False)
+    tab.wait(lambda: not tab.nodes["/ellipsoid/planned"]["visible"], "no ellipsoid")
+    tab.set("Trails", False)
+    tab.wait(lambda: not tab.nodes["/path/com"]["visible"], "no trail")
+    tab.set("Forward [m]", 0.1)
+    tab.wait_for_status("Planned")
+    tab.wait(lambda: not tab.nodes["/path/com"].get("visible", True), "no trail with a new plan")
+    tab.set("Inertia ellipsoids", True)
+    tab.wait(lambda: tab.nodes["/ellipsoid/planned"]["visible"], "the ellipsoid again")
+
+
+@pytest.mark.parametrize("height", [0.2, -0.15])
+def test_a_step_is_drawn_where_it_is(tab, session, height):
+    tab.set("Landing height [m]", height)
+    planned(tab, session, lambda jump: jump.height == height, "the new plan")
+
+    # The session has its plan before the tab has the messages that draw it.
+    def drawn():
+        step = tab.nodes.get("/target/step0")
+        ground = tab.nodes["/ground"].get("position", (0.0, 0.0, 0.0))
+        return (
+            step is not None
+            and step["visible"]
+            and step["dimensions"][2] == pytest.approx(abs(height))
+            and step["position"][2] == pytest.approx(height / 2)
+            and ground[2] == pytest.approx(min(height, 0))
+        )
+
+    tab.wait(drawn, "the step where it is")
+    assert tab.nodes["/target/step0"]["dimensions"][0] > 0.5
+
+
+def test_export_downloads_the_plan_that_is_shown(tab, session):
+    tab.set("Forward [m]", 0.25)
+    planned(tab, session, lambda jump: jump.forward == 0.25, "the new plan")
+    tab.set("Format", "npz")
+    tab.press("Export")
+    tab.wait(lambda: tab.downloads, "a download")
+    ((name, content),) = tab.downloads
+    assert name == "anymal-llsrbm-plus-plan.npz"
+    stored = np.load(io.BytesIO(content), allow_pickle=False)
+    assert stored["com"].tolist() == session.plan.com.tolist()
+
+
+def test_tabs_do_not_see_each_other(designer, tab, session):
+    with RawTab(designer.port) as other:
+        other.wait_for_status("Planned")
+        other.set("Forward [m]", 0.5)
+        other.wait(lambda: designer.sessions[-1].plan.jump.forward == 0.5, "the other's plan")
+        assert session.plan.jump.forward == 0.0
+        assert tab.value("Forward [m]") == 0.0
+
+
+def test_a_closed_tab_leaves_nothing_behind(designer):
+    before = len(designer.sessions)
+    with RawTab(designer.port) as passing:
+        passing.wait_for_status("Planned")
+        thread = designer.sessions[-1]._thread
+    thread.join(5)
+    assert not thread.is_alive()
+    deadline = time.monotonic() + 5
+    while len(designer.sessions) > before and time.monotonic() < deadline:
+        time.sleep(0.02)
+    assert len(designer.sessions) <= before
+
+
+def test_the_robots_meshes_fit_into_a_megabyte(designer):
+    with RawTab(designer.port) as fresh:
+
+        def links():
+            return [name for name in list(fresh.nodes) if name.startswith("/links/")]
+
+        fresh.wait(lambda: len(links()) >= 13, "all links of the robot")
+        assert len(links()) == 13
+        assert fresh.received_bytes < 1_000_000

@@ -1,0 +1,388 @@
+"""Files in and out of one tab: opened without solving again, and gone on from; saved in formats."""
+
+from __future__ import annotations
+
+import io
+import json
+import math
+import time
+import zipfile
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import llsrbm
+from app.workers.protocol import PlanJump
+from llsrbm.ocp.problem import Iterate
+from llsrbm.request.design import Design, dump_design, load_design
+from llsrbm.request.jump import Jump
+from llsrbm.request.scenario import Scenario
+from llsrbm.request.tuning import Tuning
+from llsrbm.robots import load_robot
+from tests.app.planners import SLOW_PAD
+from tests.app.raw_tab import RawTab, choose, pinned, planned
+from tests.app.synthetic_plan import synthetic_plan
+from tests.llsrbm.synthetic_rollout import synthetic_rollout
+
+# Of no control's step, so that nobody could have planned it from the controls.
+JUMP = Jump(robot="anymal", model="srbm", twist=1.234, forward=0.123, lateral=-0.1, height=0.1)
+TUNING = Tuning(limits={"friction": 0.45})
+SCENARIO = Scenario(board=0.02, half_board=True, seed=7, noise=2.0)
+SOLUTION = Iterate(np.arange(5.0), np.arange(3.0))
+
+
+def plan_of(jump=JUMP, **changes):
+    return replace(synthetic_plan(jump), tuning=TUNING, solution=SOLUTION, **changes)
+
+
+def rollout_of(plan, **changes):
+    return replace(synthetic_rollout(plan), scenario=SCENARIO, **changes)
+
+
+def content(trajectory, tmp_path):
+    path = tmp_path / "file.npz"
+    trajectory.save(path)
+    return path.read_bytes()
+
+
+@pytest.fixture
+def submitted(session, monkeypatch):
+    """Tasks that the session asks the pool for."""
+    asked, submit = [], session._pool.submit
+
+    def note(tab, task, listener):
+        asked.append(task)
+        return submit(tab, task, listener)
+
+    monkeypatch.setattr(session._pool, "submit", note)
+    return asked
+
+
+# ---- plans
+
+
+def test_a_plan_is_shown_as_it_is(tab, session, script, submitted, tmp_path):
+    plan = plan_of()
+    tab.upload("Open", "mine.npz", content(plan, tmp_path))
+    planned(tab, session, lambda jump: jump == JUMP, "the plan")
+    tab.wait(lambda: "from file mine.npz" in tab.status(), "the status line")
+    assert tab.status().startswith("Planned from file mine.npz: in 12 ms")
+    assert session.plan.com.tolist() == plan.com.tolist()
+    assert script.end == pytest.approx(plan.duration)
+    shown = {"Robot": "ANYmal B", "Model": "SRBM", "Twist [deg]": 71.0, "Forward [m]": 0.12}
+    assert {label: tab.value(label) for label in shown} == shown
+    assert tab.page.calls("tuning.show")[-1] == [{"weights": {}, "limits": {"friction": 0.45}}]
+    assert "Opened mine.npz." in tab.text()
+    time.sleep(0.8)  # longer than a request has to rest
+    assert not any(isinstance(task, PlanJump) for task in submitted)
+    assert session.plan.jump == JUMP
+
+
+def test_a_slider_then_starts_from_it(tab, session, submitted, tmp_path):
+    tab.upload("Open", "mine.npz", content(plan_of(), tmp_path))
+    planned(tab, session, lambda jump: jump == JUMP, "the plan")
+    tab.set("Forward [m]", 0.15)
+    planned(tab, session, lambda jump: jump.forward == 0.15, "the next plan")
+    first = next(task for task in submitted if isinstance(task, PlanJump))
+    assert first.near.solution.variables.tolist() == SOLUTION.variables.tolist()
+    assert (first.patient, first.tuning) == (False, TUNING)
+    tab.wait_for_status("Planned")
+    assert "mine.npz" not in tab.status()
+    assert "mine.npz" not in tab.text()
+
+
+def test_a_plan_of_another_robot_brings_the_robot(tab, session, tmp_path):
+    jump = Jump(robot="slider", twist=0.3)
+    tab.upload("Open", "slider.npz", content(synthetic_plan(jump), tmp_path))
+    planned(tab, session, lambda it: it == jump, "the plan")
+    tab.wait_for_status("Planned from file slider.npz")
+    assert tab.value("Robot") == "SLIDER"
+    ends = tab.control("Forward [m]")["props"]
+    assert (ends["min"], ends["max"]) == load_robot("slider").file.task.forward
+    tab.set("Twist [deg]", 20)
+    planned(tab, session, lambda it: it.twist == pytest.approx(math.radians(20)), "the next")
+
+
+def test_one_that_did_not_converge_says_so(tab, session, tmp_path):
+    tab.upload("Open", "bad.npz", content(synthetic_plan(JUMP, "not-converged"), tmp_path))
+    told = "Failed from file bad.npz: the planner did not converge, largest violation 2.0e-07 N"
+    assert tab.wait_for_status("Failed").startswith(told)
+    assert not session.plan.solved
+
+
+def test_a_file_ends_what_is_being_planned(tab, session, tmp_path):
+    tab.set("Twist [deg]", 51)  # takes a second
+    tab.wait_for_status("Planning")
+    tab.upload("Open", "mine.npz", content(plan_of(), tmp_path))
+    tab.wait_for_status("Planned from file")
+    time.sleep(1.5)
+    assert session.plan.jump == JUMP
+    assert "from file mine.npz" in tab.status()
+
+
+def test_another_robots_numbers_are_told(tab, session, submitted, tmp_path):
+    parameters = synthetic_plan(JUMP).robot_parameters
+    other = plan_of(robot_parameters=parameters | {"mass": 44.0})
+    tab.upload("Open", "heavy.npz", content(other, tmp_path))
+    planned(tab, session, lambda jump: jump == JUMP, "the plan")
+    tab.wait(lambda: "It was made with another anymal (mass)" in tab.text(), "the remark")
+    tab.set("Forward [m]", 0.15)
+    planned(tab, session, lambda jump: jump.forward == 0.15, "the next plan")
+    assert next(t for t in submitted if isinstance(t, PlanJump)).near is None
+
+
+# ---- simulations
+
+
+def test_a_simulation_is_shown_with_its_plan(tab, session, script, tmp_path):
+    rollout = rollout_of(plan_of())
+    tab.upload("Open", "run.npz", content(rollout, tmp_path))
+    told = tab.wait_for_status("Landed")
+    assert told.startswith("Landed from file run.npz: yaw -2.9° from the plan")
+    assert session.rollout.qpos.tolist() == rollout.qpos.tolist()
+    assert session.plan.jump == JUMP
+    assert session.design == Design(JUMP, TUNING, SCENARIO)
+    shown = {"Board [mm]": 20, "Half board": True, "Disturb": True, "Seed": 7}
+    assert {label: tab.value(label) for label in shown} == shown
+    assert script.end == pytest.approx(2.3)
+    assert {"/shade/base", "/links/base"} < script.nodes()
+
+
+def test_one_goes_on_from_a_simulation(tab, session, submitted, tmp_path):
+    tab.upload("Open", "run.npz", content(rollout_of(plan_of()), tmp_path))
+    tab.wait_for_status("Landed")
+    tab.press("Pin")
+    tab.wait(lambda: len(pinned(tab)) == 1, "a ghost")
+    tab.press("Simulate")
+    tab.wait(lambda: tab.status().startswith("Landed yaw"), "another simulation")
+    assert submitted[-1].scenario == SCENARIO
+    tab.press("Export")
+    tab.wait(lambda: tab.downloads, "a download")
+    assert tab.downloads[0][0] == "anymal-srbm-rollout.npz"
+    tab.set("Forward [m]", 0.15)
+    planned(tab, session, lambda jump: jump.forward == 0.15, "the next plan")
+    tab.wait_for_status("Planned")
+    assert session.rollout is None
+    tab.press("Take up")
+    planned(tab, session, lambda jump: jump == session.design.jump, "the pinned design")
+    assert session.design.scenario == SCENARIO
+
+
+def test_what_was_saved_opens_as_it_was(tab, session):
+    tab.press("Simulate")
+    tab.wait_for_status("Landed")
+    rollout = session.rollout
+    tab.press("Export")
+    tab.wait(lambda: tab.downloads, "a download")
+    tab.set("Forward [m]", 0.2)
+    tab.wait_for_status("Planned")
+    tab.upload("Open", *tab.downloads[0])
+    tab.wait_for_status("Landed from file")
+    assert session.rollout.com.tolist() == rollout.com.tolist()
+    assert session.plan.jump == rollout.jump
+
+
+# ---- for looking
+
+
+def test_an_old_simulation_without_its_plan_becomes_a_pin(tab, session, tmp_path):
+    before = session.plan
+    old = replace(rollout_of(plan_of()), plan=None)
+    tab.upload("Open", "old.npz", content(old, tmp_path))
+    tab.wait(lambda: len(pinned(tab)) == 1, "a ghost")
+    tab.wait(lambda: "old.npz is pinned for looking" in tab.text(), "its fate")
+    assert session.plan is before
+    assert tab.status().startswith("Planned in")
+    assert tab.control("Pinned")["props"]["options"] == ["1. old.npz"]
+    assert "landed" in tab.text()
+    tab.press("Take up")  # its request is known
+    planned(tab, session, lambda jump: jump.model == "srbm", "what it was asked for")
+
+
+def test_another_tools_motion_becomes_a_pin_of_the_robot_that_is_shown(tab, session, script):
+    choose(tab, session, "go2")
+    tab.upload("Open", "foreign.csv", b"numbers")
+    tab.wait(lambda: len(pinned(tab)) == 1, "a ghost")
+    tab.wait(lambda: "/pinned/1/base" in script.nodes(), "its motion")
+    # It goes on when the plan that is shown has ended.
+    tab.wait(lambda: script.events["end"] == pytest.approx(2.0), "all of it on the timeline")
+    _, wxyz, _ = script.at("/pinned/1/base", 1.5)
+    assert abs(wxyz[3]) == pytest.approx(1, abs=1e-3)  # half a turn
+    tab.wait(lambda: "motion" in tab.text(), "its column")
+    for figure in ("Duration", "CoM rises", "Yaw at the end", "+180.0", "Flight time"):
+        assert figure in tab.text()
+    titles = {title for m in list(tab.controls.values()) if (title := m["props"].get("title"))}
+    assert "CoM position, z [m]" in titles
+    assert tab.control("Rate of the file [1/s]")["props"]["visible"]
+    tab.press("Take up")
+    tab.wait(lambda: tab.notifications, "a remark")
+    assert tab.notifications[0][0] == "Not taken up"
+    tab.press("Unpin")
+    tab.wait(lambda: not pinned(tab), "no ghost")
+
+
+@pytest.mark.parametrize("format_", ["unitree-csv", "motion-npz"])
+def test_what_was_saved_for_other_tools_comes_back_for_looking(tab, session, script, format_):
+    tab.set("Format", format_)
+    tab.wait(lambda: tab.control("Frames per second")["props"]["visible"], "its options")
+    name, data = save(tab)
+    fps = tab.value("Frames per second")
+    if format_ == "unitree-csv":
+        assert fps == tab.value("Rate of the file [1/s]")  # as both are usual
+    tab.upload("Open", name, data)
+    tab.wait(lambda: len(pinned(tab)) == 1, "a ghost")
+    tab.wait(lambda: "/pinned/1/base" in script.nodes(), "its motion")
+    for instant in (0.0, 0.6, 1.2):
+        apart = script.at("/pinned/1/base", instant)[0] - script.at("/links/base", instant)[0]
+        assert apart == pytest.approx([0, 0, 0], abs=0.05)
+    visible = tab.control("Rate of the file [1/s]")["props"]["visible"]
+    assert visible == (format_ == "unitree-csv")
+
+
+def test_there_are_no_more_pins_than_colours(tab, session):
+    for count in (1, 2, 3):
+        tab.upload("Open", "foreign.csv", b"numbers", transfer=str(count))
+        tab.wait(lambda n=count: len(pinned(tab)) == n, "a ghost")
+    tab.upload("Open", "foreign.csv", b"numbers", transfer="4")
+    tab.wait(lambda: tab.notifications, "a remark")
+    assert tab.notifications == [
+        ("Not opened", "foreign.csv: unpin something first; all colours are taken")
+    ]
+
+
+# ---- refusals
+
+
+def test_a_bad_file_is_one_line_and_nothing_changes(tab, session, tmp_path):
+    before, status = session.plan, tab.status()
+    good = content(plan_of(), tmp_path)
+    for number, (name, bad) in enumerate(
+        [("a.npz", b"PK"), ("b.npz", good[:1000]), ("c.json", b"{"), ("d", b""), ("e.csv", b"a,b")]
+    ):
+        tab.upload("Open", name, bad, transfer=str(number))
+        tab.wait(lambda n=number: len(tab.notifications) > n, "a refusal")
+        title, body = tab.notifications[-1]
+        assert title == "Not opened"
+        assert body.startswith(f"{name}: ")
+        assert "\n" not in body
+        assert "/tmp" not in body
+        tab.wait(lambda line=body: f"Not opened: {line}" in tab.text(), "the line on the panel")
+    assert session.plan is before
+    assert tab.status() == status
+    tab.upload("Open", "good.npz", good, transfer="good")
+    planned(tab, session, lambda jump: jump == JUMP, "a good one")
+
+
+# ---- saving
+
+
+def save(tab, count=1):
+    tab.press("Export")
+    tab.wait(lambda: len(tab.downloads) >= count, "a download")
+    return tab.downloads[-1]
+
+
+def test_plan_or_simulation_can_be_chosen(tab, session):
+    assert not tab.control("Trajectory")["props"]["visible"]
+    tab.press("Simulate")
+    tab.wait_for_status("Landed")
+    tab.wait(lambda: tab.control("Trajectory")["props"]["visible"], "the choice")
+    assert tab.value("Trajectory") == "simulation"
+    assert save(tab)[0] == "anymal-llsrbm-plus-rollout.npz"
+    tab.set("Trajectory", "plan")
+    assert save(tab, 2)[0] == "anymal-llsrbm-plus-plan.npz"
+
+
+def test_several_formats_are_one_zip(tab, session):
+    tab.set("Format", "csv")
+    tab.set("design", True)
+    name, data = save(tab)
+    assert name == "anymal-llsrbm-plus-plan.zip"
+    with zipfile.ZipFile(io.BytesIO(data)) as archive:
+        assert sorted(archive.namelist()) == [
+            "anymal-llsrbm-plus-plan-csv.csv",
+            "anymal-llsrbm-plus-plan-csv.csv.meta.json",
+            "anymal-llsrbm-plus-plan-design.jump.json",
+        ]
+        design = load_design(archive.read("anymal-llsrbm-plus-plan-design.jump.json"))
+    assert design.jump == session.plan.jump
+
+
+def test_one_format_can_be_zipped_with_what_describes_it(tab, session):
+    tab.set("Format", "csv")
+    tab.set("csv", True)
+    name, data = save(tab)
+    assert name == "anymal-llsrbm-plus-plan.zip"
+    with zipfile.ZipFile(io.BytesIO(data)) as archive:
+        assert len(archive.namelist()) == 2
+
+
+def test_a_format_takes_its_options(tab, session):
+    rate = tab.control("Frames per second")
+    assert not rate["props"]["visible"]
+    tab.set("Format", "csv")
+    tab.wait(lambda: tab.control("Frames per second")["props"]["visible"], "the rate")
+    assert not tab.control("Standing still [s]")["props"]["visible"]
+    assert "a table for a person" in tab.text()
+    tab.set("Frames per second", 10)
+    _, data = save(tab)
+    rows = np.genfromtxt(io.BytesIO(data), delimiter=",", skip_header=1)
+    assert np.diff(rows[:, 0]).max() == pytest.approx(0.1)
+    tab.set("Frames per second", 1e9)
+    save(tab, 2)
+    assert tab.notifications == [
+        ("Corrected", "Frames per second: expected 1 to 1000, got 1e+09; the nearest is taken")
+    ]
+
+
+def test_a_format_that_is_none_is_corrected(tab, session):
+    tab.set("Format", "../nosuch")
+    assert save(tab)[0] == "anymal-llsrbm-plus-plan.npz"
+    assert tab.notifications[0][0] == "Corrected"
+
+
+def test_two_tabs_save_at_once(designer, tab, session):
+    with RawTab(designer.port) as other:
+        other.wait_for_status("Planned")
+        for one in (tab, other):
+            one.set("Format", "csv")
+            one.press("Export")
+        for one in (tab, other):
+            one.wait(lambda o=one: o.downloads, "a download")
+
+
+@pytest.mark.parametrize("button", ["Stop", "Cancel"])
+def test_saving_can_be_given_up_and_blocks_nobody(designer, tab, session, monkeypatch, button):
+    monkeypatch.setattr("app.panel.export_controls._take", lambda names, option: True)
+    tab.set("Format", "csv")
+    tab.set("Standing still [s]", SLOW_PAD)  # the planner under test takes a minute for that
+    tab.press("Export")
+    tab.wait(lambda: "Exporting csv" in tab.text(), "that it is being saved")
+    assert tab.control("Export")["props"]["disabled"]
+    assert tab.control("Cancel")["props"]["visible"]
+    assert tab.status().startswith("Planned")
+    tab.set("Forward [m]", 0.2)
+    planned(tab, session, lambda jump: jump.forward == 0.2, "a plan meanwhile")
+    assert "Exporting csv" in tab.text()
+    tab.press(button)
+    tab.wait(lambda: ("Not exported", "Stopped: csv") in tab.notifications, "the end of it")
+    tab.wait(lambda: not tab.control("Export")["props"]["disabled"], "the button")
+    assert "Exporting" not in tab.text()
+    tab.set("Standing still [s]", 0)
+    assert save(tab)[0].endswith(".csv")
+
+
+def test_what_a_design_asks_is_saved_and_opened(tab, session):
+    design = Design(replace(JUMP, twist=math.radians(30), forward=0.1), TUNING, SCENARIO)
+    tab.upload("Open", "mine.jump.json", dump_design(design).encode())
+    planned(tab, session, lambda jump: jump == design.jump, "its plan")
+    tab.wait_for_status("Planned")
+    tab.press("Simulate")
+    tab.wait_for_status("Landed")
+    tab.set("Format", "design")
+    name, data = save(tab)
+    assert name == "anymal-srbm-rollout.jump.json"
+    assert load_design(data) == design
+    assert json.loads(data)["scenario"]["seed"] == 7
+    assert llsrbm.load_design(data).tuning == TUNING

@@ -1,0 +1,107 @@
+"""Jump types in one tab, spoken to as a browser (or a hostile script) would."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from llsrbm.request import jump_types
+from tests.app.raw_tab import choose, planned
+
+EXTRA = {
+    "Turn": ("pitch", "roll"),
+    "Speed [m/s]": ("speed",),
+    "End speed [m/s]": ("end_speed",),
+    "Hops": ("hops",),
+}
+
+
+@pytest.fixture
+def tab(tab, session):
+    """A tab of Go2, which does every type."""
+    choose(tab, session, "go2")
+    return tab
+
+
+def choose_type(tab, session, name):
+    tab.set("Jump type", jump_types.load_type(name).title)
+    planned(tab, session, lambda jump: jump.type == name, f"a plan of {name}")
+    tab.wait_for_status("Planned")
+
+
+def there(tab):
+    """Labels of the controls that depend on the type and can be seen."""
+    return {label for label in EXTRA if tab.control(label)["props"]["visible"]}
+
+
+def test_together_is_chosen_and_asks_for_nothing_else(tab):
+    assert tab.value("Jump type") == "Together"
+    assert there(tab) == set()
+
+
+@pytest.mark.parametrize("name", sorted(set(jump_types.names()) - {"together"}))
+def test_controls_appear_that_a_type_asks_for(tab, session, name):
+    choose_type(tab, session, name)
+    asks = jump_types.load_type(name).asks
+    assert there(tab) == {label for label, fields in EXTRA.items() if set(fields) & set(asks)}
+    assert session.plan.schedule == jump_types.schedule_of(session.plan.jump, session.state.robot)
+
+
+def test_they_show_what_the_type_states_and_change_it(tab, session):
+    choose_type(tab, session, "hops")
+    assert tab.value("Hops") == 2
+    tab.set("Hops", 3)
+    planned(tab, session, lambda jump: jump.hops == 3, "three hops")
+    assert isinstance(session.plan.jump.hops, int)
+    choose_type(tab, session, "flip")
+    assert tab.value("Turn") == "back flip"
+    tab.set("Turn", "front flip")
+    jump = planned(tab, session, lambda jump: jump.pitch > 0, "a front flip").jump
+    assert (jump.pitch, jump.roll, jump.hops) == (2 * math.pi, 0.0, 1)
+    choose_type(tab, session, "run-up")
+    tab.set("Speed [m/s]", 0.7)
+    planned(tab, session, lambda jump: jump.speed == 0.7, "a faster run-up")
+    tab.press("Undo")
+    planned(tab, session, lambda jump: jump.speed == 0.5, "the speed before")
+    assert tab.value("Speed [m/s]") == 0.5
+
+
+def test_a_biped_is_offered_what_it_can_do(tab, session):
+    choose_type(tab, session, "rear-last")
+    tab.set("Robot", "SLIDER")
+    planned(tab, session, lambda jump: jump.robot == "slider", "a plan of slider")
+    tab.wait(lambda: 'SLIDER cannot do "Rear last"' in tab.status(), "a word on it")
+    assert session.plan.jump.type == "together"
+    assert tab.value("Jump type") == "Together"
+    assert "Rear last" not in tab.control("Jump type")["props"]["options"]
+    choose(tab, session, "anymal")
+    assert "Rear last" in tab.control("Jump type")["props"]["options"]
+
+
+@pytest.mark.parametrize(
+    ("label", "value"),
+    [
+        ("Jump type", "Somersault"),
+        ("Jump type", ["Flip"]),
+        ("Jump type", "../../secret.toml"),
+        ("Turn", "none"),
+        ("Turn", "roll right"),
+        ("Hops", 1e9),
+        ("Speed [m/s]", float("nan")),
+    ],
+)
+def test_values_that_no_control_offers_are_told(tab, session, label, value):
+    for name, kind in jump_types.names().items():
+        if set(EXTRA.get(label, ())) & set(kind.asks):
+            choose_type(tab, session, name)
+            break
+    before = session.design.jump
+    tab.set(label, value)
+    tab.wait(lambda: tab.notifications, "a note")
+    assert label in tab.notifications[-1][1]
+    jump = session.design.jump
+    assert jump.type == before.type
+    assert (jump.pitch, jump.roll) == (before.pitch, before.roll)
+    assert 1 <= jump.hops <= 5
+    assert 0 <= jump.speed <= 1

@@ -1,0 +1,378 @@
+"""`update` as a whole: events that change nothing else, and any events in any order."""
+
+from __future__ import annotations
+
+from dataclasses import fields, is_dataclass, replace
+from functools import cache
+
+import pytest
+from hypothesis import HealthCheck, settings
+from hypothesis import strategies as st
+from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, precondition, rule
+
+from app.link import PageReady, PlaybackChosen, PlayerMoved
+from app.motion.colours import PINNED
+from app.panel.export_controls import Choice
+from app.plots.choice import PRESETS
+from app.tab import events
+from app.tab.effects import After, Effect, LoadRobot, Notify, Share, Stop, Submit
+from app.tab.opening import first_state, left, resume
+from app.tab.state import TabState
+from app.tab.update import update
+from app.workers.opened_file import OpenedFile
+from app.workers.protocol import (
+    Cancelled,
+    Exported,
+    ExportMotion,
+    Failed,
+    FindNearest,
+    Found,
+    Opened,
+    OpenFile,
+    PlanJump,
+    Planned,
+    Prepare,
+    Prepared,
+    Progress,
+    SeedDone,
+    SeedResult,
+    Simulated,
+    SimulatedSeeds,
+    SimulatedSoFar,
+    SimulateJump,
+    SimulateSeeds,
+)
+from llsrbm.request.design import Design
+from llsrbm.request.jump import Jump
+from llsrbm.request.push import Push
+from llsrbm.request.scenario import Scenario
+from llsrbm.request.tuning import Tuning
+from llsrbm.robots import load_robot
+from tests.app.planners import Nearest, turning_states
+from tests.app.pure_tab import ROBOTS, plan_of, planned_tab, rollout_of
+
+# ---- events that change one thing
+
+
+@pytest.mark.parametrize(
+    ("event", "changed"),
+    [
+        (events.ViewChosen(frozenset({"trails"}), night=True), {"view"}),
+        (events.PlotsChosen(PRESETS["Base rates"]), {"plots"}),
+        (PlayerMoved(0.5, playing=True), {"playback"}),
+        (PlaybackChosen(0.25, loop=False), {"playback"}),
+        (PageReady(software=False), {"page", "view"}),
+        (events.ShareWanted(), set()),
+        (events.Remarked("The cluster is back."), set()),
+        (events.SaveWanted(), set()),
+        (events.StopExportWanted(), set()),
+        (events.UnpinWanted(), {"pins", "pin_chosen"}),
+        (events.NearestWanted(), set()),
+        (events.WorstWanted(), set()),
+        (events.TakeUpWanted(), set()),
+        (events.ScenarioChosen(Scenario(board=0.02)), {"design", "history", "work"}),
+    ],
+)
+def test_an_event_changes_only_its_own(event, changed):
+    before = planned_tab().state
+    after, _ = update(before, event)
+    differing = {f.name for f in fields(TabState) if _of(before, f) is not _of(after, f)}
+    assert differing <= changed
+
+
+def _of(state, field):
+    return getattr(state, field.name)
+
+
+def test_a_graphics_processor_draws_all_triangles():
+    state = planned_tab().state
+    assert update(state, PageReady(software=False))[0].view.fine
+    assert not update(state, PageReady(software=True))[0].view.fine
+
+
+def test_a_design_is_shared_as_it_is():
+    state = planned_tab().state
+    assert update(state, events.ShareWanted())[1] == (Share(state.design),)
+
+
+def test_a_remark_on_the_server_becomes_a_note():
+    line = "The cluster is lost."
+    effects = update(planned_tab().state, events.Remarked(line))[1]
+    assert effects == (Notify("The server", line),)
+
+
+# ---- any events in any order
+
+JUMPS = [
+    Jump(robot=robot, twist=twist, forward=forward)
+    for robot in ("anymal", "go2")
+    for twist, forward in ((1.0, 0.0), (1.0, 0.1), (0.3, 0.1))
+]
+TUNINGS = [Tuning(), Tuning(limits={"friction": 0.4})]
+SCENARIOS = [
+    Scenario(),
+    Scenario(board=0.02, seed=3),
+    Scenario(pushes=(Push(0.5, (0.0, 9.0, 0.0)),), replan=True),
+]
+DESIGNS = st.builds(
+    Design, *map(st.sampled_from, (JUMPS, TUNINGS, SCENARIOS)), st.sampled_from(["", "On ice"])
+)
+FILES = st.sampled_from(
+    [
+        Design(JUMPS[1], title="From a file"),
+        plan_of(JUMPS[2]),
+        plan_of(JUMPS[4], "not-converged"),
+        rollout_of(plan_of(JUMPS[0])),
+        replace(rollout_of(plan_of(JUMPS[3])), plan=None),
+        turning_states("go2"),
+    ]
+).map(lambda holds: OpenedFile("file", holds))
+
+WISHES = st.one_of(
+    st.sampled_from(
+        [
+            events.SimulateWanted(),
+            events.SimulateWanted(2),
+            events.CompareWanted("replanning"),
+            events.CompareWanted("model"),
+            events.PushDragged(0.4, (5.0, 0.0, 0.0), ended=False),
+            events.PushDragged(0.4, (5.0, -1.0, 0.0), ended=True),
+            events.WorstWanted(),
+            events.CancelWanted(),
+            events.NearestWanted(),
+            events.UndoWanted(),
+            events.RedoWanted(),
+            events.PinWanted(),
+            events.UnpinWanted(),
+            events.TakeUpWanted(),
+            events.SaveWanted(),
+            events.ShareWanted(),
+            events.StopExportWanted(),
+            events.FileChosen("a.csv", b"", 30.0),
+            PageReady(software=True),
+            PlayerMoved(0.3, playing=True),
+            PlayerMoved(0.6, playing=False),
+        ]
+    ),
+    DESIGNS.map(lambda d: events.JumpChosen(d.jump, d.tuning, ("corrected",) if d.title else ())),
+    st.sampled_from(SCENARIOS).map(events.ScenarioChosen),
+    DESIGNS.map(events.DesignChosen),
+    st.integers(-1, 4).map(events.PinChosen),
+    st.sampled_from(["plan", "simulation"]).map(
+        lambda of: events.ExportWanted(Choice(of, ("npz",), zipped=False, options={}))
+    ),
+)
+
+
+@cache
+def simulated(plan, scenario):
+    return replace(rollout_of(plan_of(plan.jump)), plan=plan, scenario=scenario)
+
+
+SEED = SeedResult(0, True, True, None, 0.01, "landed")
+
+
+def partial_report(task):
+    match task:
+        case SimulateJump(plan=plan):
+            run = rollout_of(plan_of(plan.jump))
+            return SimulatedSoFar(0, 0.1, run.time[:60:20], run.qpos[:60:20])
+        case SimulateSeeds(seeds=seeds):
+            return SeedDone(0, SEED, 1, len(seeds))
+    return Progress(0, "working")
+
+
+def success(task, file):
+    match task:
+        case Prepare(robot):
+            return Prepared(0, robot)
+        case PlanJump(jump, tuning):
+            return Planned(0, _plan(jump, tuning))
+        case FindNearest(jump):
+            return Found(0, Nearest(jump, plan_of(jump), "this instead"))
+        case SimulateJump(plan=plan, scenario=scenario):
+            return Simulated(0, simulated(plan, scenario))
+        case SimulateSeeds(plan=plan, seeds=seeds, scenario=scenario):
+            return SimulatedSeeds(0, (SEED,) * len(seeds), simulated(plan, scenario))
+        case OpenFile():
+            return Opened(0, file)
+        case ExportMotion():
+            return Exported(0, "a.npz", b"1")
+
+
+@cache
+def _plan(jump, tuning):
+    return replace(plan_of(jump), tuning=tuning)
+
+
+def parts(value):
+    """(place, identity) of everything that a state is made of."""
+    found, left_over = [], [("", value)]
+    while left_over:
+        place, part = left_over.pop()
+        found.append((place, part))
+        if is_dataclass(part) and type(part).__module__.startswith("app.tab"):
+            left_over += [(f"{place}.{f.name}", getattr(part, f.name)) for f in fields(part)]
+    return found
+
+
+class AnyEvents(RuleBasedStateMachine):
+    """A visitor, a pool and a loader of robots that do their worst."""
+
+    @initialize(known=st.booleans(), kept=st.none() | DESIGNS, file=st.none() | FILES)
+    def open(self, known, kept, file):
+        self.running = []  # Submits without an outcome
+        self.loading = []  # names of robots
+        self.due = None
+        self.tickets = set()
+        self.state = first_state(ROBOTS)
+        plan = plan_of(self.state.design.jump) if known else None
+        self.take(events.Opened(kept, plan, file))
+
+    def take(self, event):
+        before = parts(self.state)
+        state, effects = update(self.state, event)
+        assert all(one is other for (_, one), (_, other) in zip(before, parts(self.state)))
+        self.go_on(state, effects)
+
+    def go_on(self, state, effects):
+        assert state.tickets >= self.state.tickets
+        self.state = state
+        stopped = []
+        for effect in effects:
+            assert isinstance(effect, Effect)
+            match effect:
+                case Submit(ticket=ticket):
+                    assert ticket not in self.tickets
+                    assert ticket <= state.tickets
+                    self.tickets.add(ticket)
+                    self.running.append(effect)
+                case Stop(lane):
+                    stopped += [submit for submit in self.running if submit.lane is lane]
+                case LoadRobot(name):
+                    self.loading.append(name)
+                case After(event=event):
+                    self.due = event
+        for submit in stopped:
+            self.running.remove(submit)
+            self.take(events.Reported(submit.lane, submit.ticket, Cancelled(0)))
+
+    @rule(event=WISHES)
+    def wish(self, event):
+        self.take(event)
+
+    @rule(jump=st.sampled_from(JUMPS), tuning=st.sampled_from(TUNINGS))
+    def move(self, jump, tuning):
+        self.take(events.JumpChosen(jump, tuning))
+
+    @precondition(lambda self: self.state.history.back)
+    @rule()
+    def undo(self):
+        self.take(events.UndoWanted())
+
+    @precondition(lambda self: self.running)
+    @rule(file=FILES)
+    def finish_newest(self, file):
+        submit = self.running.pop()
+        self.take(events.Reported(submit.lane, submit.ticket, success(submit.task, file)))
+
+    @precondition(lambda self: self.running)
+    @rule(data=st.data(), file=FILES, end=st.sampled_from(["success", "partial", "failure"]))
+    def report(self, data, file, end):
+        submit = data.draw(st.sampled_from(self.running))
+        if end == "partial":
+            report = partial_report(submit.task)
+        else:
+            self.running.remove(submit)
+            report = success(submit.task, file) if end == "success" else self.failure(submit)
+        newest = submit.ticket in (
+            self.state.work.newest,
+            self.state.files.opening,
+            self.state.files.saving,
+        )
+        before = self.state
+        self.take(events.Reported(submit.lane, submit.ticket, report))
+        if not newest and not isinstance(report, Planned):
+            assert self.state is before
+
+    def failure(self, submit):
+        patient = isinstance(submit.task, PlanJump) and submit.task.patient
+        return Failed(0, "no", plan_of(submit.task.jump, "not-converged") if patient else None)
+
+    @precondition(lambda self: self.loading)
+    @rule(missing=st.sampled_from([False, False, False, True]))
+    def load(self, missing):
+        name = self.loading.pop(0)
+        gone = events.RobotMissing(name, "no meshes")
+        self.take(gone if missing else events.RobotLoaded(load_robot(name)))
+
+    @precondition(lambda self: self.due)
+    @rule()
+    def rest(self):
+        event, self.due = self.due, None
+        self.take(event)
+
+    @rule(time=st.sampled_from([0.0, 0.4]))
+    def come_back(self, time):
+        self.running, self.loading, self.due = [], [], None
+        self.go_on(*resume(left(self.state), PageReady(software=True, time=time)))
+
+    # ---- what always holds
+
+    @invariant()
+    def what_is_shown_is_of_the_robot_that_is_drawn(self):
+        state = self.state
+        if state.shown is not None:
+            assert state.robot is not None
+            assert state.plan.jump.robot == state.robot.name
+            assert state.rollout is None or state.rollout.plan is state.plan
+
+    @invariant()
+    def a_page_that_is_busy_waits_for_something(self):
+        state = self.state
+        waits = (
+            any(submit.ticket == state.work.newest for submit in self.running),
+            bool(self.loading),
+            self.due == events.Rested(state.work.dragging.rest) and state.work.dragging.rests,
+        )
+        if state.status.busy or state.planning:
+            assert any(waits)
+        if state.files.opening or state.files.saving:
+            assert {state.files.opening, state.files.saving} & {s.ticket for s in self.running}
+
+    @invariant()
+    def a_robot_that_is_asked_for_is_on_its_way(self):
+        state = self.state
+        if not state.ready and state.status.busy:
+            name = state.design.jump.robot
+            assert state.work.awaited == Prepare(name) or name in self.loading
+
+    @invariant()
+    def what_is_awaited_will_be_reported(self):
+        if self.state.work.awaited is not None:
+            assert any(submit.task is self.state.work.awaited for submit in self.running)
+
+    @invariant()
+    def pins_differ_in_colour(self):
+        pins = self.state.pins
+        assert len({pin.colour for pin in pins}) == len(pins) <= len(PINNED)
+        assert -1 <= self.state.pin_chosen < len(pins)
+
+    @invariant()
+    def redo_restores_what_undo_took(self):
+        state = self.state
+        if state.history.back:
+            gone, _ = update(state, events.UndoWanted())
+            assert gone.design == state.history.back[-1]
+            again, _ = update(gone, events.RedoWanted())
+            assert again.design == state.design
+            assert again.history.back == state.history.back
+
+
+TestAnyEvents = AnyEvents.TestCase
+TestAnyEvents.settings = settings(
+    max_examples=50,
+    stateful_step_count=30,
+    deadline=None,
+    suppress_health_check=list(HealthCheck),
+)

@@ -1,0 +1,254 @@
+"""Starting and ending: ports, addresses, signals, the terminal."""
+
+from __future__ import annotations
+
+import os
+import re
+import signal
+import socket
+import subprocess
+import sys
+import threading
+import time
+import urllib.request
+from contextlib import closing, nullcontext
+
+import pytest
+
+from app.designer import Designer, check_bindable, serve
+from app.tab.initial_plan import example
+from app.workers.pool import WorkerPool
+from llsrbm import cli
+from llsrbm.errors import InputError
+from llsrbm.request.jump import Jump
+from tests.app import planners
+from tests.app.planners import SyntheticPlanner
+from tests.app.raw_http import asked
+
+PROGRAM = """
+import sys
+from app.designer import serve
+from app.workers.pool import WorkerPool
+from tests.app.planners import SyntheticPlanner
+if __name__ == "__main__":
+    serve("127.0.0.1", int(sys.argv[1]), pool=WorkerPool(SyntheticPlanner))
+"""
+
+
+def children(pid):
+    listed = subprocess.run(
+        ["ps", "-o", "pid=,args=", "--ppid", str(pid)], capture_output=True, text=True, check=False
+    )
+    return [int(line.split()[0]) for line in listed.stdout.splitlines()]
+
+
+def alive(pid):
+    try:
+        os.kill(pid, 0)
+    except ProcessLookupError:
+        return False
+    return True
+
+
+@pytest.fixture
+def taken():
+    with socket.create_server(("127.0.0.1", 0)) as listener:
+        yield listener.getsockname()[1]
+
+
+def test_a_port_in_use_is_refused_not_replaced(taken):
+    with pytest.raises(InputError, match=f"--port: {taken} on 127.0.0.1 is in use; choose another"):
+        Designer(port=taken)
+
+
+@pytest.mark.parametrize(
+    ("host", "port", "message"),
+    [
+        ("127.0.0.1", 70000, "--port: expected 0 to 65535, got 70000"),
+        ("127.0.0.1", -1, "--port: expected 0 to 65535, got -1"),
+        ("192.0.2.1", 0, "--host: cannot listen on '192.0.2.1'"),
+        ("no such name", 0, "--host: 'no such name' is no address or name of this machine"),
+        ("nosuch.invalid", 0, "--host: 'nosuch.invalid' is no address or name of this machine"),
+        ("a" * 70 + ".x", 0, "is no address or name of this machine"),
+    ],
+)
+def test_an_address_that_cannot_be_bound_is_refused(host, port, message):
+    with pytest.raises(InputError, match=re.escape(message)) as refused:
+        check_bindable(host, port)
+    assert "\n" not in str(refused.value)
+
+
+def test_the_plan_that_tabs_begin_with_is_there_at_once_the_second_time(tmp_path, monkeypatch):
+    # Apart from the cache of fits, which takes long to fill.
+    entry = tmp_path / "opening.npz"
+    monkeypatch.setattr("app.tab.initial_plan.cache_path", lambda *_: entry)
+    ready = threading.Event()
+    monkeypatch.setattr("builtins.print", lambda *words, **_: words == ("ready",) and ready.set())
+    with closing(Designer(port=0, pool=WorkerPool(SyntheticPlanner))) as designer:
+        assert designer.initial.plan("anymal") is None
+        designer.warm_up("anymal")
+        assert ready.wait(20)
+        plan = designer.initial.plan("anymal")
+    assert plan.jump == example("anymal")
+    with closing(Designer(port=0, pool=WorkerPool(SyntheticPlanner))) as designer:
+        designer.warm_up("anymal")
+        assert designer.initial.plan("anymal").jump == plan.jump
+        assert designer.initial.plan("go2") is None
+
+
+def test_the_terminal_hears_of_steps_not_of_iterations(monkeypatch):
+    lines, ready = [], threading.Event()
+
+    def take(line, **_):
+        lines.append(line)
+        if line == "ready":
+            ready.set()
+
+    monkeypatch.setattr("builtins.print", take)
+    monkeypatch.setattr("app.tab.initial_plan.InitialPlans.recall", lambda *_: None)
+    monkeypatch.setattr("app.tab.initial_plan.InitialPlans.keep", lambda *_: None)
+    monkeypatch.setattr("app.designer.example", lambda robot: Jump(twist=planners.ITERATING))
+    with closing(Designer(port=0, pool=WorkerPool(SyntheticPlanner))) as designer:
+        designer.warm_up("anymal")
+        assert ready.wait(30)
+    assert lines == ["  preparing anymal ...", "  solving ...", "ready"]
+
+
+TOKEN = "a-token-of_32-characters-exactly"
+
+
+@pytest.mark.parametrize(
+    ("host", "token", "address", "needed", "open_to_all"),
+    [
+        ("127.0.0.1", None, "127.0.0.1", False, False),
+        ("localhost", None, "localhost", False, False),
+        ("::1", None, "[::1]", False, False),
+        ("127.0.0.1", "none", "127.0.0.1", False, False),
+        ("127.0.0.1", TOKEN, "127.0.0.1", True, False),
+        ("0.0.0.0", None, "127.0.0.1", True, False),
+        ("0.0.0.0", TOKEN, "127.0.0.1", True, False),
+        ("0.0.0.0", "none", "127.0.0.1", False, True),
+        ("::", None, "[::1]", True, False),
+    ],
+)
+def test_the_address_holds_the_token_where_one_is_needed(host, token, address, needed, open_to_all):
+    with closing(Designer(host, 0, token=token, pool=WorkerPool(SyntheticPlanner))) as designer:
+        base = f"http://{address}:{designer.port}"
+        found = re.fullmatch(re.escape(base) + r"(?:/\?token=([\w-]{16,}))?", designer.url)
+        assert bool(found[1]) is needed
+        assert designer.open_to_all is open_to_all
+        if token == TOKEN:
+            assert found[1] == TOKEN
+        family = "::1" if ":" in host else "127.0.0.1"
+        path = designer.url.removeprefix(base) or "/"
+        answer = asked(designer.port, path, address=family, host=f"{address}:{designer.port}")
+        assert answer.status == (303 if needed else 200)
+        assert asked(designer.port, address=family).status == (401 if needed else 200)
+
+
+def test_a_fixed_token_lets_a_page_come_back_after_a_restart():
+    with closing(Designer(port=0, token=TOKEN, pool=WorkerPool(SyntheticPlanner))) as designer:
+        port = designer.port
+        cookie = {"Cookie": asked(port, f"/?token={TOKEN}").cookie}
+    with closing(Designer(port=port, token=TOKEN, pool=WorkerPool(SyntheticPlanner))):
+        assert asked(port, headers=cookie).status == 200
+    with closing(Designer(port=port, token=TOKEN[::-1], pool=WorkerPool(SyntheticPlanner))):
+        assert asked(port, headers=cookie).status == 401
+
+
+@pytest.mark.parametrize(
+    ("host", "token", "warned"),
+    [("0.0.0.0", "none", True), ("127.0.0.1", "none", False), ("0.0.0.0", TOKEN, False)],
+)
+def test_only_a_server_for_everybody_warns(monkeypatch, capfd, host, token, warned):
+    monkeypatch.setattr("app.designer.Designer.warm_up", lambda *_: None)
+    stopped = threading.Event()
+    stopped.set()
+    monkeypatch.setattr("app.designer._stop_on_signal", lambda: nullcontext(stopped))
+    serve(host, 0, token=token, pool=WorkerPool(SyntheticPlanner))
+    out, err = capfd.readouterr()
+    assert out.startswith("llsrbm designer: http://127.0.0.1:")
+    assert (out.count("\n"), err.count("\n")) == (1, int(warned))
+    assert err.startswith("warning: --token none: anybody who reaches") is warned
+
+
+def test_a_bad_token_is_one_line_and_nothing_is_served(capfd):
+    assert cli.main(["serve", "--port", "0", "--token", "short"]) == 2
+    out, err = capfd.readouterr()
+    assert (out, err.count("\n")) == ("", 1)
+    assert "--token: expected 16 to 256 letters, digits, '-' or '_', or 'none'" in err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "line"),
+    [
+        (["--workers", "0"], "--workers: expected 1 to 64, got 0"),
+        (["--workers", "65"], "--workers: expected 1 to 64, got 65"),
+        (["--scheduler", "tcp://127.0.0.1:1"], "--scheduler: 'tcp://127.0.0.1:1': "),
+        (["--scheduler", "nonsense"], "--scheduler: 'nonsense': "),
+    ],
+)
+def test_processes_that_cannot_be_are_one_line_and_nothing_is_served(
+    arguments, line, capfd, monkeypatch
+):
+    monkeypatch.setattr("app.workers.cluster.CONNECT_PATIENCE", 1.0)
+    assert cli.main(["serve", "--port", "0", *arguments]) == 2
+    out, err = capfd.readouterr()
+    assert (out, err.count("\n")) == ("", 1)
+    assert line in err
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_it_serves_says_where_and_ends_cleanly(tmp_path, number):
+    program = tmp_path / "program.py"
+    program.write_text(PROGRAM)
+    server = subprocess.Popen(
+        [sys.executable, str(program), "0"],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        env=os.environ | {"PYTHONPATH": os.pathsep.join(p for p in sys.path if p)},
+    )
+    try:
+        line = server.stdout.readline()
+        url = re.fullmatch(r"llsrbm designer: (http://127\.0\.0\.1:\d+)\n", line).group(1)
+        with urllib.request.urlopen(url, timeout=10) as page:
+            assert page.status == 200
+        terminal = []
+        while (told := server.stderr.readline()) != "ready\n":
+            terminal.append(told)
+        assert terminal[0] == "  preparing anymal ...\n"
+        processes = children(server.pid)
+        assert processes
+        server.send_signal(number)
+        out, err = server.communicate(timeout=15)
+    finally:
+        if server.poll() is None:
+            server.kill()
+            server.communicate()
+    assert (server.returncode, out, err) == (0, "", "")
+    deadline = time.monotonic() + 5
+    while any(map(alive, processes)) and time.monotonic() < deadline:
+        time.sleep(0.05)
+    assert not any(map(alive, processes))
+
+
+def test_the_computing_processes_end_when_the_server_is_killed(tmp_path):
+    program = tmp_path / "program.py"
+    program.write_text(PROGRAM)
+    server = subprocess.Popen(
+        [sys.executable, str(program), "0"],
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+        text=True,
+        env=os.environ | {"PYTHONPATH": os.pathsep.join(p for p in sys.path if p)},
+    )
+    while server.stderr.readline() != "ready\n":
+        pass
+    processes = children(server.pid)
+    server.kill()
+    server.communicate()
+    deadline = time.monotonic() + 5
+    while any(map(alive, processes)) and time.monotonic() < deadline:
+        time.sleep(0.05)
+    assert not any(map(alive, processes))

@@ -1,0 +1,224 @@
+"""The page in a real browser."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+import pytest
+
+import llsrbm
+from app.designer import Designer
+from tests.app import planners
+from tests.app.chromium import (
+    PACE,
+    blue,
+    choose,
+    dark,
+    fill,
+    green,
+    opened,
+    paused_at,
+    picture,
+    player,
+    press,
+    status,
+    tab,
+    tick,
+    wait_until,
+)
+
+pytestmark = pytest.mark.browser
+
+
+@pytest.fixture
+def page(page):
+    # It has the colours of the marks and of the ellipsoids.
+    tick(page, "Landing handle", ticked=False)
+    return page
+
+
+def test_the_robot_is_visible(page):
+    wait_until(lambda: dark(picture(page)).sum() > 3000, "dark pixels")
+
+
+def test_controls_are_found_by_the_contracts_labels(page):
+    labels = {
+        "": ("Robot", "Model", "Format"),
+        "View": ("Inertia ellipsoids",),
+        "Scenario": ("Half board", "Disturb", "Seed"),
+    }
+    sliders = {
+        "": ("Twist [deg]", "Forward [m]", "Lateral [m]", "Landing height [m]"),
+        "Scenario": ("Board [mm]",),
+    }
+
+    def check():
+        for name in ("", "View", "Scenario"):
+            if name:
+                tab(page, name)
+            for label in labels[name]:
+                assert page.get_by_label(label, exact=True).count() == 1, label
+            for label in sliders.get(name, ()):
+                assert page.get_by_text(label, exact=True).count() == 1, label
+        for name in ("Simulate", "Play", "Pause", "Export"):
+            assert page.get_by_role("button", name=name, exact=True).count() == 1, name
+
+    check()
+    # Ghost and blocks are further names in viser's scene tree.
+    fill(page, "Board [mm]", 25)
+    press(page, "Simulate")
+    status(page, "Landed")
+    check()
+
+
+def test_a_slider_shows_a_new_plan(page):
+    tick(page, "Landing handle")
+    paused_at(page, 0.0)
+    wait_until(lambda: green(picture(page)).sum() > 200, "the marks")
+    before = green(picture(page))
+    fill(page, "Twist [deg]", 0)
+    fill(page, "Forward [m]", 0.5)
+    session = page.session
+    wait_until(lambda: session.plan.jump.forward == 0.5, "the plan")
+    status(page, "Planned")
+    # The camera looks along +y from the right: forward is to the right in the picture.
+    right = np.nonzero(before)[1].max() + 60
+    wait_until(
+        lambda: np.nonzero(green(picture(page)))[1].max(initial=0) > right, "the marks there"
+    )
+
+
+def test_it_plays_pauses_and_plays(page):
+    press(page, "Play")
+    wait_until(lambda: player(page, "time") > 0.1, "motion")
+    press(page, "Pause")
+    wait_until(lambda: not player(page, "playing"), "a pause")
+    page.wait_for_timeout(2000)
+    still = picture(page)
+    page.wait_for_timeout(500)
+    assert np.abs(picture(page) - still).max() == 0
+    press(page, "Play")
+    wait_until(lambda: np.abs(picture(page) - still).max() > 50, "motion")
+
+
+def test_ellipsoids_come_and_go(page):
+    paused_at(page, 0.0)
+    tinted = blue(picture(page)).sum()
+    assert tinted > 1000
+    tick(page, "Inertia ellipsoids", ticked=False)
+    wait_until(lambda: blue(picture(page)).sum() < tinted / 3, "no ellipsoid")
+    tick(page, "Inertia ellipsoids")
+    wait_until(lambda: blue(picture(page)).sum() > tinted / 2, "the ellipsoid again")
+
+
+def test_a_model_is_chosen(page):
+    for title, name in (("SRBM", "srbm"), ("LL-SRBM", "llsrbm"), ("LL-SRBM+", "llsrbm-plus")):
+        choose(page, "Model", title)
+        wait_until(lambda name=name: page.session.plan.jump.model == name, "the plan")
+
+
+def choose_robot(page, session, title, robot):
+    choose(page, "Robot", title)
+    wait_until(lambda: session.plan and session.plan.jump.robot == robot, f"a plan of {robot}")
+    status(page, "Planned")
+
+
+def extent(page):
+    """Width and height of what is nearly black, pixels."""
+    rows, columns = np.nonzero(dark(picture(page)))
+    return np.ptp(columns), np.ptp(rows)
+
+
+def test_robots_take_turns(page):
+    session = page.session
+    choose_robot(page, session, "SLIDER", "slider")
+    paused_at(page, 0.0)
+    # Its legs are black, and so is most of ANYmal.
+    width, height = extent(page)
+    assert height > max(200, 1.5 * width)
+    tick(page, "Landing handle")
+    wait_until(lambda: green(picture(page)).sum() > 200, "the marks")
+    press(page, "Simulate")
+    status(page, "Landed")
+    page.wait_for_timeout(PACE)
+    choose_robot(page, session, "ANYmal B", "anymal")
+    paused_at(page, 0.0)
+    width, height = extent(page)
+    assert width > 0.8 * height > 100
+    assert session.rollout is None
+
+
+def test_export_downloads_what_is_shown(page, tmp_path):
+    with page.expect_download() as download:
+        press(page, "Export")
+    path = tmp_path / download.value.suggested_filename
+    download.value.save_as(path)
+    assert path.name == "anymal-llsrbm-plus-plan.npz"
+    assert llsrbm.load(path).jump == page.session.plan.jump
+
+
+def test_simulate_shows_the_whole_robot_beside_the_plan(page):
+    press(page, "Simulate")
+    assert status(page, "Landed").startswith("Landed yaw -2.9° from the plan at touch-down")
+    # In mid-flight the made-up simulation is 9 cm above the plan: the ghost stands out.
+    paused_at(page, 0.65)
+    assert page.locator('[title="simulation: force control"]').is_visible()
+    tinted = 0.95 * blue(picture(page)).sum()
+    tick(page, "Inertia ellipsoids", ticked=False)
+    wait_until(lambda: 2500 < blue(picture(page)).sum() < tinted, "the ghost, no ellipsoid")
+    tick(page, "Ghost", ticked=False)
+    wait_until(lambda: blue(picture(page)).sum() < 1000, "no ghost")
+    tick(page, "Ghost")
+    wait_until(lambda: blue(picture(page)).sum() > 2500, "the ghost again")
+
+
+def test_cancel_ends_a_simulation(page):
+    cancel = page.get_by_role("button", name="Cancel", exact=True)
+    assert not cancel.is_visible()  # nothing runs
+    tab(page, "Scenario")
+    page.get_by_label("Disturb", exact=True).check()
+    page.wait_for_timeout(PACE)
+    page.get_by_label("Seed", exact=True).fill(str(planners.SLOWLY))
+    page.wait_for_timeout(PACE)
+    press(page, "Simulate")
+    page.get_by_text(re.compile("^Simulating \\d+%$")).wait_for()
+    cancel.click()
+    status(page, "Cancelled")
+    cancel.wait_for(state="detached")
+    assert page.session.rollout is None
+
+
+def test_a_crash_is_told_and_the_page_goes_on(page, capfd):
+    fill(page, "Twist [deg]", round(np.degrees(planners.CRASH)))
+    assert "was restarted" in status(page, "Failed")
+    page.wait_for_timeout(PACE)
+    fill(page, "Twist [deg]", 30)
+    status(page, "Planned")
+
+
+def test_with_the_real_planner(browser, tmp_path):
+    designer = Designer(port=0)
+    try:
+        page = opened(browser, designer.url)
+        text = status(page, "Planned", timeout=90_000)
+        session = designer.sessions[-1]
+        assert re.match(r"Planned in \d+ ms, \d+ iterations, largest violation ", text)
+        fill(page, "Twist [deg]", 45)
+        fill(page, "Forward [m]", 0.3)
+        wait_until(lambda: session.plan.jump.forward == 0.3, "the plan")
+        status(page, "Planned")
+        plan = session.plan
+        assert plan.solved
+        assert plan.com[-1, :2] == pytest.approx([0.3, 0.0], abs=0.02)
+        with page.expect_download() as download:
+            page.get_by_role("button", name="Export").click()
+        download.value.save_as(tmp_path / "plan.npz")
+        assert llsrbm.load(tmp_path / "plan.npz").com.tolist() == plan.com.tolist()
+        press(page, "Simulate")
+        status(page, "Landed", timeout=60_000)
+        assert session.rollout.com[-1, :2] == pytest.approx(plan.com[-1, :2], abs=0.05)
+        assert page.faults == []
+        page.context.close()
+    finally:
+        designer.close()

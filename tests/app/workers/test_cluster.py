@@ -1,0 +1,313 @@
+"""Computing processes on a dask cluster: they behave as those of this machine, and may be lost."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import queue
+import signal
+import socket
+import subprocess
+import sys
+import threading
+import time
+from contextlib import closing
+from pathlib import Path
+
+import pytest
+
+from app.workers import cluster as cluster_module
+from app.workers.cluster import Cluster
+from app.workers.pool import WorkerPool
+from app.workers.protocol import (
+    Cancelled,
+    Failed,
+    PlanJump,
+    Planned,
+    Progress,
+    SimulatedSoFar,
+)
+from llsrbm.errors import InputError
+from llsrbm.request.jump import Jump
+from tests.app import planners
+from tests.app.planners import SyntheticPlanner, broken_factory
+from tests.app.pool_tab import Tab
+
+DASK = [sys.executable, "-m", "dask"]
+# On a machine without our code: only workers need it.
+BARE = """
+import sys
+sys.modules.update({"app": None, "llsrbm": None})
+from dask.__main__ import main
+main()
+"""
+SCHEDULER = [sys.executable, "-c", BARE, "scheduler", "--no-dashboard"]
+WORKER = [*DASK, "worker", "--nthreads", "1", "--no-dashboard"]
+LOOPBACK = ["--host", "127.0.0.1"]
+
+
+def until(condition, seconds=60.0):
+    end = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < end
+        time.sleep(0.01)
+
+
+def free_port():
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return probe.getsockname()[1]
+
+
+class Hand:
+    """A scheduler and workers, started by hand; a nanny restarts the workers that die."""
+
+    def __init__(self):
+        self.address = f"tcp://127.0.0.1:{free_port()}"
+        self.running = []
+        self.start_scheduler()
+
+    def start_scheduler(self):
+        port = self.address.rpartition(":")[2]
+        self.scheduler = self.start([*SCHEDULER, *LOOPBACK, "--port", port])
+
+    def start(self, command):
+        quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+        process = subprocess.Popen(command, start_new_session=True, **quiet)
+        self.running.append(process)
+        return process
+
+    def workers(self, count):
+        self.start([*WORKER, *LOOPBACK, "--nworkers", str(count), self.address])
+
+    def close(self):
+        for process in reversed(self.running):
+            with contextlib.suppress(ProcessLookupError):
+                os.killpg(process.pid, signal.SIGKILL)
+            process.wait()
+
+
+@pytest.fixture(scope="module")
+def hand():
+    with closing(Hand()) as started:
+        started.workers(2)
+        yield started
+
+
+@pytest.fixture(scope="module")
+def pool(hand):
+    """One process here and two there, the first of which is for plans, as all have the solver."""
+    cluster = Cluster(hand.address)
+    until(lambda: cluster.room == 2)
+    with closing(WorkerPool(SyntheticPlanner, processes=1, cluster=cluster)) as shared:
+        done = threading.Event()
+        shared.warm_up([PlanJump(Jump())], [].append, done.set)
+        assert done.wait(20)
+        until(lambda: ready(shared, 2))
+        yield shared
+
+
+@pytest.fixture
+def tab(pool):
+    until(lambda: ready(pool, 2))
+    yield Tab(pool)
+    pool.cancel("tab")
+
+
+def ready(pool, remote):
+    """Whether so many processes there have their solver, and all else is done, too."""
+    able = [m for m in pool._workers if m.idle and m.loaded and not m.todo]
+    return [m.remote for m in able] == [False] + [True] * remote
+
+
+def there(pool):
+    """The member that works: one on the cluster."""
+    (member,) = (m for m in pool._workers if m.working_on is not None)
+    assert member.remote
+    return member
+
+
+def ids(pool):
+    return [number for number in pool.process_ids if number is not None]
+
+
+def test_a_plan_comes_back_from_the_cluster_with_its_number_and_its_request(pool, tab):
+    times = []
+    for step in range(10):
+        began = time.monotonic()
+        job = tab.plan(forward=step / 100)
+        report = tab.outcome()
+        times.append(time.monotonic() - began)
+        assert isinstance(report, Planned)
+        assert (report.job, report.plan.jump.forward) == (job, step / 100)
+        assert report.plan.com.shape == (49, 3)
+    assert min(times) < 0.05
+
+
+def test_a_user_s_error_there_is_a_message_and_the_process_lives_on(pool, tab):
+    processes = ids(pool)
+    for twist, message in (
+        (planners.REFUSED, "twist: expected -1 to 1 rad, got more"),
+        (planners.UNSOLVABLE, "no convergence: reach violated in flight by 0.02 m"),
+    ):
+        job = tab.plan(twist)
+        report = tab.outcome()
+        assert (report.job, report.message) == (job, message)
+        assert (report.plan is not None) == (twist == planners.UNSOLVABLE)
+    assert ids(pool) == processes
+
+
+def test_progress_of_a_simulation_there_is_passed_on_and_cancelling_stops_it(pool, tab):
+    processes = ids(pool)
+    job = tab.simulate(seed=planners.SLOWLY)
+    kinds = set()
+    while kinds != {Progress, SimulatedSoFar}:
+        report = tab.reports.get(timeout=5)
+        assert report.job == job
+        kinds.add(type(report))
+    member = there(pool)
+    pool.cancel("tab")
+    assert tab.outcome() == Cancelled(job)
+    until(lambda: member.idle)
+    assert ids(pool) == processes  # it stopped within its grace, and was not ended
+
+
+def test_the_newest_request_wins_over_one_that_is_under_way_there(pool, tab):
+    old = tab.plan(planners.SLOW)
+    tab.wait_until_running(old)
+    assert there(pool).working_on.job.number == old
+    for step in range(20):
+        new = tab.plan(forward=step / 100)
+    outcomes = {report.job: report for report in (tab.outcome(), tab.outcome())}
+    assert outcomes[old] == Cancelled(old)
+    assert outcomes[new].plan.jump.forward == 0.19
+
+
+def test_a_job_there_that_does_not_stop_is_ended_with_its_process(pool, tab):
+    job = tab.plan(planners.STUBBORN)
+    tab.wait_until_running(job)
+    process = there(pool).id
+    began = time.monotonic()
+    pool.cancel("tab")
+    assert tab.reports.get(timeout=1) == Cancelled(job)
+    until(lambda: not alive(process))
+    assert time.monotonic() - began < 2.0  # of a minute
+    until(lambda: ready(pool, 2))
+    assert process not in ids(pool)
+
+
+def alive(process):
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    return True
+
+
+def test_a_killed_process_there_is_told_to_its_tab_and_replaced(pool, tab):
+    job = tab.plan(planners.STUBBORN)
+    tab.wait_until_running(job)
+    os.kill(process := there(pool).id, signal.SIGKILL)
+    died = "The computing process ended unexpectedly (signal 9) and was restarted."
+    assert tab.outcome() == Failed(job, died)
+    until(lambda: ready(pool, 2))
+    assert process not in ids(pool)
+
+
+def test_a_lost_worker_is_told_to_its_tab_and_another_one_takes_its_place(pool, tab):
+    job = tab.plan(planners.STUBBORN)
+    tab.wait_until_running(job)
+    process = there(pool).id
+    began = time.monotonic()
+    os.kill(parent_of(process), signal.SIGKILL)  # the worker; its nanny starts another
+    report = tab.outcome()
+    assert time.monotonic() - began < 10.0  # of a minute
+    assert report.job == job
+    assert report.message.startswith("The computing process ended unexpectedly (its worker of the")
+    tab.plan(forward=0.2)
+    assert tab.outcome().plan.jump.forward == 0.2
+    until(lambda: ready(pool, 2))
+    assert process not in ids(pool)
+
+
+def parent_of(process):
+    # pid (name) state parent ...
+    return int(Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[1])
+
+
+def test_a_lost_cluster_is_one_line_and_the_server_s_processes_go_on(monkeypatch, caplog):
+    monkeypatch.setattr(cluster_module, "RETRY_INTERVAL", 0.3)
+    with closing(Hand()) as own:
+        own.workers(1)
+        cluster = Cluster(own.address)
+        remarks = []
+        with closing(WorkerPool(SyntheticPlanner, processes=1, cluster=cluster)) as pool:
+            pool.remarked = remarks.append
+            pool.warm_up([PlanJump(Jump())], [].append, print)
+            until(lambda: ready(pool, 1))
+            tab = Tab(pool)
+            job = tab.plan(planners.STUBBORN)
+            tab.wait_until_running(job)
+            caplog.clear()
+            own.scheduler.kill()
+            report = tab.outcome()
+            assert report.job == job
+            assert report.message == (
+                "The computing process ended unexpectedly (the cluster was lost); please try again."
+            )
+            until(lambda: remarks)
+            assert remarks[0].startswith(f"The cluster at {own.address} is lost; the processes of")
+            assert [record.getMessage() for record in caplog.records] == remarks
+            tab.plan()
+            assert isinstance(tab.outcome(), Planned)
+            own.start_scheduler()
+            own.workers(1)
+            until(lambda: ready(pool, 1))
+            assert remarks[1:] == [f"The cluster at {own.address} is back."]
+
+
+def test_a_worker_with_other_code_gets_nothing_and_one_line_says_so(hand, monkeypatch, caplog):
+    monkeypatch.setattr("app.workers.code_identity.package_version", lambda: "0.0.1")
+    with closing(Cluster(hand.address)) as cluster:
+        time.sleep(1.5)  # it is not said at every look
+        assert (cluster.room, cluster.has_room) == (0, False)
+    (record,) = caplog.records
+    line = record.getMessage()
+    assert "is not used: it has llsrbm " in line
+    assert "the server llsrbm 0.0.1 (" in line
+    assert "\n" not in line
+
+
+def test_closing_leaves_no_process_behind(hand):
+    cluster = Cluster(hand.address)
+    with closing(WorkerPool(SyntheticPlanner, processes=1, cluster=cluster)) as pool:
+        pool.warm_up([PlanJump(Jump())], [].append, print)
+        until(lambda: len(ids(pool)) == 3)
+        processes = ids(pool)
+    until(lambda: not any(map(alive, processes)), 2.0)
+    assert not any(map(alive, processes))
+
+
+def test_a_worker_where_no_process_starts_is_left_alone_for_a_while(hand, caplog):
+    with closing(Cluster(hand.address)) as cluster:
+        inbox = queue.SimpleQueue()
+        first, second = cluster.processes(broken_factory, inbox, 2)
+        for process in (first, second):
+            process.start()
+        for _ in range(2):
+            received = inbox.get(timeout=15)
+            assert received.message is None
+        for process in (first, second):
+            process.end(time.monotonic(), unexpected=True)
+            ended = process.poll(time.monotonic())
+            assert (ended.how, ended.unexpected) == ("exit status 1", True)
+            assert not process.exists
+        assert not first.startable
+        assert cluster.room == 2
+
+
+@pytest.mark.parametrize("address", ["tcp://127.0.0.1:1", "nonsense", "foo://127.0.0.1:8786"])
+def test_a_scheduler_that_does_not_answer_is_one_line(address, monkeypatch):
+    monkeypatch.setattr(cluster_module, "CONNECT_PATIENCE", 1.0)
+    with pytest.raises(InputError, match=r"^--scheduler: .* expected the address of a running"):
+        Cluster(address)

@@ -1,0 +1,159 @@
+"""The library as a computing process uses it: what reaches it, and what is left out."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+import llsrbm
+from app.workers.protocol import ExportMotion, FindNearest, OpenFile, PlanJump, SimulateJump
+from app.workers.worker import LibraryPlanner
+from llsrbm.errors import InputError
+from llsrbm.ocp.problem import Iterate
+from llsrbm.request.design import Design, dump_design
+from llsrbm.request.jump import Jump
+from llsrbm.request.scenario import Scenario
+from llsrbm.request.tuning import Tuning
+from tests.app.synthetic_plan import synthetic_plan
+
+JUMP = Jump(twist=0.5)
+TUNING = Tuning(weights={"force": 2.0}, limits={"friction": 0.4})
+
+
+def silent(text, **details):
+    pass
+
+
+def never():
+    return False
+
+
+@pytest.fixture
+def called(monkeypatch):
+    """What the library's functions were called with."""
+    calls = {}
+
+    def record(name):
+        def function(*arguments, **options):
+            calls[name] = (arguments, options)
+            return synthetic_plan(JUMP)
+
+        return function
+
+    for name in ("plan", "nearest", "simulate"):
+        monkeypatch.setattr(llsrbm, name, record(name))
+    return calls
+
+
+def planned(**changes):
+    solved = replace(synthetic_plan(JUMP), solution=Iterate(None, None))
+    return replace(solved, **changes)
+
+
+def test_a_plan_gets_its_tuning_and_the_plan_to_start_from(called):
+    near = planned()
+    LibraryPlanner().plan(PlanJump(JUMP, TUNING, near, patient=False), silent, never)
+    (jump,), options = called["plan"]
+    assert jump == JUMP
+    assert (options["weights"], options["limits"]) == (TUNING.weights, TUNING.limits)
+    assert options["near"] is near
+    assert options["patient"] is False
+    assert options["cancelled"] is never
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"solution": None},
+        {"jump": replace(JUMP, model="srbm")},
+        {"jump": replace(JUMP, robot="go2")},
+    ],
+)
+def test_what_is_of_no_use_to_start_from_is_left_out(called, changes):
+    LibraryPlanner().plan(PlanJump(JUMP, near=planned(**changes)), silent, never)
+    assert called["plan"][1]["near"] is None
+
+
+def test_a_plan_that_the_planner_cannot_start_from_is_left_out(monkeypatch):
+    """From a file of another version, or made up: only the planner can tell."""
+    asked = []
+
+    def plan(jump, *, near, **_):
+        asked.append(near)
+        if near is not None:
+            raise InputError("near: the plan is of another version of the planner")
+        return synthetic_plan(jump)
+
+    monkeypatch.setattr(llsrbm, "plan", plan)
+    near = planned()
+    assert LibraryPlanner().plan(PlanJump(JUMP, near=near), silent, never).jump == JUMP
+    assert asked == [near, None]
+
+
+def test_a_file_is_opened_and_its_robot_prepared(monkeypatch):
+    prepared = []
+    monkeypatch.setattr(
+        LibraryPlanner, "prepare", lambda _, robot, progress: prepared.append(robot)
+    )
+    design = dump_design(Design(Jump(robot="go2")))
+    task = OpenFile("mine.jump.json", design.encode(), "anymal")
+    assert LibraryPlanner().open(task, silent).holds.jump.robot == "go2"
+    assert prepared == ["go2"]
+
+
+def test_an_export_is_one_file_whatever_it_is_of():
+    task = ExportMotion(synthetic_plan(JUMP), ("csv",), options={"fps": 10.0})
+    name, table = LibraryPlanner().export(task, silent)
+    assert name == "anymal-llsrbm-plus-plan.csv"
+    assert table.startswith(b"time [s]")
+    name, folder = LibraryPlanner().export(ExportMotion(synthetic_plan(JUMP), ("mujoco",)), silent)
+    assert name == "anymal-llsrbm-plus-plan.zip"
+    assert folder.startswith(b"PK")
+
+
+def test_a_search_gets_its_tuning(called):
+    LibraryPlanner().nearest(FindNearest(JUMP, TUNING), silent, never)
+    (jump,), options = called["nearest"]
+    assert jump == JUMP
+    assert (options["weights"], options["limits"]) == (TUNING.weights, TUNING.limits)
+
+
+def test_a_simulation_gets_its_scenario_and_reports_whole_per_cents_and_the_motion(called):
+    reported, motions = [], []
+
+    def progress(text, *, share):
+        reported.append((text, share))
+
+    def so_far(*motion):
+        motions.append(motion)
+
+    scenario = Scenario(0.02, True, 3, 0.5, "norm", "planned", "proxqp", 0.12)
+    LibraryPlanner().simulate(SimulateJump(planned(), scenario), progress, so_far, never)
+    (_, given), options = called["simulate"]
+    assert given == scenario
+    for k in range(1001):
+        options["progress"](k / 1000)
+        if k == 500:
+            options["so_far"]("times", "states")
+    assert len(reported) == 101
+    assert reported[50] == ("simulating, 50 %", 0.5)
+    assert motions == [(0.5, "times", "states")]
+
+
+def test_the_solver_is_announced_once_a_process(called):
+    told = []
+    planner = LibraryPlanner()
+    for _ in range(2):
+        planner.plan(PlanJump(JUMP), told.append, never)
+    assert told == ["building the solver of llsrbm-plus for anymal: half a minute, the first time"]
+
+
+def test_solvers_that_plan_anew_are_announced_where_they_are_needed(called):
+    told = []
+    planner = LibraryPlanner()
+    for replan in (False, True, True):
+        task = SimulateJump(planned(), Scenario(replan=replan))
+        planner.simulate(task, told.append, lambda *_: None, never)
+    (line,) = told
+    assert line.startswith("building the solvers that plan anew, of llsrbm-plus for anymal")

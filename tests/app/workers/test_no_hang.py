@@ -1,0 +1,273 @@
+"""Nothing keeps the pool from answering: defects, stopped processes, full queues, bad listeners."""
+
+from __future__ import annotations
+
+import logging
+import os
+import signal
+import threading
+import time
+from contextlib import closing
+
+import pytest
+
+from app.workers import jobs, member, process, scheduler
+from app.workers import pool as pool_module
+from app.workers.dispatcher import BROKEN, DEFECT
+from app.workers.pool import BUSY, CLOSED, WorkerPool
+from app.workers.protocol import Cancelled, Failed, OpenFile, PlanJump, Planned, Progress
+from llsrbm.request.jump import Jump
+from tests.app import planners
+from tests.app.planners import SyntheticPlanner, hanging_factory
+from tests.app.pool_tab import Tab
+
+PLAN = PlanJump(Jump())
+LARGE = OpenFile("large.npz", bytes(8 * 1024**2), "anymal")  # more than a socket takes unread
+
+
+@pytest.fixture
+def pool():
+    with closing(WorkerPool(SyntheticPlanner, processes=1)) as own:
+        yield own
+
+
+def raising_once(monkeypatch, pool, times=1):
+    """The pool's thread meets an exception that nothing foresees, the next time or times."""
+    dispatcher = pool._dispatcher
+    hand_out, left = dispatcher._hand_out, [times]
+
+    def raising():
+        if left[0]:
+            left[0] -= 1
+            raise ZeroDivisionError("a defect of the pool")
+        hand_out()
+
+    monkeypatch.setattr(dispatcher, "_hand_out", raising)
+
+
+def gone(pid, within):
+    end = time.monotonic() + within
+    while time.monotonic() < end:
+        try:
+            os.kill(pid, 0)
+        except ProcessLookupError:
+            return True
+        time.sleep(0.01)
+    return False
+
+
+def test_after_a_defect_of_the_pool_all_are_answered_and_it_goes_on(monkeypatch, pool, caplog):
+    tabs = [Tab(pool, name) for name in ("running", "waiting")]
+    asked = [tabs[0].plan(planners.SLOW)]
+    tabs[0].wait_until_running(asked[0])
+    asked.append(tabs[1].plan())
+    process = pool.process_ids[0]
+    raising_once(monkeypatch, pool)
+    pool.cancel("nobody")  # wakes it
+    for tab, job in zip(tabs, asked, strict=True):
+        assert tab.outcome() == Failed(job, DEFECT)
+    tabs[0].plan()
+    assert isinstance(tabs[0].outcome(), Planned)
+    assert gone(process, 5)
+    assert "a defect of the pool" in caplog.text
+    assert tabs[1].reports.empty()
+
+
+def test_a_lasting_defect_ends_in_refusals_not_in_waiting(monkeypatch, pool):
+    tab = Tab(pool)
+    job = tab.plan(planners.SLOW)
+    tab.wait_until_running(job)
+    process = pool.process_ids[0]
+    raising_once(monkeypatch, pool, times=1000)
+    first = tab.plan()
+    outcomes = {(report := tab.outcome()).job: report.message for _ in range(2)}
+    assert set(outcomes) == {job, first}
+    assert set(outcomes.values()) <= {DEFECT, BROKEN}
+    assert gone(process, 5)
+    deadline = time.monotonic() + 5
+    while pool._thread.is_alive():
+        assert time.monotonic() < deadline
+        time.sleep(0.01)
+    for _ in range(3):
+        began = time.monotonic()
+        job = tab.plan()
+        assert tab.reports.get_nowait() == Failed(job, BROKEN)
+        assert time.monotonic() - began < 0.1
+    pool.cancel("tab")
+    pool.forget("tab")
+
+
+def test_a_task_that_cannot_be_sent_fails_alone(pool):
+    tab = Tab(pool)
+    tab.plan()
+    tab.outcome()
+    process = pool.process_ids
+    job = tab.submit(PlanJump(Jump(), near=threading.Lock()))
+    assert tab.outcome() == Failed(job, DEFECT)
+    tab.plan()
+    assert isinstance(tab.outcome(), Planned)
+    assert pool.process_ids == process
+
+
+def test_a_listener_is_called_outside_the_lock_and_may_ask_the_pool(pool):
+    blocked, entered = threading.Event(), threading.Event()
+
+    def listen(report):
+        entered.set()
+        blocked.wait(20)
+
+    pool.submit("blocking", PLAN, listen)
+    assert entered.wait(20)
+    tab = Tab(pool)
+    began = time.monotonic()
+    job = tab.plan(planners.STUBBORN)
+    pool.cancel("tab")
+    pool.forget("nobody")
+    assert time.monotonic() - began < 0.5
+    blocked.set()
+    assert tab.outcome() == Cancelled(job)
+
+
+def test_a_log_that_nobody_reads_delays_no_job(pool, monkeypatch):
+    blocked = threading.Event()
+
+    class Unread(logging.Handler):
+        def emit(self, record):
+            blocked.wait(20)
+
+    handler = Unread()
+    logging.getLogger("app.workers.jobs").addHandler(handler)
+    try:
+        tab = Tab(pool)
+        tab.plan(planners.CRASH)
+        assert isinstance(tab.outcome(), Failed)
+        tab.plan()
+        assert isinstance(tab.outcome(), Planned)
+    finally:
+        blocked.set()
+        logging.getLogger("app.workers.jobs").removeHandler(handler)
+
+
+def with_both_processes(pool, tab, other):
+    """Wait until two jobs can run side by side."""
+    for each in (tab, other):
+        each.plan(planners.SLOW)
+    assert {type(each.outcome()) for each in (tab, other)} == {Planned}
+    while not all(member.idle for member in pool._workers):
+        time.sleep(0.01)
+
+
+@pytest.mark.parametrize("when", ["in mid-work", "before it reads a large job"])
+def test_a_stopped_process_delays_no_other_tab_and_is_replaced(when):
+    """It does not end when it is told to, either: it has to be killed."""
+    with closing(WorkerPool(SyntheticPlanner, processes=2)) as pool:
+        tab, other = Tab(pool), Tab(pool, "other")
+        with_both_processes(pool, tab, other)
+        if when == "in mid-work":
+            job = tab.plan(planners.STUBBORN)
+            tab.wait_until_running(job)
+            (working,) = (m for m in pool._workers if m.working_on is not None)
+            os.kill(stopped := working.id, signal.SIGSTOP)
+        else:
+            os.kill(stopped := pool.process_ids[1], signal.SIGSTOP)
+            job = tab.submit(LARGE)
+            time.sleep(0.1)
+            assert pool._workers[1].working_on.job.number == job
+        other.plan()
+        assert isinstance(other.outcome(timeout=5), Planned)
+        pool.cancel("tab")
+        assert tab.outcome(timeout=1) == Cancelled(job)
+        other.plan()
+        assert isinstance(other.outcome(timeout=5), Planned)
+        assert gone(stopped, 5)
+        with_both_processes(pool, tab, other)
+        assert stopped not in pool.process_ids
+
+
+def test_closing_has_an_end_even_if_a_process_does_not():
+    pool = WorkerPool(SyntheticPlanner, processes=1)
+    tab, waiting = Tab(pool), Tab(pool, "waiting")
+    tab.wait_until_running(tab.plan(planners.STUBBORN))
+    job = waiting.plan()
+    stopped = pool.process_ids[0]
+    os.kill(stopped, signal.SIGSTOP)
+    began = time.monotonic()
+    pool.close()
+    assert time.monotonic() - began < pool_module.CLOSE_PATIENCE
+    assert gone(stopped, 1)
+    assert waiting.outcome(timeout=1) == Failed(job, CLOSED)
+    job = tab.plan()
+    assert tab.outcome(timeout=1).message == CLOSED  # of the one that ran
+    assert tab.outcome(timeout=1) == Failed(job, CLOSED)
+
+
+def test_a_full_queue_refuses_new_tabs_at_once_and_replaces_jobs_of_those_that_wait(
+    monkeypatch, pool
+):
+    monkeypatch.setattr(scheduler, "MOST_WAITING", 3)
+    busy = Tab(pool, "busy")
+    busy.wait_until_running(busy.plan(planners.SLOW))
+    tabs = [Tab(pool, number) for number in range(5)]
+    asked = [tab.plan() for tab in tabs]
+    for tab, job in zip(tabs[3:], asked[3:], strict=True):
+        assert tab.reports.get_nowait() == Failed(job, BUSY)
+    newer = tabs[0].plan(forward=0.1)
+    assert (report := tabs[0].outcome()).job == newer
+    assert isinstance(report, Planned)
+    assert {type(tab.outcome()) for tab in tabs[1:3]} == {Planned}
+    tabs[4].plan()
+    assert isinstance(tabs[4].outcome(), Planned)
+
+
+def test_a_process_that_never_gets_ready_counts_as_one_that_does_not_start(monkeypatch, caplog):
+    monkeypatch.setattr(process, "START_PATIENCE", 0.5)
+    with closing(WorkerPool(hanging_factory, processes=1)) as pool:
+        tab = Tab(pool)
+        job = tab.plan()
+        report = tab.outcome()
+        assert report.job == job
+        assert "does not start (signal 15)" in report.message
+        assert pool.process_ids == (None,)
+    assert "was not ready in time" in caplog.text
+
+
+def test_a_job_without_a_sign_of_life_is_given_up(monkeypatch):
+    for module in (member, jobs):
+        monkeypatch.setattr(module, "SILENCE", 0.5)
+    with closing(WorkerPool(SyntheticPlanner, processes=1)) as pool:
+        tab = Tab(pool)
+        job = tab.plan(planners.STUBBORN)
+        report = tab.outcome()
+        assert report.job == job
+        assert "no sign of life" in report.message
+        # What reports now and then goes on as long as it likes.
+        tab.plan(planners.ITERATING)
+        assert isinstance(tab.outcome(), Planned)
+
+
+def test_nothing_follows_an_outcome_however_tabs_cancel(pool):
+    """Cancelled from several threads at all moments of a job that reports all the time."""
+    reports, lock = {}, threading.Lock()
+
+    def listen(report):
+        with lock:
+            reports.setdefault(report.job, []).append(report)
+
+    def ask(name):
+        for delay in (0.0, 0.003, 0.01, 0.02, 0.05, 0.13):
+            pool.submit(name, PlanJump(Jump(twist=planners.ITERATING)), listen)
+            time.sleep(delay)
+            pool.cancel(name)
+
+    threads = [threading.Thread(target=ask, args=(name,)) for name in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    tab = Tab(pool)
+    tab.plan()
+    assert isinstance(tab.outcome(), Planned)
+    assert len(reports) == 24
+    for job, heard in reports.items():
+        assert heard[-1] == Cancelled(job)
+        assert all(isinstance(report, Progress) for report in heard[:-1])

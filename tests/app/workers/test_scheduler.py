@@ -1,0 +1,239 @@
+"""Whose turn it is: rules checked on made-up queues, without processes."""
+
+from __future__ import annotations
+
+import itertools
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from app.workers.protocol import (
+    ExportMotion,
+    FindNearest,
+    Job,
+    OpenFile,
+    PlanJump,
+    Prepare,
+    SimulateJump,
+    solver_of,
+)
+from app.workers.scheduler import Entry, Kind, Member, Scheduler
+from llsrbm.request.jump import Jump
+from llsrbm.request.scenario import Scenario
+
+PLAN = PlanJump(Jump())
+OTHER = PlanJump(Jump(model="srbm"))
+SEARCH = FindNearest(Jump())
+SIMULATION = SimulateJump(None, Scenario())  # which plan does not matter here
+TABLE, LOG = (ExportMotion(None, (name,)) for name in ("csv", "mcap"))
+FILE = OpenFile("a.npz", b"", "anymal")
+TASKS = (PLAN, OTHER, SEARCH, SIMULATION, Prepare("anymal"), TABLE, LOG, FILE)
+
+numbers = itertools.count(1)
+
+
+def entry(tab, task=PLAN):
+    return Entry(tab, Job(next(numbers), task), print, 0.0)
+
+
+def members(count=2):
+    return [Member(reserved=0 < i == count - 1, ready=True) for i in range(count)]
+
+
+def turns_that_know(*tasks):
+    turns = Scheduler()
+    for task in tasks or TASKS:
+        turns.note_done(task)
+    return turns
+
+
+def give(turns, crew):
+    """Hand out what can be; [(tab, member's index)]."""
+    given_out = []
+    while (turn := turns.next(crew)) is not None:
+        item, member = turn
+        assert member.idle
+        member.working_on = item
+        given_out.append((item.tab, crew.index(member)))
+    return given_out
+
+
+def test_a_simulation_leaves_the_reserved_process_alone():
+    turns, crew = turns_that_know(), members()
+    for tab in "abc":
+        turns.put(entry(tab, SIMULATION))
+    assert give(turns, crew) == [("a", 0)]
+    turns.put(entry("d"))
+    assert give(turns, crew) == [("d", 1)]
+    assert [item.tab for item in turns] == ["b", "c"]
+
+
+def test_what_is_quickly_written_or_read_may_go_anywhere_and_the_rest_not():
+    turns, crew = turns_that_know(), members()
+    for tab, task in (("a", LOG), ("b", LOG), ("c", TABLE)):
+        turns.put(entry(tab, task))
+    assert give(turns, crew) == [("a", 0), ("c", 1)]
+    crew[1].working_on = None
+    turns.put(entry("d", FILE))
+    assert give(turns, crew) == [("d", 1)]
+    assert not ExportMotion(None, ("csv", "mcap")).quick
+
+
+def test_files_need_nothing_that_has_to_be_built_first():
+    turns, crew = Scheduler(), members()
+    turns.put(entry("a", PLAN))  # builds a solver
+    turns.put(entry("b", TABLE))
+    assert give(turns, crew) == [("a", 0), ("b", 1)]
+
+
+def test_with_one_process_nothing_is_reserved():
+    turns, crew = turns_that_know(), members(1)
+    turns.put(entry("a", SIMULATION))
+    assert give(turns, crew) == [("a", 0)]
+
+
+def test_a_newer_request_takes_the_place_of_the_older():
+    turns, crew = turns_that_know(), members(1)
+    turns.put(entry("a"))
+    turns.put(entry("b"))
+    newest = entry("a", OTHER)
+    turns.put(newest)
+    assert turns.next(crew)[0] is newest
+    assert [item.tab for item in turns] == ["b"]
+
+
+def test_a_tab_has_one_job_of_a_kind_running_besides_those_that_stop():
+    turns, crew = turns_that_know(), members()
+    turns.put(entry("a"))
+    give(turns, crew)
+    turns.put(entry("a"))
+    assert give(turns, crew) == []
+    turns.put(entry("a", SIMULATION))
+    assert give(turns, crew) == [("a", 0)]
+    crew[0].working_on = None
+    crew[1].stopping = True
+    turns.put(entry("a"))
+    assert give(turns, crew) == [("a", 0)]
+
+
+def test_the_process_that_has_the_solver_is_preferred():
+    crew = members(3)
+    crew[1].loaded[solver_of(OTHER.jump)] = OTHER
+    turns = turns_that_know()
+    turns.put(entry("a", OTHER))
+    turns.put(entry("b", PLAN))
+    assert give(turns, crew) == [("a", 1), ("b", 2)]
+
+
+def test_what_may_have_to_be_built_is_built_once_and_not_on_the_reserved_process():
+    turns, crew = turns_that_know(OTHER), members()
+    turns.put(entry("a", PLAN))
+    turns.put(entry("b", PLAN))
+    turns.put(entry("c", OTHER))
+    assert give(turns, crew) == [("a", 0), ("c", 1)]
+    crew[1].working_on = None
+    assert give(turns, crew) == []
+    turns.note_done(PLAN)
+    assert give(turns, crew) == [("b", 1)]
+
+
+requests = st.tuples(st.sampled_from("abcdef"), st.sampled_from(TASKS))
+
+
+@given(st.lists(requests | st.integers(0, 3), max_size=80), st.integers(1, 4))
+def test_rules_hold_in_every_order(happenings, count):
+    """Requests come in, processes finish (a number says which); in the end all are served."""
+    turns, crew = Scheduler(), members(count)
+    asked, served = set(), set()
+
+    def finish(member):
+        if member.working_on is not None:
+            turns.note_done(member.working_on.job.task)
+            member.working_on = None
+
+    for happening in happenings:
+        if isinstance(happening, int):
+            finish(crew[happening % count])
+        else:
+            asked.add(happening[0])
+            turns.put(entry(*happening))
+        served |= {tab for tab, _ in give(turns, crew)}
+        running = [m.working_on for m in crew if m.working_on is not None]
+        claims = [(item.tab, Kind.of(item.job.task)) for item in running]
+        assert len(set(claims)) == len(claims)
+        assert sum(turns.is_new(item.job.task) for item in running) <= 1
+        if count > 1 and crew[-1].working_on is not None:
+            assert not Kind.of(crew[-1].working_on.job.task).long
+    while len(turns):
+        for member in crew:
+            finish(member)
+        given_out = give(turns, crew)
+        assert given_out
+        served |= {tab for tab, _ in given_out}
+    assert served == asked
+
+
+@given(st.lists(st.sampled_from("abcde"), min_size=1, max_size=60))
+def test_who_has_waited_longest_is_next_however_often_others_ask(order):
+    turns, crew = turns_that_know(), members(1)
+    waiting = []
+    for i, tab in enumerate(order):
+        turns.put(entry(tab))
+        if tab not in waiting:
+            waiting.append(tab)
+        if i % 3 == 2:
+            crew[0].working_on = None
+            assert give(turns, crew) == [(waiting.pop(0), 0)]
+
+
+def crew_with_a_cluster():
+    """Two members here and two there, the second of each reserved."""
+    return [*members(), *(Member(reserved, remote=True, ready=True) for reserved in (False, True))]
+
+
+def test_what_lasts_goes_to_the_cluster_first_and_what_is_short_stays_here():
+    turns = turns_that_know()
+    for tab in range(3):
+        turns.put(entry(tab, SIMULATION))
+    for tab in range(3, 9):
+        turns.put(entry(tab, PLAN))
+    assert give(turns, crew_with_a_cluster()) == [(0, 2), (1, 0), (3, 1), (4, 3)]
+    turns.withdraw(2)
+    assert give(turns, crew_with_a_cluster()) == [(5, 1), (6, 3), (7, 0), (8, 2)]
+
+
+def test_what_is_about_files_of_the_server_does_not_go_to_the_cluster():
+    for task in (Prepare("anymal"), TABLE, LOG, FILE):
+        turns = turns_that_know()
+        crew = crew_with_a_cluster()
+        for tab in range(4):
+            turns.put(entry(tab, task))
+        assert {index for _, index in give(turns, crew)} <= {0, 1}
+        assert len(turns) >= 2
+
+
+def test_with_thirty_tabs_on_four_processes_five_that_simulate_do_not_starve_ten_that_drag():
+    """Each turn is as long as a plan, 0.1 s; a simulation takes thirty of them."""
+    turns, crew = turns_that_know(), crew_with_a_cluster()
+    ends, answers, simulated = {}, dict.fromkeys(range(10), 0), dict.fromkeys(range(10, 15), 0)
+    for now in range(600):
+        for member in [m for m in crew if m.working_on and ends[m.working_on] <= now]:
+            tab = member.working_on.tab
+            (answers if tab < 10 else simulated)[tab] += 1
+            member.working_on = None
+        busy = {m.working_on.tab for m in crew if m.working_on}
+        if now % 3 == 0:
+            for tab in answers:
+                turns.put(entry(tab, PLAN))
+        waiting = {item.tab for item in turns}
+        for tab in simulated.keys() - busy - waiting:
+            turns.put(entry(tab, SIMULATION))
+        while (turn := turns.next(crew)) is not None:
+            item, member = turn
+            member.working_on = item
+            ends[item] = now + (30 if item.job.task is SIMULATION else 1)
+    # Two processes are theirs, of whose 1200 turns each of the ten has about a tenth.
+    assert min(answers.values()) >= 100
+    # The other two take forty simulations in that time.
+    assert sum(simulated.values()) >= 35
+    assert min(simulated.values()) >= 6

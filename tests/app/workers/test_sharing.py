@@ -1,0 +1,326 @@
+"""How tabs share two computing processes: nobody waits for another or gets its results."""
+
+from __future__ import annotations
+
+import os
+import signal
+import threading
+import time
+from contextlib import closing
+
+import pytest
+
+from app.workers.pool import WorkerPool
+from app.workers.protocol import (
+    Cancelled,
+    Failed,
+    FindNearest,
+    Found,
+    PlanJump,
+    Planned,
+    Prepare,
+    Progress,
+    Simulated,
+)
+from llsrbm.request.jump import Jump
+from llsrbm.request.tuning import Tuning
+from tests.app import planners
+from tests.app.planners import SyntheticPlanner
+from tests.app.pool_tab import Tab
+
+MODELS = ("llsrbm-plus", "srbm")
+
+
+def warmed(heard=None, **options):
+    pool = WorkerPool(SyntheticPlanner, processes=2, **options)
+    done = threading.Event()
+    tasks = [Prepare("anymal"), *(PlanJump(Jump(model=model)) for model in MODELS)]
+    pool.warm_up(tasks, [].append if heard is None else heard.append, done.set)
+    assert done.wait(20)
+    # The first process is through; the second one follows.
+    end = time.monotonic() + 20
+    while any(member.todo or not member.idle for member in pool._workers):
+        assert time.monotonic() < end
+        time.sleep(0.01)
+    return pool
+
+
+@pytest.fixture(scope="module")
+def pool():
+    with closing(warmed()) as shared:
+        yield shared
+
+
+@pytest.fixture
+def own_pool():
+    with closing(warmed()) as own:
+        yield own
+
+
+def seconds(function):
+    began = time.monotonic()
+    result = function()
+    return time.monotonic() - began, result
+
+
+def test_every_process_loads_what_is_likely_and_the_first_ones_reports_are_heard(
+    tmp_path, monkeypatch
+):
+    log = tmp_path / "log"
+    monkeypatch.setenv("PLANNED_LOG", str(log))
+    heard = []
+    with closing(warmed(heard)) as pool:
+        first, second = (str(number) for number in pool.process_ids)
+        loaded = [line.split() for line in log.read_text().splitlines()]
+    # The likeliest first, and the first process before the other.
+    assert loaded[: len(MODELS)] == [[first, model] for model in MODELS]
+    assert sorted(loaded) == sorted([pid, model] for pid in (first, second) for model in MODELS)
+    outcomes = [report for report in heard if not isinstance(report, Progress)]
+    assert [type(report).__name__ for report in outcomes] == ["Prepared", "Planned", "Planned"]
+
+
+def test_a_request_is_not_kept_waiting_by_what_is_loaded_meanwhile():
+    with closing(WorkerPool(SyntheticPlanner, processes=2)) as pool:
+        slow = PlanJump(Jump(twist=planners.SLOW, model="srbm"))
+        done = threading.Event()
+        pool.warm_up([PlanJump(Jump()), slow, slow], [].append, done.set)
+        tab = Tab(pool)
+        tab.plan()
+        tab.outcome()
+        while None in pool.process_ids:
+            time.sleep(0.01)
+        time.sleep(1.0)  # the second process starts while the first one loads
+        for _ in range(5):
+            tab.plan()
+            took, report = seconds(tab.outcome)
+            assert isinstance(report, Planned)
+            assert took < 0.8
+        assert not done.is_set()
+
+
+def test_a_plan_does_not_wait_for_another_tabs_simulations(pool):
+    simulating = [Tab(pool, f"simulating {i}") for i in range(2)]
+    jobs = [tab.simulate(seed=planners.SLOWLY) for tab in simulating]
+    simulating[0].wait_until_running(jobs[0])
+    planning = Tab(pool, "planning")
+    for _ in range(3):
+        planning.plan()
+        took, report = seconds(planning.outcome)
+        assert isinstance(report, Planned)
+        assert took < 1.0
+    for tab, job in zip(simulating, jobs, strict=True):
+        pool.cancel(tab.name)
+        assert tab.outcome() == Cancelled(job)
+
+
+@pytest.mark.parametrize("what", ["simulation", "search"])
+def test_a_new_plan_stops_its_tabs_simulation_or_search_and_does_not_wait_for_it(pool, what):
+    tab = Tab(pool)
+    old = (
+        tab.simulate(seed=planners.SLOWLY)
+        if what == "simulation"
+        else tab.submit(FindNearest(Jump(twist=planners.SLOW)))
+    )
+    tab.wait_until_running(old)
+    began = time.monotonic()
+    new = tab.plan(forward=0.1)
+    reports = [tab.outcome(), tab.outcome()]
+    assert time.monotonic() - began < 1.0  # of the five seconds that it would take
+    assert Cancelled(old) in reports
+    (plan,) = (report for report in reports if isinstance(report, Planned))
+    assert plan.job == new
+
+
+def test_a_quick_plan_that_is_superseded_may_finish_and_a_patient_one_is_stopped(pool):
+    tab = Tab(pool)
+    for patient, outcome in ((False, Planned), (True, Cancelled)):
+        old = tab.plan(planners.SLOW, patient=patient)
+        tab.wait_until_running(old)
+        new = tab.plan()
+        outcomes = {report.job: type(report) for report in (tab.outcome(), tab.outcome())}
+        assert outcomes == {old: outcome, new: Planned}
+
+
+def test_who_changes_his_mind_does_not_wait_for_a_solver_that_is_being_built(own_pool):
+    tab = Tab(own_pool)
+    old = tab.plan(planners.STUBBORN)
+    tab.wait_until_running(old)
+    new = tab.plan(forward=0.1)
+    took, report = seconds(tab.outcome)
+    assert (type(report), report.job) == (Planned, new)
+    assert took < 2.0  # of a minute
+    own_pool.cancel("tab")
+    assert tab.outcome() == Cancelled(old)
+
+
+def test_a_plan_comes_with_its_tuning(pool):
+    tab = Tab(pool)
+    tuning = Tuning(weights={"force": 2.0}, limits={"friction": 0.4})
+    tab.plan(tuning=tuning, near=None)
+    assert tab.outcome().plan.tuning == tuning
+
+
+def test_the_nearest_jump_is_found_or_it_is_said_that_there_is_none(pool):
+    tab = Tab(pool)
+    job = tab.submit(FindNearest(Jump(twist=1.0)))
+    report = tab.outcome()
+    assert isinstance(report, Found)
+    assert (report.job, report.nearest.jump.twist) == (job, 0.5)
+    assert report.nearest.plan.jump == report.nearest.jump
+    job = tab.submit(FindNearest(Jump(twist=planners.UNSOLVABLE)))
+    assert tab.outcome() == Failed(job, "contact_force: nothing can be planned within 10 N")
+
+
+@pytest.mark.parametrize(
+    "stubborn",
+    [
+        PlanJump(Jump(twist=planners.STUBBORN)),
+        FindNearest(Jump(twist=planners.STUBBORN)),
+    ],
+)
+def test_cancel_is_heard_at_once_and_others_are_served_while_the_process_is_replaced(
+    own_pool, stubborn
+):
+    tab, other = Tab(own_pool), Tab(own_pool, "other")
+    before = set(own_pool.process_ids)
+    job = tab.submit(stubborn)
+    tab.wait_until_running(job)
+    began = time.monotonic()
+    own_pool.cancel("tab")
+    assert tab.reports.get(timeout=1) == Cancelled(job)
+    assert time.monotonic() - began < 0.05
+    other.plan()
+    took, report = seconds(other.outcome)
+    assert isinstance(report, Planned)
+    assert took < 0.5  # a process that had to start first would take longer
+    while len(before & set(own_pool.process_ids)) == 2:
+        assert time.monotonic() - began < 0.5
+        time.sleep(0.005)
+    assert len(before & set(own_pool.process_ids)) == 1
+    tab.plan()
+    assert isinstance(tab.outcome(), Planned)
+
+
+def test_a_cancelled_job_that_looks_leaves_its_process_alive_and_free(pool):
+    tab, other = Tab(pool), Tab(pool, "other")
+    before = pool.process_ids
+    times = []
+    for _ in range(3):
+        job = tab.simulate(seed=planners.SLOWLY)
+        tab.wait_until_running(job)
+        # Waits, as it is the only process that simulates.
+        waiting = other.simulate(seed=1)
+        began = time.monotonic()
+        pool.cancel("tab")
+        assert tab.outcome() == Cancelled(job)
+        other.wait_until_running(waiting)
+        times.append(time.monotonic() - began)
+        assert isinstance(other.outcome(), Simulated)
+    assert min(times) < 0.2
+    assert pool.process_ids == before
+
+
+def test_cancelling_one_job_leaves_those_with_smaller_numbers(pool):
+    """A tab's newer request keeps its place, so numbers are not in order."""
+    first, second = Tab(pool, "first"), Tab(pool, "second")
+    busy = Tab(pool, "busy")
+    busy.wait_until_running(busy.simulate(seed=planners.SLOWLY))
+    first.simulate(seed=1)
+    later = second.simulate(seed=planners.SLOWLY)
+    latest = first.simulate(seed=planners.SLOWLY)
+    pool.cancel("busy")
+    first.wait_until_running(latest)
+    pool.cancel("first")
+    assert first.outcome() == Cancelled(latest)
+    second.wait_until_running(later)
+    time.sleep(0.2)
+    assert second.progress(timeout=5).job == later
+    pool.cancel("second")
+
+
+def test_a_killed_process_is_told_to_its_tab_only_and_replaced_with_its_solvers(
+    tmp_path, monkeypatch
+):
+    monkeypatch.setenv("PLANNED_LOG", str(tmp_path / "log"))
+    with closing(warmed()) as pool:
+        simulating, planning = Tab(pool, "simulating"), Tab(pool, "planning")
+        job = simulating.simulate(seed=planners.SLOWLY)
+        simulating.wait_until_running(job)
+        planned = planning.plan(planners.SLOW)
+        planning.wait_until_running(planned)
+        killed, spared = pool.process_ids
+        (tmp_path / "log").unlink()
+        os.kill(killed, signal.SIGKILL)
+        assert simulating.outcome() == Failed(
+            job, "The computing process ended unexpectedly (signal 9) and was restarted."
+        )
+        assert isinstance(planning.outcome(), Planned)
+        assert pool.process_ids[1] == spared
+        deadline = time.monotonic() + 10
+        wanted = {(pool.process_ids[0], model) for model in MODELS}
+        while not wanted <= planned_by(tmp_path / "log"):
+            assert time.monotonic() < deadline
+            time.sleep(0.05)
+        simulating.simulate(seed=1)
+        assert isinstance(simulating.outcome(), Simulated)
+
+
+def planned_by(log):
+    lines = log.read_text().splitlines() if log.exists() else []
+    return {(int(pid), model) for pid, model in (line.split() for line in lines)}
+
+
+def test_ten_tabs_each_get_the_result_of_their_own_last_value(pool):
+    tabs = [Tab(pool, i) for i in range(10)]
+
+    def drag(tab):
+        for step in range(40):
+            job = tab.plan(twist=tab.name / 10, forward=step / 100, patient=False)
+            time.sleep(0.005)
+        return job
+
+    jobs, threads = {}, []
+    for tab in tabs[:5]:
+        threads.append(threading.Thread(target=lambda tab=tab: jobs.update({tab: drag(tab)})))
+        threads[-1].start()
+    for tab in tabs[5:]:
+        jobs[tab] = tab.plan(twist=tab.name / 10)
+    for thread in threads:
+        thread.join()
+    for tab in tabs:
+        steps, job = [], 0
+        while job < jobs[tab]:
+            report = tab.outcome()
+            assert isinstance(report, Planned)
+            assert report.plan.jump.twist == tab.name / 10
+            steps.append(report.plan.jump.forward)
+            job = report.job
+        assert job == jobs[tab]
+        assert steps == sorted(steps)
+        assert steps[-1] == (0.39 if tab.name < 5 else 0.0)
+
+
+def test_a_closed_tab_frees_its_work(pool):
+    gone, other = Tab(pool, "gone"), Tab(pool, "other")
+    gone.wait_until_running(gone.simulate(seed=planners.SLOWLY))
+    other.simulate(seed=1)
+    pool.forget("gone")
+    took, report = seconds(other.outcome)
+    assert isinstance(report, Simulated)
+    assert took < 1.0
+    assert gone.reports.empty()
+
+
+def test_a_tab_that_fails_to_listen_does_not_stop_the_others(pool, caplog):
+    told = threading.Event()
+
+    def fail(report):
+        told.set()
+        raise ZeroDivisionError("a defect of this tab")
+
+    pool.submit("failing", PlanJump(Jump()), fail)
+    assert told.wait(20)
+    tab = Tab(pool)
+    tab.plan()
+    assert isinstance(tab.outcome(), Planned)
+    assert "a defect of this tab" in caplog.text

@@ -1,0 +1,300 @@
+"""Loads of joints against statics, against differences of postures, and against energy."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+import pytest
+from scipy.spatial.transform import Rotation
+
+import llsrbm
+from llsrbm.body.joint_loads import JointLoads, KnotMotion, joint_loads
+from llsrbm.body.postures import solve_postures
+from llsrbm.request.schedule import together
+from llsrbm.robots import load_robot
+from tests.llsrbm.planning.solved import solved
+
+ROBOTS = ("anymal", "go2", "slider")
+WEIGHT = np.array([0.0, 0.0, 9.81])
+
+
+def standing(robot: Any, time: np.ndarray, com: np.ndarray, quat: np.ndarray) -> KnotMotion:
+    """The feet where they are in the default posture; each contact carries the same."""
+    knots = len(time)
+    headings = robot.foot_yaw if robot.foot_coordinates > 3 else 0 * robot.feet[:, 0]
+    yaw = Rotation.from_euler("z", headings[:, None]).as_quat(scalar_first=True)
+    turned = Rotation.from_quat(yaw, scalar_first=True).as_matrix()
+    points = (robot.feet[:, None] + np.einsum("lij,cj->lci", turned, robot.corners)).reshape(-1, 3)
+    force = np.tile(robot.mass * WEIGHT / len(points), (knots, len(points), 1))
+    return KnotMotion(
+        time=time,
+        schedule=together(tuple(leg.name for leg in robot.legs)),
+        phase=np.zeros(knots, dtype=np.int64),
+        com=com,
+        com_velocity=np.gradient(com, time, axis=0),
+        base_quat=quat,
+        foot_position=np.tile(robot.feet, (knots, 1, 1)),
+        foot_quat=np.tile(yaw, (knots, 1, 1)),
+        contact_point=np.tile(points, (knots, 1, 1)),
+        contact_force=force,
+    )
+
+
+def generalised_force(robot: Any, q: np.ndarray, points: np.ndarray, force: np.ndarray) -> Any:
+    """J^T f (nv,) of forces (C, 3) at world points (C, 3) on the feet, by Pinocchio's Jacobians."""
+    data = robot.model.createData()
+    pin.computeJointJacobians(robot.model, data, q)
+    pin.updateFramePlacements(robot.model, data)
+    total = np.zeros(robot.model.nv)
+    per_leg = len(points) // len(robot.legs)
+    for i, (point, f) in enumerate(zip(points, force, strict=True)):
+        frame = robot.legs[i // per_leg].foot_frame_id
+        J = pin.getFrameJacobian(robot.model, data, frame, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED)
+        arm = point - data.oMf[frame].translation
+        total += J[:3].T @ f + J[3:].T @ np.cross(arm, f)
+    return total
+
+
+@pytest.fixture(scope="module", params=ROBOTS)
+def robot(request):
+    return load_robot(request.param)
+
+
+def test_at_rest_the_joints_carry_the_weight(robot):
+    time = np.linspace(0.0, 0.3, 5)
+    motion = standing(robot, time, np.tile(robot.com, (5, 1)), np.tile([1.0, 0, 0, 0], (5, 1)))
+    loads = joint_loads(robot, motion)
+    np.testing.assert_allclose(loads.joint_velocity, 0.0, atol=1e-9)
+    np.testing.assert_allclose(loads.joint_position, loads.joint_position[[0] * 4], atol=1e-9)
+    q = robot.posture
+    contacts = generalised_force(robot, q, motion.contact_point[0], motion.contact_force[0])
+    expected = pin.computeGeneralizedGravity(robot.model, robot.model.createData(), q) - contacts
+    np.testing.assert_allclose(loads.joint_torque[2], expected[6:], atol=1e-5)
+    # The moment is about the base's origin, in whose axes the robot stands level.
+    np.testing.assert_allclose(loads.base_residual[2], expected[:6], atol=1e-5)
+
+
+def test_standing_torque_balances_the_base(robot):
+    """Gravity's torques less those of some contact forces that carry the whole weight."""
+    time = np.linspace(0.0, 0.3, 3)
+    quat = np.tile(Rotation.from_euler("z", 0.7).as_quat(scalar_first=True), (3, 1))
+    turn = Rotation.from_euler("z", 0.7).as_matrix()
+    motion = standing(robot, time, np.tile(robot.com, (3, 1)), np.tile([1.0, 0, 0, 0], (3, 1)))
+    heading = Rotation.from_euler("z", 0.7) * Rotation.from_quat(
+        motion.foot_quat[0], scalar_first=True
+    )
+    turned = replace(
+        motion,
+        base_quat=quat,
+        foot_position=motion.foot_position @ turn.T,
+        contact_point=motion.contact_point @ turn.T,
+        foot_quat=np.tile(heading.as_quat(scalar_first=True), (3, 1, 1)),
+    )
+    q = robot.posture
+    data = robot.model.createData()
+    gravity = pin.computeGeneralizedGravity(robot.model, data, q)
+    points = motion.contact_point[0]
+    maps = np.array(
+        [
+            generalised_force(robot, q, points, force.reshape(-1, 3))
+            for force in np.eye(3 * len(points))
+        ]
+    ).T
+    force = np.linalg.pinv(maps[:6]) @ gravity[:6]
+    expected = gravity - maps @ force
+    np.testing.assert_allclose(expected[:6], 0.0, atol=1e-9)
+    for stance in (motion, turned):
+        found = joint_loads(robot, stance).standing_torque
+        np.testing.assert_allclose(found, expected[6:], atol=1e-5)
+
+
+def test_a_smooth_motion_against_differences_of_postures(robot):
+    """Inverse dynamics of the floating base in the world, its motion by differences alone."""
+    scale = 0.1 * robot.feet[:, 2].min() + 0.05
+    period = 0.5
+
+    def com(t):
+        s = (1 - np.cos(2 * np.pi * t / period))[:, None] / 2
+        return robot.com + scale * s * [0.5, 0.4, -1.0]
+
+    def attitude(t):
+        s = (1 - np.cos(2 * np.pi * t / period))[:, None] / 2
+        return Rotation.from_rotvec(s * [0.08, -0.1, 0.2])
+
+    time = np.linspace(0.0, period, 65)
+    motion = standing(robot, time, com(time), attitude(time).as_quat(scalar_first=True))
+    rate = np.pi / period * np.sin(2 * np.pi * time / period)[:, None]
+    motion = replace(motion, com_velocity=scale * rate * [0.5, 0.4, -1.0])
+    rng = np.random.default_rng(3)
+    force = motion.contact_force + rng.normal(scale=10.0, size=motion.contact_force.shape)
+    loads = joint_loads(robot, replace(motion, contact_force=force))
+
+    model, data, h = robot.model, robot.model.createData(), 1e-3
+
+    def posture(t):
+        one, turn = np.array([t]), attitude(np.array([t]))
+        at = solve_postures(
+            robot,
+            com(one),
+            turn.as_quat(scalar_first=True),
+            motion.foot_position[:1],
+            motion.foot_quat[:1],
+        )
+        return np.concatenate([at.base_position[0], turn.as_quat()[0], at.joint_position[0]])
+
+    for k in (5, 20, 40, 58):
+        before, now, after = (posture(loads.time[k] + step) for step in (-h, 0.0, h))
+        v_before, v_after = pin.difference(model, before, now), pin.difference(model, now, after)
+        v, a = (v_before + v_after) / (2 * h), (v_after - v_before) / h**2
+        contacts = generalised_force(robot, now, motion.contact_point[k], force[k])
+        expected = pin.rnea(model, data, now, v, a) - contacts
+        size = np.abs(expected[6:]).max()
+        np.testing.assert_allclose(loads.joint_velocity[k], v[6:], rtol=2e-3, atol=3e-3)
+        np.testing.assert_allclose(loads.joint_torque[k], expected[6:], atol=0.01 * size)
+        np.testing.assert_allclose(loads.base_residual[k], expected[:6], atol=0.01 * size)
+
+
+@pytest.fixture(
+    scope="module",
+    params=[
+        {"robot": "anymal", "twist": 1.57},
+        {"robot": "anymal", "forward": 0.3},
+        {"robot": "go2", "twist": 1.57},
+        {"robot": "slider", "twist": 1.57},
+        {"robot": "slider", "forward": 0.2, "height": 0.35},
+        {"type": "rear-last", "forward": 0.3},
+        {"type": "hops", "hops": 2, "forward": 0.2, "twist": 0.3},
+    ],
+    ids=str,
+)
+def planned(request):
+    plan = llsrbm.plan(llsrbm.Jump(**request.param))
+    robot = load_robot(plan.jump.robot)
+    return plan, robot, joint_loads(robot, KnotMotion.of_plan(plan))
+
+
+def test_a_plans_dynamics_are_nearly_those_of_the_whole_body(planned):
+    """Most is missing where the legs begin and end to swing."""
+    _, robot, loads = planned
+    force, moment = loads.residual_rms
+    assert force < 1e-3
+    assert moment < 0.05 * robot.mass * 9.81 * robot.com[2]
+    assert loads.foot_residual.max() < 1e-6
+
+
+def test_what_the_drives_give_is_the_gain_in_energy(planned):
+    """At rest at both ends: only the height counts. Contacts at rest do no work."""
+    plan, robot, loads = planned
+    power = loads.power.sum(axis=1)
+    dt = np.diff(plan.time)
+    gain = robot.mass * 9.81 * (plan.com[-1, 2] - plan.com[0, 2])
+    assert power @ dt == pytest.approx(gain, abs=0.02 * np.abs(power) @ dt)
+
+
+def test_of_a_run_up_the_drives_give_the_gain_in_speed_too():
+    plan = solved("llsrbm-plus", "run-up").plan
+    loads = joint_loads(load_robot("anymal"), KnotMotion.of_plan(plan))
+    power, mass = loads.power.sum(axis=1), load_robot("anymal").mass
+    speeds = np.linalg.norm(plan.com_velocity[[0, -1]], axis=1)
+    gain = mass * np.diff(speeds**2)[0] / 2
+    assert power @ np.diff(plan.time) == pytest.approx(
+        gain, abs=0.02 * np.abs(power) @ np.diff(plan.time)
+    )
+    # Standing feet, moving body: joints turn at both ends as the postures there do.
+    for end, beside in ((0, 1), (-1, -2)):
+        step = plan.time[end] - plan.time[beside]
+        speed = (plan.joint_position[end] - plan.joint_position[beside]) / step
+        np.testing.assert_allclose(plan.joint_velocity[end], speed, atol=0.5)
+
+
+def test_speeds_at_the_knots_are_those_of_the_postures(planned):
+    """Differences of the plan's own postures, within the phases."""
+    plan, robot, loads = planned
+    assert loads.knot_position is plan.joint_position
+    np.testing.assert_allclose(loads.knot_velocity[[0, -1]], 0.0, atol=1e-5)  # as it is solved
+    inside = np.flatnonzero(plan.phase[2:] == plan.phase[:-2]) + 1
+    step = (plan.time[inside + 1] - plan.time[inside - 1])[:, None]
+    speed = (plan.joint_position[inside + 1] - plan.joint_position[inside - 1]) / step
+    error = np.abs(loads.knot_velocity[inside] - speed) / robot.speed_limit
+    assert error.max() < 0.06
+    # In the middle of an interval the speed is that between its knots.
+    speed = np.diff(plan.joint_position, axis=0) / np.diff(plan.time)[:, None]
+    assert (np.abs(loads.joint_velocity - speed) / robot.speed_limit).max() < 0.06
+
+
+def test_a_plan_holds_its_loads(planned):
+    """Torques and limits over the interval that begins at the knot; the last stands."""
+    plan, robot, loads = planned
+    np.testing.assert_allclose(plan.joint_torque[:-1], loads.joint_torque, atol=1e-9)
+    np.testing.assert_allclose(plan.joint_torque_limit[:-1], loads.torque_available, atol=1e-9)
+    np.testing.assert_allclose(plan.joint_velocity, loads.knot_velocity, atol=1e-9)
+    np.testing.assert_array_equal(plan.joint_torque[-1], loads.standing_torque)
+    np.testing.assert_array_equal(plan.joint_torque_limit[-1], robot.torque_limit)
+
+
+@pytest.mark.parametrize(("name", "request_"), [("anymal", "all"), ("slider", "box")])
+def test_a_planners_solution_has_the_loads_of_its_plan(name, request_):
+    found = solved("llsrbm-plus", request_, name)
+    loads = joint_loads(load_robot(name), KnotMotion.of_plan(found.plan))
+    np.testing.assert_allclose(found.knots.loads.joint_torque, loads.joint_torque, atol=0.05)
+    np.testing.assert_allclose(found.plan.joint_torque[:-1], loads.joint_torque, atol=0.05)
+    np.testing.assert_allclose(found.plan.joint_velocity, loads.knot_velocity, atol=1e-3)
+
+
+def test_without_postures_they_are_solved(planned):
+    plan, robot, loads = planned
+    again = joint_loads(robot, replace(KnotMotion.of_plan(plan), joint_position=None))
+    np.testing.assert_allclose(again.knot_position, plan.joint_position, atol=1e-5)
+    np.testing.assert_allclose(again.joint_torque, loads.joint_torque, atol=0.05)
+
+
+def test_nonsense_does_not_raise(planned):
+    """A solver that failed leaves anything."""
+    plan, robot, _ = planned
+    time = plan.time.copy()
+    time[3] = time[2]
+    loads = joint_loads(robot, replace(KnotMotion.of_plan(plan), time=time))
+    assert loads.joint_torque.shape == (len(time) - 1, len(robot.joint_names))
+
+
+def _loads(torque, available):
+    torque, available = np.array(torque), np.array(available)
+    still = np.zeros_like(torque)
+    count, joints = torque.shape
+    return JointLoads(
+        time=0.1 * np.arange(count) + 0.05,
+        knot_time=0.1 * np.arange(count + 1),
+        schedule=together(("left", "right")),
+        phase=np.arange(count),
+        joint_names=("hip", "knee")[:joints],
+        joint_position=still,
+        joint_velocity=still + 2.0,
+        joint_acceleration=still,
+        joint_torque=torque,
+        torque_available=available,
+        base_residual=np.tile([3.0, 4.0, 0.0, 0.0, 0.0, 2.0], (count, 1)),
+        foot_residual=np.zeros(count),
+        knot_position=np.zeros((count + 1, joints)),
+        knot_velocity=np.zeros((count + 1, joints)),
+        standing_torque=np.full(joints, 3.0),
+        standing_limit=np.full(joints, 40.0),
+    )
+
+
+def test_shares_of_what_is_available():
+    loads = _loads([[10.0, -30.0], [5.0, 0.0]], [[40.0, 40.0], [40.0, 0.0]])
+    np.testing.assert_allclose(loads.torque_ratio, [[0.25, 0.75], [0.125, 0.0]])
+    worst = loads.worst()
+    assert (worst.joint, worst.phase, worst.time) == ("knee", "take-off", 0.05)
+    assert (worst.torque, worst.available, worst.ratio) == (-30.0, 40.0, 0.75)
+    np.testing.assert_allclose(loads.power, [[20.0, -60.0], [10.0, 0.0]])
+    assert loads.residual_rms == pytest.approx((5.0, 2.0))
+
+
+def test_a_torque_where_none_is_available_is_beyond_all_limits():
+    worst = _loads([[39.0, 1.0]], [[40.0, 0.0]]).worst()
+    assert worst.joint == "knee"
+    assert worst.ratio == np.inf

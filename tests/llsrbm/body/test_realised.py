@@ -1,0 +1,155 @@
+"""What the plans of each model are worth on the whole robot."""
+
+import numpy as np
+import pytest
+
+from llsrbm import models
+from llsrbm.body.realised import realise
+from llsrbm.planning.solve.planner import planner_for, planner_of
+from llsrbm.request.jump import Jump
+from llsrbm.robots import load_robot
+from tests.llsrbm.planning.solved import FLIPS, REQUESTS, TYPES, solved
+
+ROBOT = load_robot("anymal")
+
+
+@pytest.fixture(scope="module")
+def twists():
+    return {name: realise(solved(name, "twist").knots, ROBOT) for name in models.names()}
+
+
+@pytest.mark.parametrize("request_name", ["twist", "all"])
+def test_plans_of_llsrbm_plus_are_true(request_name):
+    """Figures of the benchmark: Izz 1 %, Lz 2.6 % RMS and 3.6 % at worst on the 90 degree twist."""
+    found = realise(solved("llsrbm-plus", request_name).knots, ROBOT)
+    rms, worst = found.momentum_error
+    assert found.inertia_error < 0.02
+    assert rms < 0.04
+    assert worst < 0.05
+
+
+def test_those_of_the_simpler_models_are_not(twists):
+    """What the paper leaves out shows: the legs' momentum, and knees that go outward."""
+    plus = twists["llsrbm-plus"]
+    for name in ("srbm", "llsrbm"):
+        assert twists[name].momentum_error[0] > 2 * plus.momentum_error[0]
+        assert twists[name].inertia_error > 2 * plus.inertia_error
+
+
+TURNING = {
+    "rear-last": TYPES["rear-last"] | {"twist": np.pi / 2},
+    "run-up": TYPES["run-up"] | {"twist": np.pi / 2},
+    "hops": TYPES["hops"] | {"twist": np.pi / 4},
+}
+
+
+@pytest.fixture(scope="module", params=TURNING)
+def turning(request):
+    jump = Jump(**TURNING[request.param])
+    planner = planner_of(jump)
+    planner.plan(jump)
+    return realise(planner.last_knots(), ROBOT)
+
+
+def test_turning_jumps_of_any_type_are_true_in_flight(turning):
+    """Every diagonal inertia within 5 %, every component of L within 5 % of its peak."""
+    assert turning.inertia_errors.max() < 0.05
+    assert turning.momentum_errors.max() < 0.05
+
+
+@pytest.mark.parametrize("name", FLIPS)
+def test_flips_are_true_in_flight(name):
+    """The plan is made with a model that the whole body has corrected."""
+    s = solved("llsrbm-plus", name, "go2")
+    found = realise(s.knots, s.planner.robot)
+    assert found.inertia_errors[1] < 0.05  # about the axis that it turns about
+    # Roll, about which nothing turns: legs that tuck far are at the edge of their maps.
+    assert found.inertia_errors.max() < 0.06
+    assert found.momentum_errors.max() < 0.05
+    assert np.degrees(np.abs(found.turn_error)).max() < 1.0
+
+
+@pytest.mark.parametrize("name", TYPES)
+def test_straight_jumps_of_any_type_hardly_turn_otherwise_than_planned(name):
+    """Without a turn L is the little that legs and trunk, 0.4 each, leave of each other.
+
+    What the maps leave out, up to 0.09 kg m2/s about the lateral axis, is as much as 40 % of that;
+    over the flight it cancels.
+    """
+    knots = solved("llsrbm-plus", name).knots
+    found = realise(knots, ROBOT)
+    assert found.flight.sum() == sum(flight.stop - flight.start for flight in knots.flights)
+    assert found.inertia_errors.max() < 0.05
+    error = (found.momenta_true - found.momenta_plan)[found.flight]
+    assert np.sqrt(np.mean(error**2, axis=0)).max() < 0.12
+    assert np.degrees(np.abs(found.turn_error)).max() < 0.5
+    assert found.foot_residual.max() < 1e-5
+
+
+@pytest.mark.parametrize("model", models.names())
+def test_the_joints_follow(twists, model):
+    found = twists[model]
+    assert found.foot_residual.max() < 1e-5
+    assert np.abs(found.joint_speed).max() <= 15.0
+    assert found.flight.sum() == 16
+    assert (np.diff(found.time) > 0).all()
+
+
+@pytest.mark.parametrize("model", models.names())
+def test_the_robot_starts_and_ends_with_the_urdfs_inertia(twists, model):
+    """Nearly standing in the first and last interval."""
+    ends = twists[model].inertia_true[[0, -1]]
+    assert ends == pytest.approx(ROBOT.inertia[2, 2], rel=0.01)
+
+
+@pytest.fixture(scope="module")
+def biped():
+    planner, robot = planner_for("slider", "llsrbm-plus"), load_robot("slider")
+
+    def of(**request):
+        planner.plan(Jump("slider", "llsrbm-plus", **request))
+        return planner.last_knots(), realise(planner.last_knots(), robot)
+
+    return of
+
+
+@pytest.mark.parametrize("request_", [{"twist": np.pi / 2}, {"forward": 0.2}], ids=str)
+def test_what_the_maps_leave_out_hardly_turns_a_biped(biped, request_):
+    """The pelvis is a fifth of the legs: a degree of leg swing turns it by five.
+
+    Twist 0.9, of which the soles' own tilt 0.8, forward 0.6 degrees; the paper's model 9.6 and 7.9.
+    """
+    knots, found = biped(**request_)
+    assert np.degrees(np.abs(found.turn_error)).max() < 1.5
+    assert found.foot_residual.max() < 1e-5
+    assert (np.abs(found.joint_speed) <= load_robot("slider").speed_limit).all()
+    flight = found.flight
+    np.testing.assert_allclose(found.interval[flight].sum(), knots.durations[1])
+
+
+def test_the_turn_error_is_what_integrating_the_rest_gives(twists):
+    """About z, where the base hardly tilts: momentum missing over inertia, summed over flight."""
+    found = twists["llsrbm"]
+    missing = (found.momentum_plan - found.momentum_true) / found.inertia_true * found.interval
+    assert found.turn_error[2] == pytest.approx(missing[found.flight].sum(), rel=0.05)
+    assert abs(found.turn_error[2]) > np.radians(2)
+
+
+def test_errors_are_relative():
+    found = realise(solved("srbm", "twist").knots, ROBOT)
+    ratio = found.inertia_model[found.flight] / found.inertia_true[found.flight]
+    assert found.inertia_error == pytest.approx(np.sqrt(np.mean((ratio - 1) ** 2)))
+    rms, worst = found.momentum_error
+    assert 0 < rms < worst
+    assert set(REQUESTS) >= {"twist"}
+
+
+def test_every_axis_has_its_own_error(twists):
+    found = twists["srbm"]
+    third = (found.inertias_model / found.inertias_true - 1)[found.flight]
+    np.testing.assert_allclose(found.inertia_errors, np.sqrt((third**2).mean(axis=0)))
+    assert found.inertia_errors[2] == found.inertia_error
+    # Of a twist the vertical component is the peak.
+    assert found.momentum_errors[2] == pytest.approx(found.momentum_error[0], rel=0.02)
+    np.testing.assert_array_equal(found.inertia_true, found.inertias_true[:, 2])
+    np.testing.assert_array_equal(found.momentum_plan, found.momenta_plan[:, 2])

@@ -1,0 +1,318 @@
+"""Files from strangers: refused in a line or harmless, and nothing in them is run or believed."""
+
+from __future__ import annotations
+
+import io
+import json
+import os
+import struct
+import tracemalloc
+import zipfile
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from llsrbm.errors import FileFormatError
+from llsrbm.files import archive
+from llsrbm.files.loading import load
+from llsrbm.robots import load_robot
+from tests.llsrbm.hostile import (
+    DAMAGE,
+    SOUND,
+    Seeds,
+    damaged_design,
+    members_of,
+    outcome,
+    outcome_of_design,
+    packed,
+    zipped,
+)
+
+EACH = 30  # `python -m benchmarks.hostile_files` tries thousands
+
+
+@pytest.fixture(scope="module")
+def seeds(tmp_path_factory):
+    return Seeds(tmp_path_factory.mktemp("seeds"))
+
+
+@pytest.fixture
+def plan(seeds):
+    """Name -> array of a sound plan's file."""
+    return dict(seeds.arrays[0])
+
+
+@pytest.fixture
+def rollout(seeds):
+    return dict(seeds.arrays[2])
+
+
+def said_of(content, folder, **limits):
+    path = folder / "x.npz"
+    path.write_bytes(content)
+    with pytest.raises(FileFormatError) as caught:
+        load(path, **limits)
+    assert str(caught.value).isprintable()
+    return str(caught.value)
+
+
+@pytest.mark.filterwarnings("ignore:Duplicate name")
+@pytest.mark.parametrize("kind", DAMAGE)
+def test_damage_is_a_line_or_harmless(seeds, tmp_path, kind):
+    for number in range(EACH):
+        path = tmp_path / "damaged.npz"
+        path.write_bytes(DAMAGE[kind](seeds, np.random.default_rng([7, number])))
+        assert outcome(path, seeds.canary, tmp_path) in SOUND, number
+
+
+def test_damaged_designs():
+    for number in range(300):
+        content = damaged_design(np.random.default_rng([7, number]))
+        assert outcome_of_design(content) in SOUND, number
+
+
+def test_the_sound_files_open(seeds, tmp_path):
+    for content in seeds.files:
+        (tmp_path / "x.npz").write_bytes(content)
+        load(tmp_path / "x.npz")
+
+
+HEADER = "{'descr': '<f8', 'fortran_order': False, 'shape': (10, 3), }\n"
+
+
+@pytest.mark.parametrize(
+    "header",
+    [
+        "{'descr': '<f8', 'fortran_order': False, 'shape': (10, 3), ",  # tokenize.TokenError
+        "'''",
+        "(" * 5000,  # MemoryError or RecursionError of Python's parser
+        "-" * 9999 + "1",
+        HEADER.replace("(10, 3)", "(10, 3) if 1 else 2"),
+        HEADER.replace("(10, 3)", "(10L, 3L)"),  # numpy warns
+        HEADER.replace("(10, 3)", "(-10, -3)"),
+        HEADER.replace("(10, 3)", "(99999999999, 99999999999)"),
+        HEADER.replace("(10, 3)", "(0, 99999999999)"),
+        HEADER.replace("(10, 3)", "(10, 4)"),
+        HEADER.replace("(10, 3)", "(10, 3, 0)"),
+        HEADER.replace("(10, 3)", "(1, 1, 1, 1, 1, 1, 1, 10, 3)"),
+        HEADER.replace("'<f8'", "'|O'"),
+        HEADER.replace("'<f8'", "'<f16'"),
+        HEADER.replace("'<f8'", "'<U0'"),
+        HEADER.replace("'<f8'", "'<U999999999'"),
+        HEADER.replace("'<f8'", "'<M8[ns]'"),
+        HEADER.replace("'<f8'", "'<q8'"),
+        HEADER.replace("'<f8'", "[('a', '<f8')]"),
+        HEADER.replace("'<f8'", "'<f8', 'descr': '<f8'"),
+        "\x00" * 80,
+        "",
+    ],
+)
+def test_headers_are_not_evaluated(plan, tmp_path, header):
+    raw = header.encode()
+    member = b"\x93NUMPY\1\0" + struct.pack("<H", len(raw)) + raw + bytes(240)
+    members = [(n, member if n == "com.npy" else c) for n, c in members_of(packed(plan))]
+    assert 'key "com"' in said_of(zipped(members), tmp_path)
+
+
+@pytest.mark.parametrize("key", ["schema", "meta", "joint_names"])
+@pytest.mark.parametrize("letter", [0xD800, 0x110000, 0xFFFFFFFF])
+def test_text_of_numbers_that_are_no_letters(plan, tmp_path, key, letter):
+    letters = plan[key].copy().reshape(-1).view(np.uint32)
+    letters[1] = letter
+    text = letters.view(plan[key].dtype).reshape(plan[key].shape)
+    assert f'key "{key}": holds what is no text' in said_of(packed(plan, **{key: text}), tmp_path)
+
+
+def test_numbers_of_other_machines_are_read(plan, tmp_path):
+    """Big-endian, in columns, single precision."""
+    (tmp_path / "a.npz").write_bytes(packed(plan))
+    changed = {
+        "com": plan["com"].astype(">f8"),
+        "joint_names": plan["joint_names"].astype(plan["joint_names"].dtype.newbyteorder(">")),
+        "contact_force": np.asfortranarray(plan["contact_force"]),
+        "phase": plan["phase"].astype("i1"),
+        "leg_mass": plan["leg_mass"].astype("f4"),
+    }
+    (tmp_path / "b.npz").write_bytes(packed(plan, **changed))
+    a, b = load(tmp_path / "a.npz"), load(tmp_path / "b.npz")
+    assert a.joint_names == b.joint_names
+    for key in ("com", "contact_force", "phase", "leg_mass"):
+        np.testing.assert_array_equal(getattr(a, key), getattr(b, key))
+        assert getattr(b, key).dtype.isnative
+        assert getattr(b, key).flags.writeable
+
+
+class TestSizes:
+    def test_more_data_than_the_directory_says(self, plan, tmp_path):
+        """zipfile's own `read` would unpack all of it."""
+        size = 150_000_000
+        zeros = ("zeros.npy", bytes(size))
+        bomb = bytearray(zipped([*members_of(packed(plan)), zeros], zipfile.ZIP_DEFLATED))
+        place = bomb.rfind(b"PK\1\2") + 24
+        bomb[place : place + 4] = struct.pack("<L", 200)
+        tracemalloc.start()
+        said = said_of(bytes(bomb), tmp_path)
+        assert tracemalloc.get_traced_memory()[1] < size / 10
+        tracemalloc.stop()
+        assert "Bad CRC" in said
+
+    def test_the_sum_is_limited(self, plan, tmp_path):
+        content = packed(plan)
+        assert len(content) < 100_000
+        zeros = [(f"{i}.npy", bytes(60_000)) for i in range(2)]
+        for too_large in (
+            zipped([*members_of(content), *zeros], zipfile.ZIP_DEFLATED),
+            bytes(100_001),
+        ):
+            said = said_of(too_large, tmp_path, largest=100_000)
+            assert "at most 100000 are read" in said
+
+    def test_so_is_the_directory(self, plan, tmp_path):
+        many = [(f"{i}.npy", b"") for i in range(3000)]
+        said = said_of(zipped([*members_of(packed(plan)), *many]), tmp_path)
+        assert "too many files" in said
+
+    def test_pipes_are_not_waited_for(self, tmp_path):
+        os.mkfifo(tmp_path / "pipe")
+        with pytest.raises(FileFormatError, match="not a regular file"):
+            load(tmp_path / "pipe")
+
+    def test_names_that_no_file_can_have(self):
+        with pytest.raises(FileFormatError, match="cannot be read"):
+            load("a\0b")
+        with pytest.raises(FileFormatError, match="cannot be read"):
+            load("x" * 5000)
+
+    def test_a_key_that_is_there_twice(self, plan, tmp_path):
+        members = members_of(packed(plan))
+        with pytest.warns(UserWarning, match="Duplicate"):
+            content = zipped([*members, members[3]])
+        assert "is there twice" in said_of(content, tmp_path)
+
+    @pytest.mark.parametrize("compression", [zipfile.ZIP_BZIP2, zipfile.ZIP_LZMA])
+    def test_other_compression(self, plan, tmp_path, compression):
+        assert "packed as NumPy" in said_of(zipped(members_of(packed(plan)), compression), tmp_path)
+
+    def test_what_is_no_array_is_left_alone(self, plan, tmp_path):
+        members = [*members_of(packed(plan)), ("../../readme.txt", b"hello")]
+        (tmp_path / "x.npz").write_bytes(zipped(members))
+        load(tmp_path / "x.npz")
+        assert [path.name for path in tmp_path.iterdir()] == ["x.npz"]
+
+
+class TestArraysThatDisagree:
+    @pytest.mark.parametrize(
+        ("changes", "said"),
+        [
+            ({"joint_names": lambda v: np.array(["a"] * len(v))}, "each of them once"),
+            ({"joint_names": lambda v: np.array(["", *v[1:]])}, "each of them once"),
+            ({"joint_names": lambda v: np.array(["a\x1b[2J", *v[1:]])}, "each of them once"),
+            ({"joint_names": lambda v: np.array(["\ud800", *v[1:]])}, "no text"),
+            ({"joint_names": lambda v: np.array(["a" * 201, *v[1:]])}, "texts of 201 letters"),
+            ({"base_mass": lambda v: 0 * v}, "expected masses"),
+            ({"leg_mass": lambda v: -v}, "expected masses"),
+            ({"time": lambda v: 1e-12 * v}, "strictly increasing"),
+            ({"time": lambda v: 100 * v}, "up to 100 s"),
+            ({"time": lambda v: v + 1}, "from 0 s on"),
+            ({"com": lambda v: 1e200 * v}, "expected at most 1e+30"),
+            (
+                {
+                    "contact_point": lambda v: np.repeat(v, 2, axis=1)[:, :7],
+                    "contact_force": lambda v: np.repeat(v, 2, axis=1)[:, :7],
+                },
+                "as many contacts for each of 4 legs, got 7",
+            ),
+            (
+                dict.fromkeys(
+                    ("joint_position", "joint_velocity", "joint_torque", "joint_torque_limit"),
+                    lambda v: v[:, :0],
+                )
+                | {"joint_names": lambda v: v[:0]},
+                "at least 1 of each",
+            ),
+            (
+                dict.fromkeys(
+                    ("joint_position", "joint_velocity", "joint_torque", "joint_torque_limit"),
+                    lambda v: np.zeros((len(v), 1001)),
+                )
+                | {"joint_names": lambda _: np.array([f"j{i}" for i in range(1001)])},
+                "at most 1000",
+            ),
+        ],
+    )
+    def test_of_a_plan(self, plan, tmp_path, changes, said):
+        changed = {key: change(plan[key]) for key, change in changes.items()}
+        assert said in said_of(packed(plan, **changed), tmp_path)
+
+    def test_of_a_rollout(self, rollout, tmp_path):
+        qpos = rollout["qpos"].copy()
+        qpos[4, 3:7] = 0
+        said = said_of(packed(rollout, qpos=qpos), tmp_path)
+        assert 'key "qpos": expected unit quaternions' in said
+
+    @pytest.mark.parametrize(
+        ("place", "value", "said"),
+        [
+            (("outcome", "control_rate_hz"), 0, "control_rate_hz: expected a rate"),
+            (("robot_parameters", "mass"), 0, "mass: Input should be greater than 0"),
+            (("robot_parameters", "mass"), "heavy", "mass: Input should be a valid number"),
+            (("robot_parameters", "legs"), 5, "legs: Input should be"),
+            (("robot_parameters", "sliding_joints"), [[1]], "sliding_joints.0: Input should be"),
+            (("robot_parameters", "inertia"), [[1.0]], "inertia"),
+            (("robot_parameters", "whatever"), 10**400, "whole numbers up to 2^64"),
+            (("scenario", "seed"), 10**400, "whole numbers up to 2^64"),
+        ],
+    )
+    def test_in_meta(self, rollout, tmp_path, place, value, said):
+        meta = json.loads(str(rollout["meta"]))
+        meta[place[0]][place[1]] = value
+        assert said in said_of(packed(rollout, meta=np.array(json.dumps(meta))), tmp_path)
+
+
+def test_no_file_of_this_machine_is_read_for_a_stranger(seeds, tmp_path, monkeypatch):
+    """A first version's plan names its robot, whose loads are computed: not one at a path."""
+    go2 = load_robot("go2")
+    read = []
+    monkeypatch.setattr("llsrbm.robots.build_robot", lambda path: read.append(path) or go2)
+    arrays = dict(seeds.arrays[1])
+    meta = json.loads(str(arrays["meta"]))
+    here = str(go2.path)
+    for robot in (here, "../x.toml", "/dev/zero", "x.toml"):
+        meta["request"]["robot"] = meta["robot_parameters"]["name"] = robot
+        meta["robot_parameters"].pop("sliding_joints", None)
+        path = tmp_path / "x.npz"
+        path.write_bytes(packed(arrays, meta=np.array(json.dumps(meta))))
+        plan = load(path)
+        assert plan.joint_torque is None
+        assert plan.sliding_joints == frozenset()
+    assert not read
+
+
+def test_messages_show_little_of_a_file(plan, tmp_path):
+    noise = "\x1b[2J\n" + "x" * 100_000
+    said = said_of(packed(plan, schema=np.array(noise)), tmp_path)
+    assert len(said) < 400
+    del plan["com"]
+    said = said_of(packed({noise[:60_000]: np.zeros(1)} | plan), tmp_path)
+    assert len(said) < 900
+
+
+def test_a_file_of_text_arrays_that_numpy_itself_reads(tmp_path):
+    """What stands in an archive beside a native file's keys may be anything that NumPy writes."""
+    buffer = io.BytesIO()
+    np.savez(buffer, text=np.array(["a", "bc"]), flags=np.array([True]), none=np.zeros((0, 3)))
+    path = Path(tmp_path / "x.npz")
+    path.write_bytes(buffer.getvalue())
+    arrays = archive.read_archive(path)
+    assert arrays["text"].tolist() == ["a", "bc"]
+    assert arrays["flags"].tolist() == [True]
+    assert arrays["none"].shape == (0, 3)
+
+
+def test_trajectories_of_files_can_be_changed(plan, tmp_path):
+    (tmp_path / "x.npz").write_bytes(packed(plan))
+    loaded = load(tmp_path / "x.npz")
+    loaded.com[0] = 1.0
+    replace(loaded, com=loaded.com).save(tmp_path / "y.npz")

@@ -1,0 +1,427 @@
+"""The native file: what goes in comes out, and anything else is one clear line."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import stat
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import llsrbm
+from llsrbm.errors import Error, FileFormatError, InputError
+from llsrbm.files.loading import load
+from llsrbm.files.plan_file import LAYOUT, load_plan, save_plan
+from llsrbm.request.obstacle import Obstacle
+from llsrbm.request.schedule import together
+from llsrbm.request.tuning import Tuning
+from tests.llsrbm.native_files import message, rewritten
+from tests.llsrbm.sameness import assert_same
+from tests.llsrbm.synthetic import LEGS, TWO_HOPS, TWO_HOPS_DURATIONS, synthetic_plan
+
+
+@pytest.fixture(scope="module")
+def plan():
+    return synthetic_plan()
+
+
+@pytest.fixture
+def saved(plan, tmp_path):
+    path = tmp_path / "plan.npz"
+    save_plan(plan, path)
+    return path
+
+
+def test_round_trip(plan, saved):
+    assert_same(plan, load_plan(saved))
+    assert_same(plan, load(saved))
+
+
+@settings(max_examples=25, deadline=None)
+@given(
+    twist=st.floats(-3.1, 3.1),
+    forward=st.floats(-1, 1),
+    intervals=st.integers(1, 30),
+    cost=st.floats(),
+)
+def test_round_trip_of_any_plan(tmp_path_factory, twist, forward, intervals, cost):
+    plan = synthetic_plan(twist=twist, forward=forward, intervals=intervals)
+    plan = replace(plan, report=replace(plan.report, cost=cost))
+    path = tmp_path_factory.mktemp("any") / "plan.npz"
+    plan.save(path)
+    back = load(path)
+    assert back.report.cost == cost or (math.isnan(back.report.cost) and math.isnan(cost))
+    assert_same(replace(plan, report=back.report), back)
+
+
+def test_layout_is_the_contracts(plan, saved):
+    """Read with NumPy alone, as somebody else's script would."""
+    N, L, C, J = len(plan.time), 4, 4, 12
+    expected = {
+        "schema": (), "meta": (), "time": (N,), "phase": (N,), "com": (N, 3),
+        "com_velocity": (N, 3), "base_quat": (N, 4), "base_position": (N, 3),
+        "angular_velocity": (N, 3), "linear_momentum": (N, 3), "angular_momentum": (N, 3),
+        "inertia": (N, 3, 3), "foot_position": (N, L, 3), "foot_quat": (N, L, 4),
+        "contact_point": (N, C, 3), "contact_force": (N, C, 3), "leg_mass": (L,), "base_mass": (),
+        "leg_com": (N, L, 3), "joint_position": (N, J), "joint_names": (J,),
+        "joint_velocity": (N, J), "joint_torque": (N, J), "joint_torque_limit": (N, J),
+    }  # fmt: skip
+    with np.load(saved, allow_pickle=False) as archive:
+        assert {key: archive[key].shape for key in expected} == expected
+        assert archive["schema"] == "llsrbm.plan/2"
+        meta = json.loads(str(archive["meta"]), parse_constant=pytest.fail)
+    assert meta["request"]["twist"] == plan.jump.twist
+    assert meta["model"] == "llsrbm-plus"
+    assert meta["robot_parameters"]["mass"] == 30.0
+    assert meta["report"]["solver"] == "fatrop"
+    assert meta["violations"]["friction"]["amount"] == 2e-5
+    assert meta["package_version"]
+
+
+def test_what_was_tuned_is_kept(plan, tmp_path):
+    tuned = replace(plan, tuning=Tuning(weights={"time": 5.0}, limits={"friction": 0.4}))
+    save_plan(tuned, tmp_path / "plan.npz")
+    assert load(tmp_path / "plan.npz").tuning == tuned.tuning
+
+
+def test_a_file_from_before_there_was_tuning(plan, saved, tmp_path):
+    with np.load(saved) as archive:
+        meta = json.loads(str(archive["meta"]))
+    assert meta.pop("tuning") == {"weights": {}, "limits": {}}
+    path = rewritten(saved, tmp_path / "old.npz", meta=np.array(json.dumps(meta)))
+    assert load(path).tuning == Tuning()
+
+
+def with_meta(saved, path, **changes):
+    """The file with some of what it says in JSON replaced, or left out where that is None."""
+    with np.load(saved) as archive:
+        meta = json.loads(str(archive["meta"])) | changes
+    meta = {key: value for key, value in meta.items() if value is not None}
+    return rewritten(saved, path, meta=np.array(json.dumps(meta)))
+
+
+def test_round_trip_of_another_schedule(tmp_path):
+    plan = synthetic_plan(schedule=TWO_HOPS, durations=TWO_HOPS_DURATIONS)
+    save_plan(plan, tmp_path / "plan.npz")
+    back = load(tmp_path / "plan.npz")
+    assert_same(plan, back)
+    assert back.schedule == TWO_HOPS
+    np.testing.assert_array_equal(back.contact, TWO_HOPS.stands[plan.phase])
+
+
+def test_a_file_from_before_there_were_schedules(plan, saved, tmp_path):
+    back = load(with_meta(saved, tmp_path / "old.npz", schedule=None))
+    assert back.schedule == together(LEGS)
+    assert_same(plan, back)
+
+
+def test_round_trip_of_an_obstacle(plan, saved, tmp_path):
+    over = replace(plan, obstacle=Obstacle(0.4, 0.5, 0.12))
+    save_plan(over, tmp_path / "over.npz")
+    assert_same(over, load(tmp_path / "over.npz"))
+    assert load(saved).obstacle is None
+    old = with_meta(tmp_path / "over.npz", tmp_path / "old.npz", obstacle=None)
+    assert load(old).obstacle is None
+
+
+@pytest.mark.parametrize(
+    ("obstacle", "said"),
+    [
+        ({}, "obstacle: not one that this version wrote (KeyError('near')); expected near, far"),
+        ({"near": 0, "far": 0.1, "height": None}, "obstacle: not one that this version wrote"),
+        ({"near": 1e15, "far": 1e15 + 1, "height": 1}, "obstacle: it begins at 1e+15 m; expected"),
+        ({"near": 0, "far": 0.1, "height": 9}, "obstacle: height 9 m; expected a hurdle of 0.01"),
+    ],
+)
+def test_what_is_no_obstacle(saved, tmp_path, obstacle, said):
+    assert f'key "meta": {said}' in message(with_meta(saved, tmp_path / "x.npz", obstacle=obstacle))
+
+
+def test_a_type_that_is_a_path_is_not_opened(plan, tmp_path, monkeypatch):
+    opened = []
+    monkeypatch.setattr("llsrbm.request.jump_types._read", opened.append)
+    path = tmp_path / "type.toml"
+    path.write_text("no jump type")
+    jump = replace(plan.jump, type=str(path))
+    save_plan(replace(plan, jump=jump), tmp_path / "plan.npz")
+    back = load(tmp_path / "plan.npz")
+    assert back.jump == jump
+    assert back.schedule == plan.schedule
+    assert not opened
+
+
+def test_keys_added_by_later_versions_are_no_error(plan, saved, tmp_path):
+    assert_same(plan, load(rewritten(saved, tmp_path / "new.npz", novelty=np.zeros(3))))
+
+
+def test_a_plan_that_is_not_finite_is_not_written(plan, tmp_path):
+    com = plan.com.copy()
+    com[3, 1] = np.nan
+    with pytest.raises(Error, match=r"plan\.com holds numbers that are not finite"):
+        save_plan(replace(plan, com=com), tmp_path / "plan.npz")
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.fixture(scope="module")
+def real():
+    return llsrbm.plan(llsrbm.Jump(robot="go2", forward=0.2))
+
+
+def first_version(plan, path, **changes):
+    """The file that version 1 would have written."""
+    plan.save(path)
+    with np.load(path) as archive:
+        meta = json.loads(str(archive["meta"]))
+    del meta["schedule"]
+    changes = {"meta": np.array(json.dumps(meta))} | changes
+    none = dict.fromkeys(("joint_velocity", "joint_torque", "joint_torque_limit"))
+    return rewritten(path, path, schema=np.array("llsrbm.plan/1"), **none, **changes)
+
+
+def test_loads_of_a_first_versions_file_are_computed(real, tmp_path):
+    back = load(first_version(real, tmp_path / "old.npz"))
+    assert_same(real, back)
+    assert_same(back, load_plan(tmp_path / "old.npz"))
+
+
+@pytest.mark.parametrize(
+    ("request_", "parameters"),
+    [
+        ({"robot": "/nowhere/else.toml"}, {}),
+        ({"robot": "a robot that there was"}, {}),
+        ({}, {"mass": 17.0}),
+        ({}, {"limits": {"torque": 30.0}}),
+        ({}, {"joint_names": ["one"]}),
+    ],
+)
+def test_they_are_not_known_without_the_robot(real, tmp_path, request_, parameters):
+    """Not there, or another than the plan's."""
+    path = first_version(real, tmp_path / "old.npz")
+    with np.load(path) as archive:
+        meta = json.loads(str(archive["meta"]))
+    meta["request"] |= request_
+    meta["robot_parameters"] |= parameters
+    plan = load(rewritten(path, path, meta=np.array(json.dumps(meta))))
+    assert plan.joint_velocity is plan.joint_torque is plan.joint_torque_limit is None
+    np.testing.assert_array_equal(plan.joint_position, real.joint_position)
+    # It stays the file that it was.
+    plan.save(tmp_path / "again.npz")
+    with np.load(tmp_path / "again.npz") as archive:
+        assert archive["schema"] == "llsrbm.plan/1"
+        assert "joint_torque" not in archive
+    assert_same(plan, load(tmp_path / "again.npz"))
+
+
+def test_a_first_versions_file_of_another_body(real, tmp_path):
+    """Numbers of the robot that do not go with the arrays."""
+    changes = {"foot_quat": real.foot_quat[:, :2], "foot_position": real.foot_position[:, :2]}
+    changes |= {"leg_mass": real.leg_mass[:2], "leg_com": real.leg_com[:, :2]}
+    changes["foot_in_hip"] = real.foot_in_hip[:, :2]
+    path = first_version(real, tmp_path / "old.npz", **changes)
+    assert load(path).joint_torque is None
+
+
+class TestReading:
+    def test_no_such_file(self, tmp_path):
+        assert "No such file" in message(tmp_path / "none.npz")
+
+    def test_directory(self, tmp_path):
+        assert "cannot be read" in message(tmp_path)
+
+    @pytest.mark.parametrize("content", [b"", b"PK", b"hello", b"\x93NUMPY\x01\x00v\x00"])
+    def test_not_npz(self, tmp_path, content):
+        path = tmp_path / "x.npz"
+        path.write_bytes(content)
+        assert "not an npz file" in message(path)
+
+    def test_single_array(self, tmp_path):
+        np.save(tmp_path / "x.npy", np.zeros(3))
+        assert "not an npz file" in message(tmp_path / "x.npy")
+
+    @pytest.mark.parametrize("share", [0.1, 0.5, 0.9, 0.999])
+    def test_truncated(self, saved, share):
+        content = saved.read_bytes()
+        saved.write_bytes(content[: int(share * len(content))])
+        assert "cut short" in message(saved)
+
+    def test_pickled_objects_are_not_run(self, saved, tmp_path):
+        class Bomb:
+            def __reduce__(self):
+                return (os.mkdir, (str(tmp_path / "exploded"),))
+
+        path = rewritten(saved, tmp_path / "x.npz", com=np.array([Bomb()], dtype=object))
+        assert "a pickle of Python objects, which is never opened" in message(path)
+        assert not (tmp_path / "exploded").exists()
+
+    def test_wrong_schema(self, saved, tmp_path):
+        path = rewritten(saved, tmp_path / "x.npz", schema=np.array("llsrbm.walk/3"))
+        assert 'schema "llsrbm.walk/3"; expected "llsrbm.plan/2" or "llsrbm.plan/1"' in message(
+            path
+        )
+        with pytest.raises(FileFormatError, match=r'expected "llsrbm\.plan/2" or'):
+            load_plan(path)
+
+    def test_schema_that_is_no_text(self, saved, tmp_path):
+        path = rewritten(saved, tmp_path / "x.npz", schema=np.zeros(2))
+        assert "expected one text" in message(path)
+
+    @pytest.mark.parametrize("key", ["schema", "meta", *LAYOUT])
+    def test_missing_key(self, saved, tmp_path, key):
+        path = rewritten(saved, tmp_path / "x.npz", **{key: None})
+        assert f'key "{key}" is missing' in message(path)
+
+    @pytest.mark.parametrize("key", LAYOUT)
+    def test_wrong_shape(self, plan, saved, tmp_path, key):
+        value = np.asarray(getattr(plan, key))
+        path = rewritten(saved, tmp_path / "x.npz", **{key: value[None]})
+        assert f'key "{key}": expected shape' in message(path)
+
+    def test_sizes_that_contradict_each_other(self, plan, saved, tmp_path):
+        path = rewritten(saved, tmp_path / "x.npz", com=plan.com[:-1])
+        assert '(T, 3) with T = 49 as in "time", got (48, 3)' in message(path)
+
+    @pytest.mark.parametrize("bad", [np.nan, np.inf])
+    def test_not_finite(self, plan, saved, tmp_path, bad):
+        com = plan.com.copy()
+        com[3, 1] = bad
+        path = rewritten(saved, tmp_path / "x.npz", com=com)
+        assert f'key "com": expected finite numbers, got {bad} at (3, 1)' in message(path)
+
+    def test_wrong_kinds(self, plan, saved, tmp_path):
+        path = rewritten(saved, tmp_path / "x.npz", com=plan.com.astype(complex))
+        assert "expected real numbers, got complex128" in message(path)
+        path = rewritten(saved, tmp_path / "x.npz", phase=plan.phase.astype(float))
+        assert "expected integers, got float64" in message(path)
+        path = rewritten(saved, tmp_path / "x.npz", joint_names=np.arange(12))
+        assert "expected text" in message(path)
+
+    def test_values_that_make_no_plan(self, plan, saved, tmp_path):
+        path = rewritten(saved, tmp_path / "x.npz", time=plan.time[::-1])
+        assert "strictly increasing" in message(path)
+        path = rewritten(saved, tmp_path / "x.npz", time=plan.time + 0.1)
+        assert "increasing times from 0 s on" in message(path)
+        path = rewritten(saved, tmp_path / "x.npz", base_quat=2 * plan.base_quat)
+        assert "unit quaternions w, x, y, z" in message(path)
+
+    @pytest.mark.parametrize(
+        "phase",
+        [
+            [1, 1, 2, 2],
+            [0, 1, 1, 1],
+            [0, 0, 2, 2],
+            [0, 0, 0, 0],
+            [0, 1, 1, 2],  # no interval
+            [0, 2, 1, 2],
+            [0, 1, 2, 1],
+            [0, 1, 2, 3],
+            [-1, 0, 1, 2],
+        ],
+    )
+    def test_phases_are_those_of_the_schedule_in_order(self, tmp_path, phase):
+        save_plan(synthetic_plan(intervals=1), tmp_path / "plan.npz")
+        path = rewritten(tmp_path / "plan.npz", tmp_path / "x.npz", phase=np.array(phase))
+        assert (
+            'key "phase": expected 0 (take-off), 1 (flight), 2 (landing), each of them with an '
+            "interval, in that order"
+        ) in message(path)
+
+    def test_the_phases_of_another_schedule_are_named(self, tmp_path):
+        plan = synthetic_plan(schedule=TWO_HOPS, durations=TWO_HOPS_DURATIONS)
+        save_plan(plan, tmp_path / "plan.npz")
+        path = rewritten(tmp_path / "plan.npz", tmp_path / "x.npz", phase=plan.phase % 5)
+        assert "1 (rear push), 2 (flight), 3 (rebound), 4 (flight), 5 (front fi" in message(path)
+
+    @pytest.mark.parametrize(
+        ("schedule", "said"),
+        [
+            ({}, "not one that this version wrote"),
+            ([], "Input should be an object"),
+            (together(LEGS[:2]).as_dict(), "it has the legs LF, RF; expected 4"),
+            (together(LEGS).as_dict() | {"legs": ["\x1b[2J", *LEGS[1:]]}, "expected names, each"),
+            (together(LEGS).as_dict() | {"phases": []}, "it has 0 phases; expected at least three"),
+        ],
+    )
+    def test_what_is_no_schedule(self, saved, tmp_path, schedule, said):
+        said_of_it = message(with_meta(saved, tmp_path / "x.npz", schedule=schedule))
+        assert 'key "meta": schedule: ' in said_of_it
+        assert said in said_of_it
+
+    @pytest.mark.parametrize(
+        ("meta", "said"),
+        [
+            ("{", "JSON"),
+            ("[]", "JSON"),
+            ("{}", "request: Field required"),
+        ],
+    )
+    def test_meta_that_cannot_be_read(self, saved, tmp_path, meta, said):
+        assert said in message(rewritten(saved, tmp_path / "x.npz", meta=np.array(meta)))
+
+    def test_meta_with_a_wrong_request(self, saved, tmp_path):
+        with np.load(saved) as archive:
+            meta = json.loads(str(archive["meta"]))
+        for value, said in (("abc", "request.twist"), (1e999, "request")):
+            meta["request"]["twist"] = value
+            path = rewritten(saved, tmp_path / "x.npz", meta=np.array(json.dumps(meta)))
+            assert said in message(path)
+
+    @settings(max_examples=300, deadline=None)
+    @given(data=st.data())
+    def test_damage_anywhere_is_a_message_or_harmless(self, tmp_path_factory, data):
+        path = tmp_path_factory.mktemp("fuzz") / "plan.npz"
+        save_plan(synthetic_plan(intervals=2), path)
+        content = bytearray(path.read_bytes())
+        # Most of the interest lies in headers and the directory: zlib and CRC guard the rest.
+        for _ in range(data.draw(st.integers(1, 4))):
+            at = data.draw(st.integers(0, len(content) - 1))
+            content[at] = data.draw(st.integers(0, 255))
+        path.write_bytes(content)
+        try:
+            load(path)
+        except FileFormatError as error:
+            assert "\n" not in str(error)
+
+
+class TestWriting:
+    def test_exactly_the_path_given(self, plan, tmp_path):
+        save_plan(plan, tmp_path / "a plan")
+        assert [p.name for p in tmp_path.iterdir()] == ["a plan"]
+
+    def test_missing_directory(self, plan, tmp_path):
+        with pytest.raises(InputError, match=r"cannot write .*no such directory as "):
+            save_plan(plan, tmp_path / "none" / "plan.npz")
+
+    def test_path_that_is_a_directory(self, plan, tmp_path):
+        with pytest.raises(InputError, match="it is a directory"):
+            save_plan(plan, tmp_path)
+
+    def test_permissions_of_any_new_file(self, saved):
+        umask = os.umask(0)
+        os.umask(umask)
+        assert stat.S_IMODE(saved.stat().st_mode) == 0o666 & ~umask
+
+    def test_symbolic_link_is_followed(self, plan, tmp_path):
+        (tmp_path / "link").symlink_to(tmp_path / "real.npz")
+        save_plan(plan, tmp_path / "link")
+        assert (tmp_path / "link").is_symlink()
+        assert_same(plan, load(tmp_path / "real.npz"))
+
+    def test_a_device_is_not_replaced(self, plan):
+        save_plan(plan, os.devnull)
+        assert Path(os.devnull).is_char_device()
+
+    def test_failure_leaves_the_old_file(self, plan, saved, monkeypatch):
+        def fail(*_args, **_kwargs):
+            raise OSError(28, "No space left on device")
+
+        monkeypatch.setattr(np, "savez_compressed", fail)
+        with pytest.raises(InputError, match="No space left"):
+            save_plan(plan, saved)
+        assert_same(plan, load(saved))
+        assert [p.name for p in saved.parent.iterdir()] == [saved.name]

@@ -1,0 +1,266 @@
+"""A rollout's native file: what goes in comes out, and anything else is one clear line."""
+
+from __future__ import annotations
+
+import json
+import math
+import string
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from llsrbm.errors import Error, FileFormatError
+from llsrbm.files.loading import load
+from llsrbm.files.plan_file import load_plan
+from llsrbm.files.rollout_file import LAYOUT, load_rollout, save_rollout
+from llsrbm.motion.rollout import Disturbance
+from llsrbm.request.push import Push
+from llsrbm.request.scenario import Scenario
+from tests.llsrbm.native_files import message, rewritten
+from tests.llsrbm.sameness import assert_same
+from tests.llsrbm.synthetic import TWO_HOPS, TWO_HOPS_DURATIONS, synthetic_plan
+from tests.llsrbm.synthetic_rollout import followed, synthetic_rollout
+
+
+@pytest.fixture(scope="module")
+def rollout():
+    return synthetic_rollout(seed=3)
+
+
+@pytest.fixture
+def saved(rollout, tmp_path):
+    path = tmp_path / "rollout.npz"
+    save_rollout(rollout, path)
+    return path
+
+
+def test_round_trip(rollout, saved):
+    assert_same(rollout, load_rollout(saved))
+    assert_same(rollout, load(saved))
+
+
+def test_the_plan_that_was_followed(rollout, saved, tmp_path):
+    assert_same(rollout.plan, load(saved).plan)
+    with np.load(saved) as archive:
+        np.testing.assert_array_equal(archive["plan/com"], rollout.plan.com)
+        older = {key: archive[key] for key in archive if not key.startswith("plan/")}
+    np.savez(tmp_path / "older.npz", **older)
+    assert load(tmp_path / "older.npz").plan is None
+    bent = rewritten(saved, tmp_path / "x.npz", **{"plan/com": rollout.plan.com[:-1]})
+    assert 'plan/: key "com": expected shape (T, 3)' in message(bent)
+
+
+def test_round_trip_of_another_schedule(tmp_path):
+    rollout = followed(synthetic_plan(schedule=TWO_HOPS, durations=TWO_HOPS_DURATIONS))
+    rollout.save(tmp_path / "hops.npz")
+    back = load(tmp_path / "hops.npz")
+    assert_same(rollout, back)
+    assert back.schedule == TWO_HOPS
+    for phase in (7, -1):
+        path = rewritten(
+            tmp_path / "hops.npz", tmp_path / "x.npz", phase=np.full(len(rollout.time), phase)
+        )
+        assert 'key "phase": expected 0 (take-off), 1 (rear push), 2 (flight), ' in message(path)
+    with np.load(tmp_path / "hops.npz") as archive:
+        older = {key: archive[key] for key in archive if not key.startswith("plan/")}
+    np.savez(tmp_path / "older.npz", **older)  # which there was `together` for only
+    assert "expected 0 (take-off), 1 (flight), 2 (landing)" in message(tmp_path / "older.npz")
+
+
+def test_round_trip_of_a_robot_that_fell(tmp_path):
+    rollout = synthetic_rollout(fell_at=1.0)
+    outcome = replace(rollout.outcome, touchdown_true_s=None, foot_touchdown_s=(None, 0.9, 1, None))
+    rollout = replace(rollout, outcome=outcome)
+    rollout.save(tmp_path / "fell.npz")
+    assert_same(rollout, load(tmp_path / "fell.npz"))
+
+
+@settings(max_examples=25, deadline=None)
+@given(
+    board=st.floats(0, 0.1),
+    half=st.booleans(),
+    seed=st.none() | st.integers(0, 2**63),
+    words=st.text(max_size=20),
+    name=st.text(string.ascii_letters + "-_ é跳", min_size=1, max_size=20),
+    impulse=st.tuples(*[st.floats(-99, 99)] * 3),
+    figure=st.floats(),
+)
+def test_round_trip_of_whatever_is_said_about_it(
+    rollout, tmp_path_factory, board, half, seed, words, name, impulse, figure
+):
+    said = replace(
+        rollout,
+        scenario=Scenario(
+            board=board,
+            half_board=half and board > 0,
+            seed=seed,
+            detector=name,
+            pushes=(Push(board, impulse), Push(1.0, (0, 0, 0), (impulse[0] / 2, 0, 0)))[: 1 + half],
+            replan=half,
+        ),
+        disturbance=Disturbance(trunk_mass_factor=board, torque_delay_ticks=1),
+        outcome=replace(rollout.outcome, reason=words, foot_error=figure),
+    )
+    path = tmp_path_factory.mktemp("any") / "rollout.npz"
+    said.save(path)
+    back = load(path)
+    assert back.outcome.foot_error == figure or math.isnan(back.outcome.foot_error + figure)
+    outcome = replace(back.outcome, foot_error=rollout.outcome.foot_error)
+    known = replace(said, outcome=replace(said.outcome, foot_error=rollout.outcome.foot_error))
+    assert_same(known, replace(back, outcome=outcome))
+
+
+def test_layout_is_the_contracts(rollout, saved):
+    """Read with NumPy alone, as somebody else's script would."""
+    T, L, J = len(rollout.time), 4, 12
+    expected = {
+        "schema": (), "meta": (), "time": (T,), "qpos": (T, 7 + J), "qvel": (T, 6 + J),
+        "joint_names": (J,), "torque": (T, J), "torque_limit": (T, J), "com": (T, 3),
+        "base_quat": (T, 4), "base_position": (T, 3), "linear_momentum": (T, 3),
+        "angular_momentum": (T, 3), "inertia": (T, 3, 3), "foot_position": (T, L, 3),
+        "contact": (T, L), "contact_force": (T, L, 3), "average_spatial_velocity_norm": (T,),
+        "mode": (T,), "phase": (T,), "reference_com": (T, 3), "reference_base_quat": (T, 4),
+        "reference_foot_position": (T, L, 3), "reference_angular_momentum": (T, 3),
+    }  # fmt: skip
+    with np.load(saved, allow_pickle=False) as archive:
+        assert {key: archive[key].shape for key in expected} == expected
+        assert archive["schema"] == "llsrbm.rollout/1"
+        own = [key for key in archive if not key.startswith("plan/")]
+        assert {key for key in own if archive[key].dtype.kind == "i"} == {
+            "contact",
+            "mode",
+            "phase",
+        }
+        meta = json.loads(str(archive["meta"]), parse_constant=pytest.fail)
+    assert meta["request"]["twist"] == rollout.jump.twist
+    assert meta["model"] == "llsrbm-plus"
+    assert meta["robot_parameters"]["mass"] == 30.0
+    assert meta["scenario"]["seed"] == 3
+    assert meta["disturbance"]["friction"] == rollout.disturbance.friction
+    assert meta["outcome"]["status"] == "landed"
+    assert meta["package_version"]
+
+
+def test_contacts_that_are_booleans_are_stored_as_numbers(rollout, saved, tmp_path):
+    replace(rollout, contact=rollout.contact.astype(bool)).save(tmp_path / "b.npz")
+    assert_same(rollout, load(tmp_path / "b.npz"))
+
+
+def test_keys_added_by_later_versions_are_no_error(rollout, saved, tmp_path):
+    assert_same(rollout, load(rewritten(saved, tmp_path / "new.npz", novelty=np.zeros(3))))
+
+
+def test_a_rollout_that_is_not_finite_is_not_written(rollout, tmp_path):
+    torque = rollout.torque.copy()
+    torque[3, 1] = np.inf
+    with pytest.raises(Error, match=r"rollout\.torque holds numbers that are not finite"):
+        save_rollout(replace(rollout, torque=torque), tmp_path / "rollout.npz")
+    assert not list(tmp_path.iterdir())
+
+
+class TestReading:
+    def test_plans_and_rollouts_are_told_apart(self, rollout, saved, tmp_path):
+        synthetic_plan().save(tmp_path / "plan.npz")
+        with pytest.raises(FileFormatError, match=r'"llsrbm.plan/2"; expected "llsrbm.rollout/1"'):
+            load_rollout(tmp_path / "plan.npz")
+        with pytest.raises(FileFormatError, match=r'"llsrbm.rollout/1"; expected "llsrbm.plan/2"'):
+            load_plan(saved)
+
+    def test_a_plan_that_calls_itself_a_rollout(self, tmp_path):
+        synthetic_plan().save(tmp_path / "plan.npz")
+        schema = np.array("llsrbm.rollout/1")
+        path = rewritten(tmp_path / "plan.npz", tmp_path / "x.npz", schema=schema)
+        assert "scenario: Field required" in message(path)
+
+    @pytest.mark.parametrize("key", ["schema", "meta", *LAYOUT])
+    def test_missing_key(self, saved, tmp_path, key):
+        path = rewritten(saved, tmp_path / "x.npz", **{key: None})
+        assert f'key "{key}" is missing' in message(path)
+
+    @pytest.mark.parametrize("key", LAYOUT)
+    def test_wrong_shape(self, rollout, saved, tmp_path, key):
+        value = np.asarray(getattr(rollout, key))
+        path = rewritten(saved, tmp_path / "x.npz", **{key: value[None]})
+        assert f'key "{key}": expected shape' in message(path)
+
+    @pytest.mark.parametrize(("key", "base"), [("qpos", 7), ("qvel", 6)])
+    def test_states_of_another_number_of_joints(self, rollout, saved, tmp_path, key, base):
+        fewer = getattr(rollout, key)[:, :-1]
+        path = rewritten(saved, tmp_path / "x.npz", **{key: fewer})
+        said = f'key "{key}": expected {base} + 12 columns, as "joint_names" has 12 names'
+        assert said in message(path)
+
+    def test_values_that_make_no_rollout(self, rollout, saved, tmp_path):
+        for key, value, said in (
+            ("time", rollout.time[::-1], "strictly increasing"),
+            ("phase", rollout.phase + 1, "0 (take-off)"),
+            ("mode", rollout.mode - 1, "0 (tracking)"),
+            ("contact", 2 * rollout.contact, "0 (in the air), 1 (touches)"),
+            ("contact", rollout.contact.astype(float), "expected integers"),
+            ("base_quat", 2 * rollout.base_quat, "unit quaternions w, x, y, z"),
+            ("reference_base_quat", 0 * rollout.base_quat, "unit quaternions w, x, y, z"),
+            ("com", np.full_like(rollout.com, np.nan), "expected finite numbers"),
+        ):
+            text = message(rewritten(saved, tmp_path / "x.npz", **{key: value}))
+            assert f'key "{key}"' in text
+            assert said in text
+
+    @pytest.mark.parametrize(
+        ("path", "value", "said"),
+        [
+            (("request", "twist"), "abc", "request.twist"),
+            (("outcome", "status"), None, "outcome.status"),
+            (("disturbance", "friction"), "slippery", "disturbance.friction"),
+            (("scenario", "seed"), 1.5, "scenario.seed"),
+            (("scenario", "noise"), 4.0, "noise: expected 0 to 3, got 4"),
+            (("scenario", "pushes"), [{"time": 1}], "scenario.pushes.0.impulse"),
+            (
+                ("scenario", "pushes"),
+                [{"time": 0.4, "impulse": [0, 1e6, 0]}],
+                "push: impulse: expected at most 200 N s, got 1e+06 N s",
+            ),
+            (("request", "twist"), "NaN", "Jump.twist: expected a finite number"),
+        ],
+    )
+    def test_meta_that_is_wrong(self, saved, tmp_path, path, value, said):
+        with np.load(saved) as archive:
+            meta = json.loads(str(archive["meta"]))
+        meta[path[0]][path[1]] = value
+        text = message(rewritten(saved, tmp_path / "x.npz", meta=np.array(json.dumps(meta))))
+        assert f'key "meta": {said}' in text
+
+
+def test_files_without_what_came_later_open(rollout, saved, tmp_path):
+    with np.load(saved) as archive:
+        meta = json.loads(str(archive["meta"]))
+    del meta["control_parameters"], meta["scenario"]["trunk_mass"]
+    for name in ("pushes", "random_push", "estimator", "replan"):
+        del meta["scenario"][name]
+    for name in ("landing_strategy", "recovered", "replans", "replan_median_s", "replan_p95_s"):
+        del meta["outcome"][name]
+    del meta["disturbance"]["random_push"]
+    older = load(rewritten(saved, tmp_path / "older.npz", meta=np.array(json.dumps(meta))))
+    assert older.control_parameters == {}
+    outcome = replace(rollout.outcome, landing_strategy="", recovered=None)
+    assert_same(replace(rollout, control_parameters={}, outcome=outcome), older)
+
+
+@pytest.mark.parametrize(
+    ("older", "scenario"),
+    [
+        ({"board": 0.02, "seed": 3, "noise": 0.5}, Scenario(board=0.02, seed=3, noise=0.5)),
+        ({"board": 0.02, "seed": None, "noise": 1.0}, Scenario(board=0.02)),
+    ],
+)
+def test_a_file_that_says_conditions_opens(rollout, saved, tmp_path, older, scenario):
+    """Where nothing was disturbed they held a noise nevertheless."""
+    with np.load(saved) as archive:
+        meta = json.loads(str(archive["meta"]))
+    meta["conditions"] = meta.pop("scenario") | older
+    opened = load(rewritten(saved, tmp_path / "older.npz", meta=np.array(json.dumps(meta))))
+    assert_same(replace(rollout, scenario=scenario), opened)
+    opened.save(tmp_path / "again.npz")
+    assert_same(opened, load(tmp_path / "again.npz"))

@@ -1,0 +1,115 @@
+"""Stand-ins by collision shapes: quick, and where the robot is."""
+
+from __future__ import annotations
+
+from time import thread_time
+
+import numpy as np
+import pinocchio as pin
+import pytest
+
+from llsrbm.cache import ENVIRONMENT_VARIABLE
+from llsrbm.look.collision_visuals import collision_visuals, visuals_at_once
+from llsrbm.look.viewpoint import viewpoint
+from llsrbm.look.visuals import (
+    FACES,
+    forward_kinematics,
+    link_visuals,
+    link_visuals_at_hand,
+    needs_preparation,
+)
+from llsrbm.robots import load_robot, names
+
+
+@pytest.fixture
+def empty_cache(tmp_path, monkeypatch):
+    monkeypatch.setenv(ENVIRONMENT_VARIABLE, str(tmp_path))
+
+
+def standing(robot, visuals):
+    """All vertices, (V, 3) m, the robot in its default posture."""
+    position, quat = forward_kinematics(
+        robot, robot.base_position[None], [[1, 0, 0, 0]], robot.posture[None, 7:]
+    )
+    points = []
+    for visual in visuals:
+        w, x, y, z = quat[0, visual.joint_id - 1]
+        R = pin.Quaternion(w, x, y, z).matrix()
+        points.append(visual.vertices @ R.T + position[0, visual.joint_id - 1])
+    return np.vstack(points)
+
+
+@pytest.mark.parametrize("name", names())
+def test_shapes_are_where_the_robot_stands(name):
+    robot = load_robot(name)
+    visuals = collision_visuals(robot)
+    assert visuals[0].link
+    assert len({visual.joint_id for visual in visuals}) == len(visuals)
+    for visual in visuals:
+        assert visual.faces.max() < len(visual.vertices)
+        assert visual.rgb.shape == visual.normals.shape == visual.vertices.shape
+        assert np.linalg.norm(visual.normals, axis=1) == pytest.approx(1, abs=1e-3)
+    points = standing(robot, visuals)
+    # Balls rest on the ground: the feet's frames are their middles, or the soles.
+    assert points[:, 2].min() == pytest.approx(0.0, abs=0.04)
+    for foot in robot.feet:
+        assert np.linalg.norm(points - foot, axis=1).min() < 0.09  # a sole: its corners
+
+
+@pytest.mark.parametrize("name", ["anymal", "go2"])
+def test_they_are_as_large_as_the_meshes(name):
+    robot = load_robot(name)
+    fine = standing(robot, link_visuals(robot, coarse=True))
+    rough = standing(robot, collision_visuals(robot))
+    for bound in ("min", "max"):
+        np.testing.assert_allclose(getattr(rough, bound)(0), getattr(fine, bound)(0), atol=0.12)
+
+
+@pytest.mark.parametrize("name", names())
+def test_they_are_lighter_than_a_robots_meshes_may_be(name):
+    visuals = collision_visuals(load_robot(name))
+    assert sum(len(visual.faces) for visual in visuals) < FACES
+
+
+@pytest.mark.usefixtures("empty_cache")
+@pytest.mark.parametrize("name", ["anymal", "go2"])
+def test_with_an_empty_cache_the_shapes_stand_in_at_once(name):
+    robot = load_robot(name)
+    collision_visuals.cache_clear()
+    assert link_visuals_at_hand(robot) is None
+    assert needs_preparation(robot)
+    began = thread_time()
+    visuals = visuals_at_once(robot)
+    assert thread_time() - began < 1.0  # s of this thread alone, on a machine that is busy, too
+    assert visuals == collision_visuals(robot)
+
+
+@pytest.mark.usefixtures("empty_cache")
+def test_what_is_drawn_by_boxes_alone_needs_no_stand_in():
+    robot = load_robot("slider")
+    assert not needs_preparation(robot)
+    visuals = visuals_at_once(robot)
+    assert len(visuals) > len(collision_visuals(robot))
+    at_hand = link_visuals_at_hand(robot, coarse=True)
+    assert [visual.link for visual in at_hand] == [visual.link for visual in visuals]
+
+
+def test_meshes_that_were_prepared_are_at_hand():
+    robot = load_robot("anymal")
+    made = link_visuals(robot, coarse=True)
+    assert not needs_preparation(robot)
+    for visuals in (link_visuals_at_hand(robot, coarse=True), visuals_at_once(robot)):
+        for one, other in zip(visuals, made, strict=True):
+            assert np.array_equal(one.vertices, other.vertices)
+
+
+@pytest.mark.parametrize("name", names())
+def test_the_viewpoint_without_the_meshes_is_about_the_same(name, tmp_path, monkeypatch):
+    robot = load_robot(name)
+    camera, target = viewpoint(robot)
+    viewpoint.cache_clear()
+    monkeypatch.setenv(ENVIRONMENT_VARIABLE, str(tmp_path))
+    quick_camera, quick_target = viewpoint(robot, at_once=True)
+    viewpoint.cache_clear()
+    assert np.linalg.norm(quick_camera - camera) < 0.1
+    assert np.linalg.norm(quick_target - target) < 0.05

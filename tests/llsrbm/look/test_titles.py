@@ -1,0 +1,110 @@
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from llsrbm.look.titles import title_of, titles_of
+from llsrbm.request.jump import Jump
+from llsrbm.request.push import Push
+from llsrbm.request.scenario import Scenario
+from llsrbm.request.tuning import Tuning
+
+TWIST = Jump(twist=math.pi / 2)
+PUSH = Push(0.4, (0, 12, 0))
+
+
+@pytest.mark.parametrize(
+    ("title", "decisions"),
+    [
+        ("90° llsrbm-plus", (TWIST,)),
+        ("on the spot llsrbm-plus", (Jump(),)),
+        (
+            "-45° + 30 cm back + 12.5 cm right + 10 cm down srbm",
+            (Jump("anymal", "srbm", -math.pi / 4, -0.3, -0.125, -0.1),),
+        ),
+        ("slider 35 cm up llsrbm", (Jump("slider", "llsrbm", height=0.35),)),
+        ("my 20 cm forward srbm", (Jump("/some/where/my.toml", "srbm", forward=0.2),)),
+        (
+            "90° llsrbm-plus, swing 2, foot clearance 0.1",
+            (TWIST, Tuning({"swing": 2}, {"foot_clearance": 0.1})),
+        ),
+        (
+            "90° llsrbm-plus, seed 7, half board 25 mm",
+            (TWIST, Tuning(), Scenario(board=0.025, half_board=True, seed=7)),
+        ),
+        ("90° llsrbm-plus", (TWIST, Tuning(), Scenario())),
+        (
+            "90° llsrbm-plus, seed 0, noise 2, norm, trunk +12 %",
+            (TWIST, Tuning(), Scenario(noise=2.0, detector="norm", trunk_mass=0.12)),
+        ),
+        (
+            "90° llsrbm-plus, push 13 N s at 0.45 s, replanning",
+            (TWIST, Tuning(), Scenario(pushes=(Push(0.45, (5, 12, 0)),), replan=True)),
+        ),
+        (
+            "90° llsrbm-plus, push 3 N m s at 1 s, random push 10 N s, estimator drift",
+            (
+                TWIST,
+                Tuning(),
+                Scenario(
+                    pushes=(Push(1, (0, 0, 0), (0, 0, 3)),), random_push=10, estimator="drift"
+                ),
+            ),
+        ),
+        ("90° llsrbm-plus, 2 pushes", (TWIST, Tuning(), Scenario(pushes=(PUSH, PUSH)))),
+        ("go2 back flip llsrbm-plus", (Jump("go2", type="flip", pitch=-math.tau),)),
+        (
+            "2 x front flip + 90° llsrbm-plus",
+            (Jump(type="flip", pitch=2 * math.tau, twist=math.pi / 2),),
+        ),
+        (
+            "roll to the left + 10 cm left llsrbm-plus",
+            (Jump(type="flip", roll=-math.tau, lateral=0.1),),
+        ),
+        ("flip on the spot llsrbm-plus", (Jump(type="flip"),)),
+        ("2 hops of 20 cm forward llsrbm-plus", (Jump(type="hops", forward=0.2, hops=2),)),
+        ("3 hops on the spot llsrbm-plus", (Jump(type="hops", hops=3),)),
+        (
+            "rear-last 90° + 30 cm forward llsrbm-plus",
+            (Jump(type="rear-last", twist=math.pi / 2, forward=0.3),),
+        ),
+        (
+            "run-up 30 cm forward from 0.5 m/s to 0.25 m/s llsrbm-plus",
+            (Jump(type="run-up", forward=0.3, speed=0.5, end_speed=0.25),),
+        ),
+        (
+            "mine back flip llsrbm-plus",
+            (Jump(type="/some/where/mine.toml", pitch=-math.tau),),
+        ),
+    ],
+)
+def test_a_title_tells_what_was_decided(title, decisions):
+    assert title_of(*decisions) == title
+
+
+def test_several_tell_what_differs_only():
+    friction, seeded = Tuning(limits={"friction": 0.4}), Scenario(board=0.02, seed=3)
+    slider = [Jump("slider", "srbm", 1.0), Jump("slider", "llsrbm", 1.0)]
+    assert titles_of([(jump, friction, seeded) for jump in slider]) == (
+        "57.3° srbm",
+        "57.3° llsrbm",
+    )
+    assert titles_of([(TWIST, Tuning(), seeded), (TWIST, friction, Scenario(board=0.02))]) == (
+        "90° llsrbm-plus, seed 3",
+        "90° llsrbm-plus, friction 0.4",
+    )
+    assert titles_of([(TWIST, Tuning(), None), (Jump("go2"), Tuning(), None)]) == (
+        "90° llsrbm-plus",
+        "go2 on the spot llsrbm-plus",
+    )
+
+
+def test_what_is_named_alike_is_numbered():
+    other = Jump(twist=1.0)
+    assert titles_of([(jump, Tuning(), None) for jump in (TWIST, other, TWIST)]) == (
+        "90° llsrbm-plus (1)",
+        "57.3° llsrbm-plus",
+        "90° llsrbm-plus (2)",
+    )
+    assert titles_of([]) == ()

@@ -1,0 +1,87 @@
+"""The objective recomputed in NumPy, and what each weight does."""
+
+import numpy as np
+import pytest
+
+from llsrbm import models
+from llsrbm.planning.problem.costs import COSTS, default_weights
+from llsrbm.planning.problem.stage import GRAVITY
+from llsrbm.planning.solve.planner import planner_for
+from llsrbm.request.jump import Jump
+from tests.llsrbm.planning.solved import REQUESTS, TYPES, solved
+
+
+def terms(knots) -> dict[str, float]:
+    """Each cost without its weight, from the finished motion."""
+    mass, contacts = knots.task.mass, knots.force.shape[1]
+    force = knots.force / (mass * GRAVITY / contacts)
+    n = np.bincount(knots.phase[:-1])
+    out = dict.fromkeys(default_weights(), 0.0)
+    standing, last = knots.layout.standing, len(knots.time) - 2
+    by_leg = force.reshape(len(force), standing.shape[1], -1)
+    for k, phase in enumerate(knots.phase[:-1]):
+        out["force_magnitude"] += (force[k] ** 2).sum() / n[phase] / contacts
+        if k < last:
+            both = standing[k] & standing[k + 1]
+            step = (by_leg[k + 1] - by_leg[k])[both]
+            out["force_smoothness"] += n[phase] * (step**2).sum() / contacts
+        out["linear_momentum"] += (knots.velocity[k] ** 2).sum() / n[phase]
+        out["angular_momentum"] += ((knots.momentum[k] / mass) ** 2).sum() / n[phase]
+        out["tilt"] += (knots.quat[k, 1:3] ** 2).sum() / n[phase]
+        out["tilt_rate"] += (knots.rotation_rate[k, :2] ** 2).sum() / n[phase]
+        swings, lands = ~standing[k], ~standing[k] & standing[k + 1]
+        steps = (knots.air_rate[k] - knots.knot_rate[k])[swings]
+        stops = (knots.knot_rate[k + 1] - knots.air_rate[k])[lands]
+        out["swing_effort"] += n[phase] * ((steps**2).sum() + (stops**2).sum())
+        moved = knots.foot_velocity_base[k][swings] * knots.dt[k]
+        out["foot_movement"] += n[phase] * (moved**2).sum()
+    out["time"] = (knots.durations**2).sum()
+    out["final_orientation"] = ((knots.quat[-1] - knots.task.goal_quat) ** 2).sum()
+    return out
+
+
+@pytest.mark.parametrize(
+    ("model", "request_name"),
+    [*((m, r) for m in models.names() for r in REQUESTS), *(("llsrbm-plus", t) for t in TYPES)],
+)
+def test_the_objective_is_the_weighted_sum(model, request_name):
+    s = solved(model, request_name)
+    total = sum(s.task.weights[name] * term for name, term in terms(s.knots).items())
+    assert s.plan.report.cost == pytest.approx(total, rel=1e-6)
+
+
+# By default every phase is as short as allowed, so time can only be made less dear.
+FACTORS = {
+    "force_smoothness": 10.0,
+    "force_magnitude": 1000.0,
+    "foot_movement": 50.0,
+    "swing_effort": 20.0,
+    "tilt": 20.0,
+    "tilt_rate": 20.0,
+    "linear_momentum": 20.0,
+    "angular_momentum": 10.0,
+    "time": 0.02,
+}
+
+
+@pytest.mark.parametrize("name", FACTORS)
+def test_a_larger_weight_makes_its_term_smaller(name):
+    before = terms(solved("llsrbm-plus", "all").knots)[name]
+    planner = planner_for("anymal", "llsrbm-plus")
+    planner.plan(
+        Jump(model="llsrbm-plus", **REQUESTS["all"]),
+        weights={name: FACTORS[name] * default_weights()[name]},
+    )
+    after = terms(planner.last_knots())[name]
+    if FACTORS[name] > 1:
+        assert after < 0.997 * before
+    else:
+        assert after > 1.02 * before
+
+
+def test_costs_say_what_they_are():
+    assert len({c.name for c in COSTS}) == len(COSTS)
+    for cost in COSTS:
+        assert cost.weight >= 0
+        assert cost.unit.startswith("1")
+        assert len(cost.effect) > 10

@@ -1,0 +1,259 @@
+"""Limits: what there is, what is refused, and that a changed one holds in the plan."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from llsrbm.errors import InputError
+from llsrbm.planning.problem.constraints import CONSTRAINTS
+from llsrbm.planning.problem.horizon import row_bounds
+from llsrbm.planning.problem.placement import limits_of, make_task
+from llsrbm.planning.solve.planner import layout_of, planner_for
+from llsrbm.planning.why.residuals import TOLERANCE, violations
+from llsrbm.request.jump import Jump
+from llsrbm.request.tuning import Tuning
+from llsrbm.robots import load_robot
+
+ANYMAL, SLIDER = load_robot("anymal"), load_robot("slider")
+ROBOTS = {"anymal": ANYMAL, "slider": SLIDER, "go2": load_robot("go2")}
+every_robot = pytest.mark.parametrize("name", ROBOTS)
+
+
+# ---- what there is
+
+
+@every_robot
+def test_every_default_is_the_robots_and_in_range(name):
+    file, limits = ROBOTS[name].file, limits_of(ROBOTS[name])
+    for limit, value in limits.values():
+        assert limit.lowest <= value <= limit.highest, limit.name
+        assert limit.lowest < limit.highest, limit.name
+        assert limit.effect
+        assert limit.title
+    assert limits["friction"][1] == file.limits.friction
+    assert limits["reach_max"][1] == file.reach.distance[1]
+    assert limits["flight_min"][1] == file.timing.flight[0]
+    assert limits["torque_share"][1] == file.limits.torque_share
+    assert limits["speed_share"][1] == file.limits.speed_share
+    assert limits["reach_standing"][1] == file.reach.standing
+
+
+def test_a_robot_has_the_limits_of_what_it_has():
+    """Points do not turn."""
+    soles = {"foot_yaw_min", "foot_yaw_max", "foot_turn_speed"}
+    assert set(limits_of(SLIDER)) - set(limits_of(ANYMAL)) == soles
+    assert set(limits_of(ANYMAL)) < set(limits_of(SLIDER))
+
+
+def test_names_are_unique():
+    names = [limit.name for constraint in CONSTRAINTS for limit in constraint.limits]
+    assert len(names) == len(set(names))
+
+
+@every_robot
+@settings(max_examples=15, deadline=None)
+@given(data=st.data())
+def test_only_the_named_limits_change(name, data):
+    robot = ROBOTS[name]
+    limits = limits_of(robot)
+    # One of a pair alone may cross the other; that is refused, below.
+    names = data.draw(
+        st.sets(st.sampled_from([n for n in limits if n[-4:] not in ("_min", "_max")]))
+    )
+    given_ = {n: data.draw(st.floats(limits[n][0].lowest, limits[n][0].highest)) for n in names}
+    task = make_task(Jump(robot=name), robot, None, given_)
+    assert task.tuning == Tuning(limits=given_)
+    for limit, value in limits.values():
+        assert limit.of(task) == given_.get(limit.name, value)
+
+
+@every_robot
+def test_the_same_bounds_are_infinite_whatever_the_limits(name):
+    """Fatrop looks at that only in its first solve."""
+    robot = ROBOTS[name]
+    layout = layout_of(Jump(robot=name), robot, 12)
+    own = row_bounds(layout, make_task(Jump(robot=name, height=0.1), robot))
+    for n, (limit, _) in limits_of(robot).items():
+        for end in (limit.lowest, limit.highest):
+            try:
+                task = make_task(Jump(robot=name, height=0.1), robot, None, {n: end})
+            except InputError:  # it crosses the other of its pair
+                continue
+            for one, other in zip(row_bounds(layout, task), own, strict=True):
+                np.testing.assert_array_equal(np.isfinite(one), np.isfinite(other))
+
+
+# ---- what is refused
+
+
+@pytest.mark.parametrize(
+    ("limits", "parts"),
+    [
+        ({"fricton": 0.4}, ["unknown limit 'fricton'", "of anymal are", *limits_of(ANYMAL)]),
+        ({"foot_yaw_max": 0.4}, ["unknown limit 'foot_yaw_max'"]),
+        ({"friction": 2.0}, ["limit friction: 2 is out of range", "anymal takes 0.1 to 1.5"]),
+        ({"contact_force": 100.0}, ["unknown limit 'contact_force'"]),
+        ({"foot_speed": 0.5}, ["foot_speed: 0.5 m/s", "1 to 15 m/s"]),
+        ({"foot_speed": np.nan}, ["foot_speed: nan m/s is out of range"]),
+        ({"torque_share": 0.1}, ["torque_share: 0.1 is out of range", "0.2 to 3"]),
+        ({"flight_min": 0.7}, ["flight_min 0.7 s and flight_max 0.6 s leave no room", "0.001 s"]),
+        ({"flight_max": 0.4, "flight_min": 0.4}, ["flight_min 0.4 s and flight_max 0.4 s"]),
+    ],
+)
+def test_limits_that_are_none(limits, parts):
+    with pytest.raises(InputError) as caught:
+        make_task(Jump(), ANYMAL, None, limits)
+    assert "\n" not in str(caught.value)
+    for part in parts:
+        assert part in str(caught.value)
+
+
+# ---- what they do to a plan
+
+
+def torque_share(plan):
+    """By Pinocchio; the last knot stands."""
+    return np.abs(plan.joint_torque[:-1]).max() / 40.0
+
+
+def speed_share(plan):
+    """Between knots."""
+    rate = np.diff(plan.joint_position, axis=0) / np.diff(plan.time)[:, None]
+    return np.abs(rate).max() / 15.0
+
+
+def lowest_hips(plan):
+    """Above feet that stand, as a share of the default posture's."""
+    standing = np.append(plan.contact[:-1].all(axis=1), False)
+    standing[0] = False
+    stands = (ANYMAL.base_position + ANYMAL.hips - ANYMAL.feet)[:, 2].mean()
+    return -plan.foot_in_hip[standing, :, 2].max() / stands
+
+
+def sideways(plan):
+    f = plan.contact_force[plan.contact_force[..., 2] > 1.0]
+    return (np.abs(f[:, :2]).max(axis=1) / f[:, 2]).max()
+
+
+def duration(phase):
+    return lambda plan: np.diff(plan.phase_start)[phase]
+
+
+def longest_leg(plan):
+    return np.linalg.norm(plan.foot_in_hip[1:-1], axis=-1).max()
+
+
+def shortest_leg(plan):
+    return np.linalg.norm(plan.foot_in_hip[1:-1], axis=-1).min()
+
+
+def flying(plan):
+    first, last = np.flatnonzero(~plan.contact.any(axis=1))[[0, -1]]
+    return slice(first, last + 2)
+
+
+def box(pick, axis):
+    return lambda plan: pick(plan.foot_in_hip[1:-1, :, axis])
+
+
+def highest_foot(plan):
+    return plan.foot_position[flying(plan)][..., 2].max(axis=0).min()
+
+
+def nearest_feet(plan):
+    feet = plan.foot_in_hip[flying(plan)][1:-1]
+    model = planner_for("anymal", "llsrbm-plus").model
+    seen = model.hips + model.mirrors * feet
+    apart = [
+        np.linalg.norm((seen[:, i] - seen[:, j])[:, :2], axis=-1)
+        for i in range(4)
+        for j in range(i)
+    ]
+    return np.min(apart)
+
+
+def foot_speed(plan):
+    """In the world along base axes, by differences, at midpoints as the planner has them."""
+    from scipy.spatial.transform import Rotation, Slerp
+
+    at = flying(plan)
+    time, feet = plan.time[at], plan.foot_position[at]
+    middle = Slerp(time, Rotation.from_quat(plan.base_quat[at], scalar_first=True))(
+        (time[1:] + time[:-1]) / 2
+    )
+    speed = np.diff(feet, axis=0) / np.diff(time)[:, None, None]
+    return np.abs(np.einsum("kji,klj->kli", middle.as_matrix(), speed)).max()
+
+
+TWIST, FORWARD = {"twist": 1.6}, {"forward": 0.5}
+FAR = {"twist": 3.1, "height": 0.2}
+HIGH = {"height": 0.25, "forward": 0.2}
+SLOW = {"time": 0.01}  # otherwise phases are as short as they may be, and no longest one binds
+
+# name: jump, weights, a value that binds, what is measured of the plan, by how much that may differ
+# from what the planner bounds (knots against midpoints, the whole body's torques against a leg's).
+BINDING = {
+    "friction": (TWIST, {}, 0.2, sideways, 1e-3),
+    "takeoff_min": (FORWARD, {}, 0.7, duration(0), 1e-3),
+    "takeoff_max": (FORWARD, SLOW, 0.45, duration(0), 1e-3),
+    "flight_min": (FORWARD, {}, 0.45, duration(1), 1e-3),
+    "flight_max": (FAR, {}, 0.305, duration(1), 1e-3),
+    "landing_min": (FORWARD, {}, 0.7, duration(2), 1e-3),
+    "landing_max": (FORWARD, SLOW, 0.55, duration(2), 1e-3),
+    "reach_min": (HIGH, {}, 0.3, shortest_leg, 1e-3),
+    "reach_max": (FORWARD, {}, 0.5, longest_leg, 1e-3),
+    "reach_x_min": (FORWARD, {}, -0.1, box(np.min, 0), 1e-3),
+    "reach_x_max": (FORWARD, {}, 0.12, box(np.max, 0), 1e-3),
+    "reach_y_min": (TWIST, {}, -0.1, box(np.min, 1), 1e-3),
+    "reach_y_max": (TWIST, {}, 0.1, box(np.max, 1), 1e-3),
+    "reach_z_min": (FORWARD, {}, -0.5, box(np.min, 2), 1e-3),
+    "reach_z_max": ({"height": 0.3, "forward": 0.4}, {}, -0.275, box(np.max, 2), 1e-3),
+    "clearance": (FORWARD, {}, 0.15, highest_foot, 1e-3),
+    "feet_apart": (TWIST, {}, 0.35, nearest_feet, 1e-3),
+    "torque_share": (FORWARD, {}, 0.5, torque_share, 0.1),
+    "speed_share": (FORWARD, {}, 0.5, speed_share, 0.05),
+    "reach_standing": (FORWARD, {}, 0.9, lowest_hips, 1e-3),
+}
+
+
+@pytest.mark.parametrize("name", BINDING)
+def test_a_limit_binds_in_the_plan(name):
+    """Measured in the plan's arrays: what was beyond the limit is at it, in the checks as well."""
+    motion, weights, value, measured, tolerance = BINDING[name]
+    planner = planner_for("anymal", "llsrbm-plus")
+    jump = Jump(model="llsrbm-plus", **motion)
+    free = planner.plan(jump, weights=weights)
+    bound = planner.plan(jump, weights=weights, limits={name: value})
+    limit = limits_of(ANYMAL)[name][0]
+    side = -1 if limit.lower_bound else 1
+    assert side * (measured(free) - value) > 2 * tolerance
+    assert side * (measured(bound) - value) <= tolerance
+    assert max(v.amount for v in bound.violations.values()) <= TOLERANCE
+    assert bound.tuning == Tuning(weights, {name: value})
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "measured"),
+    [
+        ("torque_share", 0.5, lambda plan: 40.0 * (torque_share(plan) - 0.10)),
+        ("foot_speed", 1.0, foot_speed),
+    ],
+)
+def test_the_checks_use_the_changed_limit(name, value, measured):
+    """A plan under the robot's limits, checked against a tighter one."""
+    planner = planner_for("anymal", "llsrbm-plus")
+    plan = planner.plan(Jump(model="llsrbm-plus", **FORWARD))
+    knots = planner.last_knots()
+    task = make_task(knots.task.jump, ANYMAL, None, {name: value})
+    constraint = {"torque_share": "joint_torque"}.get(name, name)
+    bound = value * (40.0 if name == "torque_share" else 1.0)
+    amount = violations(replace(knots, task=task))[constraint].amount
+    assert amount == pytest.approx(measured(plan) - bound, rel=0.03)
+    assert violations(knots)[constraint].amount <= TOLERANCE
+
+
+def test_every_limit_of_a_point_foot_is_measured():
+    assert {*BINDING, "foot_speed"} == set(limits_of(ANYMAL))

@@ -1,0 +1,166 @@
+"""SLIDER's plans: what soles add, looked at in NumPy, and broken by known amounts."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import casadi as ca
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from llsrbm.motion.rotation import yaw
+from llsrbm.planning.problem.costs import Symmetry
+from llsrbm.planning.problem.headings import (
+    across,
+    heading_rate,
+    heading_rates,
+    headings,
+    relative_yaw,
+    relative_yaw_rate,
+    relative_yaw_rates,
+    relative_yaws,
+)
+from llsrbm.planning.problem.placement import place_task
+from llsrbm.planning.why.residuals import violations
+from llsrbm.request.jump import Jump
+from llsrbm.robots import load_robot
+from tests.llsrbm.planning.solved import solved
+
+ROBOT = load_robot("slider")
+FOOT, LIMITS = ROBOT.file.foot, ROBOT.file.limits
+LIFT_OFF, LEG = 16, 1
+MIDDLE = LIFT_OFF + 8
+
+
+@pytest.fixture(scope="module")
+def twist():
+    return solved("llsrbm-plus", "twist", "slider")
+
+
+@pytest.fixture(scope="module")
+def box():
+    return solved("llsrbm-plus", "box", "slider")
+
+
+def moved(knots, name, index, amount):
+    array = getattr(knots, name).copy()
+    array[index] += amount
+    return replace(knots, **{name: array})
+
+
+def test_plans_from_the_analytic_guess(twist, box):
+    for solution in (twist, box):
+        assert solution.plan.solved
+        assert solution.plan.report.attempts == 1
+        assert max(v.amount for v in solution.plan.violations.values()) < 1e-3
+
+
+def test_foot_yaw(twist):
+    present = twist.knots.air_feet[MIDDLE, LEG, 3]
+    broken = moved(twist.knots, "air_feet", (MIDDLE, LEG, 3), FOOT.yaw[1] + 0.05 - present)
+    found = violations(broken)["foot_yaw"]
+    assert found.amount == pytest.approx(0.05, abs=1e-6)
+    assert found.phase == "flight"
+
+
+def test_foot_turn(twist):
+    index = (MIDDLE, LEG, 3)
+    present = twist.knots.air_rate[index]
+    broken = moved(twist.knots, "air_rate", index, FOOT.turn_speed + 2.0 - present)
+    assert violations(broken)["foot_turn"].amount >= 2.0
+
+
+def test_edge(box):
+    """Toes that swing 0.1 m forward at once run into the box."""
+    broken = moved(box.knots, "air_feet", (LIFT_OFF + 2, LEG, 0), 0.1)
+    assert violations(broken)["edge"].amount == pytest.approx(0.1, abs=0.03)
+
+
+def test_edges_of_a_box_that_is_turned_lie_ahead_of_each_foot():
+    """Landing turned by 45 degrees, the box lies to the right of one foot, before the other."""
+    jump = Jump(robot="slider", twist=np.pi / 4, forward=0.3, height=0.35)
+    task = place_task(jump, ROBOT)
+    start, goal = task.places
+    ahead = np.array([np.cos(np.pi / 4), np.sin(np.pi / 4)])
+    right = np.array([ahead[1], -ahead[0]])
+    np.testing.assert_allclose(task.towards(1), [right, ahead], atol=1e-12)
+    for towards, foot in zip(task.towards(1), start.contacts.reshape(2, 4, 3), strict=True):
+        assert (foot[:, :2] @ towards).max() < (goal.contacts[:, :2] @ towards).min()
+    on_the_spot = place_task(Jump(robot="slider", height=0.2), ROBOT)
+    assert not on_the_spot.towards(1).any()
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_headings_and_yaws(seed):
+    """There and back, and rates against differences, at random attitudes."""
+    rng = np.random.default_rng(seed)
+    R = Rotation.from_euler("zyx", rng.uniform([-3, -0.5, -0.5], [3, 0.5, 0.5]))
+    heading = R.as_euler("zyx")[0] + rng.uniform(-1.1, 1.1, size=(1, 2))
+    omega, h = rng.normal(size=3), 1e-6
+    at = R.as_matrix()[None]
+    yaws = relative_yaws(at, heading)
+    there = headings(at, yaws)
+    np.testing.assert_allclose(np.cos(there - heading), 1.0, atol=1e-12)
+    ends = [
+        relative_yaws((R * Rotation.from_rotvec(k * omega)).as_matrix()[None], heading)
+        for k in (-h, h)
+    ]
+    rate = relative_yaw_rates(at, heading, omega[None])
+    np.testing.assert_allclose(rate, np.subtract(*ends[::-1]) / (2 * h), atol=1e-6)
+    across_base = across(ca.DM(at[0]), heading[0, 0])
+    assert float(relative_yaw(across_base)) == pytest.approx(yaws[0, 0])
+    assert float(relative_yaw_rate(across_base, ca.DM(omega))) == pytest.approx(rate[0, 0])
+    spin = rng.normal()
+    symbolic = heading_rate(ca.DM(at[0][2]), yaws[0, 0], spin, ca.DM(omega))
+    numeric = heading_rates(at, yaws, np.full((1, 2), spin), omega[None])
+    assert float(symbolic) == pytest.approx(numeric[0, 0])
+
+
+def test_symmetry_fades_with_the_twist():
+    assert Symmetry().share(Jump()) == 1.0
+    assert Symmetry().share(Jump(twist=0.2)) == pytest.approx(0.5)
+
+
+def test_soles_stand_still_and_turn_in_the_air(twist):
+    plan = twist.plan
+    headings = np.stack([yaw(plan.foot_quat[:, i]) for i in range(2)], axis=1)
+    np.testing.assert_allclose(headings[plan.phase == 0], 0.0, atol=1e-9)
+    np.testing.assert_allclose(headings[plan.phase == 2], np.pi / 2, atol=1e-6)
+
+
+def test_contact_points_are_the_corners_of_the_soles(twist):
+    plan = twist.plan
+    assert plan.contact_point.shape == (len(plan.time), 8, 3)
+    for i in range(2):
+        heading = yaw(plan.foot_quat[:, i])
+        c, s = np.cos(heading)[:, None], np.sin(heading)[:, None]
+        x, y = np.array(FOOT.corners).T
+        expected = plan.foot_position[:, i, None, :2] + np.stack(
+            [c * x - s * y, s * x + c * y], axis=-1
+        )
+        np.testing.assert_allclose(
+            plan.contact_point[:, 4 * i : 4 * i + 4, :2], expected, atol=1e-4
+        )
+
+
+def test_corners_push_within_their_pyramids(twist, box):
+    for solution in (twist, box):
+        force = solution.plan.contact_force
+        assert force[..., 2].min() > -1e-3
+        sideways = np.abs(force[..., :2]) - LIMITS.friction / np.sqrt(2) * force[..., 2:]
+        assert sideways.max() < 1e-3
+
+
+@pytest.mark.parametrize("request_name", ["twist", "box"])
+def test_momenta_follow_from_the_corners_forces(request_name):
+    """Forces are constant over an interval, so that both integrals have closed forms."""
+    plan = solved("llsrbm-plus", request_name, "slider").plan
+    dt = np.diff(plan.time)[:, None]
+    force = plan.contact_force[:-1]
+    total = force.sum(axis=1)
+    acceleration = total / ROBOT.mass + [0.0, 0.0, -9.81]
+    mean_com = plan.com[:-1] + plan.com_velocity[:-1] * dt / 2 + acceleration * dt**2 / 6
+    moment = np.cross(plan.contact_point[:-1] - mean_com[:, None], force).sum(axis=1)
+    np.testing.assert_allclose(np.diff(plan.com_velocity, axis=0), acceleration * dt, atol=1e-6)
+    np.testing.assert_allclose(np.diff(plan.angular_momentum, axis=0), moment * dt, atol=1e-5)

@@ -1,0 +1,117 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
+
+from llsrbm.errors import InputError
+from llsrbm.planning.problem.costs import default_weights
+from llsrbm.planning.problem.layout import Layout
+from llsrbm.planning.problem.placement import make_task, parameter_sizes, parameters
+from llsrbm.request.jump import Jump
+from llsrbm.robots import load_robot
+
+ROBOT = load_robot("anymal")
+ASKED = ROBOT.file.task
+PARTS = ("twist", "forward", "lateral", "height")
+
+requests = st.builds(Jump, **{name: st.floats(*getattr(ASKED, name)) for name in PARTS})
+
+
+@settings(max_examples=60, deadline=None)
+@given(jump=requests)
+def test_the_goal_is_the_standing_robot_moved(jump):
+    task = make_task(jump, ROBOT)
+    turn = Rotation.from_rotvec([0, 0, jump.twist])
+    shift = [jump.forward, jump.lateral, jump.height]
+    np.testing.assert_allclose(task.start_position, ROBOT.com)
+    start, goal = task.places
+    np.testing.assert_allclose(start.feet, ROBOT.feet)
+    np.testing.assert_allclose(task.goal_position, turn.apply(ROBOT.com) + shift, atol=1e-12)
+    np.testing.assert_allclose(goal.feet, turn.apply(ROBOT.feet) + shift, atol=1e-12)
+    attitude = Rotation.from_quat(task.goal_quat, scalar_first=True)
+    assert (attitude.inv() * turn).magnitude() < 1e-9
+    assert np.linalg.norm(task.goal_quat) == pytest.approx(1.0)
+
+
+@given(
+    twist=st.floats(ASKED.twist[0], ASKED.twist[1] - 1e-3),
+    step=st.floats(1e-6, 1e-3),
+)
+@settings(max_examples=60, deadline=None)
+def test_the_goal_quaternion_never_jumps(twist, step):
+    one, two = (make_task(Jump(twist=t), ROBOT).goal_quat for t in (twist, twist + step))
+    assert np.linalg.norm(two - one) <= step
+
+
+def test_twists_beyond_half_a_turn_go_the_long_way():
+    wide = ROBOT.file.model_copy(
+        update={"task": ROBOT.file.task.model_copy(update={"twist": (-6.3, 6.3)})}
+    )
+    quat = make_task(Jump(twist=4.0), replace(ROBOT, file=wide)).goal_quat
+    np.testing.assert_allclose(quat, [np.cos(2.0), 0, 0, np.sin(2.0)])
+    assert quat[0] < 0
+
+
+@settings(max_examples=30, deadline=None)
+@given(jump=requests)
+def test_parameters_fill_the_solvers_places(jump):
+    task = make_task(jump, ROBOT)
+    layout = Layout.of(task.schedule, 4, 48, 3)
+    values, sizes = parameters(layout, task), parameter_sizes(layout)
+    assert list(values) == list(sizes)
+    for name, value in values.items():
+        assert value.shape == (sizes[name],)
+        assert np.isfinite(value).all()
+
+
+@pytest.mark.parametrize(
+    ("request_", "message"),
+    [
+        ({"twist": np.radians(200)}, "twist 200 deg is out of range; anymal takes -180 to 180 deg"),
+        ({"twist": -4.0}, "twist -229.183 deg is out of range; anymal takes -180 to 180 deg"),
+        ({"forward": 0.7}, "forward 0.7 m is out of range; anymal takes -0.3 to 0.6 m"),
+        ({"lateral": -0.31}, "lateral -0.31 m is out of range; anymal takes -0.3 to 0.3 m"),
+        ({"height": 1.0}, "height 1 m is out of range; anymal takes -0.2 to 0.3 m"),
+    ],
+)
+def test_out_of_range(request_, message):
+    with pytest.raises(InputError) as caught:
+        make_task(Jump(**request_), ROBOT)
+    assert str(caught.value) == message
+
+
+def test_both_ends_of_a_range_are_in_it():
+    for name in PARTS:
+        for end in getattr(ASKED, name):
+            make_task(Jump(**{name: end}), ROBOT)
+    make_task(Jump(twist=np.pi), ROBOT)
+    make_task(Jump(twist=-np.pi), ROBOT)
+
+
+def test_weights_replace_the_defaults():
+    task = make_task(Jump(), ROBOT, {"time": 3.0})
+    assert task.weights == default_weights() | {"time": 3.0}
+    layout = Layout.of(task.schedule, 4, 48, 3)
+    assert parameters(layout, task)["weight_time"] == 3.0
+    assert make_task(Jump(), ROBOT, {"time": 0}).weights["time"] == 0
+    assert make_task(Jump(), ROBOT).weights == default_weights()
+
+
+@pytest.mark.parametrize(
+    ("weights", "parts"),
+    [
+        ({"tiem": 1.0}, ["unknown weight 'tiem'", *default_weights()]),
+        ({"time": -1.0}, ["weight time", "at least 0", "-1.0"]),
+        ({"time": np.nan}, ["weight time", "nan"]),
+        ({"time": np.inf}, ["weight time", "inf"]),
+    ],
+)
+def test_weights_that_are_none(weights, parts):
+    with pytest.raises(InputError) as caught:
+        make_task(Jump(), ROBOT, weights)
+    assert "\n" not in str(caught.value)
+    for part in parts:
+        assert part in str(caught.value)

@@ -1,0 +1,146 @@
+"""The solver's functions against CasADi's own derivatives and against NumPy."""
+
+from functools import cache
+
+import casadi as ca
+import numpy as np
+import pytest
+
+from llsrbm import models
+from llsrbm.ocp.transcription import Transcription
+from llsrbm.planning.problem.constraints import CONSTRAINTS
+from llsrbm.planning.problem.horizon import constraints_of, make_horizon, row_bounds
+from llsrbm.planning.problem.layout import Layout
+from llsrbm.planning.solve.guess import analytic_guess
+from llsrbm.robots import load_robot
+from tests.llsrbm.planning.solved import function, parameters, solved
+
+every_model = pytest.mark.parametrize("model", models.names())
+
+
+@cache
+def near_a_solution(model):
+    """A point a little off a plan, random multipliers and directions."""
+    s = solved(model, "all")
+    rng = np.random.default_rng(0)
+    w = s.w + rng.normal(scale=0.02, size=s.w.size)
+    lam = rng.normal(size=function(s.planner, "nlp").size1_out(1))
+    return s, w, parameters(s.planner.layout, s.task), 0.7, lam, rng.normal(size=(3, w.size))
+
+
+@cache
+def differentiated(model):
+    """Gradient of lam_f f + lam g, J v and H v by CasADi's differentiation of the oracle."""
+    nlp = function(solved(model, "all").planner, "nlp")
+    x, p = (ca.MX.sym(n, nlp.size1_in(i)) for i, n in enumerate("xp"))
+    lam_f, lam, v = (
+        ca.MX.sym("lam_f"),
+        ca.MX.sym("lam", nlp.size1_out(1)),
+        ca.MX.sym("v", x.numel()),
+    )
+    f, g = nlp(x, p)
+    slope = ca.gradient(lam_f * f + ca.dot(lam, g), x)
+    results = [ca.gradient(f, x), slope, ca.jtimes(g, x, v), ca.jtimes(slope, x, v)]
+    return ca.Function("ad", [x, p, lam_f, lam, v], results)
+
+
+@every_model
+def test_first_derivatives(model):
+    s, w, p, lam_f, lam, directions = near_a_solution(model)
+    f, g = (np.array(out).ravel() for out in function(s.planner, "nlp")(w, p))
+    assert float(function(s.planner, "nlp_f")(w, p)) == pytest.approx(f[0], rel=1e-12)
+    np.testing.assert_allclose(np.array(function(s.planner, "nlp_g")(w, p)).ravel(), g, atol=1e-12)
+    again, J = function(s.planner, "nlp_jac_g")(w, p)
+    np.testing.assert_allclose(np.array(again).ravel(), g, atol=1e-12)
+    grad_f = np.array(function(s.planner, "nlp_grad_f")(w, p)).ravel()
+    for v in directions:
+        gradient, slope, Jv, _ = (
+            np.array(out).ravel() for out in differentiated(model)(w, p, lam_f, lam, v)
+        )
+        np.testing.assert_allclose(grad_f, gradient, atol=1e-9)
+        np.testing.assert_allclose(np.array(ca.mtimes(J, v)).ravel(), Jv, atol=1e-9)
+    all_at_once = function(s.planner, "nlp_grad")(w, p, lam_f, lam)
+    np.testing.assert_allclose(np.array(all_at_once[2]).ravel(), slope, atol=1e-8)
+
+
+@every_model
+def test_second_derivatives(model):
+    s, w, p, lam_f, lam, directions = near_a_solution(model)
+    _, H = function(s.planner, "nlp_hess_l")(w, p, lam_f, lam)
+    np.testing.assert_allclose(np.array(H), np.array(H).T, atol=1e-10)
+    for v in directions:
+        Hv = np.array(differentiated(model)(w, p, lam_f, lam, v)[3]).ravel()
+        np.testing.assert_allclose(np.array(ca.mtimes(H, v)).ravel(), Hv, rtol=1e-9, atol=1e-7)
+
+
+@every_model
+def test_differences_agree_too(model):
+    """Not by CasADi at all: central differences of the functions' values."""
+    s, w, p, _, _, directions = near_a_solution(model)
+    nlp, v, step = function(s.planner, "nlp"), directions[0], 1e-5
+    (f1, g1), (f0, g0) = (nlp(w + sign * step * v, p) for sign in (1, -1))
+    J = function(s.planner, "nlp_jac_g")(w, p)[1]
+    slope = np.array(g1 - g0).ravel() / (2 * step)
+    np.testing.assert_allclose(np.array(ca.mtimes(J, v)).ravel(), slope, rtol=1e-5, atol=1e-5)
+    grad_f = np.array(function(s.planner, "nlp_grad_f")(w, p)).ravel()
+    assert grad_f @ v == pytest.approx(float(f1 - f0) / (2 * step), rel=1e-5)
+
+
+@every_model
+def test_a_plan_lies_within_the_rows_bounds(model):
+    s = solved(model, "all")
+    g = np.array(function(s.planner, "nlp_g")(s.w, parameters(s.planner.layout, s.task))).ravel()
+    lower, upper = row_bounds(s.planner.layout, s.task)
+    assert len(g) == len(lower) == len(upper)
+    # 1e-4 is the solvers' tolerance.
+    assert (g >= lower - 1e-4).all()
+    assert (g <= upper + 1e-4).all()
+
+
+LAYOUT = Layout(4, ((True,) * 4, (False,) * 4, (True,) * 4), (3, 4, 3))
+MODEL = models.make_model("srbm", load_robot("anymal"))
+
+
+@pytest.fixture(scope="module")
+def transcription():
+    return Transcription(make_horizon(MODEL, LAYOUT))
+
+
+def test_sizes(transcription):
+    structure = transcription.structure
+    assert sum(structure.states) + sum(structure.controls) == LAYOUT.size_total
+    assert structure.states == [LAYOUT.state_size(role) for role in LAYOUT.roles]
+    gaps = sum(structure.states[1:])
+    assert len(structure.equality) == gaps + sum(structure.rows)
+    nlp = transcription.functions["nlp"]
+    assert nlp.size1_in(0) == LAYOUT.size_total
+    assert nlp.size1_out(1) == len(structure.equality)
+
+
+def test_equalities_are_the_rows_whose_bounds_meet(transcription):
+    task = solved("srbm", "all").task
+    lower, upper = row_bounds(LAYOUT, task)
+    np.testing.assert_array_equal(lower == upper, transcription.structure.equality)
+
+
+def test_rows_of_a_role_in_the_order_of_the_list():
+    for role in LAYOUT.roles:
+        names = [c.name for c in constraints_of(role)]
+        assert names == [c.name for c in CONSTRAINTS if c.name in names]
+        assert ("final_state" in names) == role.terminal
+
+
+def test_fewer_intervals_share_the_same_derivatives(transcription):
+    s = solved("srbm", "all")
+    rng = np.random.default_rng(2)
+    w = analytic_guess(s.task, LAYOUT, MODEL)
+    w += rng.normal(scale=0.02, size=w.size)
+    v, p, step = rng.normal(size=w.size), parameters(LAYOUT, s.task), 1e-6
+    lam = rng.normal(size=len(transcription.structure.equality))
+    slopes = [
+        np.array(transcription.functions["nlp_grad"](w + sign * step * v, p, 0.3, lam)[2]).ravel()
+        for sign in (1, -1)
+    ]
+    H = np.array(transcription.functions["nlp_hess_l"](w, p, 0.3, lam)[1])
+    Hv = (slopes[0] - slopes[1]) / (2 * step)
+    np.testing.assert_allclose(H @ v, Hv, atol=1e-5 * np.abs(Hv).max())

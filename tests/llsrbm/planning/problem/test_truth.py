@@ -1,0 +1,34 @@
+"""What the whole body makes of a plan's turn, against what the model says."""
+
+import numpy as np
+import pytest
+
+from llsrbm.planning.problem.constraints.truth import BEARABLE, TrueTurn, turn_error
+from tests.llsrbm.planning.solved import TYPES, solved
+
+
+@pytest.mark.parametrize("request_name", ["twist", "forward", "all", *TYPES])
+def test_plans_of_the_true_model_turn_as_they_say(request_name):
+    knots = solved("llsrbm-plus", request_name).knots
+    for flight in knots.flights:
+        assert np.linalg.norm(turn_error(knots, flight)) < np.radians(2.0)
+    assert TrueTurn().violation(knots).max() == 0
+
+
+def test_momentum_that_the_body_does_not_have_is_seen():
+    """Twice the momentum turns the body by about as much again."""
+    from dataclasses import replace
+
+    knots = solved("llsrbm-plus", "twist").knots
+    (flight,) = knots.flights
+    momentum = knots.momentum.copy()
+    momentum[flight] *= 2
+    doubled = replace(knots, momentum=momentum)
+    turned = np.linalg.norm(turn_error(doubled, flight))
+    turn = np.linalg.norm(knots.rotation_rate[flight].T @ knots.dt[flight])
+    assert turned == pytest.approx(turn, rel=0.25)
+    assert TrueTurn().violation(doubled).max() == pytest.approx(turned - BEARABLE)
+
+
+def test_models_for_comparison_are_not_held_to_it():
+    assert TrueTurn().violation(solved("srbm", "twist").knots).max() == 0

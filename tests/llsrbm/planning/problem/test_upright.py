@@ -1,0 +1,121 @@
+"""How far a body that has turned over may lean as it lands, against rotations of known tilt."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+
+import casadi as ca
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from llsrbm.models import make_model
+from llsrbm.planning.problem.constraints.upright import LEAN, UprightLanding
+from llsrbm.planning.problem.knots import unpack
+from llsrbm.planning.problem.placement import make_task, parameter_sizes, parameters
+from llsrbm.planning.problem.stage import Stage
+from llsrbm.planning.solve.guess import analytic_guess
+from llsrbm.planning.solve.planner import layout_of
+from llsrbm.planning.why.residuals import violations
+from llsrbm.request.jump import Jump
+from llsrbm.robots import load_robot
+
+FLIPS = ({"pitch": -2 * np.pi}, {"pitch": 2 * np.pi}, {"pitch": 0.0, "roll": 2 * np.pi})
+TILTS = (0.0, LEAN / 2, LEAN - 0.01, LEAN + 0.01, np.pi / 2, np.pi)
+
+
+@cache
+def case(**turn):
+    """Task, layout, model and the analytic guess of a flip."""
+    robot = load_robot("go2")
+    jump = Jump(robot="go2", type="flip", **(turn or FLIPS[0]))
+    task, layout = make_task(jump, robot), layout_of(jump, robot, 12)
+    model = make_model("llsrbm-plus", robot)
+    return task, layout, model, analytic_guess(task, layout, model)
+
+
+def landing(layout):
+    """The knots from touchdown on, the very end not among them."""
+    return range(int(layout.first_knots[-2]), layout.knots - 1)
+
+
+def leaning(tilt, heading=0.7, towards=2.0):
+    """(4,) w, x, y, z of a body that leans by `tilt` from the vertical, in any direction."""
+    axis = np.array([np.cos(towards), np.sin(towards), 0.0])
+    turned = Rotation.from_rotvec(tilt * axis) * Rotation.from_euler("z", heading)
+    return turned.as_quat(scalar_first=True)
+
+
+@cache
+def row_at(knot):
+    """The row as a function of a stage's variables, with the task's numbers."""
+    task, layout, model, w = case()
+    symbols = {n: ca.SX.sym(n, size) for n, size in parameter_sizes(layout).items()}
+    stage = Stage(layout.roles[knot], layout, model, symbols)
+    inputs = [stage.variables, stage.local, *symbols.values()]
+    row = ca.Function("row", inputs, [stage.lift.resolve(UprightLanding().rows(stage))])
+    values = parameters(layout, task)
+    phase = int(layout.phase[knot])
+    names = [f"phase{phase}_{n}" for n in ("feet", "contacts", "yaw", "towards")]
+    local = np.concatenate([values[n] for n in names])
+    places = layout.variables(knot)
+
+    def at(quat):
+        here = w.copy()
+        here[places["quat"]] = quat
+        variables = np.concatenate([here[place] for place in places.values()])
+        return float(row(variables, local, *values.values()))
+
+    return at
+
+
+@pytest.mark.parametrize("tilt", TILTS, ids="{:.2f}".format)
+def test_the_row_is_within_its_bounds_up_to_the_largest_lean(tilt):
+    task, layout, _, _ = case()
+    for knot in (landing(layout)[0], landing(layout)[-1]):
+        found = row_at(knot)(leaning(tilt))
+        assert found == pytest.approx(np.cos(tilt), abs=1e-12)
+        # A whole turn over is -quat: the same attitude.
+        assert row_at(knot)(-leaning(tilt)) == pytest.approx(found)
+        (low,), (high,) = UprightLanding().bounds(task, layout, knot)
+        assert (low <= found <= high) == (tilt <= LEAN)
+
+
+@pytest.mark.parametrize("tilt", TILTS, ids="{:.2f}".format)
+def test_the_check_is_by_how_much_it_leans_beyond(tilt):
+    task, layout, model, w = case()
+    knots = unpack(w, layout, task, model)
+    for knot in range(layout.knots):
+        quat = knots.quat.copy()
+        quat[list(landing(layout))] = leaning(0.0)
+        quat[knot] = leaning(tilt)
+        found = UprightLanding().violation(replace(knots, quat=quat))
+        expected = max(tilt - LEAN, 0.0) if knot in landing(layout) else 0.0
+        np.testing.assert_allclose(found[knot], expected, atol=1e-7)
+        assert np.delete(found, knot).max() == 0
+
+
+def test_where_it_is_found():
+    task, layout, model, w = case()
+    knots = unpack(w, layout, task, model)
+    quat, knot = knots.quat.copy(), landing(layout)[2]
+    quat[list(landing(layout))] = leaning(0.0)
+    quat[knot] = leaning(LEAN + 0.2)
+    found = violations(replace(knots, quat=quat))["upright_landing"]
+    assert found.amount == pytest.approx(0.2)
+    assert found.time == knots.time[knot]
+    assert found.phase == "landing"
+
+
+@pytest.mark.parametrize("turn", FLIPS, ids=["back", "front", "roll"])
+def test_every_flip_lands_upright_and_nothing_else_has_to(turn):
+    _, layout, _, _ = case(**turn)
+    applies = [UprightLanding().applies(role) for role in layout.roles]
+    assert np.flatnonzero(applies).tolist() == list(landing(layout))
+
+
+@pytest.mark.parametrize("jump", [{}, {"type": "hops"}, {"type": "rear-last"}, {"twist": 1.5}])
+def test_jumps_that_do_not_turn_over_are_kept_upright_by_their_costs(jump):
+    layout = layout_of(Jump("go2", **jump), load_robot("go2"), 12)
+    assert not any(UprightLanding().applies(role) for role in layout.roles)

@@ -1,0 +1,193 @@
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from llsrbm import models
+from llsrbm.planning.problem.knots import unpack
+from llsrbm.planning.problem.layout import Layout
+from llsrbm.planning.problem.placement import make_task
+from llsrbm.planning.solve.guess import analytic_guess
+from llsrbm.planning.solve.planner import layout_of
+from llsrbm.planning.why.residuals import dynamics_defects, violations
+from llsrbm.request.jump import Jump
+from llsrbm.robots import load_robot
+from tests.llsrbm.planning.any_schedule import task_of
+from tests.llsrbm.planning.solved import TYPES
+from tests.llsrbm.schedules import schedules
+
+ROBOT = load_robot("anymal")
+LAYOUT = Layout(4, ((True,) * 4, (False,) * 4, (True,) * 4), (16, 16, 16))
+CORNERS = [
+    {"twist": np.pi},
+    {"twist": -np.pi, "forward": 0.6},
+    {"forward": -0.3, "lateral": 0.3, "height": -0.2},
+    {"twist": 1.0, "forward": 0.6, "lateral": -0.3, "height": 0.3},
+    {},
+]
+
+
+@pytest.mark.parametrize("model", models.names())
+@pytest.mark.parametrize("request_", CORNERS, ids=str)
+def test_a_hop_from_start_to_goal(model, request_):
+    task = make_task(Jump(**request_), ROBOT)
+    made = models.make_model(model, ROBOT)
+    w = analytic_guess(task, LAYOUT, made)
+    assert w.shape == (LAYOUT.size_total,)
+    assert np.isfinite(w).all()
+    knots = unpack(w, LAYOUT, task, made)
+    np.testing.assert_allclose(knots.position[0], task.start_position)
+    np.testing.assert_allclose(knots.position[-1], task.goal_position, atol=1e-12)
+    np.testing.assert_allclose(knots.quat[-1], task.goal_quat, atol=1e-12)
+    np.testing.assert_allclose(knots.velocity[-1], 0, atol=1e-12)
+    # What is cheap to satisfy from the start is satisfied.
+    found = violations(knots)
+    for name in ("phase_times", "friction_pyramid"):
+        assert found[name].amount < 1e-9, name
+    assert found["final_state"].amount < 1e-9
+
+
+def test_flight_is_ballistic_and_continuous():
+    task = make_task(Jump(twist=1.0, forward=0.4, height=0.2), ROBOT)
+    made = models.make_model("srbm", ROBOT)
+    knots = unpack(analytic_guess(task, LAYOUT, made), LAYOUT, task, made)
+    flying = np.flatnonzero(knots.phase == 1)
+    dt = knots.dt[flying]
+    fall = np.diff(knots.velocity[flying[0] : flying[-1] + 2], axis=0) / dt[:, None]
+    np.testing.assert_allclose(fall, np.tile([0, 0, -9.81], (len(dt), 1)), atol=1e-9)
+    steps = np.linalg.norm(np.diff(knots.position, axis=0), axis=1)
+    fastest = np.linalg.norm(knots.velocity, axis=1).max()
+    assert (steps <= 1.5 * fastest * knots.dt + 1e-9).all()
+
+
+@pytest.mark.parametrize(("asked", "taken"), [(0.45, 0.45), (0.1, 0.3), (5.0, 0.6)])
+def test_flight_time_as_asked_within_the_robots_range(asked, taken):
+    task = make_task(Jump(), ROBOT)
+    made = models.make_model("srbm", ROBOT)
+    knots = unpack(analytic_guess(task, LAYOUT, made, asked), LAYOUT, task, made)
+    assert knots.durations[1] == pytest.approx(taken)
+
+
+# ---- any schedule
+
+MODEL = models.make_model("llsrbm-plus", ROBOT)
+
+
+@st.composite
+def guesses(draw):
+    """Task, layout and guessed variables."""
+    schedule = draw(schedules(tuple(leg.name for leg in ROBOT.legs)))
+    shift = [draw(st.floats(*bounds)) for bounds in ((-0.1, 0.2), (-0.1, 0.1), (-0.1, 0.1))]
+    task = task_of(schedule, ROBOT, shift, draw(st.floats(-0.5, 0.5)))
+    layout = Layout.of(schedule, 4, draw(st.integers(9, 48)), 3)
+    return task, layout, analytic_guess(task, layout, MODEL)
+
+
+@settings(max_examples=40)
+@given(guesses())
+def test_any_schedules_guess_is_a_motion_from_start_to_goal(made):
+    task, layout, w = made
+    assert w.shape == (layout.size_total,)
+    assert np.isfinite(w).all()
+    knots = unpack(w, layout, task, MODEL)
+    assert (np.diff(knots.time) > 0).all()
+    np.testing.assert_allclose(knots.position[[0, -1]], [task.start_position, task.goal_position])
+    np.testing.assert_allclose(knots.quat[-1], task.goal_quat, atol=1e-9)
+    np.testing.assert_allclose(knots.velocity[[0, -1]], 0.0, atol=1e-9)
+    for p, taken in enumerate(knots.durations):
+        low, high = task.times(p)
+        assert low - 1e-9 <= taken <= high + 1e-9
+    # Legs have a length they can have, and feet go on from knot to knot.
+    shortest, longest = task.reach.distance
+    for leg, lift, touch in layout.swings:
+        x, rate = knots.air_feet[lift : touch + 1, leg], knots.air_rate[lift:touch, leg]
+        length = np.linalg.norm(x, axis=1)
+        assert shortest - 1e-9 <= length.min() <= length.max() <= longest + 1e-9
+        np.testing.assert_allclose(np.diff(x, axis=0), rate * knots.dt[lift:touch, None], atol=1e-9)
+
+
+@settings(max_examples=40)
+@given(guesses())
+def test_any_schedules_guess_nearly_satisfies_the_dynamics(made):
+    """Exactly so in flight; on the ground forces are guessed from the load alone."""
+    task, layout, w = made
+    knots = unpack(w, layout, task, MODEL)
+    defects = {name: values for name, (_, values) in dynamics_defects(knots).items()}
+    for flight in knots.flights:
+        for name in ("dynamics_position", "dynamics_velocity"):
+            assert defects[name][flight].max() < 1e-9
+    # Position is continuous: no step is longer than the speeds at its ends allow.
+    steps = np.linalg.norm(np.diff(knots.position, axis=0), axis=1)
+    mean = (knots.velocity[1:] + knots.velocity[:-1]) / 2
+    np.testing.assert_allclose(steps, np.linalg.norm(mean, axis=1) * knots.dt, atol=0.08)
+    assert defects["dynamics_attitude"].max() < 0.2
+
+
+@settings(max_examples=40)
+@given(guesses())
+def test_unpacked_and_packed_again(made):
+    """Every variable that is a state of the motion is where `Knots` has it."""
+    task, layout, w = made
+    knots = unpack(w, layout, task, MODEL)
+    unit = task.mass * 9.81 / 4
+    for k, role in enumerate(layout.roles):
+        of = {
+            "position": knots.position[k],
+            "velocity": knots.velocity[k],
+            "quat": knots.quat[k],
+            "momentum": knots.momentum[k] / task.mass,
+        }
+        if not role.terminal:
+            in_air, swinging = list(role.in_air), list(role.swinging)
+            of |= {
+                "duration": knots.durations[[role.phase]],
+                "rotation_rate": knots.rotation_rate[k],
+                "feet": knots.air_feet[k, in_air].ravel(),
+                "feet_velocity": knots.knot_rate[k, in_air].ravel(),
+                "feet_step": (knots.air_rate[k] - knots.knot_rate[k])[swinging].ravel(),
+                "force": knots.force[k, list(role.standing)].ravel() / unit,
+            }
+            assert not knots.force[k, swinging].any()
+            assert np.isnan(np.delete(knots.air_feet[k], in_air, axis=0)).all()
+        for name, place in layout.variables(k).items():
+            if name in of:
+                np.testing.assert_allclose(of[name], w[place], atol=1e-12, err_msg=name)
+
+
+@pytest.mark.parametrize("name", TYPES)
+def test_feet_swing_from_where_they_stood_to_where_they_will_stand(name):
+    jump = Jump(**TYPES[name])
+    task, layout = make_task(jump, ROBOT), layout_of(jump, ROBOT)
+    knots = unpack(analytic_guess(task, layout, MODEL), layout, task, MODEL)
+    for leg, lift, touch in layout.swings:
+        stood, lands = (task.stood(layout.phase[k]).feet[leg] for k in (lift - 1, touch))
+        assert np.linalg.norm(knots.model_feet[lift, leg] - stood) < 0.1
+        assert np.linalg.norm(knots.model_feet[touch, leg] - lands) < 0.1
+
+
+@pytest.mark.parametrize("turn", [{"pitch": -2 * np.pi}, {"pitch": 2 * np.pi}, {"roll": 2 * np.pi}])
+def test_a_flip_turns_over_in_flight(turn):
+    """Attitudes turn by the angle that is asked, whole turns among it."""
+    robot = load_robot("go2")
+    jump = Jump(robot="go2", type="flip", **turn)
+    task, layout = make_task(jump, robot), layout_of(jump, robot)
+    made = models.make_model("llsrbm-plus", robot)
+    knots = unpack(analytic_guess(task, layout, made), layout, task, made)
+    np.testing.assert_allclose(knots.quat[-1], task.goal_quat, atol=1e-9)
+    axis = 1 if jump.pitch else 0
+    turned = knots.rotation_rate * knots.dt[:, None]
+    assert turned[:, axis].sum() == pytest.approx(jump.pitch + jump.roll, rel=0.02)
+    np.testing.assert_allclose(np.delete(turned, axis, axis=1), 0.0, atol=1e-9)
+    (flight,) = knots.flights
+    assert turned[flight, axis].sum() == pytest.approx(0.8 * (jump.pitch + jump.roll), rel=0.02)
+    # The quaternion runs through the turn without a jump.
+    assert (np.sum(knots.quat[1:] * knots.quat[:-1], axis=1) > 0.9).all()
+
+
+def test_a_run_up_starts_and_ends_with_speed():
+    jump = Jump(type="run-up", speed=0.6, end_speed=0.3, forward=0.4, twist=0.5)
+    task, layout = make_task(jump, ROBOT), layout_of(jump, ROBOT)
+    knots = unpack(analytic_guess(task, layout, MODEL), layout, task, MODEL)
+    np.testing.assert_allclose(knots.velocity[0], [0.6, 0, 0], atol=1e-12)
+    end = 0.3 * np.array([np.cos(0.5), np.sin(0.5), 0.0])
+    np.testing.assert_allclose(knots.velocity[-1], end, atol=1e-9)

@@ -1,0 +1,549 @@
+import threading
+import time
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+import llsrbm
+from llsrbm import models
+from llsrbm.body.joint_margins import joint_margins
+from llsrbm.errors import Cancelled, InputError, NotConverged
+from llsrbm.ocp import progress, solvers
+from llsrbm.planning.problem.formulation import PATIENT_FLIGHT
+from llsrbm.planning.solve.planner import INTERVALS, Planner, planner_for
+from llsrbm.planning.solve.progress import PlanningProgress
+from llsrbm.planning.why import explanation
+from llsrbm.planning.why.residuals import TOLERANCE, excess
+from llsrbm.request.jump import Jump
+from llsrbm.robots import load_robot
+from tests.llsrbm.kinematics import foot_positions
+from tests.llsrbm.planning.solved import REQUESTS, TYPES, solved
+
+every_plan = pytest.mark.parametrize("request_name", REQUESTS)
+every_model = pytest.mark.parametrize("model", models.names())
+ROBOT = load_robot("anymal")
+
+
+@pytest.fixture
+def planner():
+    """One of its own, to be tampered with; its solver comes from the cache."""
+    return Planner(ROBOT, "srbm")
+
+
+# ---- what a plan holds
+
+
+@every_plan
+@every_model
+def test_reported_as_the_contract_says(model, request_name):
+    plan = solved(model, request_name).plan
+    report = plan.report
+    assert plan.solved
+    assert (report.status, report.solver, report.attempts) == ("solved", "fatrop", 1)
+    assert 0 < report.iterations < 100
+    assert 0 < report.solve_time_s < report.total_time_s
+    assert plan.jump == Jump(model=model, **REQUESTS[request_name])
+    assert plan.robot_parameters["name"] == "anymal"
+    assert max(v.amount for v in plan.violations.values()) <= TOLERANCE
+
+
+@every_plan
+@every_model
+def test_arrays_of_the_contract(model, request_name):
+    s = solved(model, request_name)
+    plan, knots, legs = s.plan, INTERVALS + 1, 4
+    shapes = {
+        "time": (knots,),
+        "phase": (knots,),
+        "com": (knots, 3),
+        "com_velocity": (knots, 3),
+        "base_quat": (knots, 4),
+        "base_position": (knots, 3),
+        "angular_velocity": (knots, 3),
+        "linear_momentum": (knots, 3),
+        "angular_momentum": (knots, 3),
+        "inertia": (knots, 3, 3),
+        "foot_position": (knots, legs, 3),
+        "foot_quat": (knots, legs, 4),
+        "contact_point": (knots, legs, 3),
+        "contact_force": (knots, legs, 3),
+        "leg_mass": (legs,),
+        "leg_com": (knots, legs, 3),
+        "joint_position": (knots, 12),
+        "foot_in_hip": (knots, legs, 3),
+    }
+    for name, shape in shapes.items():
+        array = getattr(plan, name)
+        assert array.shape == shape, name
+        assert np.isfinite(array).all(), name
+    assert (np.diff(plan.time) > 0).all()
+    assert (np.diff(plan.phase) >= 0).all()
+    assert plan.phase_names == ("take-off", "flight", "landing")
+    assert set(plan.phase) == {0, 1, 2}
+    flight = plan.phase == 1
+    np.testing.assert_array_equal(plan.contact, np.repeat(~flight[:, None], legs, axis=1))
+    assert not plan.contact_force[flight].any()
+    np.testing.assert_allclose(np.linalg.norm(plan.base_quat, axis=1), 1.0, atol=1e-12)
+    np.testing.assert_allclose(plan.linear_momentum, plan.com_velocity * ROBOT.mass)
+    assert plan.base_mass + plan.leg_mass.sum() == pytest.approx(ROBOT.mass)
+    # In flight only gravity acts.
+    assert np.ptp(plan.angular_momentum[flight], axis=0).max() < 1e-6
+    fall = np.diff(plan.com_velocity[flight], axis=0) / np.diff(plan.time[flight])[:, None]
+    np.testing.assert_allclose(fall, np.tile([0, 0, -9.81], (len(fall), 1)), atol=1e-8)
+
+
+@every_plan
+@every_model
+def test_ends_where_it_was_asked_to(model, request_name):
+    s = solved(model, request_name)
+    plan = s.plan
+    np.testing.assert_allclose(plan.com[-1], s.task.goal_position, atol=1e-5)
+    np.testing.assert_allclose(plan.base_quat[-1], s.task.goal_quat, atol=1e-5)
+    np.testing.assert_allclose(plan.foot_position[-1], s.task.places[-1].feet, atol=1e-6)
+    np.testing.assert_allclose(plan.foot_position[0], s.task.places[0].feet)
+    for name in ("com_velocity", "angular_velocity", "angular_momentum"):
+        assert np.abs(getattr(plan, name)[[0, -1]]).max() < 1e-5
+
+
+@every_plan
+@every_model
+def test_the_posture_puts_the_feet_and_the_com_where_the_plan_has_them(model, request_name):
+    """By Pinocchio's forward kinematics of a model of its own."""
+    import pinocchio as pin
+
+    plan = solved(model, request_name).plan
+    feet = foot_positions(ROBOT, plan.base_position, plan.base_quat, plan.joint_position)
+    assert np.linalg.norm(feet - plan.foot_position, axis=-1).max() < 5e-3
+    data = ROBOT.model.createData()
+    postures = zip(plan.base_position, plan.base_quat, plan.joint_position, strict=True)
+    for k, (p, q, angles) in enumerate(postures):
+        com = pin.centerOfMass(ROBOT.model, data, np.concatenate([p, np.roll(q, -1), angles]))
+        np.testing.assert_allclose(com, plan.com[k], atol=1e-6)
+
+
+@pytest.mark.parametrize("request_name", ["twist", "forward"])
+@every_model
+def test_the_joints_keep_their_speed(model, request_name):
+    margins = joint_margins(solved(model, request_name).plan, ROBOT)
+    assert margins.peak_speed <= 15.0
+
+
+# ---- any type
+
+
+@pytest.mark.parametrize("name", TYPES)
+def test_what_a_plan_of_any_type_holds(name):
+    s = solved("llsrbm-plus", name)
+    plan, schedule = s.plan, s.task.schedule
+    assert plan.solved
+    assert plan.report.attempts == 1
+    assert plan.schedule == schedule
+    np.testing.assert_array_equal(plan.contact, schedule.stands[plan.phase])
+    assert len(plan.time) == s.planner.layout.knots
+    # Feet push only where they stand, and do not move there.
+    assert not plan.contact_force[~plan.contact].any()
+    still = plan.contact[:-1] & plan.contact[1:]
+    step = np.linalg.norm(np.diff(plan.foot_position, axis=0), axis=-1)
+    assert step[still].max() < 1e-9
+    np.testing.assert_allclose(plan.foot_position[-1], s.task.places[-1].feet, atol=1e-6)
+    np.testing.assert_allclose(plan.com[-1], s.task.goal_position, atol=1e-5)
+    flying = ~plan.contact.any(axis=1)
+    for flight in s.knots.flights:
+        assert flying[flight].all()
+        inside = slice(flight.start, flight.stop + 1)
+        assert np.ptp(plan.angular_momentum[inside], axis=0).max() < 1e-6
+    for p, (start, end) in enumerate(pairwise(plan.phase_start)):
+        low, high = s.task.times(p)
+        assert low - 1e-3 <= end - start <= high + 1e-3
+
+
+def test_a_run_up_begins_and_ends_with_its_speed():
+    plan = solved("llsrbm-plus", "run-up").plan
+    np.testing.assert_allclose(plan.com_velocity[0], [0.5, 0, 0])
+    np.testing.assert_allclose(plan.com_velocity[-1], [0.2, 0, 0], atol=1e-5)
+    # The feet stand, so the joints follow the body.
+    assert np.abs(plan.joint_velocity[[0, -1]]).max(axis=1).min() > 0.2
+
+
+def test_every_hop_goes_as_far_as_is_asked():
+    s = solved("llsrbm-plus", "hops")
+    jump, middles = s.task.jump, []
+    for phase in (0, 2, 4):
+        feet = s.plan.foot_position[s.plan.phase == phase][0]
+        middles.append(feet.mean(axis=0))
+    (first, second) = np.diff(middles, axis=0)
+    turn = Rotation.from_euler("z", jump.twist)
+    # The robot turns about its own origin, from which the feet's middle is not far.
+    reach = np.linalg.norm(middles[0][:2]) * jump.twist
+    np.testing.assert_allclose(first, [jump.forward, 0, 0], atol=reach + 1e-6)
+    np.testing.assert_allclose(turn.apply(first), second, atol=1e-6)
+
+
+def test_a_planner_is_of_one_schedule():
+    planner = solved("llsrbm-plus", "rear-last").planner
+    with pytest.raises(InputError, match="this planner's feet stand as 1111-0011-0000-1111"):
+        planner.plan(Jump(forward=0.3))
+
+
+# ---- the paper's result
+
+
+def test_the_papers_model_draws_the_feet_in_and_turns_faster():
+    """90 degrees: a changing inertia is used, a constant one is not; 6 %, as swings take effort."""
+
+    def radius(plan):
+        flying = plan.phase == 1
+        arms = plan.foot_position[flying][..., :2] - plan.com[flying][:, None, :2]
+        return np.linalg.norm(arms, axis=-1).mean(axis=1).min()
+
+    def yaw_rate(plan):
+        return np.abs(plan.angular_velocity[:, 2]).max()
+
+    rigid, lumped = (solved(model, "twist").plan for model in ("srbm", "llsrbm"))
+    assert radius(lumped) < radius(rigid) - 0.02
+    assert yaw_rate(lumped) > 1.05 * yaw_rate(rigid)
+    flying = lumped.phase == 1
+    Izz = lumped.inertia[flying, 2, 2]
+    assert Izz.min() < 0.95 * ROBOT.inertia[2, 2]
+    assert lumped.report.cost < rigid.report.cost
+
+
+def test_left_and_right_are_mirror_images():
+    planner = planner_for("anymal", "srbm")
+    left, right = (planner.plan(Jump(model="srbm", twist=t)) for t in (0.9, -0.9))
+    assert left.report.cost == pytest.approx(right.report.cost, rel=2e-3)
+    np.testing.assert_allclose(left.com[:, 2], right.com[:, 2], atol=5e-3)
+
+
+# ---- how it gets there
+
+
+NEAR = {
+    "2 degrees": {"twist": 0.035},
+    "10 degrees": {"twist": -0.17},
+    "5 cm forward": {"forward": 0.05},
+    "both": {"twist": 0.1, "forward": -0.03, "height": 0.02},
+}
+
+
+@pytest.mark.parametrize("step", NEAR)
+def test_from_a_near_plan_the_same_optimum_is_a_few_iterations_away(planner, step):
+    """The cold solution is the independent truth."""
+    near = planner.plan(Jump(model="srbm", twist=1.2, forward=0.1))
+    jump = replace(near.jump, **{k: getattr(near.jump, k) + v for k, v in NEAR[step].items()})
+    plan, cold = planner.plan(jump, near=near), planner.plan(jump)
+    assert plan.report.attempts == 1
+    assert plan.report.iterations <= 6 < cold.report.iterations
+    assert plan.report.cost == pytest.approx(cold.report.cost, rel=1e-3)
+    np.testing.assert_allclose(plan.com, cold.com, atol=3e-3)
+    assert max(v.amount for v in plan.violations.values()) <= TOLERANCE
+
+
+@pytest.mark.parametrize("model", models.names())
+def test_from_itself_a_plan_stays_what_it_is(model):
+    near = solved(model, "all").plan
+    again = planner_for("anymal", model).plan(near.jump, near=near)
+    assert again.report.iterations <= 3
+    np.testing.assert_allclose(again.com, near.com, atol=1e-3)
+    np.testing.assert_allclose(again.base_quat, near.base_quat, atol=6e-3)
+
+
+def test_a_plan_that_is_too_far_is_started_from_all_the_same(planner):
+    near = planner.plan(Jump(model="srbm", twist=-2.0))
+    jump = Jump(model="srbm", twist=2.0, forward=0.3)
+    plan = planner.plan(jump, near=near)
+    assert plan.solved
+    np.testing.assert_allclose(plan.base_quat[-1], [np.cos(1.0), 0, 0, np.sin(1.0)], atol=1e-4)
+
+
+def test_changed_weights_and_limits_are_followed(planner):
+    jump = Jump(model="srbm", forward=0.3)
+    near = planner.plan(jump)
+    changed = {"weights": {"foot_movement": 0.06}}
+    plan, cold = planner.plan(jump, near=near, **changed), planner.plan(jump, **changed)
+    assert plan.report.attempts == 1
+    assert plan.report.cost == pytest.approx(cold.report.cost, rel=1e-3)
+    assert plan.report.cost > near.report.cost * (1 + 1e-3)
+
+
+def test_a_plan_from_a_file_can_be_started_from(planner, tmp_path):
+    near = solved("srbm", "forward").plan
+    near.save(tmp_path / "plan.npz")
+    jump = replace(near.jump, twist=near.jump.twist + 0.05)
+    here = planner.plan(jump, near=near)
+    there = planner.plan(jump, near=llsrbm.load(tmp_path / "plan.npz"))
+    assert there.report.attempts == 1
+    assert there.report.iterations == here.report.iterations
+    np.testing.assert_array_equal(there.com, here.com)
+
+
+def test_what_cannot_be_started_from(planner):
+    jump = Jump(model="srbm", forward=0.3)
+    near = solved("srbm", "forward").plan
+    with pytest.raises(InputError, match="cannot be started from; expected one that converged"):
+        planner.plan(jump, near=replace(near, solution=None))
+    short = replace(near.solution, multipliers=near.solution.multipliers[:-1])
+    with pytest.raises(InputError, match="of another version of the planner"):
+        planner.plan(jump, near=replace(near, solution=short))
+    for other in (
+        solved("llsrbm", "forward").plan,
+        solved("llsrbm-plus", "box", "slider").plan,
+        planner_for("anymal", "srbm", intervals=12).plan(jump),
+    ):
+        with pytest.raises(InputError, match="expected anymal as it is now with srbm and 48 int"):
+            planner.plan(jump, near=other)
+
+
+def test_the_same_request_gives_the_same_plan(planner):
+    again = planner.plan(Jump(model="srbm", **REQUESTS["all"]))
+    before = solved("srbm", "all").plan
+    np.testing.assert_array_equal(again.joint_position, before.joint_position)
+    assert again.report.iterations == before.report.iterations
+
+
+def test_ipopt_agrees():
+    jump = Jump(model="srbm", **REQUESTS["twist"])
+    other = planner_for("anymal", "srbm", "ipopt").plan(jump)
+    plan = solved("srbm", "twist").plan
+    assert other.report.solver == "ipopt"
+    assert other.report.cost == pytest.approx(plan.report.cost, rel=5e-3)
+    np.testing.assert_allclose(other.com, plan.com, atol=0.01)
+
+
+class Reluctant:
+    """A solver whose first solves end where they began."""
+
+    def __init__(self, solver, failures):
+        self.solver, self.failures, self.calls, self.seconds = solver, failures, [], []
+        self.name, self.sizes = solver.name, solver.sizes
+
+    def solve(self, problem, guess, patience=solvers.PATIENT, read=None):
+        self.calls.append(guess)
+        return self._spoilt(self.solver.solve(problem, guess, patience, read), guess)
+
+    def follow(self, problem, start):
+        self.calls.append(start.variables)
+        return self._spoilt(self.solver.follow(problem, start), start.variables)
+
+    def _spoilt(self, solution, start):
+        self.seconds.append(solution.solve_time_s)
+        if len(self.calls) <= self.failures:
+            spoilt = {"variables": start, "converged": False, "message": "reluctant"}
+            solution = replace(solution, **spoilt)
+        return solution
+
+
+def made_reluctant(planner, failures):
+    solver = Reluctant(planner.formulation.solver, failures)
+    planner.formulation = replace(planner.formulation, solver=solver)
+    return solver
+
+
+LABELS = ["from the analytic guess", "from a longer flight", "by way of easier jumps"]
+
+
+@pytest.mark.parametrize(("failures", "attempts", "solves"), [(0, 1, 1), (1, 2, 2), (2, 3, 5)])
+def test_further_attempts_when_one_fails(planner, failures, attempts, solves):
+    solver = made_reluctant(planner, failures)
+    said = []
+    plan = planner.plan(Jump(model="srbm", forward=0.3), progress=said.append)
+    assert plan.solved
+    assert plan.report.attempts == attempts
+    assert len(solver.calls) == solves
+    assert [news.text for news in said if news.iteration is None] == [
+        f"attempt {k + 1}: {what}" for k, what in enumerate(LABELS[:attempts])
+    ]
+    assert plan.report.solve_time_s == pytest.approx(sum(solver.seconds), rel=0.05)
+    assert plan.report.cost == pytest.approx(solved("srbm", "forward").plan.report.cost, rel=5e-3)
+    if failures:
+        first_in_flight = planner.layout.variables(int(planner.layout.first_knots[1]))
+        guess = solver.calls[1]
+        assert guess[first_in_flight["duration"]] == PATIENT_FLIGHT
+
+
+def of_weak_legs(planner):
+    """Legs that can barely carry the robot."""
+    limits = ROBOT.file.limits.model_copy(update={"torque_share": 0.25})
+    robot = replace(ROBOT, file=ROBOT.file.model_copy(update={"limits": limits}))
+    planner.formulation = replace(planner.formulation, robot=robot)
+    return planner
+
+
+def test_what_cannot_be_says_what_is_violated(planner, monkeypatch):
+    """When there is no time to find the limit that stops it."""
+    monkeypatch.setattr(explanation, "EXPLANATION_TIME", -1.0)
+    with pytest.raises(NotConverged) as caught:
+        of_weak_legs(planner).plan(Jump(model="srbm", forward=0.3))
+    message, plan = str(caught.value), caught.value.plan
+    assert "\n" not in message
+    assert message.startswith(
+        "no plan found in 3 attempts (twist 0 deg, forward 0.3 m, lateral 0 m, height 0 m, srbm); "
+    )
+    _, v = max(plan.violations.items(), key=lambda item: excess(dict([item])))
+    assert v.amount > TOLERANCE
+    # Drives are named by their joint and what it would have to give.
+    assert any(f"{joint} would need" in message for joint in ROBOT.joint_names)
+    assert not plan.solved
+    assert plan.report.status == "not-converged"
+    assert plan.report.attempts == 3
+    assert plan.com.shape == (INTERVALS + 1, 3)
+    with pytest.raises(InputError, match="no solution yet"):
+        planner.last_knots()
+
+
+def test_what_cannot_be_names_the_limit_that_stops_it(planner):
+    """Changed as it says, the jump can be planned."""
+    said = []
+    jump = Jump(model="srbm", forward=0.3)
+    with pytest.raises(
+        NotConverged, match=r"^no plan found in 3 attempts: .*\(torque_share\)"
+    ) as caught:
+        of_weak_legs(planner).plan(jump, progress=said.append)
+    assert said[-1].text.startswith("looking for the limit that stops it, try ")
+    (needed,) = [stop.needed for stop in caught.value.stops if stop.limit == "torque_share"]
+    assert planner.plan(jump, limits={"torque_share": needed}).solved
+
+
+def test_a_near_plan_that_leads_nowhere_costs_an_attempt(planner):
+    near = planner.plan(Jump(model="srbm", forward=0.3))
+    solver = made_reluctant(planner, 1)
+    said = []
+    plan = planner.plan(Jump(model="srbm", forward=0.32), near=near, progress=said.append)
+    assert plan.solved
+    assert plan.report.attempts == len(solver.calls) == 2
+    assert said[0].text == "attempt 1: from the last plan"
+    np.testing.assert_array_equal(
+        plan.com, planner.plan(Jump(model="srbm", forward=0.32)).com, "from the analytic guess"
+    )
+
+
+@pytest.mark.parametrize("near", [False, True])
+def test_impatient_planning_gives_up_after_the_quick_attempts(planner, near):
+    start = planner.plan(Jump(model="srbm", forward=0.3)) if near else None
+    solver = made_reluctant(planner, 9)
+    with pytest.raises(NotConverged, match=f"no plan found in {1 + near} attempts"):
+        planner.plan(Jump(model="srbm", forward=0.3), near=start, patient=False)
+    assert len(solver.calls) == 1 + near
+
+
+def test_cancelled_between_attempts(planner):
+    solver = made_reluctant(planner, 9)
+    with pytest.raises(Cancelled, match="planning was cancelled"):
+        planner.plan(Jump(model="srbm", forward=0.3), cancelled=lambda: len(solver.seconds) > 0)
+    assert len(solver.calls) == 1
+    with pytest.raises(Cancelled):
+        planner.plan(Jump(model="srbm", forward=0.3), cancelled=lambda: True)
+    assert len(solver.calls) == 1
+
+
+def test_cancelled_in_the_middle_of_a_solve(planner):
+    """The solve goes on unseen; the next plan waits for it and is what it always is."""
+    jump = Jump(model="srbm", **REQUESTS["all"])
+    planner.plan(jump)  # whatever is done once is done
+    begun = threading.Event()
+    solver = planner.formulation.solver
+    solve = solver._run
+
+    def slow(*arguments):
+        begun.set()
+        time.sleep(1.0)
+        return solve(*arguments)
+
+    solver._run = slow
+    start = time.monotonic()
+    with pytest.raises(Cancelled):
+        planner.plan(jump, cancelled=begun.is_set)
+    assert time.monotonic() - start < 0.5
+    solver._run = solve
+    again = planner.plan(jump)
+    assert time.monotonic() - start > 1.0
+    np.testing.assert_array_equal(again.com, solved("srbm", "all").plan.com)
+
+
+def test_iterations_are_told_while_a_solve_runs(capfd, monkeypatch):
+    monkeypatch.setattr(progress, "TELL_EVERY", 0.0)
+    monkeypatch.setattr(progress, "LOOK_EVERY", 1e-3)
+    planner = planner_for("anymal", "llsrbm-plus")
+    said, threads = [], set()
+
+    def hear(news):
+        said.append(news)
+        threads.add(threading.get_ident())
+
+    jump = Jump(**REQUESTS["all"])
+    plan = planner.plan(jump, progress=hear)
+    np.testing.assert_array_equal(plan.com, solved("llsrbm-plus", "all").plan.com)
+    assert said[0] == PlanningProgress("attempt 1: from the analytic guess")
+    assert {news.text for news in said} == {said[0].text}
+    numbers = [news.iteration for news in said[1:]]
+    assert len(numbers) >= 3
+    assert numbers == sorted(set(numbers))
+    assert 0 <= numbers[0] <= numbers[-1] <= plan.report.iterations
+    assert said[-1].residual < said[1].residual
+    assert threads == {threading.get_ident()}
+    planner.plan(jump)  # silent again
+    assert capfd.readouterr() == ("", "")
+
+
+def test_fewer_intervals():
+    plan = planner_for("anymal", "srbm", intervals=12).plan(Jump(model="srbm", twist=1.0))
+    assert plan.solved
+    assert len(plan.time) == 13
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("srmb",), "unknown model 'srmb'; the models are srbm, llsrbm, llsrbm-plus"),
+        (("srbm", "snopt"), "unknown solver 'snopt'; the solvers are fatrop, ipopt"),
+        (("srbm", "fatrop", 6), "intervals: 6 given; expected 9 to 300"),
+        (("srbm", "fatrop", 301), "intervals: 301 given; expected 9 to 300"),
+    ],
+)
+def test_what_it_cannot_be_made_of(arguments, message):
+    with pytest.raises(InputError) as caught:
+        planner_for("anymal", *arguments)
+    assert str(caught.value) == message
+
+
+def test_solvers_by_name():
+    assert solvers.names() == ("fatrop", "ipopt")
+    assert [solvers.by_name(name).name for name in solvers.names()] == list(solvers.names())
+
+
+# ---- llsrbm.plan
+
+
+def test_from_the_outside():
+    plan = llsrbm.plan(Jump(model="srbm", **REQUESTS["all"]))
+    np.testing.assert_array_equal(plan.com, solved("srbm", "all").plan.com)
+    assert plan.report.build_time_s < 0.1  # it was at hand
+    assert planner_for("anymal", "srbm") is planner_for("anymal", "srbm", "fatrop", INTERVALS)
+
+
+def test_a_changed_robot_file_gets_another_planner(tmp_path):
+    path = tmp_path / "mine.toml"
+    text = ROBOT.path.read_text()
+    path.write_text(text)
+    first = planner_for(str(path), "srbm")
+    assert planner_for(str(path), "srbm") is first
+    path.write_text(text + "\n[control]\nfriction = 0.45\n")
+    assert planner_for(str(path), "srbm").robot.file.control.friction == 0.45
+
+
+@pytest.mark.parametrize(
+    ("request_", "options", "message"),
+    [
+        ({"robot": "anymel"}, {}, 'no robot "anymel"'),
+        ({"model": "rbm"}, {}, "unknown model 'rbm'"),
+        ({"forward": 9.0}, {}, "forward 9 m is out of range"),
+        ({}, {"solver": "snopt"}, "unknown solver 'snopt'"),
+        ({}, {"weights": {"fun": 1.0}}, "unknown weight 'fun'"),
+    ],
+)
+def test_bad_input(request_, options, message):
+    with pytest.raises(InputError, match=message):
+        llsrbm.plan(Jump(**request_), **options)

@@ -1,0 +1,147 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from llsrbm.motion.plan import Violation
+from llsrbm.planning.problem.constraints import CONSTRAINTS
+from llsrbm.planning.problem.placement import make_task
+from llsrbm.planning.why.residuals import (
+    TOLERANCE,
+    describe_worst,
+    dynamics_defects,
+    satisfied,
+    stops,
+    violations,
+)
+from llsrbm.robots import load_robot
+from tests.llsrbm.planning.solved import solved
+
+
+@pytest.fixture(scope="module")
+def knots():
+    return solved("llsrbm-plus", "all").knots
+
+
+def moved(knots, name, k, value):
+    array = getattr(knots, name).copy()
+    array[k] = value
+    return replace(knots, **{name: array})
+
+
+def test_a_plan_obeys_the_dynamics(knots):
+    for name, (_, defect) in dynamics_defects(knots).items():
+        assert defect.shape == (len(knots.time) - 1,)
+        assert defect.max() < 1e-6, name
+    assert satisfied(violations(knots))
+
+
+@pytest.mark.parametrize("k", [4, 20, 44])
+def test_defects_of_a_disturbed_plan(knots, k):
+    """A disturbed knot shows in the interval before it; the one after starts from it."""
+    step = np.array([0.0, 0.02, 0.0])
+    quat = Rotation.from_quat(knots.quat[k], scalar_first=True) * Rotation.from_rotvec(step)
+    mass = knots.task.mass
+    for name, field, value, unit in (
+        ("position", "position", knots.position[k] + step, "m"),
+        ("velocity", "velocity", knots.velocity[k] + step, "m/s"),
+        ("attitude", "quat", quat.as_quat(scalar_first=True), "rad"),
+        ("momentum", "momentum", knots.momentum[k] + mass * step, "kg m2/s"),
+    ):
+        found, defect = dynamics_defects(moved(knots, field, k, value))[f"dynamics_{name}"]
+        scale = mass if name == "momentum" else 1.0
+        assert found == unit
+        assert defect[k - 1] == pytest.approx(0.02 * scale, rel=1e-3)
+        assert defect[k] > 0.01 * scale
+        assert np.delete(defect, [k - 1, k]).max() < 1e-6
+
+
+def test_a_lost_force_is_a_lost_acceleration(knots):
+    force = knots.force[3].copy()
+    force[0] = 0
+    defects = dynamics_defects(moved(knots, "force", 3, force))
+    expected = np.abs(knots.force[3, 0]).max() / knots.task.mass * knots.dt[3]
+    assert defects["dynamics_velocity"][1][3] == pytest.approx(expected, rel=1e-6)
+
+
+def test_names_and_phases(knots):
+    found = violations(knots)
+    dynamics = ["position", "velocity", "attitude", "momentum"]
+    # There is nothing in the way that the body would have to clear.
+    constraints = [c.name for c in CONSTRAINTS if c.name != "body_clearance"]
+    assert list(found) == [*(f"dynamics_{d}" for d in dynamics), *constraints]
+    for violation in found.values():
+        assert violation.phase in ("take-off", "flight", "landing")
+        assert 0 <= violation.time <= knots.time[-1]
+
+
+def test_what_is_no_number_is_the_worst(knots):
+    k = knots.flights[0].start + 3
+    found = violations(moved(knots, "velocity", k, np.nan))
+    assert found["dynamics_velocity"].amount == np.inf
+    assert found["dynamics_velocity"].phase == "flight"
+    assert not satisfied(found)
+    assert "dynamics_velocity is violated by inf m/s in flight" in describe_worst(found)
+
+
+def test_the_tolerance_counts_as_satisfied():
+    at = {"reach": Violation(TOLERANCE, "m", "flight", 0.5)}
+    beyond = {"reach": Violation(1.01 * TOLERANCE, "m", "flight", 0.5)}
+    assert satisfied(at)
+    assert not satisfied(beyond)
+
+
+def test_the_worst_three_in_words():
+    found = {
+        "a": Violation(0.002, "m", "flight", 0.5),
+        "b": Violation(3.0, "N", "take-off", 0.123),
+        "c": Violation(0.0, "m", "landing", 1.0),
+        "d": Violation(0.1234, "rad", "landing", 1.0),
+        "e": Violation(0.01, "s", "flight", 0.456),
+    }
+    assert describe_worst(found) == (
+        "d is violated by 0.123 rad in landing at 1.00 s; "
+        "b is violated by 3 N in take-off at 0.12 s; "
+        "e is violated by 0.01 s in flight at 0.46 s"
+    )
+
+
+def test_nothing_violated_and_yet_no_optimum():
+    found = {"a": Violation(0.0, "m", "flight", 0.5)}
+    assert describe_worst(found) == "no constraint is violated, the optimum was not reached"
+
+
+@pytest.mark.parametrize(
+    ("limit", "tighter", "measured"),
+    [
+        ("reach_max", 0.45, lambda k: np.linalg.norm(k.feet_in_hip[1:-1], axis=-1).max()),
+        ("flight_min", 0.5, lambda k: k.durations[1]),
+        ("friction", 0.1, lambda k: np.nanmax(sideways(k.force)) * np.sqrt(2)),
+        # Of the check, 10 and 3 % beyond the share are allowed.
+        ("torque_share", 0.4, lambda k: np.abs(k.loads.joint_torque / 40.0).max() - 0.10),
+        ("speed_share", 0.3, lambda k: np.abs(k.loads.joint_velocity / 15.0).max() - 0.03),
+    ],
+)
+def test_stops_name_the_limit_and_what_it_would_have_to_be(knots, limit, tighter, measured):
+    """A plan that kept the robot's limits, looked at under a tighter one."""
+    task = make_task(knots.task.jump, load_robot("anymal"), None, {limit: tighter})
+    stop, *others = stops(replace(knots, task=task))
+    assert (stop.limit, stop.value) == (limit, tighter)
+    assert stop.needed == pytest.approx(measured(knots), rel=0.02)
+    # A share of the torque also counts at speed, which has no limit of its own.
+    expected = ["torque_at_speed"] if limit == "torque_share" else []
+    assert [other.constraint for other in others] == expected
+
+
+def sideways(force):
+    loaded = np.where(force[..., 2] > 1.0, force[..., 2], np.nan)
+    return np.abs(force[..., :2]).max(axis=-1) / loaded
+
+
+def test_stops_of_what_no_limit_mends(knots):
+    position = knots.position[20] + [0.0, 0.02, 0.0]
+    first = stops(moved(knots, "position", 20, position))[0]
+    assert (first.constraint, first.limit) == ("dynamics_position", None)
+    assert str(first).startswith("dynamics_position is violated by 0.02 m in flight")
+    assert stops(knots) == ()

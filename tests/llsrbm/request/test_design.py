@@ -1,0 +1,284 @@
+"""Design files: what is written comes back, and nothing else is let in."""
+
+from __future__ import annotations
+
+import json
+import math
+import string
+
+import pytest
+from hypothesis import example, given
+from hypothesis import strategies as st
+
+from llsrbm.errors import FileFormatError, InputError
+from llsrbm.request.design import LARGEST, Design, dump_design, file_name, load_design
+from llsrbm.request.jump import Jump
+from llsrbm.request.push import Push
+from llsrbm.request.scenario import Scenario
+from llsrbm.request.tuning import Tuning
+
+TWIST = Jump(twist=math.pi / 2)
+
+amounts = st.floats(-100, 100)
+names = st.text(string.ascii_lowercase + "_-", min_size=1, max_size=20)
+printable = st.characters(categories=("L", "N", "P", "S"))
+tables = st.dictionaries(names, st.floats(-1e9, 1e9), max_size=5)
+jumps = st.builds(Jump, names, names, amounts, amounts, amounts, amounts)
+vectors = st.tuples(*[st.floats(-25, 25)] * 3)
+scenarios = st.builds(
+    Scenario,
+    board=st.floats(0.001, 1),
+    half_board=st.booleans(),
+    seed=st.none() | st.integers(0, 2**53 - 1),
+    noise=st.none() | st.floats(0, 3),
+    detector=names,
+    landing=names,
+    solver=names,
+    trunk_mass=st.none() | st.floats(-0.5, 0.5),
+    pushes=st.lists(st.builds(Push, st.floats(0, 3), vectors, vectors), max_size=2).map(tuple),
+    random_push=st.none() | st.floats(0, 100),
+    estimator=names,
+    replan=st.booleans(),
+)
+designs = st.builds(
+    Design,
+    jumps,
+    st.builds(Tuning, tables, tables),
+    scenarios | st.just(Scenario()),
+    title=st.text(printable, max_size=80),
+    note=st.text(printable, max_size=400),
+)
+
+
+def written(**changes):
+    """A design's file with other values in it."""
+    return json.dumps(json.loads(dump_design(Design(TWIST))) | changes).encode()
+
+
+@given(designs)
+def test_a_design_comes_back_as_it_was(design):
+    text = dump_design(design)
+    assert load_design(text.encode()) == design
+    assert dump_design(load_design(text.encode())) == text
+
+
+def test_a_file_holds_the_task_and_what_differs(tmp_path):
+    design = Design(
+        Jump(robot="go2", twist=-0.5, forward=0.2),
+        Tuning(limits={"friction": 0.4}),
+        Scenario(board=0.025, seed=7),
+        title="On ice",
+    )
+    path = tmp_path / file_name(design)
+    path.write_text(dump_design(design))
+    assert path.name == "on-ice.jump.json"
+    assert json.loads(path.read_text()) == {
+        "schema": "llsrbm.design/1",
+        "title": "On ice",
+        "jump": {
+            "robot": "go2",
+            "model": "llsrbm-plus",
+            "twist": -0.5,
+            "forward": 0.2,
+            "lateral": 0.0,
+            "height": 0.0,
+        },
+        "limits": {"friction": 0.4},
+        "scenario": {"board": 0.025, "seed": 7},
+    }
+    assert load_design(path) == load_design(str(path)) == design
+
+
+def test_of_a_jump_beyond_where_to_land_only_what_differs_is_written():
+    flip = Jump("go2", type="flip", pitch=-math.tau, speed=0.25)
+    text = dump_design(Design(flip))
+    written_jump = json.loads(text)["jump"]
+    assert written_jump["type"] == "flip"
+    assert written_jump["pitch"] == -math.tau
+    assert written_jump["speed"] == 0.25
+    assert not written_jump.keys() & {"roll", "end_speed", "hops"}
+    assert load_design(text.encode()).jump == flip
+    hops = Jump("go2", type="/some/where/mine.toml", hops=3, end_speed=0.1, roll=math.tau)
+    assert load_design(dump_design(Design(hops)).encode()).jump == hops
+
+
+def test_what_is_not_named_has_its_default():
+    text = '{"schema": "llsrbm.design/1", "jump": {"robot": "slider", "model": "srbm"}}'
+    assert load_design(text.encode()) == Design(Jump(robot="slider", model="srbm"))
+
+
+@pytest.mark.parametrize(
+    ("older", "scenario"),
+    [
+        ({"board": 0.025, "half_board": True, "seed": 7}, Scenario(0.025, True, seed=7)),
+        ({"seed": 7, "noise": 0.5}, Scenario(seed=7, noise=0.5)),
+        ({"noise": 0.5, "trunk_mass": 0.1}, Scenario(trunk_mass=0.1)),  # nothing was disturbed
+        (
+            {"pushes": [{"time": 0.4, "impulse": [0, 12, 0]}], "replan": True},
+            Scenario(pushes=(Push(0.4, (0, 12, 0)),), replan=True),
+        ),
+        ({}, Scenario()),
+    ],
+)
+def test_a_file_that_says_conditions_opens(older, scenario):
+    design = load_design(written(conditions=older))
+    assert design == Design(TWIST, scenario=scenario)
+    assert "conditions" not in dump_design(design)
+
+
+@pytest.mark.parametrize(
+    ("content", "complaint"),
+    [
+        (b"", "design: not a JSON file: Expecting value: line 1 column 1 (char 0)"),
+        (b"PK\x03\x04\xff", "design: not a text file in UTF-8; expected a design"),
+        (b"[" * LARGEST, "design: nested too deeply for a design"),
+        (b" " * (LARGEST + 1), "design: too large for a design; expected at most 64 kB"),
+        (b"7", 'design: not a design; expected an object with "schema": "llsrbm.design/1"'),
+        (b'{"jump": {}}', 'design: not a design; expected an object with "schema"'),
+        (
+            b'{"schema": "llsrbm.design/2", "jump": 1}',
+            'design: schema: expected "llsrbm.design/1", got "llsrbm.design/2"',
+        ),
+        (b'{"schema": 1, "schema": 2}', 'design: "schema" appears twice; expected every key once'),
+        (b'{"schema": NaN}', "design: expected finite numbers, got NaN"),
+        (b'{"schema": -Infinity}', "design: expected finite numbers, got -Infinity"),
+        (b'{"schema": ' + b"9" * 5000 + b"}", "design: not a JSON file: Exceeds the limit (4300"),
+        (
+            b'{"schema": "llsrbm.design/1"}',
+            'design: missing key "jump"; expected: schema, title,',
+        ),
+        (written(colour="red"), 'design: unknown key "colour"; valid: schema, title, note, jump'),
+        (written(wieghts={}), 'design: unknown key "wieghts"; did you mean "weights"?'),
+        (written(jump=[]), "design: jump: expected an object, got []"),
+        (
+            written(jump={"robot": "go2"}),
+            'design: missing key "jump.model"; expected: robot, model',
+        ),
+        (
+            written(jump={"robot": "go2", "model": "srbm", "pitch": 1.0}),
+            "design: Jump.pitch: 57.2958 deg; expected whole turns: -360, 0 or 360 deg",
+        ),
+        (
+            written(jump={"robot": "go2", "model": "srbm", "hops": 9}),
+            "design: jump.hops: input should be less than or equal to 5, got 9",
+        ),
+        (
+            written(jump={"robot": "go2", "model": "srbm", "hops": 2.0}),
+            "design: jump.hops: input should be a valid integer",
+        ),
+        (
+            written(jump={"robot": "go2", "model": "srbm", "type": 3}),
+            "design: jump.type: input should be a valid string, got 3",
+        ),
+        (written(title=3), "design: title: input should be a valid string, got 3"),
+        (written(title="x" * 81), "design: title: string should have at most 80 characters, got"),
+        (written(note="two\nlines"), "design: note: expected one line of printable text, got"),
+        (written(title="\ud800"), "design: title: input should be a valid string, unable to parse"),
+        (written(weights={"time": "1"}), "design: weights.time: input should be a valid number"),
+        (written(weights={"time": True}), "design: weights.time: input should be a valid number"),
+        (written(limits={"friction": 1e300}), "design: limits.friction: input should be less than"),
+        (written(limits=None), "design: limits: expected an object, got null"),
+        (written(limits={"": 1}), "design: limits.: string should have at least 1 character"),
+        (written(scenario={"board": -1}), "design: scenario: board: expected 0 to 1 m, got -1"),
+        (written(scenario={"half_board": True}), "scenario: half board: expected the board's"),
+        (written(scenario={"seed": 1.5}), "design: scenario: seed: expected a whole number"),
+        (written(scenario={"seed": 2**53}), "scenario: seed: expected at most 9007199254740991"),
+        (written(scenario={"board": True}), "scenario: board: expected a finite number, got True"),
+        (written(scenario={"board": 10**400}), "scenario: board: expected a finite number, got 10"),
+        (written(scenario={"detector": "\n"}), "scenario: detector: expected a name, got '\\n'"),
+        (written(scenario=[]), "design: scenario: expected an object, got []"),
+        (
+            written(scenario={"sead": 1}),
+            'design: scenario: unknown field "sead"; did you mean "seed"? valid: board',
+        ),
+        (written(conditions={"sead": 1}), 'design: scenario: unknown field "sead"; did you'),
+        (written(conditions={}, scenario={}), 'design: unknown key "conditions"; valid: schema'),
+    ],
+)
+def test_what_is_no_design_is_refused_in_one_line(content, complaint):
+    with pytest.raises(FileFormatError) as refused:
+        load_design(content)
+    assert complaint in str(refused.value)
+    assert str(refused.value).isprintable()
+    assert len(str(refused.value)) < 400
+
+
+@pytest.mark.parametrize("amount", ["1e400", "-1e400", "101", "1e99", '"1"', "true", "null", "[1]"])
+@pytest.mark.parametrize("name", ["twist", "forward", "lateral", "height"])
+def test_an_amount_is_a_number_of_this_world(name, amount):
+    text = (
+        '{"schema": "llsrbm.design/1", "jump": '
+        f'{{"robot": "go2", "model": "srbm", "{name}": {amount}}}}}'
+    )
+    with pytest.raises(FileFormatError, match=f"design: jump.{name}: input should be"):
+        load_design(text.encode())
+
+
+@given(st.binary(max_size=300) | st.text(max_size=100).map(str.encode))
+@example(b'{"schema": "llsrbm.design/1", "jump": {"robot": "a", "model": "b", "\\ud800": 1}}')
+@example(b'{"schema": {"\\n": []}}')
+def test_any_bytes_are_a_design_or_refused(content):
+    try:
+        load_design(content)
+    except FileFormatError as refused:
+        assert str(refused).isprintable()
+
+
+json_values = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=8),
+    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(names, inner, max_size=3),
+    max_leaves=8,
+)
+
+
+@given(
+    st.sampled_from(["title", "note", "jump", "weights", "limits", "scenario", "conditions"]),
+    json_values,
+)
+def test_any_value_is_accepted_and_kept_or_refused(key, value):
+    content = written(**{key: value})
+    try:
+        design = load_design(content)
+    except FileFormatError as refused:
+        assert str(refused).isprintable()
+    else:
+        assert load_design(dump_design(design).encode()) == design
+
+
+@pytest.mark.parametrize("path", ["nowhere.jump.json", ".", "a\0b"])
+def test_a_file_that_cannot_be_read_is_named(path):
+    with pytest.raises(FileFormatError, match="cannot be read"):
+        load_design(path)
+
+
+def test_only_the_beginning_of_a_large_file_is_read():
+    with pytest.raises(FileFormatError, match="/dev/zero: too large for a design"):
+        load_design("/dev/zero")
+
+
+@pytest.mark.parametrize(
+    "design",
+    [
+        Design(TWIST, title="two\nlines"),
+        Design(TWIST, note="x" * 401),
+        Design(Jump(forward=1e6)),
+        Design(TWIST, scenario=Scenario(seed=2**53)),
+    ],
+)
+def test_what_no_file_may_hold_is_not_written(design):
+    with pytest.raises(InputError, match="this design: "):
+        dump_design(design)
+
+
+@pytest.mark.parametrize(
+    ("design", "name"),
+    [
+        (Design(TWIST), "anymal.jump.json"),
+        (Design(TWIST, title="90° twist: srbm / llsrbm"), "90-twist-srbm-llsrbm.jump.json"),
+        (Design(TWIST, title="../../etc/passwd"), "etc-passwd.jump.json"),
+        (Design(Jump(robot="/home/me/my_robot.toml")), "my-robot.jump.json"),
+        (Design(TWIST, title="跳"), "design.jump.json"),
+    ],
+)
+def test_a_file_is_named_after_its_design(design, name):
+    assert file_name(design) == name

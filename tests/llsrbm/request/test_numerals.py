@@ -1,0 +1,54 @@
+from __future__ import annotations
+
+import math
+import re
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from llsrbm.request.numerals import decimal, percent, power, short
+
+NUMBERS = st.floats(-1e6, 1e6) | st.floats(-1e-3, 1e-3) | st.sampled_from((0.0, -0.0, -5e-324))
+MINUS_ZERO = re.compile(r"-0*\.?0*(e[+-]\d+)?%?$")
+
+
+@given(NUMBERS, st.integers(0, 6), st.booleans())
+def test_no_zero_has_a_minus(value, places, signed):
+    texts = (
+        decimal(value, places, signed=signed),
+        percent(value, places, signed=signed),
+        power(value, places),
+        short(value),
+    )
+    for text in texts:
+        assert not MINUS_ZERO.match(text)
+
+
+@given(NUMBERS, st.integers(0, 6), st.booleans())
+def test_what_is_shown_is_the_number(value, places, signed):
+    text = decimal(value, places, signed=signed)
+    assert float(text) == pytest.approx(value, abs=0.5001 * 10**-places)
+    assert len(text.partition(".")[2]) == places
+    rounded = float(text)
+    assert text.startswith("-") == (rounded < 0)
+    assert text.startswith("+") == (signed and rounded >= 0)
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        (decimal(-0.0004, 3), "0.000"),
+        (decimal(0.2421, 3), "0.242"),
+        (decimal(2.94, 1, signed=True), "+2.9"),
+        (decimal(-2.94, 1, signed=True), "-2.9"),
+        (percent(0.126), "13%"),
+        (percent(-0.0004, 1, signed=True), "+0.0%"),
+        (power(2.84e-7), "2.8e-07"),
+        (short(-0.0), "0"),
+        (short(0.35), "0.35"),
+        (decimal(math.inf, 1), "inf"),
+    ],
+)
+def test_examples(text, expected):
+    assert text == expected

@@ -1,0 +1,224 @@
+"""`Scenario`: what may be asked of a simulation, and how it is said when it may not."""
+
+from __future__ import annotations
+
+import json
+import math
+import pickle
+import subprocess
+import sys
+from dataclasses import FrozenInstanceError, asdict, fields, replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import llsrbm
+from llsrbm.errors import InputError
+from llsrbm.request.fields import Flag, Name, Number, Whole, meanings
+from llsrbm.request.push import LARGEST_IMPULSE, Push, PushList
+from llsrbm.request.scenario import MOST_NOISE, Scenario, with_scenario
+
+PUSH = {"time": 0.4, "impulse": (0.0, 12.0, 0.0)}
+NAMES = st.sampled_from(["residual", "norm", "auto", "mine"])
+NUMBERS = {
+    name: meaning for name, meaning in meanings(Scenario).items() if isinstance(meaning, Number)
+}
+VECTORS = st.tuples(*[st.floats(-25, 25)] * 3)
+PUSHES = st.builds(Push, time=st.floats(0, 3), impulse=VECTORS, moment=VECTORS)
+SCENARIOS = st.builds(
+    Scenario,
+    board=st.floats(0.001, 1),
+    half_board=st.booleans(),
+    seed=st.none() | st.integers(0, 2**70),
+    noise=st.none() | st.floats(0, MOST_NOISE),
+    detector=NAMES,
+    landing=NAMES,
+    solver=NAMES,
+    trunk_mass=st.none() | st.floats(-0.5, 0.5),
+    pushes=st.lists(PUSHES, max_size=3).map(tuple),
+    random_push=st.none() | st.floats(0, LARGEST_IMPULSE),
+    estimator=NAMES,
+    replan=st.booleans(),
+)
+
+
+def refused(**given):
+    with pytest.raises(InputError) as caught:
+        Scenario(**given)
+    assert str(caught.value).isprintable()
+    assert len(str(caught.value)) < 200
+    return str(caught.value)
+
+
+def test_what_is_not_said_is_nominal():
+    assert asdict(Scenario()) == {
+        "board": 0.0, "half_board": False, "seed": None, "noise": None, "detector": "residual",
+        "landing": "auto", "solver": "quadprog", "trunk_mass": None, "pushes": (),
+        "random_push": None, "estimator": "truth", "replan": False,
+    }  # fmt: skip
+    assert llsrbm.Scenario is Scenario
+
+
+@given(st.integers(0, 2**70), st.floats(0, MOST_NOISE))
+def test_seed_and_noise_go_together(seed, noise):
+    assert (Scenario(seed=seed).seed, Scenario(seed=seed).noise) == (seed, 1.0)
+    assert (Scenario(noise=noise).seed, Scenario(noise=noise).noise) == (0, noise)
+    both = Scenario(seed=seed, noise=noise)
+    assert (both.seed, both.noise) == (seed, noise)
+    assert replace(both, seed=None, noise=None) == Scenario()
+
+
+@pytest.mark.parametrize("name", NUMBERS)
+@given(data=st.data())
+def test_a_number_is_accepted_within_its_range_alone(name, data):
+    low, high = NUMBERS[name].low, NUMBERS[name].high
+    inside = data.draw(st.floats(low, high))
+    kept = getattr(Scenario(**{name: inside}), name)
+    assert kept == inside
+    assert type(kept) is float
+    outside = data.draw(
+        st.floats(max_value=low, exclude_max=True, allow_infinity=False)
+        | st.floats(min_value=high, exclude_min=True, allow_infinity=False)
+    )
+    said = refused(**{name: outside})
+    assert said == (f"{name.replace('_', ' ')}: expected {NUMBERS[name].accepted}, got {outside:g}")
+
+
+@pytest.mark.parametrize("name", NUMBERS)
+@pytest.mark.parametrize(
+    "value", [math.nan, math.inf, -math.inf, "1", True, [0.1], 10**400, 1j, np.zeros(2)]
+)
+def test_what_is_no_finite_number(name, value):
+    assert f"{name.replace('_', ' ')}: expected a finite number, got " in refused(**{name: value})
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        ({"board": -0.01}, "board: expected 0 to 1 m, got -0.01"),
+        ({"board": None}, "board: expected a finite number, got None"),
+        ({"half_board": True}, "half board: expected the board's thickness beside it, got none"),
+        ({"half_board": 1, "board": 0.1}, "half board: expected true or false, got 1"),
+        ({"half_board": np.zeros(2)}, "half board: expected true or false, got array([0., 0.])"),
+        ({"seed": -1}, "seed: expected a whole number from 0 on, got -1"),
+        ({"seed": 1.5}, "seed: expected a whole number from 0 on, got 1.5"),
+        ({"seed": True}, "seed: expected a whole number from 0 on, got True"),
+        ({"noise": 3.1}, "noise: expected 0 to 3, got 3.1"),
+        ({"trunk_mass": -0.51}, "trunk mass: expected -0.5 to 0.5 of it, got -0.51"),
+        ({"random_push": 201}, "random push: expected 0 to 200 N s, got 201"),
+        ({"replan": "yes"}, "replan: expected true or false, got 'yes'"),
+        ({"pushes": 3}, "pushes: expected a list of pushes, got 3"),
+        ({"pushes": Push(0.1, (1, 2, 3))}, "pushes: expected a list of pushes, got Push"),
+        ({"pushes": [{"time": 0.1}]}, "pushes: expected pushes of time, impulse, moment, got "),
+        ({"pushes": [{"time": 0.1, "impulse": 7}]}, "push: impulse: expected three finite"),
+        ({"pushes": [PUSH] * 101}, "pushes: expected at most 100, got 101"),
+        ({"detector": ""}, "detector: expected a name, got ''"),
+        ({"landing": None}, "landing: expected a name, got None"),
+        ({"solver": "two\nlines"}, "solver: expected a name, got 'two\\nlines'"),
+        ({"solver": "x" * 101}, "solver: expected a name of at most 100 characters, got 'xxx"),
+    ],
+)
+def test_what_makes_no_sense(given, said):
+    assert refused(**given).startswith(said)
+
+
+def test_scalars_of_numpy_become_pythons_own():
+    scenario = Scenario(
+        board=np.float32(0.5), half_board=np.True_, seed=np.int64(7), noise=np.float64(0.5)
+    )
+    assert scenario == Scenario(0.5, True, 7, 0.5)
+    assert [type(value) for value in asdict(scenario).values()][:4] == [float, bool, int, float]
+
+
+def test_pushes_of_a_file_are_pushes():
+    """Lists and mappings, as JSON has them."""
+    table = {"time": 0.4, "impulse": [0, 12, 0], "moment": [0, 0, 1]}
+    push = Push(0.4, (0.0, 12.0, 0.0), (0.0, 0.0, 1.0))
+    scenario = Scenario(pushes=[table, push])
+    assert scenario.pushes == (push, push)
+    assert hash(scenario) == hash(Scenario(pushes=(push, push)))
+    stated = scenario.stated()
+    assert json.loads(json.dumps(stated))["pushes"] == [table, table]
+
+
+def test_a_drawn_push_disturbs_nothing_else():
+    assert Scenario(random_push=10).seed is None
+    assert Scenario(random_push=10).stated() == {"random_push": 10.0}
+
+
+def test_it_cannot_be_changed():
+    with pytest.raises(FrozenInstanceError):
+        Scenario().seed = 3
+
+
+@given(SCENARIOS)
+def test_what_is_stated_asks_for_it(scenario):
+    stated = scenario.stated()
+    assert Scenario(**stated) == Scenario().but(**stated) == scenario
+    for name in stated:
+        fewer = {key: value for key, value in stated.items() if key not in (name, "half_board")}
+        assert name == "seed" or Scenario(**fewer) != scenario  # a noise implies the seed 0
+    assert pickle.loads(pickle.dumps(scenario)) == scenario
+
+
+def test_what_is_stated_is_what_differs():
+    assert Scenario().stated() == {}
+    assert Scenario(seed=3).stated() == {"seed": 3}
+    assert Scenario(noise=1).stated() == {"seed": 0}
+    assert Scenario(seed=3, noise=2, landing="tracking").stated() == {
+        "seed": 3, "noise": 2.0, "landing": "tracking",
+    }  # fmt: skip
+
+
+def test_another_scenario_by_fields():
+    board = Scenario(board=0.02, half_board=True, seed=7, noise=0.5)
+    assert board.but(seed=8) == Scenario(0.02, True, 8, 0.5)
+    assert board.but() == board
+    with pytest.raises(InputError, match=r"half board: expected the board's thickness"):
+        board.but(board=0)
+    for name, said in (
+        (
+            "sead",
+            'unknown field "sead"; did you mean "seed"? valid: board, half_board, seed, noise',
+        ),
+        ("two\nlines", r'unknown field "two\nlines"; valid: board'),
+    ):
+        with pytest.raises(InputError) as caught:
+            board.but(**{name: 1})
+        assert str(caught.value).startswith(said)
+
+
+def test_every_field_says_what_it_means():
+    told = meanings(Scenario)
+    assert list(told) == [field.name for field in fields(Scenario)]
+    for field in fields(Scenario):
+        meaning = told[field.name]
+        assert isinstance(meaning, Number | Whole | Flag | Name | PushList)
+        assert meaning.help
+        assert not meaning.help.endswith(".")
+    assert told["board"].accepted == "0 to 1 m"
+    assert told["trunk_mass"].accepted == "-0.5 to 0.5 of it"
+    assert told["detector"].accepted == ""
+
+
+def test_an_older_files_table_is_read_as_one_of_today():
+    table = {"title": "x", "conditions": {"seed": None, "noise": 1.0, "board": 0.1}}
+    assert with_scenario(table) == {"title": "x", "scenario": {"seed": None, "board": 0.1}}
+    assert table["conditions"]["noise"] == 1.0
+    disturbed = {"seed": 0, "noise": 0.5}
+    assert with_scenario({"conditions": disturbed}) == {"scenario": disturbed}
+    for same in ({}, {"scenario": {"noise": 2.0}}, {"scenario": {}, "conditions": {}}):
+        assert with_scenario(same) == same
+    assert with_scenario({"conditions": 7}) == {"scenario": 7}
+
+
+def test_it_imports_nothing_heavy():
+    code = (
+        "import sys; import llsrbm; llsrbm.Scenario(seed=3);"
+        "heavy = {'casadi', 'pinocchio', 'mujoco', 'numpy', 'pydantic'} & set(sys.modules);"
+        "sys.exit(', '.join(heavy) or 0)"
+    )
+    process = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert process.returncode == 0, process.stderr
