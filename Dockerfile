@@ -21,7 +21,10 @@ COPY pyproject.toml README.md LICENSE ./
 COPY llsrbm llsrbm
 COPY app app
 COPY assets assets
-RUN pip install --no-cache-dir --no-deps .
+# `--build-arg EXTRAS=sweep` for the scheduler and the workers of a cluster.
+ARG EXTRAS=
+RUN pip install --no-cache-dir --no-deps . \
+    && if [ -n "$EXTRAS" ]; then pip install --no-cache-dir ".[$EXTRAS]"; fi
 
 # A home of its own, because leg fits, meshes and solvers are cached there.
 RUN useradd --create-home llsrbm

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from importlib.util import find_spec
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -77,6 +78,18 @@ def printable(text: str, longest: int = 60) -> str:
     """As much of a stranger's text as fits into a message, in one line without control codes."""
     shown = "".join(letter if letter.isprintable() else "?" for letter in text[: longest + 1])
     return shown if len(shown) <= longest else f"{shown[: longest - 3]}..."
+
+
+def require(purpose: str, extra: str, *modules: str) -> None:
+    """Raise `InputError` unless all modules are installed.
+
+    Args:
+        purpose: begins the message, for example "sweeps need Dask".
+        extra: of this package, with which they are installed.
+        modules: importable names.
+    """
+    if any(find_spec(module) is None for module in modules):
+        raise InputError(f"{purpose}: pip install 'llsrbm[{extra}]'")
 
 
 class NotConverged(Error):

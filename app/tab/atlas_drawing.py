@@ -25,8 +25,7 @@ from llsrbm.request.design import Design
 from llsrbm.request.jump import Jump
 from llsrbm.request.tuning import Tuning
 from llsrbm.robots import Robot
-from llsrbm.sweep.rows import LIMIT
-from llsrbm.sweep.shard import robot_hash
+from llsrbm.sweep.rows import LIMIT, robot_hash
 
 
 class AtlasDrawing:

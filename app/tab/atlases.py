@@ -7,8 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from llsrbm.atlas.jumps import Atlas
-from llsrbm.atlas.shipped import shipped_atlas
-from llsrbm.atlas.table import read_atlas
+from llsrbm.atlas.table import read_atlas, shipped_atlas
 from llsrbm.errors import InputError
 
 SHIPPED = "the one that ships"

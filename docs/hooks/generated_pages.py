@@ -20,11 +20,11 @@ from mkdocs.structure.files import File, Files
 ROOT = Path(__file__).parents[2]
 sys.path.insert(0, str(ROOT))  # the declarations of this very checkout
 
-from llsrbm import jump_types  # noqa: E402
 from llsrbm.errors import InputError  # noqa: E402
 from llsrbm.formats import FORMATS, Format  # noqa: E402
 from llsrbm.formats.tables.csv_columns import quantity_rows  # noqa: E402
 from llsrbm.planning.problem.placement import limits_of, make_task  # noqa: E402
+from llsrbm.request import jump_types  # noqa: E402
 from llsrbm.request.examples import examples  # noqa: E402
 from llsrbm.request.jump import Jump  # noqa: E402
 from llsrbm.request.jump_types import JumpType  # noqa: E402

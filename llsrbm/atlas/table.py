@@ -1,14 +1,15 @@
-"""A sweep's table as an atlas, and as a small file of what an atlas needs.
+"""A sweep's table as an atlas, and as a small file of the columns that an atlas needs.
 
 A table may have millions of rows of a hundred columns: only the columns of `NEEDED` are read, some
-rows at a time, and what is kept of a jump are some twenty numbers.
+rows at a time, and some twenty numbers a jump are kept. The small file is NumPy's .npz, so that the
+atlas that ships is read without pyarrow.
 """
 
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
-from contextlib import contextmanager
+import zipfile
+from collections.abc import Iterable
 from dataclasses import fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -17,128 +18,138 @@ import numpy as np
 from numpy.typing import NDArray
 
 from llsrbm.atlas.jumps import AMOUNTS, DRIVES, FALLS, NOTHING, Atlas, Jumps
-from llsrbm.errors import Error, InputError
+from llsrbm.errors import InputError, require
+from llsrbm.files.writing import staged
+from llsrbm.robots.assets import assets_directory
+from llsrbm.sweep.folder import STATED, TABLE
 from llsrbm.sweep.rows import LIMIT, PLANNED, STATUSES
 
 if TYPE_CHECKING:
     import pyarrow as pa
-    import pyarrow.parquet as pq
 
 Array = NDArray[np.float64]
+_Columns = dict[str, NDArray[Any]]
 
-TABLE = "jumps.parquet"
+SMALL = ".npz"
+"""Suffix of small files."""
 
-_TEXTS = ("robot", "model", "type")
+_TEXTS = ("robot", "model", "type", "robot_hash", "status", "stopped_by")
+_GROUPED = ("robot", "model", "type")
 _FIGURES = ("flight_s", "torque_share")  # the same in all rows of a jump
-_OUTCOMES = ("status", "stopped_by", "landed", "strict")
-NEEDED = ("jump", *_TEXTS, *AMOUNTS, *DRIVES, "robot_hash", *_OUTCOMES, *_FIGURES)
+NEEDED = ("jump", *_TEXTS, *AMOUNTS, *DRIVES, "landed", "strict", *_FIGURES)
 """Columns from which an atlas is made, beside limits that the sweep varies."""
 
-_TITLE = b"title"  # of a small file's metadata
 _BATCH = 50_000  # rows that are read at a time
 _MOST = 1_000_000  # rows of a table: reading them takes 7 s and most of a gigabyte
 _DECIMALS = 9  # to which values of an axis are compared: a grid's differ in their last bits
 _HALF = 0.5  # of a jump's seeds: if fewer land, the jump cannot be done
 
 
+def shipped_atlas() -> Path:
+    """The small file that ships, of `assets/sweeps/atlas.toml`."""
+    return assets_directory() / "atlas" / "jumps.npz"
+
+
 def read_atlas(path: Path) -> Atlas:
-    """The atlas of a sweep's folder, or of a table.
+    """The atlas of a sweep's folder, of a table, or of a small file.
 
     Raises:
         InputError: there is none, or it is no sweep's table; one line.
     """
-    with _opened(path) as (table, file):
-        limits = _checked(table, file)
-        title = _title(table, file)
-        groups = _groups(_columns(file, limits))
+    title, columns = _read(path)
+    groups = _groups(columns)
     if not groups:
-        raise InputError(f"{table}: has no jumps; expected a sweep with one at least")
+        raise InputError(f"{path}: has no jumps; expected a sweep with one at least")
     return Atlas(title, groups)
 
 
 def write_small(path: Path, target: Path) -> None:
-    """Write what an atlas needs of a sweep's table as a file of its own.
+    """Write the columns that an atlas needs of a sweep's table, as .npz or .parquet.
 
     Raises:
-        InputError: there is no table, or it is no sweep's.
-        Error: the file cannot be written.
+        InputError: there is no table, it is no sweep's, or the file cannot be written.
     """
-    import pyarrow.parquet as pq
+    title, columns = _read(path)
+    if target.suffix not in (SMALL, ".parquet"):
+        raise InputError(f"{target}: expected a name that ends in {SMALL} or .parquet")
+    columns = {n: v.astype(np.float32) if n in _FIGURES else v for n, v in columns.items()}
+    with staged(target) as draft:
+        if target.suffix == SMALL:
+            texts = {name: columns[name].astype(str) for name in _TEXTS}
+            np.savez_compressed(draft, allow_pickle=False, title=title, **columns | texts)
+        else:
+            import pyarrow as pa
+            import pyarrow.parquet as pq
 
-    with _opened(path) as (table, file):
-        names = [*NEEDED, *_checked(table, file)]
-        small = file.read(columns=names).select(names)
-        small = small.replace_schema_metadata({_TITLE: _title(table, file).encode()})
-    for name in _FIGURES:
-        small = small.set_column(names.index(name), name, small[name].cast("float32"))
-    try:
-        pq.write_table(small, target, compression="zstd", compression_level=19)
-    except OSError as error:
-        raise Error(f"{target}: cannot be written ({error.strerror or error})") from error
+            table = pa.table(columns).replace_schema_metadata({b"title": title.encode()})
+            pq.write_table(table, draft, compression="zstd", compression_level=19)
 
 
-@contextmanager
-def _opened(path: Path) -> Iterator[tuple[Path, pq.ParquetFile]]:
-    """The table of a folder, or that at a path, and where it is."""
+def _read(path: Path) -> tuple[str, _Columns]:
+    """Title, and column name -> (R,): texts as objects, "" for null; flags as numbers."""
+    table = path / TABLE if (path / TABLE).exists() else path
+    if not table.exists() or (table.is_dir() and table.name != TABLE):
+        raise InputError(f"{path}: no {TABLE} there; expected the folder of a sweep, or a table")
+    if table.suffix == SMALL:
+        return _read_small(table)
+    require("tables of sweeps need pyarrow", "sweep", "pyarrow")
     import pyarrow as pa
-    import pyarrow.parquet as pq
+    import pyarrow.dataset
 
-    table = path / TABLE if path.is_dir() else path
-    if not table.is_file():
-        raise InputError(
-            f"{path}: no {TABLE} there; expected the folder of a sweep that is over, or a table"
-        )
     try:
-        with pq.ParquetFile(table) as file:
-            yield table, file
-    except (pa.ArrowException, OSError) as error:
-        told = " ".join(str(error).split())
-        raise InputError(f"{table}: cannot be read as a sweep's table ({told:.200})") from error
+        dataset = pyarrow.dataset.dataset(table, format="parquet")
+        names = _checked(table, dataset.schema.names, dataset.count_rows())
+        parts = [
+            {name: _array(batch.column(name)) for name in names}
+            for batch in dataset.to_batches(columns=list(names), batch_size=_BATCH)
+        ]
+    except (pa.ArrowException, OSError, ValueError) as error:
+        raise _unreadable(table, error) from error
+    columns = {name: np.concatenate([part[name] for part in parts]) for name in names if parts}
+    stated = (dataset.schema.metadata or {}).get(b"title")
+    return _title(table) if stated is None else stated.decode(), columns
 
 
-def _checked(path: Path, file: pq.ParquetFile) -> tuple[str, ...]:
-    """Names of the limits that vary, if it is a sweep's table."""
-    names = file.schema_arrow.names
+def _read_small(path: Path) -> tuple[str, _Columns]:
+    try:
+        with np.load(path, allow_pickle=False) as file:
+            columns = {name: file[name] for name in file.files}
+        title = str(columns.pop("title"))
+        names = _checked(path, columns, len(columns.get("jump", ())))
+        return title, {n: columns[n].astype(object if n in _TEXTS else None) for n in names}
+    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile) as error:
+        raise _unreadable(path, error) from error
+
+
+def _unreadable(path: Path, error: Exception) -> InputError:
+    return InputError(
+        f"{path}: cannot be read as a sweep's table ({' '.join(str(error).split()):.200})"
+    )
+
+
+def _checked(path: Path, names: Iterable[str], rows: int) -> tuple[str, ...]:
+    """The columns to be read, limits that vary included, if it is a sweep's table."""
+    limits = tuple(name for name in names if name.startswith(LIMIT))
     missing = [name for name in NEEDED if name not in names]
     if missing:
         raise InputError(
             f'{path}: has no column "{missing[0]}"; expected a table of `llsrbm sweep`'
         )
-    if file.metadata.num_rows > _MOST:
-        raise InputError(
-            f"{path}: {file.metadata.num_rows} rows are too many for an atlas; expected at most "
-            f"{_MOST}"
-        )
-    return tuple(name for name in names if name.startswith(LIMIT))
+    if rows > _MOST:
+        raise InputError(f"{path}: {rows} rows are too many for an atlas; expected at most {_MOST}")
+    return (*NEEDED, *limits)
 
 
-def _title(path: Path, file: pq.ParquetFile) -> str:
-    """The sweep's; of a table that says none, its folder's name."""
-    stated = (file.schema_arrow.metadata or {}).get(_TITLE)
-    if stated is not None:
-        return str(stated.decode())
+def _title(table: Path) -> str:
+    """The sweep's; of a table without one, its folder's name."""
     try:
-        return str(json.loads((path.parent / "sweep.json").read_text(encoding="utf-8"))["title"])
+        return str(json.loads((table.parent / STATED).read_text(encoding="utf-8"))["title"])
     except (OSError, ValueError, KeyError, TypeError):
-        return path.parent.name if path.name == TABLE else path.stem
-
-
-def _columns(file: pq.ParquetFile, limits: tuple[str, ...]) -> dict[str, NDArray[Any]]:
-    """Column name -> (R,); texts as codes and (R,) objects of the few that there are."""
-    parts: dict[str, list[NDArray[Any]]] = {}
-    for batch in _batches(file, (*NEEDED, *limits)):
-        for name, values in batch.items():
-            parts.setdefault(name, []).append(values)
-    return {name: np.concatenate(values) for name, values in parts.items()}
-
-
-def _batches(file: pq.ParquetFile, names: tuple[str, ...]) -> Iterator[dict[str, NDArray[Any]]]:
-    for batch in file.iter_batches(batch_size=_BATCH, columns=list(names)):
-        yield {name: _array(batch.column(name)) for name in names}
+        return table.parent.name if table.name == TABLE else table.stem
 
 
 def _array(column: pa.Array) -> NDArray[Any]:
-    """Texts as objects, "" for null; flags as numbers, NaN for null."""
+    """A batch's column."""
     import pyarrow as pa
 
     if pa.types.is_string(column.type):
@@ -152,13 +163,13 @@ def _array(column: pa.Array) -> NDArray[Any]:
 
 
 def _groups(columns: dict[str, NDArray[Any]]) -> tuple[Jumps, ...]:
-    if not columns:
+    if not len(columns.get("jump", ())):
         return ()
     order = np.argsort(columns["jump"], kind="stable")
     columns = {name: values[order] for name, values in columns.items()}
     first = np.flatnonzero(np.diff(columns["jump"], prepend=columns["jump"][0] - 1))
     one = _reduced(columns, first)
-    keys = list(zip(*(columns[name][first] for name in _TEXTS), strict=True))
+    keys = list(zip(*(columns[name][first] for name in _GROUPED), strict=True))
     hashes = columns["robot_hash"][first]
     groups = []
     for key in dict.fromkeys(keys):
@@ -207,9 +218,10 @@ def _share(flags: NDArray[Any], first: NDArray[np.int64], counts: NDArray[np.int
 def _stops(
     columns: dict[str, NDArray[Any]], first: NDArray[np.int64], planned: Array, landed: Array
 ) -> tuple[tuple[str, ...], NDArray[np.int64]]:
-    """Names of what stops jumps, the most frequent first, and (J,) places therein."""
-    told, statuses = columns["stopped_by"][first], columns["status"][first]
-    named = np.where(told == "", statuses, told)  # refused, failed, or not planned for no reason
+    """Names of the causes that stop jumps, the most frequent first, and (J,) places therein."""
+    causes, statuses = columns["stopped_by"][first], columns["status"][first]
+    # Refused, timed out, failed, or not planned for no known reason.
+    named = np.where(causes == "", statuses, causes)
     # NaN, which is not simulated, is not below.
     falls = (planned > 0) & (landed < _HALF)
     names = np.where(falls, FALLS, np.where(planned > 0, NOTHING, named)).astype(str)

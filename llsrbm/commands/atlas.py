@@ -31,7 +31,9 @@ def atlas_command(
     ] = None,
     table: Annotated[
         Path | None,
-        typer.Option(metavar="FILE", help="Write the columns that an atlas needs, as parquet."),
+        typer.Option(
+            metavar="FILE", help="Write the columns that an atlas needs: .npz or .parquet."
+        ),
     ] = None,
     robot: Annotated[
         list[str] | None, typer.Option(metavar="R", help="Of these alone; repeatable.")
@@ -54,12 +56,11 @@ def atlas_command(
     """Map what a robot can do: a sweep's jumps over two of its axes, as a picture.
 
     The one that ships is renewed by `llsrbm sweep atlas --out DIR`, then
-    `llsrbm atlas DIR --table assets/atlas/jumps.parquet`.
+    `llsrbm atlas DIR --table assets/atlas/jumps.npz`.
     """
     with console.result_stream(as_json=as_json) as stdout:
         from llsrbm.atlas.colours import COLOURS
-        from llsrbm.atlas.shipped import shipped_atlas
-        from llsrbm.atlas.table import read_atlas, write_small
+        from llsrbm.atlas.table import read_atlas, shipped_atlas, write_small
         from llsrbm.robots.schema import choices
 
         source = shipped_atlas() if sweep is None else sweep

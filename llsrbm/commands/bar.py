@@ -1,4 +1,4 @@
-"""How far something is that takes minutes: a bar for a person, a line now and then for a log."""
+"""Progress of something that takes minutes: a line that moves, or now and then one for a log."""
 
 from __future__ import annotations
 
@@ -7,40 +7,41 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
+from llsrbm.request.numerals import duration
+
 _LINE_TIME = 30.0  # s between lines where there is no terminal
+_WIDTH = 24  # characters of the bar
 
 
 @contextmanager
-def counting(what: str) -> Iterator[Callable[[int, int], None]]:
-    """A function that is told how many are done, and of how many.
+def counting(noun: str) -> Iterator[Callable[[int, int], None]]:
+    """A function of the number that is done and of the total, which shows both.
 
     Args:
-        what: is counted.
+        noun: plural of the things that are counted.
     """
-    if not sys.stderr.isatty():
-        yield _lines(what)
-        return
-    from rich import progress as rich
-    from rich.console import Console
+    terminal = sys.stderr.isatty()
+    start = last = time.monotonic()
+    first: int | None = None
 
-    columns = (
-        rich.TextColumn(what),
-        rich.BarColumn(),
-        rich.MofNCompleteColumn(),
-        rich.TimeRemainingColumn(),
-    )
-    with rich.Progress(*columns, console=Console(stderr=True)) as bar:
-        task = bar.add_task("", total=None)
-        yield lambda done, total: bar.update(task, total=total, completed=done)
+    def show(done: int, total: int) -> None:
+        nonlocal first, last
+        now = time.monotonic()
+        first = done if first is None else first
+        if not terminal and now - last < _LINE_TIME:
+            return
+        last = now
+        line = f"{done} of {total} {noun}"
+        if done > first:
+            rate = (done - first) / max(now - start, 1e-3)
+            line += f", {rate:.1f} a second, {duration((total - done) / rate)} left"
+        if terminal:
+            full = _WIDTH * done // max(total, 1)
+            line = f"\r\x1b[K{'━' * full}{'╌' * (_WIDTH - full)} {line}"
+        print(line, file=sys.stderr, end="" if terminal else "\n", flush=True)
 
-
-def _lines(what: str) -> Callable[[int, int], None]:
-    last = time.monotonic()
-
-    def told(done: int, total: int) -> None:
-        nonlocal last
-        if time.monotonic() - last >= _LINE_TIME:
-            last = time.monotonic()
-            print(f"{done} of {total} {what}", file=sys.stderr, flush=True)
-
-    return told
+    try:
+        yield show
+    finally:
+        if terminal and first is not None:
+            print(file=sys.stderr)

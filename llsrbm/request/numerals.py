@@ -21,3 +21,12 @@ def power(value: float, places: int = 1) -> str:
 def short(value: float) -> str:
     """With up to six digits, and none that say nothing."""
     return f"{value:zg}"
+
+
+def duration(seconds: float) -> str:
+    """For instance "40 s", "12 min", "3.5 h" or "2.1 days"."""
+    for unit, size, limit in (("s", 1.0, 90.0), ("min", 60.0, 5400.0), ("h", 3600.0, 172_800.0)):
+        if seconds < limit:
+            amount = seconds / size
+            return f"{amount:.1f} {unit}" if unit == "h" else f"{amount:.0f} {unit}"
+    return f"{seconds / 86_400:.1f} days"

@@ -5,9 +5,8 @@
     OUT/index.parquet    a row a motion: file, request, seed, outcome, licence, versions
     OUT/index.csv        the same
 
-A sweep's table says what was asked; the same request gives the same plan and rollout, as long as
-version and robot are the same. A data set that was cut off goes on with the motions that are not
-there yet. The index comes last.
+The same request gives the same plan and rollout as long as version and robot are the same. A data
+set that was cut off goes on with the motions that are not there yet. The index comes last.
 """
 
 from __future__ import annotations
@@ -19,17 +18,17 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from llsrbm.errors import Error, InputError
+from llsrbm.errors import Error, InputError, require
 from llsrbm.files.writing import staged
 from llsrbm.formats.base import Options
 from llsrbm.formats.datasets.base import DatasetFormat, Episode
 from llsrbm.formats.datasets.registry import find_dataset_format
 from llsrbm.request.jump import Jump
 from llsrbm.sweep import rows as row
+from llsrbm.sweep.folder import TABLE, difference, disk_errors, stated_of
+from llsrbm.sweep.jump import plan_of, rollout_of
 from llsrbm.sweep.points import Point
-from llsrbm.sweep.shard import origin, plan_of, rollout_of
 from llsrbm.sweep.spec import Spec
-from llsrbm.sweep.table import TABLE
 from llsrbm.version import package_version
 
 if TYPE_CHECKING:
@@ -44,7 +43,7 @@ LICENCE = "BSD-3-Clause (llsrbm); the robot's description has a licence of its o
 _INDEX = "index"
 _DIGITS = 8  # of a motion's number in its file's name: as many as a sweep may have rows
 _JUMP = tuple(Jump.__dataclass_fields__)
-_ASKED = ("id", *_JUMP, "drive_torque", "drive_speed")
+_REQUEST = ("id", *_JUMP, "drive_torque", "drive_speed")
 _OF_PLANS = ("duration_s", "takeoff_s", "flight_s", "landing_s", "apex", "torque_share", "cost")
 _OUTCOMES = (
     *("landed", "strict", "final_yaw_error", "final_position_error", "final_tilt"),
@@ -54,7 +53,7 @@ _OUTCOMES = (
 
 @dataclass(frozen=True)
 class Summary:
-    """What a data set came to.
+    """Result of making a data set.
 
     Attributes:
         motions: in it; of them `computed` were computed now.
@@ -97,17 +96,18 @@ def make_dataset(
         out: folder of the data set; one that was cut off goes on.
         format_name: of `llsrbm formats`, or "lerobot".
         robot: of these alone.
-        source: "rollout", what the whole robot did, each seed a motion; "plan": what was planned,
-            of jumps that were strict with every seed.
+        source: "rollout": the simulated motions, one a seed; "plan": the planned motions of jumps
+            that were strict with every seed.
         limit: motions at most, the first of the sweep.
         fps: frames/s; None: as the format has it.
-        progress: told how many motions there are, and of how many.
+        progress: called with the number of motions that are there, and with their total.
 
     Raises:
         InputError: no sweep there, of another version or robot, nothing strict in it, an unknown
             name, or a folder of something else.
         Error: it cannot be written, or nothing is strict any more.
     """
+    require("data sets need pyarrow", "sweep", "pyarrow")
     if source not in SOURCES:
         raise InputError(f'source: expected {" or ".join(SOURCES)}, got "{source}"')
     if limit is not None and limit < 1:
@@ -118,30 +118,28 @@ def make_dataset(
     chosen = _strict(opened, robot, source)[:limit]
     _check(opened, chosen, format_)
     _begin(out, opened, format_, {"source": source, "robot": robot, "limit": limit}, options)
-    files = [_file(out, format_, values, source) for values in chosen]
     whole = format_.finished is not None and (out / format_.finished).is_file()
-    there, computed, left_out = 0, 0, []
+    computed, left_out = 0, []
     kept: list[tuple[dict[str, Any], Path]] = []
-    for values, file in zip(chosen, files, strict=True):
+    for values in chosen:
+        file = _file(out, format_, values, source)
         if not (whole or file.exists()):
             trajectory = _computed(values, opened.spec, source)
             if trajectory is None:
                 left_out.append(values["index"])
                 continue
-            with _told(out):
+            with disk_errors(out):
                 file.parent.mkdir(parents=True, exist_ok=True)
             format_.write(trajectory, file, options)
             computed += 1
-        there += 1
         kept.append((values, file))
         if progress is not None:
-            progress(there, len(chosen) - len(left_out))
+            progress(len(kept), len(chosen) - len(left_out))
     if not kept:
         raise Error(f"{sweep}: none of {len(chosen)} strict rows is strict when computed again")
     if format_.finish is not None and not whole:
-        episodes = [Episode(file, _in_words(values)) for values, file in kept]
-        with _told(out):
-            format_.finish(out, episodes, options)
+        with disk_errors(out):
+            format_.finish(out, [Episode(file, _task(values)) for values, file in kept], options)
     index = _write_index(out, kept, format_, options, source)
     return Summary(len(kept), computed, tuple(left_out), index)
 
@@ -162,25 +160,24 @@ def _options(format_: DatasetFormat, fps: float | None) -> Options:
 
 def _open(path: Path) -> _Sweep:
     import pyarrow as pa
-    import pyarrow.parquet as pq
+    import pyarrow.dataset
 
-    stated, table = path / "sweep.json", path / TABLE
-    if not stated.is_file():
-        raise InputError(f"{path}: no sweep is there; expected a folder that llsrbm sweep made")
-    if not table.is_file():
-        raise InputError(
-            f"{path}: the sweep is not done; expected {TABLE} in it: run llsrbm sweep again"
-        )
+    stated = stated_of(path)
     try:
-        told = json.loads(stated.read_text(encoding="utf-8"))
-        spec, of, digest = Spec.from_json(json.dumps(told["spec"])), told["origin"], told["digest"]
+        spec = Spec.from_json(json.dumps(stated["spec"]))
         plain = [
-            *("index", "jump", *_ASKED, "seed", "status", *_OF_PLANS, *_OUTCOMES),
+            *("index", "jump", *_REQUEST, "seed", "status", *_OF_PLANS, *_OUTCOMES),
             *("version", "robot_hash", *(row.LIMIT + name for name in spec.limits)),
         ]
-        return _Sweep(path, spec, digest, of, pq.read_table(table, columns=plain))
+        table = pyarrow.dataset.dataset(path / TABLE).to_table(columns=plain)
     except (ValueError, KeyError, TypeError, OSError, pa.ArrowException) as error:
         raise InputError(f"{path}: the sweep is damaged; expected one of llsrbm sweep") from error
+    if len(table) < stated["rows"]:
+        raise InputError(
+            f"{path}: the sweep is not done: {len(table)} of {stated['rows']} rows; expected all: "
+            "run llsrbm sweep again"
+        )
+    return _Sweep(path, spec, stated["digest"], stated["origin"], table)
 
 
 def _strict(sweep: _Sweep, robot: str | None, source: str) -> list[dict[str, Any]]:
@@ -206,7 +203,8 @@ def _strict(sweep: _Sweep, robot: str | None, source: str) -> list[dict[str, Any
         counted = strict.group_by("jump").aggregate([("strict", "count")])
         every = counted.filter(pc.equal(counted["strict_count"], seeds))["jump"]
         strict = strict.filter(pc.is_in(strict["jump"], every.combine_chunks()))
-        strict = strict.filter(pc.equal(pc.subtract(strict["index"], _first(strict, seeds)), 0))
+        first = pc.multiply(strict["jump"], seeds)
+        strict = strict.filter(pc.equal(strict["index"], first))
     if len(strict) == 0:
         of = "" if robot is None else f" of {robot}"
         raise InputError(
@@ -217,13 +215,6 @@ def _strict(sweep: _Sweep, robot: str | None, source: str) -> list[dict[str, Any
     return found
 
 
-def _first(table: pa.Table, seeds: int) -> Any:
-    """Numbers of the first rows of the same jumps."""
-    import pyarrow.compute as pc
-
-    return pc.multiply(table["jump"], seeds)
-
-
 def _check(sweep: _Sweep, chosen: Sequence[dict[str, Any]], format_: DatasetFormat) -> None:
     robots = list(dict.fromkeys(values["robot"] for values in chosen))
     if format_.one_robot and len(robots) > 1:
@@ -231,36 +222,35 @@ def _check(sweep: _Sweep, chosen: Sequence[dict[str, Any]], format_: DatasetForm
             f'format "{format_.name}" holds one robot, the sweep has {", ".join(robots)}; expected '
             "--robot with one of them"
         )
-    now = origin(sweep.spec)
-    for name in ("llsrbm", *robots):
-        if sweep.origin.get(name) != now[name]:
-            what = "llsrbm" if name == "llsrbm" else f"robot {name}"
-            raise InputError(
-                f"{sweep.path}: the sweep is of {what} {sweep.origin.get(name)}, here is "
-                f"{now[name]}: its motions would be others; expected the same, or a new sweep"
-            )
+    now = row.origin(sweep.spec)
+    other = difference(sweep.origin, {name: now[name] for name in ("llsrbm", *robots)})
+    if other:
+        raise InputError(
+            f"{sweep.path}: the sweep is of {other}: its motions would be others; expected the "
+            "same, or a new sweep"
+        )
 
 
 def _begin(
     out: Path,
     sweep: _Sweep,
     format_: DatasetFormat,
-    asked: dict[str, Any],
+    choice: dict[str, Any],
     options: Options,
 ) -> None:
-    """Write what the folder is of, or compare."""
+    """Write sweep, format and options, or compare."""
     used = {name: value for name, value in asdict(options).items() if name in format_.options}
     stated = {
         "schema": SCHEMA,
         "format": format_.name,
         "options": used,
-        **asked,
+        **choice,
         "sweep": {"title": sweep.spec.title, "digest": sweep.digest, "origin": sweep.origin},
         "licence": LICENCE,
         "package_version": package_version(),
     }
     path = out / "dataset.json"
-    with _told(out):
+    with disk_errors(out):
         if out.exists() and not out.is_dir():
             raise InputError(f"{out}: is a file; expected a folder")
         out.mkdir(parents=True, exist_ok=True)
@@ -299,26 +289,26 @@ def _computed(values: dict[str, Any], spec: Spec, source: str) -> Trajectory | N
         seeds=(values["seed"],),
     )
     try:
-        plan = plan_of(point, spec)
+        plan = plan_of(spec, point)
         if source == "plan":
             return plan
-        rollout = rollout_of(point, plan, spec, values["seed"])
+        rollout = rollout_of(spec, point, plan, values["seed"])
     except Error:
         return None
     return rollout if rollout.outcome.strict else None
 
 
-def _in_words(values: dict[str, Any]) -> str:
-    """What a motion does, to whole degrees and centimetres."""
-    told = [f"twist {math.degrees(values['twist']):.0f} deg"]
-    told += [f"{name} {values[name] + 0.0:.2f} m" for name in ("forward", "lateral", "height")]
-    told += [
+def _task(values: dict[str, Any]) -> str:
+    """The request in words, to whole degrees and centimetres."""
+    parts = [f"twist {math.degrees(values['twist']):.0f} deg"]
+    parts += [f"{name} {values[name] + 0.0:.2f} m" for name in ("forward", "lateral", "height")]
+    parts += [
         f"{name} {math.degrees(values[name]):.0f} deg" for name in ("roll", "pitch") if values[name]
     ]
-    told += [f"{name} {values[name]:.1f} m/s" for name in ("speed", "end_speed") if values[name]]
-    told += [f"{values['hops']} hops"] if values["hops"] > 1 else []
+    parts += [f"{name} {values[name]:.1f} m/s" for name in ("speed", "end_speed") if values[name]]
+    parts += [f"{values['hops']} hops"] if values["hops"] > 1 else []
     kind = "" if values["type"] == Jump.type else f" ({values['type']})"
-    return f"jump{kind}: {', '.join(told)}"
+    return f"jump{kind}: {', '.join(parts)}"
 
 
 def _write_index(
@@ -335,16 +325,17 @@ def _write_index(
 
     of_seeds = () if source == "plan" else ("index", "seed", *_OUTCOMES)
     own = [name for name in kept[0][0] if name.startswith(row.LIMIT)]
-    names = ["jump", *of_seeds, *_ASKED, *own, *_OF_PLANS]
+    names = ["jump", *of_seeds, *_REQUEST, *own, *_OF_PLANS]
     rate = options.fps if "fps" in format_.options else None
     rows = [
         {
             "episode": number,
-            "file": _place(out, file, format_),
+            # Of a format that joins motions, the file is gone.
+            "file": None if format_.finish else file.relative_to(out).as_posix(),
             "source": source,
             "format": format_.name,
             "fps": rate,
-            "task": _in_words(values),
+            "task": _task(values),
             **{name: values[name] for name in names},
             "licence": LICENCE,
             "version": values["version"],
@@ -359,25 +350,3 @@ def _write_index(
     with staged(path) as target:
         pq.write_table(table, target)
     return path
-
-
-def _place(out: Path, file: Path, format_: DatasetFormat) -> str | None:
-    """Of a motion's own file in the data set; None where all are in the same ones."""
-    return None if format_.finish is not None else file.relative_to(out).as_posix()
-
-
-class _told:
-    """Say in one line what a disk refuses."""
-
-    def __init__(self, path: Path) -> None:
-        self._path = path
-
-    def __enter__(self) -> None:
-        pass
-
-    def __exit__(self, _: object, error: BaseException | None, __: object) -> None:
-        if isinstance(error, OSError):
-            raise Error(
-                f"{self._path}: cannot be written ({error.strerror or error}); what is done is "
-                "kept: run the same command again to go on"
-            ) from error

@@ -41,7 +41,7 @@ class Point:
         number: its place in the sweep.
         jump: the request.
         limits: limit name -> value, in place of the robot's.
-        drive_torque, drive_speed: times what the robot's file says of its drives.
+        drive_torque, drive_speed: factors of the robot file's.
         seeds: of its simulations, one a row; None: undisturbed, or planned only.
     """
 
@@ -59,9 +59,9 @@ class Point:
 
     @property
     def id(self) -> str:
-        """The same for the same request, in whatever sweep it stands."""
-        asked = [asdict(self.jump), self.limits, self.drive_torque, self.drive_speed]
-        text = json.dumps(asked, sort_keys=True)
+        """The same for the same request in every sweep."""
+        request = [asdict(self.jump), self.limits, self.drive_torque, self.drive_speed]
+        text = json.dumps(request, sort_keys=True)
         return hashlib.sha256(text.encode()).hexdigest()[:_ID_DIGITS]
 
 

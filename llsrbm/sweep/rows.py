@@ -1,33 +1,44 @@
-"""What the table says of a jump: one row a jump and seed; SI units, radians.
+"""The table's columns: one row a jump and seed; SI units, radians.
 
 `COLUMNS` is the schema of jumps.parquet. After its columns come the limits that the spec varies, as
-`limit_<name>`. Where a figure does not apply, it is null: durations of a jump that was not planned,
-outcomes of one that was not simulated. Names are those of `plan --json` and `simulate --json`.
+`limit_<name>`, and with `trajectories = true` those of `MOTION`. Where a figure does not apply, it
+is null: durations of a jump that was not planned, outcomes of one that was not simulated. Names are
+those of `plan --json` and `simulate --json`.
 
 Rows are the same whatever the number of workers and the order in which they work, columns of
-`TIMES` aside; with `diagnose`, which gives up after some seconds, also those of `DIAGNOSED`; with
-`replan`, where an answer counts from when it is there, also outcomes. Nothing is rounded. Another
-processor, or a machine without a compiler, may change the last bits.
+`TIMES` and rows that timed out aside; with `diagnose`, which gives up after some seconds, also
+those of `DIAGNOSED`; with `replan`, where an answer counts from when it is there, also outcomes.
+Nothing is rounded. Another processor, or a machine without a compiler, may change the last bits.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import fields
-from functools import cache
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from llsrbm.cache import content_key
 from llsrbm.motion.rollout import Outcome
+from llsrbm.sweep.spec import Spec
+from llsrbm.version import package_version
 
 if TYPE_CHECKING:
     import pyarrow as pa
 
-PLANNED, NOT_PLANNED, REFUSED, FAILED = "planned", "not planned", "refused", "failed"
-STATUSES = (PLANNED, NOT_PLANNED, REFUSED, FAILED)
-"""A plan satisfies every constraint; none does; the request is out of range or contradictory; none
-of these, such as a worker that died of it. What is simulated, is planned."""
+    from llsrbm.motion.plan import Plan
+
+Row = dict[str, Any]
+"""Column name -> value; a name that is missing is null."""
+
+PLANNED, NOT_PLANNED, REFUSED = "planned", "not planned", "refused"
+TIMED_OUT, FAILED = "timed out", "failed"
+STATUSES = (PLANNED, NOT_PLANNED, REFUSED, TIMED_OUT, FAILED)
+"""A plan satisfies every constraint; none was found; the request is out of range or contradictory;
+no result within the limit of time; anything else, such as a process that died. A simulated jump is
+planned."""
 
 TEXT, WHOLE, NUMBER, FLAG, NUMBERS, NAMED = "text", "whole", "number", "flag", "numbers", "named"
+TEXTS = "texts"
 
 
 class Column(NamedTuple):
@@ -35,8 +46,8 @@ class Column(NamedTuple):
 
     Attributes:
         name: lower case.
-        kind: what it holds; `NAMED`: name -> number.
-        unit: SI; "" of what has none.
+        kind: type of its values; `NAMED`: name -> number.
+        unit: SI; "" without one.
         meaning: one sentence without its full stop.
     """
 
@@ -51,7 +62,7 @@ _REQUEST = (
     Column("jump", WHOLE, "", "the jump's place; rows of one jump differ in their seeds alone"),
     Column("id", TEXT, "", "the same for the same request, limits and drives in every sweep"),
     Column("robot", TEXT, "", "name or path of the robot file"),
-    Column("model", TEXT, "", "what the planner believes of the robot's inertia"),
+    Column("model", TEXT, "", "model of the robot's inertia in the planner"),
     Column("type", TEXT, "", "jump type"),
     Column("twist", NUMBER, "rad", "turn about the vertical, positive to the left"),
     Column("forward", NUMBER, "m", "displacement along x"),
@@ -71,9 +82,9 @@ _PLAN = (
     Column("stopped_by", TEXT, "", "limit or constraint that stops the jump"),
     Column("constraint", TEXT, "", "the constraint that the nearest try violates most"),
     Column("stop_limit", TEXT, "", "diagnosed: the limit that would have to change"),
-    Column("stop_value", NUMBER, "SI", "diagnosed: what that limit is"),
-    Column("stop_needed", NUMBER, "SI", "diagnosed: what it would have to be"),
-    Column("message", TEXT, "", "what went wrong, in words"),
+    Column("stop_value", NUMBER, "SI", "diagnosed: the value of that limit"),
+    Column("stop_needed", NUMBER, "SI", "diagnosed: the value that it would need"),
+    Column("message", TEXT, "", "the error"),
     Column("iterations", WHOLE, "", "of the solve that counts"),
     Column("attempts", WHOLE, "", "how many guesses were tried"),
     Column("cost", NUMBER, "", "of the plan"),
@@ -107,7 +118,7 @@ _PLAN_TIMES = (
     Column("solve_time_s", NUMBER, "s", "inside the solver, the same in all rows of a jump"),
     Column("plan_time_s", NUMBER, "s", "from request to plan, likewise"),
 )
-# How outcomes are called and typed is said by `Outcome`; what they mean, too.
+# Names and types of outcomes are those of `Outcome`.
 _OUTCOME_UNITS = {
     "final_yaw_error": "rad",
     "final_position_error": "m",
@@ -149,6 +160,33 @@ _ORIGIN = (
 
 COLUMNS = (*_REQUEST, *_PLAN, *_PLAN_TIMES, *_outcome_columns(), *_ORIGIN)
 
+_MOTION_PREFIX = "motion_"
+_MOTION_UNITS = {
+    "time": "s",
+    "phase": "",
+    "com": "m",
+    "com_velocity": "m/s",
+    "base_position": "m",
+    "base_quat": "",
+    "angular_velocity": "rad/s",
+    "angular_momentum": "kg m2/s",
+    "foot_position": "m",
+    "contact_force": "N",
+    "joint_position": "rad",
+    "joint_velocity": "rad/s",
+    "joint_torque": "Nm",
+}
+MOTION = (
+    *(
+        Column(_MOTION_PREFIX + name, NUMBERS, unit, f"`{name}` of plan.npz, knot after knot")
+        for name, unit in _MOTION_UNITS.items()
+    ),
+    Column(_MOTION_PREFIX + "joint_names", TEXTS, "", "joints, in the order of the columns above"),
+    Column(_MOTION_PREFIX + "leg_names", TEXTS, "", "legs, likewise"),
+)
+"""The planned motion, in the first row of each planned jump: `numpy.reshape(value, (knots, -1))`
+has a row a knot."""
+
 TIMES = (
     *("solve_time_s", "plan_time_s", "simulation_time_s"),
     *("tick_median_s", "tick_p99_s", "real_time_factor", "replan_median_s", "replan_p95_s"),
@@ -159,16 +197,11 @@ DIAGNOSED = ("stopped_by", "stop_limit", "stop_value", "stop_needed", "message")
 """Columns that a diagnosis, which is given up after some seconds, may fill or not."""
 
 LIMIT = "limit_"
-"""What the names of columns of varied limits begin with."""
+"""Prefix of the columns of varied limits."""
 
 
-@cache
-def schema(limits: tuple[str, ...]) -> pa.Schema:
-    """Of a sweep's table, units and meanings beside the fields.
-
-    Args:
-        limits: names of those that the spec varies.
-    """
+def schema(spec: Spec) -> pa.Schema:
+    """Of a sweep's table, units and meanings beside the fields."""
     import pyarrow as pa
 
     types = {
@@ -177,37 +210,62 @@ def schema(limits: tuple[str, ...]) -> pa.Schema:
         NUMBER: pa.float64(),
         FLAG: pa.bool_(),
         NUMBERS: pa.list_(pa.float64()),
+        TEXTS: pa.list_(pa.string()),
         NAMED: pa.map_(pa.string(), pa.float64()),
     }
-    asked = [Column(LIMIT + name, NUMBER, "SI", f"the limit {name}") for name in limits]
+    limits = [Column(LIMIT + name, NUMBER, "SI", f"the limit {name}") for name in spec.limits]
     return pa.schema(
         [
-            pa.field(
-                column.name,
-                types[column.kind],
-                metadata={"unit": column.unit, "meaning": column.meaning},
+            pa.field(name, types[kind], metadata={"unit": unit, "meaning": meaning})
+            for name, kind, unit, meaning in (
+                *COLUMNS,
+                *limits,
+                *(MOTION if spec.trajectories else ()),
             )
-            for column in (*COLUMNS, *asked)
         ]
     )
 
 
-def table_of(rows: Sequence[Mapping[str, Any]], limits: tuple[str, ...]) -> pa.Table:
-    """Rows as a table; what a row does not name is null.
+def table_of(rows: Sequence[Row], wanted: pa.Schema) -> pa.Table:
+    """Rows as a table.
 
     Raises:
-        KeyError: a row names a column that there is not.
+        KeyError: a row names a column that the schema does not have.
     """
     import pyarrow as pa
 
-    wanted = schema(limits)
     for row in rows:
         if unknown := row.keys() - {*wanted.names}:
             raise KeyError(f"no such columns: {sorted(unknown)}")
-    columns = {name: [_plain(row.get(name)) for row in rows] for name in wanted.names}
+    columns = {name: [_pairs(row.get(name)) for row in rows] for name in wanted.names}
     return pa.table(columns, schema=wanted)
 
 
-def _plain(value: Any) -> Any:
-    """Of names with numbers, pairs."""
+def _pairs(value: Any) -> Any:
     return list(value.items()) if isinstance(value, Mapping) else value
+
+
+def motion_of(plan: Plan) -> Row:
+    """The columns of `MOTION`."""
+    arrays = {name: getattr(plan, name) for name in _MOTION_UNITS}
+    row = {n: None if a is None else a.astype(float).ravel() for n, a in arrays.items()}
+    row |= {name: list(getattr(plan, name)) for name in ("joint_names", "leg_names")}
+    return {_MOTION_PREFIX + name: value for name, value in row.items()}
+
+
+def origin(spec: Spec) -> dict[str, str]:
+    """Versions that rows depend on: robot -> hash of its files, "llsrbm" -> version."""
+    return {"llsrbm": package_version(), **{robot: robot_hash(robot) for robot in spec.robots}}
+
+
+def robot_hash(name_or_path: str) -> str:
+    """Of a robot's file and its URDF, as they are now.
+
+    Raises:
+        InputError: no such robot.
+        RobotFileError: its file is wrong.
+    """
+    from llsrbm.robots import load_robot
+
+    robot = load_robot(name_or_path)
+    return content_key(robot.path, robot.urdf_path).hex()[:16]

@@ -1,7 +1,7 @@
-"""Hands shards of a sweep out to Dask workers and keeps what comes back.
+"""Hands the jumps of a sweep out to Dask workers, a task each, and keeps their rows in order.
 
-Few shards are under way at a time, so that neither the scheduler nor this process holds more than
-those. How many jumps a shard has follows from the rate measured so far, and changes no row.
+A few tasks a worker are under way at a time, so that neither the scheduler nor this process holds
+more than those.
 """
 
 from __future__ import annotations
@@ -9,13 +9,13 @@ from __future__ import annotations
 import asyncio
 import logging
 import math
+import queue
 import time
 from collections import deque
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import CancelledError, ThreadPoolExecutor
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from dataclasses import dataclass
-from itertools import islice
 from typing import Any
 
 import dask
@@ -25,26 +25,77 @@ from distributed.comm import CommClosedError, get_address_host
 from distributed.scheduler import KilledWorker
 
 from llsrbm.errors import Error, InputError
-from llsrbm.sweep.shard import Shard, lost_shard, prepare, run_shard
-from llsrbm.sweep.table import Folder
+from llsrbm.request.numerals import duration
+from llsrbm.sweep.folder import Folder, difference
+from llsrbm.sweep.jump import failed_rows
+from llsrbm.sweep.points import Points
+from llsrbm.sweep.process import run_jump, run_prepare
+from llsrbm.sweep.rows import FAILED, Row
+from llsrbm.sweep.spec import Spec
 
 GO_ON = "what is done is kept: run the same command again to go on"
 
-_SHARD_TIME = (
-    10.0  # s that a shard takes: long beside Dask's overhead of milliseconds, short to lose
-)
-_MOST_JUMPS = 500  # of a shard, so that its rows stay below a megabyte
-_UNDER_WAY = 2  # shards a worker, so that it need not wait for its next one
+LARGE = 10**6
+"""Rows from which on a sweep is to be confirmed: more than two days on two workers."""
+
+# s a jump on one core, mean of the three robots, failures included; diagnoses spread over all.
+_PLAN_TIME, _SIMULATION_TIME, _DIAGNOSIS_TIME = 0.5, 1.1, 3.0
+# bytes; Parquet packs rows of planned jumps to this, and motions hardly at all.
+_BYTES_A_ROW, _BYTES_A_MOTION = 500, 50_000
+
+_UNDER_WAY = 2  # tasks a worker, so that it need not wait for its next one
+_MOST_HELD = 20_000  # jumps that wait for one before them to be written
 _ANSWER_TIME = 10.0  # s in which a scheduler has to answer
-_LOOK_TIME = 1.0  # s between looks at the clock while shards are computed
+_LOOK_TIME = 1.0  # s between looks at the clock while jumps are computed
 _COUNT_WORKERS = 5.0  # s between looks at how many workers there are
-_DEATHS = 3  # workers that a shard may lose before it is suspected of killing them
-_MEMORY = 0.2  # how much the newest shard counts in the rate
+_DEATHS = 3  # workers that may die of a jump before it is given up
+_LIMIT, _LIMIT_A_ROW = 300.0, 30.0  # s that a jump may take, and its rows beyond that
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """Roughly how large a sweep is.
+
+    Attributes:
+        jumps, rows: exactly.
+        seconds: of one worker.
+        size: of the results, bytes.
+    """
+
+    jumps: int
+    rows: int
+    seconds: float
+    size: float
+
+    def line(self, workers: int | None) -> str:
+        """One line; `workers`: their number, None: not known."""
+        if workers is None:
+            long = f"{duration(self.seconds)} of work for the cluster"
+        else:
+            many = f"{workers} worker{'s' if workers > 1 else ''}"
+            long = f"{duration(self.seconds / workers)} on {many}"
+        power = min(max(int(math.log10(self.size) // 3), 1), 4)
+        size = f"about {self.size / 1e3**power:.1f} {' kMGT'[power]}B"
+        return f"{self.jumps} jumps, {self.rows} rows; expected {long}, {size}"
+
+
+def estimate(points: Points) -> Estimate:
+    """Time and disk of a whole sweep."""
+    spec = points.spec
+    seconds = points.count * (_PLAN_TIME + spec.diagnose * _DIAGNOSIS_TIME)
+    seconds += points.rows * spec.simulated * _SIMULATION_TIME
+    size = points.rows * _BYTES_A_ROW + points.count * spec.trajectories * _BYTES_A_MOTION
+    return Estimate(points.count, points.rows, seconds, size)
+
+
+def default_limit(spec: Spec) -> float:
+    """Time (s) that a jump may take with all its simulations; most take a second or two."""
+    return _LIMIT + _LIMIT_A_ROW * spec.rows_a_jump()
 
 
 @dataclass
 class Progress:
-    """How far a sweep is.
+    """Progress of a sweep.
 
     Attributes:
         jumps: of the sweep; done: of them, also earlier; begun_at: `done` when this run began.
@@ -66,21 +117,10 @@ class Progress:
         return (self.done - self.begun_at) / self.seconds if self.seconds else 0.0
 
     @property
-    def left(self) -> float:
-        """s; infinite before the first jump."""
-        return (self.jumps - self.done) / self.rate if self.rate else math.inf
-
-    @property
     def busy(self) -> float:
         """Share of the workers' time, from start to end, inside planning and simulation."""
         whole = self.workers * self.seconds
         return (self.planning + self.simulating) / whole if whole else 0.0
-
-    def add(self, shard: Shard) -> None:
-        """Count a shard."""
-        self.done += len(shard.jumps)
-        self.planning += shard.planning
-        self.simulating += shard.simulating
 
 
 @contextmanager
@@ -100,27 +140,27 @@ def connected(workers: int, scheduler: str | None) -> Iterator[distributed.Clien
         # One task less on its way to a worker is one less that its death delays.
         "distributed.admin.low-level-log-length": 0,
     }
-    # Its loggers, some of which have levels of their own, say in many lines what is said in one.
+    # Its loggers, some of which have levels of their own, use many lines where we print one.
     names = {"distributed", "distributed.client", *dask.config.get("logging", {})}
     levels = {logger: logger.level for logger in map(logging.getLogger, sorted(names))}
     for logger in levels:
         logger.setLevel(logging.CRITICAL)
     try:
         with dask.config.set(settings):
-            if scheduler is None:
-                with (
-                    distributed.LocalCluster(
-                        n_workers=workers,
-                        threads_per_worker=1,
-                        processes=True,
-                        dashboard_address="127.0.0.1:0",
-                        silence_logs=logging.CRITICAL,
-                    ) as cluster,
-                    distributed.Client(cluster) as client,
-                ):
+            if scheduler is not None:
+                with _existing(scheduler) as client:
                     yield client
                 return
-            with _existing(scheduler) as client:
+            with (
+                distributed.LocalCluster(
+                    n_workers=workers,
+                    threads_per_worker=1,
+                    processes=True,
+                    dashboard_address="127.0.0.1:0",
+                    silence_logs=logging.CRITICAL,
+                ) as cluster,
+                distributed.Client(cluster) as client,
+            ):
                 yield client
     finally:
         for logger, level in levels.items():
@@ -129,11 +169,11 @@ def connected(workers: int, scheduler: str | None) -> Iterator[distributed.Clien
 
 def _existing(scheduler: str) -> distributed.Client:
     try:
-        # A client waits for ever for something that takes the connection and says nothing.
+        # A client waits for ever for something that takes the connection and sends nothing.
         # In a thread of its own: this one may have an event loop already, as in a notebook.
         with ThreadPoolExecutor(1) as thread:
-            asked = asyncio.wait_for(_identity(scheduler), _ANSWER_TIME)
-            thread.submit(asyncio.run, asked).result()
+            answer = asyncio.wait_for(_identity(scheduler), _ANSWER_TIME)
+            thread.submit(asyncio.run, answer).result()
         return distributed.Client(scheduler, timeout=f"{_ANSWER_TIME}s")
     except Exception as error:  # whatever another service's answer makes of Dask's reader
         raise InputError(
@@ -143,7 +183,6 @@ def _existing(scheduler: str) -> distributed.Client:
 
 
 async def _identity(scheduler: str) -> Any:
-    """What a scheduler says of itself."""
     async with distributed.rpc(scheduler) as remote:
         return await remote.identity()
 
@@ -153,55 +192,53 @@ def run(
     client: distributed.Client,
     origin: Mapping[str, str],
     *,
+    limit: float,
     progress: Callable[[Progress], None],
-    told: Callable[[str], None],
+    note: Callable[[str], None],
 ) -> Progress:
     """Compute all jumps that are missing.
 
     Args:
         folder: keeps them.
         client: of a scheduler with workers, or soon with some.
-        origin: what workers' robots and version have to be, see `llsrbm.sweep.shard.origin`.
+        origin: versions that workers must have, see `llsrbm.sweep.rows.origin`.
+        limit: time (s) that a jump may take.
         progress: called about every second.
-        told: called with a line when there is something else to say.
+        note: called with a line when there is something else to report.
 
     Raises:
         Error: the scheduler is lost, a worker cannot run the sweep, or the disk is full; what is
             done is kept.
     """
-    work = _Work(folder, client, origin, progress, told)
-    with _lost():
+    work = _Work(folder, client, origin, limit, progress, note)
+    try:
         work.prepare()
         work.run()
+    except (FutureCancelledError, CancelledError, CommClosedError, OSError) as error:
+        raise Error(f"the scheduler is lost ({type(error).__name__}); {GO_ON}") from error
     return work.so_far
 
 
-@contextmanager
-def _lost() -> Iterator[None]:
-    try:
-        yield
-    except (FutureCancelledError, CancelledError, CommClosedError, OSError) as error:
-        raise Error(f"the scheduler is lost ({type(error).__name__}); {GO_ON}") from error
-
-
 class _Work:
-    """What is under way."""
+    """The tasks under way, and the rows that wait for those of earlier jumps."""
 
     def __init__(
         self,
         folder: Folder,
         client: distributed.Client,
         origin: Mapping[str, str],
+        limit: float,
         progress: Callable[[Progress], None],
-        told: Callable[[str], None],
+        note: Callable[[str], None],
     ) -> None:
         self._folder, self._client, self._origin = folder, client, dict(origin)
-        self._progress, self._told = progress, told
-        self._spec = folder.points.spec.as_json()
+        self._limit, self._progress, self._note = limit, progress, note
+        self._spec = folder.points.spec
         self._missing = folder.missing()
-        self._suspects: deque[list[int]] = deque()
-        self._flight: dict[distributed.Future, list[int]] = {}
-        self._seconds_a_jump = 0.0
+        self._flight: dict[distributed.Future, int] = {}
+        self._ended: queue.SimpleQueue[distributed.Future] = queue.SimpleQueue()
+        self._order: deque[int] = deque()  # jumps that were handed out and are not written
+        self._held: dict[int, list[Row]] = {}
         self._counted = -math.inf
         done = int(folder.done.sum())
         self.so_far = Progress(folder.points.count, done, done)
@@ -209,109 +246,97 @@ class _Work:
 
     def prepare(self) -> None:
         """Have one worker of each machine fill its cache, before all of them do the same."""
-        self._wait_for_workers()
+        self._count_workers()
+        if self.so_far.workers == 0:
+            self._note("waiting for workers")
+        while self.so_far.workers == 0:
+            time.sleep(_LOOK_TIME)
+            self._count_workers()
+        kinds = [*self._folder.points.kinds()]
         hosts = {get_address_host(address): address for address in self._client.nthreads()}
         futures = [
+            # A worker that dies comes back with another address.
             self._client.submit(
-                prepare,
-                self._spec,
-                workers=[address],
-                allow_other_workers=True,  # a worker that dies comes back with another address
-                pure=False,
+                run_prepare, kinds, workers=[address], allow_other_workers=True, pure=False
             )
             for address in hosts.values()
         ]
-        self._told("loading the solvers; those that are built for the first time take a minute")
+        self._note("loading the solvers; those that are built for the first time take a minute")
         for future in futures:
-            try:
-                self._check(self._result(future))
-            except KilledWorker as error:
+            if isinstance(future.exception(), KilledWorker):
                 raise Error(
                     f"{_DEATHS + 1} workers died while they loaded the solvers; expected about a "
                     f"gigabyte of memory for each; {GO_ON}"
-                ) from error
+                )
+            self._check(future)
         self._start = time.perf_counter()
 
     def run(self) -> None:
-        """Until nothing is missing."""
-        self._fill()
+        """Until no jump is missing."""
+        self._hand_out()
         while self._flight:
-            with suppress(TimeoutError):
-                distributed.wait([*self._flight], timeout=_LOOK_TIME, return_when="FIRST_COMPLETED")
-            for future in [future for future in self._flight if future.done()]:
-                self._take(future, self._flight.pop(future))
-            self._fill()
+            self._take(self._next_ended())
+            while self._order and self._order[0] in self._held:
+                jump = self._order.popleft()
+                self._folder.append(jump, self._held.pop(jump))
+            self._hand_out()
             self.so_far.seconds = time.perf_counter() - self._start
             self._progress(self.so_far)
-        while self._suspects:
-            self._alone(self._suspects.popleft())
+        self._folder.flush()
 
-    def _fill(self) -> None:
-        """Send out as many shards as the workers can do with."""
+    def _hand_out(self) -> None:
+        """Submit as many jumps as the workers can do with."""
         self._count_workers()
-        while len(self._flight) < _UNDER_WAY * max(self.so_far.workers, 1):
-            jumps = [*islice(self._missing, self._size())]
-            if not jumps:
+        most = _UNDER_WAY * max(self.so_far.workers, 1)
+        while len(self._flight) < most and len(self._held) < _MOST_HELD:
+            jump = next(self._missing, None)
+            if jump is None:
                 return
-            self._flight[self._submit(jumps)] = jumps
+            point = self._folder.points[jump]
+            future = self._client.submit(run_jump, self._spec, point, self._limit, pure=False)
+            self._flight[future] = jump
+            self._order.append(jump)
+            future.add_done_callback(self._ended.put)
 
-    def _size(self) -> int:
-        """Jumps of the next shard: few before there is a rate, and so that all end together."""
-        if not self._seconds_a_jump:
-            return 1
-        under_way = sum(map(len, self._flight.values()))
-        left = self.so_far.jumps - self.so_far.done - under_way
-        share = math.ceil(left / (_UNDER_WAY * max(self.so_far.workers, 1)))
-        return max(1, min(int(_SHARD_TIME / self._seconds_a_jump), share, _MOST_JUMPS))
-
-    def _submit(self, jumps: list[int]) -> distributed.Future:
-        return self._client.submit(run_shard, self._spec, jumps, pure=False)
-
-    def _take(self, future: distributed.Future, jumps: list[int]) -> None:
-        """Keep what came back; a shard that did not is tried again, alone, at the end."""
+    def _next_ended(self) -> list[distributed.Future]:
+        """Tasks that have ended, after a second an empty list."""
         try:
-            shard = self._result(future)
-        except KilledWorker:
-            self._suspects.append(jumps)
-            return
-        self._keep(shard)
+            ended = {self._ended.get(timeout=_LOOK_TIME)}
+            while not self._ended.empty():
+                ended.add(self._ended.get())
+        except queue.Empty:  # Dask calls nothing where the scheduler is lost
+            ended = {future for future in self._flight if future.done()}
+        return [future for future in ended if future in self._flight]
 
-    def _alone(self, jumps: list[int]) -> None:
-        """Find out which jump it is that kills workers, with nothing else under way."""
+    def _take(self, ended: list[distributed.Future]) -> None:
+        """Hold the rows of jumps whose tasks have ended."""
+        whole = [future for future in ended if future.status == "finished"]
+        results = dict(zip(whole, self._client.gather(whole), strict=True))
+        for future in ended:
+            jump = self._flight.pop(future)
+            if future in results:
+                future.release()
+                found = results[future]
+            elif isinstance(future.exception(), KilledWorker):
+                self._note(f"jump {jump} kills workers; its rows say so")
+                message = f"{_DEATHS + 1} workers died while they computed it"
+                found = failed_rows(self._folder.points[jump], FAILED, message)
+            else:
+                self._check(future)
+            for row in found:
+                versions = {"llsrbm": row["version"], row["robot"]: row["robot_hash"]}
+                here = {name: self._origin.get(name, "") for name in versions}
+                if other := difference(versions, here):
+                    raise Error(f"a worker has {other}; expected the same everywhere; {GO_ON}")
+            self._held[jump] = found
+            self.so_far.done += 1
+            self.so_far.planning += found[0].get("plan_time_s") or 0.0
+            self.so_far.simulating += sum(row.get("simulation_time_s") or 0.0 for row in found)
+
+    def _check(self, future: distributed.Future) -> None:
+        """Raise `Error` if a task failed before it could compute anything."""
         try:
-            shard = self._result(self._submit(jumps))
-        except KilledWorker as error:
-            if len(jumps) > 1:
-                middle = len(jumps) // 2
-                self._suspects.extendleft([jumps[middle:], jumps[:middle]])
-                return
-            self._told(f"jump {jumps[0]} kills workers; its rows say so")
-            points = self._folder.points
-            message = f"{error.allowed_failures + 1} workers died while they computed it"
-            shard = lost_shard(points.spec, points[jumps[0]], message)
-        self._keep(shard)
-
-    def _keep(self, shard: Shard) -> None:
-        self._check(shard.origin)
-        self._folder.write(shard)
-        a_jump = shard.seconds / len(shard.jumps)
-        before = self._seconds_a_jump or a_jump
-        self._seconds_a_jump = max(before + _MEMORY * (a_jump - before), 1e-6)
-        self.so_far.add(shard)
-        self.so_far.seconds = time.perf_counter() - self._start
-        self._progress(self.so_far)
-
-    def _result(self, future: distributed.Future) -> Any:
-        """What a worker hands back.
-
-        Raises:
-            KilledWorker: workers died of it, or by chance.
-            Error: it could not begin.
-        """
-        try:
-            return future.result()
-        except KilledWorker:
-            raise
+            future.result()
         except Exception as error:
             if future.status != "error":  # not the worker's, but the connection's
                 raise
@@ -321,23 +346,6 @@ class _Work:
             ) from error
         finally:
             future.release()
-
-    def _check(self, origin: Mapping[str, str]) -> None:
-        for name, value in self._origin.items():
-            if origin.get(name) != value:
-                what = "llsrbm" if name == "llsrbm" else f"the robot {name}"
-                raise Error(
-                    f"a worker has {what} {origin.get(name)}, this machine {value}; expected the "
-                    f"same everywhere; {GO_ON}"
-                )
-
-    def _wait_for_workers(self) -> None:
-        self._count_workers()
-        if self.so_far.workers == 0:
-            self._told("waiting for workers")
-        while self.so_far.workers == 0:
-            time.sleep(_LOOK_TIME)
-            self._count_workers()
 
     def _count_workers(self) -> None:
         now = time.perf_counter()

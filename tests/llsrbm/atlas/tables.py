@@ -8,7 +8,8 @@ from itertools import product
 import numpy as np
 import pyarrow.parquet as pq
 
-from llsrbm.sweep.rows import table_of
+from llsrbm.sweep.rows import schema, table_of
+from llsrbm.sweep.spec_file import parse_spec
 
 TWISTS = np.radians(np.linspace(-180, 180, 9))
 FORWARDS = np.linspace(-0.3, 0.6, 4)
@@ -48,7 +49,9 @@ def stopped(name="joint_torque"):
 
 def write(path, rows, limits=()):
     made = [{"index": index, **each} for index, each in enumerate(rows)]
-    pq.write_table(table_of(made, limits), path)
+    axes = "".join(f"\n[limits]\n{limit} = [1]" for limit in limits)
+    spec = parse_spec(f'title = "x"\nrobots = ["anymal"]{axes}', "spec")
+    pq.write_table(table_of(made, schema(spec)), path)
     return path
 
 

@@ -1,13 +1,15 @@
 from __future__ import annotations
 
+import subprocess
+import sys
+
 import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
 from llsrbm.atlas.jumps import FALLS
-from llsrbm.atlas.shipped import shipped_atlas
-from llsrbm.atlas.table import read_atlas, write_small
+from llsrbm.atlas.table import read_atlas, shipped_atlas, write_small
 from llsrbm.errors import InputError
 from tests.llsrbm.atlas.tables import can, grid, row, stopped, write
 
@@ -69,15 +71,39 @@ def test_models_and_types_are_told_apart(tmp_path):
     assert atlas.jumps_of("anymal", "llsrbm", "flip").numbers.tolist() == [0]
 
 
-def test_the_small_file_is_the_same_atlas(tmp_path):
-    table = write(tmp_path / "jumps.parquet", grid())
-    write_small(tmp_path, tmp_path / "small.parquet")
-    assert (tmp_path / "small.parquet").stat().st_size < table.stat().st_size / 2
-    (one,), (other,) = (read_atlas(p).groups for p in (table, tmp_path / "small.parquet"))
-    assert read_atlas(tmp_path / "small.parquet").title == tmp_path.name
+@pytest.mark.parametrize("name", ["small.npz", "small.parquet"])
+def test_the_small_file_is_the_same_atlas(tmp_path, name):
+    table = write(tmp_path / "jumps.parquet", [*grid(), row(72, limit_friction=0.2)], ("friction",))
+    write_small(tmp_path, tmp_path / name)
+    assert (tmp_path / name).stat().st_size < table.stat().st_size / 2
+    (one,), (other,) = (read_atlas(p).groups for p in (table, tmp_path / name))
+    assert read_atlas(tmp_path / name).title == tmp_path.name
     np.testing.assert_array_equal(one.planned, other.planned)
+    np.testing.assert_array_equal(one.asked["limit_friction"], other.asked["limit_friction"])
     np.testing.assert_allclose(one.torque_share, other.torque_share, rtol=1e-6)
     assert one.stops == other.stops
+
+
+def test_a_folder_of_parts_is_one_atlas(tmp_path):
+    rows = grid()
+    (tmp_path / "jumps.parquet").mkdir()
+    write(tmp_path / "jumps.parquet" / "0.parquet", rows[:20])
+    write(tmp_path / "jumps.parquet" / "1.parquet", rows[20:])
+    (tmp_path / "sweep.json").write_text('{"title": "in parts"}')
+    atlas = read_atlas(tmp_path)
+    assert atlas.title == "in parts"
+    whole = read_atlas(write(tmp_path / "whole.parquet", rows))
+    np.testing.assert_array_equal(atlas.groups[0].planned, whole.groups[0].planned)
+
+
+def test_the_shipped_one_is_read_without_pyarrow():
+    script = """
+import sys
+sys.modules["pyarrow"] = None
+from llsrbm.atlas.table import read_atlas, shipped_atlas
+read_atlas(shipped_atlas())
+"""
+    subprocess.run([sys.executable, "-c", script], check=True)
 
 
 def test_what_is_no_sweeps_table_is_refused_in_one_line(tmp_path):
@@ -85,10 +111,14 @@ def test_what_is_no_sweeps_table_is_refused_in_one_line(tmp_path):
     pq.write_table(pa.table({"jump": [1]}), tmp_path / "other.parquet")
     write(tmp_path / "odd.parquet", [row(0, status="maybe")])
     write(tmp_path / "empty.parquet", [])
+    (tmp_path / "text.npz").write_text("nothing of the kind")
+    np.savez(tmp_path / "other.npz", title="x", jump=[1])
     for name, why in (
         ("none", "no jumps.parquet there"),
         ("text.parquet", "cannot be read"),
         ("other.parquet", 'no column "robot"'),
+        ("text.npz", "cannot be read"),
+        ("other.npz", 'no column "robot"'),
         ("odd.parquet", "status 'maybe'"),
         ("empty.parquet", "has no jumps"),
     ):

@@ -8,8 +8,10 @@ from contextlib import contextmanager
 import distributed
 import pyarrow.parquet as pq
 
-from llsrbm.sweep import run, shard
-from llsrbm.sweep.rows import NOT_PLANNED, PLANNED, TIMES
+from llsrbm.sweep import jump, process, run
+from llsrbm.sweep.folder import Folder
+from llsrbm.sweep.points import Points
+from llsrbm.sweep.rows import NOT_PLANNED, PLANNED, TIMES, origin
 from llsrbm.sweep.spec_file import parse_spec
 
 GRID = """
@@ -28,7 +30,7 @@ def spec(text=GRID):
     return parse_spec(text, "spec.toml")
 
 
-def planned_at_once(point, spec):
+def planned_at_once(spec, point):
     """In place of planning: figures that follow from the request alone."""
     if point.jump.twist > 1.0:
         return {"status": NOT_PLANNED, "stopped_by": "friction"}, None
@@ -36,37 +38,46 @@ def planned_at_once(point, spec):
 
 
 def without_planning(monkeypatch):
-    monkeypatch.setattr(shard, "_planned", planned_at_once)
-    monkeypatch.setattr(shard, "_planner", lambda point: None)
+    """Neither planning nor a process of its own for it."""
+    monkeypatch.setattr(jump, "_planned", planned_at_once)
+    monkeypatch.setattr(jump, "_planner", lambda point: None)
+    monkeypatch.setattr(process, "compute", lambda function, *of, limit: function(*of))
 
 
-def in_this_process(workers):
-    """In place of `connected`: a cluster of threads, which sees what a test has replaced."""
-
-    @contextmanager
-    def connected(*_):
-        with (
-            distributed.LocalCluster(
-                n_workers=workers,
-                threads_per_worker=1,
-                processes=False,
-                dashboard_address="127.0.0.1:0",
-            ) as cluster,
-            distributed.Client(cluster) as client,
-        ):
-            yield client
-
-    return connected
+@contextmanager
+def in_this_process(*_):
+    """In place of `connected`: a cluster of two threads, which sees what a test has replaced."""
+    with (
+        distributed.LocalCluster(
+            n_workers=2,
+            threads_per_worker=1,
+            processes=False,
+            dashboard_address="127.0.0.1:0",
+        ) as cluster,
+        distributed.Client(cluster) as client,
+    ):
+        yield client
 
 
 def rows_of(path):
-    """A table's rows, times aside."""
-    return pq.read_table(path).drop_columns([*TIMES])
+    """A sweep's rows, times aside."""
+    return pq.read_table(path / "jumps.parquet").drop_columns([*TIMES])
 
 
-def work(folder, client, monkeypatch=None, jumps_a_shard=None):
+def opened(path, text=GRID, of=None):
+    points = Points(spec(text))
+    return Folder(path, points, of or origin(points.spec))
+
+
+def filled(path, jumps, text=GRID):
+    """The folder with these jumps, computed here."""
+    with opened(path, text) as folder:
+        for number in jumps:
+            point = folder.points[number]
+            folder.append(number, jump.rows_of(folder.points.spec, point))
+
+
+def work(folder, client, **options):
     """All of a folder's jumps."""
-    if jumps_a_shard is not None:
-        monkeypatch.setattr(run._Work, "_size", lambda self: jumps_a_shard)
-    origin = shard.origin(folder.points.spec)
-    return run.run(folder, client, origin, progress=lambda _: None, told=lambda _: None)
+    given = {"limit": 60.0, "progress": lambda _: None, "note": lambda _: None, **options}
+    return run.run(folder, client, given.pop("of", origin(folder.points.spec)), **given)

@@ -16,10 +16,7 @@ import llsrbm
 from llsrbm.errors import InputError
 from llsrbm.sweep import dataset
 from llsrbm.sweep.dataset import make_dataset
-from llsrbm.sweep.points import Points
-from llsrbm.sweep.shard import origin, run_shard
-from llsrbm.sweep.spec_file import parse_spec
-from llsrbm.sweep.table import Folder
+from tests.llsrbm.sweep.specs import filled
 
 SPEC = """
 title = "two jumps, two seeds"
@@ -31,11 +28,8 @@ simulate = { seeds = [1, 2] }
 
 @pytest.fixture(scope="module")
 def sweep(tmp_path_factory):
-    spec = parse_spec(SPEC, "spec")
-    path, points = tmp_path_factory.mktemp("sweeps") / "sweep", Points(spec)
-    with Folder(path, points, origin(spec)) as folder:
-        folder.write(run_shard(spec.as_json(), range(points.count)))
-        folder.finish()
+    path = tmp_path_factory.mktemp("sweeps") / "sweep"
+    filled(path, range(2), SPEC)
     assert pq.read_table(path / "jumps.parquet")["strict"].to_pylist() == [True] * 4
     return path
 
@@ -63,7 +57,7 @@ def changed(sweep, path, **columns):
     for name, values in columns.items():
         at = table.schema.get_field_index(name)
         table = table.set_column(at, table.field(at), [pa.array(values, table.field(at).type)])
-    pq.write_table(table, path / "jumps.parquet")
+    pq.write_table(table, next((path / "jumps.parquet").iterdir()))
     return path
 
 
@@ -180,11 +174,11 @@ def test_goes_on_where_it_was(sweep, tmp_path, monkeypatch):
     calls = []
     plan_of = dataset.plan_of
 
-    def cut_off(point, spec):
+    def cut_off(spec, point):
         calls.append(point.number)
         if len(calls) == 2:
             raise KeyboardInterrupt
-        return plan_of(point, spec)
+        return plan_of(spec, point)
 
     monkeypatch.setattr(dataset, "plan_of", cut_off)
     out = tmp_path / "out"
@@ -210,8 +204,8 @@ def test_a_finished_lerobot_set_is_left_alone(sweep, lerobot):
 def test_what_is_not_strict_any_more_is_left_out(sweep, tmp_path, monkeypatch):
     rollout_of = dataset.rollout_of
 
-    def other(point, plan, spec, seed):
-        found = rollout_of(point, plan, spec, seed)
+    def other(spec, point, plan, seed):
+        found = rollout_of(spec, point, plan, seed)
         if point.number == 0:
             object.__setattr__(found.outcome, "strict", False)
         return found
@@ -256,8 +250,9 @@ def test_no_sweep(tmp_path):
 
 def test_a_sweep_under_way(sweep, tmp_path):
     shutil.copytree(sweep, tmp_path / "sweep")
-    (tmp_path / "sweep" / "jumps.parquet").unlink()
-    with pytest.raises(InputError, match=r"the sweep is not done; expected jumps\.parquet"):
+    (part,) = (tmp_path / "sweep" / "jumps.parquet").iterdir()
+    pq.write_table(pq.read_table(part).slice(0, 2), part)
+    with pytest.raises(InputError, match=r"the sweep is not done: 2 of 4 rows"):
         make_dataset(tmp_path / "sweep", tmp_path / "out", "npz")
 
 

@@ -4,9 +4,10 @@ import pyarrow.parquet as pq
 import pytest
 
 from llsrbm import cli
+from llsrbm.request.numerals import duration
 from llsrbm.sweep import run
-from llsrbm.sweep.estimate import duration_in_words, estimate
 from llsrbm.sweep.points import Points
+from llsrbm.sweep.run import estimate
 from tests.llsrbm.sweep.specs import GRID, in_this_process, spec, without_planning
 
 
@@ -14,7 +15,7 @@ from tests.llsrbm.sweep.specs import GRID, in_this_process, spec, without_planni
 def sweep(tmp_path, monkeypatch):
     """Run the command with a spec's text; its status."""
     without_planning(monkeypatch)
-    monkeypatch.setattr(run, "connected", in_this_process(1))
+    monkeypatch.setattr(run, "connected", in_this_process)
 
     def command(text=GRID, *options):
         (tmp_path / "spec.toml").write_text(text)
@@ -30,7 +31,7 @@ def test_a_table_and_a_summary(sweep, tmp_path, capfd):
     assert "40 jumps, 40 rows; expected" in told.err
     assert "dashboard: http://" in told.err
     assert "anymal    20 rows: 16 planned, 4 not planned" in told.out
-    assert pq.read_metadata(tmp_path / "out" / "jumps.parquet").num_rows == 40
+    assert len(pq.read_table(tmp_path / "out" / "jumps.parquet")) == 40
 
 
 def test_json_is_one_object_and_done_is_done(sweep, capfd):
@@ -82,7 +83,7 @@ def test_an_estimate_counts_what_the_spec_asks():
     assert simulated.seconds > 3 * plain.seconds
     kept = estimate(Points(spec("trajectories = true\n" + GRID)))
     assert kept.size > 10 * plain.size
-    assert "on 2 workers" in plain.in_words(2)
+    assert "on 2 workers" in plain.line(2)
 
 
 @pytest.mark.parametrize(
@@ -90,4 +91,4 @@ def test_an_estimate_counts_what_the_spec_asks():
     [(40, "40 s"), (720, "12 min"), (12_600, "3.5 h"), (180_000, "50.0 h"), (200_000, "2.3 days")],
 )
 def test_durations_in_words(seconds, words):
-    assert duration_in_words(seconds) == (words if seconds != 180_000 else "2.1 days")
+    assert duration(seconds) == (words if seconds != 180_000 else "2.1 days")

@@ -1,0 +1,254 @@
+"""The rows of one jump, planned and simulated in this process.
+
+They depend on spec and point alone: every plan starts from the analytic guess, never from another
+plan, and solvers take their compiled functions before the first jump, never in between. Failures
+are rows.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from dataclasses import asdict
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from llsrbm.errors import Error, InputError, NotConverged
+from llsrbm.sweep import rows
+from llsrbm.sweep.points import Point
+from llsrbm.sweep.rows import Row
+from llsrbm.sweep.spec import Spec
+from llsrbm.version import package_version
+
+if TYPE_CHECKING:
+    from llsrbm.motion.plan import Plan
+    from llsrbm.motion.rollout import Rollout
+    from llsrbm.planning.solve.planner import Planner
+    from llsrbm.robots.robot import Robot
+
+# Share of the robot's weight below which a contact's force says nothing about friction.
+_LOADED = 0.02
+_LONGEST_MESSAGE = 500  # characters of a row's message
+_OUTCOMES = {column.name for column in rows.COLUMNS} - {"status"}
+
+
+def rows_of(spec: Spec, point: Point) -> list[Row]:
+    """Plan a jump and simulate it once a seed: one row a seed.
+
+    Raises:
+        InputError: the robot's file is not on this machine.
+    """
+    request = request_of(point)
+    start = time.perf_counter()
+    planned, plan = _planned(spec, point)
+    planned["plan_time_s"] = time.perf_counter() - start
+    found = []
+    for place, seed in zip(point.rows, point.seeds, strict=True):
+        row = {**request, "index": place, "seed": seed, **planned}
+        if plan is not None and spec.simulated:
+            row |= _simulated(spec, point, plan, seed)
+        found.append(row)
+    if plan is not None and spec.trajectories:
+        found[0] |= rows.motion_of(plan)
+    return found
+
+
+def failed_rows(point: Point, status: str, message: str) -> list[Row]:
+    """The rows of a jump that could not be computed."""
+    row = {**request_of(point), "status": status, "message": message}
+    pairs = zip(point.rows, point.seeds, strict=True)
+    return [{**row, "index": place, "seed": seed} for place, seed in pairs]
+
+
+def prepare(points: Sequence[Point]) -> None:
+    """Build the solvers of these jumps, so that this machine's cache has them."""
+    for point in points:
+        try:
+            _planner(point)
+        except Error:
+            continue  # a contradictory request: its row says so
+
+
+def request_of(point: Point) -> Row:
+    """Request, version and robot of a point's rows."""
+    return {
+        "jump": point.number,
+        "id": point.id,
+        **asdict(point.jump),
+        "drive_torque": point.drive_torque,
+        "drive_speed": point.drive_speed,
+        "version": package_version(),
+        "robot_hash": rows.robot_hash(point.jump.robot),
+        **{rows.LIMIT + name: value for name, value in point.limits.items()},
+    }
+
+
+def plan_of(spec: Spec, point: Point) -> Plan:
+    """A jump's plan, the same wherever and whenever it is computed.
+
+    Raises:
+        Error: see `Planner.plan`.
+    """
+    return _planner(point).plan(
+        point.jump, limits=point.limits, patient=spec.patient, explains=spec.diagnose
+    )
+
+
+def rollout_of(spec: Spec, point: Point, plan: Plan, seed: int | None) -> Rollout:
+    """The simulation of a plan, likewise.
+
+    Raises:
+        InputError: see `llsrbm.simulate`, or the spec simulates nothing.
+    """
+    from llsrbm.simulation.simulate import simulate
+
+    scenario = spec.scenario()
+    if scenario is None:
+        raise InputError("a sweep of plans has no simulations; expected a spec with [simulate]")
+    return simulate(plan, _robot(point), scenario if seed is None else scenario.but(seed=seed))
+
+
+def _robot(point: Point) -> Robot:
+    """With the point's drives, and those of a robot that turns over if the jump does."""
+    from llsrbm.robots import load_robot
+    from llsrbm.robots.drives import with_drives
+
+    robot = load_robot(point.jump.robot)
+    robot = robot.turning if point.jump.turns else robot
+    return with_drives(robot, point.drive_torque, point.drive_speed)
+
+
+def _planner(point: Point) -> Planner:
+    from llsrbm.planning.solve.planner import planner_of
+
+    planner = planner_of(point.jump, robot=_robot(point))
+    planner.formulation.solver.settle()
+    return planner
+
+
+def _planned(spec: Spec, point: Point) -> tuple[Row, Plan | None]:
+    """The plan's columns, and the plan if there is one."""
+    try:
+        plan = plan_of(spec, point)
+        return {"status": rows.PLANNED, **_solve(plan), **_figures(plan, _robot(point))}, plan
+    except NotConverged as error:
+        return {**_stop(error, spec.diagnose), **_solve(error.plan)}, None
+    except Exception as error:  # noqa: BLE001  # a sweep goes on, and the row says why
+        return _failure(error), None
+
+
+def _simulated(spec: Spec, point: Point, plan: Plan, seed: int | None) -> Row:
+    """The outcome's columns."""
+    start = time.perf_counter()
+    try:
+        outcome = asdict(rollout_of(spec, point, plan, seed).outcome)
+    except Exception as error:  # noqa: BLE001  # likewise
+        return _failure(error)
+    return {
+        **{name: value for name, value in outcome.items() if name in _OUTCOMES},
+        "landed": outcome["status"] == "landed",
+        "fall": outcome["reason"] or None,
+        "simulation_time_s": time.perf_counter() - start,
+    }
+
+
+def _failure(error: Exception) -> Row:
+    status = rows.REFUSED if isinstance(error, InputError) else rows.FAILED
+    return {"status": status, "message": _one_line(error)}
+
+
+def _one_line(error: Exception) -> str:
+    text = " ".join(str(error).split()) or type(error).__name__
+    return text if len(text) <= _LONGEST_MESSAGE else f"{text[:_LONGEST_MESSAGE]}..."
+
+
+def _solve(plan: Plan) -> Row:
+    """Effort and result of a solve, whether it converged or not."""
+    report = plan.report
+    return {
+        "iterations": report.iterations,
+        "attempts": report.attempts,
+        "cost": report.cost,
+        "solve_time_s": report.solve_time_s,
+        "violation": max((each.amount for each in plan.violations.values()), default=None),
+    }
+
+
+def _stop(error: NotConverged, diagnosed: bool) -> Row:
+    """The limit that stops a jump if it was diagnosed, else the constraint violated most."""
+    from llsrbm.planning.why.residuals import severity
+
+    violations = error.plan.violations
+    worst = max(violations, key=lambda name: severity(violations[name]), default=None)
+    row: Row = {
+        "status": rows.NOT_PLANNED,
+        "stopped_by": worst,
+        "constraint": worst,
+        "message": _one_line(error),
+        "violations": {name: violation.amount for name, violation in violations.items()},
+    }
+    if diagnosed and error.stops and error.stops[0].limit is not None:
+        stop = error.stops[0]
+        row |= {"stopped_by": stop.limit, "stop_limit": stop.limit}
+        row |= {"stop_value": stop.value, "stop_needed": stop.needed}
+    return row
+
+
+def _figures(plan: Plan, robot: Robot) -> Row:
+    """Durations, margins and loads of a plan."""
+    from llsrbm.analysis.summary import peak_yaw_rate
+    from llsrbm.body.peak_loads import planned_peak_load, planned_torque_shares
+    from llsrbm.motion.rotation import final_yaw
+
+    durations = np.diff(plan.phase_start)
+    row: Row = {
+        "duration_s": plan.duration,
+        "takeoff_s": plan.lift_off,
+        "flight_s": float(sum(durations[flight] for flight in plan.schedule.flights)),
+        "landing_s": plan.duration - plan.touchdown,
+        "lift_off_s": plan.lift_off,
+        "touchdown_s": plan.touchdown,
+        "phase_durations_s": durations.tolist(),
+        "final_yaw": final_yaw(plan.time, plan.base_quat, plan.angular_velocity[:, 2]),
+        "peak_yaw_rate": peak_yaw_rate(plan),
+        "apex": float(plan.com[:, 2].max() - plan.com[0, 2]),
+        "joint_torque_ratio": planned_torque_shares(plan),
+    }
+    load = planned_peak_load(plan)
+    if load is not None:
+        row |= {"torque_share": load.ratio, "torque_joint": load.joint, "torque_phase": load.phase}
+    return row | _joints(plan, robot) | _forces(plan, robot)
+
+
+def _joints(plan: Plan, robot: Robot) -> Row:
+    """Largest speed and smallest margin at knots; between them would take a tenth of a plan."""
+    q, model = plan.joint_position, robot.model
+    room = np.minimum(q - model.lowerPositionLimit[7:], model.upperPositionLimit[7:] - q)
+    tightest = int(room.min(axis=0).argmin())
+    row: Row = {
+        "joint_margin": float(room[:, tightest].min()),
+        "margin_joint": plan.joint_names[tightest],
+    }
+    if plan.joint_velocity is not None:
+        with np.errstate(divide="ignore", invalid="ignore"):  # joints without a speed limit
+            shares = np.abs(plan.joint_velocity).max(axis=0) / robot.speed_limit
+        fastest = int(shares.argmax())
+        row |= {"speed_share": float(shares[fastest]), "speed_joint": plan.joint_names[fastest]}
+    return row
+
+
+def _forces(plan: Plan, robot: Robot) -> Row:
+    """Forces at contacts, and how much of the friction they use."""
+    from llsrbm.planning.problem.stage import GRAVITY
+
+    force = plan.contact_force
+    tangential = np.hypot(force[..., 0], force[..., 1])
+    loaded = force[..., 2] > _LOADED * robot.mass * GRAVITY
+    used = float((tangential[loaded] / force[..., 2][loaded]).max()) if loaded.any() else 0.0
+    friction = plan.tuning.limits.get("friction", robot.file.limits.friction)
+    return {
+        "friction_share": used,
+        "friction_margin": friction - used,
+        "peak_force": float(np.linalg.norm(force, axis=-1).max()),
+    }
