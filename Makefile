@@ -1,5 +1,6 @@
 # Two commands do everything on a fresh machine with Python >= 3.11:
-#   make app     sets up .venv and serves the designer at http://127.0.0.1:8080
+#   make app     sets up .venv, serves the designer, prints its address (with the token that opens it)
+#                and opens it where there is a display; LLSRBM_TOKEN=... make app takes a token
 #   make test    sets up .venv and a browser, then runs every test
 # Others: make check (style and types), make bench (solve times; AGAINST=commit compares with an
 # older version, BENCH_ARGS=--crocoddyl with Crocoddyl), make range (random requests over all that may

@@ -1,23 +1,27 @@
-"""The server: binds where it was told or says why not, one session a tab, ends cleanly."""
+"""The server: binds an address or raises an error, runs a session for each tab, ends cleanly."""
 
 from __future__ import annotations
 
 import contextlib
 import errno
 import ipaddress
+import os
 import signal
 import socket
 import sys
+import tempfile
 import threading
+import webbrowser
 from collections.abc import Collection, Iterator
+from pathlib import Path
 from types import FrameType
 
 import viser
 
-from app.guard.access import NONE, Access
-from app.guard.guard import Guard
 from app.guard.limits import Limits
-from app.guard.self_check import check
+from app.guard.policy import Guard
+from app.guard.start_check import check
+from app.guard.token import NONE, Access
 from app.page_template import page
 from app.panel.view_controls import configure_theme
 from app.picture.lighting import configure_world
@@ -35,6 +39,9 @@ from llsrbm.errors import InputError
 from llsrbm.request.jump import Jump
 from llsrbm.robots import load_robot, read_robot_file
 from llsrbm.robots.assets import robot_files
+
+_BROWSER_STARTS = 30.0
+"""s until a browser that was just started has read the file that leads to the page."""
 
 
 class Designer:
@@ -58,9 +65,8 @@ class Designer:
             host: address or name of this machine to bind to.
             port: 1 to 65535, or 0 for any free one.
             allowed_hosts: further names under which browsers may reach the page.
-            token: without which nobody enters; "none": anybody does; None: none on loopback, and
-                else one that is made now.
-            limits: of all that visitors may do.
+            token: needed to enter; "none": anybody may; None: one is generated.
+            limits: of everything that visitors may do.
             pool: computes, and is closed with the server; None: one that uses the library.
             file: with which every tab begins.
             atlases: of sweeps to choose from; None: the one that ships.
@@ -71,7 +77,7 @@ class Designer:
         """
         check_bindable(host, port)
         loopback = is_loopback(host)
-        self._access = Access.chosen(token, loopback=loopback)
+        self._access = Access.chosen(token)
         names = {socket.gethostname(), host, *allowed_hosts}
         self._guard = Guard(self._access, names, loopback=loopback, limits=limits)
         self._server = DesignerServer(host, port, self._guard, page)
@@ -154,8 +160,13 @@ def serve(
     pool: WorkerPool | None = None,
     file: OpenedFile | None = None,
     atlases: Atlases | None = None,
+    browser: bool = False,
 ) -> None:
-    """Serve the page until SIGINT or SIGTERM; prints one line with its URL.
+    """Serve the page until SIGINT or SIGTERM; prints one line with its address, token included.
+
+    Args:
+        host, port, allowed_hosts, token, pool, file, atlases: as in `Designer`.
+        browser: open the page in one, where there is a display.
 
     Raises:
         InputError: the address cannot be bound, the port is in use, or no such token can be.
@@ -173,6 +184,8 @@ def serve(
         )
         try:
             print(f"llsrbm designer: {designer.url}", flush=True)
+            if browser and _has_display():
+                threading.Thread(target=_open, args=(designer.url, stop), daemon=True).start()
             if designer.open_to_all:
                 _say(f"warning: --token {NONE}: anybody who reaches this address may use it")
             designer.warm_up(Jump().robot)
@@ -220,6 +233,20 @@ def is_loopback(host: str) -> bool:
     found = socket.getaddrinfo(host, None, type=socket.SOCK_STREAM)
     addresses = (str(address[0]).partition("%")[0] for *_, address in found)
     return all(ipaddress.ip_address(address).is_loopback for address in addresses)
+
+
+def _has_display() -> bool:
+    shown = any(os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY"))
+    return sys.stdout.isatty() and (shown or sys.platform == "darwin")
+
+
+def _open(url: str, stop: threading.Event) -> None:
+    """Open the page by a file of this user's, for the process list shows a browser's address."""
+    with contextlib.suppress(Exception), tempfile.TemporaryDirectory(prefix="llsrbm-") as folder:
+        page = Path(folder) / "designer.html"  # the folder is this user's alone
+        page.write_text(f'<!doctype html><script>location.replace("{url}")</script>', "utf-8")
+        webbrowser.open(page.as_uri())
+        stop.wait(_BROWSER_STARTS)
 
 
 def _get_drawn(robot: str) -> None:

@@ -1,7 +1,7 @@
 """The link between a tab's session and the scripts in its page (app/static).
 
-The session calls functions of `window.llsrbm`; the page answers through a text field that nobody
-sees. What it answers is a visitor's word, and checked here.
+The session calls functions of `window.llsrbm`; the page answers through a hidden text field. A
+visitor may send anything there, so answers are checked here.
 """
 
 from __future__ import annotations
@@ -9,22 +9,24 @@ from __future__ import annotations
 import json
 import math
 import re
+import threading
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
 import viser
 
+from app.guard.limits import LONGEST_TEXT
 from app.motion import colours
 from app.motion.clip import Clip
 from app.viser_private import run_javascript, uuid_of
 from llsrbm.look.timeline import Timeline
 from llsrbm.request.tuning import Tuning
 
-_LONGEST = 150_000  # characters of a message: a design that is kept and one that is shared
 _MOST_MISSING, _LONGEST_NAME = 20, 100
 _LONGEST_TITLE = 1000  # characters of a sweep's name: its title, and its folder
 _TOKEN = re.compile(r"[0-9a-f]{32}")
+_OVERDUE = 3.0  # s after which a clip that the page has not acknowledged counts as lost
 
 
 @dataclass(frozen=True)
@@ -125,7 +127,7 @@ PageEvent = (
 
 
 class PageLink:
-    """One tab's; for the session's thread, except for the callback that viser makes.
+    """Calls one tab's scripts and reads its answers; for the session's thread.
 
     A page that is slow to take a clip gets the newest one next, not all of them.
     """
@@ -135,9 +137,9 @@ class PageLink:
 
         Args:
             client: the tab.
-            callback: called on viser's event loop, must return at once.
+            callback: called in other threads, must return at once.
         """
-        self._client = client
+        self._client, self._callback = client, callback
         self._field = client.gui.add_text("", "", visible=False)
         self._number = 0  # of the clip that was sent last
         self._taken = 0  # of the clip that the page took last
@@ -160,6 +162,11 @@ class PageLink:
             events: None: nothing happens, it stands.
         """
         if self._number > self._taken:
+            if self._waiting is None:
+                lost = ClipTaken(self._number)  # unless the page says so itself
+                overdue = threading.Timer(_OVERDUE, self._callback, [lost])
+                overdue.daemon = True
+                overdue.start()
             self._waiting = clip, events
         else:
             self._send(clip, events)
@@ -246,7 +253,7 @@ class PageLink:
 
 def read_event(message: object) -> PageEvent | None:
     """The event that a page reports, or None for one that no page can have reported."""
-    if not isinstance(message, str) or len(message) > _LONGEST:
+    if not isinstance(message, str) or len(message) > LONGEST_TEXT:
         return None
     try:
         found = json.loads(message, parse_int=float)

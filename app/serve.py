@@ -28,10 +28,17 @@ def serve(
         str | None,
         typer.Option(
             metavar="TOKEN|none",
-            help="Without which nobody enters. By default none is needed on this machine alone, "
-            "and for all other addresses one is made at each start.",
+            envvar="LLSRBM_TOKEN",
+            help="Needed to enter; generated at each start by default, printed in the page's "
+            "address. An option is seen in the list of processes, the variable is not.",
         ),
     ] = None,
+    token_file: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="A file that holds the token.")
+    ] = None,
+    browser: Annotated[
+        bool, typer.Option(help="Open the page in a browser, where there is a display.")
+    ] = True,
     open_: Annotated[
         Path | None,
         typer.Option(
@@ -39,7 +46,7 @@ def serve(
         ),
     ] = None,
     robot: Annotated[
-        str, typer.Option(metavar="R", help="Whose motion it is, if FILE is another tool's.")
+        str, typer.Option(metavar="R", help="Robot of the motion, if FILE is another tool's.")
     ] = Jump().robot,
     fps: Annotated[
         float | None, typer.Option(help="Frames per second of such a file, if it does not say.")
@@ -80,11 +87,26 @@ def serve(
             host,
             port,
             allowed_hosts=allow_host or (),
-            token=token,
+            token=token if token_file is None else _token_in(token_file, token),
             pool=pool,
             file=file,
             atlases=Atlases(atlas or ()),
+            browser=browser,
         )
+
+
+def _token_in(path: Path, other: str | None) -> str:
+    """The token in a file.
+
+    Raises:
+        InputError: the file cannot be read, or there is another token too.
+    """
+    if other is not None:
+        raise InputError("--token-file: expected no --token or LLSRBM_TOKEN beside it")
+    try:
+        return path.read_text(encoding="utf-8").strip()
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(f"--token-file: {path}: cannot be read ({error})") from error
 
 
 def _cluster(address: str) -> Cluster:

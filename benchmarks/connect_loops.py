@@ -24,14 +24,14 @@ from app.workers.pool import WorkerPool
 from tests.app.planners import SyntheticPlanner
 from tests.app.raw_tab import RawTab
 
-PAGES = 50  # of which every other one's token is used: more than states are kept
+PAGES = 120  # of which every other one's token is used: more than states are kept
 FIRST = 50  # loops before memory is looked at: what is loaded once, and the states that are kept
 PATIENCE = 60.0  # s for the sessions to end
 
 
 # One machine opens more tabs here than the door would let in.
 _MANY = Rate(1e4, 1e4)
-UNLIMITED = Limits(handshakes=_MANY, handshakes_per_peer=_MANY)
+UNLIMITED = Limits(tabs_per_peer=50, handshakes=_MANY, handshakes_per_peer=_MANY)
 
 
 def resident():
@@ -76,7 +76,7 @@ def main():
     times = parser.parse_args().times
     warnings.filterwarnings("ignore", "Queued a ")  # messages to tabs that have gone
     logging.getLogger("websockets").setLevel(logging.CRITICAL)
-    designer = Designer(port=0, pool=WorkerPool(SyntheticPlanner), limits=UNLIMITED)
+    designer = Designer(port=0, token="none", pool=WorkerPool(SyntheticPlanner), limits=UNLIMITED)
     with RawTab(designer.port) as tab:
         tab.wait_for_status("Planned")
     loops(designer, FIRST)

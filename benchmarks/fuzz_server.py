@@ -75,11 +75,12 @@ def main():
     given = options()
     chance = random.Random(given.seed)
     crashes = Crashes()
+    tabs = given.tabs + WITNESSES + 10
     limits = Limits(
-        tabs=given.tabs + WITNESSES + 10, handshakes=MANY, handshakes_per_peer=MANY, pages=MANY,
-        pages_per_peer=MANY, request_s=1.0,
+        tabs=tabs, tabs_per_peer=tabs, handshakes=MANY, handshakes_per_peer=MANY, pages=MANY,
+        pages_per_peer=MANY, wrong_tokens=MANY, open_s=1.0,
     )  # fmt: skip
-    designer = Designer(port=0, pool=WorkerPool(SyntheticPlanner), limits=limits)
+    designer = Designer(port=0, token="none", pool=WorkerPool(SyntheticPlanner), limits=limits)
     # A first round, so that what is loaded once is not taken for what is not given back.
     visits(designer, given.tabs)
     settle(designer)
@@ -165,7 +166,7 @@ def state(designer):
     return {
         "memory_mb": round(pages * os.sysconf("SC_PAGE_SIZE") / 1e6, 1),
         "sessions": len(designer.sessions),
-        "tabs": len(designer._server.door.admitted),
+        "tabs": len(designer._server.door.tabs),
         "pending": len(designer._server.door.pending),
         "threads": sum(not t.name.startswith("ThreadPool") for t in threading.enumerate()),
     }
@@ -178,7 +179,7 @@ def settle(designer):
     while time.monotonic() < end:
         door = designer._server.door
         former, threads = threads, threading.active_count()
-        if not designer.sessions and not door.admitted | door.pending and threads == former:
+        if not designer.sessions and not door.tabs | door.pending and threads == former:
             return
         time.sleep(1.0)
 

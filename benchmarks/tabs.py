@@ -23,7 +23,7 @@ import numpy as np
 
 from tests.app.raw_tab import RawTab
 
-PROGRAM = [sys.executable, "-m", "llsrbm.cli", "serve", "--port", "0"]
+PROGRAM = [sys.executable, "-m", "llsrbm.cli", "serve", "--port", "0", "--token", "none"]
 TABS, DRAGGING, DRAG_SECONDS = 20, 10, 10.0
 SHOWN = re.compile("Planned|Planning while you drag")  # the status line when a plan is on screen
 BURST, STEP_SECONDS = 30, 0.05  # values of the drag at the end, and the time between two

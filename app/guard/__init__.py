@@ -1,1 +1,1 @@
-"""Everything that touches viser's private side, and the link to the scripts of the page."""
+"""Who may enter the page and how much each visitor may use: token, policy, limits, sockets."""

@@ -1,8 +1,9 @@
-"""Limits of all that visitors may do to the server, each with its unit and its reason."""
+"""Limits of everything that visitors may do to the server, each with its unit and its reason."""
 
 from __future__ import annotations
 
 import time
+from collections import OrderedDict
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -12,10 +13,13 @@ UPLOAD_PART = 512 * 1024
 MAX_UPLOAD = 40 * UPLOAD_PART
 """Bytes of an uploaded file; a simulation of some seconds takes a twentieth of it."""
 
+LONGEST_TEXT = 150_000
+"""Characters of a message of the page's scripts: a stored design and one from a link."""
+
 
 @dataclass(frozen=True)
 class Rate:
-    """So many a second in the long run, and so many at once after a pause."""
+    """A rate per second in the long run, and a burst after a pause."""
 
     per_second: float
     burst: float
@@ -25,26 +29,27 @@ class Rate:
 class Limits:
     """A peer is one IPv4 address, or one IPv6 network of 64 bits, which one customer gets.
 
-    Several people may share a peer (an office, a reverse proxy), so what a peer may do is enough
+    Several people may share a peer (an office, a reverse proxy), so a peer's rates are enough
     for all tabs to come back at once after a restart.
     """
 
     # ---- entering
     tabs: int = 50
-    """Open at a time; each costs a thread and some megabytes."""
+    """Open at a time; each costs a thread and some megabytes. When all are open, the oldest that
+    has sent nothing is closed."""
+
+    tabs_per_peer: int = 40
+    """A class of thirty behind one address; other peers find room even then."""
+
+    first_message_s: float = 20.0
+    """Until a tab sends its first message; a page does so when it is first drawn."""
 
     pending: int = 128
     """Connections that are no tab (yet): asking, or being answered. A page takes 0.6 MB of memory
-    while it is being sent, so these take at most 80 MB."""
+    while it is being sent, so these take at most 80 MB. The oldest of the peer with most of them
+    is cut for the next one."""
 
-    pending_per_peer: int = 64
-    """A browser opens at most six at a time; all tabs may reconnect at once."""
-
-    request_s: float = 5.0
-    """Until a request is complete; a browser's is one packet. Browsers open a connection in advance
-    and do without it when it has gone."""
-
-    answer_s: float = 30.0
+    open_s: float = 30.0
     """Until a request is complete and answered: the page is 0.6 MB, over 0.2 Mbit/s 25 s."""
 
     close_s: float = 3.0
@@ -62,19 +67,26 @@ class Limits:
     pages_per_peer: Rate = Rate(20.0, 100.0)
     """Requests of the page by a peer."""
 
+    wrong_tokens: Rate = Rate(0.2, 10.0)
+    """Wrong tokens by a peer: at this rate a chosen token of 16 letters is not found."""
+
     peers: int = 1000
     """Of which rates are remembered; the one that was silent longest is forgotten first."""
 
-    # ---- what a tab sends
+    # ---- messages of a tab
     message_bytes: int = 1 << 20
-    """At once: a part of a file takes half of it, and sliders and clicks far less."""
+    """At once: a part of a file takes half of it."""
+
+    value_bytes: int = 4 << 10
+    """Of a control's value, and of any other message that is no part of a file."""
 
     fragments: int = 4096
     """Of one message: a browser cuts a part of a file into at most some hundred."""
 
     messages: Rate = Rate(200.0, 400.0)
-    """Faster ones wait unread, and the tab's network with them, in order. A page sends 20 changes
-    of its controls a second and 50 of its camera, and a file of 40 parts."""
+    """Faster ones wait unread, and the tab's network with them, in order. Each 64 kB count as one
+    more. A page sends 20 changes of its controls a second and 50 of its camera, and a file of 40
+    parts."""
 
     flood_s: float = 5.0
     """For which messages may have to wait without a pause; then the tab is closed. Pages that were
@@ -84,56 +96,84 @@ class Limits:
     """Pings and pongs of WebSocket itself; a browser only answers ours, three a minute."""
 
     upload_bytes: int = 3 * MAX_UPLOAD
-    """Of files that all tabs together may be sending."""
+    """Of unfinished files of all tabs together."""
 
-    # ---- what a tab does not read
+    upload_idle_s: float = 10.0
+    """Between two parts of a file."""
+
+    # ---- messages to a tab
     backlog_bytes: int = 64 << 20
     """Waiting for one tab: ten times all meshes of a robot with its motion."""
 
-    backlog_messages: int = 20_000
-    """Waiting for one tab: a page's beginning is some hundred."""
-
     socket_bytes: int = 256 << 10
-    """That the system keeps for a connection (Linux takes twice as much). It would take 4 MB, and
-    not say for minutes that a slow peer reads; this is 2 MB/s at a round trip of 0.2 s."""
+    """Kept by the system for a connection (Linux takes twice as much). It would take 4 MB, and not
+    show for minutes that a slow peer reads; this is 2 MB/s at a round trip of 0.2 s."""
 
     stalled_s: float = 20.0
-    """In which a tab takes nothing of what waits for it; then it is closed, and reconnects when it
-    can. A poor wireless network pauses for some seconds."""
+    """In which a tab takes nothing of what waits for it, or does not answer a ping; then it is
+    closed, and reconnects when it can. A poor wireless network pauses for some seconds."""
 
     # ---- the log
     first_lines: int = 20
     """Lines a minute about refusals of a new kind or a new peer; the others are counted."""
 
     summary_s: float = 60.0
-    """Between two summaries of what was refused in the meantime."""
+    """Between two summaries of the refusals in the meantime."""
 
     refusals: int = 500
     """Peers and reasons that are counted apart, the others as one."""
 
 
 class TokenBucket:
-    """Counts what a `Rate` leaves: filled all the time, emptied by what happens."""
+    """Counts the rest of a `Rate`: filled all the time, emptied by events."""
 
     def __init__(self, rate: Rate, now: Callable[[], float] = time.monotonic) -> None:
         self._rate, self._now = rate, now
         self._left, self._at = rate.burst, now()
 
+    def has(self) -> bool:
+        """True if there is one."""
+        self._fill()
+        return self._left >= 1.0
+
     def take(self) -> bool:
         """Take one if there is one."""
-        self._fill()
-        if self._left < 1.0:
+        if not self.has():
             return False
         self._left -= 1.0
         return True
 
-    def wait(self) -> float:
-        """Take one in any case, and return the seconds until there is one."""
+    def wait(self, count: float = 1.0) -> float:
+        """Take so many in any case, and return the seconds until there are as many."""
         self._fill()
-        self._left -= 1.0
+        self._left -= count
         return max(0.0, -self._left / self._rate.per_second)
 
     def _fill(self) -> None:
         now = self._now()
         self._left = min(self._rate.burst, self._left + (now - self._at) * self._rate.per_second)
         self._at = now
+
+
+class PeerRates:
+    """One bucket for all, and one for each of the peers that were seen last."""
+
+    def __init__(
+        self, each: Rate, peers: int, now: Callable[[], float], in_all: Rate | None = None
+    ) -> None:
+        self._each, self._peers, self._now = each, peers, now
+        self._all = None if in_all is None else TokenBucket(in_all, now)
+        self._of: OrderedDict[str, TokenBucket] = OrderedDict()
+
+    def has(self, peer: str) -> bool:
+        """True if a peer could take one."""
+        bucket = self._of.get(peer)
+        return bucket is None or bucket.has()
+
+    def take(self, peer: str) -> bool:
+        """Take one of a peer's, if there is one."""
+        bucket = self._of.pop(peer, None) or TokenBucket(self._each, self._now)
+        self._of[peer] = bucket
+        while len(self._of) > self._peers:
+            self._of.popitem(last=False)
+        return bucket.take() and (self._all is None or self._all.take())

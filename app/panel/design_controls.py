@@ -8,9 +8,9 @@ from typing import Any
 import viser
 
 from app.file_drop import accept_drops
-from app.guard.uploads import take_upload
 from app.guard.validation import number, put
 from app.panel.html import note
+from app.viser_private import take_upload
 from llsrbm.formats import readable
 from llsrbm.request.design import Design
 

@@ -11,6 +11,7 @@ from collections.abc import Callable, Mapping
 
 import viser
 
+from app.guard.limits import Limits
 from app.tab.atlases import Atlases
 from app.tab.initial_plan import InitialPlans
 from app.tab.session import Session
@@ -21,8 +22,8 @@ from llsrbm.robots import RobotFile
 KEPT = 600.0
 """s for which the state of a tab without a connection is kept."""
 
-MOST_KEPT = 20
-"""States that are kept; with plan, pins and simulation one takes some megabytes."""
+MOST_KEPT = Limits.tabs
+"""States that are kept: of all tabs when the network fails; one takes some megabytes."""
 
 _RELEASE = 1.0  # s for the session of a connection that is dead to end, when its page is back
 _END = 5.0  # s for all sessions to end with the server

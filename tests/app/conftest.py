@@ -14,7 +14,7 @@ from tests.app.shared_page import fresh, visit
 @pytest.fixture(scope="session")
 def designer():
     """A designer whose planner is quick and made up; tabs of it share nothing."""
-    running = Designer(port=0, pool=WorkerPool(SyntheticPlanner))
+    running = Designer(port=0, token="none", pool=WorkerPool(SyntheticPlanner))
     yield running
     running.close()
 

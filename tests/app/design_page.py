@@ -5,8 +5,8 @@ from __future__ import annotations
 import contextlib
 import queue
 
-from app.guard.access import Access
-from app.guard.guard import Guard
+from app.guard.policy import Guard
+from app.guard.token import Access
 from app.page_template import page
 from app.panel.design_controls import DesignControls
 from app.viser_private import DesignerServer

@@ -12,9 +12,12 @@ import threading
 import time
 import urllib.request
 from contextlib import closing, nullcontext
+from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
+import app.designer
 from app.designer import Designer, check_bindable, serve
 from app.tab.initial_plan import example
 from app.workers.pool import WorkerPool
@@ -118,32 +121,62 @@ TOKEN = "a-token-of_32-characters-exactly"
 
 
 @pytest.mark.parametrize(
-    ("host", "token", "address", "needed", "open_to_all"),
+    ("host", "token", "address", "open_to_all"),
     [
-        ("127.0.0.1", None, "127.0.0.1", False, False),
-        ("localhost", None, "localhost", False, False),
-        ("::1", None, "[::1]", False, False),
-        ("127.0.0.1", "none", "127.0.0.1", False, False),
-        ("127.0.0.1", TOKEN, "127.0.0.1", True, False),
-        ("0.0.0.0", None, "127.0.0.1", True, False),
-        ("0.0.0.0", TOKEN, "127.0.0.1", True, False),
-        ("0.0.0.0", "none", "127.0.0.1", False, True),
-        ("::", None, "[::1]", True, False),
+        ("127.0.0.1", None, "127.0.0.1", False),
+        ("::1", None, "[::1]", False),
+        ("127.0.0.1", "none", "127.0.0.1", False),
+        ("localhost", TOKEN, "localhost", False),
+        ("0.0.0.0", None, "127.0.0.1", False),
+        ("0.0.0.0", "none", "127.0.0.1", True),
     ],
 )
-def test_the_address_holds_the_token_where_one_is_needed(host, token, address, needed, open_to_all):
+def test_the_address_holds_the_token_unless_none_is_chosen(host, token, address, open_to_all):
+    needed = token != "none"
     with closing(Designer(host, 0, token=token, pool=WorkerPool(SyntheticPlanner))) as designer:
         base = f"http://{address}:{designer.port}"
         found = re.fullmatch(re.escape(base) + r"(?:/\?token=([\w-]{16,}))?", designer.url)
         assert bool(found[1]) is needed
         assert designer.open_to_all is open_to_all
-        if token == TOKEN:
-            assert found[1] == TOKEN
+        assert token != TOKEN or found[1] == TOKEN
         family = "::1" if ":" in host else "127.0.0.1"
         path = designer.url.removeprefix(base) or "/"
         answer = asked(designer.port, path, address=family, host=f"{address}:{designer.port}")
         assert answer.status == (303 if needed else 200)
         assert asked(designer.port, address=family).status == (401 if needed else 200)
+
+
+@pytest.mark.parametrize("given", ["variable", "file", "both"])
+def test_the_token_need_not_be_in_the_list_of_processes(monkeypatch, tmp_path, capfd, given):
+    served = []
+    monkeypatch.setattr("app.designer.serve", lambda *_, **options: served.append(options["token"]))
+    monkeypatch.setattr("app.workers.pool.WorkerPool", lambda **_: SimpleNamespace(close=int))
+    path = tmp_path / "token"
+    path.write_text(TOKEN + "\n")
+    if given != "file":
+        monkeypatch.setenv("LLSRBM_TOKEN", TOKEN)
+    arguments = [] if given == "variable" else ["--token-file", str(path)]
+    status = cli.main(["serve", "--port", "0", *arguments])
+    assert (status, served) == ((2, []) if given == "both" else (0, [TOKEN]))
+
+
+def test_a_browser_is_led_to_the_page_by_a_file_of_this_user(monkeypatch):
+    shown = []
+
+    def show(address):
+        path = Path(address.removeprefix("file://"))
+        shown.append((address, path.parent.stat().st_mode & 0o077, path.read_text()))
+
+    monkeypatch.setattr("webbrowser.open", show)
+    stop = threading.Event()
+    stop.set()
+    app.designer._open(f"http://127.0.0.1:1/?token={TOKEN}", stop)
+    ((address, rights, content),) = shown
+    assert TOKEN not in address  # it is seen in the list of processes
+    assert rights == 0
+    assert f'"http://127.0.0.1:1/?token={TOKEN}"' in content
+    monkeypatch.setattr("webbrowser.open", lambda _: 1 / 0)
+    app.designer._open("http://127.0.0.1:1", stop)
 
 
 def test_a_fixed_token_lets_a_page_come_back_after_a_restart():
@@ -211,8 +244,10 @@ def test_it_serves_says_where_and_ends_cleanly(tmp_path, number):
     )
     try:
         line = server.stdout.readline()
-        url = re.fullmatch(r"llsrbm designer: (http://127\.0\.0\.1:\d+)\n", line).group(1)
-        with urllib.request.urlopen(url, timeout=10) as page:
+        pattern = r"llsrbm designer: (http://127\.0\.0\.1:\d+/\?token=[\w-]{43})\n"
+        url = re.fullmatch(pattern, line).group(1)
+        opener = urllib.request.build_opener(urllib.request.HTTPCookieProcessor())
+        with opener.open(url, timeout=10) as page:
             assert page.status == 200
         terminal = []
         while (told := server.stderr.readline()) != "ready\n":

@@ -162,7 +162,7 @@ def test_the_handle_in_the_picture_moves_the_sliders_and_the_plan(page):
 
 
 def test_the_nearest_jump_is_offered_and_taken(browser):
-    designer = Designer(port=0, pool=WorkerPool(NearbyPlanner))
+    designer = Designer(port=0, token="none", pool=WorkerPool(NearbyPlanner))
     try:
         page = opened(browser, designer.url)
         status(page, "Planned")

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import json
 import math
+import queue
 from types import SimpleNamespace
 from unittest.mock import MagicMock
 
@@ -200,6 +201,17 @@ def test_a_slow_page_gets_the_newest_clip_next(link, sent):
     link.take(ClipTaken(1))  # said twice
     link.take(ClipTaken(77))  # never sent
     assert loaded(sent) == [(1.0, 1), (4.0, 2), (5.0, 3)]
+
+
+def test_a_lost_acknowledgement_does_not_stop_the_picture(sent, monkeypatch):
+    monkeypatch.setattr(page_link, "_OVERDUE", 0.01)
+    events = queue.Queue()
+    link = PageLink(SimpleNamespace(gui=MagicMock()), events.put)
+    link.load(Clip((), 1.0), TIMELINE)
+    link.load(Clip((), 2.0), TIMELINE)
+    assert loaded(sent) == [(1.0, 1)]
+    link.take(events.get(timeout=10))
+    assert loaded(sent) == [(1.0, 1), (2.0, 2)]
 
 
 def test_commands_wait_for_the_clip_that_they_are_about(link, sent):

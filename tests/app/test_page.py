@@ -198,7 +198,7 @@ def test_a_crash_is_told_and_the_page_goes_on(page, capfd):
 
 
 def test_with_the_real_planner(browser, tmp_path):
-    designer = Designer(port=0)
+    designer = Designer(port=0, token="none")
     try:
         page = opened(browser, designer.url)
         text = status(page, "Planned", timeout=90_000)

@@ -6,7 +6,7 @@ import re
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
-FOLDERS = [ROOT / "tests" / "app" / folder for folder in ("server", "viser_link")]
+FOLDERS = [ROOT / "tests" / "app" / folder for folder in ("", "guard")]
 
 
 def test_every_test_that_the_table_names_exists():

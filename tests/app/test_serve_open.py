@@ -31,7 +31,7 @@ def served():
     running = []
 
     def serve(file):
-        running.append(Designer(port=0, pool=WorkerPool(SyntheticPlanner), file=file))
+        running.append(Designer(port=0, token="none", pool=WorkerPool(SyntheticPlanner), file=file))
         return running[-1]
 
     yield serve

@@ -8,8 +8,8 @@ from dataclasses import replace
 
 import pytest
 
-from app.guard.access import Access
-from app.guard.guard import Guard
+from app.guard.policy import Guard
+from app.guard.token import Access
 from app.motion import colours
 from app.motion.planned_motion import bake_plan
 from app.page_template import page as designer_page

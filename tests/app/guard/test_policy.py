@@ -9,10 +9,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.guard.access import Access
-from app.guard.entry import Request
-from app.guard.guard import Guard, network
 from app.guard.limits import Limits, Rate
+from app.guard.policy import Guard, Request, network
+from app.guard.token import Access
 
 TOKEN = "a-token-of_32-characters-exactly"
 HOST = "10.0.0.1:8080"
@@ -39,8 +38,8 @@ def request(*headers, target="/", method="GET", peer="10.0.0.9"):
     return Request.of(method, target, headers, peer)
 
 
-def status(guard, *headers, tabs=0, **given):
-    return int(guard.decide(request(*headers, **given), tabs).status)
+def status(guard, *headers, tabs=0, of_peer=0, **given):
+    return int(guard.decide(request(*headers, **given), tabs, of_peer).status)
 
 
 def cookie(guard, host=HOST):
@@ -140,7 +139,7 @@ def test_only_get_and_head(guard, enter, method):
 def test_without_the_token_nobody_enters():
     outside = guard(TOKEN, loopback=False)
     for target in ("/", "/?token=", f"/?token={TOKEN}x", f"/?token={TOKEN}&token=x"):
-        decision = outside.decide(request(*OWN, target=target), 0)
+        decision = outside.decide(request(*OWN, target=target))
         assert decision.status == 401
         assert decision.body.count("\n") == 1
         assert "?token=" in decision.body
@@ -167,6 +166,38 @@ def test_the_token_becomes_a_cookie_and_leaves_the_address():
     again = outside.decide(request(*OWN, *got, target="/?token=old"), 0)
     assert again.status == 303
     assert "Set-Cookie" not in dict(again.headers)
+
+
+def test_wrong_tokens_are_slowed():
+    clock = Clock()
+    outside = guard(TOKEN, loopback=False, now=clock)
+
+    def enter(token, peer="10.0.0.9"):
+        return status(outside, *OWN, target=f"/?token={token}", peer=peer)
+
+    assert [enter("wrong") for _ in range(12)] == [401] * 10 + [429] * 2
+    assert enter(TOKEN) == 429  # or guesses would go on
+    assert enter(TOKEN, peer="10.0.0.8") == 303
+    assert status(outside, *OWN, *cookie(outside)) == 200  # whoever is in stays in
+    clock.now += 5.0
+    assert enter(TOKEN) == 303
+    assert [enter("wrong") for _ in range(2)] == [401, 429]
+
+
+def test_guesses_of_a_generated_token_keep_nobody_out():
+    access = Access.chosen(None)
+    outside = Guard(access, (), loopback=True, now=Clock())
+    for _ in range(20):
+        last = status(outside, *OWN, target="/?token=wrong")
+    assert last == 429
+    assert status(outside, *OWN, target=f"/?token={access.token}") == 303
+
+
+def test_behind_tls_the_cookie_is_secure():
+    outside = guard(TOKEN)
+    for headers, secure in (((), False), ((("X-Forwarded-Proto", "https"),), True)):
+        decision = outside.decide(request(*OWN, *headers, target=f"/?token={TOKEN}"))
+        assert ("; Secure" in dict(decision.headers)["Set-Cookie"]) is secure
 
 
 def test_a_replayed_cookie_is_refused():
@@ -206,6 +237,9 @@ def test_the_number_of_tabs_is_limited(guard, enter):
     decision = guard.decide(request(*headers), guard.limits.tabs)
     assert decision.status == 503
     assert "too many open tabs (at most 50)" in decision.body
+    crowd = guard.limits.tabs_per_peer
+    assert status(guard, *headers, tabs=crowd, of_peer=crowd - 1) == 101
+    assert status(guard, *headers, tabs=crowd, of_peer=crowd) == 503
     assert status(guard, *OWN, *enter, tabs=guard.limits.tabs) == 200
 
 

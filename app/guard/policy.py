@@ -1,11 +1,11 @@
 """The policy: who is let in, under which name, with which token, how often; and the headers.
 
-Pure: it knows neither sockets nor viser. `app.guard` puts every request before it, and
-`app.guard.self_check` makes sure of that before the server is announced.
+Pure: it knows neither sockets nor viser. `app.guard.websockets` puts every request before it, and
+`app.guard.start_check` makes sure of that before the server is announced.
 
-On loopback there is no token by default: who may connect there may read this user's screen too.
-A page of another site may still make the user's browser connect. It cannot hide its Origin nor,
-when its own name resolves to this machine (DNS rebinding), the Host it believes to speak to.
+The token is needed on loopback too: every user of a shared machine can connect there. A page of
+another site may make a visitor's browser connect. It cannot hide its Origin nor, when its own name
+resolves to this machine (DNS rebinding), the Host it believes to speak to.
 """
 
 from __future__ import annotations
@@ -13,15 +13,16 @@ from __future__ import annotations
 import ipaddress
 import re
 import time
-from collections import OrderedDict
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Iterable, Mapping
+from dataclasses import dataclass
 from http import HTTPStatus
 from urllib.parse import parse_qs, urlsplit
 
-from app.guard.access import Access
-from app.guard.entry import Decision, Request
-from app.guard.limits import Limits, Rate, TokenBucket
+from app.guard.limits import Limits, PeerRates
 from app.guard.refusals import Refusals
+from app.guard.token import Access
+
+Header = tuple[str, str]
 
 PATHS = ("/", "/index.html")
 """All that is served; the page is one file, and its WebSocket is opened where the page is."""
@@ -76,8 +77,74 @@ _HEADERS = (
 )
 
 
+@dataclass(frozen=True)
+class Request:
+    """The head of an HTTP request.
+
+    Attributes:
+        method: GET, HEAD, ...
+        target: path and query as they were sent.
+        headers: name in lower case -> every value that came under it.
+        peer: address of the other side.
+    """
+
+    method: str
+    target: str
+    headers: Mapping[str, tuple[str, ...]]
+    peer: str
+
+    @classmethod
+    def of(cls, method: str, target: str, headers: Iterable[Header], peer: str) -> Request:
+        """From the header lines in their order."""
+        collected: dict[str, tuple[str, ...]] = {}
+        for name, value in headers:
+            collected[name.lower()] = (*collected.get(name.lower(), ()), value)
+        return cls(method, target, collected, peer)
+
+    def values(self, name: str) -> tuple[str, ...]:
+        """All values of a header."""
+        return self.headers.get(name, ())
+
+    @property
+    def host(self) -> str:
+        """As the browser wrote it, in lower case; empty if there is none, or more than one."""
+        values = self.values("host")
+        return values[0].strip().lower() if len(values) == 1 else ""
+
+    @property
+    def upgrade(self) -> bool:
+        """True if it wants to become a WebSocket."""
+        wanted = ",".join(self.values("upgrade")).lower().split(",")
+        return "websocket" in (name.strip() for name in wanted)
+
+    @property
+    def by_tls(self) -> bool:
+        """True if a reverse proxy received it by TLS."""
+        return self.values("x-forwarded-proto")[:1] == ("https",)
+
+
+@dataclass(frozen=True)
+class Decision:
+    """The answer to a request.
+
+    Attributes:
+        status: 101 lets it in as a WebSocket, 200 with the page; all others are answered with
+            `body`.
+        reason: the kind of refusal, never made of the visitor's text; empty if there is none.
+        body: of the answer, unless it is the page or the WebSocket.
+        html: `body` is HTML instead of plain text.
+        headers: of this answer, besides those of all.
+    """
+
+    status: HTTPStatus
+    reason: str = ""
+    body: str = ""
+    html: bool = False
+    headers: tuple[Header, ...] = ()
+
+
 class Guard:
-    """Decides about every request; a `Gate` of `app.guard`."""
+    """Decides about every request and records refusals; on the server's event loop alone."""
 
     def __init__(
         self,
@@ -93,31 +160,37 @@ class Guard:
         Args:
             access: the token, if one is needed.
             hosts: names under which browsers may reach the page, besides plain addresses.
-            loopback: whether only this machine can reach the server.
+            loopback: only this machine can reach the server.
             limits: how much at a time.
             now: s, a clock that never goes back.
         """
         self.access = access
-        self.limits = limits or Limits()
-        self.refusals = Refusals(self.limits, now)
+        self.limits = limits = limits or Limits()
+        self.refusals = Refusals(limits, now)
         self._hosts = frozenset(name.lower() for name in hosts) | {"localhost"}
         self._loopback = loopback
-        limits = self.limits
-        self._handshakes = _Rates(limits.handshakes, limits.handshakes_per_peer, limits.peers, now)
-        self._pages = _Rates(limits.pages, limits.pages_per_peer, limits.peers, now)
+        peers = limits.peers
+        self._handshakes = PeerRates(limits.handshakes_per_peer, peers, now, limits.handshakes)
+        self._pages = PeerRates(limits.pages_per_peer, peers, now, limits.pages)
+        self._wrong = PeerRates(limits.wrong_tokens, peers, now)
 
-    def decide(self, request: Request, tabs: int) -> Decision:
-        """Decide about a request (see `Gate`)."""
+    def decide(self, request: Request, tabs: int = 0, of_peer: int = 0) -> Decision:
+        """Decide about a request.
+
+        Args:
+            request: its head.
+            tabs: open ones that have sent something; of_peer: those of the same peer.
+        """
         return (
             self._foreign(request)
             or self._nowhere(request)
             or self._unauthorised(request)
-            or self._too_many(request, tabs)
+            or self._too_many(request, tabs, of_peer)
             or Decision(HTTPStatus.SWITCHING_PROTOCOLS if request.upgrade else HTTPStatus.OK)
         )
 
-    def headers(self, host: str) -> tuple[tuple[str, str], ...]:
-        """Those of every answer."""
+    def headers(self, host: str) -> tuple[Header, ...]:
+        """Those of every answer; `host` is the request's, if it is a known one, else empty."""
         content = dict(_CONTENT)
         if _HOST.fullmatch(host):  # browsers before 2022 take 'self' for http alone
             content["connect-src"] += f" ws://{host} wss://{host}"
@@ -125,13 +198,19 @@ class Guard:
         return (("Content-Security-Policy", policy), *_HEADERS)
 
     def note(self, peer: str, reason: str, detail: str = "") -> bool:
-        """Note down that something was refused; true if it is the first of its kind."""
+        """Record a refusal; true if it is the first of its kind.
+
+        Args:
+            peer: address of the other side.
+            reason: a kind, not made of the peer's text.
+            detail: may be made of it.
+        """
         return self.refusals.note(network(peer), reason, detail)
 
     # ---- one question each: a decision if it ends there
 
     def _foreign(self, request: Request) -> Decision | None:
-        """Whether it comes from a page of another site, or believes to speak to one."""
+        """Refuse requests of another site's pages, and to names that are not ours."""
         if request.method not in _METHODS:
             allow = (("Allow", ", ".join(_METHODS)),)
             return _refused(
@@ -154,13 +233,13 @@ class Guard:
         return None
 
     def _nowhere(self, request: Request) -> Decision | None:
-        """Whether it asks for anything but the page."""
+        """Refuse everything but the page."""
         if request.target.partition("?")[0] not in PATHS:
             return _refused(HTTPStatus.NOT_FOUND, "nothing there")
         return None
 
     def _unauthorised(self, request: Request) -> Decision | None:
-        """Whether it comes without the token, or has just brought it."""
+        """Refuse requests without the token; turn the token in an address into a cookie."""
         if not self.access.required:
             if request.upgrade and not self._loopback and not request.values("origin"):
                 return _refused(HTTPStatus.FORBIDDEN, "WebSocket without an Origin")
@@ -170,50 +249,52 @@ class Guard:
         tokens = _tokens(request)
         if request.upgrade or not tokens:
             return None if entitled else self._outside(request)
-        if not entitled and not (len(tokens) == 1 and self.access.accepts_token(tokens[0])):
-            return _refused(HTTPStatus.UNAUTHORIZED, "wrong token", _HOW_TO_ENTER)
+        if not entitled and (refusal := self._wrong_token(request, tokens)):
+            return refusal
         # The address loses the token, so that nobody passes it on, and keeps its #fragment.
-        headers: tuple[tuple[str, str], ...] = (("Cache-Control", "no-store"),)
+        headers: tuple[Header, ...] = (("Cache-Control", "no-store"),)
         if not entitled:
-            headers += (("Set-Cookie", self.access.cookie(host)),)
+            headers += (("Set-Cookie", self.access.cookie(host, secure=request.by_tls)),)
         if _from_another_sites_link(request):
             return Decision(HTTPStatus.OK, body=_ASK_AGAIN, html=True, headers=headers)
         return Decision(HTTPStatus.SEE_OTHER, headers=(*headers, ("Location", "/")))
+
+    def _wrong_token(self, request: Request, tokens: list[str]) -> Decision | None:
+        """Refuse wrong tokens, and beyond a rate all tokens of a peer that could be guessed."""
+        peer = network(request.peer)
+        heard = self._wrong.has(peer)
+        right = len(tokens) == 1 and self.access.accepts_token(tokens[0])
+        if right and (heard or self.access.generated):
+            return None
+        if not heard:
+            return _refused(
+                HTTPStatus.TOO_MANY_REQUESTS,
+                "too many wrong tokens",
+                headers=(("Retry-After", "5"),),
+            )
+        self._wrong.take(peer)
+        return _refused(HTTPStatus.UNAUTHORIZED, "wrong token", _HOW_TO_ENTER)
 
     def _outside(self, request: Request) -> Decision:
         if not request.upgrade and _from_another_sites_link(request):
             return Decision(HTTPStatus.UNAUTHORIZED, body=_ASK_AGAIN, html=True)
         return _refused(HTTPStatus.UNAUTHORIZED, "no token", _HOW_TO_ENTER)
 
-    def _too_many(self, request: Request, tabs: int) -> Decision | None:
-        """Whether it comes too often; only those that were welcome use up what is left."""
-        later = (("Retry-After", "1"),)
-        if request.upgrade and tabs >= self.limits.tabs:
-            return _refused(
-                HTTPStatus.SERVICE_UNAVAILABLE,
-                f"too many open tabs (at most {self.limits.tabs})",
-                headers=later,
-            )
+    def _too_many(self, request: Request, tabs: int, of_peer: int) -> Decision | None:
+        """Refuse beyond the limits; only requests that were welcome use up the rates."""
+        limits, later = self.limits, (("Retry-After", "1"),)
+        if request.upgrade:
+            for count, most, whose in (
+                (tabs, limits.tabs, "at most"),
+                (of_peer, limits.tabs_per_peer, "of one address at most"),
+            ):
+                if count >= most:
+                    reason = f"too many open tabs ({whose} {most})"
+                    return _refused(HTTPStatus.SERVICE_UNAVAILABLE, reason, headers=later)
         rates = self._handshakes if request.upgrade else self._pages
         if not rates.take(network(request.peer)):
             return _refused(HTTPStatus.TOO_MANY_REQUESTS, "too many requests", headers=later)
         return None
-
-
-class _Rates:
-    """One bucket for all and one for each of the peers that were seen last."""
-
-    def __init__(self, in_all: Rate, each: Rate, peers: int, now: Callable[[], float]) -> None:
-        self._all = TokenBucket(in_all, now)
-        self._each, self._peers, self._now = each, peers, now
-        self._of: OrderedDict[str, TokenBucket] = OrderedDict()
-
-    def take(self, peer: str) -> bool:
-        bucket = self._of.pop(peer, None) or TokenBucket(self._each, self._now)
-        self._of[peer] = bucket
-        while len(self._of) > self._peers:
-            self._of.popitem(last=False)
-        return bucket.take() and self._all.take()
 
 
 def network(peer: str) -> str:
@@ -232,7 +313,7 @@ def network(peer: str) -> str:
 
 
 def _refused(
-    status: HTTPStatus, reason: str, advice: str = "", *, headers: tuple[tuple[str, str], ...] = ()
+    status: HTTPStatus, reason: str, advice: str = "", *, headers: tuple[Header, ...] = ()
 ) -> Decision:
     line = f"{reason}: {advice}" if advice else reason
     return Decision(status, reason, f"refused: {line}\n", headers=headers)

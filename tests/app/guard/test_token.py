@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.guard.access import COOKIE_LIFE, Access
+from app.guard.token import COOKIE_LIFE, Access
 from llsrbm.errors import InputError
 
 TOKEN = "a-token-of_32-characters-exactly"
@@ -33,25 +33,15 @@ def pair(access, host=HOST):
     return access.cookie(host).partition(";")[0]
 
 
-def test_off_loopback_a_token_is_made_anew_each_time():
-    made = {Access.chosen(None, loopback=False).token for _ in range(20)}
+def test_a_token_is_generated_anew_each_time():
+    made = {Access.chosen(None).token for _ in range(20)}
     assert len(made) == 20
     assert all(len(token) == 43 for token in made)  # 256 bits
 
 
-@pytest.mark.parametrize(
-    ("token", "loopback", "required"),
-    [
-        (None, True, False),
-        (None, False, True),
-        ("none", True, False),
-        ("none", False, False),
-        (TOKEN, True, True),
-        (TOKEN, False, True),
-    ],
-)
-def test_who_needs_a_token(token, loopback, required):
-    access = Access.chosen(token, loopback=loopback)
+@pytest.mark.parametrize(("token", "required"), [(None, True), ("none", False), (TOKEN, True)])
+def test_only_none_needs_no_token(token, required):
+    access = Access.chosen(token)
     assert access.required is required
     assert access.accepts_token(TOKEN) is (token == TOKEN)
     assert bool(access.query) is required
@@ -62,7 +52,7 @@ def test_who_needs_a_token(token, loopback, required):
 )
 def test_a_token_that_can_be_guessed_or_must_be_escaped_is_refused(token):
     with pytest.raises(InputError, match=r"--token: expected 16 to 256 letters") as refused:
-        Access.chosen(token, loopback=True)
+        Access.chosen(token)
     assert "\n" not in str(refused.value)
 
 

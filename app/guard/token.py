@@ -12,34 +12,33 @@ from collections.abc import Callable, Iterable
 from llsrbm.errors import InputError
 
 NONE = "none"
-"""Said instead of a token: anybody may enter."""
+"""Given instead of a token: anybody may enter."""
 
 COOKIE_LIFE = 7 * 24 * 3600
 """s until the address with the token has to be opened again."""
 
 _TOKEN = re.compile(r"[A-Za-z0-9_-]{16,256}")  # goes into an address as it is; 96 bits and more
-_BYTES = 32  # of a token that is made here: nobody finds it by trying
+_BYTES = 32  # of a generated token
 _VALUE = re.compile(r"([0-9]{1,12})\.([0-9a-f]{64})")
 _MAX_COOKIES = 4  # of our name; browsers send one
 
 
 class Access:
-    """Whether a token is needed, which one, and the cookies it has given out.
+    """The token, if one is needed, and the cookies made from it.
 
     A cookie is an expiry and a code that only holders of the token can make. It is bound to the
-    name of the cookie and to the host it was given to, so that it is worth nothing elsewhere; a
-    server that was started with another token does not know it.
+    cookie's name and to the host it was given to; a server with another token does not accept it.
+
+    Attributes:
+        token: at least 16 URL-safe characters; None: none is needed.
+        port: part of the cookie's name: browsers keep those of all ports of a host together.
+        generated: the token has 256 random bits, so that it cannot be found by trying.
     """
 
     def __init__(
         self, token: str | None, port: int = 0, now: Callable[[], float] = time.time
     ) -> None:
-        """Take a token.
-
-        Args:
-            token: at least 16 URL-safe characters; None: none is needed.
-            port: is part of the cookie's name: browsers keep those of all ports of a host together.
-            now: s since 1970.
+        """Check the token; `now` is s since 1970.
 
         Raises:
             InputError: too short, or with characters that an address would have to escape.
@@ -51,23 +50,21 @@ class Access:
             )
         self.token = token
         self.port = port
+        self.generated = False
         self._now = now
 
     @classmethod
-    def chosen(cls, token: str | None, *, loopback: bool) -> Access:
-        """As the user chose.
-
-        Args:
-            token: a token, "none", or None: one that is made now, or none at all on loopback.
-            loopback: whether only this machine can reach the server.
-        """
-        if token == NONE or (token is None and loopback):
+    def chosen(cls, token: str | None) -> Access:
+        """Access by a given token, by none ("none"), or by a generated one (None)."""
+        if token == NONE:
             return cls(None)
-        return cls(secrets.token_urlsafe(_BYTES) if token is None else token)
+        access = cls(secrets.token_urlsafe(_BYTES) if token is None else token)
+        access.generated = token is None
+        return access
 
     @property
     def required(self) -> bool:
-        """Whether nobody enters without the token."""
+        """True if nobody enters without the token."""
         return self.token is not None
 
     @property
@@ -79,16 +76,16 @@ class Access:
         """Compare in a time that does not depend on where they differ."""
         return self.token is not None and hmac.compare_digest(_bytes(token), _bytes(self.token))
 
-    def cookie(self, host: str) -> str:
-        """A new one as a Set-Cookie header."""
+    def cookie(self, host: str, *, secure: bool = False) -> str:
+        """A new cookie as a Set-Cookie header; `secure`: the browser came by TLS."""
         expiry = int(self._now()) + COOKIE_LIFE
         return (
             f"{self._name}={expiry}.{self._code(expiry, host)}; Max-Age={COOKIE_LIFE}; Path=/; "
-            "HttpOnly; SameSite=Strict"
+            f"HttpOnly; SameSite=Strict{'; Secure' if secure else ''}"
         )
 
     def accepts_cookie(self, headers: Iterable[str], host: str) -> bool:
-        """Whether one of a request's cookies is ours, of this run's token, and still good.
+        """True if a request has a valid cookie of this token.
 
         Args:
             headers: the Cookie headers.
@@ -98,13 +95,13 @@ class Access:
             return False
         pairs = (pair.strip().partition("=") for header in headers for pair in header.split(";"))
         values = [value for name, _, value in pairs if name == self._name]
-        return any(self._is_good(value, host) for value in values[:_MAX_COOKIES])
+        return any(self._is_valid(value, host) for value in values[:_MAX_COOKIES])
 
     @property
     def _name(self) -> str:
         return f"llsrbm-{self.port}"
 
-    def _is_good(self, value: str, host: str) -> bool:
+    def _is_valid(self, value: str, host: str) -> bool:
         found = _VALUE.fullmatch(value)
         if found is None:
             return False

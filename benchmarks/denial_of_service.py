@@ -1,0 +1,213 @@
+"""Five ways in which one visitor could stop the page for all others, tried against a served page.
+
+    python -m benchmarks.denial_of_service
+
+Starts `llsrbm serve` on loopback and tries each for some seconds: files that take long to be read,
+large attributes of controls, uploads that are never sent, silent WebSockets, guesses of the token.
+Another visitor asks for the page and pings its tab four times a second meanwhile; a new one enters,
+opens a design and plans a jump. The exit status is 1 if an answer to the page or a ping took 1 s,
+if the new visitor was kept out, or if the server's memory grew by 100 MB.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import http.client
+import os
+import re
+import struct
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+from urllib.parse import urlsplit
+
+import viser
+from websockets.exceptions import WebSocketException
+from websockets.sync.client import connect
+
+from llsrbm.request.design import Design, dump_design
+from llsrbm.request.jump import Jump
+from tests.app.raw_tab import RawTab
+
+PROGRAM = [sys.executable, "-m", "llsrbm.cli", "serve", "--port", "0", "--no-browser"]
+ANSWER = 1.0  # s
+ENTER, PLAN = 10.0, 30.0  # s for a new visitor on a busy machine; the planning itself is slowed
+MEMORY = 100.0  # MB
+NAMES, SILENT, GUESSES, MESSAGES = 300_000, 50, 1000, 30
+HEARD = ("Planned", "Feasible")
+
+
+class Page:
+    """A page's address, and a cookie that lets in."""
+
+    def __init__(self, url):
+        parts = urlsplit(url)
+        self.port, self.token = parts.port, parts.query.partition("=")[2]
+        self.cookie = {"Cookie": self.ask(f"/?token={self.token}")[1].partition(";")[0]}
+
+    def ask(self, path="/", headers=()):
+        """(status, cookie) of a request."""
+        connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=30)
+        with contextlib.closing(connection):
+            connection.request("GET", path, headers=dict(headers))
+            answer = connection.getresponse()
+            answer.read()
+            return answer.status, answer.headers["Set-Cookie"] or ""
+
+    def tab(self):
+        return RawTab(self.port, additional_headers=self.cookie)
+
+    def silent_socket(self):
+        protocol = [f"viser-v{viser.__version__}"]
+        headers = self.cookie
+        return connect(
+            f"ws://127.0.0.1:{self.port}", subprotocols=protocol, additional_headers=headers
+        )
+
+
+class Witness(threading.Thread):
+    """A visitor who was there before; `slowest` is of its requests and pings, s."""
+
+    def __init__(self, page):
+        super().__init__(daemon=True)
+        self.page, self.tab, self.slowest, self.faults = page, page.tab(), 0.0, []
+        self.tab.wait_for_status(HEARD, PLAN)
+        self._end = threading.Event()
+
+    def run(self):
+        while not self._end.wait(0.25):
+            for act in (self._request, self._ping):
+                start = time.perf_counter()
+                try:
+                    act()
+                except (OSError, AssertionError, WebSocketException) as error:
+                    self.faults.append(repr(error))
+                self.slowest = max(self.slowest, time.perf_counter() - start)
+
+    def stop(self):
+        self._end.set()
+        self.join()
+        self.tab.close()
+
+    def _request(self):
+        status, _ = self.page.ask(headers=self.page.cookie)
+        assert status == 200, status
+
+    def _ping(self):
+        assert self.tab._connection.ping().wait(10), "no pong"
+
+
+def visit(page, twist):
+    """Seconds in which a new visitor enters, opens a design, and has its jump planned."""
+    times, start = [], time.perf_counter()
+    with page.tab() as tab:
+        tab.control("Save design")
+        times.append(time.perf_counter() - start)
+        design = dump_design(Design(Jump(twist=twist))).encode()
+        tab.upload("Open", "own.jump.json", design)
+        tab.wait(lambda: tab.acknowledged.get("transfer"), "the upload", ENTER)
+        tab.wait(lambda: abs(tab.value("Twist [deg]") - twist * 57.29578) < 0.1, "it", PLAN)
+        tab.wait_for_status(HEARD, PLAN)
+        times.append(time.perf_counter() - start)
+    return times
+
+
+# ---- attacks: each a context that lasts
+
+
+@contextlib.contextmanager
+def long_readings(page):
+    """Zip files whose directory has 300,000 names, by two tabs."""
+    entry = struct.pack("<4s6H3L5H2L", b"PK\1\2", 20, 20, *[0] * 3, 33, *[0] * 3, 6, *[0] * 6)
+    directory = b"".join(entry + b"%06d" % k for k in range(NAMES))
+    end = struct.pack("<4s4H2LH", b"PK\5\6", 0, 0, 1000, 1000, len(directory), 0, 0)
+    with contextlib.ExitStack() as stack:
+        for tab in [stack.enter_context(page.tab()) for _ in range(2)]:
+            tab.upload("Open", "motion.zip", directory + end)
+        yield
+
+
+@contextlib.contextmanager
+def large_attributes(page):
+    """A megabyte in each of some attributes."""
+    with page.tab() as tab:
+        uuid = tab.control("Twist [deg]")["uuid"]
+        for number in range(MESSAGES):
+            updates = {("label", "hint", "value")[number % 3]: str(number) + "x" * 900_000}
+            tab.send({"type": "GuiUpdateMessage", "uuid": uuid, "updates": updates})
+            time.sleep(0.1)
+        yield
+
+
+@contextlib.contextmanager
+def empty_uploads(page):
+    """Files of 20 MB that are announced, and of which nothing is sent."""
+    with contextlib.ExitStack() as stack:
+        for tab in [stack.enter_context(page.tab()) for _ in range(6)]:
+            start = {"source_component_uuid": tab.control("Open")["uuid"], "transfer_uuid": "none"}
+            start |= {"filename": "a.npz", "mime_type": "", "part_count": 40}
+            tab.send({"type": "FileTransferStartUpload", "size_bytes": 40 << 19, **start})
+        yield
+
+
+@contextlib.contextmanager
+def silent_sockets(page):
+    """As many WebSockets as there may be tabs, that send nothing."""
+    with contextlib.ExitStack() as stack:
+        for _ in range(SILENT):
+            with contextlib.suppress(WebSocketException, OSError):
+                stack.enter_context(page.silent_socket())
+        yield
+
+
+@contextlib.contextmanager
+def guesses(page):
+    """Wrong tokens, one after the other."""
+    statuses = [page.ask(f"/?token=guess-{k:020d}")[0] for k in range(GUESSES)]
+    print(f"  {statuses.count(429)} of {GUESSES} guesses were answered with 429", flush=True)
+    assert page.ask(f"/?token={page.token}")[0] == 303, "the right token was refused"
+    yield
+
+
+def resident(pid):
+    """Memory of a process, MB."""
+    pages = int(Path(f"/proc/{pid}/statm").read_text().split()[1])
+    return pages * os.sysconf("SC_PAGE_SIZE") / 1e6
+
+
+def main():
+    server = subprocess.Popen(PROGRAM, stdout=subprocess.PIPE, text=True)
+    try:
+        page = Page(re.search(r"http://\S+", server.stdout.readline()).group())
+        visit(page, 0.5)
+        visit(page, 0.6)
+        before, failed = resident(server.pid), False
+        attacks = (long_readings, large_attributes, empty_uploads, silent_sockets, guesses)
+        for number, attack in enumerate(attacks):
+            print(attack.__doc__, flush=True)
+            witness = Witness(page)
+            witness.start()
+            try:
+                with attack(page):
+                    entered, planned = visit(page, 0.7 + number / 10)
+                outcome = f"entered in {entered:.1f} s, planned in {planned:.1f} s"
+                failed |= entered > ENTER
+            except (AssertionError, WebSocketException, OSError) as error:
+                outcome, failed = f"was kept out: {error}", True
+            witness.stop()
+            failed |= witness.slowest > ANSWER or bool(witness.faults)
+            print(f"  others answered within {witness.slowest:.2f} s; a new visitor {outcome}")
+            for fault in witness.faults[:3]:
+                print(f"  {fault}")
+        grown = resident(server.pid) - before
+        print(f"memory of the server grew by {grown:.0f} MB")
+        return 1 if failed or grown > MEMORY else 0
+    finally:
+        server.terminate()
+        server.wait(20)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
