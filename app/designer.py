@@ -38,7 +38,7 @@ from llsrbm import models
 from llsrbm.errors import InputError
 from llsrbm.request.jump import Jump
 from llsrbm.robots import load_robot, read_robot_file
-from llsrbm.robots.assets import robot_files
+from llsrbm.robots.schema import robot_files
 
 _BROWSER_STARTS = 30.0
 """s until a browser that was just started has read the file that leads to the page."""

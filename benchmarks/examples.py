@@ -10,8 +10,7 @@ import sys
 
 import llsrbm
 from llsrbm.analysis.summary import worst_violation
-from llsrbm.request.design import Design
-from llsrbm.request.examples import examples
+from llsrbm.request.design import Design, examples
 
 COLUMNS = (
     "| example | plan | iterations | solve | duration | simulated | strict | yaw at touchdown "

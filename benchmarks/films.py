@@ -8,7 +8,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import llsrbm
-from llsrbm.request.examples import find_design
+from llsrbm.request.design import find_design
 
 FOLDER = Path(__file__).parents[1] / "docs"
 FILMS = {"half_turn": "anymal-half-turn", "box": "slider-box"}  # file -> example

@@ -17,6 +17,7 @@ from pathlib import Path
 import numpy as np
 import pinocchio as pin
 
+from llsrbm.mechanics import parallel_axis, turns_about_z
 from llsrbm.robots import Robot, load_robot, names
 from llsrbm.robots.leg_fit import (
     LegFit,
@@ -25,7 +26,7 @@ from llsrbm.robots.leg_fit import (
     quadratic_features,
     quadratic_slopes,
 )
-from llsrbm.robots.legs import TURN_ARM, foot_task, parallel_axis, solve_legs, turns_about_z
+from llsrbm.robots.legs import TURN_ARM, foot_task, solve_legs
 
 ROBOTS = (*names(), *sorted(map(str, (Path(__file__).parent / "robots").glob("*.toml"))))
 RATES = (1.0, 1.0, 3.0)  # rad/s of the base about its axes, largest

@@ -17,12 +17,12 @@ import casadi as ca
 import numpy as np
 
 from llsrbm.body.joint_loads import KnotMotion
+from llsrbm.mechanics import GRAVITY
 from llsrbm.models.base import CentroidalModel
 from llsrbm.planning.problem.rotations import quat_product, rotation_matrix
 from llsrbm.planning.problem.task import Task
 from llsrbm.request.schedule import together
 
-GRAVITY = 9.81
 LEG_LENGTH = (0.25, 0.75)  # m, CoM to foot
 LARGEST_FORCE = 230.0  # N a contact, vertical: the paper knows no drives
 

@@ -24,7 +24,7 @@ import numpy as np
 import typer
 
 import llsrbm
-from llsrbm.motion.rotation import yaw
+from llsrbm.mechanics import yaw
 
 
 @dataclass(frozen=True)

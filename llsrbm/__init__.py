@@ -79,6 +79,11 @@ __all__ = [
 ]
 
 
+def __dir__() -> list[str]:
+    """The public names, those that are imported when they are used among them."""
+    return [*__all__, "__all__", "__doc__", "__name__", "__path__"]
+
+
 def __getattr__(name: str) -> Any:
     if name not in _LATER:
         raise AttributeError(f"module 'llsrbm' has no attribute {name!r}")

@@ -70,7 +70,7 @@ def _llsrbm(
     version: Annotated[bool, typer.Option("--version", help="Print the version.")] = False,
 ) -> None:
     if version:
-        from llsrbm.version import package_version
+        from llsrbm.installed import package_version
 
         print(package_version())
         raise typer.Exit(DONE)

@@ -1,13 +1,10 @@
-"""Everything that can go wrong because of what a user gave, under one base class."""
+"""Errors that a user can cause, under one base class."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from importlib.util import find_spec
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from llsrbm.motion.plan import Plan
+from typing import Any
 
 
 class Error(Exception):
@@ -35,7 +32,7 @@ class FileFormatError(InputError):
 
 @dataclass(frozen=True)
 class Stop:
-    """What stops a plan: a constraint, and the limit in it that would have to be another.
+    """A limiting constraint of a plan, and the limit in it that would have to change.
 
     Attributes:
         constraint: its name (`llsrbm.planning.problem.constraints`).
@@ -44,7 +41,7 @@ class Stop:
             limit, the constraint is violated.
         limit: its name (`llsrbm.planning.problem.limits`); None: no limit alone would help.
         title: the limit in words.
-        value: what the limit is, in `unit`; needed: what it would have to be.
+        value: of the limit, in `unit`; needed: the value it would have to have.
         together: whether the other stops have to be removed as well; else any one does.
         detail: the joint, where, and how much, of a limit of the drives; "" of all others.
     """
@@ -75,7 +72,7 @@ class Stop:
 
 
 def printable(text: str, longest: int = 60) -> str:
-    """As much of a stranger's text as fits into a message, in one line without control codes."""
+    """The beginning of a stranger's text, in one line without control codes, for messages."""
     shown = "".join(letter if letter.isprintable() else "?" for letter in text[: longest + 1])
     return shown if len(shown) <= longest else f"{shown[: longest - 3]}..."
 
@@ -96,13 +93,16 @@ class NotConverged(Error):
     """The planner stopped without satisfying every constraint.
 
     Attributes:
-        plan: the last iterate, with its violations, to look at.
-        stops: what stops it, the worst first.
+        plan: the last iterate, a `Plan` with its violations.
+        stops: the constraints and limits that stop it, the worst first.
     """
 
-    def __init__(self, message: str, plan: Plan, stops: tuple[Stop, ...] = ()) -> None:
-        super().__init__(message)
+    def __init__(self, message: str, plan: Any, stops: tuple[Stop, ...] = ()) -> None:
+        super().__init__(message, plan, stops)  # all of them, for pickle
         self.plan, self.stops = plan, stops
+
+    def __str__(self) -> str:
+        return str(self.args[0])
 
 
 class Cancelled(Error):

@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from llsrbm.analysis.inertia_ellipsoid import ellipsoid
 from llsrbm.look.visuals import forward_kinematics
-from llsrbm.motion.rotation import rotation_matrices
+from llsrbm.mechanics import rotation_matrices
 from llsrbm.motion.whole_body import WholeBodyMotion
 from llsrbm.request.schedule import Schedule
 

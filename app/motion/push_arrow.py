@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.motion.frames import Frames
-from llsrbm.motion.rotation import rotation_matrices
+from llsrbm.mechanics import rotation_matrices
 from llsrbm.robots import Robot
 
 Array = NDArray[np.float64]

@@ -10,7 +10,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from app.motion.frames import Frames, make_frames
-from llsrbm.motion.rotation import sign_continuous
+from llsrbm.mechanics import sign_continuous
 from llsrbm.motion.standing import standing
 from llsrbm.motion.whole_body import WholeBodyMotion
 from llsrbm.robots import Robot

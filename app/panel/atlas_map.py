@@ -11,7 +11,7 @@ from app.motion import colours
 from llsrbm.atlas.colours import COLOURS, SCALE, of_stop
 from llsrbm.atlas.jumps import words_of
 from llsrbm.atlas.map import NEAREST, Map, Scale
-from llsrbm.request.numerals import short
+from llsrbm.request.messages import short
 
 _DIGITS = 4  # of what is sent: more than the eye tells apart
 

@@ -18,7 +18,7 @@ from app.picture.overlays.landing_region import LandingRegion
 from app.picture.overlays.new_plans import NewPlans
 from app.picture.overlays.pushes import Pushes
 from app.picture.overlays.trails import Trails
-from llsrbm.request.numerals import decimal
+from llsrbm.request.messages import decimal
 
 PADDING = "padding:0.35em 0.9em"
 SMALL = f"{PADDING};font-size:0.8em;line-height:1.5"

@@ -16,7 +16,7 @@ from llsrbm.analysis.figures import figures_of_plan
 from llsrbm.body.peak_loads import planned_peak_load
 from llsrbm.motion.plan import Plan, Violation
 from llsrbm.motion.rollout import Outcome, Rollout
-from llsrbm.request.numerals import decimal, percent, power
+from llsrbm.request.messages import decimal, percent, power
 from llsrbm.robots import load_robot
 
 _TOLD_OF_A_FALL = 4  # events; what follows them is the fall itself

@@ -12,7 +12,7 @@ from typing import Literal
 from llsrbm.planning.problem.costs import COSTS, default_weights
 from llsrbm.planning.problem.placement import limits_of
 from llsrbm.request import jump_types
-from llsrbm.request.numerals import short
+from llsrbm.request.messages import short
 from llsrbm.robots import Robot
 
 Group = Literal["weights", "limits"]

@@ -23,7 +23,7 @@ from llsrbm.look.visuals import (
     link_visuals,
     needs_preparation,
 )
-from llsrbm.motion.rotation import rotation_matrices
+from llsrbm.mechanics import rotation_matrices
 from llsrbm.robots import Robot
 
 Array = NDArray[np.float64]

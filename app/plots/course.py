@@ -11,10 +11,10 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from llsrbm.analysis.inertia_ellipsoid import ellipsoid
+from llsrbm.mechanics import rotation_matrices
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.resample import resample
 from llsrbm.motion.rollout import Rollout
-from llsrbm.motion.rotation import rotation_matrices
 from llsrbm.motion.whole_body import WholeBodyMotion, motion_at_ticks
 from llsrbm.robots import Robot
 

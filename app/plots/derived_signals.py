@@ -11,7 +11,7 @@ from app.plots.choice import ALL_JOINTS
 from app.plots.course import Course, principal_moments, whole_body_inertia
 from app.plots.signal import Component, Level, Samples, Signal, joint_kinds, joint_tags
 from llsrbm.body.peak_loads import torque_share
-from llsrbm.motion.rotation import rotation_matrices, yaw
+from llsrbm.mechanics import rotation_matrices, yaw
 
 Array = NDArray[np.float64]
 

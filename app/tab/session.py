@@ -50,8 +50,7 @@ from app.workers.pool import WorkerPool
 from llsrbm.errors import InputError
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
-from llsrbm.request.design import Design
-from llsrbm.request.examples import examples
+from llsrbm.request.design import Design, examples
 from llsrbm.robots import RobotFile
 
 # Until a tab begins without its page's scripts, which answer when they are shown, s.

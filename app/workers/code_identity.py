@@ -13,8 +13,7 @@ from pathlib import Path
 import app
 import llsrbm
 from llsrbm.cache import content_key
-from llsrbm.robots.assets import assets_directory
-from llsrbm.version import package_version
+from llsrbm.installed import assets_directory, package_version
 
 _DATA = ("robots", "jump_types")  # folders of what jumps depend on besides the sources
 _SHOWN = 8  # hexadecimal digits of the key, in messages

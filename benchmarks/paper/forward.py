@@ -12,7 +12,7 @@ from benchmarks.paper.drawing import STYLE, TITLE, axes, phases, snapshots
 from benchmarks.paper.longest import longest
 from benchmarks.paper.result import AGREES, NOT, PARTLY, Result, Table
 from llsrbm.errors import NotConverged
-from llsrbm.motion.rotation import rotation_matrices
+from llsrbm.mechanics import rotation_matrices
 
 MODELS = ("llsrbm-plus", "llsrbm", "srbm")
 SEEDS = range(6000, 6010)

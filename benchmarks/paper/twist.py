@@ -10,7 +10,7 @@ import numpy as np
 import llsrbm
 from benchmarks.paper.drawing import COLOURS, STYLE, TITLE, axes, phases, snapshots
 from benchmarks.paper.result import AGREES, NOT, PARTLY, Result, Table
-from llsrbm.motion.rotation import yaw
+from llsrbm.mechanics import yaw
 
 TWIST = math.radians(90)
 MODELS = ("llsrbm-plus", "llsrbm", "srbm")

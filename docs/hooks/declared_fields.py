@@ -2,7 +2,7 @@
 
 `<!-- fields of Scenario -->` becomes the meaning and range of each field of a request, and
 `<!-- arrays of Plan -->` the shape, unit, frame and meaning of each array of a result. Both stand
-beside the types in the code (`llsrbm.request.fields`, `llsrbm.motion.quantity`), where docstrings
+beside the types in the code (`llsrbm.request.messages`, `llsrbm.motion.quantity`), where docstrings
 do not repeat them.
 """
 
@@ -20,7 +20,7 @@ from markdown_text import table
 
 import llsrbm
 from llsrbm.motion.quantity import quantities
-from llsrbm.request.fields import meanings
+from llsrbm.request.messages import FieldSpec, field_specs
 
 PLACE = re.compile(r"<!-- (fields|arrays) of (\w+) -->")
 
@@ -38,10 +38,14 @@ def _table(place: re.Match[str]) -> str:
 def _fields(kind: type) -> str:
     defaults = {field.name: field.default for field in fields(kind)}
     rows = [
-        (f"`{name}`", f"`{defaults[name]!r}`", meaning.help, meaning.accepted)
-        for name, meaning in meanings(kind).items()
+        (f"`{name}`", f"`{defaults[name]!r}`", spec.help, _accepted(spec))
+        for name, spec in field_specs(kind).items()
     ]
     return table(("field", "default", "meaning", "range"), rows)
+
+
+def _accepted(spec: FieldSpec) -> str:
+    return spec.accepted or getattr(spec, "unit", "")
 
 
 def _arrays(kind: type) -> str:

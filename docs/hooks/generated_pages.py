@@ -23,13 +23,14 @@ sys.path.insert(0, str(ROOT))  # the declarations of this very checkout
 from llsrbm.errors import InputError  # noqa: E402
 from llsrbm.formats import FORMATS, Format  # noqa: E402
 from llsrbm.formats.tables.csv_columns import quantity_rows  # noqa: E402
+from llsrbm.installed import assets_directory  # noqa: E402
 from llsrbm.planning.problem.placement import limits_of, make_task  # noqa: E402
 from llsrbm.request import jump_types  # noqa: E402
-from llsrbm.request.examples import examples  # noqa: E402
+from llsrbm.request.design import examples  # noqa: E402
 from llsrbm.request.jump import Jump  # noqa: E402
 from llsrbm.request.jump_types import JumpType  # noqa: E402
 from llsrbm.robots import load_robot, read_robot_file  # noqa: E402
-from llsrbm.robots.assets import assets_directory, robot_files  # noqa: E402
+from llsrbm.robots.schema import robot_files  # noqa: E402
 
 ANGLES = ("twist", "roll", "pitch")
 ROOM = 0.1  # m between an obstacle and the feet that land behind it

@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from llsrbm.analysis.record import FLIGHT, Record, stretches
+from llsrbm.mechanics import rotation_matrices, tilt, yaw
 from llsrbm.motion.rollout import Rollout
-from llsrbm.motion.rotation import rotation_matrices, tilt, yaw
 
 Array = NDArray[np.float64]
 

@@ -17,16 +17,14 @@ from numpy.typing import NDArray
 
 from llsrbm.analysis.summary import peak_yaw_rate
 from llsrbm.body.peak_loads import planned_peak_load
+from llsrbm.mechanics import GRAVITY, final_yaw, rotation_matrices
 from llsrbm.motion.flights import flights, without_contact
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
-from llsrbm.motion.rotation import final_yaw, rotation_matrices
 from llsrbm.motion.whole_body import WholeBodyMotion
-from llsrbm.request.numerals import decimal
+from llsrbm.request.messages import decimal
 
 Array = NDArray[np.float64]
-
-_GRAVITY = 9.81  # m/s2
 
 
 @dataclass(frozen=True)
@@ -79,7 +77,7 @@ def figures_of_plan(plan: Plan, rollout: Rollout | None = None) -> DesignFigures
     feet = plan.foot_position.shape[1]
     # Of a sole's corners, the sum.
     force = plan.contact_force.reshape(len(plan.time), feet, -1, 3).sum(axis=2)
-    weight = (plan.base_mass + float(plan.leg_mass.sum())) * _GRAVITY
+    weight = (plan.base_mass + float(plan.leg_mass.sum())) * GRAVITY
     outcome = None if rollout is None else rollout.outcome
     load = planned_peak_load(plan)
     status = "planned" if plan.solved else "not converged"
@@ -122,7 +120,7 @@ def figures_of_rollout(rollout: Rollout) -> DesignFigures:
         feet_radius=_feet_radius(rollout.com[:count], rollout.foot_position[:count], flight),
         smallest_Izz=_smallest_Izz(rollout.inertia[:count], flight),
         peak_force=force,
-        peak_force_in_weights=force / (mass * _GRAVITY) if isinstance(mass, float | int) else None,
+        peak_force_in_weights=force / (mass * GRAVITY) if isinstance(mass, float | int) else None,
         planned_torque_ratio=None,
         peak_torque_ratio=outcome.peak_torque_ratio,
         yaw_error_at_touchdown=outcome.yaw_error_at_touchdown,
@@ -144,7 +142,7 @@ def figures_of_motion(motion: WholeBodyMotion) -> DesignFigures:
         feet_radius=_feet_radius(motion.com, motion.foot_position, flight),
         smallest_Izz=_smallest_Izz(motion.inertia, flight),
         peak_force=force,
-        peak_force_in_weights=None if force is None else force / (motion.robot.mass * _GRAVITY),
+        peak_force_in_weights=None if force is None else force / (motion.robot.mass * GRAVITY),
         planned_torque_ratio=None,
         peak_torque_ratio=None,
         yaw_error_at_touchdown=None,

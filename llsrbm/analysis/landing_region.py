@@ -15,10 +15,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from llsrbm.mechanics import rotation_matrices
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.replan import followed
 from llsrbm.motion.rollout import Rollout
-from llsrbm.motion.rotation import rotation_matrices
 from llsrbm.robots import Robot
 from llsrbm.robots.schema import Reach
 

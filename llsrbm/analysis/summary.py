@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 from llsrbm.body.peak_loads import planned_torque_shares
+from llsrbm.mechanics import final_yaw
 from llsrbm.motion.description import json_value
 from llsrbm.motion.plan import Plan
-from llsrbm.motion.rotation import final_yaw
 
 
 def peak_yaw_rate(plan: Plan) -> float:

@@ -33,18 +33,17 @@ from scipy.spatial.transform import Rotation
 
 from llsrbm.body.peak_loads import PeakLoad, peak_load, torque_share
 from llsrbm.body.postures import Postures, joint_speeds, solve_postures
+from llsrbm.mechanics import GRAVITY, apply, cross, rotation_matrices, skew, slerp
 from llsrbm.motion.plan import Plan
-from llsrbm.motion.rotation import slerp
 from llsrbm.request.schedule import Schedule
 from llsrbm.robots.drives import torque_in_direction
-from llsrbm.robots.legs import apply, cross, rotation_matrices, skew
 from llsrbm.robots.robot import Robot
 
 Array = NDArray[np.float64]
 
 _BASE = 6  # velocities of the floating base
 _AT_REST = 1e-3  # m/s of the CoM: where a plan ends at rest, a solver is that far off
-_UPWARD_GRAVITY = np.array([0.0, 0.0, 9.81])  # m/s2: what a body at rest feels
+_UPWARD_GRAVITY = np.array([0.0, 0.0, GRAVITY])  # m/s2
 
 
 @dataclass(frozen=True, eq=False)

@@ -23,16 +23,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from llsrbm.errors import InputError
-from llsrbm.robots.legs import (
-    TURN_ARM,
-    LegMotion,
-    apply,
-    cross,
-    damped_inverse,
-    foot_task,
-    rotation_matrices,
-    shortened,
-)
+from llsrbm.mechanics import apply, cross, rotation_matrices
+from llsrbm.robots.legs import TURN_ARM, LegMotion, damped_inverse, foot_task, shortened
 from llsrbm.robots.robot import Robot
 
 Array = NDArray[np.float64]

@@ -61,7 +61,7 @@ def atlas_command(
     with console.result_stream(as_json=as_json) as stdout:
         from llsrbm.atlas.colours import COLOURS
         from llsrbm.atlas.table import read_atlas, shipped_atlas, write_small
-        from llsrbm.robots.schema import choices
+        from llsrbm.request.messages import choices
 
         source = shipped_atlas() if sweep is None else sweep
         if colour not in COLOURS:
@@ -84,7 +84,7 @@ def atlas_command(
 
 
 def _groups(atlas: Atlas, robots: Sequence[str]) -> list[Jumps]:
-    from llsrbm.robots.schema import choices
+    from llsrbm.request.messages import choices
 
     for name in robots:
         if name not in atlas.robots:
@@ -105,7 +105,7 @@ def _map(jumps: Jumps, x: str, y: str, colour: str, at: Sequence[str]) -> Map:
 
 
 def _axis(jumps: Jumps, option: str, name: str) -> Axis:
-    from llsrbm.robots.schema import choices
+    from llsrbm.request.messages import choices
 
     axes = {axis.name: axis for axis in jumps.axes}
     if len(axes) < 2:
@@ -157,7 +157,7 @@ def _summary(drawn: Map) -> dict[str, Any]:
 
 
 def _description(result: dict[str, Any]) -> dict[str, str]:
-    from llsrbm.request.numerals import percent
+    from llsrbm.request.messages import percent
 
     lines = {"sweep": result["title"]}
     for found in result["maps"]:

@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
-from llsrbm.request.numerals import duration
+from llsrbm.request.messages import duration
 
 _LINE_TIME = 30.0  # s between lines where there is no terminal
 _WIDTH = 24  # characters of the bar

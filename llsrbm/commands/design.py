@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from llsrbm.commands import console
-from llsrbm.commands.jump_options import requested_jump
+from llsrbm.commands.field_options import requested_jump
 
 if TYPE_CHECKING:
     from llsrbm.request.design import Design
@@ -26,7 +26,7 @@ DesignOption = Annotated[
 
 def designs_command() -> int:
     """List the designs that come with the project."""
-    from llsrbm.request.examples import examples
+    from llsrbm.request.design import examples
 
     listed = examples()
     width = max(len(name) for name in listed)
@@ -35,17 +35,16 @@ def designs_command() -> int:
     return console.DONE
 
 
-def requested_design(name_or_path: str | None, asked: Mapping[str, Any]) -> Design:
+def requested_design(name_or_path: str | None, requested: Mapping[str, Any]) -> Design:
     """The design that was named, its jump as the options of a command line change it.
 
     Args:
-        name_or_path: as `llsrbm.request.examples.find_design` takes it; None: only the jump.
-        asked: as `llsrbm.commands.jump_options.requested_jump` takes it.
+        name_or_path: as `llsrbm.request.design.find_design` takes it; None: only the jump.
+        requested: as `llsrbm.commands.field_options.requested_jump` takes it.
     """
-    from llsrbm.request.design import Design
-    from llsrbm.request.examples import find_design
+    from llsrbm.request.design import Design, find_design
 
     if name_or_path is None:
-        return Design(requested_jump(asked))
+        return Design(requested_jump(requested))
     design = find_design(name_or_path)
-    return replace(design, jump=requested_jump(asked, design.jump))
+    return replace(design, jump=requested_jump(requested, design.jump))

@@ -6,7 +6,7 @@ import math
 from typing import TYPE_CHECKING
 
 from llsrbm.commands import console, options
-from llsrbm.commands.jump_options import ANGLES
+from llsrbm.commands.field_options import is_angle
 
 if TYPE_CHECKING:
     from llsrbm.request.jump_types import JumpType
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 def robots_command() -> int:
     """List the robots that come with the project."""
     from llsrbm.robots import read_robot_file
-    from llsrbm.robots.assets import robot_files
+    from llsrbm.robots.schema import robot_files
 
     _print_table({name: read_robot_file(path).title for name, path in robot_files().items()})
     return console.DONE
@@ -23,9 +23,9 @@ def robots_command() -> int:
 
 def models_command() -> int:
     """List the models that a planner can believe in."""
-    from llsrbm import models
+    from llsrbm.models import MODELS
 
-    _print_table(models.describe())
+    _print_table({name: model.summary for name, model in MODELS.items()})
     return console.DONE
 
 
@@ -46,7 +46,7 @@ def _asked(kind: JumpType) -> str:
     told = []
     for name in kind.asks:
         value = kind.defaults.get(name)
-        if value is not None and name in ANGLES:
+        if value is not None and is_angle(name):
             value = math.degrees(value)
         told.append(options.option(name) + ("" if value is None else f" {value:g}"))
     return f" ({', '.join(told)})" if told else ""

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+from dataclasses import fields
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from llsrbm.errors import InputError
+from llsrbm.request.jump import Jump
 from llsrbm.request.tuning import Tuning
 
 Robot = Annotated[str, typer.Option(help="A name (see `llsrbm robots`) or a robot file's path.")]
@@ -27,12 +29,8 @@ Limits = Annotated[
     typer.Option("--limit", metavar="NAME=VALUE", help="See `llsrbm tuning`; may be repeated."),
 ]
 
-# Names of the options that say what to plan, and how.
-PLANNING = (
-    *("design", "robot", "model", "twist", "forward", "lateral", "height"),
-    *("type", "roll", "pitch", "speed", "end_speed", "hops"),
-    *("solver", "weight", "limit"),
-)
+PLANNING = ("design", *(field.name for field in fields(Jump)), "solver", "weight", "limit")
+"""Parameters of the options of planning."""
 
 
 def is_given(context: typer.Context, name: str) -> bool:

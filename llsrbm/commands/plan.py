@@ -12,7 +12,7 @@ import typer
 
 from llsrbm.commands import console, options
 from llsrbm.commands.design import DesignOption, requested_design
-from llsrbm.commands.jump_options import in_words, with_jump_options
+from llsrbm.commands.field_options import in_words, with_jump_options
 from llsrbm.errors import NotConverged
 
 if TYPE_CHECKING:
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 @with_jump_options
 def plan_command(
     context: typer.Context,
-    asked: Mapping[str, Any],
+    requested: Mapping[str, Any],
     design: DesignOption = None,
     solver: options.Planner = "fatrop",
     weight: options.Weights = None,
@@ -39,7 +39,7 @@ def plan_command(
         import llsrbm
         from llsrbm.analysis.summary import plan_summary
 
-        request = requested_design(design, asked)
+        request = requested_design(design, requested)
         tuning = options.requested_tuning(request.tuning, weight, limit)
         status, failure = console.DONE, None
         try:
@@ -70,7 +70,7 @@ def _iterations(report: SolveReport) -> str:
 def _description(plan: Plan) -> dict[str, str]:
     """A plan in a few lines for a person: degrees, milliseconds."""
     from llsrbm.analysis.summary import peak_yaw_rate, worst_violation
-    from llsrbm.motion.rotation import final_yaw
+    from llsrbm.mechanics import final_yaw
 
     report = plan.report
     turn = final_yaw(plan.time, plan.base_quat, plan.angular_velocity[:, 2])

@@ -41,7 +41,7 @@ def new_command(
 ) -> int:
     """Write a robot file: what the URDF says is measured, the rest guessed and marked so."""
     from llsrbm.robots import draft, load_robot
-    from llsrbm.robots.assets import package_share
+    from llsrbm.robots.urdf import package_share
 
     package, colon, inside = urdf.partition(":")
     if colon and not Path(urdf).exists():

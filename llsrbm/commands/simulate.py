@@ -12,8 +12,11 @@ import typer
 
 from llsrbm.commands import console, options
 from llsrbm.commands.design import DesignOption, requested_design
-from llsrbm.commands.jump_options import in_words, with_jump_options
-from llsrbm.commands.scenario_options import with_scenario_options
+from llsrbm.commands.field_options import (
+    in_words,
+    with_jump_options,
+    with_scenario_options,
+)
 from llsrbm.errors import InputError
 from llsrbm.request.push import Push
 from llsrbm.request.scenario import Scenario
@@ -27,8 +30,8 @@ if TYPE_CHECKING:
 @with_jump_options
 def simulate_command(
     context: typer.Context,
-    fields: Mapping[str, Any],
-    asked: Mapping[str, Any],
+    conditions: Mapping[str, Any],
+    requested: Mapping[str, Any],
     file: Annotated[
         Path | None, typer.Argument(metavar="PLAN.npz", help="A plan; without: plan first.")
     ] = None,
@@ -57,9 +60,9 @@ def simulate_command(
                 f"{options.option(given[0])}: is for planning, but {file} is planned already; "
                 "expected a plan's file or options of a jump, not both"
             )
-        request = requested_design(design, asked)
+        request = requested_design(design, requested)
         tuning = options.requested_tuning(request.tuning, weight, limit)
-        scenario = request.scenario.but(**fields)
+        scenario = request.scenario.but(**conditions)
         if file is not None:
             plan = _read_plan(file)
         else:

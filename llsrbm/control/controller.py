@@ -16,6 +16,7 @@ from llsrbm.control.measurement import Measurement
 from llsrbm.control.reference import Reference, Target
 from llsrbm.control.swing import UnderWay
 from llsrbm.control.whole_body import WholeBody
+from llsrbm.mechanics import GRAVITY
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Mode
 from llsrbm.request.scenario import Scenario
@@ -24,8 +25,7 @@ from llsrbm.robots.drives import torque_range
 
 Array = NDArray[np.float64]
 
-_GRAVITY = 9.81
-_FREE_FALL = np.array([0.0, 0.0, -_GRAVITY])
+_FREE_FALL = np.array([0.0, 0.0, -GRAVITY])
 _NOT_NEEDED = np.zeros(6)  # by detectors, which listen in flight alone
 _SINKING = -0.1  # m/s; a plan lands at least as fast
 
@@ -103,7 +103,7 @@ class WholeBodyController:
 
     def reference_of(self, plan: Plan, start: UnderWay | None = None) -> Reference:
         """A plan as it can be followed, from where it begins under way; None: from its start."""
-        return Reference(plan, self._robot.mass * _GRAVITY, start)
+        return Reference(plan, self._robot.mass * GRAVITY, start)
 
     def target(self, time: float) -> Target:
         """What is to be tracked at a time, s since the first plan's start."""
@@ -213,7 +213,7 @@ class WholeBodyController:
         if key not in self._carried:
             points = feet.repeat(self._points)
             force = np.zeros((len(points), 3))
-            force[points, 2] = self._body.mass * _GRAVITY / points.sum()
+            force[points, 2] = self._body.mass * GRAVITY / points.sum()
             self._carried[key] = force
         return self._carried[key]
 

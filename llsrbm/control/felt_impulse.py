@@ -18,7 +18,7 @@ from collections import deque
 import numpy as np
 from numpy.typing import NDArray
 
-from llsrbm.control.detection.base import GRAVITY
+from llsrbm.mechanics import GRAVITY
 
 Array = NDArray[np.float64]
 

@@ -8,6 +8,7 @@ from scipy.linalg.lapack import dposv
 
 from llsrbm.control.felt_impulse import FeltImpulse
 from llsrbm.control.whole_body import WholeBody
+from llsrbm.mechanics import GRAVITY
 
 Array = NDArray[np.float64]
 
@@ -52,7 +53,7 @@ class FootForces:
         self._blocks = np.lib.stride_tricks.as_strided(
             self._system, (body.legs, 3, 3), (3 * (row + column), row, column)
         )
-        self._threshold = _TOUCHING * body.mass * 9.81
+        self._threshold = _TOUCHING * body.mass * GRAVITY
         self._equations: tuple[Array, Array, Array, Array] | None = None
         self.vertical = np.zeros(body.legs)
         self._felt = FeltImpulse(body.mass, tick)

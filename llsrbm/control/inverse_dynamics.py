@@ -30,7 +30,7 @@ from llsrbm.control.reference import Target
 from llsrbm.control.solvers import Qp, make_solver
 from llsrbm.control.tasks import Task
 from llsrbm.control.whole_body import WholeBody
-from llsrbm.robots.friction import INSCRIBED
+from llsrbm.mechanics import INSCRIBED
 
 Array = NDArray[np.float64]
 

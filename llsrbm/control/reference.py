@@ -10,11 +10,11 @@ from scipy.interpolate import make_interp_spline
 from scipy.spatial.transform import Rotation
 
 from llsrbm.control.swing import UnderWay, swing_motion
+from llsrbm.mechanics import GRAVITY
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.resample import sampled
 
 Array = NDArray[np.float64]
-_GRAVITY = 9.81
 _STEP = 5e-4  # s; a reference is at most half of it old
 _JUST_BEFORE = 2 * _STEP  # touchdown, where the nearest sample surely is one of the flight
 _AHEAD = 64  # samples, 32 ms: a plan that is made anew under way is followed for 20
@@ -171,7 +171,7 @@ def _brake(plan: Plan, times: Array, columns: dict[str, Array], weight: float) -
     columns["com_velocity"][now] = velocity + since[now] * acceleration
     columns["com_acceleration"][now] = acceleration
     forces = columns["contact_force"]
-    forces[now] += weight / _GRAVITY * acceleration / forces.shape[1]
+    forces[now] += weight / GRAVITY * acceleration / forces.shape[1]
     for name in ("angular_velocity", "angular_momentum"):
         end = getattr(plan, name)[-1]
         columns[name][now] = end * (1 - since[now] / BRAKING)

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline, make_interp_spline
 
+from llsrbm.mechanics import yaw
 from llsrbm.motion.plan import Plan
-from llsrbm.motion.rotation import yaw
 
 Array = NDArray[np.float64]
 Motion = Callable[[Array, int], Array]

@@ -13,9 +13,9 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationErr
 
 from llsrbm.errors import Error, FileFormatError, InputError, printable
 from llsrbm.files.archive import LARGEST_NUMBER, Arrays, text
+from llsrbm.installed import package_version
 from llsrbm.motion.quantity import WXYZ, Kind, Quantity
 from llsrbm.request.jump import Jump
-from llsrbm.version import package_version
 
 _UNIT_QUATERNION = 1e-3  # largest deviation of a norm from 1 that still is an attitude
 _SAME_INSTANT = 1e-9  # s

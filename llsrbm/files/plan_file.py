@@ -25,13 +25,13 @@ from llsrbm.files.native_file import (
     native_arrays,
     read_meta,
 )
+from llsrbm.installed import package_version
 from llsrbm.motion.plan import Plan, SolveReport, Violation, leg_names
 from llsrbm.motion.quantity import ROW, VARIABLE, Quantity, quantities
 from llsrbm.ocp.problem import Iterate
 from llsrbm.request.obstacle import Obstacle
 from llsrbm.request.schedule import Schedule, together
 from llsrbm.request.tuning import Tuning
-from llsrbm.version import package_version
 
 SCHEMA = "llsrbm.plan/2"
 FIRST_SCHEMA = "llsrbm.plan/1"

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from llsrbm.errors import FileFormatError, printable
 from llsrbm.files.archive import LARGEST_NUMBER, Arrays, checked, read_archive, write_archive
@@ -26,11 +26,11 @@ from llsrbm.files.native_file import (
 from llsrbm.files.plan_file import SCHEMAS as PLAN_SCHEMAS
 from llsrbm.files.plan_file import plan_arrays, plan_from_arrays
 from llsrbm.files.replan_file import replan_arrays, replans_from_arrays
+from llsrbm.installed import package_version
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.quantity import quantities
 from llsrbm.motion.rollout import Disturbance, Outcome, Rollout
-from llsrbm.request.scenario import Scenario, with_scenario
-from llsrbm.version import package_version
+from llsrbm.request.scenario import Scenario
 
 SCHEMA = "llsrbm.rollout/1"
 
@@ -45,11 +45,6 @@ class _Meta(Meta):
     disturbance: Disturbance
     outcome: Outcome
     control_parameters: dict[str, Any] = Field(default_factory=dict)
-
-    @model_validator(mode="before")
-    @classmethod
-    def _of_any_age(cls, meta: Any) -> Any:
-        return with_scenario(meta) if isinstance(meta, dict) else meta
 
 
 def save_rollout(rollout: Rollout, path: str | Path) -> None:

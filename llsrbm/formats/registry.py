@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from llsrbm.errors import InputError
 from llsrbm.formats.base import Format
 from llsrbm.formats.design_file import DESIGN
 from llsrbm.formats.logs.mcap_log import MCAP
@@ -18,6 +17,7 @@ from llsrbm.formats.references.motion_npz import MOTION_NPZ
 from llsrbm.formats.references.unitree_csv import UNITREE_CSV
 from llsrbm.formats.tables.csv_table import CSV
 from llsrbm.formats.tables.npz import NPZ
+from llsrbm.request.messages import look_up
 
 # In the order in which they are listed and offered.
 FORMATS: dict[str, Format] = {
@@ -47,6 +47,4 @@ def find(name: str) -> Format:
     Raises:
         InputError: there is none.
     """
-    if name not in FORMATS:
-        raise InputError(f'no format "{name}"; the formats are {", ".join(FORMATS)}')
-    return FORMATS[name]
+    return look_up("format", name, FORMATS)

@@ -25,7 +25,7 @@ from llsrbm.cache import cache_path, content_key, read_checked, write_checked
 from llsrbm.errors import RobotFileError
 from llsrbm.look.collada_repair import readable
 from llsrbm.look.mesh_reduction import coarser, face_shares, simplified
-from llsrbm.robots.legs import apply, rotation_matrices
+from llsrbm.mechanics import apply, rotation_matrices
 from llsrbm.robots.robot import Robot
 
 if TYPE_CHECKING:

@@ -17,7 +17,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from llsrbm.errors import InputError
-from llsrbm.motion.rotation import rotation_matrices, sign_continuous
+from llsrbm.mechanics import rotation_matrices, sign_continuous
 from llsrbm.motion.whole_body import WholeBodyMotion
 from llsrbm.robots import Robot
 from llsrbm.robots.urdf import BASE_JOINT

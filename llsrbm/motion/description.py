@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
+from llsrbm.installed import package_version
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
-from llsrbm.version import package_version
 
 _WORLD = "x forward, y left, z up; origin on the ground under the standing robot"
 

@@ -10,7 +10,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from llsrbm.motion.rotation import rotation_matrices, sign_continuous
+from llsrbm.mechanics import rotation_matrices, sign_continuous
 from llsrbm.robots.robot import Robot
 
 Array = NDArray[np.float64]

@@ -19,10 +19,10 @@ from numpy.typing import NDArray
 from scipy.interpolate import Akima1DInterpolator, CubicHermiteSpline
 
 from llsrbm.errors import InputError
+from llsrbm.mechanics import rotation_matrices, sign_continuous, slerp
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.quantity import TIME, Between, quantities
 from llsrbm.motion.rollout import Rollout
-from llsrbm.motion.rotation import rotation_matrices, sign_continuous, slerp
 
 Array = NDArray[np.float64]
 

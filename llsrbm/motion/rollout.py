@@ -10,6 +10,7 @@ from typing import Annotated, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from llsrbm.mechanics import rotation_matrices
 from llsrbm.motion.plan import Plan, leg_names, sliding_joints
 from llsrbm.motion.quantity import (
     JOINT,
@@ -26,7 +27,6 @@ from llsrbm.motion.quantity import (
     Quantity,
 )
 from llsrbm.motion.replan import Replan
-from llsrbm.motion.rotation import rotation_matrices
 from llsrbm.request.jump import Jump
 from llsrbm.request.push import Push
 from llsrbm.request.scenario import Scenario

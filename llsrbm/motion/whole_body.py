@@ -13,12 +13,12 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from llsrbm.errors import InputError
+from llsrbm.mechanics import rotation_matrices, sign_continuous
 from llsrbm.motion.instants import evenly, with_events
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.quantity import TIME, quantities
 from llsrbm.motion.resample import resample
 from llsrbm.motion.rollout import Rollout
-from llsrbm.motion.rotation import rotation_matrices, sign_continuous
 from llsrbm.motion.standing import standing
 from llsrbm.robots import Robot, load_robot
 from llsrbm.robots.foot_contact import foot_contacts

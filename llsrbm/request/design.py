@@ -11,30 +11,31 @@ A file is JSON; angles in rad, lengths in m, limits in their SI units, whatever 
       "scenario": {"board": 0.025, "seed": 7}
     }
 
-`schema`, the robot and the model must be there; a key that is left out has its default, a key that
-is not known is refused. The names are those of `Jump`, `Tuning` and `Scenario`. Older files call
-the scenario "conditions". Of a jump the type, whole turns, speeds and hops are written only where
-they differ from those of a jump from rest to rest with all feet together.
+`schema`, the robot and the model must be there; a key that is left out has its default, an unknown
+key is refused. The names are those of `Jump`, `Tuning` and `Scenario`. Of a jump the type, whole
+turns, speeds and hops are written only where they differ from those of a jump from rest to rest
+with all feet together.
 """
 
 from __future__ import annotations
 
 import json
+import os
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, BaseModel, Field, PlainValidator, ValidationError
-from pydantic_core import ErrorDetails, PydanticCustomError
+from pydantic import Field, PlainValidator
 
 from llsrbm.errors import FileFormatError, InputError, printable
-from llsrbm.request.jump import MOST_HOPS, Jump
-from llsrbm.request.scenario import Scenario, with_scenario
+from llsrbm.installed import assets_directory
+from llsrbm.request.jump import AMOUNTS, Jump
+from llsrbm.request.messages import choices, field_specs, look_up
+from llsrbm.request.scenario import Scenario
+from llsrbm.request.tables import OneLine, Table, fault, validated
 from llsrbm.request.tuning import Tuning
-from llsrbm.robots.schema import choices
-from llsrbm.robots.tables import Table
 
 SCHEMA = "llsrbm.design/1"
 SUFFIX = ".jump.json"
@@ -119,56 +120,80 @@ def file_name(design: Design) -> str:
     return ("-".join(words) or "design") + SUFFIX
 
 
+def examples() -> dict[str, Design]:
+    """The designs that come with the project, name -> design, in the order in which to show them.
+
+    The paper's experiments, and some that show what else there is.
+    """
+    files = sorted((assets_directory() / "designs").glob(f"*{SUFFIX}"))
+    # A number before the name keeps the order.
+    return {
+        re.sub(r"^\d+-", "", path.name.removesuffix(SUFFIX)): load_design(path) for path in files
+    }
+
+
+def find_design(name_or_path: str) -> Design:
+    """The example of that name, or the design in the file at that path.
+
+    What ends in ".json" or contains a path separator is a path.
+
+    Raises:
+        InputError: no such example.
+        FileFormatError: the file is no design.
+    """
+    if name_or_path.endswith(".json") or os.sep in name_or_path:
+        return load_design(name_or_path)
+    return look_up("design", name_or_path, examples(), "or the path of a design's file (.json)")
+
+
 # ---- what a file may hold
 
 
-def _one_line(text: str) -> str:
-    if not text.isprintable():
-        raise PydanticCustomError("text", "expected one line of printable text")
-    return text
-
-
-_OneLine = AfterValidator(_one_line)
-_Name = Annotated[
-    str, Field(min_length=1, max_length=1000), _OneLine
-]  # robot and type may be paths
-_Amount = Annotated[float, Field(ge=-_FARTHEST, le=_FARTHEST)]
+_Name = Annotated[str, Field(min_length=1, max_length=1000), OneLine]  # may be a path
 _Value = Annotated[float, Field(ge=-1e9, le=1e9)]
 
 
-class _JumpTable(Table):
-    robot: _Name
-    model: _Name
-    twist: _Amount = 0.0
-    forward: _Amount = 0.0
-    lateral: _Amount = 0.0
-    height: _Amount = 0.0
-    type: _Name = Jump.type
-    roll: _Amount = 0.0
-    pitch: _Amount = 0.0
-    speed: _Amount = 0.0
-    end_speed: _Amount = 0.0
-    hops: Annotated[int, Field(ge=1, le=MOST_HOPS)] = 1
+def _jump(table: Any) -> Jump:
+    """A jump from its table, which names at least robot and model."""
+    _check_keys(table, list(field_specs(Jump)), needed=("robot", "model"))
+    try:
+        jump = Jump(**table)
+    except InputError as error:
+        raise fault(str(error)) from error
+    for name in AMOUNTS:
+        if abs(getattr(jump, name)) > _FARTHEST:
+            raise fault(f"{name}: expected -{_FARTHEST:g} to {_FARTHEST:g}, got {table[name]:g}")
+    return jump
 
 
 def _scenario(table: Any) -> Scenario:
-    """A scenario from its table; `Scenario` says itself what may be in it."""
-    if not isinstance(table, Mapping):
-        raise PydanticCustomError("dict_type", "expected an object")
+    """A scenario from its table."""
+    _check_keys(table, list(field_specs(Scenario)))
     try:
-        scenario = Scenario().but(**table)
+        scenario = Scenario(**table)
     except InputError as error:
-        raise PydanticCustomError("scenario", "{why}", {"why": str(error)}) from error
+        raise fault(str(error)) from error
     if (scenario.seed or 0) > _LARGEST_SEED:
-        raise PydanticCustomError("scenario", f"seed: expected at most {_LARGEST_SEED} in a file")
+        raise fault(f"seed: expected at most {_LARGEST_SEED} in a file")
     return scenario
+
+
+def _check_keys(table: Any, known: Sequence[str], needed: Sequence[str] = ()) -> None:
+    if not isinstance(table, Mapping):
+        raise fault(f"expected an object, got {_short(table)}")
+    for name in table:
+        if name not in known:
+            raise fault(f"unknown key {_short(name)}; {choices(str(name), known)}")
+    for name in needed:
+        if name not in table:
+            raise fault(f'missing key "{name}"; expected: {", ".join(known)}')
 
 
 class _File(Table):
     schema_: Annotated[Literal["llsrbm.design/1"], Field(alias="schema")]
-    title: Annotated[str, Field(max_length=_LONGEST_TITLE), _OneLine] = ""
-    note: Annotated[str, Field(max_length=_LONGEST_NOTE), _OneLine] = ""
-    jump: _JumpTable
+    title: Annotated[str, Field(max_length=_LONGEST_TITLE), OneLine] = ""
+    note: Annotated[str, Field(max_length=_LONGEST_NOTE), OneLine] = ""
+    jump: Annotated[Jump, PlainValidator(_jump)]
     weights: dict[_Name, _Value] = Field(default_factory=dict)
     limits: dict[_Name, _Value] = Field(default_factory=dict)
     scenario: Annotated[Scenario, PlainValidator(_scenario)] = Scenario()
@@ -197,12 +222,8 @@ def _parse(content: bytes, where: str) -> Design:
         told = str(error).partition("; use sys.")[0]
         raise FileFormatError(f"{where}: not a JSON file: {told}") from error
     file = _checked(table, where)
-    try:
-        jump = Jump(**file.jump.model_dump())
-    except InputError as error:  # a turn that is no whole one
-        raise FileFormatError(f"{where}: {error}") from error
     return Design(
-        jump=jump,
+        jump=file.jump,
         tuning=Tuning(weights=file.weights, limits=file.limits),
         scenario=file.scenario,
         title=file.title,
@@ -232,38 +253,7 @@ def _checked(table: Any, where: str) -> _File:
         raise FileFormatError(
             f'{where}: schema: expected "{SCHEMA}", got {_short(table["schema"])}'
         )
-    try:
-        return _File.model_validate(with_scenario(table))
-    except ValidationError as error:
-        # A misspelt key is both unknown and missing; the first says more.
-        details = sorted(error.errors(), key=lambda detail: detail["type"] != "extra_forbidden")
-        more = f" (and {len(details) - 1} more)" if len(details) > 1 else ""
-        raise FileFormatError(f"{where}: {_sentence(details[0])}{more}") from error
-
-
-def _sentence(detail: ErrorDetails) -> str:
-    """One pydantic complaint as: key, what was wrong, what would be accepted."""
-    location = [str(part) for part in detail["loc"] if part != "[key]"]
-    key = printable(".".join(location))
-    match detail["type"]:
-        case "extra_forbidden":
-            known = _keys(location[:-1])
-            return f"unknown key {_short(location[-1])}; {choices(location[-1], known)}"
-        case "missing":
-            return f'missing key "{key}"; expected: {", ".join(_keys(location[:-1]))}'
-        case "scenario":
-            return f"{key}: {detail['msg']}"
-        case "model_type" | "dict_type":
-            return f"{key}: expected an object, got {_short(detail['input'])}"
-        case _:
-            message = detail["msg"][:1].lower() + detail["msg"][1:]
-            return f"{key}: {message}, got {_short(detail['input'])}"
-
-
-def _keys(location: list[str]) -> list[str]:
-    """What may stand in the table at a location."""
-    table: type[BaseModel] = _JumpTable if location else _File
-    return [info.alias or name for name, info in table.model_fields.items()]
+    return validated(_File, dict(table), where, FileFormatError)
 
 
 def _short(value: Any) -> str:

@@ -1,12 +1,13 @@
-"""The request: which robot jumps where, and the model the planner shall believe in."""
+"""The request: robot, planning model, and where and how to jump."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import asdict, dataclass
-from typing import Any
+from typing import Annotated, Any
 
 from llsrbm.errors import InputError
+from llsrbm.request.messages import Name, Number, Whole, check_fields
 
 AMOUNTS = ("twist", "forward", "lateral", "height", "roll", "pitch", "speed", "end_speed")
 """Fields of a `Jump` that are numbers."""
@@ -20,61 +21,56 @@ _WHOLE = 1e-3  # of a turn: as near as degrees on a command line are
 
 @dataclass(frozen=True)
 class Jump:
-    """One jump, from the robot's default posture to the same posture elsewhere.
+    """One jump, from the robot's default posture to the same posture elsewhere; angles in rad.
 
-    Attributes:
-        robot: a robot's name (`llsrbm.robots.names()`) or the path of a robot file.
-        model: a model's name (`llsrbm.models.names()`).
-        twist: rotation about the vertical, rad, positive to the left.
-        forward: displacement along x, m (world = heading at the start).
-        lateral: displacement along y, m, positive to the left.
-        height: height of the landing surface above the ground at the start, m.
-        type: a jump type's name (`llsrbm.request.jump_types.names()`) or the path of its TOML file.
-        roll, pitch: whole turns about the body's x and y axes, right-hand rule, rad: a front flip
-            is +2 pi of pitch, a back flip -2 pi.
-        speed: forward speed of the CoM at the start, m/s.
-        end_speed: forward speed at the end, along the landing heading, m/s.
-        hops: number of jumps in a row, each as far as the displacement says.
+    World = heading at the start. Each field states its meaning and unit with its type.
     """
 
-    robot: str = "anymal"
-    model: str = "llsrbm-plus"
-    twist: float = 0.0
-    forward: float = 0.0
-    lateral: float = 0.0
-    height: float = 0.0
-    type: str = "together"
-    roll: float = 0.0
-    pitch: float = 0.0
-    speed: float = 0.0
-    end_speed: float = 0.0
-    hops: int = 1
+    robot: Annotated[str, Name("A name (see `llsrbm robots`) or a robot file's path", "", 1000)] = (
+        "anymal"
+    )
+    model: Annotated[str, Name("See `llsrbm models`")] = "llsrbm-plus"
+    twist: Annotated[float, Number("Turn about the vertical, to the left", "DEG", unit="rad")] = 0.0
+    forward: Annotated[float, Number("Displacement along x", "M", unit="m")] = 0.0
+    lateral: Annotated[float, Number("Displacement to the left", "M", unit="m")] = 0.0
+    height: Annotated[
+        float, Number("Of the landing surface above the ground at the start", "M", unit="m")
+    ] = 0.0
+    type: Annotated[
+        str,
+        Name("Of jump: a name (see `llsrbm types`) or the path of a type's TOML file", "", 1000),
+    ] = "together"
+    roll: Annotated[
+        float,
+        Number(
+            "Whole turns about the body's x axis: 360 is a roll to the right", "DEG", unit="rad"
+        ),
+    ] = 0.0
+    pitch: Annotated[
+        float,
+        Number(
+            "Whole turns about the body's y axis: 360 is a front flip, -360 a back flip",
+            "DEG",
+            unit="rad",
+        ),
+    ] = 0.0
+    speed: Annotated[float, Number("Forward, of the CoM at the start", "M/S", unit="m/s")] = 0.0
+    end_speed: Annotated[
+        float, Number("Forward at the end, along the landing heading", "M/S", unit="m/s")
+    ] = 0.0
+    hops: Annotated[
+        int, Whole("Jumps in a row, each as far as the displacement says", "N", 1, MOST_HOPS)
+    ] = 1
 
     def __post_init__(self) -> None:
-        for name in AMOUNTS:
-            value = getattr(self, name)
-            if isinstance(value, bool) or not isinstance(value, int | float):
-                raise InputError(
-                    f"Jump.{name}: expected a number, got {type(value).__name__} {value!r}"
-                )
-            if not math.isfinite(value):
-                raise InputError(f"Jump.{name}: expected a finite number, got {value}")
-            object.__setattr__(self, name, float(value))
+        check_fields(self)
         for name in ("roll", "pitch"):
             turns = getattr(self, name) / (2 * math.pi)
             if abs(turns - round(turns)) > _WHOLE:
                 raise InputError(
-                    f"Jump.{name}: {math.degrees(getattr(self, name)):g} deg; expected whole "
-                    "turns: -360, 0 or 360 deg"
+                    f"{name}: {math.degrees(getattr(self, name)):g} deg; expected whole turns: "
+                    "-360, 0 or 360 deg"
                 )
-        if isinstance(self.hops, bool) or not isinstance(self.hops, int):
-            raise InputError(f"Jump.hops: expected a whole number, got {self.hops!r}")
-        if not 1 <= self.hops <= MOST_HOPS:
-            raise InputError(f"Jump.hops: expected 1 to {MOST_HOPS}, got {self.hops}")
-        for name in ("robot", "model", "type"):
-            value = getattr(self, name)
-            if not isinstance(value, str) or not value:
-                raise InputError(f"Jump.{name}: expected a name, got {value!r}")
 
     @property
     def turns(self) -> bool:

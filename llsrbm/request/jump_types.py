@@ -26,37 +26,43 @@ from __future__ import annotations
 from collections.abc import Collection
 from dataclasses import replace
 from functools import lru_cache
-from itertools import takewhile
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple
+from typing import Annotated, Any, Literal, NamedTuple, Protocol
 
-from pydantic import AfterValidator, BaseModel, Field, ValidationError, model_validator
-from pydantic_core import ErrorDetails, PydanticCustomError
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field, model_validator
 
 from llsrbm.errors import InputError, printable
+from llsrbm.installed import assets_directory
 from llsrbm.request.jump import ASKABLE as ASKABLE
 from llsrbm.request.jump import Jump
+from llsrbm.request.messages import choices
 from llsrbm.request.obstacle import wrong_shape
 from llsrbm.request.schedule import LONGEST_NAME, Phase, Schedule
-from llsrbm.robots.assets import assets_directory
-from llsrbm.robots.schema import choices
-from llsrbm.robots.tables import Table, read_table
-
-if TYPE_CHECKING:
-    from llsrbm.robots.robot import Robot
+from llsrbm.request.tables import OneLine, Table, fault, read_table, validated
 
 DEFAULT = "together"
 _TURNS = ("roll", "pitch")  # alternatives: a request that says one of them is not silent
 _SIDE = 0.3  # of the widest hip's distance from the middle: nearer is neither front nor hind
+_FEET = "all, none, front, hind, left, right, pivot, or an array of legs' names"
+_TIME = "takeoff, flight, landing, or [shortest, longest] in s"
 
 
-def _one_line(text: str) -> str:
-    if not text.isprintable():
-        raise PydanticCustomError("text", "expected one line of printable text")
-    return text
+class Legs(Protocol):
+    """A robot, as far as a schedule depends on it."""
 
+    @property
+    def name(self) -> str:
+        """Short name."""
 
-_OneLine = AfterValidator(_one_line)
+    @property
+    def leg_names(self) -> tuple[str, ...]:
+        """(L,) in the robot's order."""
+
+    @property
+    def hips(self) -> NDArray[np.float64]:
+        """(L, 3) m, base frame."""
 
 
 class PhaseRow(Table):
@@ -72,9 +78,9 @@ class PhaseRow(Table):
             further hop; a single hop has none of it.
     """
 
-    name: Annotated[str, Field(min_length=1, max_length=LONGEST_NAME), _OneLine]
-    feet: str | tuple[str, ...]
-    time: str | tuple[float, float]
+    name: Annotated[str, Field(min_length=1, max_length=LONGEST_NAME), OneLine]
+    feet: Annotated[str | tuple[str, ...], Field(description=_FEET)]
+    time: Annotated[str | tuple[float, float], Field(description=_TIME)]
     share: float = 1.0
     each_hop: bool = False
 
@@ -108,7 +114,7 @@ class ObstacleRow(Table):
     def _check(self) -> ObstacleRow:
         why = wrong_shape(self.near, self.far, self.height)
         if why:
-            raise PydanticCustomError("obstacle", "{why}", {"why": f"obstacle: {why}"})
+            raise fault(why)
         return self
 
 
@@ -127,9 +133,12 @@ class JumpType(Table):
         phase: in order.
     """
 
-    title: Annotated[str, Field(min_length=1, max_length=LONGEST_NAME), _OneLine]
-    summary: Annotated[str, Field(min_length=1, max_length=200), _OneLine]
-    asks: tuple[Literal["roll", "pitch", "speed", "end_speed", "hops"], ...] = ()
+    title: Annotated[str, Field(min_length=1, max_length=LONGEST_NAME), OneLine]
+    summary: Annotated[str, Field(min_length=1, max_length=200), OneLine]
+    asks: Annotated[
+        tuple[Literal["roll", "pitch", "speed", "end_speed", "hops"], ...],
+        Field(description=f"some of {', '.join(ASKABLE)}"),
+    ] = ()
     defaults: dict[str, float | int] = Field(default_factory=dict)
     weights: dict[str, float] = Field(default_factory=dict)
     limits: dict[str, float] = Field(default_factory=dict)
@@ -146,11 +155,11 @@ class JumpType(Table):
                 why = (
                     f'defaults.{printable(name)}: the type asks for {asked}; expected one of "asks"'
                 )
-                raise PydanticCustomError("defaults", "{why}", {"why": why})
+                raise fault(why)
         try:
             replace(Jump(), **self.defaults)  # type: ignore[arg-type]
         except InputError as error:
-            raise PydanticCustomError("defaults", "{why}", {"why": str(error)}) from error
+            raise fault(str(error)) from error
         return self
 
     @property
@@ -158,7 +167,7 @@ class JumpType(Table):
         """Whether the whole body has something to clear, not the feet alone."""
         return self.clears_ground or self.obstacle is not None
 
-    def schedule(self, robot: Robot, jump: Jump | None = None) -> Schedule:
+    def schedule(self, robot: Legs, jump: Jump | None = None) -> Schedule:
         """The phases with this robot's feet.
 
         Args:
@@ -182,19 +191,7 @@ class JumpType(Table):
             if phases and feet and phases[-1].is_flight:
                 place += 1
             phases.append(Phase(row.name, feet, row.time, place, row.share))
-        return Schedule(tuple(leg.name for leg in robot.legs), tuple(phases))
-
-
-_TABLES: dict[str, type[BaseModel]] = {
-    "phase": PhaseRow,
-    "displacement": Displacement,
-    "obstacle": ObstacleRow,
-}
-_EXPECTED = {
-    "feet": "all, none, front, hind, left, right, pivot, or an array of legs' names",
-    "time": "takeoff, flight, landing, or [shortest, longest] in s",
-    "asks": f"some of {', '.join(ASKABLE)}",
-}
+        return Schedule(robot.leg_names, tuple(phases))
 
 
 def names() -> dict[str, JumpType]:
@@ -223,7 +220,7 @@ def load_type(name: str) -> JumpType:
     return _read(_Edition.of(path))
 
 
-def schedule_of(jump: Jump, robot: Robot) -> Schedule:
+def schedule_of(jump: Jump, robot: Legs) -> Schedule:
     """The schedule that a request asks for.
 
     Raises:
@@ -277,51 +274,7 @@ class _Edition(NamedTuple):
 
 @lru_cache(maxsize=32)
 def _read(edition: _Edition) -> JumpType:
-    path = edition.path
-    table = read_table(path, "a jump type")
-    try:
-        return JumpType.model_validate(table)
-    except ValidationError as error:
-        # A misspelt key is both unknown and missing; the first says more.
-        details = sorted(error.errors(), key=lambda detail: detail["type"] != "extra_forbidden")
-        raise InputError(f"{path}: {_sentence(details[0])}") from error
-
-
-def _sentence(detail: ErrorDetails) -> str:
-    """One pydantic complaint as: key, what was wrong, what would be accepted."""
-    location = list(takewhile(lambda part: not _is_alternative(part), detail["loc"]))
-    if location[:1] == ["asks"]:
-        location = location[:1]
-    place = [str(part + 1) if isinstance(part, int) else part for part in location]
-    key, last = printable(".".join(place)), str(location[-1]) if location else ""
-    table: type[BaseModel] = _TABLES.get(str(location[0]), JumpType) if location[1:] else JumpType
-    given = printable(repr(detail["input"]))
-    match detail["type"]:
-        case "extra_forbidden":
-            return f'unknown key "{key}"; {choices(last, _keys(table))}'
-        case "missing" if last in _keys(table):
-            return f'missing key "{key}"; expected: {", ".join(_keys(table))}'
-        case "defaults" | "obstacle":
-            return detail["msg"]
-        case _ if last in _EXPECTED:
-            return f"{key}: expected {_EXPECTED[last]}, got {given}"
-        case "model_type" | "dict_type":
-            return f"{key}: expected a table, got {given}"
-        case "tuple_type":
-            return f"{key}: expected an array, got {given}"
-        case _:
-            message = detail["msg"][:1].lower() + detail["msg"][1:]
-            return f"{key}: {message}, got {given}"
-
-
-def _keys(table: type[BaseModel]) -> list[str]:
-    """As they are called in files."""
-    return [field.alias or name for name, field in table.model_fields.items()]
-
-
-def _is_alternative(part: str | int) -> bool:
-    """Whether a part of pydantic's location names one of several kinds that a value may be of."""
-    return part in ("str", "int", "float") or str(part).startswith("tuple[")
+    return validated(JumpType, read_table(edition.path, "a jump type"), str(edition.path))
 
 
 def _repeated(rows: tuple[PhaseRow, ...], hops: int) -> list[PhaseRow]:
@@ -350,8 +303,8 @@ def _pivot(jump: Jump) -> str:
     return ""
 
 
-def _feet(row: PhaseRow, robot: Robot, pivot: str) -> tuple[str, ...]:
-    legs = tuple(leg.name for leg in robot.legs)
+def _feet(row: PhaseRow, robot: Legs, pivot: str) -> tuple[str, ...]:
+    legs = robot.leg_names
     if isinstance(row.feet, tuple):
         return row.feet
     if row.feet in ("all", "none"):
@@ -373,7 +326,7 @@ def _feet(row: PhaseRow, robot: Robot, pivot: str) -> tuple[str, ...]:
     return groups[name]
 
 
-def _groups(robot: Robot) -> dict[str, tuple[str, ...]]:
+def _groups(robot: Legs) -> dict[str, tuple[str, ...]]:
     """The groups of feet that this robot has: name -> legs."""
     hips = robot.hips - robot.hips.mean(axis=0)
     groups = {}
@@ -383,8 +336,8 @@ def _groups(robot: Robot) -> dict[str, tuple[str, ...]]:
             continue
         for name, side in ((ahead, 1), (behind, -1)):
             groups[name] = tuple(
-                leg.name
-                for leg, hip in zip(robot.legs, hips[:, axis], strict=True)
+                leg
+                for leg, hip in zip(robot.leg_names, hips[:, axis], strict=True)
                 if side * hip > far
             )
     return groups

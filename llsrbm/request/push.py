@@ -9,7 +9,7 @@ from dataclasses import dataclass, fields
 from typing import Any
 
 from llsrbm.errors import InputError
-from llsrbm.request.fields import Meaning, Number
+from llsrbm.request.messages import FieldSpec, Number
 
 DURATION = 0.02  # s that a push takes: one by hand is longer, one by a ball shorter
 LARGEST_IMPULSE = 200.0  # N s; it throws the heaviest robot here, of 54 kg, aside with 4 m/s
@@ -57,11 +57,11 @@ class Push:
 
 
 @dataclass(frozen=True)
-class PushList(Meaning):
+class PushList(FieldSpec):
     """Any number of pushes: `Push`es, or mappings of their fields as files have them."""
 
     def checked(self, name: str, value: Any) -> tuple[Push, ...]:
-        """See `Meaning.checked`."""
+        """A tuple of pushes."""
         if isinstance(value, str | bytes | Mapping) or not isinstance(value, Sequence):
             raise InputError(f"{name}: expected a list of pushes, got {reprlib.repr(value)}")
         if len(value) > MOST_PUSHES:

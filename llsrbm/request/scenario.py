@@ -1,14 +1,13 @@
-"""`Scenario`: what a simulation is asked for besides the plan."""
+"""The scenario of a simulation: board, disturbance, pushes, and parts of the controller."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
-from dataclasses import asdict, dataclass, fields, replace
+from dataclasses import asdict, dataclass, replace
 from typing import Annotated, Any
 
 from llsrbm.errors import InputError
-from llsrbm.request.fields import Flag, Name, Number, Whole, meanings
+from llsrbm.request.messages import Flag, Name, Number, Whole, check_fields, choices, field_specs
 from llsrbm.request.push import LARGEST_IMPULSE, SYMBOL, Push, PushList
 
 _THICKEST = 1.0  # m; beyond any robot, what passes under its feet is checked with the plan
@@ -18,7 +17,7 @@ LARGEST_TRUNK_MASS = 0.5  # share of the trunk's mass, either way
 
 @dataclass(frozen=True)
 class Scenario:
-    """What a simulation is asked for besides the plan; every field says beside its type what it is.
+    """Conditions of a simulation; each field states its meaning, unit and range with its type.
 
     `seed` and `noise` go together. With neither nothing is disturbed; of a scenario that is asked
     for one of them alone the seed is 0, or the noise 1. So both are None, or none is, and a
@@ -89,13 +88,7 @@ class Scenario:
     ] = False
 
     def __post_init__(self) -> None:
-        for field in fields(self):
-            value = getattr(self, field.name)
-            if value is None and field.default is None:
-                continue
-            meaning = meanings(Scenario)[field.name]
-            value = meaning.checked(field.name.replace("_", " "), value)
-            object.__setattr__(self, field.name, value)
+        check_fields(self)
         if self.half_board and self.board == 0:
             raise InputError("half board: expected the board's thickness beside it, got none")
         if self.seed is None and self.noise is not None:
@@ -109,30 +102,15 @@ class Scenario:
         Raises:
             InputError: no such field, or a value that makes no sense.
         """
-        known = [field.name for field in fields(self)]
         for name in changes:
-            if name not in known:
-                from llsrbm.robots.schema import choices  # slow to import, for a message
-
+            if name not in field_specs(Scenario):
                 given = json.dumps(name)  # a file's keys may hold anything
-                raise InputError(f"unknown field {given:.60}; {choices(name, known)}")
+                raise InputError(
+                    f"unknown field {given:.60}; {choices(name, field_specs(Scenario))}"
+                )
         return replace(self, **changes)
 
     def stated(self) -> dict[str, Any]:
         """The fewest fields that ask for this scenario: name -> value."""
         plain = asdict(Scenario(seed=self.seed)) | {"seed": None}
         return {name: value for name, value in asdict(self).items() if value != plain[name]}
-
-
-def with_scenario(table: Mapping[str, Any]) -> dict[str, Any]:
-    """A file's table with its scenario at "scenario".
-
-    Older files call it "conditions", and may state a noise, to no effect, where there is no seed.
-    """
-    if "conditions" not in table or "scenario" in table:
-        return dict(table)
-    scenario = table["conditions"]
-    if isinstance(scenario, Mapping) and scenario.get("seed") is None:
-        scenario = {name: value for name, value in scenario.items() if name != "noise"}
-    others = {name: value for name, value in table.items() if name != "conditions"}
-    return others | {"scenario": scenario}

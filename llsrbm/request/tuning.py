@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
 from llsrbm.errors import InputError
+from llsrbm.request.messages import Number
 
 
 @dataclass(frozen=True)
@@ -47,6 +47,4 @@ class Tuning:
 def _number(kind: str, name: Any, value: Any) -> float:
     if not isinstance(name, str):
         raise InputError(f"Tuning.{kind}: expected names as text, got {name!r}")
-    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
-        raise InputError(f"Tuning.{kind}.{name}: expected a finite number, got {value!r}")
-    return float(value)
+    return Number("").checked(f"Tuning.{kind}.{name}", value)

@@ -6,9 +6,9 @@ import os
 from pathlib import Path
 
 from llsrbm.errors import InputError
-from llsrbm.robots.assets import robot_files
+from llsrbm.request.messages import look_up
 from llsrbm.robots.robot import Leg, Robot, build_robot
-from llsrbm.robots.schema import RobotFile, choices, read_robot_file
+from llsrbm.robots.schema import RobotFile, read_robot_file, robot_files
 
 __all__ = ["Leg", "Robot", "RobotFile", "load_robot", "names", "read_robot_file"]
 
@@ -52,13 +52,7 @@ def _path(name_or_path: str) -> Path:
         raise InputError("robot: expected a name or a path, got one with a null character")
     if name_or_path.endswith(".toml") or os.sep in name_or_path:
         return Path(name_or_path)
-    files = robot_files()
-    if name_or_path not in files:
-        raise InputError(
-            f'no robot "{name_or_path}"; {choices(name_or_path, files)}, '
-            "or the path of a robot file (.toml)"
-        )
-    return Path(files[name_or_path])
+    return look_up("robot", name_or_path, robot_files(), "or the path of a robot file (.toml)")
 
 
 def _urdfs(robot: Robot) -> tuple[Path, Path]:

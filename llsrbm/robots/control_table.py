@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from llsrbm.robots.tables import Length, Positive, Table
+from llsrbm.request.tables import Length, Positive, Table
 
 
 class Gains(Table):

@@ -29,7 +29,8 @@ from numpy.typing import NDArray
 
 from llsrbm.cache import cache_path, content_key, read_checked, write_checked
 from llsrbm.errors import RobotFileError
-from llsrbm.robots.legs import TURN_ARM, foot_task, solve_legs, turns_about_z
+from llsrbm.mechanics import turns_about_z
+from llsrbm.robots.legs import TURN_ARM, foot_task, solve_legs
 from llsrbm.robots.robot import Robot
 
 Array = NDArray[np.float64]

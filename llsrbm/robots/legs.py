@@ -11,61 +11,16 @@ from functools import cached_property
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
+
+from llsrbm.mechanics import apply, cross, parallel_axis, skew
 
 Array = NDArray[np.float64]
 
 # m: a sole's turn counts in inverse kinematics as what it moves a point at this distance, which is
 # about where the corners are.
 TURN_ARM = 0.1
-
-_NEXT, _AFTER_NEXT = [1, 2, 0], [2, 0, 1]
-
-
-def cross(a: Array, b: Array) -> Array:
-    """Cross product of the last axis; far quicker than `numpy.cross` on short vectors."""
-    return a[..., _NEXT] * b[..., _AFTER_NEXT] - a[..., _AFTER_NEXT] * b[..., _NEXT]
-
-
-def skew(a: Array) -> Array:
-    """Matrix S (..., 3, 3) with S b = a x b, of a (..., 3)."""
-    x, y, z = np.moveaxis(a, -1, 0)
-    zero = np.zeros_like(x)
-    rows = np.stack([zero, -z, y, z, zero, -x, -y, x, zero], axis=-1)
-    return rows.reshape(*a.shape, 3)
-
-
-def parallel_axis(d: Array) -> Array:
-    """P(d) = |d|^2 1 - d d^T, the inertia of a unit mass at d; (..., 3) -> (..., 3, 3)."""
-    return np.sum(d * d, axis=-1)[..., None, None] * np.eye(3) - d[..., :, None] * d[..., None, :]
-
-
-def apply(matrix: Array, vector: Array) -> Array:
-    """Matrix times vector over leading dimensions: (..., r, k), (..., k) -> (..., r)."""
-    return (matrix @ vector[..., None])[..., 0]
-
-
-def turns_about_z(angle: Array) -> Array:
-    """Rotation matrices (..., 3, 3) of angles (...) rad about z."""
-    rotation = np.zeros((*angle.shape, 3, 3))
-    rotation[..., 0, 0] = rotation[..., 1, 1] = np.cos(angle)
-    rotation[..., 1, 0] = np.sin(angle)
-    rotation[..., 0, 1] = -rotation[..., 1, 0]
-    rotation[..., 2, 2] = 1.0
-    return rotation
-
-
-def rotation_matrices(quat: ArrayLike) -> Array:
-    """Unit or nearly unit quaternions w, x, y, z (..., 4) as rotation matrices (..., 3, 3)."""
-    q = np.asarray(quat, dtype=float)
-    w, x, y, z = np.moveaxis(q / np.linalg.norm(q, axis=-1, keepdims=True), -1, 0)
-    rows = [
-        1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y),
-        2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x),
-        2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y),
-    ]  # fmt: skip
-    return np.stack(rows, axis=-1).reshape(*q.shape[:-1], 3, 3)
 
 
 @dataclass(frozen=True, eq=False)

@@ -110,6 +110,11 @@ class Robot:
         return self.file.name
 
     @cached_property
+    def leg_names(self) -> tuple[str, ...]:
+        """(L,) in the order of the file."""
+        return tuple(leg.name for leg in self.legs)
+
+    @cached_property
     def hips(self) -> Array:
         """(L, 3) m: hips in the base frame."""
         return np.array([leg.hip for leg in self.legs])

@@ -5,38 +5,27 @@ Mass properties and leg maps are not in it; they are computed from the URDF.
 
 from __future__ import annotations
 
-import difflib
-from collections.abc import Iterable
 from pathlib import Path
 from typing import Annotated, Literal, Self
 
-from pydantic import BaseModel, Field, ValidationError, model_validator
-from pydantic_core import ErrorDetails, PydanticCustomError
+from pydantic import Field, model_validator
 
 from llsrbm.errors import RobotFileError
-from llsrbm.robots.control_table import Control
-from llsrbm.robots.tables import (
+from llsrbm.installed import assets_directory
+from llsrbm.request.messages import choices
+from llsrbm.request.tables import (
     Interval,
     Length,
     Positive,
     PositiveInterval,
     Table,
     Vector,
+    fault,
     read_table,
+    validated,
 )
-from llsrbm.robots.urdf_table import AddedFrame, UrdfSource
-
-# Keys of older robot files -> what does their work now.
-REPLACED = {
-    "limits.contact_force": (
-        "plans keep to the drives' torque instead, limits.torque (the URDF's if left out) and "
-        "limits.torque_share"
-    ),
-    "limits.foot_speed_in_base": (
-        "plans keep to the drives' torque and speed instead, limits.torque and "
-        "limits.joint_speed (the URDF's if left out)"
-    ),
-}
+from llsrbm.robots.control_table import Control
+from llsrbm.robots.urdf_table import UrdfSource
 
 
 class LegFrames(Table):
@@ -49,9 +38,6 @@ class LegFrames(Table):
 
     foot: str
     hip: str
-
-
-_NAMED_TABLES: dict[str, type[BaseModel]] = {"legs": LegFrames, "frames": AddedFrame}
 
 
 class Foot(Table):
@@ -99,11 +85,7 @@ class Reach(Table):
     def _box_ordered(self) -> Self:
         for axis, low, high in zip("xyz", self.lower, self.upper, strict=True):
             if low > high:
-                raise PydanticCustomError(
-                    "box",
-                    "lower exceeds upper along {axis}: {low} > {high}",
-                    {"axis": axis, "low": low, "high": high},
-                )
+                raise fault(f"lower exceeds upper along {axis}: {low} > {high}")
         return self
 
 
@@ -239,16 +221,10 @@ class RobotFile(Table):
     def _posture_of_every_leg(self) -> Self:
         for leg in self.posture:
             if leg not in self.legs:
-                raise PydanticCustomError(
-                    "posture",
-                    "posture.{leg}: no such leg; {legs}",
-                    {"leg": leg, "legs": choices(leg, self.legs)},
-                )
+                raise fault(f"posture.{leg}: no such leg; {choices(leg, self.legs)}")
         for leg in self.legs:
             if leg not in self.posture:
-                raise PydanticCustomError(
-                    "posture", "posture.{leg}: missing; expected joint angles", {"leg": leg}
-                )
+                raise fault(f"posture.{leg}: missing; expected joint angles")
         return self
 
     @model_validator(mode="after")
@@ -256,23 +232,15 @@ class RobotFile(Table):
         for name in sorted(self.example.model_fields_set):
             value, (low, high) = getattr(self.example, name), getattr(self.task, name)
             if not low <= value <= high:
-                raise PydanticCustomError(
-                    "example",
-                    "example.{name}: expected {low} to {high}, as task.{name} says, got {value}",
-                    {"name": name, "low": low, "high": high, "value": value},
+                raise fault(
+                    f"example.{name}: expected {low} to {high}, as task.{name} says, got {value}"
                 )
         return self
 
 
-def choices(given: str, valid: Iterable[str], shown: int = 20) -> str:
-    """The part of a message that names what would be accepted, the closest match first."""
-    names = list(valid)
-    close = difflib.get_close_matches(given, names, n=1)
-    listed = ", ".join(names[:shown])
-    if len(names) > shown:
-        nearest = difflib.get_close_matches(given, names, n=shown, cutoff=0.0)
-        listed = ", ".join(nearest) + f" and {len(names) - shown} more"
-    return (f'did you mean "{close[0]}"? ' if close else "") + f"valid: {listed}"
+def robot_files() -> dict[str, Path]:
+    """The robots that come with the project: name -> file, by name."""
+    return {path.stem: path for path in sorted((assets_directory() / "robots").glob("*.toml"))}
 
 
 def read_robot_file(path: str | Path) -> RobotFile:
@@ -283,62 +251,4 @@ def read_robot_file(path: str | Path) -> RobotFile:
     """
     path = Path(path)
     table = read_table(path, "a robot file", RobotFileError)
-    try:
-        return RobotFile.model_validate(table)
-    except ValidationError as error:
-        # A misspelt key is both unknown and missing; the first says more.
-        details = sorted(error.errors(), key=lambda detail: detail["type"] != "extra_forbidden")
-        more = f" (and {len(details) - 1} more)" if len(details) > 1 else ""
-        raise RobotFileError(f"{path}: {_sentence(details[0])}{more}") from error
-
-
-def _keys_beside(location: tuple[int | str, ...]) -> list[str]:
-    """Names that are valid in the table holding the last key of a location."""
-    table: type[BaseModel] = RobotFile
-    for key in location[:-1]:
-        field = table.model_fields.get(str(key))
-        if field is None:
-            # The name of a leg or a frame is one the person chose; below it come a table's keys.
-            continue
-        inner = field.annotation
-        if key in _NAMED_TABLES:
-            table = _NAMED_TABLES[str(key)]
-        elif isinstance(inner, type) and issubclass(inner, BaseModel):
-            table = inner
-    return list(table.model_fields)
-
-
-def _sentence(detail: ErrorDetails) -> str:
-    """One pydantic complaint as: key, what was wrong, what would be accepted."""
-    location = detail["loc"]
-    key = ".".join(str(part) for part in location)
-    given = detail["input"]
-    given_text = str(list(given)) if isinstance(given, tuple) else repr(given)
-    match detail["type"]:
-        case "extra_forbidden" if key in REPLACED:
-            return f'"{key}" is no key any more; remove it: {REPLACED[key]}'
-        case "extra_forbidden":
-            return f'unknown key "{key}"; {choices(str(location[-1]), _keys_beside(location))}'
-        case "missing" if isinstance(location[-1], str):
-            return f'missing key "{key}"; expected: {", ".join(_keys_beside(location))}'
-        case "missing" | "too_long" | "too_short":
-            container = ".".join(str(part) for part in location if isinstance(part, str))
-            return f"{container}: {_expected_length(container, detail)}, got {given_text}"
-        case "posture" | "example":
-            return detail["msg"]
-        case "tuple_type":
-            return f"{key}: expected an array of numbers, got {given_text}"
-        case "model_type" | "model_attributes_type" | "dict_type":
-            return f"{key}: expected a table, got {given_text}"
-        case "box" | "urdf":
-            return f"{key}: {detail['msg']}"
-        case _:
-            message = detail["msg"][:1].lower() + detail["msg"][1:]
-            return f"{key}: {message}, got {given_text}"
-
-
-def _expected_length(key: str, detail: ErrorDetails) -> str:
-    if detail["type"] == "too_short":
-        return f"expected at least {detail['ctx']['min_length']}"
-    vectors = ("lower", "upper", "xyz", "rpy")
-    return f"expected {3 if key.rpartition('.')[2] in vectors else 2} values"
+    return validated(RobotFile, table, str(path), RobotFileError)

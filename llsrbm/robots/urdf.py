@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 
 import pinocchio as pin
 
 from llsrbm.errors import RobotFileError
-from llsrbm.robots.assets import package_share
-from llsrbm.robots.schema import RobotFile, choices
+from llsrbm.request.messages import choices
+from llsrbm.robots.schema import RobotFile
 
 BASE_JOINT = 1  # Pinocchio's index of the free flyer; 0 is the universe.
 
@@ -35,6 +36,23 @@ def find_urdf(file: RobotFile, path: Path) -> tuple[Path, tuple[Path, ...]]:
             f'{path}: urdf.path: package {package} has no "{inner}"; {choices(inner, present)}'
         )
     return urdf, (share,)
+
+
+def package_share(package: str, robot_file: Path) -> Path:
+    """The folder `share` of an installed package of robot data; `robots` lies in `share/<package>`.
+
+    Raises:
+        RobotFileError: the package is not installed.
+    """
+    roots = [Path(entry) for entry in sys.path if entry]
+    roots = [*(root / "cmeel.prefix" for root in roots), Path(sys.prefix)]
+    for root in roots:
+        if (root / "share" / package / "robots").is_dir():
+            return root / "share"
+    raise RobotFileError(
+        f'{robot_file}: urdf.package: no robot data of a package "{package}" is installed; '
+        f"expected a folder share/{package}/robots, as `pip install example-robot-data` makes it"
+    )
 
 
 def load_model(urdf_path: Path, path: Path) -> pin.Model:

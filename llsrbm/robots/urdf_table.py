@@ -5,9 +5,8 @@ from __future__ import annotations
 from typing import Any, Self
 
 from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
-from pydantic_core import PydanticCustomError
 
-from llsrbm.robots.tables import Table, Vector
+from llsrbm.request.tables import Table, Vector, fault
 
 
 class AddedFrame(Table):
@@ -61,7 +60,7 @@ class UrdfSource(Table):
     def _one_source(self) -> Self:
         given = (self.package is not None, self.path is not None, self.file is not None)
         if given not in ((True, True, False), (False, False, True)):
-            raise PydanticCustomError("urdf", 'expected either "package" and "path", or "file"')
+            raise fault('expected either "package" and "path", or "file"')
         return self
 
     def installed(self) -> tuple[str, str]:

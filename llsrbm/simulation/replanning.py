@@ -21,9 +21,9 @@ from numpy.typing import NDArray
 from llsrbm.control.reference import Reference
 from llsrbm.control.swing import UnderWay
 from llsrbm.control.whole_body import WholeBody
+from llsrbm.mechanics import GRAVITY
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.replan import Replan
-from llsrbm.planning.problem.stage import GRAVITY
 from llsrbm.planning.replan.replanner import Answer, Replanner
 from llsrbm.planning.replan.under_way import State
 from llsrbm.robots import Robot

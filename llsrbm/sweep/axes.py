@@ -11,7 +11,7 @@ from pydantic_core import PydanticCustomError
 
 from llsrbm.errors import InputError
 from llsrbm.request.jump import Jump
-from llsrbm.robots.tables import Table
+from llsrbm.request.tables import Table
 
 DEGREES = "_deg"
 """What the name of an axis in degrees ends in."""

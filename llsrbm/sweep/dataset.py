@@ -23,13 +23,13 @@ from llsrbm.files.writing import staged
 from llsrbm.formats.base import Options
 from llsrbm.formats.datasets.base import DatasetFormat, Episode
 from llsrbm.formats.datasets.registry import find_dataset_format
+from llsrbm.installed import package_version
 from llsrbm.request.jump import Jump
 from llsrbm.sweep import rows as row
 from llsrbm.sweep.folder import TABLE, difference, disk_errors, stated_of
 from llsrbm.sweep.jump import plan_of, rollout_of
 from llsrbm.sweep.points import Point
 from llsrbm.sweep.spec import Spec
-from llsrbm.version import package_version
 
 if TYPE_CHECKING:
     import pyarrow as pa

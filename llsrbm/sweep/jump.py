@@ -15,11 +15,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from llsrbm.errors import Error, InputError, NotConverged
+from llsrbm.installed import package_version
 from llsrbm.sweep import rows
 from llsrbm.sweep.points import Point
 from llsrbm.sweep.rows import Row
 from llsrbm.sweep.spec import Spec
-from llsrbm.version import package_version
 
 if TYPE_CHECKING:
     from llsrbm.motion.plan import Plan
@@ -199,7 +199,7 @@ def _figures(plan: Plan, robot: Robot) -> Row:
     """Durations, margins and loads of a plan."""
     from llsrbm.analysis.summary import peak_yaw_rate
     from llsrbm.body.peak_loads import planned_peak_load, planned_torque_shares
-    from llsrbm.motion.rotation import final_yaw
+    from llsrbm.mechanics import final_yaw
 
     durations = np.diff(plan.phase_start)
     row: Row = {
@@ -240,7 +240,7 @@ def _joints(plan: Plan, robot: Robot) -> Row:
 
 def _forces(plan: Plan, robot: Robot) -> Row:
     """Forces at contacts, and how much of the friction they use."""
-    from llsrbm.planning.problem.stage import GRAVITY
+    from llsrbm.mechanics import GRAVITY
 
     force = plan.contact_force
     tangential = np.hypot(force[..., 0], force[..., 1])

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from llsrbm.errors import InputError
 from llsrbm.request.jump import Jump
-from llsrbm.robots.schema import choices
+from llsrbm.request.messages import choices
 from llsrbm.sweep.axes import COUNTED, ROBOT_RANGES
 from llsrbm.sweep.spec import Spec
 

@@ -18,9 +18,9 @@ from dataclasses import fields
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from llsrbm.cache import content_key
+from llsrbm.installed import package_version
 from llsrbm.motion.rollout import Outcome
 from llsrbm.sweep.spec import Spec
-from llsrbm.version import package_version
 
 if TYPE_CHECKING:
     import pyarrow as pa

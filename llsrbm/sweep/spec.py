@@ -36,7 +36,7 @@ from pydantic_core import PydanticCustomError
 from llsrbm.errors import InputError, printable
 from llsrbm.request.jump import Jump
 from llsrbm.request.scenario import Scenario
-from llsrbm.robots.tables import Table, with_tuples
+from llsrbm.request.tables import Table, with_tuples
 from llsrbm.sweep.axes import (
     DEGREES,
     Axis,

@@ -10,9 +10,9 @@ from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
 from llsrbm.errors import InputError, printable
-from llsrbm.robots.assets import assets_directory
-from llsrbm.robots.schema import choices
-from llsrbm.robots.tables import Table, parse_table, read_table
+from llsrbm.installed import assets_directory
+from llsrbm.request.messages import choices
+from llsrbm.request.tables import Table, parse_table, read_table
 from llsrbm.sweep.axes import AxisTable, DriveAxes, JumpAxes
 from llsrbm.sweep.spec import Spec
 

@@ -10,7 +10,7 @@ from app.guard.token import Access
 from app.page_template import page
 from app.panel.design_controls import DesignControls
 from app.viser_private import DesignerServer
-from llsrbm.request.examples import examples
+from llsrbm.request.design import examples
 
 
 class DesignPage:

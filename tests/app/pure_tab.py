@@ -15,7 +15,7 @@ from app.tab.update import update
 from app.workers.protocol import Planned, Prepared, Simulated
 from llsrbm.ocp.problem import Iterate
 from llsrbm.robots import load_robot, read_robot_file
-from llsrbm.robots.assets import robot_files
+from llsrbm.robots.schema import robot_files
 from tests.app.synthetic_plan import synthetic_plan
 from tests.llsrbm.synthetic_rollout import synthetic_rollout
 

@@ -15,8 +15,7 @@ from llsrbm.request.design import Design, dump_design
 from llsrbm.request.jump import Jump
 from llsrbm.request.scenario import Scenario
 from llsrbm.robots import names
-from llsrbm.robots.assets import robot_files
-from llsrbm.robots.schema import read_robot_file
+from llsrbm.robots.schema import read_robot_file, robot_files
 from tests.app.planners import SyntheticPlanner, turning_states
 from tests.app.raw_tab import RawTab, planned
 from tests.app.synthetic_plan import synthetic_plan

@@ -18,7 +18,7 @@ from llsrbm.formats import FORMATS
 from llsrbm.planning.problem.costs import default_weights
 from llsrbm.planning.problem.limits import limit_unit
 from llsrbm.request import jump_types
-from llsrbm.request.examples import find_design
+from llsrbm.request.design import find_design
 from llsrbm.robots import names as robot_names
 from tests.docs.benchmark_commands import check_benchmark, parse
 from tests.docs.pages import PAGES, ROOT, blocks, commands, inline_code, name_of

@@ -8,11 +8,11 @@ import pytest
 import yaml
 
 from llsrbm.cli import main
+from llsrbm.installed import assets_directory
 from llsrbm.request import jump_types
+from llsrbm.request.tables import parse_table
 from llsrbm.robots import load_robot
-from llsrbm.robots.assets import assets_directory, robot_files
-from llsrbm.robots.schema import RobotFile
-from llsrbm.robots.tables import parse_table
+from llsrbm.robots.schema import RobotFile, robot_files
 from llsrbm.sweep.spec_file import parse_spec
 from tests.docs.pages import PAGES, ROOT, blocks, command_lines, name_of
 

@@ -90,7 +90,7 @@ class TestBadInput:
 
     def test_export_options(self, saved, tmp_path, capfd):
         for options, said in (
-            (["--format", "bvh", "--out", "x"], "the formats are npz, csv"),
+            (["--format", "bvh", "--out", "x"], "valid: npz, csv"),
             (["--format", "csv", "--fps", "0", "--out", "x"], "0 < fps"),
             (["--format", "csv", "--out", str(tmp_path / "none" / "x.csv")], "cannot write"),
         ):

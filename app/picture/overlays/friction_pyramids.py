@@ -13,8 +13,8 @@ from app.motion.frames import Frames
 from app.picture import gltf
 from app.picture.drawing import Copies, RootedOverlay
 from app.picture.picture import Picture
+from llsrbm.mechanics import INSCRIBED
 from llsrbm.motion.plan import Plan
-from llsrbm.robots.friction import INSCRIBED
 
 _HEIGHT = 0.16  # m
 

@@ -6,14 +6,13 @@ from llsrbm.control.detection.base import CentroidalState, Detector
 from llsrbm.control.detection.norm import NormDetector
 from llsrbm.control.detection.residual import ResidualDetector
 from llsrbm.control.detection.uncertainty import ModelUncertainty, model_uncertainty
-from llsrbm.errors import InputError
+from llsrbm.request.messages import look_up
 
 __all__ = [
     "CentroidalState",
     "Detector",
     "ModelUncertainty",
     "check_name",
-    "describe",
     "make_detector",
     "model_uncertainty",
     "names",
@@ -29,15 +28,9 @@ def names() -> tuple[str, ...]:
     return tuple(_DETECTORS)
 
 
-def describe() -> dict[str, str]:
-    """Name -> one line."""
-    return {name: detector.summary for name, detector in _DETECTORS.items()}
-
-
 def check_name(name: str) -> None:
     """Raise `InputError`, naming the valid ones, for a name that is no detector's."""
-    if name not in _DETECTORS:
-        raise InputError(f"unknown detector {name!r}; the detectors are {', '.join(_DETECTORS)}")
+    look_up("detector", name, _DETECTORS)
 
 
 def make_detector(name: str, tick: float, uncertainty: ModelUncertainty) -> Detector:
@@ -50,5 +43,4 @@ def make_detector(name: str, tick: float, uncertainty: ModelUncertainty) -> Dete
     Raises:
         InputError: no detector has that name.
     """
-    check_name(name)
-    return _DETECTORS[name](tick, uncertainty)
+    return look_up("detector", name, _DETECTORS)(tick, uncertainty)

@@ -16,7 +16,6 @@ from llsrbm.control.detection.uncertainty import ModelUncertainty
 
 Array = NDArray[np.float64]
 
-GRAVITY = 9.81  # m/s2, downwards
 # Detectors listen once the CoM has sunk faster than this: before, feet that leave the ground late
 # look like contacts, and no landing is softer (it is the speed of a fall of 5 mm).
 ARMED_BELOW = -0.3  # m/s

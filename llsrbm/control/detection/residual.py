@@ -32,8 +32,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from llsrbm.control.detection.base import GRAVITY, Array, CentroidalState, Detector
+from llsrbm.control.detection.base import Array, CentroidalState, Detector
 from llsrbm.control.detection.uncertainty import ModelUncertainty
+from llsrbm.mechanics import GRAVITY
 
 # Standard deviations. Six components of white noise exceed 8 in 1 of 1e11 tests; the worst of 450
 # simulated flights with noise and a trunk mass wrong by 8 to 15 %, 10 % being stated, came to 6.0.

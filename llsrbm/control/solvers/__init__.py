@@ -6,9 +6,9 @@ from llsrbm.control.solvers.base import QpSolution, QpSolver
 from llsrbm.control.solvers.program import Qp
 from llsrbm.control.solvers.proxqp import ProxQp
 from llsrbm.control.solvers.quadprog import Quadprog
-from llsrbm.errors import InputError
+from llsrbm.request.messages import look_up
 
-__all__ = ["Qp", "QpSolution", "QpSolver", "check_name", "describe", "make_solver", "names"]
+__all__ = ["Qp", "QpSolution", "QpSolver", "check_name", "make_solver", "names"]
 
 _SOLVERS: dict[str, type[QpSolver]] = {solver.name: solver for solver in (Quadprog, ProxQp)}
 
@@ -18,15 +18,9 @@ def names() -> tuple[str, ...]:
     return tuple(_SOLVERS)
 
 
-def describe() -> dict[str, str]:
-    """Name -> one line."""
-    return {name: solver.summary for name, solver in _SOLVERS.items()}
-
-
 def check_name(name: str) -> None:
-    """Raise `InputError`, naming the valid ones, for a name that is no solver's."""
-    if name not in _SOLVERS:
-        raise InputError(f"unknown QP solver {name!r}; the solvers are {', '.join(_SOLVERS)}")
+    """Raise `InputError`, naming the valid ones, for a name that is no QP solver's."""
+    look_up("QP solver", name, _SOLVERS)
 
 
 def make_solver(name: str) -> QpSolver:
@@ -35,5 +29,4 @@ def make_solver(name: str) -> QpSolver:
     Raises:
         InputError: no solver has that name.
     """
-    check_name(name)
-    return _SOLVERS[name]()
+    return look_up("QP solver", name, _SOLVERS)()

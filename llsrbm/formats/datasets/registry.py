@@ -12,6 +12,7 @@ from llsrbm.formats.datasets.base import DatasetFormat
 from llsrbm.formats.datasets.lerobot import LEROBOT
 from llsrbm.formats.exporting import export
 from llsrbm.formats.registry import FORMATS
+from llsrbm.request.messages import look_up
 
 OWN: dict[str, DatasetFormat] = {format_.name: format_ for format_ in (LEROBOT,)}
 
@@ -28,11 +29,7 @@ def find_dataset_format(name: str, kind: str) -> DatasetFormat:
     """
     if name in OWN:
         return OWN[name]
-    if name not in FORMATS:
-        raise InputError(
-            f'no format "{name}" of data sets; the formats are {", ".join((*OWN, *FORMATS))}'
-        )
-    of_one = FORMATS[name]
+    of_one = look_up("format of data sets", name, FORMATS, f"or {', '.join(OWN)}")
     if kind not in of_one.holds:
         raise InputError(
             f'format "{name}" cannot hold a {kind}; expected --source {" or ".join(of_one.holds)}'

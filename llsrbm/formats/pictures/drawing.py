@@ -18,11 +18,11 @@ from llsrbm.look.palette import Rgb
 from llsrbm.look.timeline import Timeline, timeline
 from llsrbm.look.viewpoint import viewpoint
 from llsrbm.look.visuals import LinkVisual, forward_kinematics, link_visuals
+from llsrbm.mechanics import rotation_matrices
 from llsrbm.motion.instants import evenly, with_events
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.resample import resample
 from llsrbm.motion.rollout import Rollout
-from llsrbm.motion.rotation import rotation_matrices
 from llsrbm.motion.whole_body import whole_body_motion
 from llsrbm.request.scenario import Scenario
 from llsrbm.robots import Robot

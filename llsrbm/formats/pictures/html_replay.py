@@ -37,14 +37,14 @@ from llsrbm.formats.pictures.drawing import (
     draw,
     view_of,
 )
+from llsrbm.installed import package_version
 from llsrbm.look import palette
 from llsrbm.look.palette import Rgb, css
 from llsrbm.look.timeline import Timeline
 from llsrbm.look.visuals import LinkVisual
+from llsrbm.mechanics import sign_continuous
 from llsrbm.motion.description import description
 from llsrbm.motion.plan import Plan
-from llsrbm.motion.rotation import sign_continuous
-from llsrbm.version import package_version
 
 _ASPECT = 16 / 9  # of the window that the camera is placed for
 _BARS = 1.2  # of the distance: title and timeline cover a part of the picture

@@ -21,8 +21,8 @@ from llsrbm.files.loading import Trajectory
 from llsrbm.formats.base import ORDERS, Format, Options
 from llsrbm.formats.references.plain_pickle import write_pickle
 from llsrbm.formats.sidecar import write_sidecar
+from llsrbm.mechanics import rotation_matrices
 from llsrbm.motion.bodies import body_motion
-from llsrbm.motion.rotation import rotation_matrices
 from llsrbm.motion.whole_body import whole_body_motion
 
 

@@ -38,9 +38,9 @@ from llsrbm.files.loading import Trajectory
 from llsrbm.formats.base import ORDERS, Format, Options
 from llsrbm.formats.references.states import checked_motion, checked_rate, joint_columns
 from llsrbm.formats.sidecar import described
+from llsrbm.mechanics import rotation_matrices
 from llsrbm.motion.bodies import body_motion, body_order, root_com
 from llsrbm.motion.quantity import BODY, JOINT, TIME, WXYZ, XYZ, Kind, Quantity
-from llsrbm.motion.rotation import rotation_matrices
 from llsrbm.motion.whole_body import WholeBodyMotion, whole_body_motion
 from llsrbm.robots import Robot
 

@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from llsrbm.errors import FileFormatError
+from llsrbm.mechanics import rotation_matrices, sign_continuous
 from llsrbm.motion.derivatives import velocities as differences
 from llsrbm.motion.instants import FASTEST
-from llsrbm.motion.rotation import rotation_matrices, sign_continuous
 from llsrbm.motion.whole_body import WholeBodyMotion, motion_of_states
 from llsrbm.robots import Robot
 

@@ -5,10 +5,10 @@ Adding one is one module here, and its class in `_SOLVERS`.
 
 from __future__ import annotations
 
-from llsrbm.errors import InputError
 from llsrbm.ocp.solvers.base import NEAR_MU, NEAR_TOLERANCE, PATIENT, TOO_FAR, Patience, Solver
 from llsrbm.ocp.solvers.fatrop import WITHIN, Fatrop
 from llsrbm.ocp.solvers.ipopt import Ipopt
+from llsrbm.request.messages import look_up
 
 __all__ = [
     "NEAR_MU",
@@ -38,6 +38,4 @@ def by_name(name: str) -> type[Solver]:
     Raises:
         InputError: no solver has that name.
     """
-    if name not in _SOLVERS:
-        raise InputError(f"unknown solver {name!r}; the solvers are {', '.join(_SOLVERS)}")
-    return _SOLVERS[name]
+    return look_up("solver", name, _SOLVERS)

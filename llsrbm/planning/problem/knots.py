@@ -11,6 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from llsrbm.body.joint_loads import JointLoads, KnotMotion, joint_loads
 from llsrbm.body.postures import Postures, solve_postures
+from llsrbm.mechanics import GRAVITY
 from llsrbm.models.base import CentroidalModel
 from llsrbm.planning.problem.headings import (
     heading_rates,
@@ -19,7 +20,6 @@ from llsrbm.planning.problem.headings import (
     relative_yaws,
 )
 from llsrbm.planning.problem.layout import SHIFT, Layout
-from llsrbm.planning.problem.stage import GRAVITY
 from llsrbm.planning.problem.task import Task, contact_points
 
 Array = NDArray[np.float64]

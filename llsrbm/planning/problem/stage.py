@@ -7,13 +7,13 @@ from typing import Any
 
 import casadi as ca
 
+from llsrbm.mechanics import GRAVITY
 from llsrbm.models.base import CentroidalModel
 from llsrbm.ocp.lifting import Lifting
 from llsrbm.planning.problem.headings import across, heading_rate, relative_yaw, relative_yaw_rate
 from llsrbm.planning.problem.layout import SHIFT, Layout, Role
 from llsrbm.planning.problem.rotations import quat_exp, quat_product, rotation_matrix
 
-GRAVITY = 9.81  # m/s2
 BALANCE_SCALE = 10.0  # the momentum balance in 0.1 m2/s, about as large as the other rows
 
 

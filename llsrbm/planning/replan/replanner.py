@@ -19,9 +19,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from llsrbm.mechanics import GRAVITY, sign_continuous
 from llsrbm.models import make_model
 from llsrbm.motion.plan import Plan
-from llsrbm.motion.rotation import sign_continuous
 from llsrbm.ocp import solvers
 from llsrbm.ocp.problem import Iterate, Solution
 from llsrbm.ocp.progress import when_idle
@@ -32,7 +32,6 @@ from llsrbm.planning.problem.knots import Knots, unpack
 from llsrbm.planning.problem.layout import NOMINAL_PHASES, Layout
 from llsrbm.planning.problem.packing import Sampled, pack
 from llsrbm.planning.problem.placement import make_task
-from llsrbm.planning.problem.stage import GRAVITY
 from llsrbm.planning.problem.task import Footholds, InMotion, Task, contact_points
 from llsrbm.planning.replan.under_way import (
     State,

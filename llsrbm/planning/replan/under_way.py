@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from llsrbm.mechanics import GRAVITY
 from llsrbm.motion.plan import Plan
-from llsrbm.planning.problem.stage import GRAVITY
 from llsrbm.planning.problem.task import Task
 
 Array = NDArray[np.float64]

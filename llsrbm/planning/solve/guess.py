@@ -14,12 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from llsrbm.mechanics import GRAVITY
 from llsrbm.models.base import CentroidalModel
 from llsrbm.planning.problem.constraints.swing import ground_line
 from llsrbm.planning.problem.knots import feet_from_com
 from llsrbm.planning.problem.layout import Layout
 from llsrbm.planning.problem.packing import Sampled, pack
-from llsrbm.planning.problem.stage import GRAVITY
 from llsrbm.planning.problem.task import Task
 
 Array = NDArray[np.float64]

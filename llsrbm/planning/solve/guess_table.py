@@ -30,6 +30,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from llsrbm.cache import content_key
+from llsrbm.installed import assets_directory, package_version
 from llsrbm.ocp.problem import Iterate
 from llsrbm.planning.problem.costs import default_weights
 from llsrbm.planning.problem.formulation import Formulation
@@ -37,9 +38,7 @@ from llsrbm.planning.problem.placement import make_task
 from llsrbm.planning.problem.task import Task
 from llsrbm.request.jump import Jump
 from llsrbm.robots import load_robot
-from llsrbm.robots.assets import assets_directory
 from llsrbm.robots.robot import Robot
-from llsrbm.version import package_version
 
 Array = NDArray[np.float64]
 

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from llsrbm.errors import RobotFileError
+from llsrbm.mechanics import GRAVITY
 from llsrbm.robots.draft.anatomy import Anatomy
 
 Array = NDArray[np.float64]
@@ -214,7 +215,7 @@ def _drives(
     """Torques and speeds: the URDF's where they can be meant."""
     model, leg = anatomy.model, list(anatomy.joint_ids[0])
     at = [model.joints[j].idx_v for j in leg]
-    weight = anatomy.mass * 9.81 * length
+    weight = anatomy.mass * GRAVITY * length
     torque, speed = model.effortLimit[at], model.velocityLimit[at]
     meant = (torque > _WEAKEST * weight) & (torque < _STRONGEST * weight)
     # Ankles may be weak; of a leg without one strong joint no limit is meant.

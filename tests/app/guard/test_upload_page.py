@@ -12,8 +12,7 @@ import pytest
 
 from app.guard.limits import MAX_UPLOAD
 from app.workers.offered import uploaded_design
-from llsrbm.request.design import dump_design
-from llsrbm.request.examples import examples
+from llsrbm.request.design import dump_design, examples
 from tests.app.chromium import PACE, VIEW, drop, fill
 from tests.app.design_page import design_page
 

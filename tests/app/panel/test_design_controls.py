@@ -7,8 +7,7 @@ import pytest
 from app.guard.limits import MAX_UPLOAD
 from app.workers.offered import uploaded_design
 from llsrbm.errors import InputError
-from llsrbm.request.design import Design, dump_design
-from llsrbm.request.examples import examples
+from llsrbm.request.design import Design, dump_design, examples
 from llsrbm.request.jump import Jump
 from llsrbm.robots import names
 from tests.app.design_page import design_page

@@ -16,7 +16,7 @@ from app.tab.opening import first_state
 from app.tab.update import update
 from llsrbm.request.tuning import Tuning
 from llsrbm.robots import load_robot, read_robot_file
-from llsrbm.robots.assets import robot_files
+from llsrbm.robots.schema import robot_files
 
 FILES = {name: read_robot_file(path) for name, path in robot_files().items()}
 ROBOT = load_robot("anymal")

@@ -8,8 +8,7 @@ from dataclasses import replace
 import pytest
 
 from llsrbm import cli
-from llsrbm.request.design import Design, dump_design
-from llsrbm.request.examples import examples
+from llsrbm.request.design import Design, dump_design, examples
 from llsrbm.request.jump import Jump
 from llsrbm.request.scenario import Scenario
 from llsrbm.request.tuning import Tuning

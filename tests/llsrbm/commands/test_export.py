@@ -76,7 +76,7 @@ def test_several_in_a_zip(saved, tmp_path, capfd):
 
 def test_an_unknown_format(saved, tmp_path, capfd):
     said = refused(capfd, tmp_path, saved, "--out", tmp_path / "x", "--format", "bvh")
-    assert 'no format "bvh"; the formats are npz, csv' in said
+    assert 'no format "bvh"; valid: npz, csv' in said
 
 
 def test_no_format_or_no_place(saved, tmp_path, capfd):
@@ -238,4 +238,4 @@ def test_no_such_format_to_tell_of(capfd):
     assert cli.main(["formats", "--format", "bvh"]) == 2
     out, err = capfd.readouterr()
     assert (out, err.count("\n")) == ("", 1)
-    assert 'no format "bvh"; the formats are npz, csv' in err
+    assert 'no format "bvh"; valid: npz, csv' in err

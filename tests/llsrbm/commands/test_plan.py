@@ -61,9 +61,9 @@ def test_a_silent_request_is_the_types(planner, words, jump):
     [
         ("--type flipp", 'unknown jump type "flipp"; did you mean "flip"?'),
         ("--type none/such.toml", "none/such.toml: no such file; expected a jump type"),
-        ("--pitch 90", "Jump.pitch: 90 deg; expected whole turns: -360, 0 or 360 deg"),
-        ("--hops 9", "Jump.hops: expected 1 to 5, got 9"),
-        ("--speed nan", "Jump.speed: expected a finite number, got nan"),
+        ("--pitch 90", "pitch: 90 deg; expected whole turns: -360, 0 or 360 deg"),
+        ("--hops 9", "hops: expected 1 to 5, got 9"),
+        ("--speed nan", "speed: expected a finite number, got nan"),
     ],
 )
 def test_a_wrong_type_or_turn_is_bad_input(planner, words, said, capsys):

@@ -16,7 +16,7 @@ from llsrbm.analysis.rollout_summary import rollout_summary
 from llsrbm.errors import NotConverged
 from llsrbm.files.loading import load
 from llsrbm.motion.replan import Replan
-from llsrbm.request.fields import meanings
+from llsrbm.request.messages import field_specs
 from llsrbm.request.push import Push
 from llsrbm.request.scenario import Scenario
 from tests.llsrbm.commands.process import run
@@ -76,8 +76,8 @@ def test_a_noise_alone_draws_with_seed_0(simulator, saved, capsys):
         ("--push 0.4,0,0,0,nan,0,0", "push: moment: expected three finite numbers, got [nan"),
         ("--push 0.4,1e6,0,0", "push: impulse: expected at most 200 N s, got 1e+06 N s"),
         ("--random-push nan", "random push: expected a finite number, got nan"),
-        ("--detector nosuch", "unknown detector 'nosuch'; the detectors are residual, norm"),
-        ("--qp-solver nosuch", "unknown QP solver 'nosuch'"),
+        ("--detector nosuch", 'no detector "nosuch"; valid: residual, norm'),
+        ("--qp-solver nosuch", 'no QP solver "nosuch"'),
     ],
 )
 def test_what_makes_no_sense_is_refused_before_planning(planner, words, said, capfd):
@@ -98,7 +98,7 @@ def test_every_field_of_a_scenario_is_an_option_with_its_meaning(capsys):
     for option in ("--push T,JX,JY,JZ[,MX,MY,MZ]", "--random-push NS", "--estimator"):
         assert option in told
     assert "--replan / --no-replan" in told
-    for name, meaning in meanings(Scenario).items():
+    for name, meaning in field_specs(Scenario).items():
         assert meaning.accepted in told, name
         assert meaning.help.split(";")[0].replace("mid-flight", "mid- flight") in told, name
 

@@ -12,10 +12,10 @@ from llsrbm.errors import FileFormatError
 from llsrbm.files import plan_file, rollout_file
 from llsrbm.files.loading import load
 from llsrbm.formats import export
+from llsrbm.installed import package_version
 from llsrbm.request.design import Design, dump_design
 from llsrbm.request.jump import Jump
-from llsrbm.robots.assets import robot_files
-from llsrbm.version import package_version
+from llsrbm.robots.schema import robot_files
 from tests.llsrbm.synthetic import synthetic_plan
 from tests.llsrbm.synthetic_rollout import synthetic_rollout
 

@@ -51,7 +51,7 @@ def test_formats_are_described():
 
 
 def test_unknown_format(plan, tmp_path):
-    with pytest.raises(InputError, match='no format "bvh"; the formats are npz, csv'):
+    with pytest.raises(InputError, match='no format "bvh"; valid: npz, csv'):
         export(plan, tmp_path / "x", format="bvh")
 
 

@@ -108,25 +108,6 @@ def test_what_is_not_named_has_its_default():
 
 
 @pytest.mark.parametrize(
-    ("older", "scenario"),
-    [
-        ({"board": 0.025, "half_board": True, "seed": 7}, Scenario(0.025, True, seed=7)),
-        ({"seed": 7, "noise": 0.5}, Scenario(seed=7, noise=0.5)),
-        ({"noise": 0.5, "trunk_mass": 0.1}, Scenario(trunk_mass=0.1)),  # nothing was disturbed
-        (
-            {"pushes": [{"time": 0.4, "impulse": [0, 12, 0]}], "replan": True},
-            Scenario(pushes=(Push(0.4, (0, 12, 0)),), replan=True),
-        ),
-        ({}, Scenario()),
-    ],
-)
-def test_a_file_that_says_conditions_opens(older, scenario):
-    design = load_design(written(conditions=older))
-    assert design == Design(TWIST, scenario=scenario)
-    assert "conditions" not in dump_design(design)
-
-
-@pytest.mark.parametrize(
     ("content", "complaint"),
     [
         (b"", "design: not a JSON file: Expecting value: line 1 column 1 (char 0)"),
@@ -152,23 +133,23 @@ def test_a_file_that_says_conditions_opens(older, scenario):
         (written(jump=[]), "design: jump: expected an object, got []"),
         (
             written(jump={"robot": "go2"}),
-            'design: missing key "jump.model"; expected: robot, model',
+            'design: jump: missing key "model"; expected: robot, model',
         ),
         (
             written(jump={"robot": "go2", "model": "srbm", "pitch": 1.0}),
-            "design: Jump.pitch: 57.2958 deg; expected whole turns: -360, 0 or 360 deg",
+            "design: jump: pitch: 57.2958 deg; expected whole turns: -360, 0 or 360 deg",
         ),
         (
             written(jump={"robot": "go2", "model": "srbm", "hops": 9}),
-            "design: jump.hops: input should be less than or equal to 5, got 9",
+            "design: jump: hops: expected 1 to 5, got 9",
         ),
         (
             written(jump={"robot": "go2", "model": "srbm", "hops": 2.0}),
-            "design: jump.hops: input should be a valid integer",
+            "design: jump: hops: expected a whole number from 1 on, got 2.0",
         ),
         (
             written(jump={"robot": "go2", "model": "srbm", "type": 3}),
-            "design: jump.type: input should be a valid string, got 3",
+            "design: jump: type: expected a name, got 3",
         ),
         (written(title=3), "design: title: input should be a valid string, got 3"),
         (written(title="x" * 81), "design: title: string should have at most 80 characters, got"),
@@ -177,7 +158,7 @@ def test_a_file_that_says_conditions_opens(older, scenario):
         (written(weights={"time": "1"}), "design: weights.time: input should be a valid number"),
         (written(weights={"time": True}), "design: weights.time: input should be a valid number"),
         (written(limits={"friction": 1e300}), "design: limits.friction: input should be less than"),
-        (written(limits=None), "design: limits: expected an object, got null"),
+        (written(limits=None), "design: limits: expected a table, got null"),
         (written(limits={"": 1}), "design: limits.: string should have at least 1 character"),
         (written(scenario={"board": -1}), "design: scenario: board: expected 0 to 1 m, got -1"),
         (written(scenario={"half_board": True}), "scenario: half board: expected the board's"),
@@ -189,10 +170,12 @@ def test_a_file_that_says_conditions_opens(older, scenario):
         (written(scenario=[]), "design: scenario: expected an object, got []"),
         (
             written(scenario={"sead": 1}),
-            'design: scenario: unknown field "sead"; did you mean "seed"? valid: board',
+            'design: scenario: unknown key "sead"; did you mean "seed"? valid: board',
         ),
-        (written(conditions={"sead": 1}), 'design: scenario: unknown field "sead"; did you'),
-        (written(conditions={}, scenario={}), 'design: unknown key "conditions"; valid: schema'),
+        (
+            written(jump={"robot": "go2", "model": "srbm", "twst": 1}),
+            'design: jump: unknown key "twst"; did you mean "twist"? valid: robot, model',
+        ),
     ],
 )
 def test_what_is_no_design_is_refused_in_one_line(content, complaint):
@@ -204,13 +187,12 @@ def test_what_is_no_design_is_refused_in_one_line(content, complaint):
 
 
 @pytest.mark.parametrize("amount", ["1e400", "-1e400", "101", "1e99", '"1"', "true", "null", "[1]"])
-@pytest.mark.parametrize("name", ["twist", "forward", "lateral", "height"])
-def test_an_amount_is_a_number_of_this_world(name, amount):
+def test_an_amount_is_a_number_of_this_world(amount):
     text = (
         '{"schema": "llsrbm.design/1", "jump": '
-        f'{{"robot": "go2", "model": "srbm", "{name}": {amount}}}}}'
+        f'{{"robot": "go2", "model": "srbm", "twist": {amount}}}}}'
     )
-    with pytest.raises(FileFormatError, match=f"design: jump.{name}: input should be"):
+    with pytest.raises(FileFormatError, match=r"jump: twist: expected (a finite|-100)"):
         load_design(text.encode())
 
 
@@ -232,7 +214,7 @@ json_values = st.recursive(
 
 
 @given(
-    st.sampled_from(["title", "note", "jump", "weights", "limits", "scenario", "conditions"]),
+    st.sampled_from(["title", "note", "jump", "weights", "limits", "scenario"]),
     json_values,
 )
 def test_any_value_is_accepted_and_kept_or_refused(key, value):

@@ -6,11 +6,10 @@ import pytest
 
 from llsrbm import models
 from llsrbm.errors import InputError
+from llsrbm.installed import assets_directory
 from llsrbm.planning.problem.placement import make_task
-from llsrbm.request.design import dump_design, load_design
-from llsrbm.request.examples import examples, find_design
+from llsrbm.request.design import dump_design, examples, find_design, load_design
 from llsrbm.robots import load_robot, names
-from llsrbm.robots.assets import assets_directory
 from llsrbm.simulation.checks import check_scenario
 
 EXAMPLES = examples()

@@ -145,9 +145,9 @@ def test_names_of_legs(file):
         ('"Mine"', '"a\\u001bb"', "title: expected one line of printable text, got"),
         ('["pitch", "roll"]', '["twist"]', "asks: expected some of roll, pitch, speed, end_speed"),
         ("pitch = -", "speed = -", "defaults.speed: the type asks for pitch, roll; expected one"),
-        ("-6.283", "-1.283", "Jump.pitch: -73.5211 deg; expected whole turns: -360, 0 or 360 deg"),
-        ("-6.283185307179586", '"x"', "defaults.pitch: input should be a valid number, got 'x'"),
-        ("0.9", "inf", "limits.flight_max: input should be a finite number, got inf"),
+        ("-6.283", "-1.283", "pitch: -73.5211 deg; expected whole turns: -360, 0 or 360 deg"),
+        ("-6.283185307179586", '"x"', 'defaults.pitch: input should be a valid number, got "x"'),
+        ("0.9", "inf", "limits.flight_max: input should be a finite number, got Infinity"),
         ("[limits]", "[limits", "not a TOML file: Expected ']' at the end of a table declaration"),
         ("[limits]", "x = " + "[" * 5000, "not a TOML file: nested too deeply"),
         ("[limits]", "x = " + "9" * 5000, "not a TOML file: Exceeds the limit"),
@@ -189,7 +189,7 @@ def test_the_ground_alone_can_be_cleared(file):
         ("height = 0.12", "height = 0", "obstacle: height 0 m; expected a hurdle of 0.01 to 1 m"),
         ("height = 0.12", "height = -3", "obstacle: height -3 m; expected a hurdle of 0.01 to 1"),
         ("height = 0.12", "height = nan", "obstacle.height: input should be a finite number, got"),
-        ("from = 0.1", 'from = "x"', "obstacle.from: input should be a valid number, got 'x'"),
+        ("from = 0.1", 'from = "x"', 'obstacle.from: input should be a valid number, got "x"'),
     ],
 )
 def test_a_wrong_obstacle_is_one_line(file, old, new, said):

@@ -16,14 +16,14 @@ from hypothesis import strategies as st
 
 import llsrbm
 from llsrbm.errors import InputError
-from llsrbm.request.fields import Flag, Name, Number, Whole, meanings
+from llsrbm.request.messages import Flag, Name, Number, Whole, field_specs
 from llsrbm.request.push import LARGEST_IMPULSE, Push, PushList
-from llsrbm.request.scenario import MOST_NOISE, Scenario, with_scenario
+from llsrbm.request.scenario import MOST_NOISE, Scenario
 
 PUSH = {"time": 0.4, "impulse": (0.0, 12.0, 0.0)}
 NAMES = st.sampled_from(["residual", "norm", "auto", "mine"])
 NUMBERS = {
-    name: meaning for name, meaning in meanings(Scenario).items() if isinstance(meaning, Number)
+    name: meaning for name, meaning in field_specs(Scenario).items() if isinstance(meaning, Number)
 }
 VECTORS = st.tuples(*[st.floats(-25, 25)] * 3)
 PUSHES = st.builds(Push, time=st.floats(0, 3), impulse=VECTORS, moment=VECTORS)
@@ -191,7 +191,7 @@ def test_another_scenario_by_fields():
 
 
 def test_every_field_says_what_it_means():
-    told = meanings(Scenario)
+    told = field_specs(Scenario)
     assert list(told) == [field.name for field in fields(Scenario)]
     for field in fields(Scenario):
         meaning = told[field.name]
@@ -201,17 +201,6 @@ def test_every_field_says_what_it_means():
     assert told["board"].accepted == "0 to 1 m"
     assert told["trunk_mass"].accepted == "-0.5 to 0.5 of it"
     assert told["detector"].accepted == ""
-
-
-def test_an_older_files_table_is_read_as_one_of_today():
-    table = {"title": "x", "conditions": {"seed": None, "noise": 1.0, "board": 0.1}}
-    assert with_scenario(table) == {"title": "x", "scenario": {"seed": None, "board": 0.1}}
-    assert table["conditions"]["noise"] == 1.0
-    disturbed = {"seed": 0, "noise": 0.5}
-    assert with_scenario({"conditions": disturbed}) == {"scenario": disturbed}
-    for same in ({}, {"scenario": {"noise": 2.0}}, {"scenario": {}, "conditions": {}}):
-        assert with_scenario(same) == same
-    assert with_scenario({"conditions": 7}) == {"scenario": 7}
 
 
 def test_it_imports_nothing_heavy():

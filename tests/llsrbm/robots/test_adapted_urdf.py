@@ -15,7 +15,8 @@ from llsrbm import cache
 from llsrbm.errors import RobotFileError
 from llsrbm.robots import load_robot
 from llsrbm.robots.adapted_urdf import adapted_urdf
-from llsrbm.robots.assets import package_share, robot_files
+from llsrbm.robots.schema import robot_files
+from llsrbm.robots.urdf import package_share
 from llsrbm.robots.urdf_table import AddedFrame, UrdfSource
 
 ROBOT_FILE = Path("mine.toml")

@@ -7,16 +7,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
+from llsrbm.mechanics import cross, parallel_axis, rotation_matrices, skew, turns_about_z
 from llsrbm.robots import load_robot
-from llsrbm.robots.legs import (
-    LegChains,
-    cross,
-    parallel_axis,
-    rotation_matrices,
-    skew,
-    solve_legs,
-    turns_about_z,
-)
+from llsrbm.robots.legs import LegChains, solve_legs
 from tests.llsrbm.robots.test_robot import QUADRUPEDS
 
 EVERY_ROBOT = [*QUADRUPEDS, "slider"]

@@ -8,7 +8,7 @@ import pytest
 
 from llsrbm.errors import InputError, RobotFileError
 from llsrbm.robots import load_robot, names
-from llsrbm.robots.assets import robot_files
+from llsrbm.robots.schema import robot_files
 
 ANYMAL = robot_files()["anymal"].read_text()
 QUADRUPEDS = {"anymal": -1, "anymal_c": -1, "solo12": -1, "go2": 1, "go1": 1, "a1": 1}

@@ -4,8 +4,8 @@ import pytest
 
 from llsrbm.errors import RobotFileError
 from llsrbm.robots import load_robot
-from llsrbm.robots.assets import robot_files
 from llsrbm.robots.robot import build_robot
+from llsrbm.robots.schema import robot_files
 
 PATH = robot_files()["slider"]
 

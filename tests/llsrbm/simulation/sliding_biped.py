@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 from llsrbm.robots import load_robot
-from llsrbm.robots.assets import robot_files
 from llsrbm.robots.robot import Robot
+from llsrbm.robots.schema import robot_files
 
 _LEG = """
   <link name="{n}_hip"><inertial><origin xyz="0.01 0 -0.05"/><mass value="1.2"/>

@@ -9,8 +9,8 @@ import pinocchio as pin
 import pytest
 
 from llsrbm.errors import InputError
+from llsrbm.mechanics import tilt, yaw
 from llsrbm.motion.rollout import Disturbance
-from llsrbm.motion.rotation import tilt, yaw
 from llsrbm.request.scenario import Scenario
 from llsrbm.robots import load_robot
 from llsrbm.simulation import sensors as module

@@ -10,8 +10,8 @@ import pinocchio as pin
 import pytest
 
 import llsrbm
+from llsrbm.mechanics import yaw
 from llsrbm.motion.plan import Plan
-from llsrbm.motion.rotation import yaw
 from llsrbm.request.scenario import Scenario
 from llsrbm.robots import load_robot
 from llsrbm.simulation.simulate import simulate

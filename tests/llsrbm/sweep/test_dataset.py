@@ -226,7 +226,7 @@ def test_plans_are_of_jumps_that_are_strict_with_every_seed(sweep, tmp_path):
 @pytest.mark.parametrize(
     ("asked", "message"),
     [
-        ({"format_name": "bvh"}, 'no format "bvh" of data sets; the formats are lerobot, npz'),
+        ({"format_name": "bvh"}, 'no format of data sets "bvh"; valid: npz'),
         ({"robot": "go2"}, "nothing of robot go2 is in it; expected anymal"),
         ({"source": "both"}, 'source: expected rollout or plan, got "both"'),
         ({"limit": 0}, "limit: expected 1 or more motions, got 0"),

@@ -2,11 +2,11 @@ import numpy as np
 import pytest
 
 import llsrbm
+from llsrbm.installed import package_version
 from llsrbm.robots import load_robot
 from llsrbm.sweep import jump, rows
 from llsrbm.sweep.points import Points
 from llsrbm.sweep.spec_file import parse_spec
-from llsrbm.version import package_version
 
 SPEC = """
 title = "real plans"

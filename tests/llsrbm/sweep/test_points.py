@@ -109,7 +109,7 @@ def test_kinds_are_what_solvers_are_built_for():
     ("text", "said"),
     [
         (HEAD.replace("anymal", "anymall"), 'no robot "anymall"; did you mean "anymal"'),
-        (HEAD + 'models = ["point"]', "unknown model 'point'"),
+        (HEAD + 'models = ["point"]', 'no model "point"'),
         (HEAD + 'types = ["cartwheel"]', 'unknown jump type "cartwheel"'),
         (HEAD + "[limits]\nfrictoin = [0.5]", 'no limit "frictoin"; did you mean "friction"'),
         (HEAD + '[simulate]\ndetector = "ear"', "ear"),

@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from llsrbm.errors import InputError
-from llsrbm.robots.assets import assets_directory
+from llsrbm.installed import assets_directory
 from llsrbm.sweep.points import Points
 from llsrbm.sweep.spec import Spec
 from llsrbm.sweep.spec_file import find_spec, parse_spec, read_spec

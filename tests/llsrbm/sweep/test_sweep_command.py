@@ -4,7 +4,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from llsrbm import cli
-from llsrbm.request.numerals import duration
+from llsrbm.request.messages import duration
 from llsrbm.sweep import run
 from llsrbm.sweep.points import Points
 from llsrbm.sweep.run import estimate

@@ -7,13 +7,13 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
+from llsrbm.mechanics import INSCRIBED
 from llsrbm.planning.problem.constraints.base import Array, Bounds, Constraint, Limit, spread
 from llsrbm.planning.problem.headings import across
 from llsrbm.planning.problem.knots import Knots
 from llsrbm.planning.problem.layout import Layout, Role
 from llsrbm.planning.problem.stage import Stage
 from llsrbm.planning.problem.task import Task
-from llsrbm.robots.friction import INSCRIBED
 
 
 class GivenContacts(Constraint):

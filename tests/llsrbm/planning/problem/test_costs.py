@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from llsrbm import models
+from llsrbm.mechanics import GRAVITY
 from llsrbm.planning.problem.costs import COSTS, default_weights
-from llsrbm.planning.problem.stage import GRAVITY
 from llsrbm.planning.solve.planner import planner_for
 from llsrbm.request.jump import Jump
 from tests.llsrbm.planning.solved import REQUESTS, TYPES, solved

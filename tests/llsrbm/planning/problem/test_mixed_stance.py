@@ -14,10 +14,11 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
+from llsrbm.mechanics import GRAVITY
 from llsrbm.models import make_model
 from llsrbm.planning.problem.layout import Layout
 from llsrbm.planning.problem.placement import parameter_sizes
-from llsrbm.planning.problem.stage import BALANCE_SCALE, GRAVITY, Stage
+from llsrbm.planning.problem.stage import BALANCE_SCALE, Stage
 from llsrbm.robots import load_robot
 
 ROBOT = load_robot("anymal")

@@ -9,11 +9,12 @@ import numpy as np
 import pytest
 
 from llsrbm import models
+from llsrbm.mechanics import GRAVITY
 from llsrbm.planning.problem.constraints import CONSTRAINTS
 from llsrbm.planning.problem.horizon import constraints_of
 from llsrbm.planning.problem.knots import unpack
 from llsrbm.planning.problem.placement import make_task
-from llsrbm.planning.problem.stage import BALANCE_SCALE, GRAVITY
+from llsrbm.planning.problem.stage import BALANCE_SCALE
 from llsrbm.planning.solve.planner import layout_of
 from llsrbm.planning.why.residuals import dynamics_defects
 from llsrbm.request.jump import Jump

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from llsrbm.motion.rotation import yaw
+from llsrbm.mechanics import yaw
 from llsrbm.planning.problem.costs import Symmetry
 from llsrbm.planning.problem.headings import (
     across,

@@ -497,8 +497,8 @@ def test_fewer_intervals():
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (("srmb",), "unknown model 'srmb'; the models are srbm, llsrbm, llsrbm-plus"),
-        (("srbm", "snopt"), "unknown solver 'snopt'; the solvers are fatrop, ipopt"),
+        (("srmb",), 'no model "srmb"; did you mean "srbm"? valid: srbm, llsrbm, llsrbm-plus'),
+        (("srbm", "snopt"), 'no solver "snopt"; did you mean "ipopt"? valid: fatrop, ipopt'),
         (("srbm", "fatrop", 6), "intervals: 6 given; expected 9 to 300"),
         (("srbm", "fatrop", 301), "intervals: 301 given; expected 9 to 300"),
     ],
@@ -538,9 +538,9 @@ def test_a_changed_robot_file_gets_another_planner(tmp_path):
     ("request_", "options", "message"),
     [
         ({"robot": "anymel"}, {}, 'no robot "anymel"'),
-        ({"model": "rbm"}, {}, "unknown model 'rbm'"),
+        ({"model": "rbm"}, {}, 'no model "rbm"'),
         ({"forward": 9.0}, {}, "forward 9 m is out of range"),
-        ({}, {"solver": "snopt"}, "unknown solver 'snopt'"),
+        ({}, {"solver": "snopt"}, 'no solver "snopt"'),
         ({}, {"weights": {"fun": 1.0}}, "unknown weight 'fun'"),
     ],
 )

@@ -1,24 +1,70 @@
-"""Quaternions (w, x, y, z) over time, in NumPy: K of them at once."""
+"""Rigid-body arithmetic over leading dimensions: vectors, rotations, gravity.
+
+Quaternions are w, x, y, z.
+"""
 
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 Array = NDArray[np.float64]
 
+GRAVITY = 9.81
+"""Acceleration of free fall, m/s2, along -z of the world."""
 
-def rotation_matrices(quat: Array) -> Array:
-    """R of unit quaternions, (..., 4) -> (..., 3, 3)."""
-    w, x, y, z = np.moveaxis(quat, -1, 0)
-    return np.stack(
-        [
-            np.stack([1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)], axis=-1),
-            np.stack([2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)], axis=-1),
-            np.stack([2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)], axis=-1),
-        ],
-        axis=-2,
-    )
+INSCRIBED = 0.5**0.5
+"""Share of a friction cone's coefficient that the four-sided pyramid inside the cone has.
+
+A pyramid with the cone's own coefficient reaches out of the cone at its edges, where feet slip.
+"""
+
+_NEXT, _AFTER_NEXT = [1, 2, 0], [2, 0, 1]
+
+
+def cross(a: Array, b: Array) -> Array:
+    """Cross product of the last axis; far quicker than `numpy.cross` on short vectors."""
+    return a[..., _NEXT] * b[..., _AFTER_NEXT] - a[..., _AFTER_NEXT] * b[..., _NEXT]
+
+
+def skew(a: Array) -> Array:
+    """Matrix S (..., 3, 3) with S b = a x b, of a (..., 3)."""
+    x, y, z = np.moveaxis(a, -1, 0)
+    zero = np.zeros_like(x)
+    rows = np.stack([zero, -z, y, z, zero, -x, -y, x, zero], axis=-1)
+    return rows.reshape(*a.shape, 3)
+
+
+def parallel_axis(d: Array) -> Array:
+    """P(d) = |d|^2 1 - d d^T, the inertia of a unit mass at d; (..., 3) -> (..., 3, 3)."""
+    return np.sum(d * d, axis=-1)[..., None, None] * np.eye(3) - d[..., :, None] * d[..., None, :]
+
+
+def apply(matrix: Array, vector: Array) -> Array:
+    """Matrix times vector over leading dimensions: (..., r, k), (..., k) -> (..., r)."""
+    return (matrix @ vector[..., None])[..., 0]
+
+
+def turns_about_z(angle: Array) -> Array:
+    """Rotation matrices (..., 3, 3) of angles (...) rad about z."""
+    rotation = np.zeros((*angle.shape, 3, 3))
+    rotation[..., 0, 0] = rotation[..., 1, 1] = np.cos(angle)
+    rotation[..., 1, 0] = np.sin(angle)
+    rotation[..., 0, 1] = -rotation[..., 1, 0]
+    rotation[..., 2, 2] = 1.0
+    return rotation
+
+
+def rotation_matrices(quat: ArrayLike) -> Array:
+    """Unit or nearly unit quaternions w, x, y, z (..., 4) as rotation matrices (..., 3, 3)."""
+    q = np.asarray(quat, dtype=float)
+    w, x, y, z = np.moveaxis(q / np.linalg.norm(q, axis=-1, keepdims=True), -1, 0)
+    rows = [
+        1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y),
+        2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x),
+        2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y),
+    ]  # fmt: skip
+    return np.stack(rows, axis=-1).reshape(*q.shape[:-1], 3, 3)
 
 
 def sign_continuous(quat: Array) -> Array:

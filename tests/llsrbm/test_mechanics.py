@@ -4,7 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from llsrbm.motion.rotation import tilt, yaw
+from llsrbm.mechanics import tilt, yaw
 
 ANGLES = st.floats(-1.2, 1.2)
 

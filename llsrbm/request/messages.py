@@ -1,0 +1,236 @@
+"""Values that are given, their checks, and the words of messages about them.
+
+A dataclass states each field's meaning, unit and range once, with its type:
+`board: Annotated[float, Number(...)]`. Messages, options of the command line and documentation take
+them from there.
+"""
+
+from __future__ import annotations
+
+import difflib
+import math
+import reprlib
+from abc import ABC, abstractmethod
+from collections.abc import Iterable, Mapping
+from contextlib import suppress
+from dataclasses import dataclass, fields
+from functools import cache
+from numbers import Integral, Real
+from typing import Any, TypeVar, get_type_hints
+
+from llsrbm.errors import InputError, printable
+
+T = TypeVar("T")
+
+_LONGEST_NAME = 100  # characters; messages and pages show names in a line
+
+
+# ---- names
+
+
+def choices(given: str, valid: Iterable[str], shown: int = 20) -> str:
+    """The part of a message that names the accepted values, the closest match first."""
+    names = list(valid)
+    close = difflib.get_close_matches(given, names, n=1)
+    listed = ", ".join(names[:shown])
+    if len(names) > shown:
+        nearest = difflib.get_close_matches(given, names, n=shown, cutoff=0.0)
+        listed = ", ".join(nearest) + f" and {len(names) - shown} more"
+    return (f'did you mean "{close[0]}"? ' if close else "") + f"valid: {listed}"
+
+
+def look_up(kind: str, name: str, entries: Mapping[str, T], otherwise: str = "") -> T:
+    """The entry of that name.
+
+    Args:
+        kind: of the entries, for the message, such as "model".
+        name: as given; entries: name -> entry.
+        otherwise: other accepted values, in words: "or the path of a robot file".
+
+    Raises:
+        InputError: there is none.
+    """
+    if name not in entries:
+        more = f", {otherwise}" if otherwise else ""
+        raise InputError(f'no {kind} "{printable(name)}"; {choices(name, entries)}{more}')
+    return entries[name]
+
+
+# ---- numbers as text, none of them a zero with a minus sign
+
+
+def decimal(value: float, places: int = 0, *, signed: bool = False) -> str:
+    """With so many digits after the point; `signed`: with a plus where there is no minus."""
+    return f"{value:+z.{places}f}" if signed else f"{value:z.{places}f}"
+
+
+def percent(share: float, places: int = 0, *, signed: bool = False) -> str:
+    """A share, of which 1 is all, in per cent."""
+    return f"{decimal(100 * share, places, signed=signed)}%"
+
+
+def power(value: float, places: int = 1) -> str:
+    """As a power of ten, for small values."""
+    return f"{value:z.{places}e}"
+
+
+def short(value: float) -> str:
+    """With up to six significant digits, without trailing zeros."""
+    return f"{value:zg}"
+
+
+def duration(seconds: float) -> str:
+    """For instance "40 s", "12 min", "3.5 h" or "2.1 days"."""
+    for unit, size, limit in (("s", 1.0, 90.0), ("min", 60.0, 5400.0), ("h", 3600.0, 172_800.0)):
+        if seconds < limit:
+            amount = seconds / size
+            return f"{amount:.1f} {unit}" if unit == "h" else f"{amount:.0f} {unit}"
+    return f"{seconds / 86_400:.1f} days"
+
+
+# ---- fields of dataclasses
+
+
+@dataclass(frozen=True)
+class FieldSpec(ABC):
+    """Meaning and check of a field.
+
+    Attributes:
+        help: one sentence without its full stop.
+        symbol: stands for the value where a usage is shown, "M"; "": its type does.
+    """
+
+    help: str
+    symbol: str = ""
+
+    @property
+    def accepted(self) -> str:
+        """The range with its unit, "0 to 1 m"; "" where the type says it all."""
+        return ""
+
+    @abstractmethod
+    def checked(self, name: str, value: Any) -> Any:
+        """The value as the field holds it, a scalar of NumPy as Python's own.
+
+        Args:
+            name: of the field, for messages.
+            value: as given.
+
+        Raises:
+            InputError: of another type, or out of range.
+        """
+
+
+@dataclass(frozen=True)
+class Number(FieldSpec):
+    """A real number in a range.
+
+    Attributes:
+        low, high: the range, both included.
+        unit: of the value and of the range.
+    """
+
+    low: float = -math.inf
+    high: float = math.inf
+    unit: str = ""
+
+    @property
+    def accepted(self) -> str:
+        """The range with its unit."""
+        if self.low == -math.inf and self.high == math.inf:
+            return ""
+        return f"{self.low:g} to {self.high:g} {self.unit}".rstrip()
+
+    def checked(self, name: str, value: Any) -> float:
+        """A finite number in the range."""
+        number = math.nan
+        if not isinstance(value, bool) and isinstance(value, Real):
+            with suppress(OverflowError):  # a whole number that no float is large enough for
+                number = float(value)
+        if not math.isfinite(number):
+            raise _refused(name, "a finite number", value)
+        if not self.low <= number <= self.high:
+            raise InputError(f"{name}: expected {self.accepted}, got {number:g}")
+        return number
+
+
+@dataclass(frozen=True)
+class Whole(FieldSpec):
+    """A whole number in a range.
+
+    Attributes:
+        low, high: the range, both included; `high` None: no end.
+    """
+
+    low: int = 0
+    high: int | None = None
+
+    @property
+    def accepted(self) -> str:
+        """The range, if it has an end."""
+        return "" if self.high is None else f"{self.low} to {self.high}"
+
+    def checked(self, name: str, value: Any) -> int:
+        """A whole number in the range."""
+        if isinstance(value, bool) or not isinstance(value, Integral) or int(value) < self.low:
+            raise _refused(name, f"a whole number from {self.low} on", value)
+        if self.high is not None and int(value) > self.high:
+            raise InputError(f"{name}: expected {self.accepted}, got {value}")
+        return int(value)
+
+
+@dataclass(frozen=True)
+class Flag(FieldSpec):
+    """Yes or no."""
+
+    def checked(self, name: str, value: Any) -> bool:
+        """True or false."""
+        plain = value.item() if getattr(value, "ndim", None) == 0 else value
+        if not isinstance(plain, bool):
+            raise _refused(name, "true or false", value)
+        return plain
+
+
+@dataclass(frozen=True)
+class Name(FieldSpec):
+    """A name, of the choices that are checked elsewhere.
+
+    Attributes:
+        longest: characters; a path may have more than a name in a list.
+    """
+
+    longest: int = _LONGEST_NAME
+
+    def checked(self, name: str, value: Any) -> str:
+        """Printable text."""
+        if not isinstance(value, str) or not value or not value.isprintable():
+            raise _refused(name, "a name", value)
+        if len(value) > self.longest:
+            raise _refused(name, f"a name of at most {self.longest} characters", value)
+        return value
+
+
+@cache
+def field_specs(kind: type) -> dict[str, FieldSpec]:
+    """Field -> its specification, of a dataclass that states one beside each type."""
+    hints = get_type_hints(kind, include_extras=True)
+    return {name: hint.__metadata__[0] for name, hint in hints.items()}
+
+
+def check_fields(instance: Any) -> None:
+    """Check every field of a frozen dataclass in its `__post_init__`; a default None is none.
+
+    Raises:
+        InputError: a value of another type or out of range.
+    """
+    kind: Any = type(instance)
+    specs = field_specs(kind)
+    for field in fields(instance):
+        value = getattr(instance, field.name)
+        if value is not None or field.default is not None:
+            value = specs[field.name].checked(field.name.replace("_", " "), value)
+            object.__setattr__(instance, field.name, value)
+
+
+def _refused(name: str, expected: str, value: Any) -> InputError:
+    return InputError(f"{name}: expected {expected}, got {reprlib.repr(value)}")
