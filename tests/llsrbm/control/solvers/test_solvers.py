@@ -196,6 +196,4 @@ def test_names_and_descriptions():
 def test_an_unknown_name_lists_the_known_ones():
     with pytest.raises(InputError) as caught:
         make_solver("osqp")
-    assert (
-        str(caught.value) == 'no QP solver "osqp"; did you mean "proxqp"? valid: quadprog, proxqp'
-    )
+    assert 'no QP solver "osqp"; did you mean "proxqp"?' in str(caught.value)
