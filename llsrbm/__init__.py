@@ -29,10 +29,10 @@ from llsrbm.request.tuning import Tuning
 
 if TYPE_CHECKING:
     from llsrbm.api import nearest, plan, simulate
-    from llsrbm.files.loading import load
     from llsrbm.formats import export, load_motion
     from llsrbm.motion.plan import Plan
     from llsrbm.motion.rollout import Rollout
+    from llsrbm.motion.trajectory import load
     from llsrbm.planning.why.nearest import Nearest
     from llsrbm.request.design import Design, dump_design, load_design
 
@@ -45,7 +45,7 @@ _LATER = {
     "dump_design": "llsrbm.request.design",
     "load_design": "llsrbm.request.design",
     "export": "llsrbm.formats",
-    "load": "llsrbm.files.loading",
+    "load": "llsrbm.motion.trajectory",
     "load_motion": "llsrbm.formats",
     "Nearest": "llsrbm.planning.why.nearest",
     "Plan": "llsrbm.motion.plan",

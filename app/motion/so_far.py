@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from app.motion.frames import Frames, make_frames
 from llsrbm.mechanics import sign_continuous
-from llsrbm.motion.standing import standing
+from llsrbm.motion.states import standing
 from llsrbm.motion.whole_body import WholeBodyMotion
 from llsrbm.robots import Robot
 from llsrbm.robots.foot_contact import foot_contacts

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from llsrbm.analysis.inertia_ellipsoid import ellipsoid
 from llsrbm.mechanics import rotation_matrices
 from llsrbm.motion.plan import Plan
-from llsrbm.motion.resample import resample
 from llsrbm.motion.rollout import Rollout
+from llsrbm.motion.sampling import resample
 from llsrbm.motion.whole_body import WholeBodyMotion, motion_at_ticks
 from llsrbm.robots import Robot
 

@@ -8,8 +8,7 @@ import numpy as np
 
 from app.plots.course import Course, recorded_name
 from app.plots.signal import Component, Samples, Signal, joint_tags
-from llsrbm.motion.plan import Plan
-from llsrbm.motion.quantity import (
+from llsrbm.files.quantity import (
     CONTACT,
     JOINT,
     LEG,
@@ -22,6 +21,7 @@ from llsrbm.motion.quantity import (
     derived,
     quantities,
 )
+from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
 
 _TENSOR = {"xx": (0, 0), "yy": (1, 1), "zz": (2, 2), "xy": (0, 1), "xz": (0, 2), "yz": (1, 2)}

@@ -82,10 +82,8 @@ def show_file(state: TabState, file: OpenedFile) -> Step:
             return plan_design(remember(state, design, settled=True))
         case Plan() as plan, Design():
             return _show_motion(state, file, design, plan)
-        case Rollout(plan=Plan() as plan) as rollout, Design():
-            return _show_motion(state, file, design, plan, rollout)
-        case Rollout() as rollout, _:
-            return _pin(state, file, rollout, design)
+        case Rollout() as rollout, Design():
+            return _show_motion(state, file, design, rollout.plan, rollout)
         case States() as states, _:
             return _pin(state, file, states.motion(), None)
     return state, ()
@@ -98,10 +96,8 @@ def _design_in(state: TabState, file: OpenedFile) -> Design | None:
             return design
         case Plan() as plan:
             return Design(plan.jump, plan.tuning, state.design.scenario)
-        case Rollout(plan=Plan() as plan) as rollout:
-            return Design(plan.jump, plan.tuning, rollout.scenario)
         case Rollout() as rollout:
-            return Design(rollout.jump, scenario=rollout.scenario)
+            return Design(rollout.jump, rollout.plan.tuning, rollout.scenario)
     return None
 
 

@@ -19,9 +19,8 @@ from app.workers.file_reading import differing
 from app.workers.opened_file import OpenedFile
 from llsrbm.cache import cache_path, content_key, read_checked, write_checked
 from llsrbm.errors import Error
-from llsrbm.files.plan_file import load_plan
 from llsrbm.installed import assets_directory
-from llsrbm.motion.plan import Plan
+from llsrbm.motion.plan import Plan, load_plan
 from llsrbm.request.jump import Jump
 from llsrbm.robots import load_robot
 from llsrbm.robots.schema import read_robot_file, robot_files

@@ -20,11 +20,11 @@ from numpy.typing import NDArray
 from app.workers.offered import check_offered, uploaded_design
 from app.workers.opened_file import OpenedFile, States
 from llsrbm.errors import Error, FileFormatError, printable
-from llsrbm.files.loading import load
 from llsrbm.formats import load_motion, readable
 from llsrbm.formats.reading import is_native
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
+from llsrbm.motion.trajectory import load
 from llsrbm.motion.whole_body import WholeBodyMotion
 from llsrbm.request.design import LARGEST as LARGEST_DESIGN
 from llsrbm.request.design import SUFFIX, Design
@@ -140,7 +140,7 @@ def _check_native(motion: Plan | Rollout, shown: str) -> None:
             raise FileFormatError(
                 f"{shown}: {motion.contact_point.shape[1]} contact points; expected {contacts}"
             )
-    elif motion.plan is not None:
+    else:
         _check_native(motion.plan, shown)
 
 
@@ -187,7 +187,7 @@ def _check_numbers(arrays: Mapping[str, NDArray[Any]], shown: str) -> None:
 def _remarks(motion: Plan | Rollout) -> tuple[str, ...]:
     robot = load_robot(motion.jump.robot)
     of = [motion.robot_parameters]
-    if isinstance(motion, Rollout) and motion.plan is not None:
+    if isinstance(motion, Rollout):
         of.append(motion.plan.robot_parameters)
     now = robot.parameters()
     names = sorted({name for parameters in of for name in differing(parameters, now)})
@@ -227,8 +227,7 @@ def _without_solution(motion: Plan | Rollout) -> Plan | Rollout:
     """The motion without its solver's iterate, which another robot's planner cannot start from."""
     if isinstance(motion, Plan):
         return replace(motion, solution=None)
-    plan = motion.plan
-    return motion if plan is None else replace(motion, plan=replace(plan, solution=None))
+    return replace(motion, plan=replace(motion.plan, solution=None))
 
 
 # ---- a trial
@@ -239,10 +238,8 @@ def _rehearse(opened: OpenedFile) -> None:
     match opened.holds:
         case Plan() as plan:
             _show(plan, None, load_robot(opened.robot))
-        case Rollout(plan=Plan() as plan) as rollout:
-            _show(plan, rollout, load_robot(opened.robot))
         case Rollout() as rollout:
-            _show_alone(opened.name, rollout)
+            _show(rollout.plan, rollout, load_robot(opened.robot))
         case States() as states:
             _show_alone(opened.name, states.motion())
 

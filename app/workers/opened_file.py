@@ -53,8 +53,7 @@ class OpenedFile:
     @property
     def is_alone(self) -> bool:
         """Whether it is a motion without a plan, for looking."""
-        holds = self.holds
-        return isinstance(holds, States) or (isinstance(holds, Rollout) and holds.plan is None)
+        return isinstance(self.holds, States)
 
     @property
     def robot(self) -> str:

@@ -2,7 +2,7 @@
 
 `<!-- fields of Scenario -->` becomes the meaning and range of each field of a request, and
 `<!-- arrays of Plan -->` the shape, unit, frame and meaning of each array of a result. Both stand
-beside the types in the code (`llsrbm.request.messages`, `llsrbm.motion.quantity`), where docstrings
+beside the types in the code (`llsrbm.request.messages`, `llsrbm.files.quantity`), where docstrings
 do not repeat them.
 """
 
@@ -19,7 +19,7 @@ sys.path.insert(0, str(Path(__file__).parents[2]))  # the declarations of this v
 from markdown_text import table
 
 import llsrbm
-from llsrbm.motion.quantity import quantities
+from llsrbm.files.quantity import quantities
 from llsrbm.request.messages import FieldSpec, field_specs
 
 PLACE = re.compile(r"<!-- (fields|arrays) of (\w+) -->")

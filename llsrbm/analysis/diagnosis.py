@@ -215,9 +215,7 @@ def _touchdown(record: Record) -> Iterator[Event]:
     early = rollout.outcome.touchdown_planned_s - true
     when = f"{1e3 * abs(early):.0f} ms {'early' if early > 0 else 'late'}"
     first = min((at, leg) for leg, at in enumerate(record.foot_touchdown) if at is not None)[1]
-    planned = rollout.jump.height
-    if rollout.plan is not None:
-        planned = float(rollout.plan.foot_position[-1, first, 2])
+    planned = float(rollout.plan.foot_position[-1, first, 2])
     ground = float(rollout.foot_position[record.index(true), first, 2]) - planned
     if abs(ground) > STEP:
         where = f"{1e3 * abs(ground):.0f} mm {'higher' if ground > 0 else 'lower'} than planned"

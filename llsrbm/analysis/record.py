@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from llsrbm.motion.rollout import Rollout
-from llsrbm.request.schedule import Schedule, together
+from llsrbm.request.schedule import Schedule
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -46,7 +46,7 @@ class Record:
         )
         self.contact = rollout.contact[: self.count].astype(bool)
         self.legs = rollout.leg_names
-        schedule = together(self.legs) if rollout.plan is None else rollout.plan.schedule
+        schedule = rollout.schedule
         phase = rollout.phase[: self.count]
         self.part = _parts(schedule)[phase]
         self.landed = bool(rollout.phase[-1] > schedule.flights[-1])
@@ -92,11 +92,10 @@ def _planned_touchdowns(rollout: Rollout, schedule: Schedule) -> dict[int, float
     """Flight -> when it was planned to end, retimed by the touchdowns before it, s."""
     *earlier, last = schedule.flights
     ends = {last: rollout.outcome.touchdown_planned_s}
-    if rollout.plan is not None:
-        length = np.diff(rollout.plan.phase_start)
-        for flight in earlier:
-            begun = int(np.argmax(rollout.phase == flight))
-            ends[flight] = float(rollout.time[begun] + length[flight])
+    length = np.diff(rollout.plan.phase_start)
+    for flight in earlier:
+        begun = int(np.argmax(rollout.phase == flight))
+        ends[flight] = float(rollout.time[begun] + length[flight])
     return ends
 
 

@@ -6,8 +6,8 @@ from dataclasses import asdict
 from typing import Any
 
 from llsrbm.analysis.diagnosis import diagnose
-from llsrbm.motion.description import json_value
 from llsrbm.motion.rollout import Rollout
+from llsrbm.motion.trajectory import json_value
 
 # What the contract promises stands first, in its order; further figures may follow.
 PROMISED = (

@@ -9,8 +9,8 @@ import numpy as np
 
 from llsrbm.body.peak_loads import planned_torque_shares
 from llsrbm.mechanics import final_yaw
-from llsrbm.motion.description import json_value
 from llsrbm.motion.plan import Plan
+from llsrbm.motion.trajectory import json_value
 
 
 def peak_yaw_rate(plan: Plan) -> float:

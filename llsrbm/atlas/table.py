@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from llsrbm.atlas.jumps import AMOUNTS, DRIVES, FALLS, NOTHING, Atlas, Jumps
 from llsrbm.errors import InputError, require
-from llsrbm.files.writing import staged
+from llsrbm.files.atomic import staged
 from llsrbm.installed import assets_directory
 from llsrbm.sweep.folder import STATED, TABLE
 from llsrbm.sweep.rows import LIMIT, PLANNED, STATUSES

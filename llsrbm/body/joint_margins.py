@@ -6,7 +6,7 @@ import numpy as np
 
 from llsrbm.body.postures import JointMargins, joint_speeds, margins
 from llsrbm.motion.plan import Plan
-from llsrbm.motion.resample import resample
+from llsrbm.motion.sampling import resample
 from llsrbm.robots import Robot
 
 # Both ends and the middle of each interval: feet may change their speed at a knot.

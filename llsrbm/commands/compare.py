@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from llsrbm.analysis.figures import DesignFigures
-    from llsrbm.files.loading import Trajectory
+    from llsrbm.motion.trajectory import Trajectory
     from llsrbm.motion.whole_body import WholeBodyMotion
 
 _WIDEST = 10_000  # characters of a line
@@ -43,7 +43,7 @@ def compare_command(
     """
     with console.result_stream(as_json=as_json) as stdout:
         from llsrbm.formats.reading import load_any
-        from llsrbm.motion.description import json_value
+        from llsrbm.motion.trajectory import json_value
 
         motions = [load_any(file, robot, fps) for file in files]
         rows, titles = [_row(motion) for motion in motions], _titles(motions)
@@ -76,15 +76,13 @@ def _titles(motions: Sequence[Trajectory | WholeBodyMotion]) -> list[str]:
     from llsrbm.look.titles import Decisions, titles_of
     from llsrbm.motion.plan import Plan
     from llsrbm.motion.rollout import Rollout
-    from llsrbm.request.tuning import Tuning
 
     designs: list[Decisions] = []
     for motion in motions:
         if isinstance(motion, Plan):
             designs.append((motion.jump, motion.tuning, None))
         elif isinstance(motion, Rollout):
-            tuning = Tuning() if motion.plan is None else motion.plan.tuning
-            designs.append((motion.jump, tuning, motion.scenario))
+            designs.append((motion.jump, motion.plan.tuning, motion.scenario))
     told = iter(titles_of(designs))
     return [next(told) if isinstance(m, Plan | Rollout) else m.origin for m in motions]
 

@@ -44,8 +44,8 @@ def export_command(
 
     Options that are left out are as each format has them; see `llsrbm formats --format F`.
     """
-    from llsrbm.files.loading import load
     from llsrbm.formats import export
+    from llsrbm.motion.trajectory import load
 
     values: dict[str, Any] = {"fps": fps, "pad": pad, "order": order}
     given = {name: value for name, value in values.items() if options.is_given(context, name)}

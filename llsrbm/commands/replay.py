@@ -26,9 +26,9 @@ def replay_command(
 
     Prints the page's path. It stays where it is and may be passed on.
     """
-    from llsrbm.files.loading import load
     from llsrbm.formats import export
     from llsrbm.formats.exporting import stem
+    from llsrbm.motion.trajectory import load
 
     trajectory = load(file)
     if out is None:

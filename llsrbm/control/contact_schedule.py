@@ -26,8 +26,8 @@ from numpy.typing import NDArray
 
 from llsrbm.control.foot_force import FootForces
 from llsrbm.control.whole_body import WholeBody
-from llsrbm.motion.footholds import foothold_knots
 from llsrbm.motion.plan import Plan
+from llsrbm.motion.sampling import foothold_knots
 
 Array = NDArray[np.float64]
 Feet = NDArray[np.bool_]

@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 from llsrbm.control.swing import UnderWay, swing_motion
 from llsrbm.mechanics import GRAVITY
 from llsrbm.motion.plan import Plan
-from llsrbm.motion.resample import sampled
+from llsrbm.motion.sampling import sampled
 
 Array = NDArray[np.float64]
 _STEP = 5e-4  # s; a reference is at most half of it old

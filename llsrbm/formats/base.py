@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from llsrbm.errors import InputError
-from llsrbm.files.loading import Trajectory
+from llsrbm.motion.trajectory import Trajectory
 from llsrbm.motion.whole_body import WholeBodyMotion
 from llsrbm.robots import Robot
 

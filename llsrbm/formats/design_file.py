@@ -9,10 +9,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from llsrbm.errors import InputError
-from llsrbm.files.loading import Trajectory
 from llsrbm.formats.base import Format, Options
 from llsrbm.motion.plan import Plan
+from llsrbm.motion.trajectory import Trajectory
 from llsrbm.request.design import SUFFIX, Design, dump_design
 
 
@@ -23,19 +22,9 @@ def write_design(trajectory: Trajectory, path: Path, options: Options) -> None:
 
 
 def design_of(trajectory: Trajectory) -> Design:
-    """What was asked for.
-
-    Raises:
-        InputError: a rollout of an old file, which does not say with which weights and limits the
-            plan was made.
-    """
+    """The design that a plan or a rollout came from."""
     if isinstance(trajectory, Plan):
         return Design(trajectory.jump, trajectory.tuning)
-    if trajectory.plan is None:
-        raise InputError(
-            'format "design": the rollout\'s file has no plan, so its weights and limits are not '
-            "known; expected a rollout that was simulated with this version"
-        )
     return Design(trajectory.jump, trajectory.plan.tuning, trajectory.scenario)
 
 

@@ -10,11 +10,11 @@ from pathlib import Path
 from typing import Any
 
 from llsrbm.errors import InputError
-from llsrbm.files.loading import Trajectory
-from llsrbm.files.writing import staged
+from llsrbm.files.atomic import staged
 from llsrbm.formats.base import Format, Options
 from llsrbm.formats.registry import find
 from llsrbm.motion.plan import Plan
+from llsrbm.motion.trajectory import Trajectory
 
 
 def export(

@@ -5,10 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 
 from llsrbm.errors import FileFormatError, InputError
-from llsrbm.files.archive import keys
-from llsrbm.files.loading import Trajectory, load
+from llsrbm.files.npz import keys
 from llsrbm.formats.base import Format
 from llsrbm.formats.registry import FORMATS, find
+from llsrbm.motion.trajectory import Trajectory, load
 from llsrbm.motion.whole_body import WholeBodyMotion
 from llsrbm.robots import load_robot
 

@@ -7,8 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from llsrbm.errors import FileFormatError
-from llsrbm.files.loading import Trajectory
-from llsrbm.motion.description import description
+from llsrbm.motion.trajectory import Trajectory, description
 
 SUFFIX = ".meta.json"  # after the whole name of the file that it is of
 _LARGEST = 4 * 1024**2  # bytes; ours have some ten thousand

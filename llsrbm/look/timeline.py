@@ -85,31 +85,20 @@ class Timeline:
     bars: tuple[Bar, ...] = ()
 
 
-def timeline(plan: Plan | None, rollout: Rollout | None = None) -> Timeline:
-    """Phases and events of a plan, and of the simulation that followed it.
-
-    Args:
-        plan: None where it is not known any more; then there is a rollout.
-        rollout: None for a plan alone.
-    """
-    rows: list[Row] = []
-    marks: list[Mark] = []
-    told, planned_end = "", math.inf
-    end = 0.0 if rollout is None else float(rollout.time[-1])
-    if plan is not None:
-        planned_end, end = plan.duration, max(plan.duration, end)
-        rows.append(_planned(plan, end))
-        marks += _planned_marks(plan)
-        told = _planned_events(plan)
-    if rollout is not None:
-        if plan is None:
-            planned = rollout.outcome.touchdown_planned_s
-            marks.append(Mark("touch-down planned", planned, palette.PLANNED))
-        rows.append(Row("simulation", _simulated(rollout, planned_end)))
+def timeline(plan: Plan, rollout: Rollout | None = None) -> Timeline:
+    """Phases and events of a plan, and of the simulation that followed it, if any."""
+    marks: list[Mark] = _planned_marks(plan)
+    bars: tuple[Bar, ...] = ()
+    if rollout is None:
+        end, events = plan.duration, _planned_events(plan)
+        rows = [_planned(plan, end)]
+    else:
+        end, events = max(plan.duration, float(rollout.time[-1])), _events(rollout)
+        rows = [_planned(plan, end), Row("simulation", _simulated(rollout, plan.duration))]
         marks += _simulated_marks(rollout)
-        told = _events(rollout)
-    bars = () if rollout is None else tuple(_bar(replan) for replan in rollout.replans)
-    return Timeline(tuple(rows), tuple(sorted(marks, key=lambda mark: mark.time)), told, end, bars)
+        bars = tuple(_bar(replan) for replan in rollout.replans)
+    marks.sort(key=lambda mark: mark.time)
+    return Timeline(tuple(rows), tuple(marks), events, end, bars)
 
 
 def phase_at(events: Timeline, time: float) -> str:
@@ -248,7 +237,7 @@ def _events(rollout: Rollout) -> str:
 def _planned_and_flown(rollout: Rollout) -> list[tuple[float, Flight]]:
     """When each flight should have ended, s, and how it went."""
     planned = [rollout.outcome.touchdown_planned_s]
-    if rollout.plan is not None and len(rollout.schedule.flights) > 1:
+    if len(rollout.schedule.flights) > 1:
         ends = [phase + 1 for phase in rollout.schedule.flights]
         planned = rollout.plan.phase_start[ends].tolist()
     return list(zip(planned, flights(rollout), strict=False))  # it may have fallen before the last

@@ -17,8 +17,8 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from llsrbm.errors import InputError
-from llsrbm.mechanics import rotation_matrices, sign_continuous
-from llsrbm.motion.whole_body import WholeBodyMotion
+from llsrbm.mechanics import sign_continuous
+from llsrbm.motion.whole_body import WholeBodyMotion, pinocchio_states
 from llsrbm.robots import Robot
 from llsrbm.robots.urdf import BASE_JOINT
 
@@ -101,18 +101,7 @@ def body_motion(motion: WholeBodyMotion, order: str) -> BodyMotion:
     shape = len(motion.time), len(ids)
     position, velocity, com_velocity, angular = (np.empty((*shape, 3)) for _ in range(4))
     rotation = np.empty((*shape, 3, 3))
-    R_world_base = rotation_matrices(motion.base_quat)
-    for k, R in enumerate(R_world_base):
-        q = np.concatenate(
-            [motion.base_position[k], motion.base_quat[k, [1, 2, 3, 0]], motion.joint_position[k]]
-        )
-        v = np.concatenate(
-            [
-                R.T @ motion.base_velocity[k],
-                R.T @ motion.angular_velocity[k],
-                motion.joint_velocity[k],
-            ]
-        )
+    for k, (q, v) in enumerate(zip(*pinocchio_states(motion.qpos, motion.qvel), strict=True)):
         pin.forwardKinematics(model, data, q, v)
         for b, joint in enumerate(ids):
             moves = pin.getVelocity(model, data, joint, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED)

@@ -1,4 +1,4 @@
-"""`Plan`: the planned jump, one array a quantity, N + 1 knots."""
+"""`Plan`: the planned jump, one array a quantity, N + 1 knots; its file, npz of llsrbm.plan/2."""
 
 from __future__ import annotations
 
@@ -9,25 +9,41 @@ from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import PlainSerializer, PlainValidator
 
-from llsrbm.motion.quantity import (
+from llsrbm.errors import FileFormatError, printable
+from llsrbm.files.native import (
+    Meta,
+    check_phases,
+    check_schema,
+    check_times,
+    native_arrays,
+    read_meta,
+)
+from llsrbm.files.npz import Arrays, checked, read_archive, write_archive
+from llsrbm.files.quantity import (
     CONTACT,
     HIP,
     JOINT,
     LEG,
+    ROW,
     TENSOR,
     TIME,
-    WXYZ,
-    XYZ,
+    VARIABLE,
     Array,
     Between,
     Kind,
     Quantity,
+    attitude,
+    coded,
+    of_joints,
+    quantities,
+    vector,
 )
 from llsrbm.ocp.problem import Iterate
 from llsrbm.request.jump import Jump
 from llsrbm.request.obstacle import Obstacle
-from llsrbm.request.schedule import Schedule, together
+from llsrbm.request.schedule import Schedule
 from llsrbm.request.tuning import Tuning
 
 
@@ -61,7 +77,7 @@ class SolveReport:
         total_time_s: wall time from request to `Plan`, solver already built.
         build_time_s: wall time to build or load the solver for this request, 0 when it was at hand.
         cost: value of the objective.
-        guess: from where the attempt that is returned began, in words; "" in files of before.
+        guess: origin of the initial guess of the attempt that is returned, in words.
     """
 
     status: str
@@ -79,73 +95,43 @@ class SolveReport:
 class Plan:
     """A planned jump at N + 1 knots: T = N + 1, L legs, C contacts, J joints.
 
-    What each array is stands beside it; `llsrbm.motion.quantity` explains the words.
+    The meaning of each array stands beside it; see `llsrbm.files.quantity`.
 
     Attributes:
         jump: the request.
         robot_parameters: the numbers of the robot that were used, as plain data.
         report: solver status and times.
         violations: constraint name -> largest violation, recomputed with NumPy.
-        tuning: weights and limits that were asked for in place of the robot's.
-        schedule: the phases and which feet stand in them; None, of files that have none, becomes
-            the schedule `together`.
-        solution: of the solver, for plans that start from this one; None of a plan that failed, and
-            of one that was read from a file that was written before files held it.
-        obstacle: what is jumped over, if anything.
+        schedule: the phases and which feet stand in them.
+        tuning: weights and limits that were requested in place of the robot's.
+        solution: of the solver, for plans that start from this one; None of a plan that failed.
+        obstacle: to jump over, if any.
 
-    Velocities and torques of the joints are None where they are not known: in a plan of an old file
-    whose robot is not there any more, and in one that failed so badly that its motion has none.
+    Velocities and torques of the joints are None in a plan that failed so badly that its motion has
+    none.
     """
 
     jump: Jump
     robot_parameters: dict[str, Any]
     report: SolveReport
     violations: dict[str, Violation]
+    schedule: Schedule
     time: Annotated[Array, Quantity((TIME,), "s", "strictly increasing", Between.LINEAR)]
     phase: Annotated[
         NDArray[np.int64],
-        Quantity(
-            (TIME,),
-            "",
+        coded(
             "phase of the interval that begins there, counted as in the schedule",
-            Between.HELD,
-            kind=Kind.WHOLE,
             coded_by="phase_names",
         ),
     ]
-    com: Annotated[Array, Quantity((TIME, XYZ), "m", "centre of mass", Between.BALLISTIC, "world")]
-    com_velocity: Annotated[
-        Array,
-        Quantity((TIME, XYZ), "m/s", "velocity of the CoM", Between.LINEAR, "world", rate=True),
-    ]
-    base_quat: Annotated[
-        Array,
-        Quantity((TIME, WXYZ), "", "attitude of the URDF's root link", Between.TURNING, "world"),
-    ]
-    base_position: Annotated[
-        Array,
-        Quantity((TIME, XYZ), "m", "origin of the URDF's root link", Between.FROM_COM, "world"),
-    ]
-    angular_velocity: Annotated[
-        Array,
-        Quantity(
-            (TIME, XYZ), "rad/s", "angular velocity of the base", Between.LINEAR, "world", rate=True
-        ),
-    ]
-    linear_momentum: Annotated[
-        Array,
-        Quantity((TIME, XYZ), "kg m/s", "linear momentum", Between.LINEAR, "world", rate=True),
-    ]
+    com: Annotated[Array, vector("m", "centre of mass", Between.BALLISTIC)]
+    com_velocity: Annotated[Array, vector("m/s", "velocity of the CoM", rate=True)]
+    base_quat: Annotated[Array, attitude("attitude of the URDF's root link")]
+    base_position: Annotated[Array, vector("m", "origin of the URDF's root link", Between.FROM_COM)]
+    angular_velocity: Annotated[Array, vector("rad/s", "angular velocity of the base", rate=True)]
+    linear_momentum: Annotated[Array, vector("kg m/s", "linear momentum", rate=True)]
     angular_momentum: Annotated[
-        Array,
-        Quantity(
-            (TIME, XYZ),
-            "kg m2/s",
-            "angular momentum about the CoM",
-            Between.BALLISTIC,
-            "world",
-            rate=True,
-        ),
+        Array, vector("kg m2/s", "angular momentum about the CoM", Between.BALLISTIC, rate=True)
     ]
     inertia: Annotated[
         Array,
@@ -159,56 +145,31 @@ class Plan:
     ]
     foot_position: Annotated[
         Array,
-        Quantity(
-            (TIME, LEG, XYZ),
-            "m",
-            "contact point of a point foot, middle of a sole",
-            Between.STANDING,
-            "world",
-        ),
+        vector("m", "contact point of a point foot, middle of a sole", Between.STANDING, of=LEG),
     ]
     foot_quat: Annotated[
-        Array,
-        Quantity(
-            (TIME, LEG, WXYZ),
-            "",
-            "attitude of soles, which are level; identity for point feet",
-            Between.TURNING,
-            "world",
-        ),
+        Array, attitude("attitude of soles, which are level; identity for point feet", of=LEG)
     ]
     contact_point: Annotated[
-        Array,
-        Quantity(
-            (TIME, CONTACT, XYZ), "m", "contact points, legs x corners", Between.CARRIED, "world"
-        ),
+        Array, vector("m", "contact points, legs x corners", Between.CARRIED, of=CONTACT)
     ]
     contact_force: Annotated[
         Array,
-        Quantity(
-            (TIME, CONTACT, XYZ),
+        vector(
             "N",
             "force at a contact, constant over the interval that begins there",
             Between.HELD,
-            "world",
+            of=CONTACT,
         ),
     ]
     leg_mass: Annotated[Array, Quantity((LEG,), "kg", "mass of a leg, lumped", listed=False)]
     base_mass: Annotated[float, Quantity((), "kg", "mass of the base", listed=False)]
     leg_com: Annotated[
-        Array,
-        Quantity(
-            (TIME, LEG, XYZ),
-            "m",
-            "where the model puts a leg's point mass",
-            Between.FROM_COM,
-            "world",
-        ),
+        Array, vector("m", "where the model puts a leg's point mass", Between.FROM_COM, of=LEG)
     ]
     joint_position: Annotated[
         Array,
-        Quantity(
-            (TIME, JOINT),
+        of_joints(
             "rad",
             "posture that realises the plan: with base_position and base_quat its forward "
             "kinematics puts every foot on foot_position",
@@ -216,8 +177,7 @@ class Plan:
         ),
     ]
     joint_names: Annotated[
-        tuple[str, ...],
-        Quantity((JOINT,), "", "order of the joints", kind=Kind.TEXT, listed=False),
+        tuple[str, ...], Quantity((JOINT,), "", "order of the joints", kind=Kind.TEXT, listed=False)
     ]
     foot_in_hip: Annotated[
         Array,
@@ -233,14 +193,11 @@ class Plan:
     ]
     joint_velocity: Annotated[
         Array | None,
-        Quantity(
-            (TIME, JOINT), "rad/s", "velocity, zero at both ends", Between.JOINT_RATES, rate=True
-        ),
+        of_joints("rad/s", "velocity, zero at both ends", Between.JOINT_RATES, rate=True),
     ] = None
     joint_torque: Annotated[
         Array | None,
-        Quantity(
-            (TIME, JOINT),
+        of_joints(
             "Nm",
             "by inverse dynamics of the whole body in the middle of the interval that begins "
             "there (`llsrbm.body.joint_loads`); the last instant's are those of standing",
@@ -249,8 +206,7 @@ class Plan:
     ] = None
     joint_torque_limit: Annotated[
         Array | None,
-        Quantity(
-            (TIME, JOINT),
+        of_joints(
             "Nm",
             "the most that the drives can give there, at that speed in the torque's direction",
             Between.HELD,
@@ -258,12 +214,7 @@ class Plan:
     ] = None
     tuning: Tuning = field(default_factory=Tuning)
     solution: Iterate | None = field(default=None, repr=False)
-    schedule: Schedule = None  # type: ignore[assignment]
     obstacle: Obstacle | None = None
-
-    def __post_init__(self) -> None:
-        if not self.schedule:
-            object.__setattr__(self, "schedule", together(self.leg_names))
 
     @property
     def solved(self) -> bool:
@@ -301,13 +252,10 @@ class Plan:
         self,
     ) -> Annotated[
         NDArray[np.bool_],
-        Quantity(
-            (TIME, LEG),
-            "",
+        coded(
             "whether the foot stands over the interval that begins there",
-            Between.HELD,
-            kind=Kind.WHOLE,
-            codes=("in the air", "touches"),
+            *("in the air", "touches"),
+            of=LEG,
         ),
     ]:
         """(N+1, L) whether a foot stands over the interval that begins at a knot."""
@@ -324,10 +272,113 @@ class Plan:
         return float(self.phase_start[self.schedule.flights[-1] + 1])
 
     def save(self, path: str | Path) -> None:
-        """Write the native npz file (schema llsrbm.plan/2); see `llsrbm.load`."""
-        from llsrbm.files.plan_file import save_plan
+        """Write the native npz file (schema llsrbm.plan/2); see `llsrbm.load`.
 
-        save_plan(self, path)
+        Raises:
+            InputError: the file cannot be written.
+            Error: the plan holds numbers that are not finite.
+        """
+        write_archive(path, self.arrays())
+
+    def arrays(self) -> Arrays:
+        """The content of the plan's file; raises `Error` for numbers that are not finite."""
+        meta = _Meta(
+            request=self.jump,
+            model=self.jump.model,
+            robot_parameters=self.robot_parameters,
+            report=self.report,
+            violations=self.violations,
+            tuning=self.tuning,
+            schedule=self.schedule,
+            obstacle=self.obstacle,
+        )
+        arrays = native_arrays(SCHEMA, meta, self, quantities(Plan))
+        if self.solution is not None:
+            arrays |= {key: getattr(self.solution, name) for name, key in _SOLUTION.items()}
+        return arrays
+
+    @staticmethod
+    def from_arrays(arrays: Arrays, path: str | Path) -> Plan:
+        """The plan in an archive that has been read; `path` is for messages.
+
+        Raises:
+            FileFormatError: of another schema, or a key is missing or holds something else.
+        """
+        check_schema(arrays, path, SCHEMA)
+        meta = read_meta(_Meta, arrays, path)
+        layout = quantities(Plan)
+        if not any(key in arrays for key in _LOADS):
+            layout = {key: each for key, each in layout.items() if key not in _LOADS}
+        values: dict[str, Any] = checked(arrays, layout, path)
+        _check(values, meta.schedule, path)
+        values["base_mass"] = float(values["base_mass"])
+        values["joint_names"] = tuple(str(name) for name in values["joint_names"])
+        solution = None
+        if any(key in arrays for key in _SOLUTION_LAYOUT):
+            numbers = checked(arrays, _SOLUTION_LAYOUT, path)
+            solution = Iterate(**{name: numbers[key] for name, key in _SOLUTION.items()})
+        return Plan(
+            jump=meta.request,
+            robot_parameters=meta.robot_parameters,
+            report=meta.report,
+            violations=meta.violations,
+            tuning=meta.tuning,
+            solution=solution,
+            schedule=meta.schedule,
+            obstacle=meta.obstacle,
+            **values,
+        )
+
+
+SCHEMA = "llsrbm.plan/2"
+
+_LOADS = ("joint_velocity", "joint_torque", "joint_torque_limit")
+_SOLUTION = {"variables": "solution_variables", "multipliers": "solution_multipliers"}
+_SOLUTION_LAYOUT = {
+    "solution_variables": Quantity((VARIABLE,), "", "the solver's variables"),
+    "solution_multipliers": Quantity((ROW,), "", "the multipliers of its constraints"),
+}
+
+
+class _Meta(Meta):
+    report: SolveReport
+    violations: dict[str, Violation]
+    tuning: Tuning
+    schedule: Annotated[
+        Schedule,
+        PlainValidator(lambda t: t if isinstance(t, Schedule) else Schedule.from_dict(t)),
+        PlainSerializer(Schedule.as_dict),
+    ]
+    obstacle: Annotated[
+        Obstacle | None,
+        PlainValidator(lambda t: t if isinstance(t, Obstacle | None) else Obstacle.from_dict(t)),
+        PlainSerializer(lambda obstacle: obstacle and obstacle.as_dict()),
+    ] = None
+
+
+def _check(values: Arrays, schedule: Schedule, path: str | Path) -> None:
+    """Raise `FileFormatError` unless masses, legs, contacts, times and phases fit each other."""
+    if values["base_mass"] <= 0 or (values["leg_mass"] < 0).any():
+        raise FileFormatError(f'{path}: keys "base_mass", "leg_mass": expected masses, in kg')
+    legs, contacts = len(values["leg_mass"]), values["contact_point"].shape[1]
+    if contacts % legs:
+        raise FileFormatError(
+            f'{path}: key "contact_point": expected as many contacts for each of {legs} legs, got '
+            f"{contacts}"
+        )
+    if len(schedule.legs) != legs:
+        names = printable(", ".join(schedule.legs), 100)
+        raise FileFormatError(
+            f'{path}: key "meta": schedule: it has the legs {names}; expected {legs}, as '
+            '"leg_mass" has'
+        )
+    check_times(values["time"], path)
+    # Each phase has an interval, and the last knot, which begins none, is in the last phase.
+    phase, last = values["phase"], len(schedule) - 1
+    steps = np.diff(phase[:-1], prepend=-1)
+    if not np.isin(steps, (0, 1)).all() or steps[0] != 1 or (phase[-2:] != last).any():
+        in_order = ", each of them with an interval, in that order"
+        check_phases(phase, schedule.names, path, in_order)
 
 
 def leg_names(robot_parameters: dict[str, Any], count: int) -> tuple[str, ...]:
@@ -337,16 +388,14 @@ def leg_names(robot_parameters: dict[str, Any], count: int) -> tuple[str, ...]:
 
 
 def sliding_joints(robot_parameters: dict[str, Any]) -> frozenset[str]:
-    """Of a trajectory's robot; where an old file does not say, of the robot of that name."""
-    from llsrbm.errors import Error
-    from llsrbm.robots import load_robot, names
+    """Names of the joints of a trajectory's robot whose position is in metres."""
+    return frozenset(robot_parameters.get("sliding_joints", ()))
 
-    if "sliding_joints" in robot_parameters:
-        return frozenset(robot_parameters["sliding_joints"])
-    name = robot_parameters.get("name")
-    if name not in names():  # of the project's own: what a file names as a path is not opened
-        return frozenset()
-    try:
-        return load_robot(name).sliding_joints
-    except Error:
-        return frozenset()
+
+def load_plan(path: str | Path) -> Plan:
+    """Read a plan's file; `llsrbm.load` reads rollouts as well.
+
+    Raises:
+        FileFormatError: unreadable, damaged, of another schema, or not a plan.
+    """
+    return Plan.from_arrays(read_archive(path), path)

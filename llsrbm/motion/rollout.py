@@ -1,4 +1,4 @@
-"""`Rollout`: what the whole robot did in the simulator, one array a quantity, T control ticks."""
+"""`Rollout`: a simulation of the whole robot, one array a quantity, T control ticks; its file."""
 
 from __future__ import annotations
 
@@ -9,32 +9,47 @@ from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import Field
 
-from llsrbm.mechanics import rotation_matrices
-from llsrbm.motion.plan import Plan, leg_names, sliding_joints
-from llsrbm.motion.quantity import (
+from llsrbm.errors import FileFormatError
+from llsrbm.files.native import (
+    Meta,
+    check_phases,
+    check_schema,
+    check_times,
+    native_arrays,
+    part_of,
+    read_meta,
+)
+from llsrbm.files.npz import LARGEST_NUMBER, Arrays, checked, write_archive
+from llsrbm.files.quantity import (
     JOINT,
     LEG,
     POSITION,
     TENSOR,
     TIME,
     VELOCITY,
-    WXYZ,
-    XYZ,
     Array,
     Between,
     Kind,
     Quantity,
+    attitude,
+    coded,
+    of_joints,
+    quantities,
+    vector,
 )
-from llsrbm.motion.replan import Replan
+from llsrbm.mechanics import rotation_matrices
+from llsrbm.motion.plan import Plan, leg_names, sliding_joints
+from llsrbm.motion.replan import Replan, replan_arrays, replans_from_arrays
 from llsrbm.request.jump import Jump
 from llsrbm.request.push import Push
 from llsrbm.request.scenario import Scenario
-from llsrbm.request.schedule import Schedule, together
+from llsrbm.request.schedule import Schedule
 
 
 class Mode(IntEnum):
-    """What the controller follows."""
+    """Which reference the controller follows."""
 
     TRACKING = 0
     FORCE = 1
@@ -42,7 +57,7 @@ class Mode(IntEnum):
 
 @dataclass(frozen=True)
 class Disturbance:
-    """What of the simulated world differs from what the controller believes.
+    """Differences between the simulated world and the controller's belief.
 
     Attributes:
         trunk_mass_factor: of the simulated trunk, mass and inertia; the controller believes 1.
@@ -72,7 +87,7 @@ class Outcome:
 
     Attributes:
         status: "landed" or "fell".
-        reason: what gave way; "" when it landed.
+        reason: of a fall; "" when it landed.
         fell_at_s: when; None when it landed.
         strict: whether it landed by the strict measure: see `llsrbm.simulation.verdict`.
         final_yaw_error, final_position_error, final_tilt: at the end, against the plan's last knot,
@@ -99,9 +114,9 @@ class Outcome:
         tick_median_s, tick_p99_s: wall time of a controller tick.
         real_time_factor: simulated time / wall time, controller included.
         control_rate_hz: ticks a simulated second.
-        landing_strategy: the one that ran; "" in files that were written before outcomes had it.
+        landing_strategy: the one that ran.
         recovered: whether it landed by the strict measure but for the feet's place, which pushes
-            and replanning move; None in files that were written before outcomes had it.
+            and replanning move.
         replans: how often was planned anew, with or without success.
         replan_median_s, replan_p95_s: the processor's time for that; None without any.
     """
@@ -134,8 +149,8 @@ class Outcome:
     tick_p99_s: float
     real_time_factor: float
     control_rate_hz: float
-    landing_strategy: str = ""
-    recovered: bool | None = None
+    landing_strategy: str
+    recovered: bool
     replans: int = 0
     replan_median_s: float | None = None
     replan_p95_s: float | None = None
@@ -146,19 +161,18 @@ class Rollout:
     """A simulated jump at T control ticks: L legs, J joints.
 
     States are those at the beginning of a tick, torques and forces those of the tick that begins:
-    momenta change by the recorded forces. What each array is stands beside it;
-    `llsrbm.motion.quantity` explains the words.
+    momenta change by the recorded forces. The meaning of each array stands beside it; see
+    `llsrbm.files.quantity`.
 
     Attributes:
         jump: the plan's request.
         robot_parameters: the numbers of the robot that was simulated, as plain data.
         scenario, disturbance: what was asked, and what was drawn for it.
         outcome: how it ended.
+        plan: that was followed.
         control_parameters: the controller's numbers that ran, as plain data: the robot file's
-            [control] and [uncertainty] with their defaults; empty in files that were written
-            before rollouts had it.
-        plan: what was followed; None in files that were written before rollouts had it.
-        replans: what was planned anew under way, in the order in which it was asked for.
+            [control] and [uncertainty] with their defaults.
+        replans: in the order in which they were requested.
     """
 
     jump: Jump
@@ -202,46 +216,23 @@ class Rollout:
     ]
     torque: Annotated[
         Array,
-        Quantity(
-            (TIME, JOINT),
-            "Nm",
-            "as applied, mean of the tick",
-            Between.HELD,
-            column="joint_torque",
-        ),
+        of_joints("Nm", "as applied, mean of the tick", Between.HELD, column="joint_torque"),
     ]
     torque_limit: Annotated[
         Array,
-        Quantity(
-            (TIME, JOINT),
+        of_joints(
             "Nm",
             "what the drives could give at that speed, in the torque's direction",
             Between.HELD,
             column="joint_torque_limit",
         ),
     ]
-    com: Annotated[Array, Quantity((TIME, XYZ), "m", "centre of mass", Between.LINEAR, "world")]
-    base_quat: Annotated[
-        Array,
-        Quantity((TIME, WXYZ), "", "attitude of the URDF's root link", Between.TURNING, "world"),
-    ]
-    base_position: Annotated[
-        Array, Quantity((TIME, XYZ), "m", "origin of the URDF's root link", Between.LINEAR, "world")
-    ]
-    linear_momentum: Annotated[
-        Array,
-        Quantity((TIME, XYZ), "kg m/s", "linear momentum", Between.LINEAR, "world", rate=True),
-    ]
+    com: Annotated[Array, vector("m", "centre of mass")]
+    base_quat: Annotated[Array, attitude("attitude of the URDF's root link")]
+    base_position: Annotated[Array, vector("m", "origin of the URDF's root link")]
+    linear_momentum: Annotated[Array, vector("kg m/s", "linear momentum", rate=True)]
     angular_momentum: Annotated[
-        Array,
-        Quantity(
-            (TIME, XYZ),
-            "kg m2/s",
-            "angular momentum about the CoM",
-            Between.LINEAR,
-            "world",
-            rate=True,
-        ),
+        Array, vector("kg m2/s", "angular momentum about the CoM", rate=True)
     ]
     inertia: Annotated[
         Array,
@@ -254,35 +245,18 @@ class Rollout:
         ),
     ]
     foot_position: Annotated[
-        Array,
-        Quantity(
-            (TIME, LEG, XYZ),
-            "m",
-            "lowest point of a foot, of a sole its middle",
-            Between.LINEAR,
-            "world",
-        ),
+        Array, vector("m", "lowest point of a foot, of a sole its middle", of=LEG)
     ]
     contact: Annotated[
         NDArray[np.int64],
-        Quantity(
-            (TIME, LEG),
-            "",
+        coded(
             "whether the foot touches anything, the simulator's truth",
-            Between.HELD,
-            kind=Kind.WHOLE,
-            codes=("in the air", "touches"),
+            *("in the air", "touches"),
+            of=LEG,
         ),
     ]
     contact_force: Annotated[
-        Array,
-        Quantity(
-            (TIME, LEG, XYZ),
-            "N",
-            "sum over a foot, mean of the tick",
-            Between.HELD,
-            "world",
-        ),
+        Array, vector("N", "sum over a foot, mean of the tick", Between.HELD, of=LEG)
     ]
     average_spatial_velocity_norm: Annotated[
         Array,
@@ -300,51 +274,19 @@ class Rollout:
     detection_threshold: Annotated[
         float, Quantity((), "the detector's", "above it, contact is detected", listed=False)
     ]
-    mode: Annotated[
-        NDArray[np.int64],
-        Quantity(
-            (TIME,),
-            "",
-            "what the controller follows",
-            Between.HELD,
-            kind=Kind.WHOLE,
-            codes=("tracking", "force"),
-        ),
-    ]
+    mode: Annotated[NDArray[np.int64], coded("what the controller follows", "tracking", "force")]
     phase: Annotated[
         NDArray[np.int64],
-        Quantity(
-            (TIME,),
-            "",
-            "phase of the schedule, as the controller believes",
-            Between.HELD,
-            kind=Kind.WHOLE,
-            coded_by="phase_names",
-        ),
+        coded("phase of the schedule, as the controller believes", coded_by="phase_names"),
     ]
-    reference_com: Annotated[
-        Array, Quantity((TIME, XYZ), "m", "tracked: centre of mass", Between.LINEAR, "world")
-    ]
-    reference_base_quat: Annotated[
-        Array,
-        Quantity((TIME, WXYZ), "", "tracked: attitude of the base", Between.TURNING, "world"),
-    ]
-    reference_foot_position: Annotated[
-        Array, Quantity((TIME, LEG, XYZ), "m", "tracked: feet", Between.LINEAR, "world")
-    ]
+    reference_com: Annotated[Array, vector("m", "tracked: centre of mass")]
+    reference_base_quat: Annotated[Array, attitude("tracked: attitude of the base")]
+    reference_foot_position: Annotated[Array, vector("m", "tracked: feet", of=LEG)]
     reference_angular_momentum: Annotated[
-        Array,
-        Quantity(
-            (TIME, XYZ),
-            "kg m2/s",
-            "tracked: angular momentum about the CoM",
-            Between.LINEAR,
-            "world",
-            rate=True,
-        ),
+        Array, vector("kg m2/s", "tracked: angular momentum about the CoM", rate=True)
     ]
+    plan: Plan = field(repr=False)
     control_parameters: dict[str, Any] = field(default_factory=dict)
-    plan: Plan | None = field(default=None, repr=False)
     replans: tuple[Replan, ...] = field(default=(), repr=False)
 
     @property
@@ -354,36 +296,22 @@ class Rollout:
         return (*self.scenario.pushes, *(() if drawn is None else (drawn,)))
 
     @property
-    def base_velocity(
-        self,
-    ) -> Annotated[
-        Array,
-        Quantity((TIME, XYZ), "m/s", "velocity of the base's origin", Between.LINEAR, "world"),
-    ]:
+    def base_velocity(self) -> Annotated[Array, vector("m/s", "velocity of the base's origin")]:
         """(T, 3) m/s, world frame."""
         return self.qvel[:, :3]
 
     @property
-    def angular_velocity(
-        self,
-    ) -> Annotated[
-        Array,
-        Quantity((TIME, XYZ), "rad/s", "angular velocity of the base", Between.LINEAR, "world"),
-    ]:
+    def angular_velocity(self) -> Annotated[Array, vector("rad/s", "angular velocity of the base")]:
         """(T, 3) rad/s of the base, world frame; `qvel` has it in the base's axes."""
         return np.einsum("kij,kj->ki", rotation_matrices(self.base_quat), self.qvel[:, 3:6])
 
     @property
-    def joint_position(
-        self,
-    ) -> Annotated[Array, Quantity((TIME, JOINT), "rad", "positions", Between.LINEAR)]:
+    def joint_position(self) -> Annotated[Array, of_joints("rad", "positions", Between.LINEAR)]:
         """(T, J) rad or m, in the order of `joint_names`."""
         return self.qpos[:, 7:]
 
     @property
-    def joint_velocity(
-        self,
-    ) -> Annotated[Array, Quantity((TIME, JOINT), "rad/s", "velocities", Between.LINEAR)]:
+    def joint_velocity(self) -> Annotated[Array, of_joints("rad/s", "velocities", Between.LINEAR)]:
         """(T, J) rad/s or m/s, in the order of `joint_names`."""
         return self.qvel[:, 6:]
 
@@ -399,8 +327,8 @@ class Rollout:
 
     @property
     def schedule(self) -> Schedule:
-        """The plan's; of a rollout that does not hold its plan, `together`, the only one then."""
-        return together(self.leg_names) if self.plan is None else self.plan.schedule
+        """The plan's."""
+        return self.plan.schedule
 
     @property
     def phase_names(self) -> tuple[str, ...]:
@@ -418,11 +346,74 @@ class Rollout:
         return self.outcome.status == "landed"
 
     def save(self, path: str | Path) -> None:
-        """Write llsrbm.rollout/1.
+        """Write llsrbm.rollout/1: the rollout, its replans, and the plan under "plan/".
 
         Raises:
             InputError: the file cannot be written.
+            Error: the rollout holds numbers that are not finite.
         """
-        from llsrbm.files.rollout_file import save_rollout
+        meta = _Meta(
+            request=self.jump,
+            model=self.jump.model,
+            robot_parameters=self.robot_parameters,
+            control_parameters=self.control_parameters,
+            scenario=self.scenario,
+            disturbance=self.disturbance,
+            outcome=self.outcome,
+        )
+        arrays = native_arrays(SCHEMA, meta, self, quantities(Rollout))
+        arrays |= replan_arrays(self.replans)
+        arrays |= {_PLAN + key: value for key, value in self.plan.arrays().items()}
+        write_archive(path, arrays)
 
-        save_rollout(self, path)
+    @staticmethod
+    def from_arrays(arrays: Arrays, path: str | Path) -> Rollout:
+        """The rollout in an archive that has been read; `path` is for messages.
+
+        Raises:
+            FileFormatError: of another schema, or a key is missing or holds something else.
+        """
+        check_schema(arrays, path, SCHEMA)
+        meta = read_meta(_Meta, arrays, path)
+        values: dict[str, Any] = checked(arrays, quantities(Rollout), path)
+        check_times(values["time"], path)
+        if not 0 < meta.outcome.control_rate_hz <= LARGEST_NUMBER:
+            raise FileFormatError(f'{path}: key "meta": outcome.control_rate_hz: expected a rate')
+        plan = Plan.from_arrays(part_of(arrays, _PLAN), f"{path}: {_PLAN}")
+        legs = values["foot_position"].shape[1]
+        of_plan = plan.jump, sorted(plan.joint_names), plan.foot_position.shape[1]
+        if of_plan != (meta.request, sorted(values["joint_names"]), legs):
+            raise FileFormatError(
+                f"{path}: {_PLAN} is of another jump or robot than the rollout itself"
+            )
+        for key, root in (("qpos", 7), ("qvel", 6)):
+            if values[key].shape[1] != root + len(values["joint_names"]):
+                raise FileFormatError(
+                    f'{path}: key "{key}": expected {root} + {len(values["joint_names"])} columns, '
+                    f"one a joint, got {values[key].shape[1]}"
+                )
+        check_phases(values["phase"], plan.phase_names, path)
+        values["detection_threshold"] = float(values["detection_threshold"])
+        values["joint_names"] = tuple(str(name) for name in values["joint_names"])
+        return Rollout(
+            jump=meta.request,
+            robot_parameters=meta.robot_parameters,
+            control_parameters=meta.control_parameters,
+            scenario=meta.scenario,
+            disturbance=meta.disturbance,
+            outcome=meta.outcome,
+            plan=plan,
+            replans=replans_from_arrays(arrays, legs, path),
+            **values,
+        )
+
+
+SCHEMA = "llsrbm.rollout/1"
+_PLAN = "plan/"  # begins the keys of the plan that was followed
+
+
+class _Meta(Meta):
+    scenario: Scenario
+    disturbance: Disturbance
+    outcome: Outcome
+    control_parameters: dict[str, Any] = Field(default_factory=dict)

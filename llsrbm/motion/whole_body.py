@@ -1,4 +1,4 @@
-"""What the whole robot does, in one form whatever it comes from: a plan, a rollout, a file.
+"""Motions of the whole robot, in one form whatever they come from: a plan, a rollout, a file.
 
 Formats of other tools are written from it, foreign files are read into it, and the page draws it.
 """
@@ -13,15 +13,12 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from llsrbm.errors import InputError
+from llsrbm.files.quantity import TIME, quantities
 from llsrbm.mechanics import rotation_matrices, sign_continuous
-from llsrbm.motion.instants import evenly, with_events
 from llsrbm.motion.plan import Plan
-from llsrbm.motion.quantity import TIME, quantities
-from llsrbm.motion.resample import resample
 from llsrbm.motion.rollout import Rollout
-from llsrbm.motion.standing import standing
+from llsrbm.motion.sampling import evenly, resample, with_events
 from llsrbm.robots import Robot, load_robot
-from llsrbm.robots.foot_contact import foot_contacts
 
 Array = NDArray[np.float64]
 
@@ -206,70 +203,12 @@ def _of_rollout(
     )
 
 
-def motion_of_states(
-    robot: Robot,
-    origin: str,
-    time: Array,
-    qpos: Array,
-    qvel: Array,
-    fps: float | None = None,
-) -> WholeBodyMotion:
-    """A motion of which only the states are known; momenta and inertia by Pinocchio.
-
-    Which feet stand is told from how they move: `llsrbm.motion.standing`.
-
-    Args:
-        robot: that moves.
-        origin: the format of the file.
-        time: (K,) s from 0 on.
-        qpos, qvel: (K, 7 + J), (K, 6 + J) in MuJoCo's convention, joints in the robot's order.
-        fps: of evenly spaced instants.
-    """
-    model, data = robot.model, robot.model.createData()
-    count, legs = len(time), len(robot.legs)
-    quat = sign_continuous(qpos[:, 3:7])
-    R = rotation_matrices(quat)
-    com, linear, angular = (np.empty((count, 3)) for _ in range(3))
-    inertia, feet = np.empty((count, 3, 3)), np.empty((count, legs, 3))
-    speed = np.empty((count, legs))
-    contacts = foot_contacts(robot)
-    for k in range(count):
-        q = np.concatenate([qpos[k, :3], quat[k, [1, 2, 3, 0]], qpos[k, 7:]])
-        v = np.concatenate([R[k].T @ qvel[k, :3], qvel[k, 3:]])
-        pin.ccrba(model, data, q, v)
-        pin.forwardKinematics(model, data, q, v)
-        pin.updateFramePlacements(model, data)
-        com[k], inertia[k] = data.com[0], data.Ig.inertia
-        linear[k], angular[k] = data.hg.linear, data.hg.angular
-        for i, (leg, contact) in enumerate(zip(robot.legs, contacts, strict=True)):
-            placement = data.oMf[leg.foot_frame_id]
-            spheres = np.array([placement.act(centre) for centre in contact.centres])
-            feet[k, i] = spheres.mean(axis=0) - [0.0, 0.0, contact.radius]
-            velocity = pin.getFrameVelocity(
-                model, data, leg.foot_frame_id, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
-            )
-            # A ball rolls about its lowest point; a plan's foot turns about its frame.
-            arm = feet[k, i] - placement.translation
-            rolling = velocity.linear + np.cross(velocity.angular, arm)
-            speed[k, i] = min(np.linalg.norm(velocity.linear), np.linalg.norm(rolling))
-    return WholeBodyMotion(
-        robot=robot,
-        origin=origin,
-        time=time,
-        fps=fps,
-        base_position=qpos[:, :3],
-        base_quat=quat,
-        base_velocity=qvel[:, :3],
-        angular_velocity=np.einsum("kij,kj->ki", R, qvel[:, 3:6]),
-        joint_position=qpos[:, 7:],
-        joint_velocity=qvel[:, 6:],
-        com=com,
-        linear_momentum=linear,
-        angular_momentum=angular,
-        inertia=inertia,
-        foot_position=feet,
-        contact=standing(time, speed, feet[..., 2]),
-    )
+def pinocchio_states(qpos: Array, qvel: Array) -> tuple[Array, Array]:
+    """Pinocchio's coordinates (K, 7 + J) and velocities (K, 6 + J) of MuJoCo's."""
+    q, v = qpos.copy(), qvel.copy()
+    q[:, 3:7] = qpos[:, [4, 5, 6, 3]]
+    v[:, :3] = np.einsum("kji,kj->ki", rotation_matrices(qpos[:, 3:7]), qvel[:, :3])
+    return q, v
 
 
 def resultants(points: Array, forces: Array, feet: int) -> tuple[Array, Array]:
@@ -291,15 +230,15 @@ def resultants(points: Array, forces: Array, feet: int) -> tuple[Array, Array]:
 def _base_velocity(robot: Robot, plan: Plan, joint_position: Array, joint_velocity: Array) -> Array:
     """(K, 3) m/s, world axes: with which the whole body's CoM moves as planned."""
     model, data = robot.model, robot.model.createData()
-    velocity = np.empty_like(plan.com)
     R = rotation_matrices(plan.base_quat)
-    for k in range(len(velocity)):
-        quat = plan.base_quat[k, [1, 2, 3, 0]]
-        q = np.concatenate([plan.base_position[k], quat, joint_position[k]])
-        turning = R[k].T @ plan.angular_velocity[k]
-        v = np.concatenate([np.zeros(3), turning, joint_velocity[k]])
-        momentum = pin.computeCentroidalMomentum(model, data, q, v)
-        velocity[k] = plan.com_velocity[k] - momentum.linear / robot.mass
+    turning = np.einsum("kji,kj->ki", R, plan.angular_velocity)
+    qpos = np.hstack([plan.base_position, plan.base_quat, joint_position])
+    qvel = np.hstack([np.zeros_like(turning), turning, joint_velocity])
+    momentum = [
+        pin.computeCentroidalMomentum(model, data, q, v).linear.copy()
+        for q, v in zip(*pinocchio_states(qpos, qvel), strict=True)
+    ]
+    velocity: Array = plan.com_velocity - np.array(momentum) / robot.mass
     return velocity
 
 

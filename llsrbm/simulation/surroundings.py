@@ -10,9 +10,8 @@ from numpy.typing import NDArray
 
 from llsrbm.errors import InputError
 from llsrbm.mechanics import yaw
-from llsrbm.motion.footholds import foothold_knots
 from llsrbm.motion.plan import Plan
-from llsrbm.motion.resample import resample
+from llsrbm.motion.sampling import foothold_knots, resample
 from llsrbm.request.scenario import Scenario
 from llsrbm.robots.foot_contact import foot_contacts
 from llsrbm.robots.robot import Robot

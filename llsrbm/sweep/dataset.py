@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from llsrbm.errors import Error, InputError, require
-from llsrbm.files.writing import staged
+from llsrbm.files.atomic import staged
 from llsrbm.formats.base import Options
 from llsrbm.formats.datasets.base import DatasetFormat, Episode
 from llsrbm.formats.datasets.registry import find_dataset_format
@@ -34,7 +34,7 @@ from llsrbm.sweep.spec import Spec
 if TYPE_CHECKING:
     import pyarrow as pa
 
-    from llsrbm.files.loading import Trajectory
+    from llsrbm.motion.trajectory import Trajectory
 
 SOURCES = ("rollout", "plan")
 SCHEMA = "llsrbm.dataset/1"
@@ -149,7 +149,7 @@ def _options(format_: DatasetFormat, fps: float | None) -> Options:
         return format_.defaults
     if "fps" not in format_.options:
         raise InputError(f'fps: format "{format_.name}" has no rate; expected no --fps')
-    from llsrbm.motion.instants import check_rate
+    from llsrbm.motion.sampling import check_rate
 
     check_rate(fps)
     options = replace(format_.defaults, fps=fps)

@@ -19,18 +19,15 @@ import numpy as np
 from llsrbm.analysis.figures import figures_of_plan, figures_of_rollout
 from llsrbm.analysis.summary import plan_summary, worst_violation
 from llsrbm.errors import Error, FileFormatError, InputError
-from llsrbm.files.loading import load
-from llsrbm.files.plan_file import FIRST_LAYOUT, FIRST_SCHEMA
 from llsrbm.formats import export
 from llsrbm.look.timeline import timeline
 from llsrbm.look.titles import title_of
-from llsrbm.motion.description import description
 from llsrbm.motion.plan import Plan
-from llsrbm.motion.resample import resample
+from llsrbm.motion.sampling import resample
+from llsrbm.motion.trajectory import description, load
 from llsrbm.motion.whole_body import whole_body_motion
 from llsrbm.request.design import Design, dump_design, load_design
 from llsrbm.request.jump import Jump
-from llsrbm.robots import load_robot
 from tests.llsrbm.synthetic import TWO_HOPS, TWO_HOPS_DURATIONS, synthetic_plan
 from tests.llsrbm.synthetic_rollout import followed, synthetic_rollout
 
@@ -38,27 +35,23 @@ Rng = np.random.Generator
 
 
 class Seeds:
-    """Sound files to damage: a plan, one as version 1 wrote it, a rollout, one of two hops."""
+    """Sound files to damage: a plan, one without loads, a rollout, one of two hops."""
 
     def __init__(self, folder: Path) -> None:
         self.canary = folder / "canary"
         plan, rollout = synthetic_plan(intervals=3), synthetic_rollout(seed=3)
         plan.save(folder / "plan.npz")
         resample(rollout, rollout.time[::50]).save(folder / "rollout.npz")
-        # Not this robot's motion, but arrays of its sizes, so that torques are computed.
-        robot = load_robot("go2")
-        body = {"robot_parameters": robot.parameters(), "joint_names": robot.joint_names}
-        replace(plan, jump=replace(plan.jump, robot="go2"), **body).save(folder / "first.npz")
+        none = dict.fromkeys(("joint_velocity", "joint_torque", "joint_torque_limit"))
+        replace(plan, **none).save(folder / "loose.npz")
         self.arrays = []
         hops = followed(
             synthetic_plan(intervals=2, schedule=TWO_HOPS, durations=TWO_HOPS_DURATIONS)
         )
         resample(hops, hops.time[::25]).save(folder / "hops.npz")
-        for name in ("plan", "first", "rollout", "hops"):
+        for name in ("plan", "loose", "rollout", "hops"):
             with np.load(folder / f"{name}.npz") as archive:
                 self.arrays.append(dict(archive))
-        first = {key: self.arrays[1][key] for key in ("meta", *FIRST_LAYOUT)}
-        self.arrays[1] = {"schema": np.array(FIRST_SCHEMA)} | first
         self.files = [packed(arrays) for arrays in self.arrays]
 
     def file(self, rng: Rng) -> bytes:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from llsrbm.errors import FileFormatError
-from llsrbm.files.loading import load
+from llsrbm.motion.trajectory import load
 
 
 def rewritten(path, out, **changes):

@@ -8,9 +8,9 @@ import numpy as np
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
+from llsrbm.files.quantity import TIME, quantities
 from llsrbm.mechanics import sign_continuous
 from llsrbm.motion.plan import Plan
-from llsrbm.motion.quantity import TIME, quantities
 from llsrbm.request.schedule import TIMINGS, Phase, Schedule
 from tests.llsrbm.synthetic import LEGS
 

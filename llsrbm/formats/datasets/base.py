@@ -6,8 +6,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from llsrbm.files.loading import Trajectory
 from llsrbm.formats.base import Options
+from llsrbm.motion.trajectory import Trajectory
 
 
 @dataclass(frozen=True)

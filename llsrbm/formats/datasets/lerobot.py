@@ -27,10 +27,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from llsrbm.errors import InputError
-from llsrbm.files.loading import Trajectory
-from llsrbm.files.writing import staged
+from llsrbm.files.atomic import staged
 from llsrbm.formats.base import Options
 from llsrbm.formats.datasets.base import DatasetFormat, Episode
+from llsrbm.motion.trajectory import Trajectory
 from llsrbm.motion.whole_body import WholeBodyMotion, whole_body_motion
 
 if TYPE_CHECKING:

@@ -6,12 +6,12 @@ from dataclasses import asdict
 from pathlib import Path
 
 from llsrbm.errors import InputError
-from llsrbm.files.loading import Trajectory
 from llsrbm.formats.base import Format, Options
 from llsrbm.formats.datasets.base import DatasetFormat
 from llsrbm.formats.datasets.lerobot import LEROBOT
 from llsrbm.formats.exporting import export
 from llsrbm.formats.registry import FORMATS
+from llsrbm.motion.trajectory import Trajectory
 from llsrbm.request.messages import look_up
 
 OWN: dict[str, DatasetFormat] = {format_.name: format_ for format_ in (LEROBOT,)}

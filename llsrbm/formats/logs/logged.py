@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from llsrbm.files.loading import Trajectory
 from llsrbm.look.visuals import LinkVisual, forward_kinematics
 from llsrbm.motion.plan import Plan
-from llsrbm.motion.resample import resample
 from llsrbm.motion.rollout import Rollout
+from llsrbm.motion.sampling import resample
+from llsrbm.motion.trajectory import Trajectory
 from llsrbm.motion.whole_body import WholeBodyMotion, whole_body_motion
 from llsrbm.request.scenario import Scenario
 from llsrbm.robots import Robot
@@ -119,11 +119,9 @@ def reference_series(rollout: Rollout, motion: Logged) -> tuple[Series, ...]:
 
 
 def standing_around(trajectory: Trajectory, robot: Robot) -> Surroundings:
-    """What stands around the robot; of a rollout that does not say what it followed, the ground."""
+    """The surroundings of the robot."""
     if isinstance(trajectory, Plan):
         return surroundings(robot, trajectory, Scenario())
-    if trajectory.plan is None:
-        return Surroundings(ground=min(trajectory.jump.height, 0.0), blocks=())
     return surroundings(robot, trajectory.plan, trajectory.scenario)
 
 

@@ -32,7 +32,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from llsrbm.analysis.inertia_ellipsoid import ellipsoid
-from llsrbm.files.loading import Trajectory
 from llsrbm.formats.base import Extra, Format, Options
 from llsrbm.formats.logs.foxglove_messages import (
     colour,
@@ -61,6 +60,7 @@ from llsrbm.look.palette import BLOCK, COM, FORCE, GROUND, PLANNED, Rgb
 from llsrbm.look.visuals import link_visuals
 from llsrbm.motion.link_paths import link_paths
 from llsrbm.motion.rollout import Rollout
+from llsrbm.motion.trajectory import Trajectory
 from llsrbm.simulation.surroundings import Surroundings
 
 if TYPE_CHECKING:

@@ -33,7 +33,6 @@ from numpy.typing import NDArray
 
 from llsrbm.analysis.inertia_ellipsoid import ellipsoid
 from llsrbm.errors import InputError
-from llsrbm.files.loading import Trajectory
 from llsrbm.formats.base import Extra, Format, Options
 from llsrbm.formats.logs.logged import (
     GHOST,
@@ -50,6 +49,7 @@ from llsrbm.formats.sidecar import described
 from llsrbm.look.palette import BLOCK, COM, FOOT, FORCE, GROUND, PLANNED, Rgb
 from llsrbm.look.visuals import link_visuals
 from llsrbm.motion.rollout import Rollout
+from llsrbm.motion.trajectory import Trajectory
 from llsrbm.simulation.surroundings import Surroundings
 
 if TYPE_CHECKING:

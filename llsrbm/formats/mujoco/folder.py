@@ -40,17 +40,17 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from llsrbm.errors import InputError
-from llsrbm.files.archive import write_archive
-from llsrbm.files.loading import Trajectory
-from llsrbm.files.writing import MARK
+from llsrbm.files.atomic import MARK
+from llsrbm.files.npz import write_archive
 from llsrbm.formats.base import Format, Options
 from llsrbm.formats.mujoco.motion import read_motion, recognises
 from llsrbm.formats.sidecar import described
 from llsrbm.motion.flights import flights
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Disturbance, Rollout
-from llsrbm.motion.whole_body import WholeBodyMotion, motion_of_states, whole_body_motion
+from llsrbm.motion.states import motion_of_states
+from llsrbm.motion.trajectory import Trajectory
+from llsrbm.motion.whole_body import WholeBodyMotion, whole_body_motion
 from llsrbm.request.scenario import Scenario
 from llsrbm.robots import Robot
 
@@ -102,8 +102,7 @@ def write_mujoco(trajectory: Trajectory, path: Path, options: Options) -> None:
     """Write the folder.
 
     Raises:
-        InputError: a rate or a pad that makes no sense; a rollout whose file does not hold the plan
-            that it followed, if that put boxes in its way.
+        InputError: a rate or a pad that makes no sense.
         RobotFileError: the robot cannot be simulated.
     """
     # MuJoCo takes its time to import.
@@ -190,14 +189,7 @@ def _surroundings(trajectory: Trajectory, motion: WholeBodyMotion) -> Surroundin
         room = _below_feet(motion)
         lower = [replace(b, centre=b.centre - [0.0, 0.0, room]) for b in around.blocks]
         return Surroundings(around.ground - room, tuple(lower))
-    if trajectory.plan is not None:
-        return surroundings(robot, trajectory.plan, trajectory.scenario)
-    if trajectory.jump.height == 0 and trajectory.scenario.board == 0:
-        return Surroundings(ground=0.0, blocks=())
-    raise InputError(
-        f'format "{MUJOCO.name}": the rollout does not hold its plan, so it is not known where its '
-        "box or board stood; expected one that was simulated by this version"
-    )
+    return surroundings(robot, trajectory.plan, trajectory.scenario)
 
 
 def _below_feet(motion: WholeBodyMotion) -> float:

@@ -5,56 +5,48 @@ See `llsrbm.formats.mujoco.folder` for what is read.
 
 from __future__ import annotations
 
-import io
-import zipfile
-from collections.abc import Sequence
+from collections.abc import Mapping
 from pathlib import Path, PurePosixPath
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from llsrbm.errors import FileFormatError
-from llsrbm.files.archive import (
-    LARGEST,
-    Arrays,
-    read_archive,
-    read_open_archive,
-    refusing_damage,
-)
-from llsrbm.motion.derivatives import velocities
-from llsrbm.motion.whole_body import WholeBodyMotion, motion_of_states
+from llsrbm.files.npz import Arrays, checked, open_archive, read_archive
+from llsrbm.files.quantity import POSITION, TIME, VELOCITY, Quantity
+from llsrbm.formats.foreign import checked_motion, checked_rate, joint_columns
+from llsrbm.motion.whole_body import WholeBodyMotion
 from llsrbm.robots import Robot
 
 Array = NDArray[np.float64]
 
 _MOTION = "motion.npz"  # in a folder, or in its zip
+_SCENE = "scene.xml"  # beside it
 _KEYS = ("qpos", "qvel", "time", "fps", "frequency", "joint_names", "jnt_type", "split_points")
+_STATES = {
+    "qpos": Quantity((TIME, POSITION), "m, rad", "position, w x y z, joints"),
+    "qvel": Quantity((TIME, VELOCITY), "m/s, rad/s", "linear in the world, angular in the base"),
+    "time": Quantity((TIME,), "s", "increasing"),
+}
 _EXPECTED = 'expected an npz file with "qpos", or the folder or zip of an export for MuJoCo'
 _RATE = 'a rate as "time", "fps" or "frequency" in the file, or given with it (--fps 500, say)'
 _FREE = 0  # MuJoCo's number of a free joint's type
 _ROOT = 7  # numbers of the root in qpos
-_UNIT = 1e-2  # by which a quaternion's norm may miss 1: single precision, and rounding in files
 _EVEN = 1e-3  # of a step: frames that are that even have a rate
 _SAME_RATE = 2e-3  # share by which rates may differ: 60 frames/s, and 59.94
-_FASTEST = 1e6  # frames/s
 
 
 def recognises(path: Path) -> bool:
     """Whether it looks like something that `read_motion` reads; opens it, and never raises."""
     try:
         if path.is_dir():
-            return (path / _MOTION).is_file() and (path / "scene.xml").is_file()
-        with (
-            path.open("rb") as file,
-            refusing_damage(path, _EXPECTED),
-            zipfile.ZipFile(file) as archive,
-        ):
-            names = archive.namelist()
+            return (path / _MOTION).is_file() and (path / _SCENE).is_file()
+        with open_archive(path, _EXPECTED) as archive:
+            # Ours has the same key among others, under a schema.
+            alone = "qpos" in archive.keys and "schema" not in archive.keys
+            return alone or bool(_motions(archive.names))
     except (OSError, FileFormatError):
         return False
-    # Ours has the same key among others, under a schema.
-    return ("qpos.npy" in names and "schema.npy" not in names) or bool(_members(names))
 
 
 def read_motion(path: Path, robot: Robot, fps: float | None) -> WholeBodyMotion:
@@ -72,24 +64,25 @@ def read_motion(path: Path, robot: Robot, fps: float | None) -> WholeBodyMotion:
     arrays, where = _arrays(path)
     if "qpos" not in arrays:
         raise FileFormatError(f'{where}: key "qpos" is missing; {_EXPECTED}')
-    joints = len(robot.joint_names)
-    order = _joint_order(arrays, robot, where)
-    qpos = _numbers(arrays, "qpos", (None, _ROOT + joints), where)
-    if len(qpos) < 2:
-        raise FileFormatError(f"{where}: {len(qpos)} frames; expected 2 or more")
     splits = np.ravel(arrays.get("split_points", np.zeros(0)))
     if len(splits) > 2:
         raise FileFormatError(
             f"{where}: {len(splits) - 1} motions one after the other; expected one"
         )
-    qpos = np.hstack([_unit_quaternions(qpos[:, :_ROOT], where), qpos[:, _ROOT:][:, order]])
-    time, rate = _times(arrays, len(qpos), fps, where)
-    if "qvel" in arrays:
-        qvel = _numbers(arrays, "qvel", (len(qpos), _ROOT - 1 + joints), where)
-        qvel = np.hstack([qvel[:, : _ROOT - 1], qvel[:, _ROOT - 1 :][:, order]])
-    else:
-        qvel = velocities(time, qpos)
-    return motion_of_states(robot, "mujoco", time, qpos, qvel, rate)
+    values = checked(arrays, {key: _STATES[key] for key in _STATES if key in arrays}, where)
+    order = _joint_order(arrays, robot, where)
+    states = {}
+    for key, root in (("qpos", _ROOT), ("qvel", _ROOT - 1)):
+        if key in values:
+            if values[key].shape[1] != root + len(order):
+                raise FileFormatError(
+                    f'{where}: key "{key}": expected {root + len(order)} columns, got '
+                    f"{values[key].shape[1]}"
+                )
+            columns = [*range(root), *(root + column for column in order)]
+            states[key] = values[key][:, columns]
+    time = _times(arrays, values.get("time"), fps, where)
+    return checked_motion(robot, "mujoco", where, time, states["qpos"], states.get("qvel"))
 
 
 def _arrays(path: Path) -> tuple[Arrays, str]:
@@ -97,38 +90,21 @@ def _arrays(path: Path) -> tuple[Arrays, str]:
     if path.is_dir():
         inner = path / _MOTION
         return read_archive(inner, only=_KEYS, expected=_EXPECTED), str(inner)
-    try:
-        with path.open("rb") as file, refusing_damage(path, _EXPECTED):
-            if zipfile.is_zipfile(file):
-                with zipfile.ZipFile(file) as archive:
-                    members = _members(archive.namelist())
-                    if len(members) == 1:
-                        return _member(archive, members[0], path)
-    except OSError as error:
-        raise FileFormatError(
-            f"{path}: cannot be read: {error.strerror or error}; {_EXPECTED}"
-        ) from error
-    return read_archive(path, only=_KEYS, expected=_EXPECTED), str(path)
+    with open_archive(path, _EXPECTED) as archive:
+        motions = _motions(archive.names)
+        if len(motions) == 1:
+            return archive.inner(motions[0]).arrays(_KEYS), f"{path}: {motions[0]}"
+        return archive.arrays(_KEYS), str(path)
 
 
-def _members(names: Sequence[str]) -> list[str]:
+def _motions(names: Mapping[str, object]) -> list[str]:
     """Motions in the folders that a zip has."""
     return [
         name
         for name in names
         if PurePosixPath(name).name == _MOTION
-        and str(PurePosixPath(name).with_name("scene.xml")) in names
+        and str(PurePosixPath(name).with_name(_SCENE)) in names
     ]
-
-
-def _member(archive: zipfile.ZipFile, name: str, path: Path) -> tuple[Arrays, str]:
-    where = f"{path}: {name}"
-    size = archive.getinfo(name).file_size
-    if size > LARGEST:
-        raise FileFormatError(f"{where}: {size} bytes; at most {LARGEST} are read")
-    return read_open_archive(
-        io.BytesIO(archive.read(name)), where, only=_KEYS, expected=_EXPECTED
-    ), where
 
 
 def _joint_order(arrays: Arrays, robot: Robot, where: str) -> list[int]:
@@ -140,12 +116,7 @@ def _joint_order(arrays: Arrays, robot: Robot, where: str) -> list[int]:
         from llsrbm.simulation.scene import joints_in_model_order
 
         names = list(joints_in_model_order(robot))
-    if sorted(names) != sorted(robot.joint_names):
-        raise FileFormatError(
-            f"{where}: the joints are {', '.join(names) or 'none'}; expected those of "
-            f"{robot.name}: {', '.join(robot.joint_names)}"
-        )
-    return [names.index(name) for name in robot.joint_names]
+    return joint_columns(names, robot, where)
 
 
 def _names(arrays: Arrays, robot: Robot, where: str) -> list[str]:
@@ -164,15 +135,17 @@ def _names(arrays: Arrays, robot: Robot, where: str) -> list[str]:
     return names[len(free) :]
 
 
-def _times(
-    arrays: Arrays, count: int, given: float | None, where: str
-) -> tuple[Array, float | None]:
-    """(K,) s from 0 on, and frames/s, None if they are not even."""
-    rates = [rate for rate in (_rate(arrays, where), given) if rate is not None]
-    if "time" in arrays:
-        time = _numbers(arrays, "time", (count,), where)
+def _times(arrays: Arrays, time: Array | None, given: float | None, where: str) -> float | Array:
+    """Frames/s, or (K,) s from 0 on if they are not even."""
+    rates = [
+        checked_rate(arrays[key], f'{where}: key "{key}"')
+        for key in ("fps", "frequency")
+        if key in arrays
+    ]
+    rates += [] if given is None else [checked_rate(given, f"{where}: fps")]
+    if time is not None and len(time) > 1:
         steps = np.diff(time)
-        mean = float(time[-1] - time[0]) / (count - 1)
+        mean = float(time[-1] - time[0]) / len(steps)
         if not (steps > 0).all():
             raise FileFormatError(f'{where}: key "time": expected seconds that increase')
         if np.abs(steps - mean).max() > _EVEN * mean:
@@ -180,58 +153,13 @@ def _times(
                 raise FileFormatError(
                     f"{where}: its frames are not even, by its own times; expected no rate for them"
                 )
-            return time - time[0], None
-        rates.append(1 / mean)
+            return time - time[0]
+        rates.append(checked_rate(1 / mean, f'{where}: key "time"'))
     if not rates:
         raise FileFormatError(f"{where}: it does not say its rate; expected {_RATE}")
-    rate = rates[0]
     for other in rates:
-        if not (np.isfinite(other) and 0 < other <= _FASTEST):
-            raise FileFormatError(f"{where}: {other:g} frames/s; expected {_RATE}")
-        if abs(other - rate) > _SAME_RATE * rate:
+        if abs(other - rates[0]) > _SAME_RATE * rates[0]:
             raise FileFormatError(
-                f"{where}: {rate:g} frames/s by one account, {other:g} by another; expected one"
+                f"{where}: {rates[0]:g} frames/s by one account, {other:g} by another; expected one"
             )
-    return np.arange(count) / rate, rate
-
-
-def _rate(arrays: Arrays, where: str) -> float | None:
-    for key in ("fps", "frequency"):
-        if key in arrays:
-            value: NDArray[Any] = np.ravel(arrays[key])
-            if len(value) != 1 or value.dtype.kind not in "fiu" or not value[0] > 0:
-                raise FileFormatError(f'{where}: key "{key}": expected frames/s, a number above 0')
-            return float(value[0])
-    return None
-
-
-def _numbers(arrays: Arrays, key: str, shape: tuple[int | None, ...], where: str) -> Array:
-    """The array at `key`, checked; None in its shape is any length."""
-    value = arrays[key]
-    wanted = ", ".join("frames" if size is None else str(size) for size in shape)
-    if value.ndim != len(shape) or any(
-        size is not None and size != got for size, got in zip(shape, value.shape, strict=True)
-    ):
-        got = ", ".join(map(str, value.shape))
-        raise FileFormatError(f'{where}: key "{key}": expected shape ({wanted}), got ({got})')
-    if value.dtype.kind not in "fiu":
-        raise FileFormatError(f'{where}: key "{key}": expected real numbers, got {value.dtype}')
-    numbers = value.astype(np.float64)
-    if not np.isfinite(numbers).all():
-        raise FileFormatError(f'{where}: key "{key}": expected finite numbers')
-    if numbers.size and np.abs(numbers).max() > 1e6:
-        raise FileFormatError(f'{where}: key "{key}": {np.abs(numbers).max():g}; expected SI units')
-    return numbers
-
-
-def _unit_quaternions(root: Array, where: str) -> Array:
-    """The root's (K, 7) with quaternions of norm 1."""
-    norm = np.linalg.norm(root[:, 3:], axis=1)
-    off = np.abs(norm - 1) > _UNIT
-    if off.any():
-        frame = int(off.argmax())
-        raise FileFormatError(
-            f'{where}: key "qpos": frame {frame}: expected a unit quaternion w, x, y, z in columns '
-            f"4 to 7, got one of norm {norm[frame]:.3g}"
-        )
-    return np.hstack([root[:, :3], root[:, 3:] / norm[:, None]])
+    return rates[0]

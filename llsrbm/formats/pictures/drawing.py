@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from llsrbm.analysis.inertia_ellipsoid import ellipsoid
 from llsrbm.errors import InputError
-from llsrbm.files.loading import Trajectory
 from llsrbm.formats.pictures.wording import title, told
 from llsrbm.look import palette
 from llsrbm.look.palette import Rgb
@@ -19,10 +18,10 @@ from llsrbm.look.timeline import Timeline, timeline
 from llsrbm.look.viewpoint import viewpoint
 from llsrbm.look.visuals import LinkVisual, forward_kinematics, link_visuals
 from llsrbm.mechanics import rotation_matrices
-from llsrbm.motion.instants import evenly, with_events
 from llsrbm.motion.plan import Plan
-from llsrbm.motion.resample import resample
 from llsrbm.motion.rollout import Rollout
+from llsrbm.motion.sampling import evenly, resample, with_events
+from llsrbm.motion.trajectory import Trajectory
 from llsrbm.motion.whole_body import whole_body_motion
 from llsrbm.request.scenario import Scenario
 from llsrbm.robots import Robot
@@ -180,14 +179,14 @@ def draw(
         told=told(trajectory),
         time=time,
         solid=Bodies(position, quat, motion.com),
-        ghost=None if rollout is None or plan is None else _ghost(plan, robot, time),
+        ghost=None if rollout is None else _ghost(plan, robot, time),
         axes=axes,
         axes_quat=axes_quat,
         foot=motion.foot_position,
         flight=np.asarray(~motion.contact.any(axis=1)),
         force=force,
         pressed_at=motion.pressed_at,
-        surroundings=_surroundings(trajectory, plan, robot),
+        surroundings=surroundings(robot, plan, Scenario() if rollout is None else rollout.scenario),
         timeline=timeline(plan, rollout),
         colour=palette.PLANNED if rollout is None else palette.SIMULATED,
     )
@@ -241,13 +240,6 @@ def _ghost(plan: Plan, robot: Robot, time: Array) -> Bodies:
         robot, sampled.base_position, sampled.base_quat, sampled.joint_position[:, order]
     )
     return Bodies(position, quat, sampled.com)
-
-
-def _surroundings(trajectory: Trajectory, plan: Plan | None, robot: Robot) -> Surroundings:
-    if plan is None:
-        return Surroundings(ground=min(trajectory.jump.height, 0.0), blocks=())
-    scenario = Scenario() if isinstance(trajectory, Plan) else trajectory.scenario
-    return surroundings(robot, plan, scenario)
 
 
 def _means(ticks: Array, values: Array, time: Array, sampled: Array) -> Array:

@@ -16,7 +16,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from llsrbm.errors import Error, InputError
-from llsrbm.files.loading import Trajectory
 from llsrbm.formats.base import Options
 from llsrbm.formats.pictures.drawing import (
     FIELD_OF_VIEW,
@@ -31,6 +30,7 @@ from llsrbm.look import palette
 from llsrbm.look.palette import Rgb
 from llsrbm.look.timeline import phase_at
 from llsrbm.look.visuals import LinkVisual
+from llsrbm.motion.trajectory import Trajectory
 
 if TYPE_CHECKING:
     from PIL import Image

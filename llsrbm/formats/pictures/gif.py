@@ -14,11 +14,11 @@ from pathlib import Path
 import numpy as np
 
 from llsrbm.errors import InputError
-from llsrbm.files.loading import Trajectory
 from llsrbm.formats.base import Format, Options
 from llsrbm.formats.pictures.film import Picture, pictures
 from llsrbm.formats.sidecar import described
 from llsrbm.look import palette
+from llsrbm.motion.trajectory import Trajectory
 
 FASTEST = 50.0  # pictures/s; browsers slow down what is faster
 _COLOURS = 255

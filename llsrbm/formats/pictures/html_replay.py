@@ -27,7 +27,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from llsrbm.files.loading import Trajectory
 from llsrbm.formats.base import Format, Options
 from llsrbm.formats.pictures.drawing import (
     FIELD_OF_VIEW,
@@ -43,8 +42,8 @@ from llsrbm.look.palette import Rgb, css
 from llsrbm.look.timeline import Timeline
 from llsrbm.look.visuals import LinkVisual
 from llsrbm.mechanics import sign_continuous
-from llsrbm.motion.description import description
 from llsrbm.motion.plan import Plan
+from llsrbm.motion.trajectory import Trajectory, description
 
 _ASPECT = 16 / 9  # of the window that the camera is placed for
 _BARS = 1.2  # of the distance: title and timeline cover a part of the picture

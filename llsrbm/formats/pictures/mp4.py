@@ -21,11 +21,11 @@ from pathlib import Path
 import numpy as np
 
 from llsrbm.errors import InputError
-from llsrbm.files.loading import Trajectory
 from llsrbm.formats.base import Extra, Format, Options
 from llsrbm.formats.pictures.film import pictures
 from llsrbm.formats.pictures.wording import title
 from llsrbm.formats.sidecar import described
+from llsrbm.motion.trajectory import Trajectory
 
 FASTEST = 240.0  # pictures/s; players refuse more
 _QUALITY = "18"  # x264's constant rate factor: hardly to be told from what was drawn

@@ -7,9 +7,9 @@ from dataclasses import replace
 from pathlib import Path
 
 from llsrbm.analysis.diagnosis import fall_in_words
-from llsrbm.files.loading import Trajectory
 from llsrbm.look.titles import title_of
 from llsrbm.motion.plan import Plan
+from llsrbm.motion.trajectory import Trajectory
 from llsrbm.request.jump import Jump
 
 
@@ -19,7 +19,7 @@ def title(trajectory: Trajectory) -> str:
     plan = trajectory if isinstance(trajectory, Plan) else trajectory.plan
     task = title_of(
         replace(jump, robot=Jump().robot),
-        None if plan is None else plan.tuning,
+        plan.tuning,
         None if isinstance(trajectory, Plan) else trajectory.scenario,
     )
     return f"{Path(jump.robot).stem}: {task}"

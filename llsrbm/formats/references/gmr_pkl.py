@@ -17,12 +17,12 @@ from pathlib import Path
 
 import numpy as np
 
-from llsrbm.files.loading import Trajectory
 from llsrbm.formats.base import ORDERS, Format, Options
 from llsrbm.formats.references.plain_pickle import write_pickle
 from llsrbm.formats.sidecar import write_sidecar
 from llsrbm.mechanics import rotation_matrices
 from llsrbm.motion.bodies import body_motion
+from llsrbm.motion.trajectory import Trajectory
 from llsrbm.motion.whole_body import whole_body_motion
 
 

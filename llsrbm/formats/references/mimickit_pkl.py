@@ -20,11 +20,11 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from llsrbm.files.loading import Trajectory
 from llsrbm.formats.base import ORDERS, Format, Options
 from llsrbm.formats.references.plain_pickle import write_pickle
 from llsrbm.formats.sidecar import write_sidecar
 from llsrbm.motion.bodies import body_order
+from llsrbm.motion.trajectory import Trajectory
 from llsrbm.motion.whole_body import whole_body_motion
 
 Array = NDArray[np.float64]

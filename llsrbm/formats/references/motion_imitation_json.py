@@ -18,10 +18,10 @@ from pathlib import Path
 
 import numpy as np
 
-from llsrbm.files.loading import Trajectory
 from llsrbm.formats.base import ORDERS, Format, Options
 from llsrbm.formats.sidecar import described
 from llsrbm.motion.bodies import body_order
+from llsrbm.motion.trajectory import Trajectory
 from llsrbm.motion.whole_body import whole_body_motion
 
 

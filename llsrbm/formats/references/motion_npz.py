@@ -33,14 +33,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from llsrbm.errors import FileFormatError
-from llsrbm.files.archive import Arrays, checked, keys, read_archive, text, write_archive
-from llsrbm.files.loading import Trajectory
+from llsrbm.files.npz import Arrays, checked, keys, read_archive, text, write_archive
+from llsrbm.files.quantity import BODY, JOINT, TIME, WXYZ, XYZ, Kind, Quantity
 from llsrbm.formats.base import ORDERS, Format, Options
-from llsrbm.formats.references.states import checked_motion, checked_rate, joint_columns
+from llsrbm.formats.foreign import checked_motion, checked_rate, joint_columns
 from llsrbm.formats.sidecar import described
 from llsrbm.mechanics import rotation_matrices
 from llsrbm.motion.bodies import body_motion, body_order, root_com
-from llsrbm.motion.quantity import BODY, JOINT, TIME, WXYZ, XYZ, Kind, Quantity
+from llsrbm.motion.trajectory import Trajectory
 from llsrbm.motion.whole_body import WholeBodyMotion, whole_body_motion
 from llsrbm.robots import Robot
 
@@ -112,21 +112,17 @@ def read_motion_npz(path: Path, robot: Robot, fps: float | None) -> WholeBodyMot
     values = checked(arrays, _LAYOUT, path)
     names = [str(name) for name in values["joint_names"]]
     columns = joint_columns(names, robot, f'{path}: key "joint_names"')
-    quat, angular_velocity = values["body_quat_w"][:, 0], values["body_ang_vel_w"][:, 0]
+    quat = values["body_quat_w"][:, 0]
+    R_world_base = rotation_matrices(quat / np.linalg.norm(quat, axis=1, keepdims=True))
+    angular_velocity = np.einsum("kji,kj->ki", R_world_base, values["body_ang_vel_w"][:, 0])
     velocity = values["body_lin_vel_w"][:, 0]
     if _order(arrays, names, robot, path) == BREADTH_FIRST:
-        arm = np.einsum("kij,j->ki", rotation_matrices(quat), root_com(robot))
-        velocity = velocity - np.cross(angular_velocity, arm)
-    return checked_motion(
-        robot,
-        MOTION_NPZ.name,
-        str(path),
-        _rate(arrays, fps, path),
-        base_position=values["body_pos_w"][:, 0],
-        base_quat=quat,
-        joint_position=values["joint_pos"][:, columns],
-        velocities=(velocity, angular_velocity, values["joint_vel"][:, columns]),
-    )
+        arm = np.cross(angular_velocity, root_com(robot))
+        velocity = velocity - np.einsum("kij,kj->ki", R_world_base, arm)
+    qpos = np.hstack([values["body_pos_w"][:, 0], quat, values["joint_pos"][:, columns]])
+    qvel = np.hstack([velocity, angular_velocity, values["joint_vel"][:, columns]])
+    rate = _rate(arrays, fps, path)
+    return checked_motion(robot, MOTION_NPZ.name, str(path), rate, qpos, qvel)
 
 
 def _order(arrays: Arrays, names: list[str], robot: Robot, path: Path) -> str:
@@ -150,14 +146,11 @@ def _order(arrays: Arrays, names: list[str], robot: Robot, path: Path) -> str:
 
 def _rate(arrays: Arrays, fps: float | None, path: Path) -> float:
     where = f'{path}: key "fps"'
-    if "fps" not in arrays:
-        if fps is None:
-            raise FileFormatError(f"{where} is missing; expected frames per second")
-        return checked_rate(fps, f"{path}: fps")
-    value = arrays["fps"]
-    if value.size != 1 or value.dtype.kind not in "fiu":
-        raise FileFormatError(f"{where}: expected one number, frames per second")
-    return checked_rate(value.reshape(-1)[0], where)
+    if "fps" in arrays:
+        return checked_rate(arrays["fps"], where)
+    if fps is None:
+        raise FileFormatError(f"{where} is missing; expected frames per second")
+    return checked_rate(fps, f"{path}: fps")
 
 
 def _looks_so(path: Path) -> bool:

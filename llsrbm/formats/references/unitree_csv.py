@@ -25,15 +25,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from llsrbm.errors import FileFormatError
-from llsrbm.files.loading import Trajectory
 from llsrbm.formats.base import Format, Options
-from llsrbm.formats.references.states import (
+from llsrbm.formats.foreign import (
     MOST_FRAMES,
     checked_motion,
     checked_rate,
     joint_columns,
 )
 from llsrbm.formats.sidecar import read_sidecar, write_sidecar
+from llsrbm.motion.trajectory import Trajectory
 from llsrbm.motion.whole_body import WholeBodyMotion, whole_body_motion
 from llsrbm.robots import Robot
 
@@ -84,32 +84,27 @@ def read_unitree_csv(path: Path, robot: Robot, fps: float | None) -> WholeBodyMo
     Raises:
         FileFormatError: it is no such table, or nothing says its rate.
     """
-    told = read_sidecar(path)
+    beside = read_sidecar(path)
     rows = _rows(path, 7 + len(robot.joint_names), robot)
-    rate = told.get("fps", fps)
+    rate = beside.get("fps", fps)
     if rate is None:
         raise FileFormatError(
             f"{path}: the file does not say its rate; expected frames per second with it, or "
             f"{path.name}.meta.json beside it"
         )
-    order = told.get("quaternion_order", "xyzw")
+    order = beside.get("quaternion_order", "xyzw")
     if order != "xyzw":
         raise FileFormatError(
             f'{path}.meta.json: quaternion_order: expected "xyzw", got {json.dumps(order):.40}'
         )
-    return checked_motion(
-        robot,
-        UNITREE_CSV.name,
-        str(path),
-        checked_rate(rate, f"{path}: fps"),
-        base_position=rows[:, :3],
-        base_quat=rows[:, 3:7][:, _WXYZ],
-        joint_position=rows[:, 7:][:, _joints(told, robot, path)],
-    )
+    joints = rows[:, 7:][:, _joints(beside, robot, path)]
+    qpos = np.hstack([rows[:, :3], rows[:, 3:7][:, _WXYZ], joints])
+    fps = checked_rate(rate, f"{path}: fps")
+    return checked_motion(robot, UNITREE_CSV.name, str(path), fps, qpos)
 
 
-def _joints(told: dict[str, Any], robot: Robot, path: Path) -> list[int]:
-    names = told.get("joint_order", list(robot.joint_names))
+def _joints(beside: dict[str, Any], robot: Robot, path: Path) -> list[int]:
+    names = beside.get("joint_order", list(robot.joint_names))
     where = f"{path}.meta.json: joint_order"
     if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
         raise FileFormatError(f"{where}: expected a list of names")

@@ -11,9 +11,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from llsrbm.motion.instants import with_events
-from llsrbm.motion.plan import Plan
-from llsrbm.motion.quantity import (
+from llsrbm.files.quantity import (
     CONTACT,
     JOINT,
     LEG,
@@ -25,8 +23,9 @@ from llsrbm.motion.quantity import (
     derived,
     quantities,
 )
-from llsrbm.motion.resample import resample
+from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
+from llsrbm.motion.sampling import resample, with_events
 
 Array = NDArray[np.float64]
 Column = tuple[str, Array]
@@ -37,7 +36,7 @@ _TENSOR = {"xx": (0, 0), "yy": (1, 1), "zz": (2, 2), "xy": (0, 1), "xz": (0, 2),
 
 
 def columns(trajectory: Plan | Rollout, fps: float) -> Iterator[Column]:
-    """Rows 1/fps apart, and one exactly at each event (`llsrbm.motion.instants.events`).
+    """Rows 1/fps apart, and one exactly at each event (`llsrbm.motion.sampling.events`).
 
     Forces and torques are those of the interval or control tick that a row falls into, not means
     over a row.

@@ -13,10 +13,10 @@ from pathlib import Path
 
 import numpy as np
 
-from llsrbm.files.loading import Trajectory
 from llsrbm.formats.base import Format, Options
 from llsrbm.formats.sidecar import write_sidecar
 from llsrbm.formats.tables.csv_columns import columns
+from llsrbm.motion.trajectory import Trajectory
 
 
 def write_csv(trajectory: Trajectory, path: Path, options: Options) -> None:

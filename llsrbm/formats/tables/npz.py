@@ -11,9 +11,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from llsrbm.files.archive import keys
-from llsrbm.files.loading import Trajectory, load
+from llsrbm.files.npz import keys
 from llsrbm.formats.base import Format, Options
+from llsrbm.motion.trajectory import Trajectory, load
 from llsrbm.motion.whole_body import WholeBodyMotion, whole_body_motion
 from llsrbm.robots import Robot
 

@@ -177,7 +177,7 @@ def write_table(path: Path, table: GuessTable, formulation: Formulation) -> None
     Raises:
         InputError: it cannot be written.
     """
-    from llsrbm.files.archive import write_archive
+    from llsrbm.files.npz import write_archive
 
     largest = np.abs(table.variables).max(axis=0)
     step = 2.0 ** np.ceil(np.log2(np.maximum(largest, np.finfo(np.float16).tiny))) * VARIABLE_STEP

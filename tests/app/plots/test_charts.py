@@ -21,8 +21,8 @@ from app.plots.choice import (
 from app.plots.figure import everything, figure
 from app.plots.signal import joint_kinds
 from app.plots.signals import SIGNALS
+from llsrbm.files.quantity import TIME, derived, quantities
 from llsrbm.motion.plan import Plan
-from llsrbm.motion.quantity import TIME, derived, quantities
 from llsrbm.motion.rollout import Disturbance, Rollout
 from llsrbm.request.jump import Jump
 from llsrbm.robots import load_robot

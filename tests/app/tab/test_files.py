@@ -169,11 +169,8 @@ def test_numbers_that_no_design_may_have_are_refused(tab):
     huge = plan_of(JUMP)
     far = replace(huge, jump=replace(JUMP, twist=1e6))
     before = tab.state.design, tab.state.plan
-    for holds in (far, rollout(), replace(rollout(), plan=None)):
-        odd = holds if holds is far else replace(holds, jump=far.jump)
-        if getattr(odd, "plan", None) is not None:
-            odd = replace(odd, plan=far)
-        opened(tab, odd, "far.npz")
+    for holds in (far, replace(rollout(), jump=far.jump, plan=far)):
+        opened(tab, holds, "far.npz")
         ((title, body),) = tab.notes()
         assert title == "Not opened"
         assert body.startswith("far.npz: ")
@@ -194,14 +191,6 @@ def test_a_motion_without_a_plan_is_pinned(tab, states):
     assert tab.state.note == "turn.csv is pinned for looking and comparing, at 50 frames/s."
     tab.take(TakeUpWanted())
     assert tab.notes()[0][0] == "Not taken up"
-
-
-def test_an_old_simulation_knows_its_request(tab):
-    opened(tab, rollout(plan=None), "old.npz")
-    (pin,) = tab.state.pins
-    assert pin.design == Design(JUMP, scenario=SCENARIO)
-    tab.take(TakeUpWanted())
-    assert tab.one.task.jump == JUMP
 
 
 def test_there_are_no_more_pins_than_colours(tab, states):

@@ -17,8 +17,8 @@ from app.tab.initial_plan import (
     shipped_plan,
 )
 from app.workers.worker import LibraryPlanner
-from llsrbm.files.plan_file import load_plan
 from llsrbm.models import make_model
+from llsrbm.motion.plan import load_plan
 from llsrbm.planning.problem.knots import rolled_out, unpack
 from llsrbm.planning.problem.layout import Layout
 from llsrbm.planning.problem.placement import make_task

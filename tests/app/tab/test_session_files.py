@@ -186,20 +186,6 @@ def test_what_was_saved_opens_as_it_was(tab, session):
 # ---- for looking
 
 
-def test_an_old_simulation_without_its_plan_becomes_a_pin(tab, session, tmp_path):
-    before = session.plan
-    old = replace(rollout_of(plan_of()), plan=None)
-    tab.upload("Open", "old.npz", content(old, tmp_path))
-    tab.wait(lambda: len(pinned(tab)) == 1, "a ghost")
-    tab.wait(lambda: "old.npz is pinned for looking" in tab.text(), "its fate")
-    assert session.plan is before
-    assert tab.status().startswith("Planned in")
-    assert tab.control("Pinned")["props"]["options"] == ["1. old.npz"]
-    assert "landed" in tab.text()
-    tab.press("Take up")  # its request is known
-    planned(tab, session, lambda jump: jump.model == "srbm", "what it was asked for")
-
-
 def test_another_tools_motion_becomes_a_pin_of_the_robot_that_is_shown(tab, session, script):
     choose(tab, session, "go2")
     tab.upload("Open", "foreign.csv", b"numbers")

@@ -123,7 +123,6 @@ FILES = st.sampled_from(
         plan_of(JUMPS[2]),
         plan_of(JUMPS[4], "not-converged"),
         rollout_of(plan_of(JUMPS[0])),
-        replace(rollout_of(plan_of(JUMPS[3])), plan=None),
         turning_states("go2"),
     ]
 ).map(lambda holds: OpenedFile("file", holds))

@@ -88,8 +88,7 @@ def test_a_path_in_place_of_a_robot_is_never_looked_for(tmp_path, monkeypatch):
     def ask(meta):
         meta["request"]["robot"] = "/dev/zero"
 
-    first = {"schema": np.array("llsrbm.plan/1")}  # whose reader looks for the robot
-    line = refusal("a.npz", changed(tmp_path, meta=ask, **first))
+    line = refusal("a.npz", changed(tmp_path, meta=ask))
     assert line.startswith(f"a.npz: request.robot: expected one of {ROBOTS}, got '/dev/z")
 
     def name_it(meta):

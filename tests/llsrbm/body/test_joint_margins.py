@@ -8,8 +8,7 @@ import pytest
 import llsrbm
 from llsrbm.body.joint_margins import joint_margins
 from llsrbm.body.postures import solve_postures
-from llsrbm.motion.instants import with_events
-from llsrbm.motion.resample import resample
+from llsrbm.motion.sampling import resample, with_events
 from llsrbm.robots import load_robot
 from tests.llsrbm.kinematics import foot_positions
 

@@ -13,7 +13,7 @@ import pytest
 import llsrbm
 from llsrbm import cli
 from llsrbm.errors import InputError, NotConverged
-from llsrbm.files.loading import load
+from llsrbm.motion.trajectory import load
 from tests.llsrbm.commands.process import run
 from tests.llsrbm.synthetic import TWO_HOPS, TWO_HOPS_DURATIONS, synthetic_plan
 

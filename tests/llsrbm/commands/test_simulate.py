@@ -14,8 +14,8 @@ from llsrbm import cli
 from llsrbm.analysis.diagnosis import diagnose
 from llsrbm.analysis.rollout_summary import rollout_summary
 from llsrbm.errors import NotConverged
-from llsrbm.files.loading import load
 from llsrbm.motion.replan import Replan
+from llsrbm.motion.trajectory import load
 from llsrbm.request.messages import field_specs
 from llsrbm.request.push import Push
 from llsrbm.request.scenario import Scenario

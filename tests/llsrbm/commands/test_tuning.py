@@ -44,7 +44,7 @@ def test_a_plan_under_another_limit(capfd, tmp_path):
     out = tmp_path / "plan.npz"
     arguments = ["plan", "--model", "srbm", "--limit", "flight_min=0.4", "--weight", "time=10"]
     assert main([*arguments, "--json", "--out", str(out)]) == 0
-    from llsrbm.files.loading import load
+    from llsrbm.motion.trajectory import load
 
     plan = load(out)
     assert plan.tuning == Tuning(weights={"time": 10.0}, limits={"flight_min": 0.4})

@@ -11,7 +11,7 @@ import pytest
 
 import llsrbm
 from llsrbm.formats import FORMATS
-from llsrbm.motion.description import description
+from llsrbm.motion.trajectory import description
 from llsrbm.motion.whole_body import whole_body_motion
 from tests.llsrbm.formats.jumps import planned, relabelled
 

@@ -6,7 +6,6 @@ from dataclasses import replace
 
 import pytest
 
-from llsrbm.errors import InputError
 from llsrbm.formats import export, file_name
 from llsrbm.request.design import Design, load_design
 from llsrbm.request.push import Push
@@ -39,9 +38,3 @@ def test_it_says_what_was_asked_for(trajectory, design, tmp_path):
     assert path.name.endswith(".jump.json")
     export(trajectory, path, format="design")
     assert load_design(path) == design
-
-
-def test_of_an_old_rollout_it_is_not_known(tmp_path):
-    with pytest.raises(InputError, match="the rollout's file has no plan"):
-        export(replace(ROLLOUT, plan=None), tmp_path / "x.jump.json", format="design")
-    assert not list(tmp_path.iterdir())

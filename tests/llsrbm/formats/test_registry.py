@@ -9,10 +9,10 @@ from dataclasses import replace
 import pytest
 
 from llsrbm.errors import InputError
-from llsrbm.files.loading import load
 from llsrbm.formats import FORMATS, Options, export, file_name, find
 from llsrbm.motion.plan import Plan
-from llsrbm.motion.resample import resample
+from llsrbm.motion.sampling import resample
+from llsrbm.motion.trajectory import load
 from llsrbm.robots import load_robot
 from tests.llsrbm.synthetic import synthetic_plan
 from tests.llsrbm.synthetic_rollout import synthetic_rollout

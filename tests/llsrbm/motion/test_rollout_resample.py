@@ -11,8 +11,7 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from llsrbm.errors import InputError
-from llsrbm.motion.instants import with_events
-from llsrbm.motion.resample import resample
+from llsrbm.motion.sampling import resample, with_events
 from tests.llsrbm.synthetic_rollout import RATE, synthetic_rollout
 
 TICK = 1 / RATE

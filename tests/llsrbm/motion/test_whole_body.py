@@ -11,10 +11,10 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from llsrbm.errors import InputError
-from llsrbm.motion.resample import resample
+from llsrbm.motion.sampling import resample
+from llsrbm.motion.states import motion_of_states
 from llsrbm.motion.whole_body import (
     motion_at_ticks,
-    motion_of_states,
     resultants,
     whole_body_motion,
 )

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from llsrbm.errors import InputError
-from llsrbm.files.rollout_file import load_rollout
+from llsrbm.motion.trajectory import load
 from llsrbm.request.push import DURATION, Push
 from llsrbm.request.scenario import Scenario
 from llsrbm.robots import load_robot
@@ -75,7 +75,7 @@ def test_a_robot_in_flight_gains_the_impulse(tmp_path):
     before = slice(0, np.searchsorted(pushed.time, start))
     np.testing.assert_array_equal(pushed.qpos[before], calm.qpos[before])
     pushed.save(tmp_path / "pushed.npz")
-    assert load_rollout(tmp_path / "pushed.npz").pushes == pushed.pushes == (push,)
+    assert load(tmp_path / "pushed.npz").pushes == pushed.pushes == (push,)
 
 
 def test_pushed_aside_it_recovers_though_its_feet_are_elsewhere():
@@ -111,7 +111,7 @@ def test_a_rollout_tells_what_was_drawn(monkeypatch, tmp_path):
     rollout = simulate(plan(), ROBOT, scenario)
     expected = (Push(0.1, (0, 0, 1)), drawn_push(plan(), scenario))
     rollout.save(tmp_path / "rollout.npz")
-    for one in (rollout, load_rollout(tmp_path / "rollout.npz")):
+    for one in (rollout, load(tmp_path / "rollout.npz")):
         assert one.pushes == expected
         assert one.disturbance.random_push == expected[1]
 

@@ -9,7 +9,7 @@ import pytest
 
 import llsrbm
 from llsrbm.control.controller import WholeBodyController
-from llsrbm.files.rollout_file import load_rollout
+from llsrbm.motion.trajectory import load
 from llsrbm.request.push import DURATION, Push
 from llsrbm.request.scenario import Scenario
 from llsrbm.robots import load_robot
@@ -126,7 +126,7 @@ def test_what_is_recorded_is_what_was_followed(takes, tmp_path):
     seen = after.com[np.argmin(np.abs(after.time - after.touchdown))]
     assert rollout.com[down] == pytest.approx(seen, abs=0.02)
     rollout.save(tmp_path / "replanned.npz")
-    read = load_rollout(tmp_path / "replanned.npz")
+    read = load(tmp_path / "replanned.npz")
     assert len(read.replans) == len(rollout.replans)
     np.testing.assert_array_equal(read.replans[-1].com, rollout.replans[-1].com)
 

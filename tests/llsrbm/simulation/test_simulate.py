@@ -14,8 +14,8 @@ from llsrbm.control import solvers
 from llsrbm.control.solvers import QpSolver
 from llsrbm.control.solvers.quadprog import Quadprog
 from llsrbm.errors import Cancelled, InputError
-from llsrbm.files.rollout_file import load_rollout
 from llsrbm.motion.rollout import Mode, Rollout
+from llsrbm.motion.trajectory import load
 from llsrbm.request.scenario import Scenario
 from llsrbm.robots import load_robot
 from llsrbm.simulation.recorder import Recorder
@@ -238,7 +238,7 @@ def test_a_simulation_that_diverges_early_is_a_fall_that_can_be_saved(at, monkey
     assert outcome.control_rate_hz == pytest.approx(400)
     assert "nonsense" in fall_in_words(rollout)
     rollout.save(tmp_path / "diverged.npz")
-    assert load_rollout(tmp_path / "diverged.npz").outcome == outcome
+    assert load(tmp_path / "diverged.npz").outcome == outcome
 
 
 class Failing(QpSolver):
@@ -284,7 +284,7 @@ def test_a_rollout_has_the_numbers_that_ran(tmp_path):
     plan = solved("llsrbm-plus", "twist").plan
     rollout = simulate(plan, replace(robot, file=file), Scenario())
     rollout.save(tmp_path / "rollout.npz")
-    for one in (rollout, load_rollout(tmp_path / "rollout.npz")):
+    for one in (rollout, load(tmp_path / "rollout.npz")):
         assert one.robot_parameters["limits"]["friction"] == 0.4
         assert one.control_parameters["control"]["gains"]["com"] == [70.0, 13.0]
         assert one.control_parameters["control"]["rate"] == 400.0

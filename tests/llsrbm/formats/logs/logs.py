@@ -9,7 +9,7 @@ import numpy as np
 import pinocchio as pin
 
 import llsrbm
-from llsrbm.motion.resample import resample
+from llsrbm.motion.sampling import resample
 from llsrbm.robots import load_robot
 
 ROBOTS = ("anymal", "slider", "go2")

@@ -16,7 +16,7 @@ from scipy.spatial.transform import Rotation
 from llsrbm.errors import InputError
 from llsrbm.formats import FORMATS, export
 from llsrbm.look.visuals import link_visuals
-from llsrbm.motion.instants import events
+from llsrbm.motion.sampling import events
 from llsrbm.robots import load_robot
 from tests.llsrbm.formats.logs.logs import (
     BOARD,
@@ -332,12 +332,6 @@ def test_the_board_comes_in_mid_flight(simulated):
     assert [entity.id for entity in after.entities] == ["ground", "board"]
     board = after.entities[1].cubes[0]
     assert board.pose.position.z + board.size.z / 2 == pytest.approx(BOARD)
-
-
-def test_a_rollout_that_does_not_say_what_it_followed(tmp_path):
-    log = written(replace(rollout(), plan=None), tmp_path)
-    assert not [topic for topic in log.times if topic.startswith("/plan")]
-    assert "/reference" in log.times
 
 
 def test_torques_that_are_not_known(tmp_path):

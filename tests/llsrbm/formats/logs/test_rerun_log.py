@@ -6,7 +6,6 @@ import gc
 import json
 import time
 from collections import defaultdict
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -17,7 +16,7 @@ from scipy.spatial.transform import Rotation
 from llsrbm.errors import InputError
 from llsrbm.formats import FORMATS, export
 from llsrbm.look.visuals import link_visuals
-from llsrbm.motion.instants import events
+from llsrbm.motion.sampling import events
 from llsrbm.robots import load_robot
 from tests.llsrbm.formats.logs.logs import BOARD, ROBOTS, link_poses, plan_of, rollout, sampled
 from tests.llsrbm.synthetic import FLIGHT
@@ -268,12 +267,6 @@ def test_what_is_drawn_away(tmp_path):
     assert times == [0, 500_000_000]
     assert len(sizes[0]) == 1
     assert sizes[1] == []
-
-
-def test_a_rollout_that_does_not_say_what_it_followed(tmp_path):
-    recording = written(replace(rollout(), plan=None), tmp_path)
-    assert not [path for path in recording.rows if path.startswith(("/world/plan", "/planned"))]
-    assert "/tracked/com" in recording.rows
 
 
 def test_rate(tmp_path):

@@ -195,7 +195,7 @@ def test_the_plan_is_seen_through(motion):
     with_ghost = replace(motion.rollout, plan=away)
     options = Options(fps=1.0, size=SIZE, camera=(-90.0, 60.0, 3.0))
     picture = next(iter(pictures(with_ghost, options))).astype(int)
-    alone = next(iter(pictures(replace(with_ghost, plan=None), options))).astype(int)
+    alone = next(iter(pictures(motion.rollout, options))).astype(int)  # the plan within the robot
     red, _, blue = np.moveaxis(picture, 2, 0)
     assert ((blue > red + 25).sum()) > ((alone[..., 2] > alone[..., 0] + 25).sum()) + 80
 

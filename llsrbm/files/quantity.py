@@ -1,8 +1,6 @@
-"""What a quantity over time is: the one table that files, tables, samples and plots are made from.
+"""Quantities over time, described where `Plan` and `Rollout` declare their arrays.
 
-`Plan` and `Rollout` say of each of their arrays what it is, where they declare it:
-
-    com: Annotated[Array, Quantity((TIME, XYZ), "m", "centre of mass", frame="world")]
+    com: Annotated[Array, vector("m", "centre of mass", Between.BALLISTIC)]
 
 `quantities(Plan)` collects these. Nothing else lists them: the native file writes what is declared,
 a table has a column for each component, sampling mixes as `between` says, and `llsrbm formats`
@@ -123,6 +121,40 @@ class Quantity:
     def unit_of(self, joint: str, sliding: frozenset[str]) -> str:
         """The unit of one joint's numbers: sliding joints have metres where others have radians."""
         return _SLIDING.get(self.unit, self.unit) if joint in sliding else self.unit
+
+
+def vector(
+    unit: str,
+    meaning: str,
+    between: Between = Between.LINEAR,
+    *,
+    of: str | None = None,
+    rate: bool = False,
+) -> Quantity:
+    """x, y, z in the world frame over time; `of`: an axis of several, such as `LEG`."""
+    axes = (TIME, XYZ) if of is None else (TIME, of, XYZ)
+    return Quantity(axes, unit, meaning, between, "world", rate=rate)
+
+
+def attitude(meaning: str, *, of: str | None = None) -> Quantity:
+    """Unit quaternions w, x, y, z in the world frame over time."""
+    axes = (TIME, WXYZ) if of is None else (TIME, of, WXYZ)
+    return Quantity(axes, "", meaning, Between.TURNING, "world")
+
+
+def of_joints(
+    unit: str, meaning: str, between: Between, *, rate: bool = False, column: str = ""
+) -> Quantity:
+    """A number a joint over time."""
+    return Quantity((TIME, JOINT), unit, meaning, between, rate=rate, column=column)
+
+
+def coded(meaning: str, *codes: str, of: str | None = None, coded_by: str = "") -> Quantity:
+    """Whole numbers that stand for something, over time: see `Quantity.codes`."""
+    axes = (TIME,) if of is None else (TIME, of)
+    return Quantity(
+        axes, "", meaning, Between.HELD, kind=Kind.WHOLE, codes=codes, coded_by=coded_by
+    )
 
 
 def quantities(of: type) -> dict[str, Quantity]:

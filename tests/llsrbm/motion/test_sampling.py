@@ -13,8 +13,7 @@ from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation, Slerp
 
 from llsrbm.errors import InputError
-from llsrbm.motion.instants import evenly, with_events
-from llsrbm.motion.resample import resample
+from llsrbm.motion.sampling import evenly, resample, with_events
 from tests.llsrbm.synthetic import (
     FLIGHT,
     GRAVITY,

@@ -39,13 +39,17 @@ def staged(path: str | Path) -> Iterator[Path]:
         InputError: the path cannot be written, or names a folder that was not written by this.
     """
     target = Path(path)
-    draft = None
     if target.parent.name.startswith(_PREFIX):  # stands in a folder that is to take its place
         yield target
         return
+    draft = None
     try:
         special = _is_special(target)
-        target = target if special else _place(target)
+        target = target if special else target.resolve()
+        if not special and not target.parent.is_dir():
+            raise FileNotFoundError(0, f"no such directory as {target.parent}")
+        if not target.name:
+            raise IsADirectoryError(0, "it is a directory")
         with tempfile.TemporaryDirectory(
             prefix=_PREFIX,  # not the target's name, which may be as long as names can be
             suffix=".tmp",
@@ -55,7 +59,7 @@ def staged(path: str | Path) -> Iterator[Path]:
             draft = Path(folder) / target.name
             yield draft
             if special:
-                _copy_into(target, draft)
+                _send(draft, target)
             else:
                 _take_places(Path(folder), target)
     except OSError as error:
@@ -76,24 +80,12 @@ def _is_special(target: Path) -> bool:
     except FileNotFoundError:
         return False
     # /dev/stdout may be a regular file, to which the shell goes on writing.
-    device = target.absolute().is_relative_to("/dev/fd") or str(target.absolute()) in (
-        "/dev/stdout",
-        "/dev/stderr",
-    )
+    place = target.absolute()
+    device = place.is_relative_to("/dev/fd") or str(place) in ("/dev/stdout", "/dev/stderr")
     return device or not (stat.S_ISREG(kind) or stat.S_ISDIR(kind))
 
 
-def _place(target: Path) -> Path:
-    """Where links lead, if something may be written there."""
-    target = target.resolve()
-    if not target.parent.is_dir():
-        raise FileNotFoundError(0, f"no such directory as {target.parent}")
-    if not target.name:
-        raise IsADirectoryError(0, "it is a directory")
-    return target
-
-
-def _copy_into(target: Path, draft: Path) -> None:
+def _send(draft: Path, target: Path) -> None:
     if not draft.is_file():
         raise NotADirectoryError(0, "a folder would be written, which needs a name of its own")
     # Appended, because a redirected /dev/stdout may hold what others wrote before.
@@ -102,73 +94,65 @@ def _copy_into(target: Path, draft: Path) -> None:
 
 
 def _take_places(folder: Path, target: Path) -> None:
-    written = sorted(folder.iterdir(), key=lambda part: part.name == target.name)
-    for part in written:
-        _check_replaceable(target.with_name(part.name), part)
+    parts = sorted(folder.iterdir(), key=lambda part: part.name == target.name)
+    for part in parts:
+        place = target.with_name(part.name)
+        if part.is_file() and place.is_dir():
+            raise IsADirectoryError(0, "it is a directory")
+        if part.is_dir() and place.is_file():
+            raise NotADirectoryError(0, "it is a file, and a folder would be written")
+        if part.is_dir():
+            _check_ours(place)
         for file in [part] if part.is_file() else [p for p in part.rglob("*") if p.is_file()]:
             with file.open("rb") as opened:
                 os.fsync(opened.fileno())
-    for part in written:
+    aside = Path(tempfile.mkdtemp(dir=folder))
+    for part in parts:
         if part.is_file():
             part.replace(target.with_name(part.name))
         else:
-            _swap_folder(part, target.with_name(part.name))
+            _swap_folder(part, target.with_name(part.name), aside)
 
 
-def _check_replaceable(place: Path, part: Path) -> None:
-    if part.is_dir() and place.is_file():
-        raise NotADirectoryError(0, "it is a file, and a folder would be written")
-    if part.is_file() and place.is_dir():
-        raise IsADirectoryError(0, "it is a directory")
-    if part.is_dir() and place.is_dir() and not _is_ours(place):
-        raise FileExistsError(0, "it is a folder with other things in it, which would be lost")
-
-
-def _is_ours(place: Path) -> bool:
-    """Whether a folder is empty or was written by an export; also if it has just gone away."""
-    while True:  # each further round is one in which somebody else put theirs there
-        try:
-            # Held open, so that no other folder can get its inode number meanwhile.
-            folder = os.open(place, os.O_RDONLY | os.O_DIRECTORY)
-        except FileNotFoundError:  # moved aside by somebody who is about to put theirs there
-            return True
-        try:
-            if not os.listdir(folder) or _is_marked(folder):  # noqa: PTH208 (of an open folder)
-                return True
-            with suppress(FileNotFoundError):
-                if place.stat().st_ino == os.fstat(folder).st_ino:
-                    return False
-        finally:
-            os.close(folder)
-
-
-def _is_marked(folder: int) -> bool:
-    """Whether a folder, given by its descriptor, holds the mark of an export."""
-    try:
-        found = os.stat(MARK, dir_fd=folder)
-        if not stat.S_ISREG(found.st_mode) or found.st_size > _LARGEST_MARK:
-            return False
-        with os.fdopen(os.open(MARK, os.O_RDONLY, dir_fd=folder), encoding="utf-8") as mark:
-            said = json.load(mark)
-    except (FileNotFoundError, ValueError, RecursionError):
-        return False
-    return isinstance(said, dict) and "package_version" in said
-
-
-def _swap_folder(part: Path, place: Path) -> None:
-    """Put a folder in the place of another, which is moved aside and removed."""
-    aside = Path(tempfile.mkdtemp(dir=part.parent))
+def _swap_folder(part: Path, place: Path, aside: Path) -> None:
+    """Put a folder where there is none, an empty one, or one of ours, which is moved aside."""
     for attempt in range(_ATTEMPTS):
-        old = aside / str(attempt)
-        with suppress(FileNotFoundError):
-            place.replace(old)
         try:
             part.replace(place)
         except OSError as error:
-            others = error.errno in (ENOTEMPTY, EEXIST)  # somebody's took the place meanwhile
-            if not others and old.exists():
-                old.replace(place)
-            if not others or attempt == _ATTEMPTS - 1:
+            if error.errno not in (ENOTEMPTY, EEXIST):
                 raise
         else:
             return
+        old = aside / str(attempt)
+        with suppress(FileNotFoundError):
+            place.replace(old)
+            try:
+                _check_ours(old)  # somebody may have put another there since it was checked
+            except FileExistsError:
+                old.replace(place)
+                raise
+    raise OSError(ENOTEMPTY, "others go on writing the same folder")
+
+
+def _check_ours(folder: Path) -> None:
+    """Raise `FileExistsError` unless a folder is absent, empty or marked as an export's."""
+    for _ in range(_ATTEMPTS):  # one that others replace meanwhile is looked at again
+        if _is_ours(folder):
+            return
+    raise FileExistsError(0, "it is a folder with other things in it, which would be lost")
+
+
+def _is_ours(folder: Path) -> bool:
+    mark = folder / MARK
+    try:
+        if not any(folder.iterdir()):
+            return True
+        if not mark.is_file() or mark.stat().st_size > _LARGEST_MARK:
+            return False
+        content = json.loads(mark.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        return not folder.exists()
+    except (ValueError, RecursionError):
+        return False
+    return isinstance(content, dict) and "package_version" in content

@@ -1,22 +1,50 @@
-"""Everything beside a trajectory's numbers: who asked what of whom, and how to read the numbers."""
+"""A plan or a rollout: reading its native file, and describing it as plain data."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from llsrbm.files.native import check_schema
+from llsrbm.files.npz import LARGEST, Arrays, read_archive
 from llsrbm.installed import package_version
+from llsrbm.motion.plan import SCHEMA as PLAN_SCHEMA
 from llsrbm.motion.plan import Plan
+from llsrbm.motion.rollout import SCHEMA as ROLLOUT_SCHEMA
 from llsrbm.motion.rollout import Rollout
 
+Trajectory = Plan | Rollout
+
+_READERS: dict[str, Callable[[Arrays, str | Path], Trajectory]] = {
+    PLAN_SCHEMA: Plan.from_arrays,
+    ROLLOUT_SCHEMA: Rollout.from_arrays,
+}
 _WORLD = "x forward, y left, z up; origin on the ground under the standing robot"
 
 
-def description(trajectory: Plan | Rollout) -> dict[str, Any]:
+def load(path: str | Path, *, largest: int = LARGEST) -> Trajectory:
+    """Read a native file (`Plan.save`, `Rollout.save`).
+
+    A stranger's file may be opened: nothing in it is run, no other file is read that it names, and
+    the memory that it may take is limited.
+
+    Args:
+        path: of the file.
+        largest: bytes, of the file and of its arrays together.
+
+    Raises:
+        FileFormatError: unreadable, damaged, or of no schema this version knows.
+    """
+    arrays = read_archive(path, largest=largest)
+    return _READERS[check_schema(arrays, path, *_READERS)](arrays, path)
+
+
+def description(trajectory: Trajectory) -> dict[str, Any]:
     """Request, tuning, scenario, robot as it ran, model, solver, version and conventions.
 
     Plain data that JSON can hold: numbers that are not finite are null.
@@ -42,7 +70,7 @@ def description(trajectory: Plan | Rollout) -> dict[str, Any]:
             "scenario": asdict(trajectory.scenario),
             "disturbance": asdict(trajectory.disturbance),
             "outcome": asdict(trajectory.outcome),
-            **({} if trajectory.plan is None else _of_plan(trajectory.plan)),
+            **_of_plan(trajectory.plan),
         }
     plain: dict[str, Any] = json_value(common | of_it)
     return plain

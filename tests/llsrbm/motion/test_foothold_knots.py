@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from llsrbm.motion.footholds import foothold_knots
+from llsrbm.motion.sampling import foothold_knots
 from llsrbm.request.schedule import Phase
 from tests.llsrbm.schedules import in_a_row, with_schedule
 from tests.llsrbm.synthetic import synthetic_plan

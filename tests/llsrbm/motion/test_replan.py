@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from llsrbm.errors import Error
-from llsrbm.files.loading import load
 from llsrbm.motion.replan import Replan
+from llsrbm.motion.trajectory import load
 from tests.llsrbm.native_files import message, rewritten
 from tests.llsrbm.synthetic_rollout import synthetic_rollout
 
@@ -61,13 +61,6 @@ def assert_same_replans(a, b):
 def test_round_trip(rollout, replans, tmp_path):
     replace(rollout, replans=replans).save(tmp_path / "r.npz")
     assert_same_replans(load(tmp_path / "r.npz").replans, replans)
-
-
-def test_a_file_from_before_there_were_any_opens(rollout, tmp_path):
-    rollout.save(tmp_path / "older.npz")
-    with np.load(tmp_path / "older.npz") as archive:
-        assert not [key for key in archive if key.startswith("replan/")]
-    assert load(tmp_path / "older.npz").replans == ()
 
 
 @pytest.mark.parametrize(

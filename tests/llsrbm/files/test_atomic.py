@@ -18,9 +18,9 @@ import numpy as np
 import pytest
 
 from llsrbm.errors import InputError
-from llsrbm.files.archive import write_archive
-from llsrbm.files.loading import load
-from llsrbm.files.writing import MARK, staged
+from llsrbm.files.atomic import MARK, staged
+from llsrbm.files.npz import write_archive
+from llsrbm.motion.trajectory import load
 from tests.llsrbm.synthetic import synthetic_plan
 
 NOBODY = 65534
@@ -213,7 +213,7 @@ class TestDevices:
 
     def test_stdout(self, tmp_path):
         program = (
-            "from llsrbm.files.writing import staged\n"
+            "from llsrbm.files.atomic import staged\n"
             "for part in (b'one ', b'two'):\n"
             "    with staged('/dev/stdout') as draft: draft.write_bytes(part)\n"
         )
@@ -320,7 +320,7 @@ class TestWhatGoesWrong:
         write(tmp_path / "x", b"old")
         program = (
             "import os, signal, sys\n"
-            "from llsrbm.files.writing import staged\n"
+            "from llsrbm.files.atomic import staged\n"
             "with staged(sys.argv[1]) as draft:\n"
             f"    {moment}\n"
             "    os.kill(os.getpid(), signal.SIGKILL)\n"

@@ -1,4 +1,4 @@
-"""From the states in a foreign file to a motion: checked, in the robot's order, with velocities."""
+"""From the states in another tool's file to a motion: checked, joints in the robot's order."""
 
 from __future__ import annotations
 
@@ -9,18 +9,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from llsrbm.errors import FileFormatError
-from llsrbm.mechanics import rotation_matrices, sign_continuous
-from llsrbm.motion.derivatives import velocities as differences
-from llsrbm.motion.instants import FASTEST
-from llsrbm.motion.whole_body import WholeBodyMotion, motion_of_states
+from llsrbm.motion.sampling import FASTEST
+from llsrbm.motion.states import motion_of_states, velocities
+from llsrbm.motion.whole_body import WholeBodyMotion
 from llsrbm.robots import Robot
 
 Array = NDArray[np.float64]
-Velocities = tuple[Array, Array, Array]
 
 MOST_FRAMES = 50_000  # a quarter of an hour at 50 frames/s; a jump has a hundred or two
 _LARGEST = 1e4  # m, rad, and per s: more is damage, and would overflow in the dynamics
-_UNIT_QUATERNION = 1e-3  # largest deviation of a norm from 1 that still is an attitude
+_UNIT_QUATERNION = 1e-2  # by which a norm may miss 1: single precision, and rounding in files
 
 
 def checked_rate(value: Any, where: str) -> float:
@@ -29,8 +27,10 @@ def checked_rate(value: Any, where: str) -> float:
     Raises:
         FileFormatError: it is no positive number up to 10000.
     """
-    number = isinstance(value, int | float | np.number) and not isinstance(value, bool)
-    if not number or not 0 < value <= FASTEST:
+    if isinstance(value, np.ndarray):
+        value = value.reshape(-1)[0] if value.size == 1 else f"{value.size} values"
+    number = isinstance(value, int | float | np.integer | np.floating)
+    if isinstance(value, bool) or not number or not 0 < value <= FASTEST:
         raise FileFormatError(
             f"{where}: expected frames per second, 0 < fps <= {FASTEST:g}, got {value!r:.40}"
         )
@@ -44,7 +44,7 @@ def joint_columns(names: Sequence[str], robot: Robot, where: str) -> list[int]:
         FileFormatError: they are not the robot's joints.
     """
     if sorted(names) != sorted(robot.joint_names):
-        listed = " ".join(", ".join(names).split())  # one line, whatever the names are
+        listed = " ".join(", ".join(names).split()) or "none"  # one line, whatever the names are
         raise FileFormatError(
             f"{where}: has joints {listed:.400}, but robot {robot.name} has "
             f"{', '.join(robot.joint_names)}; expected the robot that moves in the file"
@@ -56,40 +56,36 @@ def checked_motion(
     robot: Robot,
     origin: str,
     where: str,
-    fps: float,
-    base_position: Array,
-    base_quat: Array,
-    joint_position: Array,
-    velocities: Velocities | None = None,
+    time: float | Array,
+    qpos: Array,
+    qvel: Array | None = None,
 ) -> WholeBodyMotion:
-    """The motion of which a file has K states; world frame.
+    """The motion of which a file has K states, in MuJoCo's convention, joints in the robot's order.
 
     Args:
         robot: that moves.
         origin: the name of the format.
         where: the file, for messages.
-        fps: frames/s.
-        base_position: (K, 3) m; base_quat: (K, 4) w, x, y, z: root link.
-        joint_position: (K, J) rad or m, in the robot's order.
-        velocities: (K, 3) m/s of the root link's origin and (K, 3) rad/s of the root link, world
-            axes, and (K, J) of the joints; None: by differences (`llsrbm.motion.derivatives`).
+        time: frames/s, or (K,) s from 0 on, increasing, of frames that are not evenly spaced.
+        qpos: (K, 7 + J); quaternions of either sign.
+        qvel: (K, 6 + J); None: by differences (`llsrbm.motion.states.velocities`).
 
     Raises:
         FileFormatError: fewer than two frames or too many, numbers that are not finite or are
             absurd, attitudes that are none.
     """
-    count = len(base_position)
+    count = len(qpos)
     if not 2 <= count <= MOST_FRAMES:
         raise FileFormatError(f"{where}: expected 2 to {MOST_FRAMES} frames, got {count}")
-    for values in (base_position, base_quat, joint_position, *(velocities or ())):
+    for values in (qpos,) if qvel is None else (qpos, qvel):
         bad = ~(np.abs(values) <= _LARGEST)  # NaN is not
         if bad.any():
             frame, column = (int(i) for i in np.argwhere(bad)[0])
             raise FileFormatError(
-                f"{where}: expected finite numbers up to {_LARGEST:g}, got "
+                f"{where}: expected finite numbers up to {_LARGEST:g}, in SI units, got "
                 f"{values[frame, column]} in frame {frame}"
             )
-    norm = np.linalg.norm(base_quat, axis=1)
+    norm = np.linalg.norm(qpos[:, 3:7], axis=1)
     off = np.abs(norm - 1) > _UNIT_QUATERNION
     if off.any():
         frame = int(np.argmax(off))
@@ -97,13 +93,9 @@ def checked_motion(
             f"{where}: expected unit quaternions, got one of norm {norm[frame]:.4g} in frame "
             f"{frame}"
         )
-    quat = sign_continuous(base_quat / norm[:, None])
-    time = np.arange(count) / fps
-    qpos = np.hstack([base_position, quat, joint_position])
-    if velocities is None:
-        qvel = differences(time, qpos)
-    else:
-        velocity, angular_velocity, joint_velocity = velocities
-        in_base = np.einsum("kji,kj->ki", rotation_matrices(quat), angular_velocity)
-        qvel = np.hstack([velocity, in_base, joint_velocity])
-    return motion_of_states(robot, origin, time, qpos, qvel, fps)
+    qpos = np.hstack([qpos[:, :3], qpos[:, 3:7] / norm[:, None], qpos[:, 7:]])
+    rate = None if isinstance(time, np.ndarray) else float(time)
+    times = time if isinstance(time, np.ndarray) else np.arange(count) / time
+    if qvel is None:
+        qvel = velocities(times, qpos)
+    return motion_of_states(robot, origin, times, qpos, qvel, rate)

@@ -12,13 +12,10 @@ import pytest
 
 import llsrbm
 from llsrbm import cli
-from llsrbm.files.loading import load
-from llsrbm.files.plan_file import FIRST_LAYOUT, FIRST_SCHEMA, LAYOUT
-from llsrbm.files.rollout_file import SCHEMA
+from llsrbm.files.quantity import JOINT, SIZES, TIME, Between, Kind, derived, quantities
 from llsrbm.formats import export
 from llsrbm.formats.tables.csv_columns import columns
 from llsrbm.motion.plan import Plan
-from llsrbm.motion.quantity import JOINT, SIZES, TIME, Between, Kind, derived, quantities
 from llsrbm.motion.rollout import Rollout
 from tests.llsrbm.synthetic import synthetic_plan
 from tests.llsrbm.synthetic_rollout import synthetic_rollout
@@ -160,57 +157,3 @@ def test_formats_tell_them_all(capfd, name):
             assert ", ".join(map(str, quantity.shape)) in row
             assert quantity.meaning in row
             assert quantity.frame in row
-
-
-class TestOldFiles:
-    """Made by leaving out what came later."""
-
-    def without(self, path, keys=(), schema=None, **tables):
-        with np.load(path) as archive:
-            arrays = {key: value for key, value in archive.items() if key not in keys}
-        meta = json.loads(str(arrays["meta"]))
-        for table, gone in tables.items():
-            for key in gone:
-                (meta if table == "top" else meta[table]).pop(key, None)
-        arrays["meta"] = np.array(json.dumps(meta))
-        if schema is not None:
-            arrays["schema"] = np.array(schema)
-        np.savez_compressed(path, **arrays)
-        return path
-
-    def test_a_first_plan(self, plan, tmp_path):
-        """Without loads and tuning, and before robots said which joints slide."""
-        path = tmp_path / "x.npz"
-        plan.save(path)
-        later = set(LAYOUT) - set(FIRST_LAYOUT)
-        assert later == {"joint_velocity", "joint_torque", "joint_torque_limit"}
-        self.without(
-            path, later, FIRST_SCHEMA, top=("tuning",), robot_parameters=("sliding_joints",)
-        )
-        old = load(path)
-        np.testing.assert_allclose(old.joint_torque, plan.joint_torque, atol=1e-9)
-        assert old.sliding_joints == plan.sliding_joints
-        export(old, tmp_path / "x.csv", format="csv")
-        old.save(tmp_path / "again.npz")
-        np.testing.assert_array_equal(load(tmp_path / "again.npz").joint_torque, old.joint_torque)
-
-    def test_an_early_rollout(self, rollout, tmp_path):
-        path = tmp_path / "x.npz"
-        rollout.save(path)
-        with np.load(path) as archive:
-            assert archive["schema"] == SCHEMA
-            later = [key for key in archive if key.startswith("plan/")]
-        self.without(
-            path,
-            later,
-            "llsrbm.rollout/1",
-            top=("control_parameters", "tuning"),
-            outcome=("landing_strategy",),
-            robot_parameters=("sliding_joints",),
-        )
-        old = load(path)
-        assert old.plan is None
-        assert old.control_parameters == {}
-        assert old.outcome.landing_strategy == ""
-        np.testing.assert_array_equal(old.qpos, rollout.qpos)
-        export(old, tmp_path / "x.csv", format="csv", fps=10.0)

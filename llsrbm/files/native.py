@@ -1,10 +1,10 @@
-"""What the native files of plans and rollouts share: a schema, JSON at `meta`, finite arrays."""
+"""What the native files of plans and rollouts share: a schema, JSON at `meta`, declared arrays."""
 
 from __future__ import annotations
 
 import json
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, TypeVar
 
@@ -12,12 +12,11 @@ import numpy as np
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError, field_validator
 
 from llsrbm.errors import Error, FileFormatError, InputError, printable
-from llsrbm.files.archive import LARGEST_NUMBER, Arrays, text
+from llsrbm.files.npz import LARGEST_NUMBER, Arrays, text
+from llsrbm.files.quantity import Kind, Quantity
 from llsrbm.installed import package_version
-from llsrbm.motion.quantity import WXYZ, Kind, Quantity
 from llsrbm.request.jump import Jump
 
-_UNIT_QUATERNION = 1e-3  # largest deviation of a norm from 1 that still is an attitude
 _SAME_INSTANT = 1e-9  # s
 _LONGEST = 100.0  # s; jumps take two
 _LARGEST_WHOLE = 2**64
@@ -28,10 +27,10 @@ _STORED: dict[Kind, type[np.generic]] = {
 }
 
 
-def _one_line(text: str) -> str:
-    if not text.isprintable():
+def _one_line(value: str) -> str:
+    if not value.isprintable():
         raise ValueError("expected one line of printable text")
-    return text
+    return value
 
 
 _Name = Annotated[str, Field(min_length=1, max_length=200), AfterValidator(_one_line)]
@@ -40,7 +39,7 @@ _Vector = Annotated[list[float], Field(min_length=3, max_length=3)]
 
 
 def _first(error: ValidationError) -> str:
-    """The first complaint, and where."""
+    """The first fault, and where."""
     first = error.errors()[0]
     place = printable(".".join(str(part) for part in first["loc"])) or "JSON"
     return f"{place}: {printable(first['msg'].removeprefix('Value error, '), 200)}"
@@ -66,7 +65,7 @@ class Meta(BaseModel):
     request: Jump
     model: str
     robot_parameters: dict[str, Any]
-    package_version: str
+    package_version: str = Field(default_factory=package_version)
 
     @field_validator("robot_parameters")
     @classmethod
@@ -84,26 +83,33 @@ _MetaType = TypeVar("_MetaType", bound=Meta)
 def native_arrays(
     schema: str, meta: Meta, trajectory: Any, layout: Mapping[str, Quantity]
 ) -> Arrays:
-    """What a file holds of a trajectory: the attributes that `layout` names, schema and `meta`.
+    """A trajectory's file: schema, `meta`, and the attributes in `layout` that are not None.
 
     Raises:
         Error: the trajectory holds numbers that are not finite.
     """
     arrays: Arrays = {"schema": np.array(schema), "meta": np.array(meta.model_dump_json())}
-    for key, entry in layout.items():
-        value = np.asarray(getattr(trajectory, key), dtype=_STORED[entry.kind])
+    for key, quantity in layout.items():
+        known = getattr(trajectory, key)
+        if known is None:
+            continue
+        value = np.asarray(known, dtype=_STORED[quantity.kind])
         if value.dtype.kind == "f" and not (np.abs(value) <= LARGEST_NUMBER).all():
-            what = type(trajectory).__name__.lower()
             raise Error(
-                f"{what}.{key} holds numbers that are not finite or "
+                f"{type(trajectory).__name__.lower()}.{key} holds numbers that are not finite or "
                 f"beyond {LARGEST_NUMBER:g}; it is not written"
             )
         arrays[key] = value
     return arrays
 
 
-def check_schema(arrays: Arrays, path: str | Path, known: Sequence[str]) -> str:
-    """The schema of an archive, which is one of `known`, the newest of a kind before older ones.
+def part_of(arrays: Arrays, prefix: str) -> Arrays:
+    """The arrays whose keys begin with a prefix, without it."""
+    return {key.removeprefix(prefix): a for key, a in arrays.items() if key.startswith(prefix)}
+
+
+def check_schema(arrays: Arrays, path: str | Path, *known: str) -> str:
+    """The schema of an archive, which is one of `known`.
 
     Raises:
         FileFormatError: it is another, perhaps one of a newer version.
@@ -111,14 +117,15 @@ def check_schema(arrays: Arrays, path: str | Path, known: Sequence[str]) -> str:
     schema = text(arrays, "schema", path)
     if schema in known:
         return schema
-    found = re.fullmatch(r"(llsrbm\.(?:plan|rollout)/)([1-9]\d{0,5})", schema)
-    newest = [int(k.removeprefix(found[1])) for k in known if found and k.startswith(found[1])]
-    if found and newest and int(found[2]) > max(newest):
-        raise FileFormatError(
-            f'{path}: schema "{schema}", written by a newer llsrbm{_version(arrays, path)}; '
-            f"llsrbm {package_version()} reads {', '.join(known)}; expected an older file, or "
-            "update llsrbm"
-        )
+    kind, _, number = schema.partition("/")
+    for each in known:
+        own_kind, _, own = each.partition("/")
+        if kind == own_kind and re.fullmatch(r"[1-9][0-9]{0,5}", number) and int(number) > int(own):
+            raise FileFormatError(
+                f'{path}: schema "{schema}", written by a newer llsrbm{_version(arrays, path)}; '
+                f"llsrbm {package_version()} reads {', '.join(known)}; expected an older file, or "
+                "update llsrbm"
+            )
     quoted = " or ".join(f'"{each}"' for each in known)
     raise FileFormatError(f'{path}: schema "{printable(schema)}"; expected {quoted}')
 
@@ -133,7 +140,7 @@ def _version(arrays: Arrays, path: str | Path) -> str:
 
 
 def read_meta(kind: type[_MetaType], arrays: Arrays, path: str | Path) -> _MetaType:
-    """What an archive has at `meta`.
+    """The JSON that an archive has at `meta`.
 
     Raises:
         FileFormatError: missing, no JSON, or not what `kind` describes.
@@ -145,7 +152,7 @@ def read_meta(kind: type[_MetaType], arrays: Arrays, path: str | Path) -> _MetaT
     except ValidationError as error:
         raise FileFormatError(f"{where}: {_first(error)}") from error
     except InputError as error:  # the request's own checks
-        raise FileFormatError(f"{where}: {printable(str(error), 200)}") from error
+        raise FileFormatError(f"{where}: {printable(str(error), 300)}") from error
     if _has_endless_numbers(meta.model_dump()):
         raise FileFormatError(f"{where}: expected whole numbers up to 2^64")
     return meta
@@ -170,18 +177,8 @@ def check_times(time: Any, path: str | Path) -> None:
         )
 
 
-def check_numbers(values: Arrays, layout: Mapping[str, Quantity], path: str | Path) -> None:
-    """Raise `FileFormatError` unless attitudes are unit quaternions and codes are known ones."""
-    for key, quantity in layout.items():
-        where = f'{path}: key "{key}"'
-        if quantity.axes[-1:] == (WXYZ,):
-            check_attitudes(values[key], where)
-        if quantity.codes and not np.isin(values[key], range(len(quantity.codes))).all():
-            meanings = (f"{number} ({meaning})" for number, meaning in enumerate(quantity.codes))
-            raise FileFormatError(f"{where}: expected {', '.join(meanings)}")
-
-
-def check_attitudes(quat: Any, where: str) -> None:
-    """Raise `FileFormatError` unless (..., 4) are unit quaternions."""
-    if (np.abs(np.linalg.norm(quat, axis=-1) - 1) > _UNIT_QUATERNION).any():
-        raise FileFormatError(f"{where}: expected unit quaternions w, x, y, z")
+def check_phases(phase: Any, names: tuple[str, ...], path: str | Path, order: str = "") -> None:
+    """Raise `FileFormatError` unless numbers are phases of a schedule with these names."""
+    if order or not np.isin(phase, range(len(names))).all():
+        listed = ", ".join(f"{number} ({name})" for number, name in enumerate(names))
+        raise FileFormatError(f'{path}: key "phase": expected {printable(listed, 300)}{order}')

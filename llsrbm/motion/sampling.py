@@ -1,4 +1,4 @@
-"""Plans and rollouts at any time, each quantity as `llsrbm.motion.quantity.Between` says.
+"""Plans and rollouts at any time, each quantity as `llsrbm.files.quantity.Between` describes it.
 
 Between its knots a plan follows from what the planner assumes there: contact forces are constant,
 so the CoM is quadratic and the angular momentum cubic in time; the attitude turns at a constant
@@ -9,6 +9,7 @@ Knots and ticks are reproduced exactly; quaternions come out without jumps of si
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Collection
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -19,16 +20,91 @@ from numpy.typing import NDArray
 from scipy.interpolate import Akima1DInterpolator, CubicHermiteSpline
 
 from llsrbm.errors import InputError
+from llsrbm.files.quantity import TIME, Between, quantities
 from llsrbm.mechanics import rotation_matrices, sign_continuous, slerp
 from llsrbm.motion.plan import Plan
-from llsrbm.motion.quantity import TIME, Between, quantities
 from llsrbm.motion.rollout import Rollout
 
 Array = NDArray[np.float64]
 
+FASTEST = 10_000.0  # frames/s; more is a mistyped number
+LONGEST_PAD = 60.0  # s, likewise
 _SAME_INSTANT = 1e-9  # s; a time that rounding puts before its tick belongs to the tick
 
 _Trajectory = TypeVar("_Trajectory", bound=Plan | Rollout)
+
+
+def events(trajectory: Plan | Rollout) -> Array:
+    """First and last instant, and those between at which something changes at once, s.
+
+    Of a plan the edges of its phases, at which feet leave the ground or meet it; of a rollout the
+    ticks at which the controller changes phase or mode, and those in which a foot leaves the ground
+    or meets it.
+    """
+    if isinstance(trajectory, Plan):
+        return trajectory.phase_start
+    states = np.column_stack([trajectory.phase, trajectory.mode, trajectory.contact])
+    changed = np.flatnonzero((np.diff(states, axis=0) != 0).any(axis=1)) + 1
+    ticks = np.unique(np.concatenate([[0], changed, [len(trajectory.time) - 1]]))
+    return trajectory.time[ticks]
+
+
+def with_events(trajectory: Plan | Rollout, fps: float) -> Array:
+    """Instants 1/fps apart from the first to the last, and every event, in order, s.
+
+    Raises:
+        InputError: `fps` is not a positive number up to 10000.
+    """
+    check_rate(fps)
+    exact = events(trajectory)
+    start, end = exact[0], exact[-1]
+    times = start + np.arange(math.floor((end - start) * fps) + 1) / fps
+    after = np.clip(np.searchsorted(exact, times), 1, len(exact) - 1)
+    nearest = np.minimum(np.abs(times - exact[after - 1]), np.abs(times - exact[after]))
+    apart = nearest > _SAME_INSTANT
+    return np.unique(np.concatenate([times[apart], exact]))
+
+
+def evenly(trajectory: Plan | Rollout, fps: float, pad: float = 0.0) -> Array:
+    """Instants exactly 1/fps apart that hold the whole motion, s of the motion's own time.
+
+    Args:
+        trajectory: what is sampled.
+        fps: instants/s.
+        pad: s of standing still before the motion and after it, rounded up to whole frames.
+
+    Raises:
+        InputError: `fps` is not a positive number up to 10000, or `pad` not one from 0 to 60 s.
+    """
+    check_rate(fps)
+    if not (math.isfinite(pad) and 0 <= pad <= LONGEST_PAD):
+        raise InputError(f"pad: expected 0 to {LONGEST_PAD:g} s of standing still, got {pad}")
+    start, end = trajectory.time[[0, -1]]
+    still = math.ceil(pad * fps - _SAME_INSTANT)
+    moving = math.ceil((end - start) * fps - 1e-6)
+    times: Array = start + np.arange(-still, moving + still + 1) / fps
+    return times
+
+
+def check_rate(fps: float) -> None:
+    """Raise `InputError` unless `fps` is a rate at which something can be sampled."""
+    if not (math.isfinite(fps) and 0 < fps <= FASTEST):
+        raise InputError(f"frames per second: expected 0 < fps <= {FASTEST:.0f}, got {fps}")
+
+
+def foothold_knots(plan: Plan) -> NDArray[np.int64]:
+    """(K + 1, L) knots at which `foot_position` and `contact_point` hold the footholds of places.
+
+    Place 0 is read where the plan starts, the others where their feet have stood longest, which is
+    where the plan ends for the last. -1 where a foot never stands in a place.
+    """
+    schedule = plan.schedule
+    ends = np.searchsorted(plan.time, plan.phase_start[1:] - 1e-9)
+    knots = np.full((schedule.places + 1, len(schedule.legs)), -1, dtype=np.int64)
+    for phase, end in zip(schedule, ends, strict=True):
+        stands = [leg in phase.feet for leg in schedule.legs]
+        knots[phase.place, stands] = 0 if phase.place == 0 else end
+    return knots
 
 
 def resample(trajectory: _Trajectory, times: Any) -> _Trajectory:
