@@ -13,6 +13,7 @@ from llsrbm.errors import Error
 SCRIPTS = (
     "address.js",
     "graphics.js",
+    "elements.js",
     "page.js",
     "dialog.js",
     "player.js",

@@ -1,7 +1,9 @@
-"""The charts of chosen signals: what is drawn in each, of every motion that is shown."""
+"""The charts of chosen signals: the lines drawn in each, of every motion that is shown."""
 
 from __future__ import annotations
 
+import csv
+import io
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -14,9 +16,8 @@ from app.motion.colours import Rgb
 from app.motion.foreign_motion import ForeignMotion
 from app.motion.planned_motion import PlannedMotion
 from app.plots.choice import ALL, ALL_JOINTS, EACH, ChartChoice, PlotChoice
-from app.plots.course import Course, course_of_motion, course_of_plan, course_of_rollout
-from app.plots.signal import Component, Samples, Signal
-from app.plots.signals import SIGNALS
+from app.plots.signals import SIGNALS, Samples, Signal
+from app.plots.time_series import TimeSeries
 from llsrbm.motion.rollout import Rollout
 
 Array = NDArray[np.float64]
@@ -38,6 +39,9 @@ _COMPONENT_DASHES: tuple[tuple[float, ...], ...] = (
 """Of components that share a chart, in turn; their colour is the motion's."""
 
 
+Look = tuple[str, Rgb, tuple[float, ...]]  # name, colour, dashes
+
+
 @dataclass(frozen=True, eq=False)
 class Layer:
     """A motion to be plotted: one line in each chart.
@@ -46,8 +50,8 @@ class Layer:
         title: its name in the legend.
         colour: of its lines.
         motion: a plan, or a motion from a file.
-        rollout: what is plotted instead of the plan, if there is one.
-        pinned: whether it is there for comparison: marks and time axis are the others'.
+        rollout: plotted instead of the plan, if there is one.
+        pinned: it is there for comparison: marks and time axis are the others'.
     """
 
     title: str
@@ -56,23 +60,18 @@ class Layer:
     rollout: Rollout | None
     pinned: bool
 
-    @property
-    def replay(self) -> PlannedMotion | None:
-        """The plan; None of a motion from a file."""
-        return self.motion if isinstance(self.motion, PlannedMotion) else None
-
     @cached_property
-    def course(self) -> Course:
+    def series(self) -> TimeSeries:
         """Its plotted quantities; costs some milliseconds once."""
-        replay = self.replay
+        plan = self.motion if isinstance(self.motion, PlannedMotion) else None
         if self.rollout is not None:
-            return course_of_rollout(self.rollout, replay.motion if replay else None)
-        if replay is not None:
-            return course_of_plan(replay.plan, replay.motion)
-        return course_of_motion(self.motion.motion)
+            return TimeSeries.of_rollout(self.rollout, plan.motion if plan else None)
+        if plan is not None:
+            return TimeSeries.of_plan(plan.plan, plan.motion)
+        return TimeSeries.of_motion(self.motion.motion)
 
     def is_same_as(self, other: Layer) -> bool:
-        """Whether both draw the same thing."""
+        """True if both draw the same lines."""
         return (
             self.motion is other.motion
             and self.rollout is other.rollout
@@ -80,12 +79,12 @@ class Layer:
         )
 
 
-def shown_layers(replay: PlannedMotion, rollout: Rollout | None) -> tuple[Layer, ...]:
+def shown_layers(planned: PlannedMotion, rollout: Rollout | None) -> tuple[Layer, ...]:
     """The design that is shown: its plan and, if there is one, its simulation."""
-    plan = Layer("plan", colours.PLANNED, replay, None, pinned=False)
+    plan = Layer("plan", colours.PLANNED, planned, None, pinned=False)
     if rollout is None:
         return (plan,)
-    return (plan, Layer("simulation", colours.SIMULATED, replay, rollout, pinned=False))
+    return (plan, Layer("simulation", colours.SIMULATED, planned, rollout, pinned=False))
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,8 +92,8 @@ class Line:
     """One curve of a chart.
 
     Attributes:
-        title: the layer's, or what is special about it.
-        component: which of several that share the chart; "".
+        title: the layer's, or that of a limit or mark.
+        component: of several that share the chart; "".
         unit: of the values.
         colour: of the line; dash: pixels drawn and left out, in turn.
         time: (K,) s, increasing; values: (K,).
@@ -113,6 +112,11 @@ class Line:
         """Title and component."""
         return f"{self.title} {self.component}".rstrip()
 
+    @property
+    def look(self) -> Look:
+        """Name, colour and dashes."""
+        return self.name, self.colour, self.dash
+
 
 @dataclass(frozen=True, eq=False)
 class Chart:
@@ -120,7 +124,7 @@ class Chart:
 
     Attributes:
         title: quantity and component; unit: of its axis.
-        lines: what is drawn, first things first.
+        lines: drawn in this order.
         least, most: as in `Signal`.
     """
 
@@ -137,10 +141,10 @@ class Chart:
 
 
 def charts(choice: PlotChoice, layers: Sequence[Layer]) -> tuple[Chart, ...]:
-    """All chosen charts; none of what no layer has.
+    """All chosen charts of signals that some layer has.
 
     Args:
-        choice: a signal that there is not is left out.
+        choice: an unknown signal is left out.
         layers: in the order in which they are drawn.
     """
     return tuple(
@@ -149,6 +153,11 @@ def charts(choice: PlotChoice, layers: Sequence[Layer]) -> tuple[Chart, ...]:
         if chosen.signal in SIGNALS
         for chart in _charts(chosen, layers)
     )
+
+
+def everything() -> PlotChoice:
+    """Every chart that there is: all that can be drawn of a motion."""
+    return PlotChoice(tuple(ChartChoice(key, each=True) for key in SIGNALS))
 
 
 def name_of(chosen: ChartChoice) -> str:
@@ -164,7 +173,7 @@ def components_offered(key: str, layers: Sequence[Layer]) -> tuple[str, ...]:
         key: of the signal.
         layers: the components are those of the first that has the signal.
     """
-    sampled = (SIGNALS[key].of(layer.course) for layer in layers)
+    sampled = (SIGNALS[key].of(layer.series) for layer in layers)
     components = next((s.components for s in sampled if s is not None), ())
     if len(components) <= 1:
         return (ALL,)
@@ -179,7 +188,7 @@ _Sampled = Sequence[tuple[Layer, Samples]]
 def _charts(chosen: ChartChoice, layers: Sequence[Layer]) -> Iterator[Chart]:
     signal = SIGNALS[chosen.signal]
     sampled = [
-        (layer, samples) for layer in layers if (samples := signal.of(layer.course)) is not None
+        (layer, samples) for layer in layers if (samples := signal.of(layer.series)) is not None
     ]
     names = dict.fromkeys(
         component.name
@@ -191,23 +200,18 @@ def _charts(chosen: ChartChoice, layers: Sequence[Layer]) -> Iterator[Chart]:
         for name in names:
             yield _chart(signal, sampled, (name,))
     elif names:
-        yield _chart(signal, sampled, tuple(names), "" if len(names) == 1 else chosen_of(chosen))
-
-
-def chosen_of(chosen: ChartChoice) -> str:
-    """The set of components that share a chart, for its title; "" for all."""
-    return ", ".join(chosen.components)
+        yield _chart(signal, sampled, tuple(names), ", ".join(chosen.components))
 
 
 def _chart(signal: Signal, sampled: _Sampled, names: tuple[str, ...], of: str = "") -> Chart:
-    """One chart of the components with these names."""
+    """One chart of the components with these names; `of` is the name of their set."""
     only = names[0] if len(names) == 1 else of
     lines: list[Line] = []
     for layer, samples in sampled:
         lines += _lines(layer, samples, names, layer.title)
     for layer, _ in sampled:
         if signal.also is not None and layer.rollout is None and not layer.pinned:
-            lines += _lines(layer, signal.also(layer.course), names, signal.also_title, DASHED)
+            lines += _lines(layer, signal.also(layer.series), names, signal.also_title, DASHED)
     level = _level(signal, sampled, lines)
     units = dict.fromkeys(line.unit for line in lines if line.unit)
     title = f"{signal.title}, {only}" if only and only != ALL_JOINTS else signal.title
@@ -225,11 +229,10 @@ def _lines(
     for index, name in enumerate(names):
         if name not in columns:
             continue  # a robot with other joints
-        component: Component = samples.components[columns[name]]
         yield Line(
             title,
             name if len(names) > 1 else "",
-            component.unit,
+            samples.components[columns[name]].unit,
             layer.colour,
             _COMPONENT_DASHES[index % len(_COMPONENT_DASHES)] if dash is None else dash,
             samples.time,
@@ -241,10 +244,43 @@ def _level(signal: Signal, sampled: _Sampled, lines: Sequence[Line]) -> list[Lin
     """A dashed line across the chart, if there is a limit; the last layer's, which is on top."""
     if signal.level is None or not lines:
         return []
-    values = [signal.level.of(layer.course) for layer, _ in sampled]
-    known = [value for value in values if value is not None]
+    known = [value for layer, _ in sampled if (value := signal.level(layer.series)) is not None]
     if not known:
         return []
     ends = np.array([[line.time[0], line.time[-1]] for line in lines])
     across = np.array([ends[:, 0].min(), ends[:, 1].max()])
-    return [Line(signal.level.title, "", "", LIMIT, DASHED, across, np.full(2, known[-1]))]
+    return [Line(signal.level_title, "", "", LIMIT, DASHED, across, np.full(2, known[-1]))]
+
+
+def csv_of(layers: Sequence[Layer], choice: PlotChoice) -> bytes:
+    """All lines of the chosen charts, UTF-8; the whole motions, whatever part an axis shows.
+
+    Nothing is resampled: lines with the same instants share a time column to their left. Where a
+    line has no value, or is shorter than others, the cell is empty. The first row names the
+    columns: "time of plan [s]", "CoM position, x, plan [m]".
+    """
+    blocks: list[tuple[Array, list[tuple[str, Line]]]] = []
+    for chart in charts(choice, layers):
+        for line in chart.lines:
+            block = next((lines for time, lines in blocks if np.array_equal(time, line.time)), None)
+            if block is None:
+                block = []
+                blocks.append((line.time, block))
+            block.append((chart.title, line))
+    columns: list[list[str]] = []
+    for time, lines in blocks:
+        titles = ", ".join(dict.fromkeys(line.title for _, line in lines))
+        columns.append([f"time of {titles} [s]", *_cells(time)])
+        for title, line in lines:
+            unit = f" [{line.unit}]" if line.unit else ""
+            columns.append([f"{title}, {line.name}{unit}", *_cells(line.values)])
+    length = max(map(len, columns), default=0)
+    text = io.StringIO()
+    rows = zip(*(column + [""] * (length - len(column)) for column in columns), strict=True)
+    csv.writer(text).writerows(rows)
+    return text.getvalue().encode("utf-8")
+
+
+def _cells(values: Array) -> list[str]:
+    # Adding 0 takes the sign off a zero.
+    return [f"{value + 0.0:.9g}" if np.isfinite(value) else "" for value in values]

@@ -25,7 +25,7 @@ class ChartChoice:
         signal: key of one of `app.plots.signals.SIGNALS`.
         components: names or tags of its components that are drawn, such as "z", "LF", "KFE";
             none: all of them.
-        each: whether each component has a chart of its own.
+        each: each component has a chart of its own.
     """
 
     signal: str
@@ -39,8 +39,8 @@ class PlotChoice:
 
     Attributes:
         charts: in their order, no two alike.
-        landing: whether the time axis shows the touchdown closely.
-        open: whether the area with the charts is.
+        landing: the time axis shows the touchdown closely.
+        open: the area with the charts is.
         offered: the chart that would be added next.
     """
 

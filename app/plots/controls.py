@@ -1,4 +1,4 @@
-"""The controls with which charts are chosen; they show a choice and report a changed one."""
+"""Controls by which charts are chosen: they show a choice and report a changed one."""
 
 from __future__ import annotations
 
@@ -21,8 +21,7 @@ from app.plots.choice import (
     ChartChoice,
     PlotChoice,
 )
-from app.plots.signal import joint_kinds
-from app.plots.signals import SIGNALS
+from app.plots.signals import SIGNALS, joint_kinds
 
 _KEYS = {signal.title: key for key, signal in SIGNALS.items()}
 _NONE = "none"
@@ -34,10 +33,10 @@ class PlotControls:
     """Dropdowns and buttons, in the container that is open when they are made.
 
     Attributes:
-        open: whether the area shall be open.
-        seen: whether the page shows the area; its script sets it, nobody sees it.
-        area_open: whether the area is open, as far as the server knows.
-        download: to save what is shown.
+        open: by which the area is opened.
+        seen: hidden; the page's script sets it when the area is opened or minimised.
+        area_open: state of the area, as far as the server knows.
+        download: saves the lines that are shown.
     """
 
     def __init__(self, gui: viser.GuiApi, changed: Callable[[PlotChoice], None]) -> None:
@@ -45,7 +44,7 @@ class PlotControls:
 
         Args:
             gui: of the tab.
-            changed: called on the event loop with what the user chose.
+            changed: called on the event loop with the user's choice.
         """
         self._choice = DEFAULT
         self._changed = changed
@@ -70,11 +69,11 @@ class PlotControls:
             "Download", disabled=True, hint="All lines that are shown, at their own instants, CSV"
         )
         for handle, change in (
-            (self.open, self._opened),
+            (self.open, lambda choice: replace(choice, open=bool(self.open.value))),
             (self.seen, self._seen),
             (self._preset, self._preset_chosen),
             (self._joints, self._joints_chosen),
-            (self._landing, self._landing_chosen),
+            (self._landing, lambda choice: replace(choice, landing=bool(self._landing.value))),
             (self._quantity, self._quantity_chosen),
             (self._component, self._component_chosen),
         ):
@@ -87,7 +86,7 @@ class PlotControls:
 
         Args:
             choice: to show.
-            layers: what is plotted; the last one's robot has the joints and feet to choose from.
+            layers: that are plotted; the last one's robot has the joints and feet to choose from.
         """
         self._choice = choice
         _set(self.open, choice.open)
@@ -95,7 +94,7 @@ class PlotControls:
         _set(self._landing, choice.landing)
         self._joints.visible = choice.joints is not None and bool(layers)
         if self._joints.visible and choice.joints is not None:
-            _offer(self._joints, joint_kinds(layers[-1].course.robot), choice.joints)
+            _offer(self._joints, joint_kinds(layers[-1].series.robot), choice.joints)
         offered = choice.offered
         _set(self._quantity, SIGNALS[offered.signal].title)
         components = components_offered(offered.signal, layers[::-1])
@@ -107,7 +106,7 @@ class PlotControls:
         self._remove.disabled = not names
         self.download.disabled = not (names and layers)
 
-    # ---- what the user chose; a browser's script can send anything
+    # ---- choices; a browser's script can send anything
 
     def _reported(
         self, change: Change
@@ -123,9 +122,6 @@ class PlotControls:
 
         return callback
 
-    def _opened(self, choice: PlotChoice) -> PlotChoice:
-        return replace(choice, open=bool(self.open.value))
-
     def _seen(self, choice: PlotChoice) -> PlotChoice:
         self.area_open = bool(self.seen.value)
         return replace(choice, open=self.area_open)
@@ -138,14 +134,10 @@ class PlotControls:
         kinds = tuple(self._joints.options)
         return choice.with_joints(option("Joints", self._joints.value, kinds, ALL_JOINTS, []))
 
-    def _landing_chosen(self, choice: PlotChoice) -> PlotChoice:
-        return replace(choice, landing=bool(self._landing.value))
-
     def _quantity_chosen(self, choice: PlotChoice) -> PlotChoice:
         title = option("Quantity", self._quantity.value, tuple(_KEYS), next(iter(_KEYS)), [])
-        key = _KEYS[title]
-        same = choice.offered.signal == key
-        return choice if same else replace(choice, offered=ChartChoice(key))
+        same = choice.offered.signal == _KEYS[title]
+        return choice if same else replace(choice, offered=ChartChoice(_KEYS[title]))
 
     def _component_chosen(self, choice: PlotChoice) -> PlotChoice:
         offered = tuple(self._component.options)

@@ -1,19 +1,18 @@
-"""Chosen charts as numbers: common instants, shading, marks, and a row of values a line."""
+"""Chosen charts at common instants, with shading and marks."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from app.motion import colours
-from app.motion.colours import Rgb
-from app.plots.charts import DASHED, SOLID, Chart, Layer, charts
-from app.plots.choice import ChartChoice, PlotChoice
-from app.plots.signals import SIGNALS
+from app.motion.planned_motion import PlannedMotion
+from app.plots.charts import DASHED, SOLID, Chart, Layer, Line, charts
+from app.plots.choice import PlotChoice
 from app.plots.time_grid import TimeGrid
 from llsrbm.motion.flights import flights
 
@@ -25,44 +24,6 @@ AXIS_STEP = 0.25
 _BEFORE, _AFTER, _LANDING_STEP = 0.1, 0.25, 0.05  # s around touchdowns
 
 
-@dataclass(frozen=True)
-class Stroke:
-    """How a line is drawn and its name.
-
-    Attributes:
-        title: a layer's, a mark's.
-        colour: of the line; dash: pixels drawn and left out, in turn.
-        component: of several that share a chart.
-    """
-
-    title: str
-    colour: Rgb
-    dash: tuple[float, ...] = SOLID
-    component: str = ""
-
-    @property
-    def name(self) -> str:
-        """Title and component."""
-        return f"{self.title} {self.component}".rstrip()
-
-
-@dataclass(frozen=True, eq=False)
-class Rows:
-    """The lines of a chart.
-
-    Attributes:
-        title: quantity and unit.
-        strokes: of the lines.
-        values: (P,) of each line.
-        least: as in `app.plots.signal.Signal`.
-    """
-
-    title: str
-    strokes: tuple[Stroke, ...]
-    values: tuple[Array, ...]
-    least: float
-
-
 @dataclass(frozen=True, eq=False)
 class Figure:
     """Charts over the same P instants.
@@ -70,15 +31,14 @@ class Figure:
     Attributes:
         grid: the instants.
         flight: (P,) high where the design that is shown plans to fly.
-        mark_strokes: of upright lines; marks: (P,) a step at each.
-        charts: from top to bottom.
+        marks: upright lines: a step at each.
+        charts: from top to bottom; their lines are sampled at the instants.
     """
 
     grid: TimeGrid
     flight: Array
-    mark_strokes: tuple[Stroke, ...]
-    marks: tuple[Array, ...]
-    charts: tuple[Rows, ...]
+    marks: tuple[Line, ...]
+    charts: tuple[Chart, ...]
 
 
 def figure(choice: PlotChoice, layers: Sequence[Layer], end: float) -> Figure:
@@ -86,70 +46,68 @@ def figure(choice: PlotChoice, layers: Sequence[Layer], end: float) -> Figure:
 
     Args:
         choice: of charts.
-        layers: what to draw, the first ones below; one of them at least is not pinned.
+        layers: drawn in this order; one of them at least is not pinned.
         end: of the motion that is shown, s.
     """
     shown = [layer for layer in layers if not layer.pinned]
-    replay = shown[0].replay
-    assert replay is not None  # what is not pinned has a plan
-    plan = replay.plan
+    planned = shown[0].motion
+    assert isinstance(planned, PlannedMotion)  # what is not pinned has a plan
+    plan = planned.plan
     flown = [tuple(plan.phase_start[[k, k + 1]].tolist()) for k in plan.schedule.flights]
     touchdowns = [
-        _marks(shown, flight, planned, choice) for flight, (_, planned) in enumerate(flown)
+        _marks(shown, flight, landing, choice) for flight, (_, landing) in enumerate(flown)
     ]
     marks = [mark for each in touchdowns for mark in each]
+    start, end = 0.0, math.ceil(end / AXIS_STEP - 1e-9) * AXIS_STEP
     if choice.landing:
-        start, end = _around([instant for _, instant in touchdowns[-1]])
-    else:
-        start, end = 0.0, math.ceil(end / AXIS_STEP - 1e-9) * AXIS_STEP
-    instants = [*(edge for flight in flown for edge in flight), *(at for _, at in marks)]
+        start, end = _around([instant for *_, instant in touchdowns[-1]])
+    instants = [*(edge for flight in flown for edge in flight), *(at for *_, at in marks)]
     grid = TimeGrid.over(start, end, instants)
     return Figure(
         grid=grid,
         flight=np.maximum.reduce([grid.between(*flight) for flight in flown]),
-        mark_strokes=tuple(stroke for stroke, _ in marks),
-        marks=tuple(grid.step(instant) for _, instant in marks),
-        charts=tuple(_rows(chart, grid) for chart in charts(choice, layers)),
-    )
-
-
-def everything() -> PlotChoice:
-    """Every chart that there is: what can be drawn of a motion at all."""
-    return PlotChoice(tuple(ChartChoice(key, each=True) for key in SIGNALS))
-
-
-def _rows(chart: Chart, grid: TimeGrid) -> Rows:
-    lines = chart.lines
-    return Rows(
-        chart.heading,
-        tuple(Stroke(line.title, line.colour, line.dash, line.component) for line in lines),
-        tuple(
-            grid.sample(line.time, np.clip(line.values, -chart.most, chart.most)) for line in lines
+        marks=tuple(
+            Line(title, "", "", colour, dash, grid.time, grid.step(instant))
+            for title, colour, dash, instant in marks
         ),
-        chart.least,
+        charts=tuple(_sampled(chart, grid) for chart in charts(choice, layers)),
     )
 
 
-def _marks(
-    shown: Sequence[Layer], flight: int, planned: float, choice: PlotChoice
-) -> list[tuple[Stroke, float]]:
+def _sampled(chart: Chart, grid: TimeGrid) -> Chart:
+    lines = (
+        replace(
+            line,
+            time=grid.time,
+            values=grid.sample(line.time, np.clip(line.values, -chart.most, chart.most)),
+        )
+        for line in chart.lines
+    )
+    return replace(chart, lines=tuple(lines))
+
+
+_Mark = tuple[str, colours.Rgb, tuple[float, ...], float]  # title, colour, dash, instant (s)
+
+
+def _marks(shown: Sequence[Layer], flight: int, planned: float, choice: PlotChoice) -> list[_Mark]:
     """A flight's touchdown: the simulator's; in detail the planned one and its detection as well.
 
     Args:
         shown: plan and simulation.
         flight: its number, from 0 on.
-        planned: when it shall end, s.
+        planned: its planned end, s.
         choice: of charts.
     """
-    detailed = choice.landing
-    marks = [(Stroke("touch-down planned", shown[0].colour), planned)] if detailed else []
+    marks: list[_Mark] = []
+    if choice.landing:
+        marks.append(("touch-down planned", shown[0].colour, SOLID, planned))
     for layer in shown:
         simulated = () if layer.rollout is None else flights(layer.rollout)[flight : flight + 1]
         for each in simulated:
             if each.touchdown is not None:
-                marks.append((Stroke("touch-down", layer.colour), each.touchdown))
-            if detailed and each.detected is not None:
-                marks.append((Stroke("detected", colours.FORCE, DASHED), each.detected))
+                marks.append(("touch-down", layer.colour, SOLID, each.touchdown))
+            if choice.landing and each.detected is not None:
+                marks.append(("detected", colours.FORCE, DASHED, each.detected))
     return marks
 
 

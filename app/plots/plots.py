@@ -18,13 +18,11 @@ from typing import Any
 
 import viser
 
-from app.plots.charts import Layer
+from app.plots.charts import Layer, csv_of
 from app.plots.choice import DEFAULT, PlotChoice
 from app.plots.controls import PlotControls
-from app.plots.csv_file import csv_of
+from app.plots.drawing import UplotChart, legend, note
 from app.plots.figure import Figure, figure
-from app.plots.legend import legend, note
-from app.plots.uplot_chart import UplotChart
 from app.viser_private import run_javascript, uuid_of
 
 __all__ = ["Layer", "PlotChoice", "Plots"]
@@ -51,7 +49,7 @@ class Plots:
 
         Args:
             client: the tab.
-            chosen: called from viser's event loop with what the user chose; must return at once.
+            chosen: called on viser's event loop with the user's choice; must return at once.
         """
         self._client = client
         self._controls = PlotControls(client.gui, chosen)
@@ -78,7 +76,7 @@ class Plots:
         Args:
             layers: one of them at least is not pinned; none: no charts.
             end: of the motion that is shown, s.
-            choice: what is plotted of them.
+            choice: of charts.
             moving: the next motion will follow soon: nothing is drawn.
         """
         if moving:

@@ -2,10 +2,8 @@
 // (app/panel/atlas_map.py), and so does the place of the present design. The pointer or the arrow
 // keys choose a cell, whose jump is described below the map; a click or Enter opens it.
 (() => {
-  const { page } = window.llsrbm;
+  const { page, element, shape, addToPage } = window.llsrbm;
   const PLACE = ".llsrbm-atlas";
-  const SVG = Object.assign(document.createElement("template"), { innerHTML: "<svg></svg>" })
-    .content.firstChild.namespaceURI;
   const LOOK_EVERY = 300; // ms; viser makes the place anew whenever its tab is opened
   const ASK_EVERY = 3000; // ms until a server that has sent no map is asked again
   const WIDTH = 320, HEIGHT = 250, LEFT = 50, RIGHT = 8, TOP = 8, BOTTOM = 36;
@@ -28,7 +26,7 @@
     ${PLACE} .chosen { fill: none; stroke: var(--mantine-primary-color-filled); stroke-width: 2.5;
       pointer-events: none; }
     ${PLACE} .mark { pointer-events: none; }
-    ${PLACE} .told { min-height: 4.2em; margin: 2px 0 4px; }
+    ${PLACE} .described { min-height: 4.2em; margin: 2px 0 4px; }
     ${PLACE} .legend { display: flex; flex-wrap: wrap; gap: 1px 12px; align-items: center;
       margin-bottom: 8px; }
     ${PLACE} .key { white-space: nowrap; }
@@ -43,20 +41,6 @@
   let map = null, mark = null, chosen = -1; // chosen: number of a cell
   let version = 0, asked = -Infinity;
   let drawn = null; // the place in which the map of this version is
-
-  function element(kind, attributes, ...children) {
-    const made = document.createElement(kind);
-    for (const [name, value] of Object.entries(attributes)) made.setAttribute(name, value);
-    made.append(...children);
-    return made;
-  }
-
-  function shape(kind, attributes, ...children) {
-    const made = document.createElementNS(SVG, kind);
-    for (const [name, value] of Object.entries(attributes)) made.setAttribute(name, value);
-    made.append(...children);
-    return made;
-  }
 
   // ---- places
 
@@ -108,15 +92,15 @@
     if (map.jump[cell] < 0) return `${where}: the sweep has no jump there.`;
     const { plannable, strict, torque, flight } = map.figures;
     const share = (values) => `${Math.round(values[cell])} %`;
-    const told = [];
-    if (map.count) told.push(`${share(plannable)} of ${map.count[cell]} jumps can be planned`);
-    else told.push(plannable[cell] > 0 ? "can be planned" : "cannot be planned");
+    const parts = [];
+    if (map.count) parts.push(`${share(plannable)} of ${map.count[cell]} jumps can be planned`);
+    else parts.push(plannable[cell] > 0 ? "can be planned" : "cannot be planned");
     const stop = map.stops[map.stop[cell]];
-    if (stop !== "nothing") told.push(`${map.count ? "mostly " : ""}stopped by: ${stop}`);
-    if (strict?.[cell] != null) told.push(`strict landings ${share(strict)}`);
-    if (torque[cell] != null) told.push(`largest torque share ${share(torque)}`);
-    if (flight[cell] != null) told.push(`flight ${flight[cell].toFixed(2)} s`);
-    return `${where}: ${told.join("; ")}.`;
+    if (stop !== "nothing") parts.push(`${map.count ? "mostly " : ""}stopped by: ${stop}`);
+    if (strict?.[cell] != null) parts.push(`strict landings ${share(strict)}`);
+    if (torque[cell] != null) parts.push(`largest torque share ${share(torque)}`);
+    if (flight[cell] != null) parts.push(`flight ${flight[cell].toFixed(2)} s`);
+    return `${where}: ${parts.join("; ")}.`;
   }
 
   // ---- drawing
@@ -125,8 +109,8 @@
     chosen = cell;
     if (!drawn) return;
     const box = drawn.querySelector(".chosen");
-    const told = drawn.querySelector(".told");
-    if (told.textContent !== words(cell)) told.textContent = words(cell);
+    const line = drawn.querySelector(".described");
+    if (line.textContent !== words(cell)) line.textContent = words(cell);
     box.setAttribute("visibility", cell < 0 ? "hidden" : "visible");
     if (cell >= 0)
       for (const [name, value] of Object.entries(boxOf(cell))) box.setAttribute(name, value);
@@ -227,7 +211,7 @@
     if (!map) return;
     target.append(
       ...(map.slice ? [element("div", { class: "slice" }, minus(map.slice))] : []),
-      picture(), element("div", { class: "told", "aria-live": "polite" }), legend(),
+      picture(), element("div", { class: "described", "aria-live": "polite" }), legend(),
     );
     choose(chosen < map.jump.length ? chosen : -1);
     moveMark();
@@ -282,10 +266,8 @@
     return mark ? best(map.y, mark[1]) * columns() + best(map.x, mark[0]) : 0;
   }
 
-  document.addEventListener("DOMContentLoaded", () => {
-    document.head.append(element("style", {}, STYLE));
-    setInterval(look, LOOK_EVERY);
-  });
+  addToPage(STYLE);
+  setInterval(look, LOOK_EVERY);
 
   window.llsrbm.atlas = {
     show(sent) {
@@ -306,6 +288,6 @@
       asked = -Infinity;
     },
     get map() { return map; },
-    get told() { return drawn?.querySelector(".told")?.textContent ?? ""; },
+    get described() { return drawn?.querySelector(".described")?.textContent ?? ""; },
   };
 })();

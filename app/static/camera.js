@@ -1,12 +1,10 @@
 // The camera: views, following, a picture as a file; its buttons at the picture's top left, and the
 // backdrop behind the picture. A clip says what there is to look at (app/motion/clip.py, `Sight`).
 (() => {
-  const { player } = window.llsrbm;
+  const { player, element, addToPage, listenToKeys } = window.llsrbm;
   const AROUND = [0.62, -0.95, 0.34]; // from the right, ahead and above
   const VIEWS = { front: [1, 0, 0.12], side: [0, -1, 0.12], top: [-1e-3, 0, 1], all: AROUND };
   const MARGIN = 0.06; // share of the picture's height that stays free around the robot
-  const TYPED_INTO = "input, textarea, select, [contenteditable], [role=slider], " +
-    "[role=textbox], [role=application]";
 
   // Every field of viser's that this script uses, below `window.__viserMutable`.
   const needs = [
@@ -225,20 +223,14 @@
     ["follow", "Follow the base", "F", () => setFollows(!follows)],
     ["picture", "Save picture", "P", () => download()],
   ];
-  const buttons = {};
-  const bar = document.createElement("div");
-  bar.id = "llsrbm-camera";
-  bar.setAttribute("role", "toolbar");
-  bar.setAttribute("aria-label", "Camera");
-  for (const [name, label, key, act] of ACTS) {
-    const button = buttons[name] = document.createElement("button");
-    button.type = "button";
-    button.setAttribute("aria-label", label);
-    button.title = `${label} (${key})`;
-    button.innerHTML = `<svg viewBox="0 0 20 20" aria-hidden="true">${ICONS[name]}</svg>`;
-    button.addEventListener("click", act);
-    bar.append(button);
-  }
+  const buttons = Object.fromEntries(ACTS.map(([name, label, key, act]) => {
+    const made = element("button",
+      { type: "button", "aria-label": label, title: `${label} (${key})`, onclick: act });
+    made.innerHTML = `<svg viewBox="0 0 20 20" aria-hidden="true">${ICONS[name]}</svg>`;
+    return [name, made];
+  }));
+  const bar = element("div", { id: "llsrbm-camera", role: "toolbar", "aria-label": "Camera" },
+    ...Object.values(buttons));
   buttons.follow.setAttribute("aria-pressed", false);
 
   // At the canvas' corner, however the panel is docked; a canvas of another size shows all again.
@@ -256,22 +248,10 @@
     size = now;
   }
 
-  window.addEventListener("keydown", (event) => {
-    if (event.ctrlKey || event.altKey || event.metaKey || event.repeat || !sight) return;
-    if (event.target instanceof Element && event.target.closest(TYPED_INTO)) return;
-    const act = ACTS.find(([, , key]) => key === event.key.toUpperCase());
-    if (!act) return;
-    event.preventDefault();
-    event.stopImmediatePropagation();
-    act[3]();
-  }, { capture: true });
-  document.addEventListener("DOMContentLoaded", () => {
-    const style = document.createElement("style");
-    style.textContent = STYLE;
-    document.head.append(style);
-    document.body.append(bar);
-    setInterval(stay, 250);
-  });
+  listenToKeys(Object.fromEntries(ACTS.map(([, , key, act]) => [key, () => act()])),
+    (event) => sight && !event.repeat);
+  addToPage(STYLE, bar);
+  setInterval(stay, 250);
   player.listen(follow);
 
   window.llsrbm.camera = {

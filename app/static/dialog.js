@@ -1,5 +1,6 @@
 // A small dialog of the page's own: a title, a sentence, and a line of text to copy.
 (() => {
+  const { element, addToPage } = window.llsrbm;
   const STYLE = `
     #llsrbm-dialog { max-width: min(34rem, 90vw); border: 1px solid var(--mantine-color-default-border);
       border-radius: 8px; padding: 1rem 1.2rem; font: 14px/1.5 system-ui, sans-serif;
@@ -13,25 +14,13 @@
       background: var(--mantine-color-default); border-radius: 4px; cursor: pointer;
       border: 1px solid var(--mantine-color-default-border); }`;
 
-  function element(kind, attributes, ...children) {
-    const made = document.createElement(kind);
-    for (const [name, value] of Object.entries(attributes)) made.setAttribute(name, value);
-    made.append(...children);
-    return made;
-  }
-
   const title = element("h2", { id: "llsrbm-dialog-title" });
-  const text = element("p", {});
+  const text = element("p");
   const line = element("input", { readonly: "", "aria-label": "Link" });
-  const close = element("button", { type: "button" }, "Close");
+  const close = element("button", { type: "button", onclick: () => dialog.close() }, "Close");
   const dialog = element("dialog",
     { id: "llsrbm-dialog", "aria-labelledby": "llsrbm-dialog-title" }, title, text, line, close);
-  close.addEventListener("click", () => dialog.close());
-
-  document.addEventListener("DOMContentLoaded", () => {
-    document.head.append(element("style", {}, STYLE));
-    document.body.append(dialog);
-  });
+  addToPage(STYLE, dialog);
 
   window.llsrbm.dialog = {
     open(heading, sentence, value) {

@@ -25,11 +25,11 @@
   veil.style.cssText = "position:fixed;inset:0;z-index:10000;display:none;pointer-events:none;" +
     "align-items:center;justify-content:center;background:rgba(44,123,229,0.14);" +
     "outline:3px dashed rgb(44,123,229);outline-offset:-14px";
-  const told = document.createElement("div");
-  told.textContent = "Drop a design, plan, simulation or motion file to open it";
-  told.style.cssText = "font:600 17px sans-serif;color:#fff;background:rgb(44,123,229);" +
+  const text = document.createElement("div");
+  text.textContent = "Drop a design, plan, simulation or motion file to open it";
+  text.style.cssText = "font:600 17px sans-serif;color:#fff;background:rgb(44,123,229);" +
     "padding:0.7em 1.1em;border-radius:0.4em";
-  veil.append(told);
+  veil.append(text);
   document.body.append(veil);
   const show = (visible) => { veil.style.display = visible ? "flex" : "none"; };
   const holdsFiles = (event) => [...(event.dataTransfer?.types ?? [])].includes("Files");

@@ -1,6 +1,7 @@
 // The first minute: four cards that point at what matters, once for each browser. It can be skipped
 // with a click or Escape, and opened again by `llsrbm.tour.start()` (the panel's Help tab).
 (() => {
+  const { element, addToPage } = window.llsrbm;
   const SEEN = "llsrbm.tour"; // name in the browser's storage
   const AWAY = 12; // pixels between a card and what it points at
 
@@ -41,23 +42,16 @@
     .llsrbm-pointed { outline: 2px solid var(--mantine-primary-color-filled); outline-offset: 3px;
       border-radius: 4px; }`;
 
-  function element(kind, attributes, ...children) {
-    const made = document.createElement(kind);
-    for (const [name, value] of Object.entries(attributes)) made.setAttribute(name, value);
-    made.append(...children);
-    return made;
-  }
-
   const control = (label) => [...document.querySelectorAll("label")]
     .find((each) => each.textContent.trim() === label)?.closest(".mantine-Flex-root") ?? null;
   const button = (label) => [...document.querySelectorAll("button")]
     .find((each) => each.textContent.trim() === label) ?? null;
 
   const title = element("h2", { id: "llsrbm-tour-title" });
-  const text = element("p", {});
-  const count = element("span", {});
-  const skip = element("button", { type: "button" }, "Skip");
-  const next = element("button", { type: "button" }, "Next");
+  const text = element("p");
+  const count = element("span");
+  const skip = element("button", { type: "button", onclick: end }, "Skip");
+  const next = element("button", { type: "button", onclick: () => show(at + 1) }, "Next");
   const card = element("div",
     { id: "llsrbm-tour", role: "dialog", "aria-labelledby": "llsrbm-tour-title", "aria-live": "polite" },
     title, text, element("div", { class: "line" }, count, skip, next));
@@ -112,8 +106,6 @@
     card.style.top = `${Math.max(0, Math.min(beside.top, window.innerHeight - height - AWAY))}px`;
   }
 
-  skip.addEventListener("click", end);
-  next.addEventListener("click", () => show(at + 1));
   // The panel's Help tab has a button for it (app/panel/html.py).
   document.addEventListener("click", (event) => {
     if (event.target instanceof Element && event.target.closest("[data-tour]")) show(0);
@@ -122,10 +114,7 @@
   window.addEventListener("keydown", (event) => {
     if (event.key === "Escape" && at >= 0) end();
   });
-  document.addEventListener("DOMContentLoaded", () => {
-    document.head.append(element("style", {}, STYLE));
-    document.body.append(card);
-  });
+  addToPage(STYLE, card);
 
   window.llsrbm.tour = {
     start: () => show(0),

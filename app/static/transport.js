@@ -1,13 +1,11 @@
 // The bar under the picture: phases, marks, time; drag to scrub. Keys: space, arrows, Home, End.
 (() => {
-  const { page, player } = window.llsrbm;
+  const { page, player, element, addToPage, listenToKeys } = window.llsrbm;
   const SPEEDS = [0.1, 0.25, 0.5, 1];
   const WRITTEN_EVERY = 100; // ms; numbers that change faster cannot be read
   const LABEL_LINES = 2, LABEL_HEIGHT = 13, BETWEEN = 4; // lines above the strips; pixels
   const FAR = 6; // frames that an arrow key moves with Shift
   const EMPTY = "no motion yet";
-  const TYPED_INTO = "input, textarea, select, [contenteditable], [role=slider], " +
-    "[role=textbox], [role=application]";
 
   const STYLE = `
     #llsrbm-transport { position: fixed; z-index: 5; box-sizing: border-box;
@@ -48,16 +46,6 @@
       pointer-events: none; will-change: transform; }
     #llsrbm-transport .cursor::before { content: ""; position: absolute; left: -1.5px; top: 0;
       bottom: 0; width: 3px; background: var(--mantine-color-text); border-radius: 2px; }`;
-
-  function element(kind, attributes = {}, ...children) {
-    const made = document.createElement(kind);
-    for (const [name, value] of Object.entries(attributes)) {
-      if (name.startsWith("on")) made.addEventListener(name.slice(2), value);
-      else made.setAttribute(name, value);
-    }
-    made.append(...children);
-    return made;
-  }
 
   const button = (label, key, sign, onclick) => element("button",
     { type: "button", "aria-label": label, title: key ? `${label} (${key})` : label, onclick }, sign);
@@ -195,37 +183,17 @@
     });
   }
 
-  // Before viser sees them: it would turn the camera with the arrows.
-  function press(event) {
-    if (event.ctrlKey || event.altKey || event.metaKey || !player.clip) return;
-    if (event.target instanceof Element && event.target.closest(TYPED_INTO)) return;
-    const far = event.shiftKey ? FAR : 1;
-    const acts = {
-      " ": () => player.toggle(),
-      ArrowLeft: () => player.step(-far),
-      ArrowRight: () => player.step(far),
-      Home: () => player.seek(0),
-      End: () => player.seek(Infinity),
-    };
-    const act = acts[event.key];
-    if (!act) return;
-    event.preventDefault();
-    event.stopImmediatePropagation();
-    act();
-  }
-
-  window.addEventListener("keydown", press, { capture: true });
-  // A focused button would be clicked by the space that has just toggled the motion.
-  window.addEventListener("keyup", (event) => {
-    const typing = event.target instanceof Element && event.target.closest(TYPED_INTO);
-    if (event.key === " " && player.clip && !typing) event.preventDefault();
-  }, { capture: true });
+  const far = (event) => (event.shiftKey ? FAR : 1);
+  listenToKeys({
+    " ": () => player.toggle(),
+    ArrowLeft: (event) => player.step(-far(event)),
+    ArrowRight: (event) => player.step(far(event)),
+    Home: () => player.seek(0),
+    End: () => player.seek(Infinity),
+  }, () => player.clip);
   window.addEventListener("resize", () => shown && placeLabels([...track.querySelectorAll(".mark")]));
-  document.addEventListener("DOMContentLoaded", () => {
-    document.head.append(element("style", {}, STYLE));
-    document.body.append(bar);
-    setInterval(follow, 250);
-  });
+  addToPage(STYLE, bar);
+  setInterval(follow, 250);
   player.listen(refresh);
 
   window.llsrbm.transport = {

@@ -248,9 +248,9 @@ def _show(plan: Plan, rollout: Rollout | None, robot: Robot) -> None:
     from app.motion.planned_motion import bake_plan
     from app.motion.simulated_motion import bake_rollout
     from app.panel import summaries
-    from app.plots.charts import shown_layers
+    from app.plots.charts import everything, shown_layers
     from app.plots.choice import PRESETS
-    from app.plots.figure import everything, figure
+    from app.plots.figure import figure
     from llsrbm.look.timeline import timeline
     from llsrbm.look.titles import titles_of
     from llsrbm.request.design import dump_design
@@ -278,8 +278,7 @@ def _show(plan: Plan, rollout: Rollout | None, robot: Robot) -> None:
 def _show_alone(name: str, motion: Rollout | WholeBodyMotion) -> None:
     from app.motion import colours
     from app.motion.foreign_motion import bake_foreign
-    from app.plots.charts import Layer, charts
-    from app.plots.figure import everything
+    from app.plots.charts import Layer, charts, everything
 
     layer = Layer(name, colours.PINNED[0], bake_foreign(name, motion), None, pinned=True)
     charts(everything(), [layer])

@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from app.motion import colours
 from app.motion.planned_motion import bake_plan
-from app.plots.charts import Layer, charts, components_offered, shown_layers
+from app.plots.charts import Layer, charts, components_offered, everything, shown_layers
 from app.plots.choice import (
     LANDING,
     OVERVIEW,
@@ -18,9 +18,8 @@ from app.plots.choice import (
     ChartChoice,
     PlotChoice,
 )
-from app.plots.figure import everything, figure
-from app.plots.signal import joint_kinds
-from app.plots.signals import SIGNALS
+from app.plots.figure import figure
+from app.plots.signals import SIGNALS, joint_kinds
 from llsrbm.files.quantity import TIME, derived, quantities
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Disturbance, Rollout
@@ -269,8 +268,8 @@ def test_a_drive_that_can_give_nothing(planned, rollout):
     shares = drawn(TORQUES, without)[title]["plan"]
     assert at(shares, STAND / 2) == np.inf
     assert at(shares, MIDDLE) == 0
-    rows = figure(PRESETS[TORQUES], shown_layers(without, None), 1.3).charts[1]
-    assert np.nanmax(rows.values[1]) == 2.0, "what is drawn ends at twice the limit"
+    chart = figure(PRESETS[TORQUES], shown_layers(without, None), 1.3).charts[1]
+    assert np.nanmax(chart.lines[1].values) == 2.0, "what is drawn ends at twice the limit"
 
 
 @pytest.mark.parametrize(
@@ -312,8 +311,8 @@ def test_detection_is_in_units_of_its_threshold(planned, rollout):
     highest = (rollout.detection_signal / THRESHOLD).max()
     assert found["simulation"].values.max() == pytest.approx(highest)
     hard = replace(rollout, detection_signal=rollout.detection_signal * 1e4)
-    rows = figure(PRESETS[LANDING], shown_layers(planned, hard), 2.3).charts[1]
-    assert np.nanmax(rows.values[-1]) == 3.0
+    chart = figure(PRESETS[LANDING], shown_layers(planned, hard), 2.3).charts[1]
+    assert np.nanmax(chart.lines[-1].values) == 3.0
     # The norm's signal is compared with a negative number.
     negative = replace(rollout, detection_threshold=-THRESHOLD)
     found = drawn(LANDING, planned, negative)["Detection signal / |threshold|"]

@@ -9,8 +9,8 @@ from app.motion import colours
 from app.motion.planned_motion import bake_plan
 from app.plots.charts import Layer, charts, shown_layers
 from app.plots.choice import LANDING, OVERVIEW, PRESETS
+from app.plots.drawing import legend
 from app.plots.figure import figure
-from app.plots.legend import legend
 from app.plots.time_grid import ABOVE
 from llsrbm.request.jump import Jump
 from llsrbm.robots import load_robot
@@ -43,25 +43,24 @@ def test_a_curve_has_at_most_400_points(group, layers, rollout):
     count = len(drawn.grid.time)
     assert count <= 400
     assert (np.diff(drawn.grid.time) >= 0).all()
-    for rows in drawn.charts:
-        assert len(rows.strokes) == len(rows.values)
-        assert {values.shape for values in rows.values} == {(count,)}
+    for chart in drawn.charts:
+        assert {line.values.shape for line in chart.lines} == {(count,)}
 
 
 def test_peaks_of_every_curve_are_drawn(layers, rollout):
     drawn = figure(PRESETS["Contact forces"], layers, rollout.time[-1])
-    for rows, chart in zip(drawn.charts, charts(PRESETS["Contact forces"], layers), strict=True):
-        for stroke, values, line in zip(rows.strokes, rows.values, chart.lines, strict=True):
-            assert (stroke.title, stroke.colour) == (line.title, line.colour)
-            assert np.nanmax(values) == pytest.approx(line.values.max())
-            assert np.nanmin(values) == pytest.approx(line.values.min())
+    for sampled, chart in zip(drawn.charts, charts(PRESETS["Contact forces"], layers), strict=True):
+        for points, line in zip(sampled.lines, chart.lines, strict=True):
+            assert points.look == line.look
+            assert np.nanmax(points.values) == pytest.approx(line.values.max())
+            assert np.nanmin(points.values) == pytest.approx(line.values.min())
 
 
 def test_the_plan_ends_before_the_simulation(planned, rollout):
     drawn = figure(PRESETS["CoM position"], shown_layers(planned, rollout), rollout.time[-1])
     ends = {}
-    for stroke, values in zip(drawn.charts[0].strokes, drawn.charts[0].values, strict=True):
-        ends[stroke.title] = drawn.grid.time[np.isfinite(values)][-1]
+    for line in drawn.charts[0].lines:
+        ends[line.title] = line.time[np.isfinite(line.values)][-1]
     slack = 1.5 * drawn.grid.spacing
     assert ends["plan"] == pytest.approx(planned.plan.duration, abs=slack)
     assert ends["simulation"] == pytest.approx(rollout.time[-1], abs=slack)
@@ -83,8 +82,7 @@ def test_flight_is_shaded(planned):
 def test_touchdowns_are_marked(planned, rollout):
     drawn = figure(PRESETS[LANDING], shown_layers(planned, rollout), rollout.time[-1])
     marked = {
-        stroke.title: drawn.grid.time[np.flatnonzero(np.diff(step))[0]]
-        for stroke, step in zip(drawn.mark_strokes, drawn.marks, strict=True)
+        mark.title: mark.time[np.flatnonzero(np.diff(mark.values))[0]] for mark in drawn.marks
     }
     outcome = rollout.outcome
     assert marked == {
@@ -103,12 +101,12 @@ def test_a_robot_that_never_landed_has_no_such_mark(planned, rollout):
     flying = replace(rollout, outcome=outcome)
     for group, expected in ((LANDING, ["touch-down planned"]), ("Overview", [])):
         drawn = figure(PRESETS[group], shown_layers(planned, flying), rollout.time[-1])
-        assert [stroke.title for stroke in drawn.mark_strokes] == expected
+        assert [mark.title for mark in drawn.marks] == expected
 
 
 def test_pinned_designs_have_no_marks(layers, rollout):
     drawn = figure(PRESETS[OVERVIEW], layers, rollout.time[-1])
-    assert [stroke.colour for stroke in drawn.mark_strokes] == [colours.SIMULATED]
+    assert [mark.colour for mark in drawn.marks] == [colours.SIMULATED]
 
 
 def test_every_flight_is_shaded_and_its_touchdown_marked():
@@ -120,7 +118,7 @@ def test_every_flight_is_shaded_and_its_touchdown_marked():
     starts = [STAND + k * (STAND + FLY) for k in range(3)]
     assert edges == pytest.approx(np.add.outer(starts, [0, FLY]).ravel())
     drawn = figure(PRESETS[LANDING], layers, hops.plan.duration)
-    assert [stroke.title for stroke in drawn.mark_strokes] == ["touch-down planned"] * 3
+    assert [mark.title for mark in drawn.marks] == ["touch-down planned"] * 3
     # Only the last one is looked at closely.
     assert drawn.grid.time[0] > starts[2]
     assert legend(drawn).count("touch-down planned") == 1

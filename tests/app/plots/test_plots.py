@@ -13,9 +13,8 @@ from app.guard.token import Access
 from app.motion import colours
 from app.motion.planned_motion import bake_plan
 from app.page_template import page as designer_page
-from app.plots.charts import Layer, shown_layers
+from app.plots.charts import Layer, csv_of, shown_layers
 from app.plots.choice import DEFAULT, LANDING, OVERVIEW, PRESETS, TORQUES, ChartChoice
-from app.plots.csv_file import csv_of
 from app.plots.plots import Plots
 from app.viser_private import DesignerServer
 from llsrbm.request.jump import Jump

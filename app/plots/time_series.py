@@ -1,4 +1,4 @@
-"""One motion over time, planned, simulated or from a file, under the same names."""
+"""Quantities of one motion over time, planned, simulated or from a file, under the same names."""
 
 from __future__ import annotations
 
@@ -26,20 +26,39 @@ _RECORDED_AS = {"joint_torque": "torque", "joint_torque_limit": "torque_limit"} 
 
 
 @dataclass(frozen=True, eq=False)
-class Course:
+class TimeSeries:
     """A motion's quantities at its K own instants; world frame, SI units.
 
     Attributes:
-        motion: what plans, simulations and files have in common.
-        recorded: where the rest is: a plan or a rollout; None of a motion from another tool.
+        motion: the quantities that plans, simulations and files have in common.
+        recorded: all others: a plan or a rollout; None of a motion from another tool.
         planned: the plan that a simulation followed; None of all else.
-        mass: kg, that has the momenta.
+        mass: of which the momenta are, kg.
     """
 
     motion: WholeBodyMotion
     recorded: Plan | Rollout | None
     planned: WholeBodyMotion | None
     mass: float
+
+    @classmethod
+    def of_plan(cls, plan: Plan, motion: WholeBodyMotion) -> TimeSeries:
+        """A plan's quantities at the instants of `motion`, which was made from it."""
+        return cls(motion, plan, None, motion.robot.mass)
+
+    @classmethod
+    def of_motion(cls, motion: WholeBodyMotion) -> TimeSeries:
+        """Those of a motion from a file."""
+        return cls(motion, None, None, motion.robot.mass)
+
+    @classmethod
+    def of_rollout(cls, rollout: Rollout, planned: WholeBodyMotion | None) -> TimeSeries:
+        """Those of a simulation at every control tick; `planned` is the motion that it followed."""
+        motion = motion_at_ticks(rollout, np.arange(len(rollout.time)))
+        # Momenta are those of the simulated masses.
+        trunk = motion.robot.model.inertias[1].mass
+        mass = motion.robot.mass + (rollout.disturbance.trunk_mass_factor - 1) * trunk
+        return cls(motion, rollout, planned, mass)
 
     @property
     def robot(self) -> Robot:
@@ -53,18 +72,8 @@ class Course:
 
     @property
     def rollout(self) -> Rollout | None:
-        """The simulation that this is."""
+        """The simulation, if it is one."""
         return self.recorded if isinstance(self.recorded, Rollout) else None
-
-    @property
-    def joint_names(self) -> tuple[str, ...]:
-        """Of the columns of quantities along the joints."""
-        return self.robot.joint_names
-
-    @property
-    def leg_names(self) -> tuple[str, ...]:
-        """Of the columns of quantities along the legs."""
-        return tuple(leg.name for leg in self.robot.legs)
 
     @cached_property
     def com_velocity(self) -> Array:
@@ -73,7 +82,7 @@ class Course:
 
     @cached_property
     def average_spatial_velocity_norm(self) -> Array:
-        """(K,) m/s and rad/s in one norm; of a simulation, as its controller measured it."""
+        """(K,) m/s and rad/s in one norm; of a simulation, as measured by its controller."""
         if self.rollout is not None:
             return self.rollout.average_spatial_velocity_norm
         momentum = self.motion.angular_momentum[..., None]
@@ -82,7 +91,7 @@ class Course:
         return norm
 
     def quantity(self, name: str) -> Array | None:
-        """(K, ...) of a quantity by its name in `Plan`; None of what this motion does not have.
+        """(K, ...) of a quantity by its name in `Plan`; None if this motion has no such quantity.
 
         Joints are in the robot's order.
         """
@@ -102,32 +111,8 @@ class Course:
         return self.recorded
 
 
-def course_of_plan(plan: Plan, motion: WholeBodyMotion) -> Course:
-    """A plan's quantities at the instants of `motion`, which was made from it."""
-    return Course(motion, plan, None, motion.robot.mass)
-
-
-def course_of_motion(motion: WholeBodyMotion) -> Course:
-    """Those of a motion from a file."""
-    return Course(motion, None, None, motion.robot.mass)
-
-
-def course_of_rollout(rollout: Rollout, planned: WholeBodyMotion | None) -> Course:
-    """The whole robot's motion, at every control tick.
-
-    Args:
-        rollout: the simulation.
-        planned: what it followed.
-    """
-    motion = motion_at_ticks(rollout, np.arange(len(rollout.time)))
-    # Momenta are those of the simulated masses.
-    trunk = motion.robot.model.inertias[1].mass
-    mass = motion.robot.mass + (rollout.disturbance.trunk_mass_factor - 1) * trunk
-    return Course(motion, rollout, planned, mass)
-
-
 def recorded_name(name: str) -> str:
-    """Under which name `Course.quantity` knows a rollout's quantity."""
+    """Name of a rollout's quantity in `TimeSeries.quantity`."""
     return {recorded: ours for ours, recorded in _RECORDED_AS.items()}.get(name, name)
 
 
@@ -135,7 +120,7 @@ def principal_moments(robot: Robot, inertia: Array, base_quat: Array) -> Array:
     """Principal moments of inertia, (K, 3) kg m2: those nearest to the base's x, y, z axes.
 
     Args:
-        robot: whose.
+        robot: whose mass it is.
         inertia: (K, 3, 3) kg m2 about the CoM.
         base_quat: (K, 4) w, x, y, z.
     """
@@ -145,7 +130,7 @@ def principal_moments(robot: Robot, inertia: Array, base_quat: Array) -> Array:
 
 
 def whole_body_inertia(motion: WholeBodyMotion) -> tuple[Array, Array, Array]:
-    """Inertia of the robot in its postures, whatever a planner's model says.
+    """Inertia of the robot in its postures, by its whole-body model instead of a planner's.
 
     Returns:
         time (K,) s, inertia about the CoM (K, 3, 3) kg m2, base_quat (K, 4) w, x, y, z.

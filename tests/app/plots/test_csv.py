@@ -8,9 +8,8 @@ import pytest
 
 from app.motion import colours
 from app.motion.planned_motion import bake_plan
-from app.plots.charts import Layer, charts, shown_layers
+from app.plots.charts import Layer, charts, csv_of, shown_layers
 from app.plots.choice import LANDING, PRESETS, ChartChoice, PlotChoice
-from app.plots.csv_file import csv_of
 from llsrbm.request.jump import Jump
 from llsrbm.robots import load_robot
 from tests.app.synthetic_plan import synthetic_plan

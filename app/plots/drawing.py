@@ -1,0 +1,188 @@
+"""One chart in the page, drawn by viser's uPlot, and the legend above all charts."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from html import escape
+
+import numpy as np
+import viser
+from numpy.typing import NDArray
+from viser import uplot
+
+from app.motion import colours
+from app.plots.charts import DASHED, Chart, Line, Look
+from app.plots.figure import Figure
+
+Array = NDArray[np.float64]
+
+_FONT = "11px system-ui, sans-serif"
+_TICKS = uplot.Axis_Ticks(size=3)
+_NO_POINTS = uplot.Series_Points(show=False)
+_GREY = (128, 128, 128)  # is seen on white and on viser's dark panel
+_SHADE = colours.css(_GREY, 0.15)  # of the flight
+_LINE_SCALE, _MARK_SCALE = "y", "marks"
+_WIDTH = 1.5  # pixels
+_STYLE = "padding:0.2em 0.9em;font-size:0.8em;line-height:1.5"
+
+Scales = dict[str, uplot.Scale]
+
+
+class UplotChart:
+    """Added to the page when it is first drawn; changed, not made anew, while its lines stay."""
+
+    def __init__(self, gui: viser.GuiApi) -> None:
+        """Nothing in the page yet; the chart will be in the container that is open at `draw`."""
+        self._gui = gui
+        self._handle: viser.GuiUplotHandle | None = None
+        self._looks: list[Look] = []
+        self._scales: Scales = {}
+
+    def draw(self, drawn: Figure, chart: Chart, pixels: int) -> None:
+        """Show a chart of a figure; `pixels` is its height below the title."""
+        lines = (*drawn.marks, *chart.lines)
+        data = (drawn.grid.time, drawn.flight, *(line.values for line in lines))
+        looks = [line.look for line in lines]
+        scales = _scales(drawn.grid.even, chart.least)
+        if self._handle is None:
+            self._handle = self._add(chart.heading, _series(drawn, chart), scales, data, pixels)
+        else:
+            # Sent as one, or the browser would see more lines than data.
+            if looks != self._looks:
+                self._handle.series = _series(drawn, chart)
+            if scales != self._scales:
+                self._handle.scales = scales
+            self._handle.title = chart.heading
+            self._handle.height = pixels
+            self._handle.data = data
+            self._handle.visible = True
+        self._looks, self._scales = looks, scales
+
+    def hide(self) -> None:
+        """Take it off the page."""
+        if self._handle is not None:
+            self._handle.visible = False
+
+    def _add(
+        self,
+        title: str,
+        series: tuple[uplot.Series, ...],
+        scales: Scales,
+        data: tuple[Array, ...],
+        pixels: int,
+    ) -> viser.GuiUplotHandle:
+        return self._gui.add_uplot(
+            data,
+            series,
+            title=title,
+            axes=(
+                uplot.Axis(size=20, gap=2, font=_FONT, ticks=_TICKS, space=44),
+                uplot.Axis(size=48, gap=3, font=_FONT, ticks=_TICKS, space=20),
+            ),
+            scales=scales,
+            legend=uplot.Legend(show=False),
+            cursor=uplot.Cursor(
+                sync=uplot.Cursor_Sync(key="time"), points=uplot.Cursor_Points(show=False)
+            ),
+            height=pixels,
+            padding=(7, 12, 0, 0),
+        )
+
+
+def _scales(time: Array, least: float) -> Scales:
+    # Stated in full: a time axis that is left to viser goes astray when data come together with
+    # other lines, or while the browser still measures the chart.
+    scales = {
+        "x": uplot.Scale(time=False, range=(float(time[0]), float(time[-1]))),
+        _MARK_SCALE: uplot.Scale(range=(0.0, 1.0)),
+    }
+    if least:
+        low, high = ({"pad": 0.1, "soft": soft, "mode": 1} for soft in (-least, least))
+        scales[_LINE_SCALE] = uplot.Scale(range={"min": low, "max": high})
+    return scales
+
+
+def _series(drawn: Figure, chart: Chart) -> tuple[uplot.Series, ...]:
+    flight = uplot.Series(
+        label="flight", scale=_MARK_SCALE, stroke=_SHADE, fill=_SHADE, width=1, points=_NO_POINTS
+    )
+    return (
+        uplot.Series(label="s"),
+        flight,
+        *(_stroked(line, _MARK_SCALE, 1.0) for line in drawn.marks),
+        *(_stroked(line, _LINE_SCALE, _WIDTH) for line in chart.lines),
+    )
+
+
+def _stroked(line: Line, scale: str, width: float) -> uplot.Series:
+    series = uplot.Series(
+        label=line.name,
+        scale=scale,
+        stroke=colours.css(line.colour),
+        width=width,
+        points=_NO_POINTS,
+    )
+    if line.dash:
+        series["dash"] = line.dash
+    return series
+
+
+# ---- the legend
+
+
+def legend(drawn: Figure) -> str:
+    """Everything that is drawn, each thing once: motions by colour, components by dashes."""
+    lines = [line for chart in drawn.charts for line in chart.lines]
+    # A motion has one colour, whatever its components' dashes are.
+    motions: dict[tuple[object, ...], Line] = {}
+    for line in sorted(lines, key=lambda line: line.dash == DASHED):
+        motions.setdefault((line.title, line.colour), line)
+    keys = [
+        *(_key_of(each.title, each, colours.css(each.colour)) for each in motions.values()),
+        *(_key_of_mark(mark) for mark in {mark.look: mark for mark in drawn.marks}.values()),
+        _key("flight as planned", f'<rect width="18" height="12" fill="{_SHADE}"/>'),
+        *(_key_of(name, line, "currentColor") for name, line in _components(lines).items()),
+    ]
+    return f'<div style="{_STYLE}">{"".join(keys)}<span>time in s</span></div>'
+
+
+def note(text: str) -> str:
+    """A sentence in place of charts."""
+    return f'<div style="{_STYLE}">{escape(text)}</div>'
+
+
+def _components(lines: Sequence[Line]) -> dict[str, Line]:
+    """Name -> line, of components that share a chart and have the same dashes in all charts."""
+    found: dict[str, Line] = {}
+    for line in lines:
+        if line.component and found.setdefault(line.component, line).dash != line.dash:
+            return {}
+    return found
+
+
+def _key_of(title: str, line: Line, colour: str) -> str:
+    dashes = ",".join(f"{length:g}" for length in line.dash)
+    solid = not line.dash or (line.component and colour != "currentColor")
+    return _key(
+        title,
+        f'<path d="M0 6H28" stroke="{colour}" stroke-width="2"'
+        f'{"" if solid else f""" stroke-dasharray="{dashes}" """}/>',
+        28,
+    )
+
+
+def _key_of_mark(mark: Line) -> str:
+    dashes = ' stroke-dasharray="4,4"' if mark.dash else ""
+    return _key(
+        mark.title,
+        f'<path d="M2 0V12" stroke="{colours.css(mark.colour)}" stroke-width="2"{dashes}/>',
+        4,
+    )
+
+
+def _key(title: str, sample: str, width: int = 18) -> str:
+    return (
+        '<span style="white-space:nowrap;margin-right:1.2em">'
+        f'<svg width="{width}" height="12" style="vertical-align:middle;margin-right:0.4em" '
+        f'aria-hidden="true">{sample}</svg>{escape(title)}</span> '
+    )
