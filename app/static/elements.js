@@ -33,11 +33,16 @@
   const CHOSEN_BY_ARROWS = "[role=tab], [role=option], [role=menuitem], [role=radio]";
   const PRESSED = `button, a[href], summary, [role=button], ${CHOSEN_BY_ARROWS}`;
 
+  let clicked = null; // has the focus since it was clicked
+  window.addEventListener("pointerup",
+    () => setTimeout(() => (clicked = document.activeElement)), true);
+  window.addEventListener("focusout", () => (clicked = null), true);
+
   function isFree({ key, target, ctrlKey, altKey, metaKey }) {
     if (ctrlKey || altKey || metaKey) return false;
     if (!(target instanceof Element)) return true;
     if (target.closest(TYPED_INTO)) return false;
-    if (!target.matches(":focus-visible") || (key !== " " && key.length === 1)) return true;
+    if (target === clicked || (key !== " " && key.length === 1)) return true;
     return !target.closest(key === " " ? PRESSED : CHOSEN_BY_ARROWS);
   }
 

@@ -39,14 +39,21 @@
     }
   }
 
-  // By which the server knows this tab again. It is in the storage only while no page has it: a
-  // reload finds it there, a copy of the tab does not.
-  const tab = stored("sessionStorage", TAB) ??
-    [...crypto.getRandomValues(new Uint8Array(16))]
-      .map((byte) => byte.toString(16).padStart(2, "0")).join("");
-  store("sessionStorage", TAB, null);
-  window.addEventListener("pagehide", () => store("sessionStorage", TAB, tab));
-  window.addEventListener("pageshow", () => store("sessionStorage", TAB, null));
+  // By which the server knows this tab again: after a reload, and after the tab crashed. A copy of
+  // the tab gets the name along with the storage, hears from the other that it is in use, and takes
+  // a new one before it tells the server.
+  const newName = () => [...crypto.getRandomValues(new Uint8Array(16))]
+    .map((byte) => byte.toString(16).padStart(2, "0")).join("");
+  let tab = stored("sessionStorage", TAB) ?? newName(), greeted = false;
+  store("sessionStorage", TAB, tab);
+  const tabs = new BroadcastChannel(TAB);
+  tabs.onmessage = ({ data: { asks, used } }) => {
+    if (asks === tab) tabs.postMessage({ used: tab });
+    if (used !== tab || greeted) return;
+    tab = newName();
+    store("sessionStorage", TAB, tab);
+  };
+  tabs.postMessage({ asks: tab });
 
   // The design in the address: opened once, so that a reload finds what came of it.
   function designIn(fragment) {
@@ -85,6 +92,7 @@
   }
 
   function greet() {
+    greeted = true;
     const { time = 0, playing = false } = llsrbm.player ?? {};
     send({
       kind: "ready", software: llsrbm.software, missing: missing(), tab, shared, time, playing,

@@ -10,6 +10,6 @@ from app.workers.pool import WorkerPool
 from tests.app.planners import SyntheticPlanner
 
 if __name__ == "__main__":
-    running = Designer(port=int(sys.argv[1], token="none"), pool=WorkerPool(SyntheticPlanner))
+    running = Designer(port=int(sys.argv[1]), token="none", pool=WorkerPool(SyntheticPlanner))
     print(running.port, flush=True)
     threading.Event().wait()

@@ -118,6 +118,25 @@ def test_after_a_button_of_the_panel_space_is_for_the_motion(page):
     assert player(page, "playing")
 
 
+def test_with_the_keyboard_space_presses_the_button_and_arrows_choose_the_tab(page):
+    page.get_by_role("button", name="Loop").focus()
+    page.keyboard.press("Tab")  # as who uses the keyboard comes to a control
+    page.keyboard.press("Shift+Tab")
+    before = player(page, "loop")
+    page.keyboard.press("Space")
+    page.wait_for_function(f"llsrbm.player.loop === {str(not before).lower()}")
+    assert not player(page, "playing")
+    page.keyboard.press("ArrowRight")  # no button uses it
+    assert player(page, "time") > 0.5
+    page.get_by_role("tab", name="View").focus()
+    page.keyboard.press("ArrowRight")
+    page.keyboard.press("ArrowLeft")
+    time = player(page, "time")
+    page.keyboard.press("ArrowRight")
+    assert player(page, "time") == time
+    assert page.evaluate("document.activeElement.role") == "tab"
+
+
 def test_the_bar_is_scrubbed(page):
     box = page.get_by_role("group", name="Timeline").bounding_box()
     end, middle = player(page, "clip.end"), box["y"] + box["height"] / 2

@@ -44,7 +44,9 @@ def test_a_click_moves_the_sliders_and_undo_brings_them_back(atlas):
     left, top, twist, forward = cell(atlas, -45, 0.3)
     before = value(atlas, "Twist [deg]")
     atlas.mouse.move(left, top)
-    wait_until(lambda: atlas.evaluate("llsrbm.atlas.told").startswith("Twist −45°"), "its words")
+    wait_until(
+        lambda: atlas.evaluate("llsrbm.atlas.described").startswith("Twist −45°"), "its words"
+    )
     atlas.mouse.click(left, top)
     wait_until(lambda: value(atlas, "Twist [deg]") == pytest.approx(twist), "the twist")
     assert value(atlas, "Forward [m]") == pytest.approx(forward, abs=0.006)
@@ -64,7 +66,7 @@ def test_keys_choose_a_cell_and_enter_opens_it(atlas):
     time = atlas.evaluate("llsrbm.player.time")
     atlas.keyboard.press("ArrowLeft")  # the cell of the design
     atlas.keyboard.press("ArrowLeft")
-    told = atlas.evaluate("llsrbm.atlas.told")
+    told = atlas.evaluate("llsrbm.atlas.described")
     assert told.startswith("Twist 45°")
     assert atlas.evaluate("llsrbm.player.time") == time
     atlas.keyboard.press("Enter")

@@ -88,6 +88,13 @@ def test_a_lost_connection_finds_everything_again(page, designer):
     everything_is_there(page)
 
 
+def test_a_tab_that_crashed_finds_everything_again(page, designer):
+    plan_pin_and_simulate(page)
+    page.evaluate("window.addEventListener('pagehide', (e) => e.stopImmediatePropagation(), true)")
+    page.reload()
+    everything_is_there(page)
+
+
 def test_a_second_tab_has_the_design_and_nothing_else(page, designer):
     plan_pin_and_simulate(page)
     before = designer.sessions
