@@ -2,17 +2,17 @@
 
 An entry lies at `<cache directory>/<kind>/<hash of its key><suffix>`. The key holds everything the
 entry depends on, so nothing is ever invalidated: another input is another file. Of each kind the
-entries used last are kept.
+entries used last are kept; a kind is of one robot, if entries are of robots.
 """
 
 from __future__ import annotations
 
-import ast
 import hashlib
 import logging
 import os
 import tempfile
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 
 import platformdirs
@@ -27,7 +27,7 @@ _DIGEST_SIZE = hashlib.sha256().digest_size
 
 
 def cache_directory() -> Path:
-    """Where entries lie: `LLSRBM_CACHE` if set, else the user's cache directory of the platform."""
+    """Directory of all entries: `LLSRBM_CACHE` if set, else the platform's for the user."""
     override = os.environ.get(ENVIRONMENT_VARIABLE)
     return Path(override) if override else Path(platformdirs.user_cache_dir("llsrbm"))
 
@@ -46,36 +46,6 @@ def content_key(*parts: bytes | str | Path) -> bytes:
         digest.update(len(content).to_bytes(8, "little"))
         digest.update(content)
     return digest.digest()
-
-
-def program(path: Path) -> str:
-    """A module as text that stays the same when its comments, docstrings or line breaks change.
-
-    Part of the key of what the module computes.
-
-    Raises:
-        OSError: the file cannot be read.
-        SyntaxError: it is no Python.
-    """
-    tree = ast.parse(path.read_text(encoding="utf-8"))
-    pending: list[ast.AST] = [tree]
-    while pending:
-        node = pending.pop()
-        for block in ("body", "orelse", "handlers", "finalbody"):
-            if isinstance(statements := getattr(node, block, None), list):
-                # A string in the place of a statement does nothing: a docstring is one, too.
-                left = [s for s in statements if not _is_text(s)]
-                setattr(node, block, left)
-                pending += left
-    return ast.dump(tree)
-
-
-def _is_text(statement: ast.AST) -> bool:
-    return (
-        isinstance(statement, ast.Expr)
-        and isinstance(statement.value, ast.Constant)
-        and isinstance(statement.value.value, str)
-    )
 
 
 def cache_path(kind: str, key: bytes, suffix: str) -> Path:
@@ -107,7 +77,6 @@ def read_checked(path: Path) -> bytes | None:
     """
     try:
         stored = path.read_bytes()
-        os.utime(path)  # used now: others are forgotten first
     except FileNotFoundError:
         return None
     except OSError as error:
@@ -117,27 +86,35 @@ def read_checked(path: Path) -> bytes | None:
     if hashlib.sha256(data).digest() != digest:
         _log.warning("cache entry %s is damaged; it is computed anew", path)
         return None
+    mark_used(path)
     return data
+
+
+def mark_used(path: Path) -> None:
+    """Have other entries of the kind removed before this one; no matter if it is read-only."""
+    with suppress(OSError):
+        os.utime(path)
 
 
 def write_checked(path: Path, data: bytes) -> None:
     """Store an entry with a checksum; a cache that cannot be written is only a warning."""
     try:
         write_atomically(path, hashlib.sha256(data).digest() + data)
-        forget_old(path)
     except OSError as error:
         _log.warning("cache entry %s cannot be written (%s); it is not kept", path, error)
+    else:
+        forget_old(path)
 
 
 def forget_old(path: Path) -> None:
-    """Remove the entries of a new one's kind that were not used for longest.
-
-    Raises:
-        OSError: one cannot be removed.
-    """
-    entries = path.parent.glob(f"*{path.suffix}")
-    for entry in sorted(entries, key=lambda entry: entry.stat().st_mtime)[:-KEPT]:
-        entry.unlink(missing_ok=True)
+    """Remove the entries of a new one's kind that were not used for longest, of those one may."""
+    used: dict[Path, float] = {}
+    for entry in path.parent.glob(f"*{path.suffix}"):
+        with suppress(FileNotFoundError):  # another process has just removed it
+            used[entry] = entry.stat().st_mtime
+    for entry in sorted(used, key=used.__getitem__)[:-KEPT]:
+        with suppress(OSError):
+            entry.unlink(missing_ok=True)
 
 
 def cached_bytes(kind: str, key: bytes, suffix: str, compute: Callable[[], bytes]) -> bytes:

@@ -101,7 +101,7 @@ class InitialPlans:
         packages = repr([(name, version(name)) for name in _PACKAGES])
         request = f"{self._planned_by} {example(robot)}"
         key = content_key(request, packages, robot_files()[robot], *sources)
-        return cache_path("initial-plans", key, ".npz")
+        return cache_path(f"initial-plans-{robot}", key, ".npz")
 
 
 def example(robot: str) -> Jump:

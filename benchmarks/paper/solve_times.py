@@ -76,4 +76,4 @@ def _solve(jump: llsrbm.Jump) -> Callable[[], Solution]:
     formulation = planner.formulation
     task = make_task(jump, planner.robot)
     problem, guess = formulation.problem(task), formulation.guess(task)
-    return lambda: formulation.solver.solve(problem, guess, patience=PATIENT)
+    return lambda: formulation.solver.solve(problem, guess, options=PATIENT)

@@ -128,7 +128,7 @@ def needs_preparation(robot: Robot) -> bool:
 
 def mesh_files(robot: Robot) -> list[str]:
     """Names of the meshes in the URDF."""
-    urdf = robot.urdf_path.read_text()
+    urdf = robot.urdf_path.read_text(encoding="utf-8")
     return re.findall(r'filename\s*=\s*["\']([^"\']+)["\']', urdf)
 
 
@@ -293,9 +293,9 @@ def _mesh_path(robot: Robot, name: str) -> Path | None:
 def _entry(robot: Robot, faces: int, *, coarse: bool) -> Path:
     """Where the cache has the meshes, if it has them."""
     kind = "coarse" if coarse else "visuals"
-    urdf = robot.urdf_path.read_text()
+    urdf = robot.urdf_path.read_text(encoding="utf-8")
     key = content_key(kind, VISUALS_VERSION, urdf, str(faces), *_mesh_stamps(robot))
-    return cache_path(kind, key, ".npz")
+    return cache_path(f"{kind}-{robot.name}", key, ".npz")
 
 
 def _mesh_stamps(robot: Robot) -> list[str]:

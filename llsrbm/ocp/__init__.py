@@ -20,17 +20,15 @@ compiler (52 MB of C for the robots' problem) to become bearable. Five steps, ea
    phase, have the same expressions. Each family is differentiated once, into functions of one
    stage's variables that give the non-zeros of its own part of the derivatives. What differs
    between stages of a family is a parameter of their own.
-3. Batching (`batch`). CasADi's virtual machine decodes an instruction for every stage anew. Here
-   each instruction becomes one operation on a vector with an element a stage, and is decoded once.
+3. Batching (`stage_functions`). CasADi's virtual machine decodes an instruction for every stage
+   anew. Here each instruction becomes one operation on a vector with an element a stage, and is
+   decoded once.
 4. Transcription (`transcription`). Multiple shooting: a stage's rows hold only its own variables
    and, in the gap x_next - F, the identity on the next stage's states. So the problem's derivatives
    are the stages' non-zeros put one behind the other; nothing is added or searched. All of it is
    small enough to be kept on disk as text.
-
-5. Compilation (`c_code`, `compiled`), where there is a C compiler. The same instructions as C,
-   each on as many stages as a register holds (2 to 8), in functions of some hundred of them, which
-   a compiler takes in linear time: a minute for a robot, in the background. Until it is done, and
-   without a compiler, batching is what there is; the numbers are the same.
+5. Compilation (`compiled`), where there is a C compiler: a minute for a robot, in the background.
+   Until it is done, and without a compiler, batching is what there is; the numbers are the same.
 
 Fatrop knows this structure (`Structure`) and finds its step by a Riccati recursion over the
 stages, in a time linear in their number; Ipopt takes the same functions and factorises a general
@@ -45,13 +43,5 @@ take 3,260 and 3,091:
     stance              27,706 of 48,716     50,235 of 121,890 without lifting
     flight              11,827 of 17,201     30,411 of  48,203
 
-Batching: on fourteen stages functions are two to three times as fast.
-
-Compilation, ANYmal with 48 intervals, AVX-512, ms by CasADi's batched instructions and compiled:
-rows 0.35 and 0.02, Jacobian 2.0 and 0.19, Hessian 8.5 and 0.46. Evaluation is half of a solve
-without it; with it some 5 % are left, and Fatrop's own work is the rest.
-
-In a prototype with a single flat expression a jump took 0.54 s as Ipopt has it by CasADi's Opti,
-0.14 s with fewer variables and scalar expressions, 0.10 to 0.12 s with Fatrop (48 intervals, two
-shared cores). Of a solve, 39 % is Fatrop's step, 28 % the Hessian, 20 % the Jacobian.
+docs/figures.md has what batching and compilation bring.
 """

@@ -2,8 +2,8 @@
 
 The files come on standard input, as JSON of name -> content, compressed. One job runs at a time on
 a machine, and one for each library; others of the same end at once. A library appears at TARGET
-once it is whole and can be loaded; otherwise TARGET.failed says why not. Run by its path, for it
-needs nothing of the package.
+once it is whole and can be loaded. Otherwise the reason is printed, and kept in TARGET.failed
+unless the compiler was killed. Run by its path, for it needs nothing of the package.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ import ctypes
 import fcntl
 import json
 import os
+import signal
 import subprocess
 import sys
 import tempfile
@@ -19,57 +20,91 @@ import zlib
 from pathlib import Path
 
 LEAST_PRIORITY = 19
-# Of a compiler's complaints, characters that are kept.
-COMPLAINT = 500
+LONGEST = 3600.0  # s; a minute on an idle core
+REASON_LENGTH = 500  # characters of a compiler's messages that are kept
 
 
 def main(target: Path, command: list[str]) -> None:
-    """Make the library, unless it is there or being made."""
+    """Make the library, unless it is there or being made.
+
+    Raises:
+        OSError: it cannot be made, or the cache cannot be written or locked.
+    """
     os.nice(LEAST_PRIORITY)
     mine = Path(f"{target}.lock")
-    with mine.open("w") as lock:
+    # NFS locks only what is open for writing: of the whole cache a file, which stays.
+    with mine.open("w") as lock, Path(target.parents[1], "compiling.lock").open("a") as machine:
         try:
             fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:  # another process makes the same
             return
         try:
-            # Of the whole cache, and without a file to leave behind: it ends with the process.
-            fcntl.flock(os.open(target.parents[1], os.O_RDONLY), fcntl.LOCK_EX)
-            if not target.exists() and not failed(target).exists():
+            fcntl.flock(machine, fcntl.LOCK_EX)
+            if not target.exists():
                 compile_files(target, command)
         finally:
             mine.unlink(missing_ok=True)
 
 
 def failed(target: Path) -> Path:
-    """Where the reason lies when there is no library."""
+    """Where the reason is kept when there is no library."""
     return Path(f"{target}.failed")
 
 
 def compile_files(target: Path, command: list[str]) -> None:
-    """Compile what comes on standard input, its files appended to the command."""
+    """Compile what comes on standard input, its files appended to the command.
+
+    Raises:
+        OSError: the compiler failed or was killed, or its library cannot be loaded.
+    """
+    failed(target).unlink(missing_ok=True)
     files = json.loads(zlib.decompress(sys.stdin.buffer.read()))
     with tempfile.TemporaryDirectory(dir=target.parent, prefix=target.stem) as folder:
         for name, content in files.items():
             Path(folder, name).write_text(content, encoding="ascii")
         made = Path(folder, target.name)
-        done = subprocess.run(
-            [*command, "-o", made.name, *files, "-lm"],
-            cwd=folder,
-            stdin=subprocess.DEVNULL,
-            capture_output=True,
-            text=True,
-            check=False,
-        )
         try:
-            if done.returncode != 0:
-                raise OSError(f"{command[0]}: {done.stderr[:COMPLAINT]}")
+            run([*command, "-o", made.name, *files, "-lm"], folder)
             ctypes.CDLL(str(made))
+        except InterruptedError:
+            raise
         except OSError as error:
             failed(target).write_text(str(error), encoding="utf-8")
-        else:
-            made.replace(target)
+            raise
+        made.replace(target)
+
+
+def run(command: list[str], folder: str) -> None:
+    """Run a compiler.
+
+    Raises:
+        InterruptedError: it, or a program that it runs, was killed.
+        OSError: it failed, or took too long.
+    """
+    with subprocess.Popen(
+        command,
+        cwd=folder,
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+        encoding="utf-8",
+        errors="replace",
+        start_new_session=True,  # of its own, to be ended with all programs that it runs
+    ) as compiler:
+        try:
+            _, printed = compiler.communicate(timeout=LONGEST)
+        except subprocess.TimeoutExpired as error:
+            os.killpg(compiler.pid, signal.SIGKILL)
+            raise OSError(f"{command[0]}: not finished after {LONGEST:g} s") from error
+    status = compiler.returncode
+    if status != 0:
+        killed = status < 0 or "signal" in printed or "Killed" in printed
+        kind = InterruptedError if killed else OSError
+        raise kind(f"{command[0]}: status {status}: {printed[:REASON_LENGTH]}")
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]), sys.argv[2:])
+    try:
+        main(Path(sys.argv[1]), sys.argv[2:])
+    except OSError as error:
+        sys.exit(str(error))

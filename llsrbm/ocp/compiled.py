@@ -2,11 +2,13 @@
 
 Nobody waits for a compiler: the solver at hand works at once, and takes the compiled functions when
 it solves next. Without a compiler nothing happens.
+
+The C is CasADi's own. Every stage function has a file, so that a compiler never has all of them in
+memory; one more file loops over the stages and puts the results where they belong.
 """
 
 from __future__ import annotations
 
-import ctypes
 import fcntl
 import json
 import logging
@@ -18,22 +20,25 @@ import tempfile
 import time
 import zlib
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
+from typing import Any
 
 import casadi as ca
 
-from llsrbm.cache import forget_old
-from llsrbm.ocp.c_code import EVALUATED
-from llsrbm.ocp.transcription import Structure, Transcribed
+from llsrbm.cache import forget_old, mark_used
+from llsrbm.ocp.compile_job import failed
+from llsrbm.ocp.stage_functions import mapped
+from llsrbm.ocp.transcription import FUNCTIONS, Structure, Transcribed, Transcription
 
 _log = logging.getLogger(__name__)
 
 ENVIRONMENT_VARIABLE = "LLSRBM_COMPILE"  # 0: never compile, and use nothing that is compiled
 
-# -O2 takes half as long again to compile, for 15 % less time to evaluate. Without contraction every
-# machine gets the numbers that CasADi's own evaluation gives.
+# -O2 takes five times as long, for 5 % less time to evaluate. Without contraction every machine
+# gets the numbers that CasADi's own evaluation gives.
 _OPTIONS = (
     "-O1",
     "-march=native",
@@ -44,10 +49,12 @@ _OPTIONS = (
     "-w",
 )
 _JOB = Path(__file__).with_name("compile_job.py")
-# s that a compiler may take to say which one it is.
-_PATIENCE = 10.0
+# s that a compiler may take to list its macros.
+_MACROS_WITHIN = 10.0
 # s between looks whether another process has finished.
 _LOOK_EVERY = 0.2
+# s for which a compilation that failed is not tried again.
+_RETRY_AFTER = 86_400.0
 
 
 @dataclass(frozen=True)
@@ -71,24 +78,65 @@ def compiler() -> Compiler | None:
     if path is None:
         _log.info("no C compiler (cc): solvers work as they are, at half the speed")
         return None
-    return _identified(path)
-
-
-@lru_cache(maxsize=4)
-def _identified(path: str) -> Compiler | None:
-    command = (path, *_OPTIONS)
     try:
-        macros = subprocess.run(
-            [path, "-march=native", "-dM", "-E", "-x", "c", os.devnull],
-            capture_output=True,
-            text=True,
-            timeout=_PATIENCE,
-            check=True,
-        ).stdout
+        macros = _macros(path)
     except (OSError, subprocess.SubprocessError) as error:
-        _log.info("the C compiler %s is of no use: %s", path, error)
+        _log.warning("the C compiler %s cannot be used now: %s", path, error)
         return None
-    return Compiler(command, f"{_OPTIONS} {macros}")
+    return Compiler((path, *_OPTIONS), f"{_OPTIONS} {macros}")
+
+
+@lru_cache(maxsize=4)  # of those that answered: one that was too slow is tried again
+def _macros(path: str) -> str:
+    return subprocess.run(
+        [path, "-march=native", "-dM", "-E", "-x", "c", os.devnull],
+        capture_output=True,
+        text=True,
+        encoding="utf-8",
+        timeout=_MACROS_WITHIN,
+        check=True,
+    ).stdout
+
+
+def c_files(transcription: Transcription) -> dict[str, str]:
+    """Name -> content of the C files of a library with a transcription's functions."""
+    files: dict[str, str] = {}
+
+    def write(name: str, *functions: ca.Function) -> None:
+        generator = ca.CodeGenerator(name)
+        for function in functions:
+            generator.add(function)
+        files[f"{name}.c"] = generator.dump()
+
+    def mapped_in_c(function: ca.Function, count: int, *arguments: Any) -> list[Any]:
+        write(function.name(), function)
+        return mapped(_elsewhere(function), count, *arguments)
+
+    functions = transcription.assembled(mapped_in_c)
+    structure = ca.Function("structure", [], [ca.DM(n) for n in transcription.structure.as_lists()])
+    write("problem", *functions.values(), structure)
+    return files
+
+
+def _elsewhere(function: ca.Function) -> ca.Function:
+    """A function that stands for one in another file, in generated code."""
+    name, n_in, n_out = function.name(), function.n_in(), function.n_out()
+    # CasADi has moved both pointers past the arguments before the body begins.
+    body = (
+        f"int {name}(const double **, double **, long long *, double *, int);\n"
+        f"return {name}(arg - {n_in}, res - {n_out}, iw, w, mem);"
+    )
+    sparsity_in = [function.sparsity_in(i) for i in range(n_in)]
+    sparsity_out = [function.sparsity_out(i) for i in range(n_out)]
+    names = function.name_in(), function.name_out()
+    return ca.Function.jit(
+        f"call_{name}", body, *names, sparsity_in, sparsity_out, {"buffered": False}
+    )
+
+
+def packed(files: Mapping[str, str]) -> bytes:
+    """C files as `Library.compile` takes them."""
+    return zlib.compress(json.dumps(files).encode("ascii"), level=1)
 
 
 @dataclass(eq=False)
@@ -105,24 +153,27 @@ class Library:
     def load(self) -> Transcribed | None:
         """Its functions and their structure; None while there are none."""
         if self._job is not None and self._job.poll() is not None:
+            self._report(self._job)
             self._job = None
-            self._report()
         if not self.path.exists():
             return None
         try:
-            functions = {name: ca.external(name, str(self.path)) for name in EVALUATED}
-            structure = _structure(self.path)
-            os.utime(self.path)  # used now: others are forgotten first
-        except (OSError, RuntimeError, ValueError) as error:
+            functions = {name: ca.external(name, str(self.path)) for name in FUNCTIONS}
+            lists = ca.external("structure", str(self.path)).call([])
+        except RuntimeError as error:
             _log.warning("compiled functions cannot be loaded (%s); going on without", error)
             return None
-        return Transcribed(_completed(functions), structure)
+        mark_used(self.path)
+        return Transcribed(functions, Structure.of_lists(*(n.nonzeros() for n in lists)))
 
     def compile(self, compiler: Compiler, source: bytes) -> None:
         """Begin to make it in the background, from `packed` files."""
-        if self._failed.exists():
-            self._report()
-            return
+        reason = failed(self.path)
+        with suppress(OSError):
+            if time.time() - reason.stat().st_mtime < _RETRY_AFTER:
+                text = reason.read_text(encoding="utf-8", errors="replace")
+                _log.warning("going on without compiled functions: %s (%s)", text, reason)
+                return
         _log.info("compiling %s in the background", self.path.parent.name)
         forget_old(self.path)
         with tempfile.TemporaryFile() as file:
@@ -132,7 +183,7 @@ class Library:
                 [sys.executable, "-I", str(_JOB), str(self.path), *compiler.command],
                 stdin=file,
                 stdout=subprocess.DEVNULL,
-                stderr=subprocess.DEVNULL,
+                stderr=subprocess.PIPE,
                 start_new_session=True,  # goes on when this program ends or is interrupted
             )
 
@@ -140,7 +191,7 @@ class Library:
         """Until it has been made, or could not be, by this process or by another."""
         if self._job is not None:
             self._job.wait()
-        while not (self.path.exists() or self._failed.exists()) and self._is_in_work():
+        while not (self.path.exists() or failed(self.path).exists()) and self._is_in_work():
             time.sleep(_LOOK_EVERY)
 
     def _is_in_work(self) -> bool:
@@ -154,52 +205,8 @@ class Library:
             return False
         return False
 
-    @property
-    def _failed(self) -> Path:
-        return self.path.with_name(f"{self.path.name}.failed")
-
-    def _report(self) -> None:
-        if self._failed.exists():
-            text = self._failed.read_text(encoding="utf-8", errors="replace").strip()
-            _log.info("going on without compiled functions: %s", text)
-
-
-def packed(files: Mapping[str, str]) -> bytes:
-    """C files as `Library.compile` takes them."""
-    return zlib.compress(json.dumps(files).encode("ascii"), level=1)
-
-
-def _structure(path: Path) -> Structure:
-    library = ctypes.CDLL(str(path))
-
-    def numbers(field: str) -> list[int]:
-        size = ctypes.c_int.in_dll(library, f"structure_{field}_size").value
-        return list((ctypes.c_int * size).in_dll(library, f"structure_{field}"))
-
-    return Structure(
-        states=numbers("states"),
-        controls=numbers("controls"),
-        rows=numbers("rows"),
-        equality=[bool(flag) for flag in numbers("equality")],
-    )
-
-
-def _completed(functions: dict[str, ca.Function]) -> dict[str, ca.Function]:
-    """With those that solvers want to have but do not evaluate in every iteration."""
-    hessian = functions["nlp_hess_l"]
-    arguments = [ca.MX.sym(hessian.name_in(i), hessian.sparsity_in(i)) for i in range(4)]
-    xp, (lam_f, lam) = arguments[:2], arguments[2:]
-    f, g, df = (functions[name](*xp) for name in ("nlp_f", "nlp_g", "nlp_grad_f"))
-    _, J = functions["nlp_jac_g"](*xp)
-    names = [hessian.name_in(i) for i in range(4)]
-    return {
-        **functions,
-        "nlp": ca.Function("nlp", xp, [f, g], names[:2], ["f", "g"]),
-        "nlp_grad": ca.Function(
-            "nlp_grad",
-            arguments,
-            [f, g, lam_f * df + ca.mtimes(J.T, lam), ca.MX(xp[1].numel(), 1)],
-            names,
-            ["f", "g", "grad_gamma_x", "grad_gamma_p"],
-        ),
-    }
+    def _report(self, job: subprocess.Popen[bytes]) -> None:
+        _, printed = job.communicate()
+        if job.returncode != 0:
+            reason = printed.decode(errors="replace").strip() or f"exit status {job.returncode}"
+            _log.warning("going on without compiled functions: %s", reason)

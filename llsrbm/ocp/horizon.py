@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Callable, Hashable
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -32,7 +33,6 @@ class StageExpressions:
     Expressions may hold what `lift` has marked.
 
     Attributes:
-        name: for names of functions and messages.
         variables: (n, 1) SX symbols, states first.
         states: how many of them are states.
         shared: (p, 1) SX symbols, the parameters of the whole problem, the same in every stage.
@@ -44,7 +44,6 @@ class StageExpressions:
         lift: collects the intermediates that derivatives run through.
     """
 
-    name: str
     variables: ca.SX
     states: int
     shared: ca.SX
@@ -53,6 +52,15 @@ class StageExpressions:
     rows: tuple[Row, ...]
     next_state: ca.SX | None
     lift: Lifting
+
+    def as_text(self) -> str:
+        """Every operation and number in it, as text that equal stages share."""
+        symbols, definitions = self.lift.marked
+        following = ca.SX(0, 1) if self.next_state is None else self.next_state
+        values = [self.cost, following, *(row.expression for row in self.rows), *definitions]
+        arguments = [self.variables, self.shared, self.local, *symbols]
+        sizes = self.states, [row.equality for row in self.rows]
+        return f"{sizes} {ca.Function('stage', arguments, values).serialize()}"
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,3 +94,14 @@ class Horizon:
 
     runs: tuple[Run, ...]
     parameters: int
+
+    def fingerprint(self) -> str:
+        """A digest of every operation and number that makes the problem."""
+        families: dict[Hashable, int] = {}
+        digest = hashlib.sha256(str(self.parameters).encode())
+        for run in self.runs:
+            if run.family not in families:
+                families[run.family] = len(families)
+                digest.update(run.build().as_text().encode())
+            digest.update(f"{families[run.family], run.count, run.local, run.own}".encode())
+        return digest.hexdigest()

@@ -30,6 +30,11 @@ class Lifting:
         self._definitions.append(ca.densify(ca.vec(ca.SX(expression))))
         return symbol
 
+    @property
+    def marked(self) -> tuple[list[ca.SX], list[ca.SX]]:
+        """Symbols of the intermediates, and what each stands for."""
+        return self._symbols, self._definitions
+
     def resolve(self, expression: ca.SX) -> ca.SX:
         """`expression` in terms of z and parameters alone."""
         if not self._symbols:

@@ -1,53 +1,58 @@
-"""News of a solve while it runs, and a way out of it.
+"""Progress and cancellation of a running solve.
 
-A solver reports its iterations only by printing a table. News are the table's last line: a thread
-solves, the caller's thread waits, looks now and then, and calls back.
+A solver reports its iterations only by printing a table, whose last line is the progress: a thread
+solves, while the caller's thread waits, looks now and then, and calls back.
 
-CasADi is not safe to use from two threads. A solve cannot be stopped, so one that was cancelled is
-left to its end, and everything that uses CasADi afterwards waits for that (`when_idle`).
+One solve runs at a time in a process: Fatrop's print level is one for all, and a solver keeps the
+statistics of its last solve alone. Expressions may be built meanwhile: CasADi's wheels count
+references atomically (`CASADI_WITH_THREADSAFE_SYMBOLICS`). A cancelled solve ends at its next step
+where Fatrop is patched (`llsrbm.ocp.fatrop_patches`), else when the solver is done with it; the
+next solve waits for that, the end of the process does not.
 """
 
 from __future__ import annotations
 
-import io
+import atexit
+import itertools
 import re
 import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Future
 from contextlib import contextmanager
-from typing import TextIO, TypeVar
+from typing import Any, TextIO, TypeVar, cast
 
 from llsrbm.errors import Cancelled
+from llsrbm.ocp import fatrop_patches
 
-LOOK_EVERY = 0.02  # s between questions whether to go on: a tenth of what a person notices
-TELL_EVERY = 0.1  # s between news of one solve
+POLL_INTERVAL = 0.02  # s between questions whether to go on: a tenth of what a person notices
+REPORT_INTERVAL = 0.1  # s between reports of one solve
+EXIT_WITHIN = 0.5  # s that the end of the process waits for a cancelled solve
 
 # A row of Fatrop's or Ipopt's table: iteration, objective, constraint violation, ...
 _ROW = re.compile(r"^ *(\d+)r? +[-+.\deE]+ +([-+.\deE]+) ")
 
-# CasADi counts references without locks: two solves at once would corrupt memory.
-_solving = threading.Lock()
-
-_CANCELLED = "planning was cancelled"
+solving = threading.RLock()  # held while a solver runs or is made
+_numbers = itertools.count(1)
+_exiting, _parked = threading.Event(), threading.Event()
 
 Result = TypeVar("Result")
 
 
 def when_idle(cancelled: Callable[[], bool] | None = None) -> None:
-    """Wait for the end of a solve that nobody waits for any more; then CasADi may be used.
+    """Wait for the end of a solve whose caller has gone.
 
     Args:
-        cancelled: whether to go on waiting, asked every `LOOK_EVERY`.
+        cancelled: polled meanwhile; true to stop waiting.
 
     Raises:
-        Cancelled: not to.
+        Cancelled: it was true.
     """
-    while not _solving.acquire(timeout=LOOK_EVERY):
+    while not solving.acquire(timeout=POLL_INTERVAL):
         if cancelled is not None and cancelled():
-            raise Cancelled(_CANCELLED)
-    _solving.release()
+            raise _cancelled()
+    solving.release()
 
 
 class IterationTable:
@@ -73,87 +78,109 @@ class IterationTable:
 def printed_into(read: Callable[[str], None]) -> Iterator[None]:
     """Hand what this thread prints to `read`; other threads go on printing as before."""
     tap = _Tap(sys.stdout, read)
-    sys.stdout = tap
+    sys.stdout = cast("TextIO", tap)
     try:
         yield
     finally:
-        tap.close_tap()
-        # Code that redirected the output meanwhile restores it itself; the closed tap passes it on.
-        if sys.stdout is tap:
+        tap.thread = None  # from now on everything is passed on
+        # Code that redirected the output meanwhile restores it itself.
+        if cast("object", sys.stdout) is tap:
             sys.stdout = tap.beyond
 
 
-class _Tap(io.TextIOBase):
-    """Stands in for `sys.stdout`."""
+class _Tap:
+    """Stands in for `sys.stdout`: what one thread prints goes elsewhere."""
 
     def __init__(self, beyond: TextIO, read: Callable[[str], None]) -> None:
         self.beyond, self._read = beyond, read
-        self._thread: int | None = threading.get_ident()
-
-    def close_tap(self) -> None:
-        """Pass everything on from now on."""
-        self._thread = None
+        self.thread: int | None = threading.get_ident()
 
     def write(self, text: str) -> int:
-        if threading.get_ident() == self._thread:
-            self._read(text)
-            return len(text)
-        return self.beyond.write(text)
+        if threading.get_ident() != self.thread:
+            return self.beyond.write(text)
+        if _exiting.is_set():
+            _parked.set()
+            threading.Event().wait()
+        self._read(text)
+        return len(text)
 
-    def flush(self) -> None:
-        self.beyond.flush()
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self.beyond, name)
 
-    def isatty(self) -> bool:
-        return self.beyond.isatty()
 
-    def fileno(self) -> int:
-        return self.beyond.fileno()
+@atexit.register
+def _exit() -> None:
+    """Stop a cancelled solve before the interpreter ends.
+
+    A thread that returns from the solver, or prints, into an interpreter that ends would abort the
+    process: one that prints is kept where it does.
+    """
+    _exiting.set()
+    until = time.monotonic() + EXIT_WITHIN
+    while time.monotonic() < until and not _parked.is_set():
+        if solving.acquire(timeout=POLL_INTERVAL):
+            break
 
 
 def attended(
     solve: Callable[[], Result],
-    look: Callable[[], tuple[int, float] | None],
-    tell: Callable[[int, float], None] | None,
+    latest: Callable[[], tuple[int, float] | None],
+    report: Callable[[int, float], None] | None,
     cancelled: Callable[[], bool] | None,
 ) -> Result:
-    """What `solve` returns; meanwhile `tell` and `cancelled` are called, by the caller's thread.
-
-    A solver cannot be stopped: when `cancelled` says so, this returns at once, and the solve runs
-    on unseen to its end. The next one waits for it; anything else that uses CasADi has to, too
-    (`when_idle`). A solve that had not begun never does.
+    """Run a solve in a thread of its own; meanwhile call back from the caller's thread.
 
     Args:
-        solve: runs in a thread of its own, alone of its kind in the process.
-        look: the newest iteration and residual.
-        tell: is told of them, at most every `TELL_EVERY`.
-        cancelled: whether the result is not wanted any more, asked every `LOOK_EVERY`.
+        solve: its result is returned, its exception raised. It runs when no other solve does, and
+            not at all once it has been cancelled.
+        latest: the newest iteration and residual.
+        report: called with them when they change, at most every `REPORT_INTERVAL`.
+        cancelled: polled; true to return at once, whatever the solver does.
 
     Raises:
-        Cancelled: it was not.
+        Cancelled: it was true.
     """
-    abandoned = threading.Event()
+    number, abandoned = next(_numbers), threading.Event()
+    future: Future[Result] = Future()
 
-    def alone() -> Result:
-        with _solving:
-            if abandoned.is_set():
-                raise Cancelled(_CANCELLED)
-            return solve()
-
-    if tell is None and cancelled is None:
-        return alone()
-    executor = ThreadPoolExecutor(max_workers=1, thread_name_prefix="solve")
-    future = executor.submit(alone)
-    executor.shutdown(wait=False)
-    told, told_at = None, time.monotonic()
-    while True:
+    def run() -> None:
         try:
-            return future.result(timeout=LOOK_EVERY)
-        except TimeoutError:
+            with solving:
+                if abandoned.is_set():
+                    raise _cancelled()
+                fatrop_patches.begin(number)
+                try:
+                    result = solve()
+                finally:
+                    fatrop_patches.begin(0)
+            future.set_result(result)
+        except BaseException as error:  # noqa: BLE001 - for the caller's thread
+            future.set_exception(error)
+
+    if report is None and cancelled is None:
+        run()
+        return future.result()
+    # A daemon: the process may end while the solver runs.
+    threading.Thread(target=run, name="solve", daemon=True).start()
+    reported, due = None, time.monotonic() + REPORT_INTERVAL
+    try:
+        while True:
+            try:
+                return future.result(timeout=POLL_INTERVAL)
+            except TimeoutError:
+                if future.done():
+                    raise
             if cancelled is not None and cancelled():
-                abandoned.set()
-                raise Cancelled(_CANCELLED) from None
-        news = look()
-        due = time.monotonic() - told_at >= TELL_EVERY
-        if tell is not None and news is not None and news != told and due:
-            told, told_at = news, time.monotonic()
-            tell(*news)
+                raise _cancelled()
+            progress = latest()
+            if report and progress and progress != reported and time.monotonic() >= due:
+                reported, due = progress, time.monotonic() + REPORT_INTERVAL
+                report(*progress)
+    finally:
+        if not future.done():
+            abandoned.set()
+            fatrop_patches.cancel(number)
+
+
+def _cancelled() -> Cancelled:
+    return Cancelled("planning was cancelled")

@@ -1,4 +1,8 @@
-"""One stage as functions of numbers: cost, constraints and their exact derivatives."""
+"""One stage as functions of numbers: cost, constraints, exact derivatives; for many stages at once.
+
+`batched` makes one operation on a vector, with an element a stage, of each instruction of CasADi's
+virtual machine; `mapped` is the loop for a compiler. `llsrbm.ocp` says why.
+"""
 
 from __future__ import annotations
 
@@ -10,6 +14,9 @@ import casadi as ca
 import numpy as np
 
 from llsrbm.ocp.horizon import StageExpressions
+
+# Below this number of stages decoding scalar instructions costs less than calling vector ones.
+WORTHWHILE = 6
 
 
 @dataclass(frozen=True)
@@ -49,10 +56,11 @@ class StageFunctions:
         return int(self.constraints.size1_out(0))
 
 
-def make_stage_functions(stage: StageExpressions, initial: bool) -> StageFunctions:
+def make_stage_functions(name: str, stage: StageExpressions, initial: bool) -> StageFunctions:
     """Differentiate one stage.
 
     Args:
+        name: with which the functions' names begin.
         stage: its expressions.
         initial: whether no stage comes before.
     """
@@ -77,7 +85,7 @@ def make_stage_functions(stage: StageExpressions, initial: bool) -> StageFunctio
         joined = stage.lift.resolve(ca.vertcat(*results))
         split = np.cumsum([0, *(r.shape[0] for r in results)]).tolist()
         outputs = ca.vertsplit(joined, split)
-        return ca.Function(f"{stage.name}_{kind}", arguments, outputs, {"cse": True})
+        return ca.Function(f"{name}_{kind}", arguments, outputs, {"cse": True})
 
     return StageFunctions(
         cost=function("f", [z, p, s], [stage.cost]),
@@ -95,3 +103,49 @@ def make_stage_functions(stage: StageExpressions, initial: bool) -> StageFunctio
 
 def _nonzeros(matrix: ca.SX) -> ca.SX:
     return ca.vertcat(*matrix.nonzeros()) if matrix.nnz() else ca.SX(0, 1)
+
+
+def mapped(function: ca.Function, count: int, *arguments: Any) -> list[Any]:
+    """Evaluate a function for `count` stages, one after the other.
+
+    Args:
+        function: dense inputs and outputs.
+        count: number of stages.
+        arguments: MX, (size, count) with a column a stage, or (size, 1) where all share it.
+
+    Returns:
+        MX (size, count) for each output.
+    """
+    repeated = [ca.repmat(a, 1, count) if a.shape[1] != count else a for a in arguments]
+    return list(function.map(count).call(repeated))
+
+
+def batched(function: ca.Function, count: int, *arguments: Any) -> list[Any]:
+    """Evaluate an SX function as `mapped` does, instruction by instruction for all stages."""
+    if count < WORTHWHILE:
+        return mapped(function, count, *arguments)
+    inputs = []
+    for argument in arguments:
+        shared = argument.shape[1] != count
+        inputs.append(ca.vertsplit(argument) if shared else ca.horzsplit(argument.T))
+    outputs: list[list[Any]] = [[None] * function.numel_out(j) for j in range(function.n_out())]
+    work: dict[int, Any] = {}
+    for k in range(function.n_instructions()):
+        operation = function.instruction_id(k)
+        take, give = function.instruction_input(k), function.instruction_output(k)
+        if operation == ca.OP_INPUT:
+            work[give[0]] = inputs[take[0]][take[1]]
+        elif operation == ca.OP_OUTPUT:
+            outputs[give[0]][give[1]] = work[take[0]]
+        elif operation == ca.OP_CONST:
+            work[give[0]] = ca.MX(function.instruction_constant(k))
+        elif len(take) == 1:
+            work[give[0]] = ca.MX.unary(operation, work[take[0]])
+        else:
+            work[give[0]] = ca.MX.binary(operation, work[take[0]], work[take[1]])
+
+    def column(value: Any) -> Any:
+        value = ca.MX(0) if value is None else value
+        return value if value.numel() == count else ca.repmat(value, count, 1)
+
+    return [ca.horzcat(*map(column, rows)).T if rows else ca.MX(0, count) for rows in outputs]

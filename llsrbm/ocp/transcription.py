@@ -7,7 +7,7 @@ says why.
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Hashable, Iterator
+from collections.abc import Callable, Hashable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -15,9 +15,8 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from llsrbm.ocp.batch import over_stages
 from llsrbm.ocp.horizon import Horizon, Run, StageExpressions
-from llsrbm.ocp.stage_functions import StageFunctions, make_stage_functions
+from llsrbm.ocp.stage_functions import StageFunctions, batched, make_stage_functions
 
 
 @dataclass(frozen=True)
@@ -73,13 +72,29 @@ class Structure:
     rows: list[int]
     equality: list[bool]
 
+    def as_lists(self) -> list[list[int]]:
+        """All of it as whole numbers."""
+        return [self.states, self.controls, self.rows, [int(equal) for equal in self.equality]]
+
+    @classmethod
+    def of_lists(cls, *lists: Sequence[float]) -> Structure:
+        """The structure that `as_lists` gave, whole numbers as CasADi returns them."""
+        states, controls, rows, equality = ([int(n) for n in numbers] for numbers in lists)
+        return cls(states, controls, rows, [bool(equal) for equal in equality])
+
+
+# CasADi functions in the signatures that nlpsol expects of its oracle.
+FUNCTIONS = ("nlp", "nlp_f", "nlp_g", "nlp_grad_f", "nlp_jac_g", "nlp_hess_l", "nlp_grad")
+
+# Evaluates a stage function for many stages, as `llsrbm.ocp.stage_functions.mapped` does.
+Evaluate = Callable[..., list[Any]]
+
 
 class Transcribed:
     """A parametric problem, as solvers take it.
 
     Attributes:
-        functions: name -> CasADi function, in the signatures that nlpsol expects of its oracle:
-            nlp, nlp_f, nlp_g, nlp_grad_f, nlp_jac_g, nlp_hess_l, nlp_grad.
+        functions: of each name in `FUNCTIONS`.
         structure: sizes of its stages.
     """
 
@@ -109,7 +124,9 @@ class Transcription(Transcribed):
                 expressions[run.family] = run.build()
             family = run.family, initial
             if family not in families:
-                families[family] = make_stage_functions(expressions[run.family], initial)
+                families[family] = make_stage_functions(
+                    f"stage{len(families)}", expressions[run.family], initial
+                )
             block = Block(families[family], run.count, run.local, run.own, variable, row)
             blocks.append(block)
             variable += run.count * block.width
@@ -131,8 +148,12 @@ class Transcription(Transcribed):
             rows=[stage.height - stage.gap for stage in stages],
             equality=equality,
         )
-        super().__init__(_assemble(blocks, horizon.parameters), structure)
-        self.blocks = tuple(blocks)
+        self.blocks, self._parameters = tuple(blocks), horizon.parameters
+        super().__init__(self.assembled(batched), structure)
+
+    def assembled(self, evaluate: Evaluate) -> dict[str, ca.Function]:
+        """`functions`, with another way to evaluate those of the stages."""
+        return _assemble(self.blocks, self._parameters, evaluate)
 
 
 def _first_apart(runs: tuple[Run, ...]) -> Iterator[tuple[Run, bool]]:
@@ -145,14 +166,16 @@ def _first_apart(runs: tuple[Run, ...]) -> Iterator[tuple[Run, bool]]:
         yield run, False
 
 
-def _assemble(blocks: list[Block], parameters: int) -> dict[str, ca.Function]:
+def _assemble(
+    blocks: Sequence[Block], parameters: int, evaluate: Evaluate
+) -> dict[str, ca.Function]:
     variables = sum(block.count * block.width for block in blocks)
     rows = sum(block.count * block.height for block in blocks)
     x, p = ca.MX.sym("x", variables), ca.MX.sym("p", parameters)
     lam_f, lam = ca.MX.sym("lam_f"), ca.MX.sym("lam_g", rows)
 
     def every(kind: str) -> list[list[Any]]:
-        return _evaluate(blocks, kind, x, p, lam_f, lam)
+        return _evaluated(blocks, evaluate, kind, x, p, lam_f, lam)
 
     def with_gaps(block: Block, g: Any) -> Any:
         # The gap reads x_next - F, the sign that Fatrop expects.
@@ -197,8 +220,8 @@ def _assemble(blocks: list[Block], parameters: int) -> dict[str, ca.Function]:
     }
 
 
-def _evaluate(
-    blocks: list[Block], kind: str, x: Any, p: Any, lam_f: Any, lam: Any
+def _evaluated(
+    blocks: Sequence[Block], evaluate: Evaluate, kind: str, x: Any, p: Any, lam_f: Any, lam: Any
 ) -> list[list[Any]]:
     """Outputs of one of `StageFunctions`, (size, count) each, for each block."""
     sharing: dict[int, list[int]] = defaultdict(list)
@@ -216,7 +239,7 @@ def _evaluate(
                 lam_f,
                 ca.horzcat(*(b.columns(lam, b.first_row, b.height) for b in members)),
             ]
-        outputs = over_stages(getattr(members[0].functions, kind), count, *arguments)
+        outputs = evaluate(getattr(members[0].functions, kind), count, *arguments)
         split = np.cumsum([0, *(block.count for block in members)]).tolist()
         for output in outputs:
             for index, part in zip(indices, ca.horzsplit(output, split), strict=True):
@@ -233,7 +256,7 @@ def _local(p: Any, block: Block) -> Any:
     return ca.vertcat(columns, ca.horzcat(*(p[at] for at in block.own)))
 
 
-def _stacked(blocks: list[Block], rows: int, variables: int) -> ca.Sparsity:
+def _stacked(blocks: Sequence[Block], rows: int, variables: int) -> ca.Sparsity:
     """Stage Jacobians below each other; each one's identity rows belong to the gap before it."""
     found: list[NDArray[np.int64]] = []
     colind = [0]

@@ -36,6 +36,10 @@ from llsrbm.robots.robot import Robot
 Array = NDArray[np.float64]
 
 FIT_VERSION = "4"  # part of the cache key: raise it when a fit's numbers change
+_NOT_OF_LEGS = {  # tables of a robot's file that no leg depends on
+    *("title", "limits", "timing", "task", "example"),
+    *("control", "uncertainty", "turning", "planning"),
+}
 
 _DERIVATIVE_WEIGHT = 0.1  # m: by how far a foot moves where its derivative counts as its value
 _SINGULAR = 30.0  # condition of the foot's Jacobian beyond which a sample says little
@@ -189,8 +193,9 @@ def fit_legs(
 
 def load_or_fit(robot: Robot, progress: Callable[[float], None] | None = None) -> LegFit:
     """The robot's leg maps from the user's cache, or fitted and put there."""
-    key = content_key("leg fit", FIT_VERSION, robot.urdf_path, robot.file.model_dump_json())
-    path = cache_path("leg-fits", key, ".npz")
+    tables = robot.file.model_dump_json(exclude=_NOT_OF_LEGS)
+    key = content_key("leg fit", FIT_VERSION, robot.urdf_path, tables)
+    path = cache_path(f"leg-fits-{robot.name}", key, ".npz")
     stored = read_checked(path)
     if stored is not None:
         return _decode(stored)

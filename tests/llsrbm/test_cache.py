@@ -33,9 +33,7 @@ def test_an_entry_is_computed_once():
     assert len(calls) == 2
 
 
-@pytest.mark.parametrize(
-    "damage", [lambda b: b[:-1], lambda b: b[:10], lambda b: b"", bytes.swapcase]
-)
+@pytest.mark.parametrize("damage", [lambda b: b[:-1], lambda b: b"", bytes.swapcase])
 def test_a_damaged_entry_is_computed_anew_with_a_warning(damage, caplog):
     cache.cached_bytes("kind", b"key", ".bin", lambda: b"a result")
     path = cache.cache_path("kind", b"key", ".bin")
@@ -85,37 +83,19 @@ def test_of_each_kind_the_entries_used_last_are_kept(own_cache):
     assert cache.cache_path("kind", keys[1], ".bin").name not in kept
 
 
-# ---- a module as part of a key
+def test_a_cache_that_is_only_read_is_used(monkeypatch):
+    def refuse(*_):
+        raise PermissionError("read-only")
 
-MODULE = '''"""What it is about."""
-
-LIMIT = 3  # of something
-
-class A:
-    """Words."""
-
-def f(x: int) -> int:
-    """Words."""
-    return x + LIMIT
-'''
+    cache.cached_bytes("kind", b"key", ".bin", lambda: b"result")
+    monkeypatch.setattr(os, "utime", refuse)
+    assert cache.cached_bytes("kind", b"key", ".bin", lambda: b"again") == b"result"
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "same"),
-    [
-        ("What it is about", "Something else", True),
-        ('    """Words."""\n    return', "    return", True),
-        ('    """Words."""\n\ndef', "    pass\n\ndef", False),
-        ("  # of something", "", True),
-        ("x + LIMIT", "(x\n            + LIMIT)", True),
-        ("x + LIMIT", "x - LIMIT", False),
-        ("LIMIT = 3", "LIMIT = 4", False),
-        ("LIMIT = 3", "LIMIT = '3'", False),
-    ],
-)
-def test_a_program_is_what_is_done_not_what_is_said(tmp_path, old, new, same):
-    before, after = tmp_path / "before.py", tmp_path / "after.py"
-    before.write_text(MODULE)
-    after.write_text(MODULE.replace(old, new))
-    assert old in MODULE
-    assert (cache.program(before) == cache.program(after)) == same
+def test_an_entry_that_another_process_removes_meanwhile_is_no_error(own_cache, caplog):
+    path = cache.cache_path("kind", b"key", ".bin")
+    path.parent.mkdir(parents=True)
+    (path.parent / "gone.bin").symlink_to(own_cache / "nowhere")  # listed, but not there
+    cache.write_checked(path, b"data")
+    assert cache.read_checked(path) == b"data"
+    assert caplog.text == ""

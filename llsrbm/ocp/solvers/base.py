@@ -1,4 +1,4 @@
-"""What solvers have in common: patience, a solve from a guess, and one from a near solution."""
+"""Solver interface: options of a solve, a solve from a guess, and one from a near solution."""
 
 from __future__ import annotations
 
@@ -15,14 +15,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from llsrbm.ocp.problem import Iterate, Problem, Solution
+from llsrbm.ocp.progress import solving
 from llsrbm.ocp.transcription import Structure, Transcribed
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Patience:
-    """How a solve from a guess begins, and when it ends.
+class SolveOptions:
+    """Start and end of a solve from a guess.
 
     Attributes:
         mu: complementarity at which it begins.
@@ -34,7 +35,7 @@ class Patience:
             in the fourth digit, the gradient stays at some 1e-3. At this tolerance, for so many
             iterations, it is as good as solved; None: it creeps on.
 
-    Ipopt keeps its own ways with the last three, also near a solution.
+    Ipopt ignores the last three.
     """
 
     mu: float
@@ -48,7 +49,7 @@ class Patience:
 
 # From a guess, which is far from the optimum. The push takes 15 % fewer iterations over ten jumps
 # and three models than with the solver's default.
-PATIENT = Patience(mu=1e-2, iterations=150, push=0.05, acceptable=(5e-3, 4))
+PATIENT = SolveOptions(mu=1e-2, iterations=150, push=0.05, acceptable=(5e-3, 4))
 
 # A solve near a known solution stops at this tolerance: the cost is 0.02 % from that of a cold one.
 NEAR_TOLERANCE = 3e-4
@@ -62,7 +63,7 @@ HOPELESS = 100.0
 
 
 class Solver(ABC):
-    """Solves a transcription's problems with one of nlpsol's plugins.
+    """Solves a transcription's problems with one of nlpsol's plugins, one solve at a time.
 
     Attributes:
         name: to choose it by.
@@ -73,8 +74,9 @@ class Solver(ABC):
     compiled: ClassVar[bool] = False
 
     def __init__(self, cold: ca.Function, near: ca.Function, structure: Structure) -> None:
-        self._near, self._structure = near, structure
+        self._structure = structure
         self._cold = {PATIENT: cold}
+        self._near: dict[tuple[float, int] | None, ca.Function] = {None: near}  # by `acceptable`
         self._faster: Callable[[], Transcribed | None] | None = None
         self._wait: Callable[[], None] | None = None
 
@@ -92,11 +94,9 @@ class Solver(ABC):
     def serialize(self) -> str:
         """The solver as text, for a cache."""
         serializer = ca.StringSerializer()
-        structure = self._structure
-        serializer.pack([self._cold[PATIENT], self._near])
-        for sizes in (structure.states, structure.controls, structure.rows):
-            serializer.pack(sizes)
-        serializer.pack([int(equal) for equal in structure.equality])
+        serializer.pack([self._cold[PATIENT], self._near[None]])
+        for numbers in self._structure.as_lists():
+            serializer.pack(numbers)
         return str(serializer.encode())
 
     @classmethod
@@ -104,23 +104,21 @@ class Solver(ABC):
         """The solver that `serialize` wrote."""
         serializer = ca.StringDeserializer(text)
         cold, near = serializer.unpack()
-        # Whole numbers come back as floats.
-        states, controls, rows, equality = ([int(n) for n in serializer.unpack()] for _ in range(4))
-        return cls(cold, near, Structure(states, controls, rows, [bool(n) for n in equality]))
+        return cls(cold, near, Structure.of_lists(*(serializer.unpack() for _ in range(4))))
 
     def replace_by(
         self, faster: Callable[[], Transcribed | None], wait: Callable[[], None] | None = None
     ) -> None:
-        """Take the same problem's faster functions in the next solve in which they are there.
+        """Use the same problem's faster functions from the first solve on for which they exist.
 
         Args:
-            faster: gives them, or None as long as there are none.
-            wait: returns when they are there, or will never be.
+            faster: returns them, or None as long as there are none.
+            wait: returns when they exist, or never will.
         """
         self._faster, self._wait = faster, wait
 
     def settle(self) -> None:
-        """Wait for faster functions that are being made; solves before and after take the same."""
+        """Wait for faster functions that are being made; later solves all use the same ones."""
         if self._faster is not None and self._wait is not None:
             self._wait()
         self._renew()
@@ -141,7 +139,7 @@ class Solver(ABC):
         self,
         problem: Problem,
         guess: Array,
-        patience: Patience = PATIENT,
+        options: SolveOptions = PATIENT,
         read: Callable[[str], None] | None = None,
     ) -> Solution:
         """Solve from a guess.
@@ -149,22 +147,27 @@ class Solver(ABC):
         Args:
             problem: its numbers.
             guess: all variables.
-            patience: how long to go on.
-            read: takes the table of iterations, of solvers that print one.
+            options: start and end.
+            read: receives the table of iterations, of solvers that print one.
+
+        Raises:
+            ValueError: the guess is not finite, but violates no row.
         """
-        self._renew()
-        if (miss := self.miss(problem, guess)) > HOPELESS:
-            return self._given_up(problem, Iterate(guess, np.zeros_like(problem.lower)), miss)
-        if patience not in self._cold:
-            self._cold[patience] = self._another(patience)
-        arguments = {
-            "x0": guess,
-            "p": problem.parameters,
-            "lbg": problem.lower,
-            "ubg": problem.upper,
-        }
-        with nullcontext() if read is None else self._printing(read):
-            return self._run(self._cold[patience], problem, arguments)
+        with solving:
+            self._renew()
+            if (miss := self.miss(problem, guess)) > HOPELESS:
+                start = Iterate(guess, np.zeros_like(problem.lower))
+                return self._not_begun(problem, start, miss)
+            if options not in self._cold:
+                self._cold[options] = self._with_options(options)
+            arguments = {
+                "x0": guess,
+                "p": problem.parameters,
+                "lbg": problem.lower,
+                "ubg": problem.upper,
+            }
+            with nullcontext() if read is None else self._printing(read):
+                return self._run(self._cold[options], problem, arguments)
 
     def follow(
         self,
@@ -179,55 +182,51 @@ class Solver(ABC):
             problem: its numbers.
             start: the solution.
             too_far: largest violation of a row with which it is begun.
-            acceptable: as of `Patience`.
+            acceptable: as of `SolveOptions`.
         """
-        self._renew()
-        rows = self._rows(problem, start.variables)
-        if (miss := largest_violation(problem, rows)) > too_far:
-            return self._given_up(problem, start, miss)
-        return self._follow(problem, start, rows, acceptable)
+        with solving:
+            self._renew()
+            rows = self._rows(problem, start.variables)
+            if (miss := largest_violation(problem, rows)) > too_far:
+                return self._not_begun(problem, start, miss)
+            return self._follow(problem, start, rows, acceptable)
 
     @abstractmethod
     def _follow(
         self, problem: Problem, start: Iterate, rows: Array, acceptable: tuple[float, int] | None
     ) -> Solution:
-        """See `follow`; `rows` (rows,): g of the start."""
+        """`follow` with `rows` (rows,), g of the start."""
 
     def miss(self, problem: Problem, variables: Array) -> float:
         """The largest violation of a row; infinite where a row is not finite."""
-        return largest_violation(problem, self._rows(problem, variables))
+        with solving:
+            return largest_violation(problem, self._rows(problem, variables))
 
     def _rows(self, problem: Problem, variables: Array) -> Array:
         return np.array(self.function("nlp_g")(variables, problem.parameters)).ravel()
 
-    def _given_up(self, problem: Problem, start: Iterate, miss: float) -> Solution:
-        """A solve that was not begun."""
-        f = self._cold[PATIENT].get_function("nlp_f")
+    def _not_begun(self, problem: Problem, start: Iterate, miss: float) -> Solution:
         return Solution(
             variables=start.variables,
             multipliers=start.multipliers,
             converged=False,
             iterations=0,
-            cost=float(f(start.variables, problem.parameters)),
+            cost=float(self.function("nlp_f")(start.variables, problem.parameters)),
             solve_time_s=0.0,
             violation=miss,
             message="too far from a solution to begin",
         )
 
     @abstractmethod
-    def _another(self, patience: Patience) -> ca.Function:
-        """The solver from guesses with another patience; the functions are at hand."""
+    def _with_options(self, options: SolveOptions) -> ca.Function:
+        """Solver from guesses with other options, of the same functions."""
 
     @abstractmethod
-    def _converged(self, stats: dict[str, Any]) -> bool:
-        """From nlpsol's statistics."""
-
-    @abstractmethod
-    def _iterations(self, stats: dict[str, Any]) -> int:
-        """From nlpsol's statistics."""
+    def _outcome(self, stats: dict[str, Any]) -> tuple[bool, int]:
+        """Convergence and number of iterations from nlpsol's statistics."""
 
     def _printing(self, read: Callable[[str], None]) -> AbstractContextManager[None]:
-        """Meanwhile the solver prints its table into `read`; here it prints none."""
+        """Meanwhile the solver prints its table into `read`; by default there is none."""
         return nullcontext()
 
     def _run(
@@ -237,18 +236,19 @@ class Solver(ABC):
         arguments: dict[str, Array],
         scale: float | Array = 1.0,
     ) -> Solution:
-        """Run one; `scale` (rows,): of its rows, in units of the problem's."""
+        """Call nlpsol; `scale` (rows,): of its rows, in units of the problem's."""
         if not np.isfinite(arguments["x0"]).all():  # Fatrop would never return
             raise ValueError("the initial guess is not finite")
         start = time.perf_counter()
         result = solver(**arguments)
         elapsed = time.perf_counter() - start
         stats = solver.stats()
+        converged, iterations = self._outcome(stats)
         return Solution(
             variables=np.array(result["x"]).ravel(),
             multipliers=scale * np.array(result["lam_g"]).ravel(),
-            converged=self._converged(stats),
-            iterations=self._iterations(stats),
+            converged=converged,
+            iterations=iterations,
             cost=float(result["f"]),
             solve_time_s=elapsed,
             violation=largest_violation(problem, np.array(result["g"]).ravel() / scale),

@@ -10,13 +10,14 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from llsrbm.ocp.fatrop_patches import LARGEST_SCALE, WITHIN
 from llsrbm.ocp.problem import Iterate, Problem, Solution
-from llsrbm.ocp.progress import IterationTable, printed_into
+from llsrbm.ocp.progress import printed_into
 from llsrbm.ocp.solvers.base import (
     NEAR_MU,
     NEAR_TOLERANCE,
     PATIENT,
-    Patience,
+    SolveOptions,
     Solver,
     largest_violation,
 )
@@ -26,17 +27,11 @@ Array = NDArray[np.float64]
 
 # Near starts converge in 2 to 10 iterations; a cold start is quicker than waiting for more.
 NEAR_ITERATIONS = 15
-# Rows of plans reach 5, SLIDER's 12. Where they grow, slopes grow faster, and Fatrop may look for a
-# direction for ever: near a solution no step leads to rows beyond this.
-WITHIN = 40.0
 # Of a row with two bounds only the one that is nearer by this ratio counts near a solution. Of 0.02
 # to 1 this one loses the fewest solves, and moves the CoM of a solution by less than 0.4 mm.
 NEARER = 0.05
 # Scales of rows are the bounds' multipliers, not smaller than this: Fatrop sees scaled violations.
 LEAST_SCALE = 1e-7
-# Multipliers of plans reach 22. Where rows leave next to no room they grow without bounds, 1e7 and
-# more were seen of robots thrown up hard: scaled by these Fatrop looks for a direction for ever.
-LARGEST_SCALE = 1e3
 
 _NEAR_OPTIONS: dict[str, Any] = {
     "mu_init": NEAR_MU,
@@ -61,7 +56,6 @@ class Fatrop(Solver):
 
     def __init__(self, cold: ca.Function, near: ca.Function, structure: Structure) -> None:
         super().__init__(cold, near, structure)
-        self._creeping: dict[tuple[float, int], ca.Function] = {}  # near ones that stop earlier
         _set_print_level(_SILENT)
 
     @contextmanager
@@ -75,7 +69,7 @@ class Fatrop(Solver):
 
     @classmethod
     def build(cls, transcription: Transcribed) -> Solver:
-        """See `Solver.build`."""
+        """Build the solvers from guesses and near solutions."""
         functions, structure = transcription.functions, transcription.structure
         return cls(
             _fatrop(functions, structure, _fatrop_options(PATIENT)),
@@ -83,37 +77,26 @@ class Fatrop(Solver):
             structure,
         )
 
-    def _renew(self) -> None:
-        before = self._near
-        super()._renew()
-        if self._near is not before:
-            self._creeping.clear()
-
     def _functions(self) -> dict[str, ca.Function]:
         available = self._cold[PATIENT].get_function()
-        functions = {n: self.function(n) for n in available if n.startswith("nlp_")}
-        return functions | {"nlp": self.function("nlp")}
+        return {n: self.function(n) for n in ("nlp", *available) if n.startswith("nlp")}
 
-    def _another(self, patience: Patience) -> ca.Function:
+    def _with_options(self, options: SolveOptions) -> ca.Function:
         functions = self._functions()
-        if patience.within is not None:
-            functions["nlp_g"] = _rows_within(functions["nlp_g"], patience.within)
-        options = _fatrop_options(patience) | {"print_level": _SILENT}
-        return _fatrop(functions, self._structure, options)
+        if options.within is not None:
+            functions["nlp_g"] = _rows_within(functions["nlp_g"], options.within)
+        return _fatrop(functions, self._structure, _fatrop_options(options), silent=True)
 
     def _near_until(self, acceptable: tuple[float, int] | None) -> ca.Function:
-        if acceptable is None:
-            return self._near
-        if acceptable not in self._creeping:
-            options = _NEAR_OPTIONS | _acceptable_options(acceptable) | {"print_level": _SILENT}
-            scaled = _with_scaled_rows(self._functions())
-            self._creeping[acceptable] = _fatrop(scaled, self._structure, options)
-        return self._creeping[acceptable]
+        if acceptable not in self._near:
+            options = _NEAR_OPTIONS | _acceptable_options(acceptable)
+            functions = _with_scaled_rows(self._functions())
+            self._near[acceptable] = _fatrop(functions, self._structure, options, silent=True)
+        return self._near[acceptable]
 
     def _follow(
         self, problem: Problem, start: Iterate, rows: Array, acceptable: tuple[float, int] | None
     ) -> Solution:
-        """See `Solver.follow`."""
         lower, upper = problem.lower, problem.upper
         inequality = lower < upper
         below, above = np.maximum(rows - lower, 0.0), np.maximum(upper - rows, 0.0)
@@ -122,7 +105,7 @@ class Fatrop(Solver):
         upper = np.where(inequality & (below <= NEARER * above), np.inf, upper)
         scale = np.where(inequality, np.maximum(np.abs(start.multipliers), LEAST_SCALE), 1.0)
         if not scale.max() <= LARGEST_SCALE:
-            return self._given_up(problem, start, largest_violation(problem, rows))
+            return self._not_begun(problem, start, largest_violation(problem, rows))
         arguments = {
             "x0": start.variables,
             "p": np.concatenate([problem.parameters, scale]),
@@ -131,34 +114,34 @@ class Fatrop(Solver):
         }
         return self._run(self._near_until(acceptable), problem, arguments, scale)
 
-    def _converged(self, stats: dict[str, Any]) -> bool:
-        """Within the tolerance, or acceptable for long enough, which nlpsol does not count."""
-        return bool(stats["success"]) or stats["fatrop"]["return_flag"] == _STOPPED_ACCEPTABLE
-
-    def _iterations(self, stats: dict[str, Any]) -> int:
-        return int(stats["fatrop"]["iterations_count"])
+    def _outcome(self, stats: dict[str, Any]) -> tuple[bool, int]:
+        fatrop = stats["fatrop"]  # nlpsol does not count what is acceptable as a success
+        converged = stats["success"] or fatrop["return_flag"] == _STOPPED_ACCEPTABLE
+        return bool(converged), int(fatrop["iterations_count"])
 
 
-def _fatrop_options(patience: Patience) -> dict[str, Any]:
-    options: dict[str, Any] = {
-        "mu_init": patience.mu,
-        "tolerance": patience.tolerance,
-        "max_iter": patience.iterations,
+def _fatrop_options(options: SolveOptions) -> dict[str, Any]:
+    push = {} if options.push is None else dict.fromkeys(("bound_push", "bound_frac"), options.push)
+    return {
+        "mu_init": options.mu,
+        "tolerance": options.tolerance,
+        "max_iter": options.iterations,
+        **push,
+        **_acceptable_options(options.acceptable),
     }
-    if patience.push is not None:
-        options |= {"bound_push": patience.push, "bound_frac": patience.push}
-    if patience.acceptable is not None:
-        options |= _acceptable_options(patience.acceptable)
-    return options
 
 
-def _acceptable_options(acceptable: tuple[float, int]) -> dict[str, Any]:
-    tolerance, iterations = acceptable
-    return {"tol_acceptable": tolerance, "acceptable_iter": iterations}
+def _acceptable_options(acceptable: tuple[float, int] | None) -> dict[str, Any]:
+    if acceptable is None:
+        return {}
+    return dict(zip(("tol_acceptable", "acceptable_iter"), acceptable, strict=True))
 
 
 def _fatrop(
-    functions: dict[str, ca.Function], structure: Structure, options: dict[str, Any]
+    functions: dict[str, ca.Function],
+    structure: Structure,
+    options: dict[str, Any],
+    silent: bool = False,
 ) -> ca.Function:
     nlpsol_options = {
         "print_time": False,
@@ -171,16 +154,16 @@ def _fatrop(
         "ng": structure.rows,
         "equality": structure.equality,
         "cache": {n: f for n, f in functions.items() if n != "nlp"},
-        "fatrop": options,
+        "fatrop": options | ({"print_level": _SILENT} if silent else {}),
     }
     return ca.nlpsol("solver", "fatrop", functions["nlp"], nlpsol_options)
 
 
 def _set_print_level(level: int) -> None:
-    """Fatrop's print level is one for the whole process, set by whatever solver is new."""
+    """Set Fatrop's print level, one for the whole process, by a new solver."""
     x = ca.SX.sym("x")
     options = {"print_time": False, "fatrop": {"print_level": level, "max_iter": 0}}
-    with printed_into(IterationTable().read):
+    with printed_into(lambda _: None):
         ca.nlpsol("print_level", "fatrop", {"x": x, "f": x**2}, options)(x0=1.0)
 
 

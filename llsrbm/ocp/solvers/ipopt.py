@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from llsrbm.ocp.problem import Iterate, Problem, Solution
-from llsrbm.ocp.solvers.base import NEAR_MU, PATIENT, Patience, Solver
+from llsrbm.ocp.solvers.base import NEAR_MU, PATIENT, SolveOptions, Solver
 from llsrbm.ocp.transcription import Transcribed
 
 Array = NDArray[np.float64]
@@ -23,7 +23,7 @@ class Ipopt(Solver):
 
     @classmethod
     def build(cls, transcription: Transcribed) -> Solver:
-        """See `Solver.build`."""
+        """Build the solvers from guesses and near solutions."""
         functions = transcription.functions
         hessian = functions["nlp_hess_l"]
         arguments = [ca.MX.sym(hessian.name_in(i), hessian.sparsity_in(i)) for i in range(4)]
@@ -45,15 +45,14 @@ class Ipopt(Solver):
             transcription.structure,
         )
 
-    def _another(self, patience: Patience) -> ca.Function:
+    def _with_options(self, options: SolveOptions) -> ca.Function:
         names = {"hess_lag": "nlp_hess_l", "jac_g": "nlp_jac_g", "grad_f": "nlp_grad_f"}
         derivatives = {option: self.function(name) for option, name in names.items()}
-        return _ipopt(self.function("nlp"), derivatives, patience, {})
+        return _ipopt(self.function("nlp"), derivatives, options, {})
 
     def _follow(
         self, problem: Problem, start: Iterate, rows: Array, acceptable: tuple[float, int] | None
     ) -> Solution:
-        """See `Solver.follow`."""
         arguments = {
             "x0": start.variables,
             "lam_g0": start.multipliers,
@@ -61,20 +60,17 @@ class Ipopt(Solver):
             "lbg": problem.lower,
             "ubg": problem.upper,
         }
-        return self._run(self._near, problem, arguments)
+        return self._run(self._near[None], problem, arguments)
 
-    def _converged(self, stats: dict[str, Any]) -> bool:
-        return bool(stats["success"])
-
-    def _iterations(self, stats: dict[str, Any]) -> int:
-        return int(stats["iter_count"])
+    def _outcome(self, stats: dict[str, Any]) -> tuple[bool, int]:
+        return bool(stats["success"]), int(stats["iter_count"])
 
 
 def _ipopt(
     nlp: ca.Function,
     derivatives: dict[str, ca.Function],
-    patience: Patience,
-    options: dict[str, Any],
+    options: SolveOptions,
+    more: dict[str, Any],
 ) -> ca.Function:
     nlpsol_options = {
         "print_time": False,
@@ -83,11 +79,11 @@ def _ipopt(
         "ipopt": {
             "print_level": 0,
             "sb": "yes",
-            "max_iter": patience.iterations,
-            "tol": patience.tolerance,
+            "max_iter": options.iterations,
+            "tol": options.tolerance,
             "constr_viol_tol": 1e-5,
-            "mu_init": patience.mu,
-            **options,
+            "mu_init": options.mu,
+            **more,
         },
     }
     return ca.nlpsol("solver", "ipopt", nlp, nlpsol_options)

@@ -72,7 +72,6 @@ def _expressions(stage: Stage, following: Role | None) -> StageExpressions:
             cost += stage.parameters[weight_parameter(term)] * term.term(stage)
     rows = tuple(Row(c, c.rows(stage), c.equality) for c in constraints_of(stage.role))
     return StageExpressions(
-        name=stage.role.describe(),
         variables=stage.variables,
         states=stage.layout.state_size(stage.role),
         shared=ca.vertcat(*stage.parameters.values()),

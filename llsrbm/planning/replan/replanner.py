@@ -55,7 +55,7 @@ SHORTEST = 0.02  # s that what is left of a phase may be shortened to
 SAME_TIME = 2e-3  # s; a knot of the plan that is nearer to the state's time is left out
 LONGER = 0.3  # s by which a phase may outlast its limit: a push upwards is longer in the air
 # From the sampled plan, which is near a solution where nothing has happened.
-FIRST = solvers.Patience(
+FIRST = solvers.SolveOptions(
     mu=1e-4, iterations=25, tolerance=1e-3, push=0.02, within=solvers.WITHIN, acceptable=(5e-3, 4)
 )
 # Near solutions creep as well, SLIDER's for all iterations that they are given: stopped so, half of
@@ -148,7 +148,7 @@ class Replanner:
                 guess = pack(layout, self._sampled(task, layout, state))
                 if solver.miss(problem, guess) > LOST:
                     break
-                solution = solver.solve(problem, guess, patience=FIRST)
+                solution = solver.solve(problem, guess, options=FIRST)
             elif last is not None and state.time - asked < FRESH:
                 too_far = NEAR_AT_ONCE if state.time - asked < AT_ONCE else NEAR
                 solution = solver.follow(problem, last, too_far, CREEPING)

@@ -314,12 +314,12 @@ class Planner:
         return _with_all_time(attempts)
 
     def _solve(
-        self, task: Task, guess: Array, watch: Watch, patience: solvers.Patience | None = None
+        self, task: Task, guess: Array, watch: Watch, options: solvers.SolveOptions | None = None
     ) -> Attempt:
         problem = self.formulation.problem(task)
-        patience = patience or (CAUTIOUS if task.jump.turns else solvers.PATIENT)
+        options = options or (CAUTIOUS if task.jump.turns else solvers.PATIENT)
         solver = self.formulation.solver
-        solve = partial(solver.solve, problem, guess, patience=patience, read=watch.read)
+        solve = partial(solver.solve, problem, guess, options=options, read=watch.read)
         return self.formulation.judged(task, watch.over(solve))
 
     def last_knots(self) -> Knots:

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from llsrbm.motion.plan import Plan, SolveReport
-from llsrbm.ocp.solvers import PATIENT, Patience
+from llsrbm.ocp.solvers import PATIENT, SolveOptions
 from llsrbm.planning.problem.assembly import assemble_plan
 from llsrbm.planning.problem.formulation import PATIENT_FLIGHT, Attempt, Formulation
 from llsrbm.planning.problem.task import Task
@@ -25,7 +25,7 @@ Array = NDArray[np.float64]
 # From a neighbour's solution. Its limits are active elsewhere, so more is undone than when a slider
 # moves by a step: hence the complementarity. Of 60 such solves that succeeded with more iterations,
 # five took more.
-HURRIED = Patience(mu=1e-3, iterations=60)
+HURRIED = SolveOptions(mu=1e-3, iterations=60)
 
 
 class OutOfTime(Exception):
@@ -83,13 +83,13 @@ class Scout:
                 return None
         return found
 
-    def _run(self, task: Task, guess: Array, patience: Patience) -> Attempt | None:
+    def _run(self, task: Task, guess: Array, options: SolveOptions) -> Attempt | None:
         if self.seconds > self.budget_s:
             raise OutOfTime
         self.solves += 1
         self._watch.begin(f"{self.about}, try {self.solves}")
         formulation = self.formulation
-        solve = partial(formulation.solver.solve, formulation.problem(task), guess, patience)
+        solve = partial(formulation.solver.solve, formulation.problem(task), guess, options)
         solution = self._watch.over(solve)
         self.seconds += solution.solve_time_s
         if not solution.converged:

@@ -56,7 +56,7 @@ def test_another_planners_plan_or_another_robots_is_not_recalled(folder):
 
 
 def test_a_damaged_entry_counts_as_none(folder, caplog):
-    (entry,) = (folder / "initial-plans").iterdir()
+    (entry,) = folder.glob("initial-plans-*/*")
     entry.write_bytes(entry.read_bytes()[:-10])
     plans = InitialPlans("planner")
     with caplog.at_level(logging.WARNING):

@@ -29,13 +29,12 @@ def expressions(kind: str, built: list[str]) -> StageExpressions:
     lift = Lifting(z)
     rest = Row("rest", z[:2], equality=True)
     if kind == "last":
-        return StageExpressions("last", z, 2, shared, weight, ca.SX(0), (rest,), None, lift)
+        return StageExpressions(z, 2, shared, weight, ca.SX(0), (rest,), None, lift)
     x, v, u = ca.vertsplit(z)
     dt = lift(duration / INTERVALS)
     step = lift(lift(u - drag * ca.sin(v)) * dt)
     push = Row("push", u)
     return StageExpressions(
-        name=kind,
         variables=z,
         states=2,
         shared=shared,

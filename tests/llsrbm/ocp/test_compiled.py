@@ -1,21 +1,19 @@
 """Compiled functions give the numbers that CasADi's own evaluation gives, and nobody waits."""
 
-import logging
+import os
 import shutil
 import time
 from functools import cache
+from pathlib import Path
 
-import casadi as ca
 import numpy as np
 import pytest
 
-from llsrbm.ocp import solvers
-from llsrbm.ocp.c_code import EVALUATED, NotInC, c_files
-from llsrbm.ocp.compiled import Library, compiler, packed
-from llsrbm.ocp.horizon import Horizon, Run, StageExpressions
-from llsrbm.ocp.lifting import Lifting
-from llsrbm.ocp.solvers import Patience
-from llsrbm.ocp.transcription import Transcription
+from llsrbm.ocp import compile_job, compiled, solvers
+from llsrbm.ocp.compile_job import failed
+from llsrbm.ocp.compiled import Compiler, Library, c_files, compiler, packed
+from llsrbm.ocp.solvers import SolveOptions
+from llsrbm.ocp.transcription import FUNCTIONS, Transcription
 from tests.llsrbm.ocp.cart import INTERVALS, horizon, problem
 
 pytestmark = pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
@@ -48,7 +46,7 @@ def make_compiler():
         return compiler()
 
 
-@pytest.mark.parametrize("name", EVALUATED)
+@pytest.mark.parametrize("name", FUNCTIONS)
 def test_numbers(library, name):
     rng = np.random.default_rng(1)
     one, other = transcription().functions[name], library.load().functions[name]
@@ -67,8 +65,8 @@ def test_solutions(library):
     kind = solvers.by_name("fatrop")
     plain, fast = kind.build(transcription()), kind.build(library.load())
     task = problem(0.9, drag=0.5, weights=(1.0, 3.0))
-    for patience in (solvers.PATIENT, Patience(mu=1e-3, iterations=60)):
-        one, other = (solver.solve(task, GUESS, patience) for solver in (plain, fast))
+    for options in (solvers.PATIENT, SolveOptions(mu=1e-3, iterations=60)):
+        one, other = (solver.solve(task, GUESS, options) for solver in (plain, fast))
         assert other.converged
         assert other.iterations == one.iterations
         np.testing.assert_allclose(other.variables, one.variables, atol=1e-8)
@@ -127,20 +125,69 @@ def test_two_jobs_at_once_make_one_library(tmp_path):
     assert [path.name for path in (tmp_path / "kind").iterdir()] == ["cart.so"]
 
 
-@pytest.mark.parametrize("text", ["no C", "double nlp_f(void);"])
-def test_a_compiler_that_fails_is_not_asked_again(tmp_path, text, caplog):
-    (tmp_path / "kind").mkdir()
+def program(tmp_path, text):
+    """A compiler that does what a shell script says."""
+    path = tmp_path / "cc"
+    path.write_text(f"#!/bin/sh\n{text}\n")
+    path.chmod(0o755)
+    return str(path)
+
+
+def attempt(tmp_path, command):
+    """Have a library compiled, and wait; True if anything was tried."""
+    (tmp_path / "kind").mkdir(exist_ok=True)
     library = Library(tmp_path / "kind" / "cart.so")
-    caplog.set_level(logging.INFO)
-    library.compile(compiler(), packed({"a.c": text}))
+    library.compile(Compiler((command,), ""), packed({"a.c": "no C"}))
+    tried = library._job is not None
     library.wait()
     assert library.load() is None
-    if text == "no C":
+    return tried
+
+
+def test_a_compiler_that_fails_is_tried_again_the_next_day(tmp_path, caplog):
+    assert attempt(tmp_path, "cc")
+    assert "going on without compiled functions: cc: status 1" in caplog.text
+    assert not attempt(tmp_path, "cc")
+    os.utime(failed(tmp_path / "kind" / "cart.so"), (0, 0))
+    assert attempt(tmp_path, "cc")
+
+
+def test_a_compiler_that_was_killed_is_tried_again(tmp_path, caplog):
+    for script in ("kill -9 $$", "echo Killed signal terminated program cc1 >&2; exit 1"):
+        assert attempt(tmp_path, program(tmp_path, script))
         assert "going on without compiled functions" in caplog.text
-        library.compile(compiler(), packed({"a.c": text}))
-        assert library._job is None
-    else:
-        assert "cannot be loaded" in caplog.text
+        assert not failed(tmp_path / "kind" / "cart.so").exists()
+
+
+def test_a_compiler_that_does_not_end_is_ended_with_all_it_runs(tmp_path, monkeypatch):
+    monkeypatch.setattr(compile_job, "LONGEST", 0.3)
+    command = program(tmp_path, "sleep 30 & echo $! > child; wait")
+    with pytest.raises(OSError, match=r"not finished after 0\.3 s"):
+        compile_job.run([command], str(tmp_path))
+    state = Path("/proc", (tmp_path / "child").read_text().strip(), "stat")
+    assert not state.exists() or ") Z " in state.read_text()
+
+
+def test_a_cache_that_cannot_be_locked_is_said(tmp_path, caplog):
+    (tmp_path / "compiling.lock").mkdir()
+    assert attempt(tmp_path, "cc")
+    assert "compiling.lock" in caplog.text
+
+
+def test_a_compiler_that_answers_late_is_asked_again(tmp_path, monkeypatch):
+    monkeypatch.setenv("CC", program(tmp_path, "sleep 0.3; echo '#define A 1'"))
+    with monkeypatch.context() as patch:
+        patch.setattr(compiled, "_MACROS_WITHIN", 0.05)
+        assert compiler() is None
+    assert "#define A 1" in compiler().identity
+
+
+def test_what_only_its_user_may_change_is_loaded(library, monkeypatch):
+    def refuse(*_):
+        raise PermissionError("read-only")
+
+    monkeypatch.setattr(os, "utime", refuse)
+    assert library.load() is not None
 
 
 def test_what_is_no_library_is_reported(tmp_path, caplog):
@@ -161,10 +208,3 @@ def test_without_a_compiler(monkeypatch):
     monkeypatch.delenv("CC")
     monkeypatch.setenv("LLSRBM_COMPILE", "0")
     assert compiler() is None
-
-
-def test_an_operation_that_is_not_written():
-    z, p, own = (ca.SX.sym(name) for name in "zps")
-    stage = StageExpressions("s", z, 1, p, own, ca.tanh(z), (), None, Lifting(z))
-    with pytest.raises(NotInC, match="operation"):
-        c_files(Transcription(Horizon((Run("s", 1, lambda: stage, (slice(0, 1),)),), 1)))

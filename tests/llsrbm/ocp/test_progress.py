@@ -1,4 +1,5 @@
 import io
+import subprocess
 import sys
 import threading
 import time
@@ -78,7 +79,7 @@ def test_what_a_solve_returns_or_raises_comes_through():
 
 
 def test_news_come_from_the_callers_thread_and_not_too_often(monkeypatch):
-    monkeypatch.setattr(progress, "LOOK_EVERY", 0.005)
+    monkeypatch.setattr(progress, "POLL_INTERVAL", 0.005)
     count = iter(range(10**6))
     told = []
 
@@ -88,13 +89,13 @@ def test_news_come_from_the_callers_thread_and_not_too_often(monkeypatch):
     attended(lambda: time.sleep(0.45), lambda: (next(count), 0.1), tell, None)
     times = [when for when, _ in told]
     assert 2 <= len(told) <= 4
-    assert all(b - a > 0.9 * progress.TELL_EVERY for a, b in pairwise(times))
+    assert all(b - a > 0.9 * progress.REPORT_INTERVAL for a, b in pairwise(times))
     assert {who for _, who in told} == {threading.get_ident()}
 
 
 def test_nothing_is_told_twice(monkeypatch):
-    monkeypatch.setattr(progress, "LOOK_EVERY", 0.005)
-    monkeypatch.setattr(progress, "TELL_EVERY", 0.0)
+    monkeypatch.setattr(progress, "POLL_INTERVAL", 0.005)
+    monkeypatch.setattr(progress, "REPORT_INTERVAL", 0.0)
     told = []
     attended(lambda: time.sleep(0.1), lambda: (3, 0.1), lambda *news: told.append(news), None)
     assert told == [(3, 0.1)]
@@ -145,3 +146,29 @@ def test_a_solve_that_was_cancelled_before_it_began_never_does():
     when_idle()
     time.sleep(0.05)
     assert not begun
+
+
+# Its cost falls for ever, a line of the table at a time; no patch ends it.
+LEAVING = """
+import casadi as ca
+from llsrbm.errors import Cancelled
+from llsrbm.ocp.progress import attended, printed_into
+x = ca.SX.sym("x")
+options = {"print_time": False, "fatrop": {"max_iter": 10**8, "tolerance": 1e-300}}
+solver = ca.nlpsol("solver", "fatrop", {"x": x, "f": x}, options)
+printed = []
+def solve():
+    with printed_into(printed.append):
+        solver(x0=0.0)
+try:
+    attended(solve, lambda: None, None, lambda: len(printed) > 100)
+except Cancelled:
+    print("leaving")
+"""
+
+
+def test_the_process_ends_although_a_cancelled_solve_runs():
+    done = subprocess.run(
+        [sys.executable, "-c", LEAVING], capture_output=True, text=True, check=True, timeout=30
+    )
+    assert done.stdout == "leaving\n"

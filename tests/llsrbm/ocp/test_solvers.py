@@ -8,7 +8,8 @@ import pytest
 
 from llsrbm.errors import InputError
 from llsrbm.ocp import solvers
-from llsrbm.ocp.solvers import PATIENT, TOO_FAR, Patience
+from llsrbm.ocp.solvers import PATIENT, SolveOptions
+from llsrbm.ocp.solvers.base import TOO_FAR
 from llsrbm.ocp.transcription import Transcription
 from tests.llsrbm.ocp.cart import INTERVALS, best_pushes, horizon, places, problem, pushes
 
@@ -107,7 +108,7 @@ def test_patience(name):
     task = problem(1.0, drag=2.0, push=1.6)
     patient = solver(name).solve(task, GUESS)
     assert patient.converged
-    hurried = solver(name).solve(task, GUESS, Patience(mu=1e-3, iterations=2))
+    hurried = solver(name).solve(task, GUESS, SolveOptions(mu=1e-3, iterations=2))
     assert not hurried.converged
     assert hurried.iterations <= 3 < patient.iterations  # Fatrop counts the first evaluation
     rough = solver(name).solve(task, GUESS, replace(PATIENT, tolerance=1e-2))
@@ -125,7 +126,7 @@ def test_from_text_it_is_the_same(name):
     np.testing.assert_array_equal(
         there.solve(task, GUESS).variables, here.solve(task, GUESS).variables
     )
-    hurried = Patience(mu=1e-3, iterations=60)
+    hurried = SolveOptions(mu=1e-3, iterations=60)
     np.testing.assert_array_equal(
         there.solve(task, GUESS, hurried).variables, here.solve(task, GUESS, hurried).variables
     )
@@ -135,7 +136,7 @@ def test_the_table_is_read_and_nothing_printed(capfd):
     read = []
     solution = solver("fatrop").solve(problem(1.0), GUESS, read=read.append)
     assert "inf_pr" in "".join(read)
-    solver("fatrop").solve(problem(1.0), GUESS, Patience(mu=2e-3, iterations=50))
+    solver("fatrop").solve(problem(1.0), GUESS, SolveOptions(mu=2e-3, iterations=50))
     assert solution.converged
     assert capfd.readouterr() == ("", "")
 

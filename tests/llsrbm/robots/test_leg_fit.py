@@ -1,4 +1,5 @@
 import logging
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -117,10 +118,13 @@ def test_a_fit_is_cached_and_a_damaged_one_made_anew(tmp_path, monkeypatch, capl
     monkeypatch.setenv(ENVIRONMENT_VARIABLE, str(tmp_path))
     robot = load_robot("anymal")
     fitted = load_or_fit(robot)
-    (entry,) = (tmp_path / "leg-fits").iterdir()
+    (entry,) = (tmp_path / "leg-fits-anymal").iterdir()
+    control = robot.file.control.model_copy(update={"gains": None, "rate": 1.0})
+    edited = replace(robot, file=robot.file.model_copy(update={"control": control}))
     with monkeypatch.context() as patch:
         patch.setattr("llsrbm.robots.leg_fit.fit_legs", None)
         stored = load_or_fit(robot)
+        load_or_fit(edited)  # a gain is of no leg
     for name, value in vars(fitted).items():
         np.testing.assert_equal(getattr(stored, name), value)
         assert type(getattr(stored, name)) is type(value)

@@ -320,9 +320,9 @@ class Reluctant:
         self.solver, self.failures, self.calls, self.seconds = solver, failures, [], []
         self.name, self.sizes = solver.name, solver.sizes
 
-    def solve(self, problem, guess, patience=solvers.PATIENT, read=None):
+    def solve(self, problem, guess, options=solvers.PATIENT, read=None):
         self.calls.append(guess)
-        return self._spoilt(self.solver.solve(problem, guess, patience, read), guess)
+        return self._spoilt(self.solver.solve(problem, guess, options, read), guess)
 
     def follow(self, problem, start):
         self.calls.append(start.variables)

@@ -11,44 +11,56 @@ import numpy as np
 import pytest
 
 import llsrbm
-from llsrbm.cache import program
+from llsrbm.models import make_model
 from llsrbm.ocp import solvers
+from llsrbm.planning.problem.horizon import make_horizon
 from llsrbm.planning.solve import solver_cache
-from llsrbm.planning.solve.solver_cache import cached_solver, programs
+from llsrbm.planning.solve.planner import layout_of
+from llsrbm.planning.solve.solver_cache import cached_solver
+from llsrbm.request.jump import Jump
+from llsrbm.robots import load_robot
 from tests.llsrbm.ocp.cart import INTERVALS, horizon, problem
 
 PACKAGE = Path(llsrbm.__file__).parent
 
 
-def test_all_that_makes_the_problem_is_in_the_key_and_no_search():
-    known = set(programs())
-    needed = ["models/llsrbm_plus.py", "models/leg_drives.py", "ocp/lifting.py", "ocp/batch.py"]
-    needed += [
-        "ocp/solvers/fatrop.py",
-        "planning/stage.py",
-        "planning/layout.py",
-        "planning/costs.py",
-    ]
-    needed += ["planning/rotations.py", "planning/headings.py", "planning/constraints/turn.py"]
-    needed += ["planning/constraints/__init__.py", "planning/solver_cache.py", "planning/task.py"]
-    for name in needed:
-        assert program(PACKAGE / name) in known, name
-    for name in ("scout", "nearest", "explanation", "planner", "assembly", "residuals"):
-        assert program(PACKAGE / "planning" / f"{name}.py") not in known, name
+def fingerprint():
+    robot = load_robot("anymal")
+    layout = layout_of(Jump(robot="anymal"), robot)
+    return make_horizon(make_model("llsrbm-plus", robot), layout).fingerprint()
 
 
-def test_nothing_that_is_imported_is_forgotten():
-    """By Python itself, in a fresh process."""
-    code = (
-        "import sys, llsrbm.planning.solve.solver_cache\n"
-        "for name, module in sys.modules.items(): print(name, getattr(module, '__file__', ''))"
-    )
-    found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    rooms = ("llsrbm.models.", "llsrbm.ocp.", "llsrbm.planning.")
-    imported = [line.split() for line in found.stdout.splitlines() if line.startswith(rooms)]
-    assert len(imported) > 20
-    known = set(programs())
-    assert [name for name, path in imported if program(Path(path)) not in known] == []
+@pytest.fixture(scope="module")
+def original():
+    return fingerprint()
+
+
+def elsewhere(before=""):
+    """By another process, where sets are in another order."""
+    code = f"{before}\nfrom {__name__} import fingerprint\nprint(fingerprint())"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    return done.stdout.strip()
+
+
+def test_equal_problems_have_equal_fingerprints(original):
+    assert elsewhere() == original
+
+
+@pytest.mark.parametrize("number", ["friction.INSCRIBED", "drives.FULL_UP_TO"])
+def test_a_number_from_anywhere_changes_the_fingerprint(original, number):
+    module = number.partition(".")[0]
+    assert elsewhere(f"from llsrbm.robots import {module}\n{number} *= 0.99") != original
+
+
+def test_a_fingerprint_is_kept_until_any_module_changes(tmp_path, monkeypatch):
+    package = tmp_path / "llsrbm"
+    shutil.copytree(PACKAGE, package, ignore=shutil.ignore_patterns("__pycache__"))
+    monkeypatch.setattr(solver_cache, "_PACKAGE", package)
+    before = solver_cache.sources.__wrapped__()
+    with (package / "robots" / "friction.py").open("a") as file:
+        file.write("INSCRIBED = 0.9\n")
+    assert solver_cache.sources.__wrapped__() != before
+    assert solver_cache.sources.__wrapped__("ocp") == solver_cache.sources("ocp")
 
 
 @pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")

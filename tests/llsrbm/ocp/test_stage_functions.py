@@ -4,7 +4,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from llsrbm.ocp.batch import WORTHWHILE, over_stages
+from llsrbm.ocp.stage_functions import WORTHWHILE, batched
 
 
 def deep_function() -> ca.Function:
@@ -19,10 +19,10 @@ def deep_function() -> ca.Function:
 def test_agrees_with_one_stage_at_a_time(count):
     function = deep_function()
     x, p = ca.MX.sym("x", 3, count), ca.MX.sym("p", 2)
-    batched = ca.Function("b", [x, p], over_stages(function, count, x, p))
+    evaluated = ca.Function("b", [x, p], batched(function, count, x, p))
     values = np.random.default_rng(count).normal(size=(3, count))
     parameters = np.array([0.7, -1.3])
-    results = [np.array(r) for r in batched(values, parameters)]
+    results = [np.array(r) for r in evaluated(values, parameters)]
     for k in range(count):
         for result, expected in zip(results, function(values[:, k], parameters), strict=True):
             np.testing.assert_allclose(result[:, k], np.array(expected).ravel(), rtol=1e-15)
@@ -32,7 +32,7 @@ def test_an_output_without_elements():
     z = ca.SX.sym("z", 2)
     function = ca.Function("f", [z], [ca.SX(0, 1), z])
     Z = ca.MX.sym("Z", 2, 8)
-    empty, same = over_stages(function, 8, Z)
+    empty, same = batched(function, 8, Z)
     assert empty.shape == (0, 8)
     evaluated = ca.Function("e", [Z], [same])(np.arange(16.0).reshape(2, 8))
     np.testing.assert_array_equal(np.array(evaluated), np.arange(16.0).reshape(2, 8))
