@@ -37,9 +37,8 @@ class PageReady:
         software: the browser has no graphics processor.
         missing: fields of viser's that they need and do not find.
         tab: by which the page is known again when it comes back.
-        shared: the design in the address, as text; kept: the one that the browser kept.
-        time: s, where the page's motion is; playing: whether it moves. Of a page that has lost its
-            server, and comes to another one.
+        shared, kept: the design in the address, and the one in the browser's storage, as text.
+        time, playing: s, of the motion of a page that has lost its server and comes to another one.
     """
 
     software: bool
@@ -53,12 +52,7 @@ class PageReady:
 
 @dataclass(frozen=True)
 class PlayerMoved:
-    """It was paused, started or moved, or has come to its end.
-
-    Attributes:
-        time: s.
-        playing: whether it plays now.
-    """
+    """The motion was paused, started or moved to `time` (s), or has come to its end."""
 
     time: float
     playing: bool
@@ -66,12 +60,7 @@ class PlayerMoved:
 
 @dataclass(frozen=True)
 class PlaybackChosen:
-    """Speed and repetition were chosen in the page.
-
-    Attributes:
-        speed: seconds of motion a second.
-        loop: start again at the end.
-    """
+    """Speed (seconds of motion a second) and repetition were chosen in the page."""
 
     speed: float
     loop: bool
@@ -79,23 +68,16 @@ class PlaybackChosen:
 
 @dataclass(frozen=True)
 class ClipTaken:
-    """The page has a clip, and can be sent the next one.
-
-    Attributes:
-        number: of the clip.
-    """
+    """The page has the clip of this number, and can be sent the next one."""
 
     number: int
 
 
 @dataclass(frozen=True)
 class TuningChosen:
-    """A number of the table of weights and limits was changed.
+    """A number of the table of weights and limits was changed; None: back to the robot's own.
 
-    Attributes:
-        group: "weights" or "limits".
-        name: of the number; there may be none of this name.
-        value: None: the robot's own.
+    There may be no number of this name.
     """
 
     group: Literal["weights", "limits"]
@@ -110,12 +92,7 @@ class AtlasSeen:
 
 @dataclass(frozen=True)
 class AtlasClicked:
-    """A jump of the atlas was chosen.
-
-    Attributes:
-        sweep: its name; there may be none of this name.
-        number: of the jump in it; there may be none.
-    """
+    """A jump of the atlas was chosen; there may be no such sweep, and no such jump in it."""
 
     sweep: str
     number: int
@@ -133,7 +110,7 @@ class PageLink:
     """
 
     def __init__(self, client: viser.ClientHandle, callback: Callable[[PageEvent], None]) -> None:
-        """Ask the page whether its scripts run; it answers with `PageReady`.
+        """Greet the page, which answers with `PageReady` when its scripts run.
 
         Args:
             client: the tab.
@@ -155,12 +132,7 @@ class PageLink:
         self._call("page.connect", json.dumps(uuid_of(self._field)))
 
     def load(self, clip: Clip, events: Timeline | None) -> None:
-        """Play another clip from now on, and show what happens in it; time goes on.
-
-        Args:
-            clip: how everything moves.
-            events: None: nothing happens, it stands.
-        """
+        """Play another clip from now on, with its timeline (None: it stands); time goes on."""
         if self._number > self._taken:
             if self._waiting is None:
                 lost = ClipTaken(self._number)  # unless the page says so itself
@@ -186,7 +158,7 @@ class PageLink:
         self._command("player.play")
 
     def pause(self) -> None:
-        """Stand still."""
+        """Pause."""
         self._command("player.pause")
 
     def settle(self) -> None:
@@ -203,24 +175,24 @@ class PageLink:
         self._command("player.setLoop", json.dumps(loop))
 
     def keep(self, design: str) -> None:
-        """Have the browser keep a design, as text."""
+        """Store a design, as text, in the browser."""
         self._call("page.keep", json.dumps(design))
 
     def show_tuning(self, tuning: Tuning) -> None:
-        """Put the numbers of the table of weights and limits where a design has them."""
+        """Show a design's numbers in the table of weights and limits."""
         changed = {"weights": dict(tuning.weights), "limits": dict(tuning.limits)}
         self._call("tuning.show", json.dumps(changed))
 
     def show_atlas(self, sent: Mapping[str, Any] | None) -> None:
-        """Draw a map of the atlas, as `app.panel.atlas_map` has it; None: there is none."""
+        """Draw a map of the atlas made by `app.panel.atlas_map`; None: remove it."""
         self._call("atlas.show", json.dumps(sent))
 
     def move_in_atlas(self, x: float, y: float) -> None:
-        """Mark where the present design is in the map, as its axes are shown."""
+        """Mark the present design in the map, in the units of its axes."""
         self._call("atlas.mark", repr(float(x)), repr(float(y)))
 
     def arrange(self, controls: dict[str, str | list[str]]) -> None:
-        """Say which controls are the panel's rows of buttons, by their uuids (static/panel.js)."""
+        """Arrange controls, by their uuids, as the panel's rows of buttons (static/panel.js)."""
         self._call("panel.arrange", json.dumps(controls))
 
     def share(self, design: str) -> None:
@@ -252,7 +224,7 @@ class PageLink:
 
 
 def read_event(message: object) -> PageEvent | None:
-    """The event that a page reports, or None for one that no page can have reported."""
+    """The event in a message of a page, or None if no page can have sent it."""
     if not isinstance(message, str) or len(message) > LONGEST_TEXT:
         return None
     try:

@@ -1,4 +1,7 @@
-"""The page as it is served: viser's, with a title of its own and our scripts before all others."""
+"""The page as it is served: viser's, with a title of its own and our scripts before all others.
+
+Scripts that need the panel are sent to each tab later: those of the plots, and of dropped files.
+"""
 
 from __future__ import annotations
 
@@ -8,6 +11,8 @@ from pathlib import Path
 
 import viser
 
+from app.guard.limits import MAX_UPLOAD
+from app.viser_private import run_javascript
 from llsrbm.errors import Error
 
 SCRIPTS = (
@@ -56,3 +61,9 @@ def page_gzip() -> bytes:
 def page(gzipped: bool) -> bytes:
     """As the browser takes it."""
     return page_gzip() if gzipped else page_html()
+
+
+def accept_drops(client: viser.ClientHandle) -> None:
+    """Have a tab open files that are dropped on it by its upload button, the only one."""
+    script = (_FOLDER / "file_drop.js").read_text(encoding="utf-8")
+    run_javascript(client, f"window.llsrbmLargestFile = {MAX_UPLOAD};\n{script}")

@@ -17,60 +17,69 @@ if TYPE_CHECKING:
     from app.workers.opened_file import OpenedFile
 
 
+_Token = Annotated[
+    str | None,
+    typer.Option(
+        metavar="TOKEN|none",
+        envvar="LLSRBM_TOKEN",
+        help="Needed to enter; generated at each start by default, printed in the page's "
+        "address. An option is seen in the list of processes, the variable is not.",
+    ),
+]
+_Hosts = Annotated[
+    list[str] | None,
+    typer.Option(help="Further name under which browsers may reach the page; repeatable."),
+]
+_File = Annotated[
+    Path | None,
+    typer.Option(
+        "--open", metavar="FILE", help="A design, plan, simulation or motion to begin with."
+    ),
+]
+_Rate = Annotated[
+    float | None, typer.Option(help="Frames per second of such a file, if it does not say.")
+]
+_Workers = Annotated[
+    int | None,
+    typer.Option(
+        help="Computing processes of this machine, some 0.3 GB each; by default as many as it "
+        "has cores, from 2 to 4."
+    ),
+]
+_Scheduler = Annotated[
+    str | None,
+    typer.Option(
+        metavar="ADDRESS",
+        help="Of a dask cluster whose workers compute too, for example tcp://127.0.0.1:8786.",
+    ),
+]
+_Atlases = Annotated[
+    list[Path] | None,
+    typer.Option(metavar="DIR", help="A sweep for the page's atlas; repeatable."),
+]
+
+
 def serve(
     host: Annotated[str, typer.Option(help="Address to listen on.")] = "127.0.0.1",
     port: Annotated[int, typer.Option(help="Port; 0 takes any free one.")] = 8080,
-    allow_host: Annotated[
-        list[str] | None,
-        typer.Option(help="Further name under which browsers may reach the page; repeatable."),
-    ] = None,
-    token: Annotated[
-        str | None,
-        typer.Option(
-            metavar="TOKEN|none",
-            envvar="LLSRBM_TOKEN",
-            help="Needed to enter; generated at each start by default, printed in the page's "
-            "address. An option is seen in the list of processes, the variable is not.",
-        ),
-    ] = None,
+    allow_host: _Hosts = None,
+    token: _Token = None,
     token_file: Annotated[
         Path | None, typer.Option(metavar="FILE", help="A file that holds the token.")
     ] = None,
     browser: Annotated[
         bool, typer.Option(help="Open the page in a browser, where there is a display.")
     ] = True,
-    open_: Annotated[
-        Path | None,
-        typer.Option(
-            "--open", metavar="FILE", help="A design, plan, simulation or motion to begin with."
-        ),
-    ] = None,
+    open_: _File = None,
     robot: Annotated[
         str, typer.Option(metavar="R", help="Robot of the motion, if FILE is another tool's.")
     ] = Jump().robot,
-    fps: Annotated[
-        float | None, typer.Option(help="Frames per second of such a file, if it does not say.")
-    ] = None,
-    workers: Annotated[
-        int | None,
-        typer.Option(
-            help="Computing processes of this machine, some 0.3 GB each; by default as many as it "
-            "has cores, from 2 to 4."
-        ),
-    ] = None,
-    scheduler: Annotated[
-        str | None,
-        typer.Option(
-            metavar="ADDRESS",
-            help="Of a dask cluster whose workers compute too, for example tcp://127.0.0.1:8786.",
-        ),
-    ] = None,
-    atlas: Annotated[
-        list[Path] | None,
-        typer.Option(metavar="DIR", help="A sweep for the page's atlas; repeatable."),
-    ] = None,
+    fps: _Rate = None,
+    workers: _Workers = None,
+    scheduler: _Scheduler = None,
+    atlas: _Atlases = None,
 ) -> None:
-    """Serve the designer, a page where jumps are planned and looked at, until Ctrl-C."""
+    """Serve the designer, a page where jumps are planned and shown, until Ctrl-C."""
     from app.workers.pool import MOST_PROCESSES, PROCESSES, WorkerPool
 
     if workers is not None and not 1 <= workers <= MOST_PROCESSES:

@@ -178,9 +178,12 @@ def resident(pid):
 
 
 def main():
-    server = subprocess.Popen(PROGRAM, stdout=subprocess.PIPE, text=True)
+    server = subprocess.Popen(PROGRAM, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     try:
         page = Page(re.search(r"http://\S+", server.stdout.readline()).group())
+        while server.stderr.readline() not in ("ready\n", ""):
+            pass  # solvers are built on a machine's first start
+        threading.Thread(target=server.stderr.read, daemon=True).start()
         visit(page, 0.5)
         visit(page, 0.6)
         before, failed = resident(server.pid), False

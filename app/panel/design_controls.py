@@ -7,8 +7,8 @@ from typing import Any
 
 import viser
 
-from app.file_drop import accept_drops
 from app.guard.validation import number, put
+from app.page_template import accept_drops
 from app.panel.html import note
 from app.viser_private import take_upload
 from llsrbm.formats import readable

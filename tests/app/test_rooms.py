@@ -19,6 +19,6 @@ def test_no_module_imports_itself_by_way_of_others():
 def test_every_module_of_the_page_is_in_a_room():
     outside = {path.name for path in Path(app.__file__).parent.glob("*.py")}
     assert outside == {
-        *("__init__.py", "designer.py", "file_drop.py", "link.py", "page_template.py"),
+        *("__init__.py", "designer.py", "link.py", "page_template.py"),
         *("serve.py", "viser_private.py"),
     }
