@@ -40,13 +40,8 @@ ENVIRONMENT_VARIABLE = "LLSRBM_COMPILE"  # 0: never compile, and use nothing tha
 # -O2 takes five times as long, for 5 % less time to evaluate. Without contraction every machine
 # gets the numbers that CasADi's own evaluation gives.
 _OPTIONS = (
-    "-O1",
-    "-march=native",
-    "-fno-math-errno",
-    "-ffp-contract=off",
-    "-fPIC",
-    "-shared",
-    "-w",
+    *("-O1", "-march=native", "-fno-math-errno", "-ffp-contract=off"),
+    *("-fPIC", "-shared", "-w"),
 )
 _JOB = Path(__file__).with_name("compile_job.py")
 # s that a compiler may take to list its macros.
@@ -126,12 +121,12 @@ def _elsewhere(function: ca.Function) -> ca.Function:
         f"int {name}(const double **, double **, long long *, double *, int);\n"
         f"return {name}(arg - {n_in}, res - {n_out}, iw, w, mem);"
     )
-    sparsity_in = [function.sparsity_in(i) for i in range(n_in)]
-    sparsity_out = [function.sparsity_out(i) for i in range(n_out)]
     names = function.name_in(), function.name_out()
-    return ca.Function.jit(
-        f"call_{name}", body, *names, sparsity_in, sparsity_out, {"buffered": False}
+    sparsities = (
+        [function.sparsity_in(i) for i in range(n_in)],
+        [function.sparsity_out(i) for i in range(n_out)],
     )
+    return ca.Function.jit(f"call_{name}", body, *names, *sparsities, {"buffered": False})
 
 
 def packed(files: Mapping[str, str]) -> bytes:

@@ -199,20 +199,11 @@ def product(
     library: ctypes.CDLL, alpha: float, A: np.ndarray, B: np.ndarray, beta: float, C: np.ndarray
 ) -> np.ndarray:
     """(4, 4) beta C + alpha A B^T by a library's kernel; A and B (4, n), C (4, 4)."""
-    # BLASFEO aligns its matrices to 64 bytes; kernels that load pairs of numbers need 16.
-    matrices = [_aligned(array.T) for array in (A, B, C, np.zeros((4, 4)))]
+    matrices = [np.ascontiguousarray(array.T) for array in (A, B, C, np.zeros((4, 4)))]
     a, b, c, d = (ctypes.c_void_p(array.ctypes.data) for array in matrices)
     scalars = ctypes.byref(ctypes.c_double(alpha)), ctypes.byref(ctypes.c_double(beta))
     getattr(library, _PRODUCT)(A.shape[1], scalars[0], a, b, scalars[1], c, d)
     return matrices[3].T.copy()
-
-
-def _aligned(array: np.ndarray) -> np.ndarray:
-    room = np.zeros(array.size + 8)
-    start = (-room.ctypes.data // 8) % 8
-    found = room[start : start + array.size].reshape(array.shape)
-    found[:] = array
-    return found
 
 
 def _same(one: ctypes.CDLL, other: ctypes.CDLL) -> bool:

@@ -16,12 +16,10 @@ class Row(NamedTuple):
     """Path constraints of a stage that belong together.
 
     Attributes:
-        key: identifies them to the code that sets their bounds or reads their values.
         expression: SX, any shape.
         equality: whether their lower bounds equal their upper ones.
     """
 
-    key: Hashable
     expression: ca.SX
     equality: bool = False
 

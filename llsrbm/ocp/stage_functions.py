@@ -6,7 +6,6 @@ virtual machine; `mapped` is the loop for a compiler. `llsrbm.ocp` says why.
 
 from __future__ import annotations
 
-from collections.abc import Hashable
 from dataclasses import dataclass
 from typing import Any
 
@@ -31,7 +30,7 @@ class StageFunctions:
         hessian: of lam_f f + lam . g, arguments (z, p, s, lam_f, lam), non-zeros.
         jacobian_pattern, hessian_pattern: their sparsities.
         states: number of states; gap: rows of g that are the next state's gap.
-        rows: key, number and equality flag of the path rows, in their order.
+        equality: of each row of g, whether it is an equality.
     """
 
     cost: ca.Function
@@ -43,7 +42,7 @@ class StageFunctions:
     hessian_pattern: ca.Sparsity
     states: int
     gap: int
-    rows: tuple[tuple[Hashable, int, bool], ...]
+    equality: tuple[bool, ...]
 
     @property
     def width(self) -> int:
@@ -97,7 +96,8 @@ def make_stage_functions(name: str, stage: StageExpressions, initial: bool) -> S
         hessian_pattern=H.sparsity(),
         states=stage.states,
         gap=gap.shape[0],
-        rows=tuple((row.key, expression.shape[0], row.equality) for row, expression in rows),
+        equality=(True,) * gap.shape[0]
+        + tuple(row.equality for row, values in rows for _ in range(values.shape[0])),
     )
 
 

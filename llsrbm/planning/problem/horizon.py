@@ -70,7 +70,7 @@ def _expressions(stage: Stage, following: Role | None) -> StageExpressions:
     for term in COSTS:
         if term.applies(stage.role):
             cost += stage.parameters[weight_parameter(term)] * term.term(stage)
-    rows = tuple(Row(c, c.rows(stage), c.equality) for c in constraints_of(stage.role))
+    rows = tuple(Row(c.rows(stage), c.equality) for c in constraints_of(stage.role))
     return StageExpressions(
         variables=stage.variables,
         states=stage.layout.state_size(stage.role),

@@ -27,13 +27,13 @@ def expressions(kind: str, built: list[str]) -> StageExpressions:
     duration, drag = shared[0], shared[1]
     weight = ca.SX.sym("weight")
     lift = Lifting(z)
-    rest = Row("rest", z[:2], equality=True)
+    rest = Row(z[:2], equality=True)
     if kind == "last":
         return StageExpressions(z, 2, shared, weight, ca.SX(0), (rest,), None, lift)
     x, v, u = ca.vertsplit(z)
     dt = lift(duration / INTERVALS)
     step = lift(lift(u - drag * ca.sin(v)) * dt)
-    push = Row("push", u)
+    push = Row(u)
     return StageExpressions(
         variables=z,
         states=2,
