@@ -13,6 +13,8 @@ from __future__ import annotations
 
 import contextlib
 import http.client
+import math
+import multiprocessing
 import os
 import re
 import struct
@@ -67,48 +69,59 @@ class Page:
         )
 
 
-class Witness(threading.Thread):
-    """A visitor who was there before; `slowest` is of its requests and pings, s."""
+class Witness:
+    """A visitor who was there before, in a process of its own; `slowest` of its answers, s."""
 
     def __init__(self, page):
-        super().__init__(daemon=True)
-        self.page, self.tab, self.slowest, self.faults = page, page.tab(), 0.0, []
-        self.tab.wait_for_status(HEARD, PLAN)
-        self._end = threading.Event()
+        context = multiprocessing.get_context("spawn")
+        self._pipe, theirs = context.Pipe()
+        self._process = context.Process(target=watch, args=(page, theirs), daemon=True)
+        self._process.start()
+        self._pipe.recv()  # it has a plan
 
-    def run(self):
-        while not self._end.wait(0.25):
-            for act in (self._request, self._ping):
+    def stop(self):
+        """Its slowest answer, s, and what failed."""
+        self._pipe.send("stop")
+        found = self._pipe.recv()
+        self._process.join(20)
+        return found
+
+
+def watch(page, pipe):
+    """Ask for the page and ping a tab four times a second, until there is a message."""
+    slowest, faults = 0.0, []
+    with page.tab() as tab:
+        tab.wait_for_status(HEARD, PLAN)
+
+        def request():
+            status, _ = page.ask(headers=page.cookie)
+            assert status == 200, status
+
+        def ping():
+            assert tab._connection.ping().wait(10), "no pong"
+
+        pipe.send("ready")
+        while not pipe.poll(0.25):
+            for act in (request, ping):
                 start = time.perf_counter()
                 try:
                     act()
                 except (OSError, AssertionError, WebSocketException) as error:
-                    self.faults.append(repr(error))
-                self.slowest = max(self.slowest, time.perf_counter() - start)
-
-    def stop(self):
-        self._end.set()
-        self.join()
-        self.tab.close()
-
-    def _request(self):
-        status, _ = self.page.ask(headers=self.page.cookie)
-        assert status == 200, status
-
-    def _ping(self):
-        assert self.tab._connection.ping().wait(10), "no pong"
+                    faults.append(repr(error))
+                slowest = max(slowest, time.perf_counter() - start)
+        pipe.send((slowest, faults))
 
 
-def visit(page, twist):
+def visit(page, degrees):
     """Seconds in which a new visitor enters, opens a design, and has its jump planned."""
     times, start = [], time.perf_counter()
     with page.tab() as tab:
         tab.control("Save design")
         times.append(time.perf_counter() - start)
-        design = dump_design(Design(Jump(twist=twist))).encode()
+        design = dump_design(Design(Jump(twist=math.radians(degrees)))).encode()
         tab.upload("Open", "own.jump.json", design)
         tab.wait(lambda: tab.acknowledged.get("transfer"), "the upload", ENTER)
-        tab.wait(lambda: abs(tab.value("Twist [deg]") - twist * 57.29578) < 0.1, "it", PLAN)
+        tab.wait(lambda: round(tab.value("Twist [deg]")) == degrees, "the design", PLAN)
         tab.wait_for_status(HEARD, PLAN)
         times.append(time.perf_counter() - start)
     return times
@@ -184,25 +197,24 @@ def main():
         while server.stderr.readline() not in ("ready\n", ""):
             pass  # solvers are built on a machine's first start
         threading.Thread(target=server.stderr.read, daemon=True).start()
-        visit(page, 0.5)
-        visit(page, 0.6)
+        visit(page, 20)
+        visit(page, 25)
         before, failed = resident(server.pid), False
         attacks = (long_readings, large_attributes, empty_uploads, silent_sockets, guesses)
         for number, attack in enumerate(attacks):
             print(attack.__doc__, flush=True)
             witness = Witness(page)
-            witness.start()
             try:
                 with attack(page):
-                    entered, planned = visit(page, 0.7 + number / 10)
+                    entered, planned = visit(page, 30 + 5 * number)
                 outcome = f"entered in {entered:.1f} s, planned in {planned:.1f} s"
                 failed |= entered > ENTER
             except (AssertionError, WebSocketException, OSError) as error:
                 outcome, failed = f"was kept out: {error}", True
-            witness.stop()
-            failed |= witness.slowest > ANSWER or bool(witness.faults)
-            print(f"  others answered within {witness.slowest:.2f} s; a new visitor {outcome}")
-            for fault in witness.faults[:3]:
+            slowest, faults = witness.stop()
+            failed |= slowest > ANSWER or bool(faults)
+            print(f"  others answered within {slowest:.2f} s; a new visitor {outcome}", flush=True)
+            for fault in faults[:3]:
                 print(f"  {fault}")
         grown = resident(server.pid) - before
         print(f"memory of the server grew by {grown:.0f} MB")

@@ -173,14 +173,8 @@
     shape("circle", { r: 5.5, fill: "none", stroke: "#fff", "stroke-width": 4.5 }),
     shape("circle", { r: 5.5, fill: "none", stroke: "#d6106c", "stroke-width": 2.4 }));
 
-  function sample(...shapes) {
-    return shape("svg", { viewBox: "0 0 18 12", "aria-hidden": "true" }, ...shapes);
-  }
-
-  function key(shapes, words) {
-    return element("span", { class: "key" }, sample(...shapes), words);
-  }
-
+  const key = (shapes, words) => element("span", { class: "key" },
+    shape("svg", { viewBox: "0 0 18 12", "aria-hidden": "true" }, ...shapes), words);
   const square = (fill) => shape("rect", { width: 18, height: 12, fill });
 
   function legend() {

@@ -11,8 +11,8 @@
     return list.files;
   };
 
-  // An empty file of a type of its own says that it is too large: nobody waits for 100 MB that will
-  // be refused (app/guard/uploads.py).
+  // An empty file of this type stands for one that is too large, so that 100 MB are not sent in vain
+  // (app/viser_private.py).
   window.addEventListener("change", (event) => {
     const input = event.target;
     const file = input instanceof HTMLInputElement && input.type === "file" && input.files[0];
@@ -20,16 +20,16 @@
     input.files = one(new File([], file.name, { type: "application/x-too-large" }));
   }, true);
 
-  const veil = document.createElement("div");
-  veil.id = "llsrbm-drop";
-  veil.style.cssText = "position:fixed;inset:0;z-index:10000;display:none;pointer-events:none;" +
-    "align-items:center;justify-content:center;background:rgba(44,123,229,0.14);" +
-    "outline:3px dashed rgb(44,123,229);outline-offset:-14px";
-  const text = document.createElement("div");
-  text.textContent = "Drop a design, plan, simulation or motion file to open it";
-  text.style.cssText = "font:600 17px sans-serif;color:#fff;background:rgb(44,123,229);" +
-    "padding:0.7em 1.1em;border-radius:0.4em";
-  veil.append(text);
+  const { element } = window.llsrbm;
+  const veil = element("div", {
+    id: "llsrbm-drop",
+    style: "position:fixed;inset:0;z-index:10000;display:none;pointer-events:none;" +
+      "align-items:center;justify-content:center;background:rgba(44,123,229,0.14);" +
+      "outline:3px dashed rgb(44,123,229);outline-offset:-14px",
+  }, element("div", {
+    style: "font:600 17px sans-serif;color:#fff;background:rgb(44,123,229);" +
+      "padding:0.7em 1.1em;border-radius:0.4em",
+  }, "Drop a design, plan, simulation or motion file to open it"));
   document.body.append(veil);
   const show = (visible) => { veil.style.display = visible ? "flex" : "none"; };
   const holdsFiles = (event) => [...(event.dataTransfer?.types ?? [])].includes("Files");

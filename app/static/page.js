@@ -2,7 +2,7 @@
 // session calls, keeps what shall outlive the connection, and makes links that open a design.
 // First of all, it checks every field of viser's that the scripts lean on.
 (() => {
-  const CHECKED_EVERY = 100, PATIENCE = 5000; // ms; viser fills some fields when it has drawn first
+  const CHECKED_EVERY = 100, READY_WITHIN = 5000; // ms; viser fills some fields when it has drawn first
   const TAB = "llsrbm.tab", DESIGN = "llsrbm.design"; // names in the browser's storage
   const SHARED = "#design=";
 
@@ -108,7 +108,7 @@
       const since = performance.now();
       const check = () => {
         if (field !== uuid) return;
-        if (missing().length === 0 || performance.now() - since > PATIENCE) greet();
+        if (missing().length === 0 || performance.now() - since > READY_WITHIN) greet();
         else setTimeout(check, CHECKED_EVERY);
       };
       check();

@@ -104,9 +104,8 @@
       ${button(main)}[data-disabled] { opacity: 0.5; }`;
   }
 
-  const fixed = document.createElement("style"), arranged = document.createElement("style");
-  fixed.textContent = STYLE;
-  document.addEventListener("DOMContentLoaded", () => document.head.append(fixed, arranged));
+  const arranged = window.llsrbm.element("style");
+  window.llsrbm.addToPage(STYLE, arranged);
 
   window.llsrbm.panel = {
     arrange: (controls) => (arranged.textContent = arrangement(controls)),

@@ -12,8 +12,7 @@
   const LOOK_EVERY = 300; // ms; what is resized is followed at once
   const SMALLEST = [1100, 700]; // pixels of a page in which the area is open at first
 
-  const style = document.createElement("style");
-  style.textContent = `
+  document.head.append(window.llsrbm.element("style", {}, `
     [${PINNED}] { left: var(--llsrbm-left) !important; width: var(--llsrbm-width) !important;
       top: auto !important; bottom: 0 !important; border-radius: 0 !important; z-index: 6 !important;
       box-shadow: none !important; border-top: 1px solid var(--mantine-color-default-border); }
@@ -24,8 +23,7 @@
     [${GRID}] > * { min-width: 0; }
     [${GRID}] > :has(${MARKER}) { grid-column: 1 / -1; position: sticky; top: 0; z-index: 110;
       background: var(--mantine-color-body); }
-    [${GRID}] .uplot-container { margin: 0 6px 6px; }`;
-  document.head.appendChild(style);
+    [${GRID}] .uplot-container { margin: 0 6px 6px; }`));
 
   let title = null; // of viser's panel
   let boxes = null; // the server's checkboxes

@@ -22,13 +22,13 @@
 
   const dressings = new WeakMap(); // chart -> its elements
   const listeners = [];
-  let shown = null; // s; null until somebody says what is shown
+  let shown = null; // s; null until there is a motion
   let valuesAt = -Infinity; // performance.now() of the last numbers
   let pending = 0; // timer of the numbers that were put off
   let pointed = null; // the chart that the pointer is in
 
-  const style = document.createElement("style");
-  style.textContent = `
+  const { element } = window.llsrbm;
+  document.head.append(element("style", {}, `
     .uplot .u-title { text-align: left; padding: 3px 8px 0; font-size: 11.5px; position: relative;
       white-space: nowrap; overflow: hidden; line-height: 1.5; }
     .llsrbm-values { position: absolute; right: 0; top: 3px; padding: 0 8px 0 0.3em; font-weight: 400;
@@ -46,11 +46,9 @@
     .llsrbm-hover table { border-collapse: collapse; }
     .llsrbm-hover td { padding: 0 0 0 0.8em; text-align: right; white-space: nowrap; }
     .llsrbm-hover td:first-child { padding: 0; text-align: left; }
-    .llsrbm-hover td:last-child { padding-left: 0.3em; text-align: left; }`;
-  document.head.appendChild(style);
-  const box = document.createElement("div");
-  box.className = "llsrbm-hover";
-  document.body.appendChild(box);
+    .llsrbm-hover td:last-child { padding-left: 0.3em; text-align: left; }`));
+  const box = element("div", { class: "llsrbm-hover" });
+  document.body.append(box);
 
   function charts() {
     const known = window.__viserTestpoints?.uplots;
@@ -61,12 +59,10 @@
   const readable = (colour) => `color-mix(in srgb, ${colour} 60%, var(--mantine-color-text))`;
 
   function dress(chart) {
-    const cursor = document.createElement("div");
-    cursor.className = "llsrbm-cursor";
-    chart.over.appendChild(cursor);
-    const values = document.createElement("div");
-    values.className = "llsrbm-values";
-    chart.root.querySelector(".u-title")?.appendChild(values);
+    const cursor = element("div", { class: "llsrbm-cursor" });
+    chart.over.append(cursor);
+    const values = element("div", { class: "llsrbm-values" });
+    chart.root.querySelector(".u-title")?.append(values);
     const lines = chart.series.flatMap((series, index) => {
       if (series.scale !== LINES) return [];
       const colour = typeof series.stroke === "function" ? series.stroke(chart, index) : series.stroke;
@@ -74,10 +70,9 @@
     });
     const beside = lines.filter((line) => !line.aside);
     for (const line of beside.length > MOST ? [] : beside) {
-      line.value = document.createElement("span");
-      line.value.title = line.name;
+      line.value = element("span", { title: line.name });
       line.value.style.color = readable(line.colour);
-      values.appendChild(line.value);
+      values.append(line.value);
     }
     const dressing = { cursor, values, lines, pressedAt: null, mended: null };
     dressings.set(chart, dressing);
@@ -160,17 +155,11 @@
     const heading = chart.root.querySelector(".u-title")?.firstChild?.textContent ?? "";
     const unit = /\[([^\]]*)\]$/.exec(heading)?.[1] ?? "";
     const digits = digitsOf(chart);
-    const table = document.createElement("table");
+    const table = element("table");
     const row = (name, value, units, colour) => {
-      const cells = [name, value, units].map((text) => {
-        const cell = document.createElement("td");
-        cell.textContent = text;
-        return cell;
-      });
+      const cells = [name, value, units].map((text) => element("td", {}, text));
       if (colour) cells[0].style.color = readable(colour);
-      const made = document.createElement("tr");
-      made.append(...cells);
-      table.append(made);
+      table.append(element("tr", {}, ...cells));
     };
     row("time", chart.data[0][index].toFixed(3), "s");
     for (const { index: line, name, colour } of lines) {
