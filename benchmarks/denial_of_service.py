@@ -61,6 +61,14 @@ class Page:
     def tab(self):
         return RawTab(self.port, additional_headers=self.cookie)
 
+    def tabs(self, count, stack):
+        """Tabs of the attacker, opened one after the other as by visitors."""
+        tabs = []
+        for _ in range(count):
+            tabs.append(stack.enter_context(self.tab()))
+            tabs[-1].wait_for_status(HEARD, PLAN)
+        return tabs
+
     def silent_socket(self):
         protocol = [f"viser-v{viser.__version__}"]
         headers = self.cookie
@@ -137,7 +145,7 @@ def long_readings(page):
     directory = b"".join(entry + b"%06d" % k for k in range(NAMES))
     end = struct.pack("<4s4H2LH", b"PK\5\6", 0, 0, 1000, 1000, len(directory), 0, 0)
     with contextlib.ExitStack() as stack:
-        for tab in [stack.enter_context(page.tab()) for _ in range(2)]:
+        for tab in page.tabs(2, stack):
             tab.upload("Open", "motion.zip", directory + end)
         yield
 
@@ -158,7 +166,7 @@ def large_attributes(page):
 def empty_uploads(page):
     """Files of 20 MB that are announced, and of which nothing is sent."""
     with contextlib.ExitStack() as stack:
-        for tab in [stack.enter_context(page.tab()) for _ in range(6)]:
+        for tab in page.tabs(6, stack):
             start = {"source_component_uuid": tab.control("Open")["uuid"], "transfer_uuid": "none"}
             start |= {"filename": "a.npz", "mime_type": "", "part_count": 40}
             tab.send({"type": "FileTransferStartUpload", "size_bytes": 40 << 19, **start})
