@@ -69,7 +69,7 @@ def torques(share: Any) -> Patch:
     def weaker(robot: Any, speed: Any, torque: Any) -> Any:
         return share * torque_in_direction(robot, speed, torque)
 
-    return patch("llsrbm.simulation.drives.torque_in_direction", weaker)
+    return patch("llsrbm.simulation.world.torque_in_direction", weaker)
 
 
 def detection(wanted: Callable[[float, float, float, bool], bool]) -> Cause:

@@ -36,7 +36,9 @@ def main() -> None:
     for name in names:
         start = time.perf_counter()
         found = import_module(f"benchmarks.paper.{name}").result(folder)
-        (KEPT / f"{name}.json").write_text(json.dumps(asdict(found), indent=1) + "\n")
+        (KEPT / f"{name}.json").write_text(
+            json.dumps(asdict(found), indent=1) + "\n", encoding="utf-8"
+        )
         print(f"{name}: {found.verdict} ({time.perf_counter() - start:.0f} s)", flush=True)
     if missing := [name for name in NAMES if not (KEPT / f"{name}.json").exists()]:
         print(f"docs/paper.md stays as it is: {', '.join(missing)} not measured yet")
@@ -47,11 +49,11 @@ def main() -> None:
         [(f"[{r.title}](#{_anchor(r.title)})", r.verdict) for r in results],
     )
     parts = [HEAD.strip(), summary.markdown(), *(r.markdown() for r in results)]
-    (DOCS / "paper.md").write_text("\n\n".join(parts) + "\n")
+    (DOCS / "paper.md").write_text("\n\n".join(parts) + "\n", encoding="utf-8")
 
 
 def _read(path: Path) -> Result:
-    table = json.loads(path.read_text())
+    table = json.loads(path.read_text(encoding="utf-8"))
     table["tables"] = [Table(**inner) for inner in table["tables"]]
     return Result(**table)
 

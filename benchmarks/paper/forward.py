@@ -59,14 +59,13 @@ def result(folder: Path) -> Result:
     reason = (
         f"In flight the feet are {stretch['llsrbm']:.3f} m from the CoM along x with LL-SRBM, "
         f"{stretch['srbm']:.3f} m with SRBM; the pitch changes by {pitch['llsrbm']:.2f}° and "
-        f"{pitch['srbm']:.2f}°. A jump from stand to stand has no reason to carry angular "
-        "momentum: take-off can end with none, and then no inertia changes the pitch. " + moving
+        f"{pitch['srbm']:.2f}°. From stand to stand take-off can end with no angular momentum, and "
+        "then no inertia changes the pitch: the plans' largest about y is "
+        f"{max(np.abs(plan.angular_momentum[:, 1]).max() for plan in plans.values()):.2f} kg m²/s. "
+        + moving
     )
-    told = ", ".join(f"{TITLE[m]} {far:.2f} m ({landed[m]})" for m, far in furthest.items())
-    reason += (
-        f" At the limit of reach (third table) the longest jumps planned are {told}: what SRBM "
-        "plans further the whole robot does not do."
-    )
+    listed = ", ".join(f"{TITLE[m]} {far:.2f} m ({landed[m]})" for m, far in furthest.items())
+    reason += f" At the limit of reach (third table) the longest jumps planned are {listed}."
     heading = ("model", "feet from the CoM, fore and aft", "pitch, planned change in flight",
                "simulated", "largest Ly, planned [kg m²/s]", "strict")  # fmt: skip
     return Result(
@@ -107,20 +106,21 @@ def _with_run_up() -> tuple[str, Table]:
             )
     both = [s for s in RUN_UPS if {(s, "llsrbm-plus"), (s, "srbm")} <= found.keys()]
     helped = [s for s in both if found[s, "llsrbm-plus"][2] < found[s, "srbm"][2] - SAME_PITCH]
-    speeds = ", ".join(f"{speed:g}" for speed in helped)
-    told = "From a run-up (second table) momentum has to be carried through the flight: there the "
-    told += (
-        f"base ends nearer to its planned pitch with LL-SRBM+ at {speeds} m/s, by less than a "
-        "degree: that is the legs' own momentum, not the shape of the inertia, which is alike."
-        if helped
-        else "base ends no nearer to its planned pitch with LL-SRBM+ either: no formulation was "
-        "found in which inertia shaping helps a forward jump of ANYmal."
-    )
+    sentence = "From a run-up (second table) momentum has to be carried through the flight: there "
+    if helped:
+        speeds = ", ".join(f"{speed:g}" for speed in helped)
+        nearer = max(found[s, "srbm"][2] - found[s, "llsrbm-plus"][2] for s in helped)
+        sentence += (
+            f"the base ends nearer to its planned pitch with LL-SRBM+ at {speeds} m/s, by "
+            f"{nearer:.1f}° at most."
+        )
+    else:
+        sentence += f"the base ends nowhere more than {SAME_PITCH:g}° nearer to its planned pitch."
     heading = (
         *("run-up", "model", "feet from the CoM", "pitch, planned change"),
         *("pitch − plan at touchdown", "strict"),
     )
-    return told, Table(heading, rows)
+    return sentence, Table(heading, rows)
 
 
 def _pitch(quat: np.ndarray) -> np.ndarray:

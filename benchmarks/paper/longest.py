@@ -21,14 +21,14 @@ SEEDS = range(6000, 6005)
 
 def longest() -> tuple[dict[str, float], dict[str, str], Table]:
     """Model -> distance, m, by bisection; model -> how many land; both as a table."""
-    text = load_robot("anymal").path.read_text()
+    text = load_robot("anymal").path.read_text(encoding="utf-8")
     wider = re.sub(r"(?m)^forward = \[(.*?),.*?\]", rf"forward = [\1, {FARTHEST}]", text)
     found: dict[str, float] = {}
     landed: dict[str, str] = {}
     rows = []
     with tempfile.TemporaryDirectory(prefix="llsrbm-") as folder:
         robot = Path(folder, "anymal.toml")
-        robot.write_text(wider)
+        robot.write_text(wider, encoding="utf-8")
         for model in MODELS:
             planner = planner_for(str(robot), model)
 

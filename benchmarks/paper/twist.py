@@ -31,10 +31,10 @@ def result(folder: Path) -> Result:
     _curves(rollouts, folder / figures[0][0])
     shown = [(TITLE[m], rollouts[m]) for m in ("llsrbm-plus", "srbm")]
     snapshots(shown, (0.1, 0.19, 0.25, 0.32, 0.5), folder / figures[1][0])
-    rows, kept, arrived, off = [], {}, {}, {}
+    rows, kept, arrived, off, near = [], {}, {}, {}, {}
     for model in MODELS:
         runs = [llsrbm.simulate(plans[model], llsrbm.Scenario(seed=seed)) for seed in SEEDS]
-        kept[model], arrived[model], off[model], radius, inertia = (
+        kept[model], arrived[model], off[model], near[model], inertia = (
             float(np.median(column)) for column in zip(*map(_figures, runs), strict=True)
         )
         strict = sum(run.outcome.strict for run in runs)
@@ -44,7 +44,7 @@ def result(folder: Path) -> Result:
                 f"{100 * kept[model]:.0f} %",
                 f"{arrived[model]:.3f} s",
                 f"{math.degrees(off[model]):+.1f}°",
-                f"{radius:.3f} m",
+                f"{near[model]:.3f} m",
                 f"{inertia:.2f}",
                 f"{strict} of {len(runs)}",
             ]
@@ -53,15 +53,15 @@ def result(folder: Path) -> Result:
     earlier = arrived["llsrbm"] < arrived["srbm"]
     most = arrived["llsrbm-plus"] < arrived["srbm"]
     verdict = AGREES if better and earlier and most else PARTLY if better else NOT
+    apart = 1e3 * (max(arrived.values()) - min(arrived.values()))
     reason = (
-        f"Of its yaw rate at lift-off the base keeps {100 * kept['llsrbm-plus']:.0f} % with "
-        f"LL-SRBM+, {100 * kept['llsrbm']:.0f} % with LL-SRBM and {100 * kept['srbm']:.0f} % with "
-        "SRBM: the feet are drawn to the axis, as the paper's are. The goal is reached at "
-        f"{arrived['llsrbm-plus']:.3f}, {arrived['llsrbm']:.3f} and {arrived['srbm']:.3f} s, "
-        "which is no difference: phases are as long with every model, and with SRBM the base turns "
-        "more before lift-off and less in the air. The paper's SRBM turns less than planned; "
-        "here a plan whose body would turn otherwise than its model says is solved again with the "
-        "difference, so that all three come near to the planned yaw at touchdown."
+        f"With {_listed([TITLE[m] for m in MODELS])} the feet come within "
+        f"{_listed([f'{near[m]:.3f}' for m in MODELS])} m of the axis, and the base keeps "
+        f"{_listed([f'{100 * kept[m]:.0f}' for m in MODELS])} % of its yaw rate at lift-off. The "
+        f"goal is reached at {_listed([f'{arrived[m]:.3f}' for m in MODELS])} s, at most "
+        f"{apart:.0f} ms apart. At touchdown the yaw is off the plan's by "
+        f"{_listed([f'{math.degrees(off[m]):+.1f}' for m in MODELS])}°. The paper's SRBM turns "
+        "less than planned."
     )
     heading = ("model", "yaw rate kept in flight", "95 % of the yaw", "yaw − plan at touchdown",
                "feet from the axis", "least Izz [kg m²]", "strict")  # fmt: skip
@@ -74,6 +74,10 @@ def result(folder: Path) -> Result:
         verdict,
         reason,
     )
+
+
+def _listed(words: list[str]) -> str:
+    return f"{', '.join(words[:-1])} and {words[-1]}"
 
 
 def _figures(rollout: llsrbm.Rollout) -> tuple[float, float, float, float, float]:

@@ -66,7 +66,7 @@ def main() -> None:
     finally:
         for planner in PLANNERS:
             planner.end()
-    (DOCS / "peers.md").write_text("\n\n".join(parts) + "\n")
+    (DOCS / "peers.md").write_text("\n\n".join(parts) + "\n", encoding="utf-8")
 
 
 def _rows(robot: object, answers: dict[str, list[Answer]]) -> list[list[str]]:

@@ -14,11 +14,11 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 from llsrbm.analysis.record import FLIGHT, Record, stretches
-from llsrbm.mechanics import rotation_matrices, tilt, yaw
+from llsrbm.mechanics import rotation_matrices
 from llsrbm.motion.rollout import Rollout
+from llsrbm.simulation.verdict import SATURATED, turned
 
 Array = NDArray[np.float64]
 
@@ -43,8 +43,6 @@ OFF_AGAIN = 0.05  # s that a foot is off the ground after its touchdown (0.025)
 _BEGUN = 0.8  # share of its threshold that a deviation of a good jump does not reach
 _GROWING = 0.1  # s after passing its threshold in which a deviation's size is read
 _SETTLING = 0.01  # s that a foot may roll and creep when it touches down
-_UPRIGHT = np.radians(45.0)  # tilt up to which a base has a heading
-_AT_LIMIT = 0.99  # share of what a drive can give
 _SHORTEST = 0.03  # s at a limit before something gives way
 _SOON = 0.08  # s after a limit within which a deviation is put down to it
 _TOO_FAST = 0.5  # share of a joint's largest torque limit below which it is its speed that limits
@@ -104,7 +102,7 @@ def _away_from_reference(record: Record) -> Iterator[Event]:
         rotation_matrices(quat[:n]) for quat in (rollout.base_quat, rollout.reference_base_quat)
     )
     lean = np.arccos(np.clip((actual[:, :, 2] * wanted[:, :, 2]).sum(axis=1), -1.0, 1.0))
-    turn = _turned(rollout.base_quat[:n], rollout.reference_base_quat[:n])
+    turn = turned(rollout.base_quat[:n], rollout.reference_base_quat[:n])
     away = rollout.com[:n] - rollout.reference_com[:n]
     # In a flight that lasts longer than planned the reference stands still.
     lean[record.overdue] = turn[record.overdue] = 0.0
@@ -134,21 +132,6 @@ def _away_from_reference(record: Record) -> Iterator[Event]:
             begun, passed = found
             size = _size(record, values, passed)
             yield Event(float(record.time[begun]), what, words.format(scale * size))
-
-
-def _turned(actual: Array, wanted: Array) -> Array:
-    """(T,) rad by which attitudes are turned away about the vertical.
-
-    By their headings, and far from upright, where headings mean nothing, by the vertical part of
-    the turn between them.
-    """
-    turn = _wrapped(yaw(actual) - yaw(wanted))
-    far = np.maximum(tilt(actual), tilt(wanted)) > _UPRIGHT
-    if far.any():
-        between = Rotation.from_quat(actual[far], scalar_first=True)
-        between = between * Rotation.from_quat(wanted[far], scalar_first=True).inv()
-        turn[far] = between.as_rotvec()[:, 2]
-    return turn
 
 
 def _takeoff_contacts(record: Record) -> Iterator[Event]:
@@ -254,7 +237,7 @@ def _limits(record: Record, begun: Sequence[float]) -> Iterator[Event]:
     """Joints at what their drives can give while a deviation begins."""
     rollout, n = record.rollout, record.count
     limit = rollout.torque_limit[:n]
-    at_limit = np.abs(rollout.torque[:n]) >= _AT_LIMIT * limit
+    at_limit = np.abs(rollout.torque[:n]) >= SATURATED * limit
     found: dict[str, list[tuple[float, float, str]]] = {"torque limit": [], "speed limit": []}
     for joint, name in enumerate(rollout.joint_names):
         for start, end in stretches(at_limit[:, joint]):
@@ -290,7 +273,3 @@ def _first(share: Array) -> tuple[int, int] | None:
 
 def _size(record: Record, values: Array, passed: int) -> float:
     return float(values[passed : passed + round(_GROWING / record.tick) + 1].max())
-
-
-def _wrapped(angle: Array) -> Array:
-    return (angle + np.pi) % (2 * np.pi) - np.pi

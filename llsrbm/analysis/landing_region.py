@@ -69,7 +69,7 @@ def expected_touchdown(rollout: Rollout, plan: Plan, robot: Robot, time: float) 
         when = newest.touchdown
         at = int(np.searchsorted(newest.time, when - 1e-9).clip(0, len(newest.time) - 1))
         quat, feet = newest.base_quat[at], newest.foot_position[at]
-    velocity = rollout.linear_momentum[tick] / _mass(rollout, robot)
+    velocity = rollout.linear_momentum[tick] / rollout.disturbance.mass(robot)
     left = when - time
     com = rollout.com[tick] + left * velocity + left**2 / 2 * robot.model.gravity.linear
     planned, turned = rotation_matrices(np.stack([plan.base_quat[knot], quat]))
@@ -140,9 +140,3 @@ def _inside(normals: Array, bounds: Array, discs: tuple[tuple[Array, float], ...
     least = np.min(room, axis=0)
     best = int(least.argmax())
     return grid[best] if least[best] > 0 else None
-
-
-def _mass(rollout: Rollout, robot: Robot) -> float:
-    """The simulated robot's, kg; a disturbance makes its trunk heavier."""
-    trunk = float(robot.model.inertias[1].mass)
-    return float(robot.mass) + (rollout.disturbance.trunk_mass_factor - 1) * trunk

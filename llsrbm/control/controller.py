@@ -12,7 +12,6 @@ from llsrbm.control.contact_schedule import JUST_AFTER, ContactSchedule, Feet, F
 from llsrbm.control.detection import CentroidalState, make_detector, model_uncertainty
 from llsrbm.control.foot_force import FootForces
 from llsrbm.control.inverse_dynamics import Command, InverseDynamics
-from llsrbm.control.measurement import Measurement
 from llsrbm.control.reference import Reference, Target
 from llsrbm.control.swing import UnderWay
 from llsrbm.control.whole_body import WholeBody
@@ -28,6 +27,22 @@ Array = NDArray[np.float64]
 _FREE_FALL = np.array([0.0, 0.0, -GRAVITY])
 _NOT_NEEDED = np.zeros(6)  # by detectors, which listen in flight alone
 _SINKING = -0.1  # m/s; a plan lands at least as fast
+
+
+@dataclass(frozen=True, eq=False)
+class Measurement:
+    """Everything that a controller knows of the world, at the beginning of a tick.
+
+    Attributes:
+        time: s since the plan's start.
+        q: (nq,) and v: (nv,), estimated, Pinocchio's conventions.
+        torque: (J,) Nm or N, measured, mean of the tick that ended.
+    """
+
+    time: float
+    q: Array
+    v: Array
+    torque: Array
 
 
 @dataclass(frozen=True, eq=False)

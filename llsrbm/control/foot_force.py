@@ -1,12 +1,24 @@
-"""Contact forces estimated from joint torques and velocities: which feet have found the ground."""
+"""Contact forces estimated from joint torques and velocities: which feet have found the ground.
+
+In flight a detector sees that something has given the robot an impulse. Feet that meet the ground
+pass theirs through the legs; a push on the trunk does not. Over the last `WINDOW`
+
+    J = m (dv + g t)          of the CoM,
+    J_feet = sum f dt         measured at the feet,
+
+and it was the ground if enough of J went through the feet: J_feet . J >= SHARE |J|^2. After a push
+the detector goes on reporting it for a while, when J is over and both are noise; until the flight
+ends, only an impulse that stands out of noise counts.
+"""
 
 from __future__ import annotations
+
+from collections import deque
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg.lapack import dposv
 
-from llsrbm.control.felt_impulse import FeltImpulse
 from llsrbm.control.whole_body import WholeBody
 from llsrbm.mechanics import GRAVITY
 
@@ -18,6 +30,10 @@ _SMOOTHING = 0.5  # share of the newest tick; one tick's difference of noisy vel
 # Of the robot's weight: twice what noise makes of a leg; the trunk's mass is not in its equations.
 _TOUCHING = 0.06
 _SURE = 2  # ticks in a row
+WINDOW = 0.02  # s, the detector's own longest window
+SHARE = 0.3  # of ground contacts it is about 1 by the time they are detected, of pushes below 0.1
+# m/s of the CoM that feet must have caused after a push: three times what noise makes of the sum.
+AFTER_PUSH = 0.03
 
 
 class FootForces:
@@ -56,14 +72,14 @@ class FootForces:
         self._threshold = _TOUCHING * body.mass * GRAVITY
         self._equations: tuple[Array, Array, Array, Array] | None = None
         self.vertical = np.zeros(body.legs)
-        self._felt = FeltImpulse(body.mass, tick)
+        self._impulse = MeasuredImpulse(body.mass, tick)
         self._touching = np.zeros(body.legs, dtype=np.int64)
 
     def reset(self) -> None:
         """Forget what was measured."""
         self._equations = None
         self.vertical[:] = 0.0
-        self._felt.reset()
+        self._impulse.reset()
         self._touching[:] = 0
 
     def update(self, torque: Array) -> NDArray[np.bool_]:
@@ -78,9 +94,12 @@ class FootForces:
             load = M @ (body.v - v) / self._tick + h
             load[_BASE:] -= torque
             np.add(own @ own.transpose(0, 2, 1), _REGULARISATION, out=self._blocks)
-            force = dposv(self._system, (own @ load[self._rows][..., None]).ravel())[1]
+            right = (own @ load[self._rows][..., None]).ravel()
+            _, force, failed = dposv(self._system, right)
+            if failed:
+                raise np.linalg.LinAlgError("the legs' equations are singular")
             # Not smoothed: the errors of its sum over ticks cancel.
-            self._felt.update(body.com_velocity, force.reshape(-1, 3).sum(axis=0))
+            self._impulse.update(body.com_velocity, force.reshape(-1, 3).sum(axis=0))
             self.vertical += _SMOOTHING * (force[2::3] - self.vertical)
             above = self.vertical > self._threshold
             self._touching = np.where(above, self._touching + 1, 0)
@@ -90,4 +109,42 @@ class FootForces:
 
     def met_ground(self) -> bool:
         """Whether it was with the feet that the robot hit what it has hit in the air."""
-        return self._felt.is_ground()
+        return self._impulse.is_ground()
+
+
+class MeasuredImpulse:
+    """Both impulses of one flight.
+
+    Attributes:
+        pushed: whether something was hit in this flight that was not the ground.
+    """
+
+    def __init__(self, mass: float, tick: float) -> None:
+        """Args: mass: kg, of the robot; tick: s between updates."""
+        self._mass, self._tick = mass, tick
+        self._recent: deque[tuple[Array, Array]] = deque(maxlen=max(2, round(WINDOW / tick) + 1))
+        self.pushed = False
+
+    def reset(self) -> None:
+        """Begin a flight."""
+        self._recent.clear()
+        self.pushed = False
+
+    def update(self, com_velocity: Array, feet: Array) -> None:
+        """Take a tick's end: (3,) m/s of the CoM, and (3,) N on the feet during the tick."""
+        self._recent.append((np.array(com_velocity), feet))
+
+    def is_ground(self) -> bool:
+        """Whether what the detector reports came from the ground; it is remembered if not."""
+        if len(self._recent) < 2:
+            return True
+        ticks = len(self._recent) - 1
+        shown = self._recent[-1][0] - self._recent[0][0]
+        shown[2] += GRAVITY * ticks * self._tick
+        shown *= self._mass
+        passed = sum((f for _, f in list(self._recent)[1:]), np.zeros(3)) * self._tick
+        enough = float(passed @ shown) >= SHARE * float(shown @ shown)
+        if self.pushed:
+            enough = enough and float(np.linalg.norm(passed)) >= AFTER_PUSH * self._mass
+        self.pushed = self.pushed or not enough
+        return enough

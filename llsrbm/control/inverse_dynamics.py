@@ -26,8 +26,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from llsrbm.control.qp import Qp, check_name
 from llsrbm.control.reference import Target
-from llsrbm.control.solvers import Qp, make_solver
 from llsrbm.control.tasks import Task
 from llsrbm.control.whole_body import WholeBody
 from llsrbm.mechanics import INSCRIBED
@@ -72,7 +72,7 @@ class InverseDynamics:
         joints = n - _BASE
         self._body = body
         self._n = n
-        self._solver = make_solver(solver)
+        check_name(solver)
         mu = INSCRIBED * friction
         self._faces = np.array([[1, 0, -mu], [-1, 0, -mu], [0, 1, -mu], [0, -1, -mu]])
         self._programs: dict[int, Qp] = {}  # by the number of points that push
@@ -114,10 +114,9 @@ class InverseDynamics:
         np.negative(J[:, _BASE:].T, out=torques[:, n:])
         np.subtract(torque_limits[0], h[_BASE:], out=qp.lower[self._joints])
         np.subtract(torque_limits[1], h[_BASE:], out=qp.upper[self._joints])
-        solution = self._solver.solve(qp)
-        if not solution.solved:
+        x = qp.solve()
+        if x is None:
             return self._unsolved_command(torque_limits)
-        x = solution.x
         forces = np.zeros((len(contact), 3))
         forces[pushing] = x[n:].reshape(-1, 3)
         self._last = Command(torques.dot(x) + h[_BASE:], x[:n], forces, solved=True)

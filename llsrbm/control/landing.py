@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from llsrbm.errors import InputError
+from llsrbm.request.messages import look_up
 
 Array = NDArray[np.float64]
 
@@ -66,8 +67,7 @@ def names() -> dict[str, str]:
 
 def check_name(name: str) -> None:
     """Raise `InputError`, naming the valid ones, for a name that is no strategy's."""
-    if name not in names():
-        raise InputError(f'landing: no strategy "{name}"; valid: {", ".join(names())}')
+    look_up("landing strategy", name, names())
 
 
 def resolved(name: str, force_phase: float) -> str:

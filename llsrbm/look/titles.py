@@ -18,7 +18,7 @@ Decisions = tuple[Jump, Tuning, Scenario | None]
 _ALWAYS = ("robot", "task", "model")
 _IN_WORDS = (  # fields of a scenario whose names and values alone would say too little
     *("board", "half_board", "trunk_mass"),
-    *("pushes", "random_push", "estimator", "replan"),
+    *("pushes", "random_push", "estimator", "replan", "replan_latency"),
 )
 
 
@@ -71,6 +71,8 @@ def _parts(jump: Jump, tuning: Tuning, scenario: Scenario | None) -> dict[str, s
         parts["estimator"] = f"estimator {scenario.estimator}"
     if scenario.replan:
         parts["replan"] = "replanning"
+    if scenario.replan_latency != Scenario.replan_latency:
+        parts["replan_latency"] = f"replan latency {scenario.replan_latency}"
     return parts
 
 

@@ -46,6 +46,7 @@ from llsrbm.request.jump import Jump
 from llsrbm.request.push import Push
 from llsrbm.request.scenario import Scenario
 from llsrbm.request.schedule import Schedule
+from llsrbm.robots.robot import Robot
 
 
 class Mode(IntEnum):
@@ -76,6 +77,11 @@ class Disturbance:
     base_velocity_noise: float = 0.0
     joint_velocity_noise: float = 0.0
     random_push: Push | None = None
+
+    def mass(self, robot: Robot) -> float:
+        """Total mass (kg) that is simulated of a robot that is believed to be `robot`."""
+        trunk = float(robot.model.inertias[1].mass)
+        return float(robot.mass) + (self.trunk_mass_factor - 1) * trunk
 
 
 @dataclass(frozen=True)

@@ -49,7 +49,7 @@ class Scenario:
         str,
         Name("Landing strategy: auto (as the robot file has it), scaled, planned or tracking"),
     ] = "auto"
-    solver: Annotated[str, Name("QP solver of the controller: quadprog or proxqp")] = "quadprog"
+    solver: Annotated[str, Name("QP solver of the controller: quadprog")] = "quadprog"
     trunk_mass: Annotated[
         float | None,
         Number(
@@ -86,6 +86,13 @@ class Scenario:
     replan: Annotated[
         bool, Flag("Flight and landing are planned anew, 50 times a second, from what is measured")
     ] = False
+    replan_latency: Annotated[
+        str,
+        Name(
+            "When a new plan is followed: fixed (after the robot file's latency, repeatable) or "
+            "measured (after the processor's time that it took, if that is longer)"
+        ),
+    ] = "fixed"
 
     def __post_init__(self) -> None:
         check_fields(self)

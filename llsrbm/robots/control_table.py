@@ -61,11 +61,14 @@ class Control(Table):
         rate: of the controller, Hz.
         friction: coefficient that the controller believes in: not above the ground's.
         force_phase: how long forces are followed after touchdown, s.
+        replan_latency: s from a measurement until a plan made from it is followed, by what 95 % of
+            them take to compute; if left out 20 ms with four legs or more, 30 ms with fewer.
         gains, weights: see there.
     """
 
     rate: Positive = 400.0
     friction: Positive = 0.5
     force_phase: Length = 0.1
+    replan_latency: Positive | None = None
     gains: Gains = Gains()
     weights: Weights = Weights()

@@ -5,13 +5,17 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from llsrbm.control import detection, landing, solvers
+from llsrbm.control import detection, landing, qp
 from llsrbm.errors import InputError
 from llsrbm.motion.plan import Plan
 from llsrbm.planning.why.residuals import describe_worst
+from llsrbm.request.messages import look_up
 from llsrbm.request.scenario import Scenario
 from llsrbm.robots import Robot
 from llsrbm.simulation.sensors import check_estimator
+
+LATENCIES = {"fixed": "the robot file's", "measured": "the computing time, if longer"}
+"""Ways to time new plans, see `llsrbm.simulation.replanning`."""
 
 _SAME_MASS = 1e-6  # relative; what arithmetic of another machine may make of the same URDF
 
@@ -50,8 +54,9 @@ def check_robot(plan: Plan, robot: Robot) -> None:
 def check_scenario(scenario: Scenario, robot: Robot) -> None:
     """Raise `InputError` for a name that is unknown, or a landing that is not for this robot."""
     detection.check_name(scenario.detector)
-    solvers.check_name(scenario.solver)
+    qp.check_name(scenario.solver)
     check_estimator(scenario.estimator)
+    look_up("replan latency", scenario.replan_latency, LATENCIES)
     landing.resolved(scenario.landing, robot.file.control.force_phase)
 
 

@@ -1,6 +1,6 @@
 """`Episode`: the loop of a simulation: measure, decide, advance, record; and what hooks into it.
 
-A hook acts on the world (`llsrbm.simulation.pushes`) or on the controller, each tick anew. What the
+A hook acts on the world (`Pushes`) or on the controller, each tick anew. What the
 loop does without hooks, with hooks that do nothing it does to the bit.
 """
 
@@ -13,8 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from llsrbm.control.controller import Tick, WholeBodyController
-from llsrbm.control.measurement import Measurement
+from llsrbm.control.controller import Measurement, Tick, WholeBodyController
 from llsrbm.errors import Cancelled
 from llsrbm.motion.replan import Replan
 from llsrbm.simulation.recorder import Recorder
@@ -26,7 +25,7 @@ Array = NDArray[np.float64]
 
 LEAST_TICKS = 2  # of a rollout: where it diverges before, its last known state is repeated
 _AFTER_FALL = 0.3  # s that are still shown of a robot that has fallen
-_ASKED_EVERY = 20  # ticks between looking whether to stop and telling how far it is
+_LOOK_EVERY = 20  # ticks between two calls of `cancelled` and `progress`
 SO_FAR_INTERVAL = 0.2  # s of wall time between two reports of the motion so far
 SO_FAR_RATE = 60.0  # instants/s in them: as browsers draw
 
@@ -95,6 +94,13 @@ class Episode:
     ) -> None:
         """Let so many ticks pass, or fewer where the robot falls.
 
+        Args:
+            ticks: at most.
+            cancelled: called every 20 ticks; True ends with `Cancelled`.
+            progress: called with the share that is done, 0 to 1.
+            so_far: called every `SO_FAR_INTERVAL` with the instants (K,) s and the states
+                (K, 7 + J) until now, from the start on, see `Recorder.so_far`.
+
         Raises:
             Cancelled: on request.
         """
@@ -103,7 +109,7 @@ class Episode:
         result: TickResult | None = None
         began = reported_at = wall_clock.perf_counter()
         for k in range(ticks):
-            if k % _ASKED_EVERY == 0:
+            if k % _LOOK_EVERY == 0:
                 if cancelled is not None and cancelled():
                     raise Cancelled("the simulation was cancelled")
                 if progress is not None:

@@ -18,7 +18,11 @@ Array = NDArray[np.float64]
 
 
 class Recorder:
-    """Collects ticks; `arrays` has the columns of a `Rollout`, in its order of joints."""
+    """Collects ticks; `arrays` has the columns of a `Rollout`, in its order of joints.
+
+    Attributes:
+        mass: kg, that is simulated.
+    """
 
     def __init__(self, robot: Robot, trunk_mass_factor: float) -> None:
         """For a robot whose simulated trunk differs from the believed one by a factor."""
@@ -28,6 +32,7 @@ class Recorder:
         self._model.inertias[1] = pin.Inertia(
             trunk.mass * trunk_mass_factor, trunk.lever, trunk.inertia * trunk_mass_factor
         )
+        self.mass = float(pin.computeTotalMass(self._model))
         self.q: list[Array] = []
         self.v: list[Array] = []
         self.qpos: list[Array] = []

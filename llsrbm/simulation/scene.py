@@ -260,7 +260,7 @@ def _add_motors(spec: mujoco.MjSpec, joints: Sequence[str]) -> None:
         joint = spec.joint(name)
         joint.armature = joint.frictionloss = 0.0
         joint.damping = np.zeros_like(joint.damping)
-        # The robot file's limits hold, not the URDF's; see `llsrbm.simulation.drives`.
+        # The robot file's limits hold, not the URDF's; see `Drives`.
         joint.actfrclimited = mujoco.mjtLimited.mjLIMITED_FALSE
         spec.add_actuator(name=name, target=name, trntype=mujoco.mjtTrn.mjTRN_JOINT)
 

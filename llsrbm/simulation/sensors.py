@@ -16,9 +16,9 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from llsrbm.control.measurement import Measurement
-from llsrbm.errors import InputError
+from llsrbm.control.controller import Measurement
 from llsrbm.motion.rollout import Disturbance
+from llsrbm.request.messages import look_up
 from llsrbm.request.scenario import Scenario
 from llsrbm.robots import Robot
 from llsrbm.simulation.world import TickResult
@@ -147,8 +147,7 @@ def estimator_names() -> tuple[str, ...]:
 
 def check_estimator(name: str) -> None:
     """Raise `InputError`, naming the valid ones, for a name that is no estimator's."""
-    if name not in _ESTIMATORS:
-        raise InputError(f"unknown estimator {name!r}; the estimators are {', '.join(_ESTIMATORS)}")
+    look_up("estimator", name, _ESTIMATORS)
 
 
 class Sensors:

@@ -14,9 +14,8 @@ from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
 from llsrbm.request.scenario import Scenario
 from llsrbm.robots import Robot
-from llsrbm.simulation.disturbance import draw_disturbance
+from llsrbm.simulation.disturbance import Pushes, draw_disturbance
 from llsrbm.simulation.episode import Episode, Hook
-from llsrbm.simulation.pushes import Pushes
 from llsrbm.simulation.recorder import Recorder
 from llsrbm.simulation.replanning import Replanning
 from llsrbm.simulation.sensors import Sensors
@@ -47,14 +46,11 @@ def simulate(
         robot: as the controller believes it is.
         scenario: board, disturbance, pushes, whether to plan anew, and names of detector, landing
             strategy, QP solver and estimator.
-        cancelled: asked now and then; True ends with `Cancelled`.
-        progress: told the share that is done, 0 to 1.
-        so_far: called every `episode.SO_FAR_INTERVAL` with the instants (K,) s and the states
-            (K, 7 + J) until now, from the start on, see `Recorder.so_far`.
+        cancelled, progress, so_far: see `Episode.run`.
 
     Raises:
-        InputError: a name that is unknown, a board that does not fit under the robot, or a push
-            outside of the simulated time.
+        InputError: a name that is unknown, a board that does not fit under the robot, a box in
+            which it would stand at the start, or a push outside of the simulated time.
         Cancelled: on request.
     """
     disturbance = draw_disturbance(scenario)
@@ -67,33 +63,25 @@ def simulate(
     sensors = Sensors(robot, disturbance, scenario, tick)
     start = standing_state(robot, plan)
     world.reset(start, starting_velocity(robot, plan, start))
+    world.check_start()
     hooks: list[Hook] = [pushes]
     if scenario.replan:
-        hooks.append(Replanning(plan, robot, tick))
+        hooks.append(Replanning(plan, robot, tick, scenario.replan_latency))
     episode = Episode(world, sensors, controller, recorder, hooks)
     episode.run(round(duration / tick) + 1, cancelled=cancelled, progress=progress, so_far=so_far)
 
-    columns = recorder.arrays(world.joint_order)
-    columns["time"] = np.arange(len(recorder)) * tick
-    outcome = judge(
-        robot,
-        plan,
-        recorder,
-        columns,
-        controller,
-        episode.fall,
-        episode.wall_time,
-        episode.replans,
-    )
     if progress is not None:
         progress(1.0)
+    columns = recorder.arrays(world.joint_order)
+    columns["time"] = np.arange(len(recorder)) * tick
+    run = episode.fall, episode.wall_time, episode.replans
     return Rollout(
         jump=plan.jump,
         robot_parameters=robot.parameters(),
         control_parameters=robot.control_parameters(),
         scenario=scenario,
         disturbance=replace(disturbance, random_push=pushes.drawn),
-        outcome=outcome,
+        outcome=judge(robot, plan, recorder, columns, controller, *run),
         plan=plan,
         joint_names=tuple(robot.joint_names[j] for j in world.joint_order),
         detection_threshold=controller.detector.threshold,

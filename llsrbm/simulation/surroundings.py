@@ -1,8 +1,18 @@
-"""What stands around the robot: the ground, what it jumps from or onto, and a board."""
+"""What stands around the robot: the ground, what it jumps from, over or onto, and a board.
+
+The lowest place is on the ground, every other on a block: the start on one called "block", a
+landing on a "box". Where the robot would stand on a block and beside it, there is one under each
+foot of that place instead, as large as the feet of the lower places leave room for. All of it
+stands from the start; only a board is slid onto the last landing surface in mid-flight.
+
+A hurdle stands on the ground. Beside a gap lie two blocks, the ground as far below them as the gap
+is deep. What touches a hurdle has not jumped over it.
+"""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,19 +22,42 @@ from llsrbm.errors import InputError
 from llsrbm.mechanics import yaw
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.sampling import foothold_knots, resample
+from llsrbm.request.obstacle import Obstacle
 from llsrbm.request.scenario import Scenario
 from llsrbm.robots.foot_contact import foot_contacts
 from llsrbm.robots.robot import Robot
-from llsrbm.simulation.block import Block as Block
-from llsrbm.simulation.obstacles import Standing, ground_and_blocks
 
 Array = NDArray[np.float64]
 
-ROOM = 0.04  # m between an edge and feet that stand beside it: they rise before they move
+ROOM = 0.01  # m at least between an edge's two sides: feet that stand on it and feet beside it
 MARGIN = 0.25  # m of landing box or start block around the feet: a robot may miss by that much
+# m of a foot's own block, the largest that there is room for: where it lands, and where it starts,
+# which it does not miss.
+FOOT_MARGINS, START_MARGINS = (0.10, 0.05, 0.02, 0.0), (0.05, 0.02, 0.0)
 BOARD = 2.0  # m, length and width of a board on the ground: wherever the robot lands, it lies there
 _DIGITS = 4  # of a place's height, m: beyond are the solver's defects
 TO_SPARE = 0.01  # m between the planned feet and a board that slides in under them
+
+
+@dataclass(frozen=True, eq=False)
+class Block:
+    """A box that stands in the world for a while.
+
+    Attributes:
+        name: of the box, unique.
+        centre: (3,) m, world frame; size: (3,) m, full lengths along its own axes.
+        yaw: rad, of its own axes about the vertical.
+        from_s, until_s: when it stands there, s.
+        untouched: whether a robot that touches it has failed.
+    """
+
+    name: str
+    centre: Array
+    size: Array
+    yaw: float
+    from_s: float = 0.0
+    until_s: float = math.inf
+    untouched: bool = False
 
 
 @dataclass(frozen=True)
@@ -36,14 +69,7 @@ class Surroundings:
 
 
 def surroundings(robot: Robot, plan: Plan, scenario: Scenario) -> Surroundings:
-    """What stands where while a plan is followed.
-
-    Over an obstacle see `llsrbm.simulation.obstacles`. Otherwise:
-
-    The lowest place is on the ground, every other on a block: the start on one called "block", a
-    landing on a "box". Where the robot, feet and what is between them, would stand on a block and
-    beside it, the block is slid in in mid-flight, or drawn away when the feet are highest. The
-    board is slid onto the last landing surface in mid-flight.
+    """The ground and the blocks among which a plan is followed.
 
     Raises:
         InputError: the board is too thick, see `check_board`.
@@ -52,34 +78,34 @@ def surroundings(robot: Robot, plan: Plan, scenario: Scenario) -> Surroundings:
     radius = max(contact.radius for contact in foot_contacts(robot))
     places = _places(plan)
     last = places[-1]
-    goal = last.seen(last.points)
-    landing = _Rectangle(goal.mean(axis=0) - BOARD / 2, goal.mean(axis=0) + BOARD / 2)
     if plan.obstacle is not None:
-        standing = [Standing(place.points, place.height) for place in places]
-        ground, blocks = ground_and_blocks(plan.obstacle, standing, MARGIN)
+        ground, blocks = _beside_obstacle(plan.obstacle, places)
     else:
-        ground, blocks = min(place.height for place in places), []
+        ground = min(place.height for place in places)
+        blocks = []
         for k, place in enumerate(places):
-            if place.height <= ground:
-                continue
-            footprint, from_s, until_s = _block_under(plan, places, k, radius)
-            number = f" {k}" if 0 < k < len(places) - 1 else ""
-            name = f"box{number}" if k else "block"
-            blocks.append(_block(place, name, footprint, ground, place.height, from_s, until_s))
-            if k == len(places) - 1:
-                landing = footprint
+            if place.height > ground:
+                number = f" {k}" if 0 < k < len(places) - 1 else ""
+                name = f"box{number}" if k else "block"
+                legs = [robot.legs[foot].name for foot in place.feet]
+                for part, footprint in _footprints(place, places, radius, legs).items():
+                    blocks.append(_block(place, name + part, footprint, ground, place.height))
     if scenario.board > 0:
+        goal = last.seen(last.points)
+        # As large as the box under all feet, where there is one.
+        on = [block for block in blocks if block.name == "box" and plan.obstacle is None]
+        half = on[0].size[:2] / 2 if on else np.full(2, BOARD / 2)
+        middle = _turn(last.heading).T @ on[0].centre[:2] if on else goal.mean(axis=0)
+        board = _Rectangle(middle - half, middle + half)
         if scenario.half_board:
-            behind = np.array([goal.mean(axis=0)[0], landing.low[1]])
-            landing = _Rectangle(behind, landing.high)
+            board = _Rectangle(np.array([goal[:, 0].mean(), board.low[1]]), board.high)
         top = last.height + scenario.board
-        from_s = _mid_flight(plan, last.flight)
-        blocks.append(_block(last, "board", landing, last.height, top, from_s))
+        blocks.append(_block(last, "board", board, last.height, top, _mid_flight(plan, last)))
     return Surroundings(ground=ground, blocks=tuple(blocks))
 
 
 def check_board(plan: Plan, height: float) -> None:
-    """Whether a board of that thickness, m, slides in under the planned feet in mid-flight.
+    """Check that a board of that thickness, m, slides in under the planned feet in mid-flight.
 
     Raises:
         InputError: it does not; the message names the thickest that does.
@@ -87,7 +113,7 @@ def check_board(plan: Plan, height: float) -> None:
     if height == 0:
         return
     last = _places(plan)[-1]
-    feet = resample(plan, np.array([_mid_flight(plan, last.flight)])).contact_point[0]
+    feet = resample(plan, np.array([_mid_flight(plan, last)])).contact_point[0]
     room = float(feet[:, 2].min()) - last.height - TO_SPARE
     # Whole millimetres, rounded down, so that what the message names is accepted.
     largest = max(0.0, math.floor(1000 * room) / 1000)
@@ -96,6 +122,32 @@ def check_board(plan: Plan, height: float) -> None:
             f"board: expected 0 to {largest:.3f} m, what passes under the planned feet in "
             f"mid-flight, got {height:g} m"
         )
+
+
+def check_room(robot: Robot, plan: Plan) -> None:
+    """Check that the blocks of a plan leave room for the feet that stand beside them.
+
+    Raises:
+        InputError: a foot would stand in a block; the message states the room and what is needed.
+    """
+    if plan.obstacle is not None:
+        return
+    needed = 2 * max(contact.radius for contact in foot_contacts(robot)) + ROOM
+    places = _places(plan)
+    for place in places:
+        for lower in (other for other in places if other.height < place.height):
+            beside = place.seen(lower.points)
+            for foot, points in zip(place.feet, place.by_foot, strict=True):
+                seen = place.seen(points)
+                apart = np.maximum(seen.min(axis=0) - beside, beside - seen.max(axis=0))
+                room = float(apart.max(axis=1).min())
+                if room < needed - 1e-9:
+                    raise InputError(
+                        f"landing height: the robot would stand in the block under "
+                        f"{robot.legs[foot].name}, {place.height - lower.height:.2f} m high: a "
+                        f"foot beside it is {max(room, 0.0):.3f} m away, expected "
+                        f"{needed:.3f} m or more; land farther away, turn more, or land level"
+                    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,15 +163,22 @@ class _Place:
     """Where the robot stands: at the start, and after each flight.
 
     Attributes:
-        points: (c, 3) m, contact points of the feet that stand there.
+        feet: indices of those that stand there.
+        by_foot: (feet, c, 3) m, their contact points.
         height: m; heading: rad, of the edges of what stands there.
         flight: the phase that leads there, 0 for the start.
     """
 
-    points: Array
+    feet: tuple[int, ...]
+    by_foot: Array
     height: float
     heading: float
     flight: int
+
+    @property
+    def points(self) -> Array:
+        """(C, 3) m, of all feet."""
+        return self.by_foot.reshape(-1, 3)
 
     def seen(self, points: Array) -> Array:
         """(C, 2) m: points (C, 3) of the world seen from above, along the heading's axes."""
@@ -131,15 +190,16 @@ def _places(plan: Plan) -> list[_Place]:
     """The schedule's places; the start's edges are along the first landing's heading."""
     schedule, knots = plan.schedule, foothold_knots(plan)
     corners = plan.contact_point.shape[1] // plan.foot_position.shape[1]
-    each = np.arange(plan.contact_point.shape[1])
+    feet = [tuple(np.flatnonzero(row >= 0).tolist()) for row in knots]
+    contacts = plan.contact_point.reshape(len(plan.time), -1, corners, 3)
     points = [
-        plan.contact_point[np.repeat(row, corners), each][np.repeat(row >= 0, corners)]
-        for row in knots
+        contacts[row[list(standing)], list(standing)]
+        for row, standing in zip(knots, feet, strict=True)
     ]
     if schedule.places == 1:  # to the digit
         height, heading = [0.0, plan.jump.height], [plan.jump.twist] * 2
     else:
-        height = [round(float(place[:, 2].mean()), _DIGITS) for place in points]
+        height = [round(float(place[..., 2].mean()), _DIGITS) for place in points]
         base = [int(row.max()) for row in knots]
         heading = [float(angle) for angle in yaw(plan.base_quat)[base]]
         heading[0] = heading[1]
@@ -148,39 +208,69 @@ def _places(plan: Plan) -> list[_Place]:
         for k in range(schedule.places + 1)
     ]
     flights[0] = 0
-    return [_Place(*row) for row in zip(points, height, heading, flights, strict=True)]
+    return [_Place(*row) for row in zip(feet, points, height, heading, flights, strict=True)]
 
 
-def _block_under(
-    plan: Plan, places: list[_Place], k: int, radius: float
-) -> tuple[_Rectangle, float, float]:
-    """Of the block under place k: its top, from when and until when it stands, s."""
-    place = places[k]
-    points = place.seen(place.points)
-    footprint: _Rectangle | None = None
-    from_s, until_s = 0.0, math.inf
-    for j, other in enumerate(places):
-        if j == k:
-            continue
-        apart = _avoiding(points, place.seen(other.points), radius)
-        if apart is not None:
-            footprint = apart if footprint is None else _common(footprint, apart)
-        elif j < k:
-            from_s = _mid_flight(plan, place.flight)
-        else:
-            until_s = _highest(plan, places[k + 1].flight)
-    return footprint or _around(points, MARGIN), from_s, until_s
+def _footprints(
+    place: _Place, places: Sequence[_Place], radius: float, legs: Sequence[str]
+) -> dict[str, _Rectangle]:
+    """Footprints of the blocks under a place, by the suffixes of their names.
+
+    One block, where the robot in no lower place stands on it; else one a foot. Where there is no
+    room for these either, which is refused (`check_room`), the one block is what is drawn.
+    """
+    lower = [place.seen(other.points) for other in places if other.height < place.height]
+    seen = place.seen(place.points)
+    whole: _Rectangle | None = _around(seen, MARGIN)
+    for beside in lower:
+        apart = _avoiding(seen, beside, _between(beside), radius, MARGIN)
+        whole = None if whole is None or apart is None else _common(whole, apart)
+    if whole is not None:
+        return {"": whole}
+    feet = np.concatenate(lower)
+    parts = {}
+    for leg, points in zip(legs, place.by_foot, strict=True):
+        for margin in START_MARGINS if place is places[0] else FOOT_MARGINS:
+            own = _avoiding(place.seen(points), feet, feet, radius, margin)
+            if own is not None:
+                parts[f" {leg}"] = own
+                break
+    return parts if len(parts) == len(legs) else {"": _around(seen, MARGIN)}
 
 
-def _mid_flight(plan: Plan, flight: int) -> float:
-    return float(plan.phase_start[[flight, flight + 1]].mean())
+def _beside_obstacle(obstacle: Obstacle, places: Sequence[_Place]) -> tuple[float, list[Block]]:
+    """The height of the ground, m, and the blocks of a jump over an obstacle across the x axis."""
+    points = np.concatenate([place.points for place in places])
+    low, high = points.min(axis=0) - MARGIN, points.max(axis=0) + MARGIN
+    middle = (obstacle.near + obstacle.far) / 2
+    before, beyond = places[0].height, places[0].height
+    for place in places:  # on either side they are at one height: the planner saw to it
+        if (place.points[:, 0] > middle).any():
+            beyond = place.height
+    ground = min(before, beyond, obstacle.height) + 0.0  # no negative zero
+
+    def box(name: str, start: float, end: float, top: float, *, untouched: bool = False) -> Block:
+        return Block(
+            name=name,
+            centre=np.array([(start + end) / 2, (low[1] + high[1]) / 2, (ground + top) / 2]),
+            size=np.array([end - start, high[1] - low[1], top - ground]),
+            yaw=0.0,
+            untouched=untouched,
+        )
+
+    blocks = []
+    if before > ground:
+        blocks.append(box("block", low[0], obstacle.near, before))
+    if obstacle.height > ground:
+        top = obstacle.height
+        blocks.append(box("hurdle", obstacle.near, obstacle.far, top, untouched=True))
+    if beyond > ground:
+        blocks.append(box("box", obstacle.far, max(high[0], obstacle.far + MARGIN), beyond))
+    return ground, blocks
 
 
-def _highest(plan: Plan, phase: int) -> float:
-    """When in a flight the lowest foot is highest: on a deep landing long before mid-flight."""
-    flight = np.flatnonzero(plan.phase == phase)
-    lowest = plan.contact_point[flight, :, 2].min(axis=1)
-    return float(plan.time[flight[lowest.argmax()]])
+def _mid_flight(plan: Plan, place: _Place) -> float:
+    return float(plan.phase_start[[place.flight, place.flight + 1]].mean())
 
 
 def _turn(heading: float) -> Array:
@@ -197,17 +287,19 @@ def _around(points: Array, margin: float) -> _Rectangle:
     return _Rectangle(points.min(axis=0) - margin, points.max(axis=0) + margin)
 
 
-def _avoiding(points: Array, others: Array, radius: float) -> _Rectangle | None:
-    """A rectangle around `points` (C, 2), as wide as `MARGIN`, where no foot of `others` stands.
+def _avoiding(
+    points: Array, others: Array, over: Array, radius: float, margin: float
+) -> _Rectangle | None:
+    """A rectangle around `points` (C, 2), as wide as `margin`, where no foot of `others` stands.
 
-    None if even the feet on `points` themselves, of that radius, leave no room for the robot that
-    stands on the others.
+    None if even the feet on `points` themselves, of that radius, leave no room for what is at
+    `over`: feet, or all that a robot stands over.
     """
     low, high = points.min(axis=0) - radius, points.max(axis=0) + radius
     apart = radius + ROOM
-    if _inside(_between(others), low, high, apart).any():
+    if _inside(over, low, high, apart).any():
         return None
-    wide = _around(points, MARGIN)
+    wide = _around(points, max(margin, radius))
     for axis, across in ((0, 1), (1, 0)):
         beside = (others[:, across] > low[across] - apart) & (
             others[:, across] < high[across] + apart
@@ -218,7 +310,7 @@ def _avoiding(points: Array, others: Array, radius: float) -> _Rectangle | None:
         low[axis] = max(wide.low[axis], (before.max(initial=-np.inf) + radius + low[axis]) / 2)
         high[axis] = min(wide.high[axis], (after.min(initial=np.inf) - radius + high[axis]) / 2)
     # An edge that grew towards the margin may have come under the robot at a corner.
-    if _inside(_between(others), low, high, apart).any():
+    if _inside(over, low, high, radius).any():
         return None
     return _Rectangle(low, high)
 
@@ -242,7 +334,6 @@ def _block(
     bottom: float,
     top: float,
     from_s: float = 0.0,
-    until_s: float = math.inf,
 ) -> Block:
     middle = _turn(place.heading) @ (footprint.low + footprint.high) / 2
     return Block(
@@ -251,5 +342,4 @@ def _block(
         size=np.array([*(footprint.high - footprint.low), top - bottom]),
         yaw=place.heading,
         from_s=from_s,
-        until_s=until_s,
     )

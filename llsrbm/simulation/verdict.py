@@ -1,11 +1,13 @@
 """How a simulation ended: landed or fell, and by how much everything missed.
 
 Strict success: it stands, nothing but feet touched, and nothing a hurdle, every flight before the
-last ended on all feet that were to stand, every foot is within 50 mm of the plan, tilt ends below
-2 deg and stayed below 15 deg after the last touchdown, it was not thrown up again for more than
-30 ms, and the controller's program was solved in every tick; judged a second after the plan's end.
-A body that turns over comes down with several rad/s and has to lean against its turn as it lands:
-its tilt after touchdown counts from the planned attitude, at the end from the vertical as ever.
+last ended on all feet that were to stand, every foot is within 50 mm of the plan horizontally, tilt
+ends below 2 deg and stayed below 15 deg after the last touchdown, it was not thrown up again for
+more than 30 ms, and the controller's program was solved in every tick; judged a second after the
+plan's end. A body that turns over comes down with several rad/s and has to lean against its turn as
+it lands: its tilt after touchdown counts from the planned attitude, at the end from the vertical as
+ever. The trunk and the feet alone have collision geometry: legs that pass through the ground or a
+box go unnoticed.
 
 Recovered: strict success but for where the feet are, which a push or a new plan rightly moves.
 """
@@ -34,17 +36,19 @@ from llsrbm.simulation.world import TickResult
 
 Array = NDArray[np.float64]
 
-FEET_WITHIN = 0.05  # m
+# The thresholds of strict success.
+FEET_WITHIN = 0.05  # m, horizontally
 FINAL_TILT = np.radians(2.0)
 PEAK_TILT = np.radians(15.0)
 SECOND_FLIGHT = 0.03  # s
+# Those of a fall.
 TOPPLED = np.radians(60.0)  # from the planned attitude: beyond this no robot comes back
 _LOW = 0.7  # of the planned height of the CoM above its feet: below this a robot sits, not stands
 _LEANING = np.radians(15.0)
 _AT_REST = 0.2  # s before the end in which a robot should stand still
 _STILL = 0.1  # m/s of the CoM; a robot that stands sways at less
-_SATURATED = 0.99  # of what a drive can give
-_UPRIGHT = np.radians(45.0)  # tilt up to which a base has a heading
+SATURATED = 0.99  # share of what a drive can give
+UPRIGHT = np.radians(45.0)  # tilt up to which a base has a heading
 _UNDER_WAY = 0.3  # of the planned flight; contact before is a foot that leaves late
 
 
@@ -88,47 +92,20 @@ def judge(
         wall_time: of the whole loop, s.
         replans: made in it.
     """
-    time, tick = columns["time"], float(columns["time"][1] - columns["time"][0])
-    flights = controller.flights
-    contacts = [_touchdowns(recorder, flight, flights[k + 1 :]) for k, flight in enumerate(flights)]
-    reached = len(flights) == len(plan.schedule.flights)
-    never: list[float | None] = [None] * len(robot.legs)
-    first_contacts = contacts[-1] if reached else never
-    touchdown = _first(first_contacts)
-    detected = flights[-1].detected if reached else None
-    tilts = tilt(columns["base_quat"])
-    goal = plan.foot_position[-1]
-    feet_off = np.linalg.norm((columns["foot_position"] - goal)[..., :2], axis=-1)
-    com_off = columns["com"][-1] - com_at_rest(plan)
-    after = time >= touchdown if touchdown is not None else np.zeros(len(time), dtype=bool)
-    contact = columns["contact"].astype(bool)
-    height = float((columns["com"][-1] - columns["foot_position"][-1].mean(axis=0))[2])
-    planned_height = float((plan.com[-1] - goal.mean(axis=0))[2])
-    final_speed = float(
-        np.linalg.norm(columns["linear_momentum"][time >= time[-1] - _AT_REST], axis=-1).max()
-        / robot.mass
-    )
-    if fall is None:
-        fall = _not_standing(
-            float(time[-1]), touchdown, height / planned_height, float(tilts[-1]), final_speed
-        )
-    torque_share = np.abs(columns["torque"]) / np.maximum(columns["torque_limit"], 1e-9)
-    speed = np.abs(np.array(recorder.v))[:, 6:]
-    torque = np.abs([result.torque for result in recorder.results])
-    takeoff = columns["phase"] < plan.schedule.flights[0]
-    leans = _lean(columns) if plan.jump.turns else tilts
-    peak_tilt = float(leans[after].max(initial=0.0))
-    second_flight = float((after & ~contact.any(axis=1)).sum() * tick)
-    trunk_touched = any(result.trunk_contact for result in recorder.results)
-    foot_error = float(feet_off[-1].max())
+    tick = float(columns["time"][1] - columns["time"][0])
+    landing = _Landing.of(plan, recorder, controller.flights)
+    at_end = _at_end(plan, columns, recorder.mass)
+    after = _after_touchdown(plan, columns, landing.time, tick)
+    fall = fall or _not_standing(plan, columns, landing.time, at_end)
     unsolved = sum(not entry.command.solved for entry in recorder.ticks)
-    recovered = (
+    trunk_touched = any(result.trunk_contact for result in recorder.results)
+    recovered = bool(
         fall is None
         and not trunk_touched
-        and _rebounds_on_feet(plan, flights, contacts)
-        and tilts[-1] < FINAL_TILT
-        and peak_tilt < PEAK_TILT
-        and second_flight < SECOND_FLIGHT
+        and landing.rebounded_on_feet
+        and at_end["final_tilt"] < FINAL_TILT
+        and after["peak_tilt"] < PEAK_TILT
+        and after["second_flight_s"] < SECOND_FLIGHT
         and unsolved == 0
     )
     computing = [replan.computing_time for replan in replans]
@@ -136,37 +113,137 @@ def judge(
         status="landed" if fall is None else "fell",
         reason="" if fall is None else fall.reason,
         fell_at_s=None if fall is None else fall.time,
-        strict=bool(recovered and foot_error < FEET_WITHIN),
-        final_yaw_error=_yaw_error(columns["base_quat"], -1, plan, -1),
-        final_position_error=float(np.linalg.norm(com_off[:2])),
-        final_tilt=float(tilts[-1]),
-        final_speed=final_speed,
-        touchdown_planned_s=flights[-1].touchdown if reached else plan.touchdown,
-        touchdown_true_s=touchdown,
-        touchdown_detected_s=detected,
-        foot_touchdown_s=tuple(first_contacts),
-        false_touchdowns=sum(map(_is_false, flights, contacts)),
-        yaw_error_at_touchdown=_yaw_error_at_touchdown(plan, columns, touchdown),
-        foot_error_at_touchdown=_foot_error(time, feet_off, first_contacts),
-        foot_error=foot_error,
-        peak_tilt=peak_tilt,
-        second_flight_s=second_flight,
+        strict=recovered and at_end["foot_error"] < FEET_WITHIN,
+        recovered=recovered,
+        **at_end,
+        **after,
+        **_at_touchdown(plan, columns, landing),
+        **_of_drives(robot, plan, recorder, columns),
         trunk_touched=trunk_touched,
-        peak_torque_ratio=float((torque / robot.torque_limit).max()),
-        peak_speed_ratio=float((speed / robot.speed_limit).max()),
-        takeoff_joint_speed=float(speed[takeoff].max(initial=0.0)),
-        saturated_fraction=float((torque_share >= _SATURATED).any(axis=1).mean()),
         unsolved_ticks=unsolved,
         tick_median_s=float(np.median(recorder.tick_times)),
         tick_p99_s=float(np.percentile(recorder.tick_times, 99)),
         real_time_factor=len(recorder) * tick / wall_time,
         control_rate_hz=1.0 / tick,
         landing_strategy=controller.landing,
-        recovered=bool(recovered),
         replans=len(replans),
         replan_median_s=float(np.median(computing)) if computing else None,
         replan_p95_s=float(np.percentile(computing, 95)) if computing else None,
     )
+
+
+@dataclass(frozen=True)
+class _Landing:
+    """The touchdowns of a simulation.
+
+    Attributes:
+        feet: s, the first contact of each foot after the last flight; time: the earliest.
+        planned, detected: s, of the last flight.
+        false: how many flights' touchdowns were detected before they came.
+        rebounded_on_feet: whether each flight but the last ended on all feet that stand before the
+            next.
+    """
+
+    feet: list[float | None]
+    time: float | None
+    planned: float
+    detected: float | None
+    false: int
+    rebounded_on_feet: bool
+
+    @classmethod
+    def of(cls, plan: Plan, recorder: Recorder, flights: list[Flight]) -> _Landing:
+        """Of flights, in order; the last planned one may not have been reached."""
+        contacts = [
+            _touchdowns(recorder, flight, flights[k + 1 :]) for k, flight in enumerate(flights)
+        ]
+        reached = len(flights) == len(plan.schedule.flights)
+        never: list[float | None] = [None] * plan.foot_position.shape[1]
+        feet = contacts[-1] if reached else never
+        return cls(
+            feet=feet,
+            time=_first(feet),
+            planned=flights[-1].touchdown if reached else plan.touchdown,
+            detected=flights[-1].detected if reached else None,
+            false=sum(map(_is_false, flights, contacts)),
+            rebounded_on_feet=_rebounds_on_feet(plan, flights, contacts),
+        )
+
+
+def _at_end(plan: Plan, columns: dict[str, Any], mass: float) -> dict[str, Any]:
+    """Figures of an outcome from the last instants."""
+    time, momentum = columns["time"], columns["linear_momentum"]
+    com_off = columns["com"][-1] - com_at_rest(plan)
+    resting = momentum[time >= time[-1] - _AT_REST]
+    return {
+        "final_yaw_error": float(turned(columns["base_quat"][-1:], plan.base_quat[-1:])[0]),
+        "final_position_error": float(np.linalg.norm(com_off[:2])),
+        "final_tilt": float(tilt(columns["base_quat"])[-1]),
+        "final_speed": float(np.linalg.norm(resting, axis=-1).max() / mass),
+        "foot_error": float(_feet_off(plan, columns)[-1].max()),
+    }
+
+
+def _feet_off(plan: Plan, columns: dict[str, Any]) -> Array:
+    """(T, L) m: horizontal distance of each foot from where the plan ends."""
+    off = columns["foot_position"] - plan.foot_position[-1]
+    return np.asarray(np.linalg.norm(off[..., :2], axis=-1))
+
+
+def _after_touchdown(
+    plan: Plan, columns: dict[str, Any], touchdown: float | None, tick: float
+) -> dict[str, Any]:
+    """Figures of an outcome from the touchdown on."""
+    if touchdown is None:
+        return {"peak_tilt": 0.0, "second_flight_s": 0.0}
+    after = columns["time"] >= touchdown
+    leans = _lean(columns) if plan.jump.turns else tilt(columns["base_quat"])
+    aloft = ~columns["contact"].astype(bool).any(axis=1)
+    return {
+        "peak_tilt": float(leans[after].max(initial=0.0)),
+        "second_flight_s": float((after & aloft).sum() * tick),
+    }
+
+
+def _at_touchdown(plan: Plan, columns: dict[str, Any], landing: _Landing) -> dict[str, Any]:
+    """Figures of an outcome at the touchdown."""
+    time = columns["time"]
+
+    def index(instant: float) -> int:
+        return min(int(np.searchsorted(time, instant)), len(time) - 1)
+
+    yaw_error = None
+    if landing.time is not None:
+        at, knot = index(landing.time), int(np.searchsorted(plan.time, plan.touchdown - 1e-9))
+        quat = columns["base_quat"][[at]]
+        yaw_error = float(turned(quat, plan.base_quat[[knot]])[0])
+    off = _feet_off(plan, columns)
+    missed = [float(off[index(at), foot]) for foot, at in enumerate(landing.feet) if at is not None]
+    return {
+        "touchdown_planned_s": landing.planned,
+        "touchdown_true_s": landing.time,
+        "touchdown_detected_s": landing.detected,
+        "foot_touchdown_s": tuple(landing.feet),
+        "false_touchdowns": landing.false,
+        "yaw_error_at_touchdown": yaw_error,
+        "foot_error_at_touchdown": max(missed, default=None),
+    }
+
+
+def _of_drives(
+    robot: Robot, plan: Plan, recorder: Recorder, columns: dict[str, Any]
+) -> dict[str, Any]:
+    """Figures of an outcome of torques and joint speeds."""
+    share = np.abs(columns["torque"]) / np.maximum(columns["torque_limit"], 1e-9)
+    speed = np.abs(np.array(recorder.v))[:, 6:]
+    torque = np.abs([result.torque for result in recorder.results])
+    takeoff = columns["phase"] < plan.schedule.flights[0]
+    return {
+        "peak_torque_ratio": float((torque / robot.torque_limit).max()),
+        "peak_speed_ratio": float((speed / robot.speed_limit).max()),
+        "takeoff_joint_speed": float(speed[takeoff].max(initial=0.0)),
+        "saturated_fraction": float((share >= SATURATED).any(axis=1).mean()),
+    }
 
 
 def _touchdowns(recorder: Recorder, flight: Flight, later: list[Flight]) -> list[float | None]:
@@ -214,51 +291,32 @@ def _lean(columns: dict[str, Any]) -> Array:
 
 
 def _not_standing(
-    end: float, touchdown: float | None, height: float, lean: float, speed: float
+    plan: Plan, columns: dict[str, Any], touchdown: float | None, at_end: dict[str, Any]
 ) -> Fall | None:
+    end = float(columns["time"][-1])
+    height = float((columns["com"][-1] - columns["foot_position"][-1].mean(axis=0))[2])
+    height /= float((plan.com[-1] - plan.foot_position[-1].mean(axis=0))[2])
     if touchdown is None:
         return Fall(end, "it never touched the ground again")
     if height < _LOW:
         return Fall(end, f"it sits: the CoM is at {100 * height:.0f} % of its planned height")
-    if lean > _LEANING:
-        return Fall(end, f"it leans {np.degrees(lean):.0f} deg at the end")
-    if speed > _STILL:
-        return Fall(end, f"it still moves at {speed:.2f} m/s at the end")
+    if at_end["final_tilt"] > _LEANING:
+        return Fall(end, f"it leans {np.degrees(at_end['final_tilt']):.0f} deg at the end")
+    if at_end["final_speed"] > _STILL:
+        return Fall(end, f"it still moves at {at_end['final_speed']:.2f} m/s at the end")
     return None
 
 
-def _yaw_error_at_touchdown(
-    plan: Plan, columns: dict[str, Any], touchdown: float | None
-) -> float | None:
-    if touchdown is None:
-        return None
-    at = min(int(np.searchsorted(columns["time"], touchdown)), len(columns["time"]) - 1)
-    knot = int(np.searchsorted(plan.time, plan.touchdown - 1e-9))
-    return _yaw_error(columns["base_quat"], at, plan, knot)
+def turned(actual: Array, planned: Array) -> Array:
+    """(T,) rad by which attitudes (T, 4) are turned about the vertical from the planned ones.
 
-
-def _yaw_error(quat: Array, at: int, plan: Plan, knot: int) -> float:
-    """Of the base (T, 4) at a tick against the plan's knot, rad.
-
-    A heading means nothing far from upright: there it is the vertical part of the turn from the
-    planned attitude to the actual one.
+    By their headings, and far from upright, where a heading means nothing, by the vertical part of
+    the turn between them.
     """
-    actual, planned = quat[at], plan.base_quat[knot]
-    if max(tilt(actual), tilt(planned)) > _UPRIGHT:
-        turn = Rotation.from_quat(actual, scalar_first=True)
-        turn = turn * Rotation.from_quat(planned, scalar_first=True).inv()
-        return float(turn.as_rotvec()[2])
-    return _wrapped(yaw(quat)[at] - yaw(plan.base_quat)[knot])
-
-
-def _foot_error(time: Array, feet_off: Array, touchdowns: list[float | None]) -> float | None:
-    errors = [
-        float(feet_off[min(int(np.searchsorted(time, at)), len(time) - 1), foot])
-        for foot, at in enumerate(touchdowns)
-        if at is not None
-    ]
-    return max(errors, default=None)
-
-
-def _wrapped(angle: Any) -> float:
-    return float((angle + np.pi) % (2 * np.pi) - np.pi)
+    turn = (yaw(actual) - yaw(planned) + np.pi) % (2 * np.pi) - np.pi
+    far = np.maximum(tilt(actual), tilt(planned)) > UPRIGHT
+    if far.any():
+        between = Rotation.from_quat(actual[far], scalar_first=True)
+        between = between * Rotation.from_quat(planned[far], scalar_first=True).inv()
+        turn[far] = between.as_rotvec()[:, 2]
+    return np.asarray(turn)

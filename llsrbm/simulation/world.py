@@ -1,28 +1,31 @@
-"""The simulated world as a control loop sees it: torques and pushes in, state and contacts out."""
+"""The simulated world as a control loop sees it: torques and pushes in, state and contacts out.
+
+Between the controller and the joints are drives: torques arrive late, and within limits.
+"""
 
 from __future__ import annotations
 
 import logging
+from collections import deque
 from dataclasses import dataclass
 
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from llsrbm.errors import InputError
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Disturbance
 from llsrbm.request.scenario import Scenario
+from llsrbm.robots.drives import torque_in_direction
 from llsrbm.robots.robot import Robot
 from llsrbm.simulation.contacts import ContactReader
-from llsrbm.simulation.drives import Drives
 from llsrbm.simulation.scene import build_scene
-from llsrbm.simulation.surroundings import surroundings
+from llsrbm.simulation.surroundings import check_room, surroundings
 
 Array = NDArray[np.float64]
 
 _log = logging.getLogger(__name__)
-# By itself MuJoCo prints warnings and writes them to a file in the working directory.
-mujoco.set_mju_user_warning(_log.info)
 
 STEP = 5e-4  # s; steps are not longer. Impacts change by less than their scatter below it.
 
@@ -73,6 +76,32 @@ class TickResult:
         )
 
 
+class Drives:
+    """J drives in the order of `robot.joint_names`."""
+
+    def __init__(self, robot: Robot, delay_ticks: int) -> None:
+        self._robot = robot
+        self._delay = delay_ticks
+        self._under_way: deque[Array] = deque()
+
+    def reset(self) -> None:
+        """Forget the torques under way."""
+        self._under_way.clear()
+
+    def arriving(self, command: Array) -> Array:
+        """(J,) Nm or N: the torque that arrives in the tick in which `command` is sent."""
+        if not self._under_way:
+            # Before the first tick nothing was sent; the robot was held as it is from then on.
+            self._under_way.extend([command] * self._delay)
+        self._under_way.append(command)
+        return self._under_way.popleft()
+
+    def limited(self, torque: Array, speed: Array) -> tuple[Array, Array]:
+        """Torque (J,) applied of one at a speed (J,), and the most there is in its direction."""
+        limit = torque_in_direction(self._robot, speed, torque)
+        return np.copysign(np.minimum(np.abs(torque), limit), torque), limit
+
+
 class World:
     """The robot and its surroundings, at rest in its default posture until `reset`.
 
@@ -97,9 +126,11 @@ class World:
             tick: control period, s.
 
         Raises:
-            InputError: the board does not fit under the planned feet.
+            InputError: the board does not fit under the planned feet, or a foot would stand in a
+                block.
             RobotFileError: the URDF cannot be simulated.
         """
+        check_room(robot, plan)
         self.tick = tick
         self._steps = steps_in(tick)
         self.scene = build_scene(
@@ -155,6 +186,18 @@ class World:
         mujoco.mju_rotVecQuat(v[:3], self._qvel[:3], self._conjugate)
         return q, v
 
+    def check_start(self) -> None:
+        """Check that the robot as it stands is in none of the blocks.
+
+        Raises:
+            InputError: its trunk is.
+        """
+        if self.scene.surroundings.blocks and self._contacts.trunk_touches_now():
+            raise InputError(
+                "landing height: the robot's trunk would stand in a block at the start; land "
+                "farther away, or on a lower one"
+            )
+
     def push(self, force: Array, moment: Array) -> None:
         """Let a wrench act on the trunk during the next tick, beside what acts already.
 
@@ -176,21 +219,17 @@ class World:
         """
         self.scene.move_blocks(self._data, self.time)
         arriving = self._drives.arriving(np.array(torque, dtype=float))
-        limited, read, model, data = (
-            self._drives.limited,
-            self._contacts.read,
-            self._model,
-            self._data,
-        )
-        for step in range(self._steps):
-            applied, self._limit[step] = limited(arriving, self._qvel.take(self._joints))
-            self._ctrl[:] = self._torque[step] = applied
-            mujoco.mj_step(model, data)
-            read(step)
+        others = mujoco.get_mju_user_warning()
+        # By itself MuJoCo prints warnings and writes them to a file in the working directory.
+        mujoco.set_mju_user_warning(_log.info)
+        try:
+            self._steps_with(arriving)
+        finally:
+            mujoco.set_mju_user_warning(others)
         self._wrench[:] = 0.0
         if np.logical_or.reduce(self._warnings):
             # MuJoCo has already put the robot back to where its model was compiled.
-            raise Diverged(self._what_went_wrong())
+            raise Diverged(self._cause())
         touched = self._contacts.touched()
         contact: NDArray[np.bool_] = np.logical_or.reduce(touched)
         first = self.time + touched.argmax(axis=0) * (self.tick / self._steps)
@@ -205,7 +244,16 @@ class World:
             obstacle_contact=self._contacts.untouched_touched(),
         )
 
-    def _what_went_wrong(self) -> str:
+    def _steps_with(self, arriving: Array) -> None:
+        limited, read = self._drives.limited, self._contacts.read
+        model, data = self._model, self._data
+        for step in range(self._steps):
+            applied, self._limit[step] = limited(arriving, self._qvel.take(self._joints))
+            self._ctrl[:] = self._torque[step] = applied
+            mujoco.mj_step(model, data)
+            read(step)
+
+    def _cause(self) -> str:
         kind = int(self._warnings.argmax())
         text = mujoco.mju_warningText(kind, self._data.warning[kind].lastinfo)
         return f"MuJoCo after {self.time:.4f} s: {text}"

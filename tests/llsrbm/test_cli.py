@@ -68,7 +68,7 @@ class TestBadInput:
             (["simulate", "--seed", "1.5"], "--seed"),
             (["simulate", "--detector", "nosuch"], "residual, norm"),
             (["simulate", "--landing", "nosuch", "--json"], "scaled, planned, tracking"),
-            (["simulate", "--qp-solver", "nosuch"], "quadprog, proxqp"),
+            (["simulate", "--qp-solver", "proxqp"], "quadprog, as proxqp, which"),
             (["export", "nosuch.npz", "--format", "csv", "--out", "x"], "No such file"),
         ],
     )

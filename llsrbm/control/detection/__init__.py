@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
-from llsrbm.control.detection.base import CentroidalState, Detector
+from llsrbm.control.detection.base import (
+    CentroidalState,
+    Detector,
+    ModelUncertainty,
+    model_uncertainty,
+)
 from llsrbm.control.detection.norm import NormDetector
 from llsrbm.control.detection.residual import ResidualDetector
-from llsrbm.control.detection.uncertainty import ModelUncertainty, model_uncertainty
 from llsrbm.request.messages import look_up
 
 __all__ = [

@@ -1,4 +1,4 @@
-"""What contact detectors see, and what they have to offer."""
+"""Contact detectors: the centroidal motion that they see, and their interface."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg.lapack import dgesv  # a third of the time of NumPy's solve and inv
 
-from llsrbm.control.detection.uncertainty import ModelUncertainty
+from llsrbm.control.whole_body import solved
+from llsrbm.robots.schema import RobotFile
 
 Array = NDArray[np.float64]
 
@@ -20,6 +20,26 @@ Array = NDArray[np.float64]
 # look like contacts, and no landing is softer (it is the speed of a fall of 5 mm).
 ARMED_BELOW = -0.3  # m/s
 _IDENTITY = np.eye(3)
+
+
+STATED = 2.0
+"""Standard deviations of what a robot file states: a value that is exceeded 1 time in 20."""
+
+
+@dataclass(frozen=True)
+class ModelUncertainty:
+    """Standard deviations of the controller's numbers.
+
+    Attributes:
+        trunk_mass: of the trunk's mass, as a share of it.
+    """
+
+    trunk_mass: float
+
+
+def model_uncertainty(file: RobotFile) -> ModelUncertainty:
+    """Standard deviations of a robot file's [uncertainty]."""
+    return ModelUncertainty(trunk_mass=file.uncertainty.trunk_mass / STATED)
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,14 +65,12 @@ class CentroidalState:
     @cached_property
     def average_angular_velocity(self) -> Array:
         """(3,) rad/s: I^-1 L."""
-        omega: Array = dgesv(self.inertia, self.angular_momentum)[2]
-        return omega
+        return solved(self.inertia, self.angular_momentum)
 
     @cached_property
     def inverse_inertia(self) -> Array:
         """(3, 3) 1/(kg m2): I^-1."""
-        inverse: Array = dgesv(self.inertia, _IDENTITY)[2]
-        return inverse
+        return solved(self.inertia, _IDENTITY)
 
     @property
     def average_spatial_velocity_norm(self) -> float:
@@ -62,7 +80,7 @@ class CentroidalState:
 
 
 class Detector(ABC):
-    """Tells from the centroidal motion when a robot in the air touches something.
+    """Detects contact in flight from the centroidal motion.
 
     Attributes:
         threshold: what `signal` is compared with; constant.

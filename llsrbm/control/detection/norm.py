@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from llsrbm.control.detection.base import CentroidalState, Detector
-from llsrbm.control.detection.uncertainty import ModelUncertainty
+from llsrbm.control.detection.base import CentroidalState, Detector, ModelUncertainty
 
 # m/s2 and rad/s2 in one norm. Free fall raises ‖v_G‖ by 9.81 at most and lowers it on the way up;
 # measured with noise of 0.01 it falls by up to 7 in each of two ticks without contact.

@@ -32,8 +32,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from llsrbm.control.detection.base import Array, CentroidalState, Detector
-from llsrbm.control.detection.uncertainty import ModelUncertainty
+from llsrbm.control.detection.base import Array, CentroidalState, Detector, ModelUncertainty
 from llsrbm.mechanics import GRAVITY
 
 # Standard deviations. Six components of white noise exceed 8 in 1 of 1e11 tests; the worst of 450

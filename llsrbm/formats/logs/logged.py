@@ -144,10 +144,7 @@ def _logged(trajectory: Trajectory, fps: float, start: float) -> Logged:
 
 def _mass(trajectory: Trajectory, robot: Robot) -> float:
     """Of what moved, kg: that of the simulated trunk may be off."""
-    if isinstance(trajectory, Plan):
-        return robot.mass
-    trunk = robot.model.inertias[1].mass
-    return float(robot.mass + (trajectory.disturbance.trunk_mass_factor - 1) * trunk)
+    return robot.mass if isinstance(trajectory, Plan) else trajectory.disturbance.mass(robot)
 
 
 def _series(motion: WholeBodyMotion, mass: float) -> Iterator[Series]:

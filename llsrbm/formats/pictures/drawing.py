@@ -167,7 +167,8 @@ def draw(
         robot, motion.base_position, motion.base_quat, motion.joint_position
     )
     reference = rotation_matrices(motion.base_quat)
-    axes, axes_quat = ellipsoid(motion.inertia, robot.mass, reference)
+    mass = robot.mass if rollout is None else rollout.disturbance.mass(robot)
+    axes, axes_quat = ellipsoid(motion.inertia, mass, reference)
     assert motion.foot_force is not None  # plans and rollouts have them
     assert motion.pressed_at is not None
     force = motion.foot_force

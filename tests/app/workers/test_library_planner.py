@@ -128,7 +128,7 @@ def test_a_simulation_gets_its_scenario_and_reports_whole_per_cents_and_the_moti
     def so_far(*motion):
         motions.append(motion)
 
-    scenario = Scenario(0.02, True, 3, 0.5, "norm", "planned", "proxqp", 0.12)
+    scenario = Scenario(0.02, True, 3, 0.5, "norm", "planned", "quadprog", 0.12)
     LibraryPlanner().simulate(SimulateJump(planned(), scenario), progress, so_far, never)
     (_, given), options = called["simulate"]
     assert given == scenario

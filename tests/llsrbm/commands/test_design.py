@@ -73,9 +73,9 @@ def test_a_design_is_simulated_in_its_scenario(planner, simulator, file, capsys)
 def test_options_override_a_designs_scenario(planner, simulator, file, capsys):
     planner.answers.append(synthetic_plan())
     simulator.answers.append(synthetic_rollout())
-    words = "--board 0 --whole-board --noise 2 --detector residual --qp-solver proxqp"
+    words = "--board 0 --whole-board --noise 2 --detector norm --qp-solver quadprog"
     assert cli.main(["simulate", *words.split(), "--design", file]) == 0
-    assert simulator.requests[0][1] == Scenario(seed=7, noise=2, solver="proxqp")
+    assert simulator.requests[0][1] == Scenario(seed=7, noise=2, detector="norm")
 
 
 def test_an_undisturbed_design_stays_so(planner, simulator, tmp_path, capsys):

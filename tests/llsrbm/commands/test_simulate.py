@@ -40,12 +40,14 @@ def test_a_file_is_simulated_as_it_is(simulator, saved, capsys, tmp_path):
 def test_pushes_are_repeated_options(simulator, saved, capsys):
     simulator.answers.append(synthetic_rollout())
     words = "--push 0.4,0,12,0 --push 0.5,1,2,3,-1,-2,-3 --random-push 8 --estimator drift --replan"
+    words += " --replan-latency measured"
     assert cli.main(["simulate", str(saved), *words.split()]) == 0
     assert simulator.requests[0][1] == Scenario(
         pushes=(Push(0.4, (0, 12, 0)), Push(0.5, (1, 2, 3), (-1, -2, -3))),
         random_push=8.0,
         estimator="drift",
         replan=True,
+        replan_latency="measured",
     )
 
 

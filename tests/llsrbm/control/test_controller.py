@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from llsrbm.control.controller import WholeBodyController
+from llsrbm.control.controller import Measurement, WholeBodyController
 from llsrbm.control.foot_force import FootForces
-from llsrbm.control.measurement import Measurement
 from llsrbm.control.whole_body import WholeBody
 from llsrbm.request.scenario import Scenario
 from llsrbm.robots import load_robot

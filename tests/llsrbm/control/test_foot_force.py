@@ -3,8 +3,10 @@ from __future__ import annotations
 import numpy as np
 import pinocchio as pin
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
-from llsrbm.control.foot_force import FootForces
+from llsrbm.control.foot_force import FootForces, MeasuredImpulse
 from llsrbm.control.whole_body import WholeBody
 from llsrbm.robots import load_robot
 from tests.llsrbm.control.bodies import state
@@ -68,3 +70,54 @@ def test_reset_forgets():
     robot.estimate.reset()
     assert not robot.estimate.vertical.any()
     assert not robot.step().any()
+
+
+MASS, G = 30.0, np.array([0.0, 0.0, -9.81])
+
+
+def flown(impulse, force, by_feet, ticks, velocity):
+    """Fall for some ticks under a force, a share of which passes through the feet."""
+    for _ in range(ticks):
+        velocity = velocity + (G + force / MASS) * TICK
+        impulse.update(velocity, by_feet * force)
+    return velocity
+
+
+vectors = st.tuples(*[st.floats(-1, 1)] * 3).map(np.array).filter(lambda v: np.linalg.norm(v) > 0.1)
+
+
+@given(vectors, st.integers(1, 8), st.floats(0.5, 1.2))
+def test_what_passes_through_the_feet_is_the_ground(direction, ticks, by_feet):
+    impulse = MeasuredImpulse(MASS, TICK)
+    v = flown(impulse, np.zeros(3), 0.0, 10, np.zeros(3))
+    flown(impulse, 400 * direction, by_feet, ticks, v)
+    assert impulse.is_ground()
+    assert not impulse.pushed
+
+
+@given(vectors, st.integers(1, 8), st.floats(-0.1, 0.1))
+def test_what_does_not_is_a_push(direction, ticks, by_feet):
+    impulse = MeasuredImpulse(MASS, TICK)
+    v = flown(impulse, np.zeros(3), 0.0, 10, np.zeros(3))
+    flown(impulse, 400 * direction, by_feet, ticks, v)
+    assert not impulse.is_ground()
+    assert impulse.pushed
+
+
+def test_noise_after_a_push_is_not_the_ground_and_the_ground_still_is():
+    impulse = MeasuredImpulse(MASS, TICK)
+    v = flown(impulse, np.array([800.0, 0.0, 0.0]), 0.0, 8, np.zeros(3))
+    assert not impulse.is_ground()
+    v = flown(impulse, np.array([0.1, 0.0, 2.0]), 1.0, 10, v)
+    assert not impulse.is_ground()
+    flown(impulse, np.array([0.0, 0.0, 500.0]), 1.0, 2, v)
+    assert impulse.is_ground()
+    impulse.reset()
+    assert not impulse.pushed
+
+
+def test_a_flight_that_has_just_begun_trusts_the_detector():
+    impulse = MeasuredImpulse(MASS, TICK)
+    assert impulse.is_ground()
+    impulse.update(np.zeros(3), np.zeros(3))
+    assert impulse.is_ground()

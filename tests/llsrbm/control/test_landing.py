@@ -60,5 +60,5 @@ def test_without_a_force_phase_forces_are_not_followed(name):
 @pytest.mark.parametrize("check", [check_name, lambda name: resolved(name, 0.2)])
 def test_unknown_names_are_refused(check):
     valid = "auto, scaled, planned, tracking"
-    with pytest.raises(InputError, match=f'no strategy "softly"; valid: {valid}'):
+    with pytest.raises(InputError, match=f'no landing strategy "softly"; valid: {valid}'):
         check("softly")

@@ -39,6 +39,7 @@ scenarios = st.builds(
     random_push=st.none() | st.floats(0, 100),
     estimator=names,
     replan=st.booleans(),
+    replan_latency=names,
 )
 designs = st.builds(
     Design,

@@ -41,6 +41,7 @@ SCENARIOS = st.builds(
     random_push=st.none() | st.floats(0, LARGEST_IMPULSE),
     estimator=NAMES,
     replan=st.booleans(),
+    replan_latency=NAMES,
 )
 
 
@@ -56,7 +57,7 @@ def test_what_is_not_said_is_nominal():
     assert asdict(Scenario()) == {
         "board": 0.0, "half_board": False, "seed": None, "noise": None, "detector": "residual",
         "landing": "auto", "solver": "quadprog", "trunk_mass": None, "pushes": (),
-        "random_push": None, "estimator": "truth", "replan": False,
+        "random_push": None, "estimator": "truth", "replan": False, "replan_latency": "fixed",
     }  # fmt: skip
     assert llsrbm.Scenario is Scenario
 

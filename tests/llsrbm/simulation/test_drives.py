@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from llsrbm.robots import load_robot
-from llsrbm.simulation.drives import Drives
+from llsrbm.simulation.world import Drives
 
 ROBOT = load_robot("anymal")
 TORQUE, SPEED = ROBOT.file.limits.torque, ROBOT.file.limits.joint_speed

@@ -9,8 +9,8 @@ from llsrbm.motion.rollout import Disturbance
 from llsrbm.request.scenario import Scenario
 from llsrbm.robots import load_robot
 from llsrbm.robots.drives import torque_in_direction
-from llsrbm.simulation import drives
 from llsrbm.simulation import simulate as loop
+from llsrbm.simulation import world
 from tests.llsrbm.planning.solved import solved
 
 
@@ -20,20 +20,20 @@ def follow(scenario=None):
 
 
 def ice(monkeypatch):
-    world = Disturbance(friction=0.05)
-    monkeypatch.setattr(loop, "draw_disturbance", lambda scenario: world)
+    disturbance = Disturbance(friction=0.05)
+    monkeypatch.setattr(loop, "draw_disturbance", lambda scenario: disturbance)
 
 
 def a_load_on_the_trunk(monkeypatch):
-    world = Disturbance(trunk_mass_factor=2.2)
-    monkeypatch.setattr(loop, "draw_disturbance", lambda scenario: world)
+    disturbance = Disturbance(trunk_mass_factor=2.2)
+    monkeypatch.setattr(loop, "draw_disturbance", lambda scenario: disturbance)
 
 
 def weak_drives(monkeypatch):
     def weaker(robot, speed, torque):
         return 0.35 * torque_in_direction(robot, speed, torque)
 
-    monkeypatch.setattr(drives, "torque_in_direction", weaker)
+    monkeypatch.setattr(world, "torque_in_direction", weaker)
 
 
 def a_deaf_detector(monkeypatch):

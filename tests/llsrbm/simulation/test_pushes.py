@@ -12,8 +12,8 @@ from llsrbm.motion.trajectory import load
 from llsrbm.request.push import DURATION, Push
 from llsrbm.request.scenario import Scenario
 from llsrbm.robots import load_robot
+from llsrbm.simulation.disturbance import Pushes, drawn_push
 from llsrbm.simulation.episode import Situation
-from llsrbm.simulation.pushes import Pushes, drawn_push
 from llsrbm.simulation.simulate import simulate
 from tests.llsrbm.planning.solved import solved
 

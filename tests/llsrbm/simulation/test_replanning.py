@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 import llsrbm
 from llsrbm.control.controller import WholeBodyController
+from llsrbm.errors import InputError
 from llsrbm.motion.trajectory import load
 from llsrbm.request.push import DURATION, Push
 from llsrbm.request.scenario import Scenario
 from llsrbm.robots import load_robot
 from llsrbm.simulation import replanning
-from llsrbm.simulation.replanning import LATENCY, PERIOD
+from llsrbm.simulation.checks import check_scenario
+from llsrbm.simulation.replanning import LATENCY, LATENCY_FEW_LEGS, PERIOD, latency_of
 from llsrbm.simulation.simulate import simulate
 from tests.llsrbm.planning.solved import solved
 
@@ -69,15 +72,44 @@ def test_it_is_asked_at_50_hz_in_flight_and_after_and_followed_after_the_latency
     assert rollout.outcome.replan_median_s == pytest.approx(0.008)
 
 
-def test_a_slow_answer_is_followed_when_it_is_there(takes):
+def test_with_a_measured_latency_a_slow_answer_is_followed_when_it_is_there(takes):
     takes(0.05)
-    rollout = simulate(plan(), ROBOT, Scenario(pushes=pushed_at_lift_off(), replan=True))
+    scenario = Scenario(pushes=pushed_at_lift_off(), replan=True, replan_latency="measured")
+    rollout = simulate(plan(), ROBOT, scenario)
     asked = np.array([replan.asked for replan in rollout.replans])
     applied = np.array([replan.applied for replan in rollout.replans])
     followed = ~np.isnan(applied)
     assert applied[followed] - asked[followed] == pytest.approx(0.05, abs=1.5 * TICK)
     assert np.diff(asked).min() >= 0.05 - 1e-6
     assert rollout.landed
+
+
+def test_a_rollout_does_not_depend_on_how_long_computing_takes(monkeypatch):
+    """Nor on a clock that runs backwards, as a loaded machine's may seem to."""
+    scenario = Scenario(seed=4, pushes=pushed_at_lift_off(), replan=True)
+    rollouts = []
+    for seed in (1, 2):
+        rng = np.random.default_rng(seed)
+        clock = SimpleNamespace(thread_time=lambda rng=rng: float(rng.uniform(0.0, 0.2)))
+        monkeypatch.setattr(replanning, "time", clock)
+        rollouts.append(simulate(plan(), ROBOT, scenario))
+    idle, loaded = rollouts
+    assert idle.outcome.replan_p95_s != loaded.outcome.replan_p95_s  # still the real time
+    assert [r.applied for r in idle.replans] == pytest.approx(
+        [r.applied for r in loaded.replans], abs=0, nan_ok=True
+    )
+    for name in ("qpos", "qvel", "torque", "contact_force", "phase"):
+        np.testing.assert_array_equal(getattr(idle, name), getattr(loaded, name))
+
+
+def test_the_latency_is_the_robots():
+    assert latency_of(ROBOT) == LATENCY
+    assert latency_of(load_robot("slider")) == LATENCY_FEW_LEGS
+    control = ROBOT.file.control.model_copy(update={"replan_latency": 0.035})
+    file = ROBOT.file.model_copy(update={"control": control})
+    assert latency_of(SimpleNamespace(file=file, legs=ROBOT.legs)) == 0.035
+    with pytest.raises(InputError, match=r'no replan latency "none"; .*fixed, measured'):
+        check_scenario(Scenario(replan_latency="none"), ROBOT)
 
 
 def test_where_nothing_happens_it_lands_as_it_does_without(takes):

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import fields, replace
 from time import perf_counter
-from typing import ClassVar
 
 import numpy as np
 import pytest
 
 from llsrbm.analysis.diagnosis import fall_in_words
-from llsrbm.control import solvers
-from llsrbm.control.solvers import QpSolver
-from llsrbm.control.solvers.quadprog import Quadprog
+from llsrbm.control.qp import Qp
 from llsrbm.errors import Cancelled, InputError
 from llsrbm.motion.rollout import Mode, Rollout
 from llsrbm.motion.trajectory import load
@@ -42,8 +40,7 @@ def disturbed():
 
 
 def simulated_mass(rollout: Rollout) -> float:
-    robot = load_robot("anymal")
-    return robot.mass + (rollout.disturbance.trunk_mass_factor - 1) * robot.model.inertias[1].mass
+    return rollout.disturbance.mass(load_robot("anymal"))
 
 
 def test_a_twist_lands_strictly(twist):
@@ -144,13 +141,6 @@ def test_other_landings_stand_as_well(landing):
     assert (rollout.mode == Mode.FORCE).any() == (landing == "planned")
 
 
-def test_solvers_agree_until_touchdown(twist):
-    other = run(scenario=Scenario(solver="proxqp"))
-    assert other.outcome.strict
-    until = np.searchsorted(twist.time, twist.outcome.touchdown_true_s) - 1
-    np.testing.assert_allclose(other.com[:until], twist.com[:until], atol=2e-3)
-
-
 def test_can_be_cancelled():
     asked = []
 
@@ -241,33 +231,15 @@ def test_a_simulation_that_diverges_early_is_a_fall_that_can_be_saved(at, monkey
     assert load(tmp_path / "diverged.npz").outcome == outcome
 
 
-class Failing(QpSolver):
-    """quadprog, but for some calls that it does not solve."""
-
-    name, summary = "failing", "fails on purpose"
-    fails: ClassVar[set[int]] = set()
-
-    def __init__(self):
-        self.solver, self.calls = Quadprog(), 0
-
-    def solve(self, problem):
-        solution = self.solver.solve(problem)
-        self.calls += 1
-        return replace(solution, solved=solution.solved and self.calls not in self.fails)
-
-    def _solve(self, p):
-        raise NotImplementedError
-
-
 @pytest.mark.parametrize(
     ("fails", "landed"),
     [({100, 101, 300}, True), (set(range(100, 5000)), False)],
     ids=["now and then", "for good"],
 )
 def test_unsolved_ticks_are_counted_and_fail_the_strict_measure(fails, landed, monkeypatch):
-    monkeypatch.setattr(Failing, "fails", fails)
-    monkeypatch.setitem(solvers._SOLVERS, "failing", Failing)
-    rollout = run(scenario=Scenario(solver="failing"))
+    calls, solve = itertools.count(1), Qp.solve
+    monkeypatch.setattr(Qp, "solve", lambda p: None if next(calls) in fails else solve(p))
+    rollout = run()
     outcome = rollout.outcome
     assert rollout.landed == landed, outcome
     assert not outcome.strict

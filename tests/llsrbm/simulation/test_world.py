@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import mujoco
 import numpy as np
 import pinocchio as pin
 import pytest
@@ -375,9 +376,9 @@ def drop_at_landing(scenario, jump):
         (Scenario(), Jump(forward=0.2), [0, 0, 0, 0]),
         (Scenario(board=0.025), Jump(forward=0.2), [0.025] * 4),
         (Scenario(board=0.025, half_board=True), Jump(), [0.025, 0.025, 0, 0]),
-        (Scenario(), Jump(height=0.2), [0.2] * 4),
-        (Scenario(), Jump(height=-0.15), [-0.15] * 4),
-        (Scenario(board=0.02), Jump(height=0.2), [0.22] * 4),
+        (Scenario(), Jump(height=0.2, lateral=0.2), [0.2] * 4),
+        (Scenario(), Jump(height=-0.15, lateral=0.2), [-0.15] * 4),
+        (Scenario(board=0.02), Jump(height=0.2, lateral=0.2), [0.22] * 4),
     ],
 )
 def test_feet_land_on_what_is_there(scenario, jump, expected):
@@ -387,6 +388,27 @@ def test_feet_land_on_what_is_there(scenario, jump, expected):
 def test_a_board_that_does_not_fit_is_refused():
     with pytest.raises(InputError, match="board: expected 0 to"):
         world_of(scenario=Scenario(board=1.0))
+
+
+def test_a_robot_that_would_stand_in_a_box_is_refused():
+    with pytest.raises(InputError, match="landing height: the robot would stand in the block"):
+        world_of(synthetic_plan(Jump(height=0.2)))
+
+
+def test_mujocos_warnings_are_others_business():
+    """The handler of the program around is there before, between and after ticks."""
+    heard = []
+    mujoco.set_mju_user_warning(heard.append)
+    try:
+        world = World(ANYMAL, PLAN, Scenario(), Disturbance(), 1 / 400)
+        world.reset(*in_the_air(10.0))
+        world._qvel[:] = 1e12
+        with pytest.raises(Diverged):
+            world.advance(np.zeros(JOINTS))
+        mujoco.get_mju_user_warning()("mine")
+    finally:
+        mujoco.set_mju_user_warning(None)
+    assert heard == ["mine"]
 
 
 def test_ticks_need_not_be_multiples_of_the_step():

@@ -4,9 +4,16 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from llsrbm.control import detection
-from llsrbm.control.detection import CentroidalState, ModelUncertainty, make_detector
+from llsrbm.control.detection import (
+    CentroidalState,
+    ModelUncertainty,
+    make_detector,
+    model_uncertainty,
+)
 from llsrbm.control.detection.base import ARMED_BELOW
 from llsrbm.errors import InputError
+from llsrbm.robots import load_robot
+from llsrbm.robots.schema import Uncertainty
 from tests.llsrbm.control.detection.flights import (
     INERTIA,
     MASS,
@@ -245,3 +252,14 @@ def test_an_unknown_name_lists_the_known_ones():
     with pytest.raises(InputError) as caught:
         make_detector("force", 0.0025, UNCERTAIN)
     assert str(caught.value) == 'no detector "force"; valid: residual, norm'
+
+
+def test_what_is_stated_is_two_standard_deviations():
+    file = load_robot("anymal").file
+    stated = file.model_copy(update={"uncertainty": Uncertainty(trunk_mass=0.16)})
+    assert model_uncertainty(stated).trunk_mass == pytest.approx(0.08)
+
+
+@pytest.mark.parametrize("name", ["anymal", "go2", "slider"])
+def test_files_without_the_table_state_ten_per_cent(name):
+    assert model_uncertainty(load_robot(name).file).trunk_mass == pytest.approx(0.05)

@@ -4,7 +4,7 @@ import numpy as np
 from hypothesis import strategies as st
 from scipy.optimize import nnls
 
-from llsrbm.control.solvers import Qp
+from llsrbm.control.qp import Qp
 
 
 def program(seed, variables=12, equalities=3, inequalities=16):

@@ -1,0 +1,117 @@
+"""The controller's quadratic program, solved by linear equations where they do, or by quadprog.
+
+quadprog is Goldfarb and Idnani's dual active-set method: exact, and the same to the last bit
+wherever and whenever it runs.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import isfinite
+
+import numpy as np
+import quadprog
+from numpy.typing import NDArray
+from scipy.linalg.lapack import dposv
+
+from llsrbm.request.messages import look_up
+
+Array = NDArray[np.float64]
+
+
+@dataclass
+class Qp:
+    """min 1/2 x'Hx + g'x  subject to  A x = b,  lower <= C x <= upper.
+
+    The arrays are written in place by the caller, tick by tick; a solver keeps none of them.
+    Limits may be ±inf.
+
+    Attributes:
+        H, g: (n, n) symmetric and positive definite, (n,).
+        A, b: (e, n), (e,) equalities.
+        C, lower, upper: (m, n), (m,), (m,) inequalities.
+    """
+
+    H: Array
+    g: Array
+    A: Array
+    b: Array
+    C: Array
+    lower: Array
+    upper: Array
+
+    @classmethod
+    def zeros(cls, variables: int, equalities: int, inequalities: int) -> Qp:
+        """A program of that size, to be filled in: all zero, without any limit."""
+        return cls(
+            H=np.zeros((variables, variables)),
+            g=np.zeros(variables),
+            A=np.zeros((equalities, variables)),
+            b=np.zeros(equalities),
+            C=np.zeros((inequalities, variables)),
+            lower=np.full(inequalities, -np.inf),
+            upper=np.full(inequalities, np.inf),
+        )
+
+    @property
+    def is_sound(self) -> bool:
+        """Whether all numbers are finite, limits aside, and no limits exclude each other.
+
+        Solvers would iterate on NaN for seconds, and call it a solution.
+        """
+        total = self.H.sum() + self.g.sum() + self.A.sum() + self.b.sum() + self.C.sum()
+        return isfinite(total) and bool((self.lower <= self.upper).all())
+
+    def solve(self) -> Array | None:
+        """(n,) the solution; None where there is none, or for numeric reasons none is found.
+
+        In nine of ten ticks no inequality is active: where the minimum under the equalities alone
+        keeps them all, it is the solution, and no solver needs to look for it.
+        """
+        x = self._under_equalities()
+        if x is None and self.is_sound:
+            x = self._by_active_sets()
+        return x if x is not None and np.isfinite(x).all() else None
+
+    def _by_active_sets(self) -> Array | None:
+        # Rows and right sides: A x = b, then every finite limit as rows @ x >= right.
+        low, up = np.isfinite(self.lower), np.isfinite(self.upper)
+        rows = np.concatenate((self.A, self.C[low], -self.C[up]))
+        right = np.concatenate((self.b, self.lower[low], -self.upper[up]))
+        # quadprog wants the transpose, column-major: rows are its columns.
+        constraints = (rows.T, right, len(self.b)) if len(right) else ()
+        try:
+            return np.asarray(quadprog.solve_qp(self.H, -self.g, *constraints)[0])
+        except ValueError:  # infeasible, or H is not positive definite
+            return None
+
+    def _under_equalities(self) -> Array | None:
+        """The minimum under the equalities, (n,), where it keeps the inequalities; None otherwise.
+
+        From x = H^-1 (A' multipliers - g), which the equalities give a linear system for.
+        """
+        equalities = len(self.b)
+        right = np.empty((len(self.g), equalities + 1), order="F")
+        right[:, :-1] = self.A.T
+        np.negative(self.g, out=right[:, -1])
+        _, free, failed = dposv(self.H.T, right)
+        if failed or not np.isfinite(free).all():
+            return None
+        x: Array = free[:, -1]
+        if equalities:
+            _, multipliers, failed = dposv(self.A.dot(free[:, :-1]), self.b - self.A.dot(x))
+            if failed or not np.isfinite(multipliers).all():
+                return None
+            x = x + free[:, :-1].dot(multipliers)
+        at = self.C.dot(x)  # comparisons with what is no number are false
+        return x if (at >= self.lower).all() and (at <= self.upper).all() else None
+
+
+def check_name(name: str) -> None:
+    """Raise `InputError` for a name that is not the QP solver's."""
+    gone = (
+        "as proxqp, which solved the same programs less exactly, is gone"
+        if name == "proxqp"
+        else ""
+    )
+    look_up("QP solver", name, {"quadprog": Qp.solve}, gone)
