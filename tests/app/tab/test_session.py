@@ -296,7 +296,7 @@ def test_a_step_is_drawn_where_it_is(tab, session, height):
         )
 
     tab.wait(drawn, "the step where it is")
-    assert tab.nodes["/target/step0"]["dimensions"][0] > 0.5
+    assert tab.nodes["/target/step0"]["dimensions"][0] > 0.05  # of one foot
 
 
 def test_export_downloads_the_plan_that_is_shown(tab, session):
