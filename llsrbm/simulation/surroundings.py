@@ -309,8 +309,10 @@ def _avoiding(
         # An edge between start and landing is in the middle: feet rise and land beside it.
         low[axis] = max(wide.low[axis], (before.max(initial=-np.inf) + radius + low[axis]) / 2)
         high[axis] = min(wide.high[axis], (after.min(initial=np.inf) - radius + high[axis]) / 2)
-    # An edge that grew towards the margin may have come under the robot at a corner.
-    if _inside(over, low, high, radius).any():
+    # Edges that grew towards the margin may have come under the robot at a corner, or been cut back
+    # into the feet on `points` by one that is beside the grown edge alone.
+    cut = (low > points.min(axis=0) - radius).any() or (high < points.max(axis=0) + radius).any()
+    if cut or _inside(over, low, high, radius).any():
         return None
     return _Rectangle(low, high)
 
