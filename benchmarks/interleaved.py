@@ -49,11 +49,11 @@ class Program:
 
     def turn(self) -> None:
         """Measure once."""
-        for name, value in json.loads(self.ask()).items():
+        for name, value in json.loads(self.answer()).items():
             self.best[name] = min(value, self.best.get(name, value))
 
-    def ask(self) -> str:
-        """What it answers to a line."""
+    def answer(self) -> str:
+        """Its answer to a line."""
         self._process.stdin.write("again\n")
         self._process.stdin.flush()
         return self._line()

@@ -24,8 +24,8 @@ def main() -> None:
     first = next(iter(numbers))
 
     def jump(shift: float) -> llsrbm.Jump:
-        asked = numbers | {first: numbers[first] + shift}
-        return llsrbm.Jump(robot=robot, model=MODEL, **asked)
+        moved = numbers | {first: numbers[first] + shift}
+        return llsrbm.Jump(robot=robot, model=MODEL, **moved)
 
     planner = planner_for(robot, MODEL, intervals=int(intervals))
     wait_for_library(planner)

@@ -120,7 +120,7 @@ def checked_out(commit: str, folder: Path) -> Path:
 
 
 def run(version: Path, *arguments: str) -> Any:
-    """What one of the functions above returns in a process of a version."""
+    """Result of one of the functions above in a process of a version."""
     environment = {**os.environ, "PYTHONPATH": str(version)}
     done = subprocess.run(
         [sys.executable, str(HERE), "--inside", *arguments],

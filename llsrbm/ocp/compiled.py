@@ -190,7 +190,7 @@ class Library:
             time.sleep(_LOOK_EVERY)
 
     def _is_in_work(self) -> bool:
-        """Whether some process holds the job's lock, see `llsrbm.ocp.compile_job`."""
+        """True if a process holds the job's lock (`llsrbm.ocp.compile_job`)."""
         try:
             with Path(f"{self.path}.lock").open("rb") as lock:
                 fcntl.flock(lock, fcntl.LOCK_SH | fcntl.LOCK_NB)

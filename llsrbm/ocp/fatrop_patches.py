@@ -207,7 +207,7 @@ def product(
 
 
 def _same(one: ctypes.CDLL, other: ctypes.CDLL) -> bool:
-    """Whether two libraries' kernels compute the same."""
+    """True if two libraries' kernels compute the same."""
     rng = np.random.default_rng(0)
     for n in range(10):
         for alpha, beta in ((1.0, 1.0), (-1.0, 1.0), (1.0, 0.0), (0.7, -0.3)):

@@ -1,4 +1,4 @@
-"""What a solver takes and gives: the numbers of one problem, and its solution."""
+"""The numbers of one problem for a solver, and its solution."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class Solution(Iterate):
     """Where a solve ended, and how it got there.
 
     Attributes:
-        converged: the solver's own word.
+        converged: as the solver reports.
         iterations, cost, solve_time_s: of this solve.
         violation: the largest of a row, in their units of about 1.
         message: the solver's status.

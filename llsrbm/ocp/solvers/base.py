@@ -257,6 +257,6 @@ class Solver(ABC):
 
 
 def largest_violation(problem: Problem, g: Array) -> float:
-    """How far the worst of the rows g (rows,) is out of its bounds; infinite if none is known."""
+    """Largest distance of a row of g (rows,) from its bounds; infinite if one is not finite."""
     largest = np.maximum(problem.lower - g, g - problem.upper).max()
     return float(largest) if np.isfinite(largest) else math.inf

@@ -168,13 +168,13 @@ def test_a_compiler_that_does_not_end_is_ended_with_all_it_runs(tmp_path, monkey
     assert not state.exists() or ") Z " in state.read_text()
 
 
-def test_a_cache_that_cannot_be_locked_is_said(tmp_path, caplog):
+def test_a_cache_that_cannot_be_locked_is_reported(tmp_path, caplog):
     (tmp_path / "compiling.lock").mkdir()
     assert attempt(tmp_path, "cc")
     assert "compiling.lock" in caplog.text
 
 
-def test_a_compiler_that_answers_late_is_asked_again(tmp_path, monkeypatch):
+def test_a_compiler_that_answers_late_is_tried_again(tmp_path, monkeypatch):
     monkeypatch.setenv("CC", program(tmp_path, "sleep 0.3; echo '#define A 1'"))
     with monkeypatch.context() as patch:
         patch.setattr(compiled, "_MACROS_WITHIN", 0.05)

@@ -71,37 +71,37 @@ def test_output_that_is_redirected_meanwhile_stays_so(monkeypatch):
     sys.stdout.write("")
 
 
-def test_what_a_solve_returns_or_raises_comes_through():
-    for tell, cancelled in ((None, None), (lambda n, r: None, None), (None, lambda: False)):
-        assert attended(lambda: 7, lambda: None, tell, cancelled) == 7
+def test_results_and_errors_of_a_solve_come_through():
+    for report, cancelled in ((None, None), (lambda n, r: None, None), (None, lambda: False)):
+        assert attended(lambda: 7, lambda: None, report, cancelled) == 7
         with pytest.raises(ZeroDivisionError):
-            attended(lambda: 1 / 0, lambda: None, tell, cancelled)
+            attended(lambda: 1 / 0, lambda: None, report, cancelled)
 
 
-def test_news_come_from_the_callers_thread_and_not_too_often(monkeypatch):
+def test_reports_come_from_the_callers_thread_and_not_too_often(monkeypatch):
     monkeypatch.setattr(progress, "POLL_INTERVAL", 0.005)
     count = iter(range(10**6))
-    told = []
+    reported = []
 
-    def tell(iteration, residual):
-        told.append((time.monotonic(), threading.get_ident()))
+    def report(iteration, residual):
+        reported.append((time.monotonic(), threading.get_ident()))
 
-    attended(lambda: time.sleep(0.45), lambda: (next(count), 0.1), tell, None)
-    times = [when for when, _ in told]
-    assert 2 <= len(told) <= 4
+    attended(lambda: time.sleep(0.45), lambda: (next(count), 0.1), report, None)
+    times = [when for when, _ in reported]
+    assert 2 <= len(reported) <= 4
     assert all(b - a > 0.9 * progress.REPORT_INTERVAL for a, b in pairwise(times))
-    assert {who for _, who in told} == {threading.get_ident()}
+    assert {who for _, who in reported} == {threading.get_ident()}
 
 
-def test_nothing_is_told_twice(monkeypatch):
+def test_nothing_is_reported_twice(monkeypatch):
     monkeypatch.setattr(progress, "POLL_INTERVAL", 0.005)
     monkeypatch.setattr(progress, "REPORT_INTERVAL", 0.0)
-    told = []
-    attended(lambda: time.sleep(0.1), lambda: (3, 0.1), lambda *news: told.append(news), None)
-    assert told == [(3, 0.1)]
+    reported = []
+    attended(lambda: time.sleep(0.1), lambda: (3, 0.1), lambda *news: reported.append(news), None)
+    assert reported == [(3, 0.1)]
 
 
-def test_who_cancels_does_not_wait_and_the_next_solve_does():
+def test_a_caller_that_cancels_does_not_wait_and_the_next_solve_does():
     at_once = []
     start = time.monotonic()
     with pytest.raises(Cancelled):
@@ -123,7 +123,7 @@ def test_a_solve_that_waits_can_be_cancelled_too():
     release.set()
 
 
-def test_what_else_needs_casadi_waits_for_an_abandoned_solve():
+def test_when_idle_waits_for_an_abandoned_solve():
     start = time.monotonic()
     with pytest.raises(Cancelled):
         attended(lambda: time.sleep(0.5), lambda: None, None, lambda: True)
