@@ -16,8 +16,8 @@ import math
 import numpy as np
 
 import llsrbm
+from benchmarks.realised import realise
 from llsrbm import models
-from llsrbm.body.realised import realise
 from llsrbm.planning.solve.planner import planner_of
 from llsrbm.request import jump_types
 from llsrbm.request.jump_types import with_defaults
@@ -61,7 +61,7 @@ def row(jump) -> str:
         plan = planner.plan(jump)
     except llsrbm.Error as error:
         return f"| {jump.type} | {jump.model} | {error} |"
-    truth = realise(planner.last_knots(), planner.robot)
+    truth = realise(planner.last_knots())
     flying = ~plan.contact.any(axis=1)
     feet = plan.foot_position[flying][..., :2]
     radius = np.linalg.norm(feet - plan.com[flying][:, None, :2], axis=-1).mean(axis=1)

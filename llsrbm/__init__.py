@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from llsrbm.motion.plan import Plan
     from llsrbm.motion.rollout import Rollout
     from llsrbm.motion.trajectory import load
-    from llsrbm.planning.why.nearest import Nearest
+    from llsrbm.planning.solve.nearest import Nearest
     from llsrbm.request.design import Design, dump_design, load_design
 
 # CasADi and Pinocchio take most of a second to import: only when they are used.
@@ -47,7 +47,7 @@ _LATER = {
     "export": "llsrbm.formats",
     "load": "llsrbm.motion.trajectory",
     "load_motion": "llsrbm.formats",
-    "Nearest": "llsrbm.planning.why.nearest",
+    "Nearest": "llsrbm.planning.solve.nearest",
     "Plan": "llsrbm.motion.plan",
     "Rollout": "llsrbm.motion.rollout",
 }

@@ -15,9 +15,9 @@ from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
 from llsrbm.ocp.solvers import names as solver_names
 from llsrbm.planning.problem.placement import make_task
+from llsrbm.planning.solve.nearest import Nearest, find_nearest
 from llsrbm.planning.solve.planner import INTERVALS, planner_of
 from llsrbm.planning.solve.progress import PlanningProgress
-from llsrbm.planning.why.nearest import Nearest, find_nearest
 from llsrbm.request.jump import Jump
 from llsrbm.request.scenario import Scenario
 from llsrbm.robots import load_robot

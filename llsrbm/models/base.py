@@ -1,4 +1,4 @@
-"""What every centroidal model answers, and the kinematics of the base that all of them share.
+"""Interface of the centroidal models, and the kinematics of the base that all of them share.
 
 Frames and symbols, as in the docstrings of the models:
 
@@ -15,13 +15,13 @@ in the feet: the CoM's definition (eq. 3 of the paper) m o = -(m_T c_T + m_l sum
 d_i = h_i + M_i (w_0 + W x_i) the CoM of leg i in the base frame, W (3, d), has a solution in closed
 form both for given x_i and for given beta_i.
 
-The matrices may be CasADi SX or DM: the same code builds the planner and evaluates plans.
+The matrices may be CasADi SX or DM.
 """
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -72,16 +72,6 @@ class OffsetMap:
         """Time derivative of o, (3, 1) m/s."""
         return sum(ca.mtimes(_sparse(G), rates[i]) for i, G in self.maps.items())
 
-    def over(self, feet: Array) -> Array:
-        """o (K, 3) m of feet (K, L, d)."""
-        return self.constant + self.rate_over(feet)
-
-    def rate_over(self, rates: Array) -> Array:
-        """Time derivative of o, (K, 3) m/s."""
-        maps = np.array([self.maps[i] for i in range(len(self.maps))])
-        rate: Array = np.einsum("lij,klj->ki", maps, rates)
-        return rate
-
 
 class CentroidalModel(ABC):
     """A robot's centroidal inertia and the legs' momentum as functions of where its feet are.
@@ -129,7 +119,6 @@ class CentroidalModel(ABC):
         self.base_mass = self.mass - self.legs * leg_mass
         self._leg_com_affine = leg_com_affine
         self.drives = Drives.of(robot)
-        self._functions: dict[tuple[str, int], ca.Function] = {}
         W, W_turn = leg_com_affine[1:4].T, leg_com_affine[4:].T
         per_leg = [np.diag(M) @ W @ np.diag(M) for M in self.mirrors]
         turns = [
@@ -154,7 +143,7 @@ class CentroidalModel(ABC):
 
     def numbers(self) -> dict[str, Any]:
         """Everything the model computed from the robot, for keys of caches."""
-        plain = {k: v for k, v in vars(self).items() if k not in ("_functions", "drives")}
+        plain = {k: v for k, v in vars(self).items() if k != "drives"}
         numbers = {k: np.asarray(v).tolist() for k, v in plain.items()}
         return numbers | {"drives": self.drives.numbers()}
 
@@ -195,6 +184,11 @@ class CentroidalModel(ABC):
             return place
         return ca.vertcat(place, self.turn_mirrors[leg] * foot_from_com[3])
 
+    def foot_rate_in_hip(self, leg: int, rate_from_com: Matrix, offset_rate: Matrix) -> Matrix:
+        """xdot_i of betadot_i and odot, (d, 1) m/s, rad/s."""
+        place = ca.DM(self.mirrors[leg]) * (rate_from_com[:3] - offset_rate)
+        return ca.vertcat(place, self.turn_mirrors[leg] * rate_from_com[3:])
+
     def foot_from_com(self, leg: int, foot_in_hip: Matrix, offset: Matrix) -> Matrix:
         """o + h_i + M_i x_i, (3, 1) m: where a point is; a yaw in x_i is not looked at."""
         return offset + ca.DM(self.hips[leg]) + ca.DM(self.mirrors[leg]) * foot_in_hip[:3]
@@ -231,101 +225,3 @@ class CentroidalModel(ABC):
         return ca.mtimes(self.inertia(feet_in_hip, offset), angular_velocity) + self.legs_momentum(
             feet_in_hip, feet_in_hip_rate, offset
         )
-
-    # ---- evaluation on a plan
-
-    def feet_of(self, feet: Array, standing: NDArray[np.bool_]) -> Array:
-        """x (K, L, d), m, rad, of feet some of which are given as seen from the CoM.
-
-        Args:
-            feet: (K, L, d): beta_i where a foot stands, x_i elsewhere.
-            standing: (K, L).
-        """
-        x = feet.copy()
-        for stands, rows in _alike(standing):
-            offset = self.offset_map(tuple(np.flatnonzero(stands))).over(feet[rows])
-            place = feet[rows][..., :3] - offset[:, None] - self.hips
-            x[rows] = np.where(stands[:, None], self._mirrored(place, feet[rows]), feet[rows])
-        return x
-
-    def feet_rate_of(self, rates: Array, standing: NDArray[np.bool_]) -> Array:
-        """xdot (K, L, d), m/s, rad/s, likewise of betadot_i and xdot_i."""
-        xdot = rates.copy()
-        for stands, rows in _alike(standing):
-            offset = self.offset_map(tuple(np.flatnonzero(stands))).rate_over(rates[rows])
-            place = rates[rows][..., :3] - offset[:, None]
-            xdot[rows] = np.where(stands[:, None], self._mirrored(place, rates[rows]), rates[rows])
-        return xdot
-
-    def _mirrored(self, place: Array, feet: Array) -> Array:
-        """Places (K, L, 3) in mirrored axes, with the feet's yaws if they have any, (K, L, d)."""
-        turn = self.turn_mirrors[:, None] * feet[..., 3:]
-        return np.concatenate([self.mirrors * place, turn], axis=-1)
-
-    def offsets(self, feet_in_hip: Array, feet_in_hip_rate: Array) -> tuple[Array, Array]:
-        """o (K, 3) m and its rate (K, 3) m/s of x and xdot, (K, L, d)."""
-        maps = np.array(self._offset_x)
-        return (
-            self._offset_0 + np.einsum("lij,klj->ki", maps, feet_in_hip),
-            np.einsum("lij,klj->ki", maps, feet_in_hip_rate),
-        )
-
-    def evaluate(self, feet_in_hip: Array) -> tuple[Array, Array, Array]:
-        """Evaluate K configurations of the feet.
-
-        Args:
-            feet_in_hip: (K, L, d) m, rad.
-
-        Returns:
-            offset (K, 3) m, inertia (K, 3, 3) kg m2 and leg CoMs seen from the CoM (K, L, 3) m,
-            base axes.
-        """
-        count = len(feet_in_hip)
-        outputs = self._mapped("evaluate", count)(feet_in_hip.reshape(-1, self.coordinates).T)
-        offset, inertia, leg_com = (np.array(out) for out in outputs)
-        return (
-            offset.T,
-            inertia.reshape(3, count, 3).transpose(1, 0, 2),
-            leg_com.T.reshape(count, self.legs, 3),
-        )
-
-    def evaluate_momentum(
-        self, feet_in_hip: Array, feet_in_hip_rate: Array, angular_velocity: Array
-    ) -> Array:
-        """I omega + h at K instants, (K, 3) kg m2/s, base axes.
-
-        Args:
-            feet_in_hip, feet_in_hip_rate: (K, L, d) m, rad and per s.
-            angular_velocity: (K, 3) rad/s, base axes.
-        """
-        feet = (a.reshape(-1, self.coordinates).T for a in (feet_in_hip, feet_in_hip_rate))
-        momentum = self._mapped("momentum", len(angular_velocity))
-        return np.array(momentum(*feet, angular_velocity.T)).T
-
-    def _mapped(self, name: str, count: int) -> ca.Function:
-        """One of the two functions below over `count` instants, made once."""
-        key = (name, count)
-        if key not in self._functions:
-            x, xdot = (ca.SX.sym(n, self.coordinates, self.legs) for n in ("x", "xdot"))
-            w = ca.SX.sym("w", 3)
-            o = self.base_offset(x)
-            if name == "momentum":
-                momentum = self.angular_momentum(x, xdot, w, o)
-                function = ca.Function(name, [x, xdot, w], [ca.densify(momentum)])
-            else:
-                legs = [
-                    self.foot_from_com(i, self.leg_com(i, x[:, i]), o) for i in range(self.legs)
-                ]
-                results = [o, self.inertia(x, o), ca.horzcat(*legs)]
-                function = ca.Function(name, [x], [ca.densify(ca.SX(r)) for r in results])
-            self._functions[key] = function.map(count)
-        return self._functions[key]
-
-
-def _alike(standing: NDArray[np.bool_]) -> Iterator[tuple[NDArray[np.bool_], NDArray[np.int64]]]:
-    """Each set of standing feet, (L,), and the rows of (K, L) that have it."""
-    if (standing == standing[0]).all():
-        yield standing[0], np.arange(len(standing))
-        return
-    for stands in np.unique(standing, axis=0):
-        yield stands, np.flatnonzero((standing == stands).all(axis=1))

@@ -8,7 +8,7 @@ from typing import Any
 from llsrbm.control import detection, landing, qp
 from llsrbm.errors import InputError
 from llsrbm.motion.plan import Plan
-from llsrbm.planning.why.residuals import describe_worst
+from llsrbm.planning.problem.violations import describe_worst
 from llsrbm.request.messages import look_up
 from llsrbm.request.scenario import Scenario
 from llsrbm.robots import Robot

@@ -1,23 +1,20 @@
-"""Where level feet look: between their heading in the world and their yaw relative to the base.
+"""Headings of level feet in the world and their yaws relative to the base.
 
 A foot that is yawed by phi against the base looks along u = R (cos phi, sin phi, 0); seen from
 above that is its heading psi, also when the base is tilted. So for a foot that stands, with
 n = (-sin psi, cos psi, 0) across its heading,
 
     n . u = 0:   phi = atan2(-nb_x, nb_y),   nb = R^T n.
-
-CasADi expressions first; the same for K instants in NumPy below, by other formulas where there are.
 """
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import Any
 
 import casadi as ca
-import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from llsrbm.models.base import CentroidalModel
 
 
 def across(R_world_base: Any, heading: Any) -> Any:
@@ -55,47 +52,31 @@ def heading_rate(up_base: Any, yaw: Any, yaw_rate: Any, angular_velocity: Any) -
     return turning / (1 - rise**2)
 
 
-# ---- NumPy, K instants and L feet
+@lru_cache(maxsize=16)
+def feet_seen(model: CentroidalModel) -> ca.Function:
+    """x and xdot, (d, L), of feet that are all given in the world.
 
-
-def relative_yaws(R_world_base: Array, heading: Array) -> Array:
-    """(K, L) rad, of headings (K, L) rad and R (K, 3, 3)."""
-    n = np.stack([-np.sin(heading), np.cos(heading), np.zeros_like(heading)], axis=-1)
-    nb = n @ R_world_base
-    return np.arctan2(-nb[..., 0], nb[..., 1])
-
-
-def relative_yaw_rates(R_world_base: Array, heading: Array, angular_velocity: Array) -> Array:
-    """(K, L) rad/s of feet that stand; angular velocity (K, 3) rad/s, base axes.
-
-    psi' = 0 solved for phi'.
+    Arguments: R_world_base (3, 3); position and velocity of the CoM, (3, 1) m, m/s; angular
+    velocity of the base, (3, 1) rad/s, base axes; places and velocities of the feet, (3, L) m, m/s;
+    their headings and turning rates, (L, 1) rad, rad/s. Of K instants all side by side.
     """
-    yaw = relative_yaws(R_world_base, heading)
-    still = heading_rates(R_world_base, yaw, np.zeros_like(yaw), angular_velocity)
-    turning = heading_rates(R_world_base, yaw, np.ones_like(yaw), angular_velocity)
-    return -still / (turning - still)
-
-
-def headings(R_world_base: Array, yaw: Array) -> Array:
-    """(K, L) rad, of yaws (K, L) rad; continuous in time, which is axis 0."""
-    u = _ahead(R_world_base, yaw)
-    return np.unwrap(np.arctan2(u[..., 1], u[..., 0]), axis=0)
-
-
-def heading_rates(
-    R_world_base: Array, yaw: Array, yaw_rate: Array, angular_velocity: Array
-) -> Array:
-    """(K, L) rad/s, of yaws (K, L) and their rates; angular velocity (K, 3), base axes."""
-    v = np.stack([np.cos(yaw), np.sin(yaw), np.zeros_like(yaw)], axis=-1)
-    sideways = np.stack([-np.sin(yaw), np.cos(yaw), np.zeros_like(yaw)], axis=-1)
-    v_rate = np.cross(angular_velocity[:, None], v) + yaw_rate[..., None] * sideways
-    back = np.swapaxes(R_world_base, -1, -2)
-    u, u_rate = v @ back, v_rate @ back
-    turning = u[..., 0] * u_rate[..., 1] - u[..., 1] * u_rate[..., 0]
-    rates: Array = turning / (u[..., 0] ** 2 + u[..., 1] ** 2)
-    return rates
-
-
-def _ahead(R_world_base: Array, yaw: Array) -> Array:
-    v = np.stack([np.cos(yaw), np.sin(yaw), np.zeros_like(yaw)], axis=-1)
-    return v @ np.swapaxes(R_world_base, -1, -2)
+    legs = range(model.legs)
+    R, r, v, omega = (ca.SX.sym(n, 3, 3 if n == "R" else 1) for n in ("R", "r", "v", "omega"))
+    feet, velocity = (ca.SX.sym(n, 3, model.legs) for n in ("feet", "velocity"))
+    heading, turning = (ca.SX.sym(n, model.legs) for n in ("heading", "turning"))
+    beta = {i: ca.mtimes(R.T, feet[:, i] - r) for i in legs}
+    rate = {i: ca.mtimes(R.T, velocity[:, i] - v) - ca.cross(omega, beta[i]) for i in legs}
+    if model.coordinates > 3:
+        for i in legs:
+            nb = across(R, heading[i])
+            beta[i] = ca.vertcat(beta[i], relative_yaw(nb))
+            rate[i] = ca.vertcat(rate[i], relative_yaw_rate(nb, omega) + turning[i])
+    offset = model.offset_map(tuple(legs))
+    o, o_rate = offset(beta), offset.rate(rate)
+    x = [model.foot_in_hip(i, beta[i], o) for i in legs]
+    xdot = [model.foot_rate_in_hip(i, rate[i], o_rate) for i in legs]
+    return ca.Function(
+        "feet_seen",
+        [R, r, v, omega, feet, velocity, heading, turning],
+        [ca.densify(ca.horzcat(*x)), ca.densify(ca.horzcat(*xdot))],
+    )

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable
+from collections.abc import Callable, Hashable, Iterator
 from dataclasses import replace
+from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -14,17 +15,22 @@ from llsrbm.ocp.horizon import Horizon, Row, Run, StageExpressions
 from llsrbm.ocp.problem import Problem
 from llsrbm.planning.problem.constraints import CONSTRAINTS, Constraint
 from llsrbm.planning.problem.costs import COSTS, weight_parameter
-from llsrbm.planning.problem.layout import Layout, Role
-from llsrbm.planning.problem.placement import (
+from llsrbm.planning.problem.knots import DYNAMICS, Rows
+from llsrbm.planning.problem.layout import BODY_PLACES, Layout, Role
+from llsrbm.planning.problem.parameters import (
     CORRECTION,
     local_parameters,
+    parameter_places,
     parameter_sizes,
+    parameter_symbols,
     parameters,
 )
 from llsrbm.planning.problem.stage import Stage
 from llsrbm.planning.problem.task import Task
 
 Array = NDArray[np.float64]
+
+_BODY = np.zeros(max(place.stop for place in BODY_PLACES.values()))
 
 
 def constraints_of(role: Role) -> tuple[Constraint, ...]:
@@ -34,12 +40,7 @@ def constraints_of(role: Role) -> tuple[Constraint, ...]:
 
 def make_horizon(model: CentroidalModel, layout: Layout) -> Horizon:
     """The stages of a model's jumps; one run is a block of knots of the same role."""
-    sizes = parameter_sizes(layout)
-    symbols = {name: ca.SX.sym(name, size) for name, size in sizes.items()}
-    ends = np.cumsum(list(sizes.values())).tolist()
-    places = {
-        name: slice(end - size, end) for (name, size), end in zip(sizes.items(), ends, strict=True)
-    }
+    symbols, places = parameter_symbols(layout), parameter_places(layout)
 
     def builder(role: Role, following: Role | None) -> Callable[[], StageExpressions]:
         return lambda: _expressions(Stage(role, layout, model, symbols), following)
@@ -60,7 +61,7 @@ def make_horizon(model: CentroidalModel, layout: Layout) -> Horizon:
                 own=() if role.terminal else tuple(own(knot) for knot in knots),
             )
         )
-    return Horizon(tuple(runs), sum(sizes.values()))
+    return Horizon(tuple(runs), sum(parameter_sizes(layout).values()))
 
 
 def _expressions(stage: Stage, following: Role | None) -> StageExpressions:
@@ -103,17 +104,66 @@ def make_problem(layout: Layout, task: Task) -> Problem:
 
 def row_bounds(layout: Layout, task: Task) -> tuple[Array, Array]:
     """Lower and upper bounds of g for a task, (rows,): gaps, then each stage's constraints."""
-    lower, upper = [], []
+    _, _, lower, upper = zip(*_rows(layout, task), strict=True)
+    return np.concatenate(lower), np.concatenate(upper)
+
+
+def _rows(layout: Layout, task: Task) -> Iterator[tuple[Hashable, int, Array, Array]]:
+    """Of the rows of g in their order: what they are, the knot, lower and upper bounds."""
     for role, knots in layout.blocks():
         constraints = constraints_of(role)
         alike = {c: c.bounds(task, layout, knots[0]) for c in constraints if not c.by_knot}
         for knot in knots:
             if not role.terminal:
-                gap = np.zeros(layout.state_size(layout.roles[knot + 1]))
-                lower.append(gap)
-                upper.append(gap)
+                feet = np.zeros(layout.state_size(layout.roles[knot + 1]) - len(_BODY))
+                yield DYNAMICS, knot, _BODY, _BODY
+                yield None, knot, feet, feet
             for constraint in constraints:
-                low, high = alike.get(constraint) or constraint.bounds(task, layout, knot)
-                lower.append(low)
-                upper.append(high)
-    return np.concatenate(lower), np.concatenate(upper)
+                yield (
+                    constraint,
+                    knot,
+                    *(alike.get(constraint) or constraint.bounds(task, layout, knot)),
+                )
+
+
+def evaluated_rows(
+    layout: Layout, g: Callable[[Array, Array], Any], task: Task, w: Array
+) -> dict[Hashable, Rows]:
+    """Values of all rows of g under a task: of each constraint, and of the body's `DYNAMICS`.
+
+    Args:
+        layout: of the variables.
+        g: of variables and parameters, the solver's function.
+        task: whose parameters and bounds count.
+        w: all variables.
+    """
+    keys, knots, lower, upper = zip(*_rows(layout, task), strict=True)
+    values = np.array(g(w, np.concatenate([*parameters(layout, task).values()]))).ravel()
+    sizes = [len(low) for low in lower]
+    numbers = {key: number for number, key in enumerate(dict.fromkeys(keys))}
+    owner = np.repeat([numbers[key] for key in keys], sizes)
+    knot = np.repeat(np.array(knots), sizes)
+    low, high = np.concatenate(lower), np.concatenate(upper)
+    return {
+        key: Rows(values[mine], low[mine], high[mine], knot[mine])
+        for key, number in numbers.items()
+        for mine in [np.flatnonzero(owner == number)]
+    }
+
+
+def rolled_out(layout: Layout, evaluate: Callable[[Array], Rows], w: Array) -> Array:
+    """The same forces and rates, with r, H and L integrated from the start.
+
+    A solver leaves defects of its tolerance; so they all show at the end, against the target.
+
+    Args:
+        layout: of the variables.
+        evaluate: variables -> rows of the `DYNAMICS`.
+        w: all variables.
+    """
+    w = layout.normalised(w)
+    # Positions follow from velocities, and momenta from positions.
+    for name in ("velocity", "position", "momentum"):
+        gaps = evaluate(w).values.reshape(-1, len(_BODY))[:, BODY_PLACES[name]]
+        w[layout.places(name)] -= np.cumsum(gaps, axis=0)
+    return w

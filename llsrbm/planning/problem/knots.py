@@ -1,33 +1,132 @@
-"""A vector of all variables, unpacked: the planner's solution as arrays over the knots."""
+"""A vector of all variables as arrays over the knots, evaluated by the stage's own expressions."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 
+import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 from llsrbm.body.joint_loads import JointLoads, KnotMotion, joint_loads
 from llsrbm.body.postures import Postures, solve_postures
-from llsrbm.mechanics import GRAVITY
 from llsrbm.models.base import CentroidalModel
-from llsrbm.planning.problem.headings import (
-    heading_rates,
-    headings,
-    relative_yaw_rates,
-    relative_yaws,
+from llsrbm.planning.problem.layout import Layout, Role
+from llsrbm.planning.problem.parameters import (
+    CORRECTION,
+    local_parameters,
+    parameter_places,
+    parameter_symbols,
+    parameters,
 )
-from llsrbm.planning.problem.layout import SHIFT, Layout
+from llsrbm.planning.problem.stage import Stage
 from llsrbm.planning.problem.task import Task, contact_points
 
 Array = NDArray[np.float64]
 
+DYNAMICS = "dynamics"
+"""Rows that are gaps between the body's states and what they follow from."""
 
-def rotations(quat_wxyz: Array) -> Array:
-    """(K, 3, 3) R_world_base of (K, 4) quaternions w, x, y, z."""
-    return Rotation.from_quat(quat_wxyz, scalar_first=True).as_matrix()
+AT_KNOTS = (
+    "position",
+    "velocity",
+    "quat",
+    "momentum",
+    "feet_in_hip",
+    "inertia",
+    "leg_com",
+    "foot_position",
+    "foot_heading",
+)
+OVER_INTERVALS = ("duration", "contact_force", "rotation_rate", "momentum_mean_base")
+
+
+@dataclass(frozen=True, eq=False)
+class Rows:
+    """Rows of one kind at all knots that have them: n values, their bounds, and the knots' numbers.
+
+    Attributes:
+        values, lower, upper, knot: (n,).
+    """
+
+    values: Array
+    lower: Array
+    upper: Array
+    knot: NDArray[np.int64]
+
+
+# Task and variables -> rows of each constraint, and of the dynamics under "dynamics".
+Evaluate = Callable[[Task, Array], Mapping[Hashable, Rows]]
+
+
+class StageValues:
+    """Quantities of a `Stage` as numbers at all knots: a CasADi function for each kind of stage."""
+
+    def __init__(
+        self,
+        model: CentroidalModel,
+        layout: Layout,
+        at_knots: tuple[str, ...] = AT_KNOTS,
+        over_intervals: tuple[str, ...] = OVER_INTERVALS,
+    ) -> None:
+        """Args: at_knots, over_intervals: names of attributes of `Stage`."""
+        self._layout = layout
+        symbols = parameter_symbols(layout)
+        families: dict[Role, list[int]] = {}
+        for knot, role in enumerate(layout.roles):
+            # The phase as such does not enter an expression.
+            families.setdefault(replace(role, phase=0), []).append(knot)
+        self._families = []
+        self.shapes: dict[str, tuple[int, int]] = {}
+        for role, knots in families.items():
+            stage = Stage(role, layout, model, symbols)
+            names = at_knots if role.terminal else (*at_knots, *over_intervals)
+            values = {name: ca.SX(getattr(stage, name)) for name in names}
+            self.shapes |= {name: value.shape for name, value in values.items()}
+            column = ca.vertcat(*(ca.densify(ca.vec(value)) for value in values.values()))
+            function = ca.Function(
+                "values",
+                [stage.variables, ca.vertcat(*symbols.values()), stage.local, stage.correction],
+                [stage.lift.resolve(column)],
+                {"cse": True},
+            )
+            variables = np.array([np.r_[layout.stage(k)] for k in knots])
+            self._families.append((function, knots, variables, names))
+        places = parameter_places(layout)
+        self._local = [
+            np.r_[tuple(places[name] for name in local_parameters(int(phase)))]
+            for phase in layout.phase
+        ]
+        self._correction = places[CORRECTION]
+
+    def __call__(self, w: Array, p: Array) -> dict[str, Array]:
+        """Name -> (N+1, n, m) of what is (m, n) in a stage, (N+1, m) of columns.
+
+        Over intervals the last is zero.
+
+        Args:
+            w: all variables; p: all parameters.
+        """
+        count = self._layout.knots
+        out = {name: np.zeros((count, n, m)) for name, (m, n) in self.shapes.items()}
+        correction = np.vstack([p[self._correction].reshape(-1, 3), np.zeros(3)])
+        for function, knots, variables, names in self._families:
+            local = p[np.array([self._local[k] for k in knots])]
+            columns = np.array(function(w[variables].T, p, local.T, correction[knots].T))
+            start = 0
+            for name in names:
+                shape = out[name].shape[1:]
+                end = start + shape[0] * shape[1]
+                out[name][knots] = columns[start:end].T.reshape(len(knots), *shape)
+                start = end
+        return {name: v[:, 0] if v.shape[1] == 1 else v for name, v in out.items()}
+
+
+@lru_cache(maxsize=32)
+def _stage_values(model: CentroidalModel, layout: Layout) -> StageValues:
+    return StageValues(model, layout)
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,23 +135,25 @@ class Knots:
 
     Attributes:
         layout: which feet stand where.
+        variables: all of them, from which everything else follows.
         durations: (P,) s.
         time: (N+1,) s.
         position, velocity: (N+1, 3) m, m/s, CoM; quat: (N+1, 4); momentum: (N+1, 3) kg m2/s.
         force: (N+1, C, 3) N.
         rotation_rate: (N, 3) rad/s, base axes.
-        air_feet: (N+1, L, d) m, rad: x of feet in the air, lift-off and touchdown among it; NaN of
-            the others.
-        air_rate: (N, L, d) m/s, rad/s: xdot of swinging feet over the intervals; NaN of the others.
-        knot_rate: (N+1, L, d): xdot of feet in the air just before a knot, at lift-off and
-            touchdown that at rest on the ground; NaN of the others.
-        shift: (2,) m: of where feet land, if it is a variable.
+        momentum_mean: (N, 3) kg m2/s: R^T L, L's mean over the interval, R at its middle.
+        feet_in_hip: (N+1, L, d) m, rad: x.
+        inertia: (N+1, 3, 3) kg m2 of the model, leg_com: (N+1, L, 3) m from the CoM; base axes.
+        foot_position: (N+1, L, 3) m; foot_heading: (N+1, L) rad: as the model sees them in flight,
+            as they stand in contact.
         near_angles: (N+1, J) joint angles close to the postures, where they are known.
+        evaluate: the rows of the constraints under a task, where they are known.
     """
 
     task: Task
     model: CentroidalModel
     layout: Layout
+    variables: Array
     durations: Array
     time: Array
     position: Array
@@ -61,11 +162,14 @@ class Knots:
     momentum: Array
     force: Array
     rotation_rate: Array
-    air_feet: Array
-    air_rate: Array
-    knot_rate: Array
-    shift: Array
+    momentum_mean: Array
+    feet_in_hip: Array
+    inertia: Array
+    leg_com: Array
+    foot_position: Array
+    foot_heading: Array
     near_angles: Array | None = None
+    evaluate: Evaluate | None = None
 
     @property
     def phase(self) -> NDArray[np.int64]:
@@ -73,37 +177,10 @@ class Knots:
         return self.layout.phase
 
     @cached_property
-    def in_air(self) -> NDArray[np.bool_]:
-        """(N+1, L) feet in the air, lift-off and touchdown among it."""
-        return self._legs("in_air")
-
-    @cached_property
-    def flying(self) -> NDArray[np.bool_]:
-        """(N+1, L) feet off the ground before and after a knot."""
-        return self._legs("flying")
-
-    @cached_property
-    def swinging(self) -> NDArray[np.bool_]:
-        """(N, L) feet that swing over an interval."""
-        return ~self.layout.standing[:-1]
-
-    @cached_property
-    def swings_freely(self) -> NDArray[np.bool_]:
-        """(N, L) likewise, without the interval that a motion under way begins with."""
-        free = self.swinging.copy()
-        free[0] = False
-        return free
-
-    @cached_property
-    def at_edge(self) -> NDArray[np.bool_]:
-        """(N+1, L) feet that leave or meet the ground at a knot."""
-        return self._legs("leaving") | self._legs("landing")
-
-    def _legs(self, name: str) -> NDArray[np.bool_]:
-        mask = np.zeros((self.layout.knots, self.layout.legs), dtype=bool)
-        for knot, role in enumerate(self.layout.roles):
-            mask[knot, list(getattr(role, name))] = True
-        return mask
+    def rows(self) -> Mapping[Hashable, Rows]:
+        """Rows of each constraint, and of the dynamics (`DYNAMICS`)."""
+        assert self.evaluate is not None
+        return self.evaluate(self.task, self.variables)
 
     @cached_property
     def flights(self) -> tuple[slice, ...]:
@@ -112,185 +189,14 @@ class Knots:
         return tuple(slice(int(first[p]), int(first[p + 1])) for p in self.task.schedule.flights)
 
     @cached_property
-    def R_world_base(self) -> Array:
-        """(N+1, 3, 3)."""
-        return rotations(self.quat)
-
-    @cached_property
     def dt(self) -> Array:
         """(N,) s."""
         return np.diff(self.time)
 
     @cached_property
-    def acceleration(self) -> Array:
-        """(N, 3) m/s2 of the CoM over each interval (eq. 1)."""
-        return self.force[:-1].sum(axis=1) / self.task.mass - [0.0, 0.0, GRAVITY]
-
-    @cached_property
-    def standing_feet(self) -> Array:
-        """(N+1, L, 3) m: where the feet stand, or stood last."""
-        return self._shifted(self._stood("feet"))
-
-    @cached_property
-    def standing_yaw(self) -> Array:
-        """(N+1, L) rad: where standing feet look, or looked last."""
-        return self._stood("yaw")
-
-    @cached_property
-    def standing_contacts(self) -> Array:
-        """(N+1, C, 3) m: contact points of standing feet, or where they were last."""
-        return self._shifted(self._stood("contacts"))
-
-    def _shifted(self, places: Array) -> Array:
-        """Places (N+1, n, 3) m, in stances that are shifted."""
-        moved = np.array([role.shifted for role in self.layout.roles])
-        return places + moved[:, None, None] * np.append(self.shift, 0.0)
-
-    def _stood(self, name: str) -> Array:
-        phases = range(len(self.task.schedule))
-        of_phases: Array = np.array([getattr(self.task.stood(p), name) for p in phases])
-        return of_phases[self.phase]
-
-    @cached_property
-    def feet_in_hip(self) -> Array:
-        """(N+1, L, d) m, rad: x, variables in the air, from r and R on the ground."""
-        beta = feet_from_com(
-            self.model, self.R_world_base, self.position, self.standing_feet, self.standing_yaw
-        )
-        given = np.where(self.in_air[..., None], self.air_feet, beta)
-        return self.model.feet_of(given, ~self.in_air)
-
-    @cached_property
-    def mid(self) -> tuple[Array, Array, Array]:
-        """R (N, 3, 3), r (N, 3), v (N, 3) at the intervals' midpoints."""
-        half = self.dt[:, None] / 2
-        turn = Rotation.from_rotvec(self.rotation_rate * half).as_matrix()
-        v, a = self.velocity[:-1], self.acceleration
-        return (
-            self.R_world_base[:-1] @ turn,
-            self.position[:-1] + v * half + a * half**2 / 2,
-            v + a * half,
-        )
-
-    @cached_property
-    def momentum_mid(self) -> Array:
-        """(N, 3) kg m2/s: L at the intervals' midpoints."""
-        dt = self.dt[:, None]
-        r, v, a = self.position[:-1], self.velocity[:-1], self.acceleration
-        return self.momentum[:-1] + dt / 2 * self.moment_about(r + v * dt / 4 + a * dt**2 / 24)
-
-    @cached_property
-    def momentum_mean(self) -> Array:
-        """(N, 3) kg m2/s: the mean of L over each interval."""
-        dt = self.dt[:, None]
-        r, v, a = self.position[:-1], self.velocity[:-1], self.acceleration
-        return self.momentum[:-1] + dt / 2 * self.moment_about(r + v * dt / 3 + a * dt**2 / 12)
-
-    @cached_property
-    def momentum_step(self) -> Array:
-        """(N, 3) kg m2/s: what the contact forces add to L over each interval."""
-        dt = self.dt[:, None]
-        r, v, a = self.position[:-1], self.velocity[:-1], self.acceleration
-        return dt * self.moment_about(r + v * dt / 2 + a * dt**2 / 6)
-
-    def moment_about(self, point: Array) -> Array:
-        """(N, 3) Nm: the contact forces' moment about a point an interval, (N, 3) m."""
-        arms = self.standing_contacts[:-1] - point[:, None]
-        return np.cross(arms, self.force[:-1]).sum(axis=1)
-
-    @cached_property
-    def feet_mid(self) -> tuple[Array, Array]:
-        """x and xdot (N, L, d) at the midpoints."""
-        R, r, v = self.mid
-        feet, yaw = self.standing_feet[:-1], self.standing_yaw[:-1]
-        swings = self.swinging[..., None]
-        beta = feet_from_com(self.model, R, r, feet, yaw)
-        middle = self.air_feet[:-1] + self.air_rate * self.dt[:, None, None] / 2
-        x = self.model.feet_of(np.where(swings, middle, beta), ~self.swinging)
-        seen = feet_rate_from_com(self.model, R, v, self.rotation_rate, feet - r[:, None], yaw)
-        rate = self.model.feet_rate_of(np.where(swings, self.air_rate, seen), ~self.swinging)
-        return x, rate
-
-    @cached_property
-    def foot_velocity_at_knots(self) -> Array:
-        """(N, L, d) m/s, rad/s, base axes: as an interval begins, at lift-off and touchdown zero.
-
-        Of feet that stand it means nothing.
-        """
-        R, v, omega = self.R_world_base[:-1], self.velocity[:-1], self.rotation_rate
-        arms = self.standing_feet[:-1] - self.position[:-1, None]
-        seen = feet_rate_from_com(self.model, R, v, omega, arms, self.standing_yaw[:-1])
-        in_air = self.in_air[:-1]
-        given = np.where(in_air[..., None], self.knot_rate[:-1], seen)
-        xdot = self.model.feet_rate_of(given, ~in_air)
-        x = self.feet_in_hip[:-1]
-        velocity = self._foot_velocity(R, v, omega, x, xdot)
-        if self.model.coordinates == 3:
-            return velocity
-        side = self.model.turn_mirrors
-        turn = heading_rates(R, side * x[..., 3], side * xdot[..., 3], omega)
-        return np.concatenate([velocity, turn[..., None]], axis=-1)
-
-    def _foot_velocity(self, R: Array, v: Array, omega: Array, x: Array, xdot: Array) -> Array:
-        """(K, L, 3) m/s in the world, base axes, of R (K, 3, 3), v, omega (K, 3), x, xdot."""
-        offset, offset_rate = self.model.offsets(x, xdot)
-        mirrors = self.model.mirrors
-        beta = offset[:, None] + self.model.hips + mirrors * x[..., :3]
-        return (
-            np.einsum("kji,kj->ki", R, v)[:, None]
-            + np.cross(omega[:, None], beta)
-            + offset_rate[:, None]
-            + mirrors * xdot[..., :3]
-        )
-
-    @cached_property
-    def evaluated(self) -> tuple[Array, Array, Array]:
-        """Offset (N+1, 3), inertia (N+1, 3, 3) and leg CoMs (N+1, L, 3) at the knots, base axes."""
-        return self.model.evaluate(self.feet_in_hip)
-
-    @cached_property
-    def foot_position(self) -> Array:
-        """(N+1, L, 3) m, as the model sees them in flight, where they stand in contact."""
-        return np.where(self.flying[..., None], self.model_feet, self.standing_feet)
-
-    @cached_property
-    def model_feet(self) -> Array:
-        """(N+1, L, 3) m: the feet's places as the model sees them."""
-        beta = (
-            self.evaluated[0][:, None]
-            + self.model.hips
-            + self.model.mirrors * self.feet_in_hip[..., :3]
-        )
-        return self.position[:, None] + np.einsum("kij,klj->kli", self.R_world_base, beta)
-
-    @cached_property
-    def model_headings(self) -> Array:
-        """(N+1, L) rad: where the feet look as the model sees them, in each swing continuous."""
-        if self.model.coordinates == 3:
-            return np.zeros(self.air_feet.shape[:2])
-        yaw = self.model.turn_mirrors * self.feet_in_hip[..., 3]
-        found = headings(self.R_world_base, yaw)
-        for leg, lift, touch in self.layout.swings:
-            # atan2 knows no whole turns, the heading that it starts from does.
-            turns = (self.standing_yaw[lift, leg] - found[lift, leg]) / (2 * np.pi)
-            found[lift : touch + 1, leg] += 2 * np.pi * np.round(turns)
-        return found
-
-    @cached_property
-    def foot_heading(self) -> Array:
-        """(N+1, L) rad: as the plan has them in flight, as they stand in contact."""
-        return np.where(self.flying, self.model_headings, self.standing_yaw)
-
-    @cached_property
     def contact_point(self) -> Array:
         """(N+1, C, 3) m: corners of the feet, wherever they are."""
         return contact_points(self.foot_position, self.foot_heading, self.task.corners)
-
-    @cached_property
-    def foot_velocity_base(self) -> Array:
-        """(N, L, 3) m/s: the feet's velocity in the world over the intervals, base axes."""
-        R, _, v = self.mid
-        return self._foot_velocity(R, v, self.rotation_rate, *self.feet_mid)
 
     @cached_property
     def foot_quat(self) -> Array:
@@ -301,7 +207,7 @@ class Knots:
 
     @cached_property
     def postures(self) -> Postures:
-        """The whole body's, that realise the plan at the knots."""
+        """Postures of the whole body that realise the plan at the knots."""
         return solve_postures(
             self.task.robot,
             self.position,
@@ -313,7 +219,7 @@ class Knots:
 
     @cached_property
     def loads(self) -> JointLoads:
-        """What the joints have to do in these postures, by Pinocchio."""
+        """Motion and torques of the joints in these postures, by Pinocchio."""
         motion = KnotMotion(
             time=self.time,
             schedule=self.task.schedule,
@@ -338,102 +244,44 @@ class Knots:
         return other
 
 
-def rolled_out(knots: Knots) -> Knots:
-    """The same forces and rates, with r, H and L integrated from the start, exactly.
-
-    A solver leaves defects of its tolerance; so they all show at the end, against the target.
-    """
-    dt = knots.dt[:, None]
-    a = knots.acceleration
-    velocity = knots.velocity[0] + np.vstack([np.zeros(3), np.cumsum(a * dt, axis=0)])
-    steps = velocity[:-1] * dt + a * dt**2 / 2
-    position = knots.position[0] + np.vstack([np.zeros(3), np.cumsum(steps, axis=0)])
-    moved = replace(knots, position=position, velocity=velocity)
-    turns = np.cumsum(moved.momentum_step, axis=0)
-    return replace(moved, momentum=knots.momentum[0] + np.vstack([np.zeros(3), turns]))
-
-
-def feet_from_com(
-    model: CentroidalModel, R: Array, position: Array, feet: Array, yaw: Array
-) -> Array:
-    """beta (K, L, d) m, rad of feet (K, L, 3) with headings (K, L), from R (K, 3, 3), r (K, 3)."""
-    beta = np.einsum("kji,klj->kli", R, feet - position[:, None])
-    if model.coordinates == 3:
-        return beta
-    return np.concatenate([beta, relative_yaws(R, yaw)[..., None]], axis=-1)
-
-
-def feet_rate_from_com(
-    model: CentroidalModel, R: Array, velocity: Array, omega: Array, arms: Array, yaw: Array
-) -> Array:
-    """betadot (K, L, d) m/s, rad/s of feet that stand.
-
-    Args:
-        model: how many coordinates a foot has.
-        R: (K, 3, 3); velocity: (K, 3) m/s of the CoM; omega: (K, 3) rad/s, base axes.
-        arms: (K, L, 3) m, from the CoM, world axes; yaw: (K, L) rad.
-    """
-    rate: Array = -np.einsum("kji,kj->ki", R, velocity)[:, None] - np.cross(
-        omega[:, None], np.einsum("kji,klj->kli", R, arms)
-    )
-    if model.coordinates == 3:
-        return rate
-    return np.concatenate([rate, relative_yaw_rates(R, yaw, omega)[..., None]], axis=-1)
-
-
-def unpack(w: Array, layout: Layout, task: Task, model: CentroidalModel) -> Knots:
+def unpack(
+    w: Array,
+    layout: Layout,
+    task: Task,
+    model: CentroidalModel,
+    evaluate: Evaluate | None = None,
+) -> Knots:
     """The variables w, in the layout's order and units, as `Knots`."""
-    count, d = layout.knots, layout.foot_coordinates
-    force_unit = task.mass * GRAVITY / layout.contacts
-    position, velocity = (
-        np.tile(start, (count, 1)) for start in (task.start_position, task.start_velocity)
-    )
-    quat, momentum = (
-        np.tile(start, (count, 1)) for start in (task.start_quat, task.start_momentum)
-    )
-    force = np.zeros((count, layout.contacts, 3))
-    rate = np.zeros((count - 1, 3))
-    air_feet, knot_rate = np.full((2, count, layout.legs, d), np.nan)
-    air_rate = np.full((count - 1, layout.legs, d), np.nan)
-    durations = np.zeros(layout.phases)
-    for k, role in enumerate(layout.roles):
-        value = {name: w[place] for name, place in layout.variables(k).items()}
-        position[k] = value.get("position", position[k])
-        quat[k] = value.get("quat", quat[k])
-        velocity[k] = value.get("velocity", velocity[k])
-        if "momentum" in value:
-            momentum[k] = value["momentum"] * task.mass
-        if role.in_contact:
-            of_legs = force[k].reshape(layout.legs, layout.corners, 3)
-            standing = list(role.standing)
-            of_legs[standing] = value["force"].reshape(-1, layout.corners, 3) * force_unit
-        if "rotation_rate" in value:
-            rate[k] = value["rotation_rate"]
-        if role.in_air and not role.terminal:
-            in_air = list(role.in_air)
-            for into, name in ((air_feet, "feet"), (knot_rate, "feet_velocity")):
-                found = value[name] if name in value else getattr(task.motion, name)
-                into[k, in_air] = found.reshape(-1, d)
-        if "feet_step" in value:
-            swinging = list(role.swinging)
-            air_rate[k, swinging] = knot_rate[k, swinging] + value["feet_step"].reshape(-1, d)
-        if role.first:
-            durations[role.phase] = value["duration"][0]
+    w = layout.normalised(w)
+    values = _stage_values(model, layout)(w, np.concatenate([*parameters(layout, task).values()]))
+    durations = values["duration"][layout.first_knots[:-1], 0]
     starts = np.concatenate([[0.0], np.cumsum(durations)])
     return Knots(
         task=task,
         model=model,
         layout=layout,
+        variables=w,
         durations=durations,
         time=starts[layout.phase] + layout.progress * durations[layout.phase],
-        position=position,
-        velocity=velocity,
-        quat=quat / np.linalg.norm(quat, axis=1, keepdims=True),
-        momentum=momentum,
-        force=force,
-        rotation_rate=rate,
-        air_feet=air_feet,
-        air_rate=air_rate,
-        knot_rate=knot_rate,
-        shift=value.get(SHIFT, np.zeros(2)),
+        position=values["position"],
+        velocity=values["velocity"],
+        quat=values["quat"],
+        momentum=values["momentum"] * task.mass,
+        force=values["contact_force"].reshape(layout.knots, layout.contacts, 3),
+        rotation_rate=values["rotation_rate"][:-1],
+        momentum_mean=values["momentum_mean_base"][:-1] * task.mass,
+        feet_in_hip=values["feet_in_hip"],
+        inertia=values["inertia"],
+        leg_com=values["leg_com"],
+        foot_position=values["foot_position"],
+        foot_heading=_continuous(values["foot_heading"], layout, task),
+        evaluate=evaluate,
     )
+
+
+def _continuous(headings: Array, layout: Layout, task: Task) -> Array:
+    """(N+1, L) rad: without jumps by whole turns from where feet stood to touchdown."""
+    for leg, lift, touch in layout.swings:
+        stood = task.stood(int(layout.phase[lift])).yaw[leg]
+        headings[lift:touch, leg] = np.unwrap(np.append(stood, headings[lift:touch, leg]))[1:]
+    return headings

@@ -24,6 +24,13 @@ from llsrbm.request.schedule import Schedule
 Array = NDArray[np.float64]
 
 BODY = ("position", "quat", "velocity", "momentum")
+# Among the states of a knot, of which they are the first.
+BODY_PLACES = {
+    "position": slice(0, 3),
+    "quat": slice(3, 7),
+    "velocity": slice(7, 10),
+    "momentum": slice(10, 13),
+}
 SHIFT = "shift"
 _SIZES = {"position": 3, "quat": 4, "velocity": 3, "momentum": 3, "rotation_rate": 3, SHIFT: 2}
 _SCALARS = ("duration", "next_duration")
@@ -370,6 +377,22 @@ class Layout:
     def variables(self, knot: int) -> dict[str, slice]:
         """Name -> place in the vector of all variables, states first."""
         return self._places[knot]
+
+    def places(self, name: str) -> NDArray[np.int64]:
+        """(n, size) places of a variable in the vector, a row for each knot that has it."""
+        rows = (here[name] for here in self._places if name in here)
+        return np.array([np.arange(row.start, row.stop) for row in rows])
+
+    def stage(self, knot: int) -> slice:
+        """Place of all of a knot's variables in the vector."""
+        places = tuple(self._places[knot].values())
+        return slice(places[0].start, places[-1].stop)
+
+    def normalised(self, w: Array) -> Array:
+        """All variables, quaternions of length 1."""
+        w, quats = w.copy(), self.places("quat")
+        w[quats] /= np.linalg.norm(w[quats], axis=1, keepdims=True)
+        return w
 
     def blocks(self) -> Iterator[tuple[Role, range]]:
         """Runs of knots with the same role, in order."""

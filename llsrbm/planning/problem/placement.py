@@ -10,15 +10,9 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from llsrbm.errors import InputError
-from llsrbm.planning.problem.clearance_profile import (
-    CLEARANCE_PARAMETERS,
-    check_footing,
-    clearance_parameters,
-)
-from llsrbm.planning.problem.costs import COSTS, default_weights, weight_parameter
-from llsrbm.planning.problem.layout import Layout
+from llsrbm.planning.problem.clearance_profile import check_footing
+from llsrbm.planning.problem.costs import default_weights
 from llsrbm.planning.problem.limits import Limit, check_limits, limits_in, put_limits
-from llsrbm.planning.problem.stage import Stage
 from llsrbm.planning.problem.task import Footholds, Task, contact_points
 from llsrbm.request.jump import Jump
 from llsrbm.request.jump_types import JumpType, load_type
@@ -27,9 +21,6 @@ from llsrbm.request.tuning import Tuning
 from llsrbm.robots.robot import Robot
 
 Array = NDArray[np.float64]
-
-CORRECTION = "correction"
-"""The parameters that each interval has for itself, three of it."""
 
 FASTEST = 1.5  # m/s at the start and at the end: a brisk walk of the largest robot
 
@@ -169,87 +160,6 @@ def _obstacle(kind: JumpType, start: Footholds) -> Obstacle | None:
 def _footholds(robot: Robot, feet: Array, yaw: Array, heading: float, origin: Array) -> Footholds:
     contacts = contact_points(feet, yaw, np.array(robot.corners))
     return Footholds(feet, yaw, contacts, heading, origin)
-
-
-def parameters(layout: Layout, task: Task) -> dict[str, Array]:
-    """Name -> value of the solver's parameters (names and sizes: `parameter_sizes`)."""
-    values = {
-        "start_position": task.start_position,
-        "start_quat": task.start_quat,
-        "start_velocity": task.start_velocity,
-        "goal_position": task.goal_position,
-        "goal_quat": task.goal_quat,
-        "goal_velocity": task.goal_velocity,
-        "corners": task.corners[:, :2],
-        "friction": np.array([task.limits.friction]),
-        "torque_share": np.array([task.limits.torque_share]),
-        "upright_axes": upright_axes(task.jump),
-    }
-    if task.clears:
-        values |= clearance_parameters(task)
-    if task.motion is not None:
-        values["start_momentum"] = task.motion.momentum / task.mass
-        values["start_feet"] = task.motion.feet
-        values["start_feet_velocity"] = task.motion.feet_velocity
-    for p in range(len(task.schedule)):
-        stood = task.stood(p)
-        local = (stood.feet, stood.contacts, stood.yaw, task.towards(p))
-        values |= dict(zip(_local_names(p), local, strict=True))
-    weights = {
-        weight_parameter(cost): np.array([cost.share(task.jump) * task.weights[cost.name]])
-        for cost in COSTS
-    }
-    correction = np.zeros((layout.total, 3)) if task.correction is None else task.correction
-    last = {CORRECTION: correction / task.mass}
-    return {name: np.ravel(value) for name, value in (values | weights | last).items()}
-
-
-def parameter_sizes(layout: Layout) -> dict[str, int]:
-    """Name -> number of scalars of the solver's parameters, in their order."""
-    sizes = {
-        "start_position": 3,
-        "start_quat": 4,
-        "start_velocity": 3,
-        "goal_position": 3,
-        "goal_quat": 4,
-        "goal_velocity": 3,
-        "corners": 2 * layout.corners,
-        "friction": 1,
-        "torque_share": 1,
-        "upright_axes": 3,
-    }
-    if layout.clears:
-        sizes |= CLEARANCE_PARAMETERS
-    if layout.under_way:
-        feet = layout.legs * layout.foot_coordinates
-        sizes |= {"start_momentum": 3, "start_feet": feet, "start_feet_velocity": feet}
-    for p in range(layout.phases):
-        local = Stage.local_sizes(layout)
-        sizes |= dict(zip(_local_names(p), local.values(), strict=True))
-    weights = {weight_parameter(cost): 1 for cost in COSTS}
-    return sizes | weights | {CORRECTION: 3 * layout.total}
-
-
-def local_parameters(phase: int) -> tuple[str, ...]:
-    """Names of a phase's own parameters, in the order of `Stage.local`."""
-    return tuple(_local_names(phase))
-
-
-def _local_names(phase: int) -> list[str]:
-    return [f"phase{phase}_{name}" for name in ("feet", "contacts", "yaw", "towards")]
-
-
-def upright_axes(jump: Jump) -> Array:
-    """(3,) 1 for the body's axes about which a turn is not wanted, 0 for the others.
-
-    Upright jumps turn about z alone. A flip turns about y (a barrel roll about x); about the axes
-    square to it only as far as a twist asks, and then nothing is said about them.
-    """
-    if not jump.turns:
-        return np.array([1.0, 1.0, 0.0])
-    if jump.twist or (jump.roll and jump.pitch):
-        return np.zeros(3)
-    return np.array([0.0, 1.0, 1.0]) if jump.roll else np.array([1.0, 0.0, 1.0])
 
 
 def _headings(robot: Robot) -> Array:

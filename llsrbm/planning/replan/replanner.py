@@ -25,9 +25,7 @@ from llsrbm.motion.plan import Plan
 from llsrbm.ocp import solvers
 from llsrbm.ocp.problem import Iterate, Solution
 from llsrbm.ocp.progress import when_idle
-from llsrbm.planning.problem.assembly import knot_arrays
-from llsrbm.planning.problem.formulation import Formulation
-from llsrbm.planning.problem.headings import relative_yaw_rates, relative_yaws
+from llsrbm.planning.problem.headings import feet_seen
 from llsrbm.planning.problem.knots import Knots, unpack
 from llsrbm.planning.problem.layout import NOMINAL_PHASES, Layout
 from llsrbm.planning.problem.packing import Sampled, pack
@@ -36,11 +34,13 @@ from llsrbm.planning.problem.task import Footholds, InMotion, Task, contact_poin
 from llsrbm.planning.replan.under_way import (
     State,
     falling_time,
-    in_need,
     interpolated,
     plan_quat,
     planned_state,
+    relaxed_limits,
 )
+from llsrbm.planning.solve.assembly import knot_arrays
+from llsrbm.planning.solve.formulation import Formulation
 from llsrbm.planning.solve.solver_cache import cached_solver
 from llsrbm.request.schedule import Schedule
 from llsrbm.robots.robot import Robot
@@ -112,7 +112,7 @@ class Replanner:
         self._robot = robot.turning if jump.turns else robot
         self._model = make_model(jump.model, self._robot)
         task = make_task(jump, self._robot, plan.tuning.weights, plan.tuning.limits)
-        self._task = in_need(task)
+        self._task = relaxed_limits(task)
         self.in_flight = not task.clears
         # And for which time, s on the plan's clock.
         self._last: dict[Layout, tuple[float, Iterate]] = {}
@@ -189,20 +189,20 @@ class Replanner:
         least = max(least, SHORTEST)
         rest = self._rest(state.phase, (least, max(high - elapsed, least) + LONGER))
         R_base_world = Rotation.from_quat(state.base_quat, scalar_first=True).inv().as_matrix()
-        arms = (state.foot_position - state.com) @ R_base_world.T
-        omega = R_base_world @ state.angular_velocity
-        rates = (state.foot_velocity - state.com_velocity) @ R_base_world.T - np.cross(omega, arms)
-        if self._robot.foot_coordinates > 3:
-            R = R_base_world.T[None]
-            yaw = relative_yaws(R, state.foot_yaw[None])[0]
-            turn = relative_yaw_rates(R, state.foot_yaw[None], omega[None])[0]
-            arms = np.column_stack([arms, yaw])
-            rates = np.column_stack([rates, turn + state.foot_yaw_rate])
-        everything = np.ones((1, len(arms)), dtype=bool)
+        x, xdot = feet_seen(self._model)(
+            R_base_world.T,
+            state.com,
+            state.com_velocity,
+            R_base_world @ state.angular_velocity,
+            state.foot_position.T,
+            state.foot_velocity.T,
+            state.foot_yaw,
+            state.foot_yaw_rate,
+        )
         motion = InMotion(
             momentum=state.angular_momentum,
-            feet=self._model.feet_of(arms[None], everything)[0],
-            feet_velocity=self._model.feet_rate_of(rates[None], everything)[0],
+            feet=np.array(x).T,
+            feet_velocity=np.array(xdot).T,
             heights=state.foot_position[:, 2],
             begun=self._begun(state),
         )

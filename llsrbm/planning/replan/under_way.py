@@ -13,7 +13,7 @@ from llsrbm.planning.problem.task import Task
 
 Array = NDArray[np.float64]
 
-# Shares of the drives, and factors of the robot file's reach, see `in_need`.
+# Shares of the drives, and factors of the robot file's reach, see `relaxed_limits`.
 NEED_TORQUE, NEED_SPEED = 0.95, 1.0
 NEED_BOX, NEED_LENGTH, NEED_STANDING = 1.4, 1.03, 0.7
 
@@ -65,7 +65,7 @@ def planned_state(plan: Plan, phase: int) -> State:
     )
 
 
-def in_need(task: Task) -> Task:
+def relaxed_limits(task: Task) -> Task:
     """The task under limits for a robot that has been pushed.
 
     A plan leaves something of the drives and of the legs' reach to feedback, and does not crouch as

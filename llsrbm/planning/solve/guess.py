@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
 
+import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
@@ -17,7 +18,7 @@ from scipy.spatial.transform import Rotation
 from llsrbm.mechanics import GRAVITY
 from llsrbm.models.base import CentroidalModel
 from llsrbm.planning.problem.constraints.swing import ground_line
-from llsrbm.planning.problem.knots import feet_from_com
+from llsrbm.planning.problem.headings import feet_seen
 from llsrbm.planning.problem.layout import Layout
 from llsrbm.planning.problem.packing import Sampled, pack
 from llsrbm.planning.problem.task import Task
@@ -58,7 +59,8 @@ def analytic_guess(
         rate[lift, leg] = rates[0]
         rate[lift + 1 : touch + 1, leg] = rates
     first_flight = int(layout.first_knots[task.schedule.flights[0]])
-    lift_off = model.evaluate(feet[first_flight : first_flight + 1])[1][0]
+    x = ca.DM(feet[first_flight].T)
+    lift_off = np.array(ca.DM(model.inertia(x, model.base_offset(x))))
     return pack(
         layout,
         Sampled(
@@ -293,8 +295,7 @@ def _flying_foot(
     turns = task.jump.turns
     R = np.array([_about_vertical(body.turn[0]) if turns else body.R for body in bodies])
     position = np.array([body.position for body in bodies])
-    beta = feet_from_com(model, R, position, carried, heading)
-    x = model.feet_of(beta, np.ones(beta.shape[:2], dtype=bool))[:, leg]
+    x = _seen(model, R, position, carried, heading)[:, leg]
     place = x[:, :3]
     if turns:
         place = place * np.stack(
@@ -304,6 +305,22 @@ def _flying_foot(
     length = np.linalg.norm(place, axis=1, keepdims=True)
     place = place * np.clip(length, *task.reach.distance) / length
     return np.concatenate([place, np.clip(x[:, 3:], *task.foot.yaw)], axis=1)
+
+
+def _seen(model: CentroidalModel, R: Array, position: Array, feet: Array, heading: Array) -> Array:
+    """x (K, L, d) of feet (K, L, 3) m with headings (K, L) rad, from R (K, 3, 3) and r (K, 3)."""
+    still, rest = ca.DM.zeros(3), ca.DM.zeros(3, model.legs)
+    x, _ = feet_seen(model)(
+        np.hstack(list(R)),
+        position.T,
+        still,
+        still,
+        feet.reshape(-1, 3).T,
+        rest,
+        heading.T,
+        ca.DM.zeros(model.legs),
+    )
+    return np.array(x).T.reshape(*feet.shape[:2], -1)
 
 
 def _hermite(

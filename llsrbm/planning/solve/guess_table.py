@@ -33,9 +33,9 @@ from llsrbm.cache import content_key
 from llsrbm.installed import assets_directory, package_version
 from llsrbm.ocp.problem import Iterate
 from llsrbm.planning.problem.costs import default_weights
-from llsrbm.planning.problem.formulation import Formulation
 from llsrbm.planning.problem.placement import make_task
 from llsrbm.planning.problem.task import Task
+from llsrbm.planning.solve.formulation import Formulation
 from llsrbm.request.jump import Jump
 from llsrbm.robots import load_robot
 from llsrbm.robots.robot import Robot
@@ -90,11 +90,7 @@ class GuessTable:
         """Where to begin; see above."""
         x = np.array([getattr(jump, name) for name in REQUEST])
         near, share = self._shares(x)
-        w = share @ self.variables[near]
-        for knot in range(formulation.layout.knots):
-            place = formulation.layout.variables(knot).get("quat")
-            if place is not None:
-                w[place] /= np.linalg.norm(w[place])
+        w = formulation.layout.normalised(share @ self.variables[near])
         multipliers = np.zeros(self.all_rows)
         multipliers[self.rows] = share @ self.multipliers[near]
         return Iterate(w, multipliers)

@@ -17,19 +17,19 @@ from llsrbm.motion.plan import Plan, SolveReport
 from llsrbm.ocp import solvers
 from llsrbm.ocp.problem import Iterate
 from llsrbm.ocp.progress import when_idle
-from llsrbm.planning.problem.assembly import assemble_plan
 from llsrbm.planning.problem.constraints.truth import TrueTurn, correction
-from llsrbm.planning.problem.formulation import PATIENT_FLIGHT, Array, Attempt, Formulation
 from llsrbm.planning.problem.knots import Knots
 from llsrbm.planning.problem.layout import Layout
 from llsrbm.planning.problem.placement import make_task
 from llsrbm.planning.problem.task import Task
+from llsrbm.planning.problem.violations import TOLERANCE, describe_worst, excess, stops
+from llsrbm.planning.solve.assembly import assemble_plan
+from llsrbm.planning.solve.explanation import explained
+from llsrbm.planning.solve.formulation import PATIENT_FLIGHT, Array, Attempt, Formulation
 from llsrbm.planning.solve.guess_table import Guesses
 from llsrbm.planning.solve.progress import Progress, Watch
-from llsrbm.planning.solve.scout import Scout
+from llsrbm.planning.solve.search import FeasibilitySearch
 from llsrbm.planning.solve.solver_cache import cached_solver
-from llsrbm.planning.why.explanation import explained
-from llsrbm.planning.why.residuals import TOLERANCE, describe_worst, excess, stops
 from llsrbm.request.jump import Jump
 from llsrbm.request.jump_types import load_type, schedule_of
 from llsrbm.robots import load_robot
@@ -162,7 +162,7 @@ class Planner:
             can = patient and self.formulation.solver.name == solvers.names()[0]
             if not (explains and can) or jump.turns:  # flips beyond the drives: see `CAUTIOUS`
                 raise
-            raise explained(Scout(self.formulation, watch), error, task) from None
+            raise explained(FeasibilitySearch(self.formulation, watch), error, task) from None
 
     def _planned(
         self, task: Task, near: Plan | None, guesses: bool, patient: bool, watch: Watch

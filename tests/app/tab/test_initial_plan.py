@@ -17,12 +17,10 @@ from app.tab.initial_plan import (
     shipped_plan,
 )
 from app.workers.worker import LibraryPlanner
-from llsrbm.models import make_model
 from llsrbm.motion.plan import load_plan
-from llsrbm.planning.problem.knots import rolled_out, unpack
-from llsrbm.planning.problem.layout import Layout
 from llsrbm.planning.problem.placement import make_task
-from llsrbm.planning.why.residuals import satisfied, violations
+from llsrbm.planning.problem.violations import satisfied, violations
+from llsrbm.planning.solve.planner import planner_of
 from llsrbm.robots import load_robot, names
 from tests.app.synthetic_plan import synthetic_plan
 from tests.llsrbm.planning.replay import angle_between, replay
@@ -99,17 +97,14 @@ def test_the_shipped_plan_is_the_examples_and_satisfies_its_constraints(robot, c
     assert plan is not None, caplog.text
     assert plan.jump == example(robot)
     loaded = load_robot(robot)
-    task, model = make_task(plan.jump, loaded), make_model(plan.jump.model, loaded)
-    contacts = len(loaded.legs) * len(loaded.corners)
-    intervals = len(plan.time) - 1
-    layout = Layout.of(plan.schedule, contacts, intervals, loaded.foot_coordinates)
-    knots = rolled_out(unpack(plan.solution.variables, layout, task, model))
+    formulation = planner_of(plan.jump, intervals=len(plan.time) - 1).formulation
+    knots = formulation.judged(make_task(plan.jump, loaded), plan.solution).knots
     assert satisfied(violations(knots))
     assert np.abs(knots.position - plan.com).max() < 1e-9
     assert np.abs(knots.force.reshape(plan.contact_force.shape) - plan.contact_force).max() < 1e-6
     if loaded.file.foot.is_point:
         # Another integrator comes to the same end.
-        end = replay(plan, model, step=2e-3)[-1]
+        end = replay(plan, formulation.model, step=2e-3)[-1]
         assert np.abs(end.position - plan.com[-1]).max() < 1e-8
         assert angle_between(end.quat, plan.base_quat[-1]) < 0.05
 

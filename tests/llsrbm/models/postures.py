@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 
+import casadi as ca
 import numpy as np
 import pinocchio as pin
 from hypothesis import strategies as st
@@ -140,9 +142,59 @@ def vectors(top: float = 3.0):
     return st.tuples(*[st.floats(-top, top)] * 3).map(np.array)
 
 
-def all_stand(model, count: int = 1) -> np.ndarray:
-    """(count, L): every foot is given as seen from the CoM."""
-    return np.ones((count, model.legs), dtype=bool)
+@cache
+def _functions(model, standing: tuple[int, ...]) -> dict[str, ca.Function]:
+    """The model's expressions as functions, of feet of which `standing` are seen from the CoM."""
+    y, x, xdot = (ca.SX.sym(n, model.coordinates, model.legs) for n in ("y", "x", "xdot"))
+    w, legs = ca.SX.sym("w", 3), range(model.legs)
+    of = model.offset_map(standing)
+    o, o_rate = (f(dict(enumerate(ca.horzsplit(y)))) for f in (of, of.rate))
+    feet, rate = (
+        ca.horzcat(*(f(i, y[:, i], at) if i in standing else y[:, i] for i in legs))
+        for f, at in ((model.foot_in_hip, o), (model.foot_rate_in_hip, o_rate))
+    )
+    offset = model.base_offset(x)
+    coms = [model.foot_from_com(i, model.leg_com(i, x[:, i]), offset) for i in legs]
+    momentum = model.angular_momentum(x, xdot, w, offset)
+    results = {
+        "feet": ([y], feet),
+        "rate": ([y], rate),
+        "offset": ([x], offset),
+        "inertia": ([x], model.inertia(x, offset)),
+        "leg_com": ([x], ca.horzcat(*coms)),
+        "momentum": ([x, xdot, w], momentum),
+    }
+    return {
+        name: ca.Function(name, i, [ca.densify(ca.SX(out))]) for name, (i, out) in results.items()
+    }
+
+
+def _evaluated(model, name, *arguments, standing=()):
+    function = _functions(model, tuple(int(i) for i in standing))[name]
+    values = (function(*(a.T for a in one)) for one in zip(*arguments, strict=True))
+    return np.array([np.array(value).T.squeeze() for value in values])
+
+
+def feet_of(model, feet, standing=None):
+    """x (K, L, d) of feet (K, L, d), those with `standing` (L,) seen from the CoM; None: all."""
+    standing = range(model.legs) if standing is None else np.flatnonzero(standing)
+    return _evaluated(model, "feet", feet, standing=standing)
+
+
+def feet_rate_of(model, rates, standing=None):
+    """xdot likewise."""
+    standing = range(model.legs) if standing is None else np.flatnonzero(standing)
+    return _evaluated(model, "rate", rates, standing=standing)
+
+
+def evaluate(model, x):
+    """Offsets (K, 3), inertias (K, 3, 3), leg CoMs seen from the CoM (K, L, 3)."""
+    return tuple(_evaluated(model, name, x) for name in ("offset", "inertia", "leg_com"))
+
+
+def evaluate_momentum(model, x, xdot, w):
+    """I omega + h, (K, 3)."""
+    return _evaluated(model, "momentum", x, xdot, w)
 
 
 def standing_feet_in_hip(robot=ROBOT) -> np.ndarray:

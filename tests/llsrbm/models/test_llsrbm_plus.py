@@ -17,8 +17,11 @@ from tests.llsrbm.models.postures import (
     LEGS,
     ROBOT,
     SLIDER,
-    all_stand,
+    evaluate,
+    evaluate_momentum,
     feet_in_reach,
+    feet_of,
+    feet_rate_of,
     random_motions,
     rates,
 )
@@ -39,22 +42,21 @@ def slides():
 
 def seen_by(model, motions):
     """Feet, their rates and the base's angular velocity as the model takes them."""
-    stand = all_stand(model, len(motions))
-    feet = model.feet_of(np.array([m.beta for m in motions]), stand)
-    rate = model.feet_rate_of(np.array([m.beta_rate for m in motions]), stand)
+    feet = feet_of(model, np.array([m.beta for m in motions]))
+    rate = feet_rate_of(model, np.array([m.beta_rate for m in motions]))
     return feet, rate, np.array([m.w for m in motions])
 
 
 def momentum_error(model, motions):
     """RMS error of each component, share of its peak."""
     true = np.array([m.momentum for m in motions])
-    error = model.evaluate_momentum(*seen_by(model, motions)) - true
+    error = evaluate_momentum(model, *seen_by(model, motions)) - true
     return np.sqrt(np.mean(error**2, axis=0)) / np.abs(true).max(axis=0)
 
 
 def test_inertia(motions):
     true = np.array([m.inertia for m in motions])
-    inertia = MODEL.evaluate(seen_by(MODEL, motions)[0])[1]
+    inertia = evaluate(MODEL, seen_by(MODEL, motions)[0])[1]
     relative = np.diagonal(inertia - true, axis1=1, axis2=2) / np.diagonal(true, axis1=1, axis2=2)
     rms = np.sqrt(np.mean(relative**2, axis=0))
     assert (rms < [0.03, 0.01, 0.01]).all(), rms
@@ -75,7 +77,7 @@ def test_momentum_is_far_nearer_than_without_the_legs_own(motions):
 def test_sliding_legs_with_soles(slides):
     """Bounds about twice what is reached: Ly decides whether SLIDER's pelvis stays upright."""
     true = np.array([m.inertia for m in slides])
-    _, inertia, leg_com = SLIDING.evaluate(seen_by(SLIDING, slides)[0])
+    _, inertia, leg_com = evaluate(SLIDING, seen_by(SLIDING, slides)[0])
     relative = np.diagonal(inertia - true, axis1=1, axis2=2) / np.diagonal(true, axis1=1, axis2=2)
     assert (np.sqrt(np.mean(relative**2, axis=0)) < [0.01, 0.01, 0.01]).all()
     assert (momentum_error(SLIDING, slides) < [0.012, 0.012, 0.012]).all()
@@ -89,14 +91,14 @@ def test_a_soles_own_turn_counts():
     x = np.tile([0.0, 0.0, -0.66, 0.3], (1, 2, 1))
     turning = np.zeros_like(x)
     turning[..., 3] = 2.0, -3.0
-    h = SLIDING.evaluate_momentum(x, turning, np.zeros((1, 3)))[0]
+    h = evaluate_momentum(SLIDING, x, turning, np.zeros((1, 3)))[0]
     # Outwards is to the left for the first leg, to the right for the second.
     assert h == pytest.approx([0.0, 0.0, 0.017 * (2.0 + 3.0)], abs=2e-3)
 
 
 def test_leg_coms(motions):
     true = np.array([m.leg_com for m in motions])
-    error = np.linalg.norm(MODEL.evaluate(seen_by(MODEL, motions)[0])[2] - true, axis=-1)
+    error = np.linalg.norm(evaluate(MODEL, seen_by(MODEL, motions)[0])[2] - true, axis=-1)
     assert np.sqrt(np.mean(error**2)) < 0.008
     assert error.max() < 0.03
 
@@ -112,8 +114,8 @@ def test_a_legs_com_lies_about_its_thigh(x):
 
 
 def test_near_the_urdf_in_the_default_posture():
-    feet = MODEL.feet_of((ROBOT.feet - ROBOT.com)[None], all_stand(MODEL))
-    offset, inertia, _ = MODEL.evaluate(feet)
+    feet = feet_of(MODEL, (ROBOT.feet - ROBOT.com)[None])
+    offset, inertia, _ = evaluate(MODEL, feet)
     assert offset[0] == pytest.approx(ROBOT.base_position - ROBOT.com, abs=3e-3)
     assert np.diag(inertia[0]) == pytest.approx(np.diag(ROBOT.inertia), rel=0.01)
 
@@ -137,16 +139,17 @@ def test_the_same_in_numpy(model, data):
     """The benchmark's formulas, written from the feet seen from the CoM."""
     robot = ROBOT if model is MODEL else SLIDER
     x, xdot = data.draw(feet_in_reach(robot)), data.draw(rates(robot=robot))
-    offset, offset_rate = model.offsets(x[None], xdot[None])
+    offset = evaluate(model, x[None])[0]
+    offset_rate = np.array(ca.DM(model.base_offset_rate(ca.DM(xdot.T)))).T
     yaw, yaw_rate = (model.mirrors.prod(axis=1)[:, None] * a[:, 3:] for a in (x, xdot))
     beta = np.hstack([offset[0] + model.hips + model.mirrors * x[:, :3], yaw])
     beta_rate = np.hstack([offset_rate[0] + model.mirrors * xdot[:, :3], yaw_rate])
     inertia, h, o = plus_inertia_and_momentum(robot.fit, beta, beta_rate)
     np.testing.assert_allclose(offset[0], o, atol=1e-12)
-    np.testing.assert_allclose(model.evaluate(x[None])[1][0], inertia, atol=1e-12)
+    np.testing.assert_allclose(evaluate(model, x[None])[1][0], inertia, atol=1e-12)
     still = np.zeros((1, 3))
     np.testing.assert_allclose(
-        model.evaluate_momentum(x[None], xdot[None], still)[0], h, atol=1e-12
+        evaluate_momentum(model, x[None], xdot[None], still)[0], h, atol=1e-12
     )
 
 
@@ -157,5 +160,5 @@ def test_com_definition_holds_for_the_affine_legs(x):
     fit = ROBOT.fit
     d = fit.hips + fit.mirrors * (fit.com_affine[0] + x @ fit.com_affine[1:])
     com = (fit.trunk_mass * fit.trunk_com + fit.leg_mass * d.sum(axis=0)) / ROBOT.mass
-    np.testing.assert_allclose(MODEL.offsets(x[None], x[None])[0][0], -com, atol=1e-12)
+    np.testing.assert_allclose(evaluate(MODEL, x[None])[0][0], -com, atol=1e-12)
     assert len(d) == LEGS

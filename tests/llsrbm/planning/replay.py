@@ -17,6 +17,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from tests.llsrbm.models.postures import evaluate_momentum, feet_of, feet_rate_of
+
 GRAVITY = np.array([0.0, 0.0, -9.81])
 PROBES = np.vstack([np.zeros(3), np.eye(3)])
 
@@ -72,9 +74,9 @@ def _rate(plan, model, k, share, s, correction):
     if standing.any():
         beta, turning = _seen(plan, model, k, R, s)
         given[standing], rate[:, standing] = beta[standing], turning[:, standing]
-    x = model.feet_of(given[None], standing[None])
-    xdot = model.feet_rate_of(rate, np.repeat(standing[None], 4, axis=0))
-    left = model.evaluate_momentum(np.repeat(x, 4, axis=0), xdot, PROBES)
+    x = feet_of(model, given[None], standing)
+    xdot = feet_rate_of(model, rate, standing)
+    left = evaluate_momentum(model, np.repeat(x, 4, axis=0), xdot, PROBES)
     turning = s.momentum @ R - correction - left[0]
     omega = np.linalg.solve((left[1:] - left[0]).T, turning)
     w, v = s.quat[0], s.quat[1:]

@@ -10,9 +10,9 @@ import numpy as np
 
 from llsrbm.motion.plan import Plan
 from llsrbm.planning.problem.horizon import constraints_of
-from llsrbm.planning.problem.knots import Knots
+from llsrbm.planning.problem.knots import Knots, unpack
 from llsrbm.planning.problem.layout import Layout
-from llsrbm.planning.problem.placement import parameters as parameters_of
+from llsrbm.planning.problem.parameters import parameters as parameters_of
 from llsrbm.planning.problem.task import Task
 from llsrbm.planning.solve.planner import Planner, planner_of
 from llsrbm.request.jump import Jump
@@ -50,6 +50,29 @@ def solved(model: str, request: str, robot: str = "anymal") -> Solved:
     plan = planner.plan(jump)
     found = planner.last
     return Solved(planner, found.task, plan, found.knots, found.solution.variables)
+
+
+def variable(knots: Knots, name: str, knot: int, leg: int | None = None) -> np.ndarray:
+    """A variable at a knot, or a leg's part of it, in the layout's units; a copy."""
+    return knots.variables[_place(knots, name, knot, leg)].copy()
+
+
+def changed(knots: Knots, *changes: tuple) -> Knots:
+    """The motion with other variables: each (name, knot, value) or (name, knot, leg, value)."""
+    w = knots.variables.copy()
+    for name, knot, *leg, value in changes:
+        w[_place(knots, name, knot, *leg)] = value
+    return unpack(w, knots.layout, knots.task, knots.model, knots.evaluate)
+
+
+def _place(knots: Knots, name: str, knot: int, leg: int | None = None) -> slice:
+    layout = knots.layout
+    place = layout.variables(knot)[name]
+    if leg is None:
+        return place
+    width = 3 * layout.corners if "force" in name else layout.foot_coordinates
+    start = place.start + width * layout.legs_of(name, layout.roles[knot]).index(leg)
+    return slice(start, start + width)
 
 
 def function(planner: Planner, name: str) -> Any:

@@ -1,8 +1,8 @@
-"""What a plan must respect: the paper's constraints and what a real robot needs beside them.
+"""Constraints of a plan: the paper's, and what a real robot needs beside them.
 
-One small class each, found by name, that says the same thing three times over: as rows for the
-solver, as their bounds in numbers, and as a check of the finished plan in NumPy, which does not use
-the rows. Adding a constraint is one class and its place in `CONSTRAINTS`.
+One small class each, found by name: rows for the solver, and their bounds in numbers. A finished
+plan is checked by the same rows, evaluated again; what the whole body makes of it (drives,
+clearance, turn) by Pinocchio. Adding a constraint is one class and its place in `CONSTRAINTS`.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from llsrbm.planning.problem.constraints.body_clearance import BodyClearance
 from llsrbm.planning.problem.constraints.contacts import FeetAtRest, FrictionPyramid, GivenContacts
 from llsrbm.planning.problem.constraints.drives import JointSpeed, JointTorque, TorqueAtSpeed
 from llsrbm.planning.problem.constraints.edge import Edge
-from llsrbm.planning.problem.constraints.motion import FinalPlace, FinalState, MomentumBalance
+from llsrbm.planning.problem.constraints.motion import MOMENTUM_BALANCE, FinalPlace, FinalState
 from llsrbm.planning.problem.constraints.reach import FeetApart, Reach
 from llsrbm.planning.problem.constraints.swing import Clearance, FootSpeed
 from llsrbm.planning.problem.constraints.timing import PhaseTimes
@@ -23,7 +23,7 @@ from llsrbm.planning.problem.constraints.upright import UprightLanding
 __all__ = ["CONSTRAINTS", "Constraint"]
 
 CONSTRAINTS: tuple[Constraint, ...] = (
-    MomentumBalance(),
+    MOMENTUM_BALANCE,
     GivenContacts(),
     FeetAtRest(),
     FrictionPyramid(),

@@ -1,4 +1,4 @@
-"""What a constraint is: rows for the solver, their bounds, and a check of the finished plan."""
+"""Interface of the constraints: rows for the solver, their bounds, and their violation."""
 
 from __future__ import annotations
 
@@ -130,27 +130,28 @@ class Constraint(ABC):
         only in its first solve.
         """
 
-    @abstractmethod
     def violation(self, knots: Knots) -> Array:
         """(N+1,) amount of the violation at or after each knot, in `unit`; 0 when satisfied."""
+        out = np.zeros(len(knots.time))
+        if (rows := knots.rows.get(self)) is not None:
+            lower, value, upper = (
+                self.measured(x, knots.task) for x in (rows.lower, rows.values, rows.upper)
+            )
+            with np.errstate(invalid="ignore"):  # of a solver that diverged
+                np.maximum.at(out, rows.knot, np.maximum(lower - value, value - upper))
+        return out
+
+    def measured(self, rows: Array, task: Task) -> Array:
+        """Rows (n,), or their bounds, in `unit`."""
+        return rows
 
     def demand(self, knots: Knots) -> Demand | None:
         """What a motion asks of a joint beyond the limits; None if it does not, or of no joint."""
         return None
 
 
-def spread(knots: Knots, amounts: Array, where: NDArray[np.bool_] | None = None) -> Array:
-    """(N+1,) the largest amount at each knot; never negative.
-
-    Args:
-        knots: of which.
-        amounts: (N+1, ...) at the knots, or (N, ...) over the intervals.
-        where: (N+1, L) or (N, L) legs that count, along the amounts' second axis; None: all.
-    """
+def spread(knots: Knots, amounts: Array) -> Array:
+    """(N+1,) the largest at each knot, never negative, of (N+1, ...) or of intervals (N, ...)."""
     out = np.zeros(len(knots.time))
-    if where is not None:
-        counts = where[: len(amounts)]
-        shape = (*counts.shape, *[1] * (amounts.ndim - 2))
-        amounts = np.where(counts.reshape(shape), amounts, 0.0)
     out[: len(amounts)] = amounts.reshape(len(amounts), -1).max(axis=1, initial=0.0)
     return out

@@ -7,10 +7,9 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from llsrbm.mechanics import INSCRIBED
-from llsrbm.planning.problem.constraints.base import Array, Bounds, Constraint, Limit, spread
+from llsrbm.mechanics import GRAVITY, INSCRIBED
+from llsrbm.planning.problem.constraints.base import Array, Bounds, Constraint, Limit
 from llsrbm.planning.problem.headings import across
-from llsrbm.planning.problem.knots import Knots
 from llsrbm.planning.problem.layout import Layout, Role
 from llsrbm.planning.problem.stage import Stage
 from llsrbm.planning.problem.task import Task
@@ -47,12 +46,6 @@ class GivenContacts(Constraint):
         """Zero."""
         return (_edge_rows(layout, knot),) * 2
 
-    def violation(self, knots: Knots) -> Array:
-        """|p_i - p_i*| and what the headings miss, at lift-off and touchdown."""
-        place = np.abs(knots.model_feet - knots.standing_feet).max(axis=-1)
-        heading = np.abs(np.sin(knots.model_headings - knots.standing_yaw))
-        return spread(knots, np.maximum(place, heading), knots.at_edge)
-
 
 class FeetAtRest(Constraint):
     """The feet leave the ground and meet it at rest, also in how soles turn."""
@@ -72,10 +65,6 @@ class FeetAtRest(Constraint):
     def bounds(self, task: Task, layout: Layout, knot: int) -> Bounds:
         """Zero."""
         return (_edge_rows(layout, knot),) * 2
-
-    def violation(self, knots: Knots) -> Array:
-        """The largest speed along an axis, at lift-off and touchdown."""
-        return spread(knots, np.abs(knots.foot_velocity_at_knots), knots.at_edge)
 
 
 class FrictionPyramid(Constraint):
@@ -117,11 +106,9 @@ class FrictionPyramid(Constraint):
         rows = 4 * layout.corners * len(layout.roles[knot].standing)
         return np.full(rows, -np.inf), np.zeros(rows)
 
-    def violation(self, knots: Knots) -> Array:
-        """Tangential force, along its larger component, beyond the pyramid's share."""
-        f = knots.force
-        excess = np.abs(f[..., :2]) - INSCRIBED * knots.task.limits.friction * f[..., 2:]
-        return spread(knots, excess)
+    def measured(self, rows: Array, task: Task) -> Array:
+        """N."""
+        return rows * (task.mass * GRAVITY / (len(task.corners) * len(task.schedule.legs)))
 
 
 def _edge_rows(layout: Layout, knot: int) -> Array:

@@ -8,10 +8,9 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from llsrbm.planning.problem.constraints.base import Array, Bounds, Constraint, spread
+from llsrbm.planning.problem.constraints.base import Array, Bounds, Constraint
 from llsrbm.planning.problem.constraints.swing import clearance_line
 from llsrbm.planning.problem.headings import direction
-from llsrbm.planning.problem.knots import Knots
 from llsrbm.planning.problem.layout import Layout, Role
 from llsrbm.planning.problem.stage import Stage
 from llsrbm.planning.problem.task import Task
@@ -73,16 +72,6 @@ class Edge(Constraint):
         flying = list(layout.roles[knot].flying)
         low, high = (values[knot, flying] for values in _ranges(task, layout))
         return np.repeat(low, layout.corners), np.repeat(high, layout.corners)
-
-    def violation(self, knots: Knots) -> Array:
-        """Metres too near."""
-        legs, task = knots.model.legs, knots.task
-        low, high = _ranges(task, knots.layout)
-        corners = knots.contact_point[..., :2].reshape(len(knots.time), legs, -1, 2)
-        towards = np.array([task.towards(p) for p in range(len(task.schedule))])[knots.phase]
-        along = np.einsum("klcj,klj->klc", corners, towards)
-        beyond = np.maximum(low[..., None] - along, along - high[..., None]).max(axis=-1)
-        return spread(knots, beyond, knots.flying)
 
 
 @lru_cache(maxsize=2)

@@ -6,12 +6,10 @@ from typing import Any
 
 import casadi as ca
 import numpy as np
-from scipy.spatial.transform import Rotation
 
-from llsrbm.planning.problem.constraints.base import Array, Bounds, Constraint, spread
-from llsrbm.planning.problem.knots import Knots
+from llsrbm.planning.problem.constraints.base import Array, Bounds, Constraint
 from llsrbm.planning.problem.layout import Layout, Role
-from llsrbm.planning.problem.stage import Stage
+from llsrbm.planning.problem.stage import BALANCE_SCALE, Stage
 from llsrbm.planning.problem.task import Task
 
 # Of the way from the middle of the feet to the nearest of them: forces can still be shared by all.
@@ -42,15 +40,12 @@ class MomentumBalance(Constraint):
         """Zero."""
         return np.zeros(3), np.zeros(3)
 
-    def violation(self, knots: Knots) -> Array:
-        """|I omega + h - R^T L|."""
-        R, _, _ = knots.mid
-        x, xdot = knots.feet_mid
-        momentum = knots.model.evaluate_momentum(x, xdot, knots.rotation_rate)
-        if knots.task.correction is not None:
-            momentum = momentum + knots.task.correction
-        error = momentum - np.einsum("kji,kj->ki", R, knots.momentum_mean)
-        return spread(knots, np.abs(error))
+    def measured(self, rows: Array, task: Task) -> Array:
+        """kg m2/s."""
+        return rows * (task.mass / BALANCE_SCALE)
+
+
+MOMENTUM_BALANCE = MomentumBalance()
 
 
 class FinalState(Constraint):
@@ -85,20 +80,10 @@ class FinalState(Constraint):
         """Zero."""
         return (np.zeros(10 if layout.under_way else 12),) * 2
 
-    def violation(self, knots: Knots) -> Array:
-        """The largest of the errors."""
-        task = knots.task
-        goal = Rotation.from_quat(task.goal_quat, scalar_first=True)
-        turn = (goal.inv() * Rotation.from_matrix(knots.R_world_base[-1])).magnitude()
-        off = knots.position[-1] - task.goal_position
-        errors = (
-            off[2] if knots.layout.under_way else off,
-            knots.velocity[-1] - task.goal_velocity,
-            knots.momentum[-1] / task.mass,
-            turn,
-        )
-        out = np.zeros(len(knots.time))
-        out[-1] = max(float(np.abs(e).max()) for e in errors)
+    def measured(self, rows: Array, task: Task) -> Array:
+        """The turn left as an angle."""
+        out = rows.copy()
+        out[-9:-6] = 2 * np.arcsin(min(float(np.linalg.norm(rows[-9:-6])), 1.0))
         return out
 
 
@@ -121,12 +106,3 @@ class FinalPlace(Constraint):
         last = task.places[-1]
         top = INSIDE * np.abs(last.contacts[:, :2] - task.goal_position[:2]).min(axis=0)
         return -top, top
-
-    def violation(self, knots: Knots) -> Array:
-        """Metres beyond."""
-        out = np.zeros(len(knots.time))
-        if knots.layout.under_way:
-            _, top = self.bounds(knots.task, knots.layout, len(out) - 1)
-            off = knots.position[-1] - knots.task.goal_position - np.append(knots.shift, 0.0)
-            out[-1] = max(float((np.abs(off[:2]) - top).max()), 0.0)
-        return out

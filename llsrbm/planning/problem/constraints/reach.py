@@ -8,8 +8,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from llsrbm.planning.problem.constraints.base import Array, Bounds, Constraint, Limit, spread
-from llsrbm.planning.problem.knots import Knots
+from llsrbm.planning.problem.constraints.base import Array, Bounds, Constraint, Limit
 from llsrbm.planning.problem.layout import Layout, Role
 from llsrbm.planning.problem.stage import Stage
 from llsrbm.planning.problem.task import Task
@@ -104,25 +103,11 @@ class Reach(Constraint):
         upper[standing, 3] = np.minimum(upper[standing, 3], -task.lowest_hips)
         return np.tile(lower, layout.legs), upper.ravel()
 
-    def violation(self, knots: Knots) -> Array:
-        """Metres beyond the distance or the box."""
-        task = knots.task
-        reach, x = task.reach, knots.feet_in_hip[..., :3]
-        standing = knots.layout.standing
-        upper = np.tile(np.array(reach.upper), (*standing.shape, 1))
-        upper[standing, 2] = np.minimum(upper[standing, 2], -task.lowest_hips)
-        distance = np.linalg.norm(x, axis=-1, keepdims=True)
-        beyond = np.concatenate(
-            [
-                reach.distance[0] - distance,
-                distance - reach.distance[1],
-                np.array(reach.lower) - x,
-                x - upper,
-            ],
-            axis=-1,
-        )
-        beyond[[0, -1]] = 0.0  # the postures there are given
-        return spread(knots, beyond)
+    def measured(self, rows: Array, task: Task) -> Array:
+        """m: |x_i| in place of its square."""
+        of_legs = rows.reshape(-1, 4).copy()
+        of_legs[:, 0] = np.sqrt(of_legs[:, 0])
+        return of_legs.ravel()
 
 
 class FeetApart(Constraint):
@@ -164,14 +149,9 @@ class FeetApart(Constraint):
         pairs = len(_pairs(layout.legs, layout.roles[knot]))
         return np.full(pairs, task.limits.feet_apart**2), np.full(pairs, np.inf)
 
-    def violation(self, knots: Knots) -> Array:
-        """Metres too close."""
-        model, flying = knots.model, knots.flying
-        feet = (model.hips + model.mirrors * knots.feet_in_hip[..., :3])[..., :2]
-        pairs = list(combinations(range(model.legs), 2))
-        gaps = np.stack([np.linalg.norm(feet[:, i] - feet[:, j], axis=-1) for i, j in pairs], 1)
-        fly = np.stack([flying[:, i] | flying[:, j] for i, j in pairs], 1)
-        return spread(knots, knots.task.limits.feet_apart - gaps, fly)
+    def measured(self, rows: Array, task: Task) -> Array:
+        """m."""
+        return np.sqrt(rows)
 
 
 def _pairs(legs: int, role: Role) -> list[tuple[int, int]]:

@@ -7,8 +7,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from llsrbm.planning.problem.constraints.base import Array, Bounds, Constraint, Limit, spread
-from llsrbm.planning.problem.knots import Knots
+from llsrbm.planning.problem.constraints.base import Array, Bounds, Constraint, Limit
 from llsrbm.planning.problem.layout import Layout, Role
 from llsrbm.planning.problem.stage import Stage
 from llsrbm.planning.problem.task import Task
@@ -92,15 +91,6 @@ class Clearance(Constraint):
         line = clearance_line(task, role.phase, layout.swing_progress[0][[knot]])[0]
         return line[flying], np.full(len(flying), np.inf)
 
-    def violation(self, knots: Knots) -> Array:
-        """Metres below the line."""
-        progress = knots.layout.swing_progress[0]
-        line = np.zeros_like(progress)
-        for phase in range(knots.layout.phases):
-            here = knots.layout.phase == phase
-            line[here] = clearance_line(knots.task, phase, progress[here])
-        return spread(knots, line - knots.foot_position[..., 2], knots.flying)
-
 
 class FootSpeed(Constraint):
     """The feet's speed in the world along each base axis."""
@@ -132,8 +122,3 @@ class FootSpeed(Constraint):
         """Plus and minus the limit."""
         top = np.full(3 * len(layout.roles[knot].swinging), task.limits.foot_speed)
         return -top, top
-
-    def violation(self, knots: Knots) -> Array:
-        """Speed beyond the limit."""
-        excess = np.abs(knots.foot_velocity_base) - knots.task.limits.foot_speed
-        return spread(knots, excess, knots.swings_freely)

@@ -9,6 +9,7 @@ import numpy as np
 import pinocchio as pin
 
 from llsrbm.planning.problem.constraints.base import Array, Bounds, Constraint
+from llsrbm.planning.problem.constraints.motion import MOMENTUM_BALANCE
 from llsrbm.planning.problem.knots import Knots
 from llsrbm.planning.problem.layout import Layout, Role
 from llsrbm.planning.problem.stage import Stage
@@ -63,7 +64,7 @@ def turn_error(knots: Knots, flight: slice) -> Array:
     turn = np.zeros(3)
     for k in range(flight.start, flight.stop):
         momentum, inertia = whole_body(knots, k)
-        missing = knots.mid[0][k].T @ knots.momentum_mean[k] - momentum
+        missing = knots.momentum_mean[k] - momentum
         turn += np.linalg.solve(inertia, missing) * knots.dt[k]
     return turn
 
@@ -85,7 +86,10 @@ def whole_body(knots: Knots, interval: int) -> tuple[Array, Array]:
 
 def correction(knots: Knots) -> Array:
     """(N, 3) kg m2/s, base axes: what the model's angular momentum lacks over each interval."""
-    x, xdot = knots.feet_mid
-    modelled = knots.model.evaluate_momentum(x, xdot, knots.rotation_rate)
+    task, balance = knots.task, knots.rows[MOMENTUM_BALANCE]
+    # The balance is what the model has, with an earlier correction, less the plan's.
+    modelled = knots.momentum_mean + MOMENTUM_BALANCE.measured(balance.values, task).reshape(-1, 3)
+    if task.correction is not None:
+        modelled = modelled - task.correction
     true = np.array([whole_body(knots, k)[0] for k in range(len(modelled))])
     return true - modelled

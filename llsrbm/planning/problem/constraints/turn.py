@@ -7,9 +7,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from llsrbm.planning.problem.constraints.base import Array, Bounds, Constraint, Limit, spread
-from llsrbm.planning.problem.headings import heading_rates
-from llsrbm.planning.problem.knots import Knots
+from llsrbm.planning.problem.constraints.base import Bounds, Constraint, Limit
 from llsrbm.planning.problem.layout import Layout, Role
 from llsrbm.planning.problem.stage import Stage
 from llsrbm.planning.problem.task import Task
@@ -62,14 +60,6 @@ class FootYaw(Constraint):
         rows = layout.legs if layout.foot_coordinates > 3 else 0
         return np.full(rows, low), np.full(rows, high)
 
-    def violation(self, knots: Knots) -> Array:
-        """Angle out of range."""
-        low, high = knots.task.foot.yaw
-        yaw = knots.feet_in_hip[..., 3:]
-        beyond = np.maximum(low - yaw, yaw - high)
-        beyond[[0, -1]] = 0.0  # the postures there are given
-        return spread(knots, beyond)
-
 
 class FootTurn(Constraint):
     """How fast feet turn in flight: against the base, and in the world."""
@@ -109,15 +99,3 @@ class FootTurn(Constraint):
         turning = len(role.swinging) if layout.foot_coordinates > 3 else 0
         limit = np.full(2 * turning, task.foot.turn_speed)
         return -limit, limit
-
-    def violation(self, knots: Knots) -> Array:
-        """Speed beyond the limit."""
-        top = knots.task.foot.turn_speed
-        if knots.model.coordinates == 3:
-            return np.zeros(len(knots.time))
-        R, _, _ = knots.mid
-        x, xdot = knots.feet_mid
-        side = knots.model.turn_mirrors
-        turn = heading_rates(R, side * x[..., 3], side * xdot[..., 3], knots.rotation_rate)
-        fastest = np.maximum(np.abs(xdot[..., 3]), np.abs(turn))
-        return spread(knots, fastest - top, knots.swings_freely)

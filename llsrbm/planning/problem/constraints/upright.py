@@ -6,8 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from llsrbm.planning.problem.constraints.base import Array, Bounds, Constraint, spread
-from llsrbm.planning.problem.knots import Knots
+from llsrbm.planning.problem.constraints.base import Array, Bounds, Constraint
 from llsrbm.planning.problem.layout import Layout, Role
 from llsrbm.planning.problem.stage import Stage
 from llsrbm.planning.problem.task import Task
@@ -39,8 +38,6 @@ class UprightLanding(Constraint):
         """At least that of the largest lean."""
         return np.array([np.cos(LEAN)]), np.array([np.inf])
 
-    def violation(self, knots: Knots) -> Array:
-        """Lean beyond the largest."""
-        cosine = np.clip(knots.R_world_base[:, 2, 2], -1.0, 1.0)
-        after = np.array([role.lands_upright for role in knots.layout.roles])
-        return spread(knots, np.where(after, np.arccos(cosine) - LEAN, 0.0)[:, None])
+    def measured(self, rows: Array, task: Task) -> Array:
+        """Less the lean, rad."""
+        return -np.arccos(np.clip(rows, -1.0, 1.0))

@@ -1,4 +1,4 @@
-"""Each constraint on a plan that was made to break it by a known amount."""
+"""Each constraint on a plan that was made to break it by a known amount, in ANYmal's numbers."""
 
 from dataclasses import replace
 
@@ -9,20 +9,16 @@ from scipy.spatial.transform import Rotation
 
 from llsrbm import models
 from llsrbm.planning.problem.constraints import CONSTRAINTS
-from llsrbm.planning.problem.constraints.drives import (
-    COMPARED_SPEED_ALLOWANCE,
-    COMPARED_TORQUE_ALLOWANCE,
-)
-from llsrbm.planning.problem.knots import feet_from_com
-from llsrbm.planning.why.residuals import phase_name, violations
+from llsrbm.planning.problem.headings import feet_seen
+from llsrbm.planning.problem.violations import violations
 from llsrbm.robots import load_robot
 from llsrbm.robots.drives import torque_in_direction
-from tests.llsrbm.planning.solved import REQUESTS, TYPES, solved
+from tests.llsrbm.planning.solved import REQUESTS, TYPES, changed, solved, variable
 
 NAMED = {c.name: c for c in CONSTRAINTS}
 ROBOT = load_robot("anymal")
-MASS, FILE = ROBOT.mass, ROBOT.file
-LIMITS, REACH, TIMING = FILE.limits, FILE.reach, FILE.timing
+MASS = 30.4754  # kg
+FORCE = MASS * 9.81 / 4  # N, of forces in the solver's units
 FIRST, LAST = 16, 32  # lift-off, touchdown and mid-flight
 MIDDLE = (FIRST + LAST) // 2
 LEG = 1
@@ -34,134 +30,118 @@ def base():
     return solved("srbm", "twist").knots
 
 
-def changed(name, index, value):
-    """The plan with one entry of an array replaced."""
-    array = getattr(base(), name).copy()
-    array[index] = value
-    return replace(base(), **{name: array})
-
-
 def swing_to(foot):
     """The plan with a leg's foot at `foot` in its hip frame at mid-flight."""
-    return changed("air_feet", (MIDDLE, LEG), foot)
+    return changed(base(), ("feet", MIDDLE, LEG, foot))
+
+
+def attitude(knots, k):
+    """In the middle of an interval."""
+    half = Rotation.from_rotvec(knots.rotation_rate[k] * knots.dt[k] / 2)
+    return (Rotation.from_quat(knots.quat[k], scalar_first=True) * half).as_matrix()
+
+
+def with_loads(knots, k, joint, speed, torque):
+    """The motion with another speed and torque of a joint over an interval."""
+    loads, other = knots.loads, replace(knots)
+    velocity, effort = loads.joint_velocity.copy(), loads.joint_torque.copy()
+    velocity[k, joint], effort[k, joint] = speed, torque
+    vars(other)["loads"] = replace(
+        loads,
+        joint_velocity=velocity,
+        joint_torque=effort,
+        torque_available=torque_in_direction(ROBOT, velocity, effort),
+    )
+    return other
 
 
 def momentum_balance():
-    step = np.array([0.0, 0.0, 2.0])
-    knots = changed("momentum", MIDDLE, base().momentum[MIDDLE] + step)
+    value = base().momentum[MIDDLE] / base().task.mass + [0.0, 0.0, 2.0 / MASS]
     # The mean over an interval follows from its first knot; the twist keeps z upright.
-    return knots, 2.0, "flight", {base().time[MIDDLE]}
+    return changed(base(), ("momentum", MIDDLE, value)), 2.0, "flight", MIDDLE
 
 
 def given_contacts():
-    foot = base().air_feet[LAST, LEG] + [0.0, 0.0, 0.04]
-    return changed("air_feet", (LAST, LEG), foot), 0.04, "landing", {base().time[LAST]}
+    foot = np.add(variable(base(), "feet", LAST, LEG), [0.0, 0.0, 0.04])
+    return changed(base(), ("feet", LAST, LEG, foot)), 0.04, "landing", LAST
 
 
 def friction_pyramid():
-    force = [LIMITS.friction * 100 / np.sqrt(2) + 7.0, -20.0, 100.0]
-    return changed("force", (3, LEG), force), 7.0, "take-off", {base().time[3]}
+    """A coefficient of 0.5 holds 35.355 N of 100 N along each axis."""
+    force = np.array([35.355 + 7.0, -20.0, 100.0]) / FORCE
+    return changed(base(), ("force", 3, LEG, force)), 7.0, "take-off", 3
 
 
 def feet_at_rest():
     """The base stays put against the CoM, so a foot's velocity is its hip frame's."""
-    rate = base().knot_rate[LAST, LEG] + [0.0, 0.2, 0.0]
-    knots = changed("knot_rate", (LAST, LEG), rate)
-    return knots, 0.2, "landing", {base().time[LAST]}
+    rate = np.add(variable(base(), "feet_velocity", LAST, LEG), [0.0, 0.2, 0.0])
+    return changed(base(), ("feet_velocity", LAST, LEG, rate)), 0.2, "landing", LAST
 
 
 def phase_times():
-    low, _ = TIMING.flight
-    return changed("durations", 1, low - 0.07), 0.07, "flight", {base().time[FIRST]}
+    """A flight takes 0.3 s at least."""
+    return changed(base(), ("next_duration", FIRST - 1, 0.23)), 0.07, "flight", FIRST
 
 
 def reach():
-    return swing_to([0, 0, -REACH.distance[1] - 0.03]), 0.03, "flight", {base().time[MIDDLE]}
+    """A leg reaches 0.52 m."""
+    return swing_to([0, 0, -0.55]), 0.03, "flight", MIDDLE
 
 
 def clearance():
-    progress = (MIDDLE - FIRST) / (LAST - FIRST)
-    arch = (4 * progress * (1 - progress)) ** 2 * LIMITS.clearance
-    low = base().foot_position[MIDDLE][:, 2].min()
-    fall = 0.05 + low - arch  # the lowest foot then is 5 cm below the arch, the ground being at 0
+    """The arch is 8 cm high in the middle; the lowest foot is put 5 cm below that."""
+    fall = base().foot_position[MIDDLE, :, 2].min() - 0.03
     position = base().position[MIDDLE] - [0, 0, fall]
-    return changed("position", MIDDLE, position), 0.05, "flight", {base().time[MIDDLE]}
+    return changed(base(), ("position", MIDDLE, position)), 0.05, "flight", MIDDLE
 
 
 def feet_apart():
-    feet = base().air_feet[MIDDLE].copy()
-    # Both front feet 4 cm from each other about the middle plane.
-    for leg in (0, 1):
-        feet[leg] = [0.0, 0.02 - abs(base().model.hips[leg, 1]), -0.4]
-    knots = changed("air_feet", MIDDLE, feet)
-    return knots, LIMITS.feet_apart - 0.04, "flight", {base().time[MIDDLE]}
+    """Both front feet 4 cm from each other about the middle plane, where 12 cm are kept."""
+    hip = abs(base().model.hips[0, 1])
+    feet = [("feet", MIDDLE, leg, [0.0, 0.02 - hip, -0.4]) for leg in (0, 1)]
+    return changed(base(), *feet), 0.08, "flight", MIDDLE
 
 
 def foot_speed():
-    """Five times the limit at mid-interval, all of it along one axis of the base."""
-    k, model = MIDDLE, base().model
-    R, _, v = (a[k] for a in base().mid)
-    omega, half = base().rotation_rate[k], base().dt[k] / 2
-    begins = base().evaluated[0][k] + model.hips[LEG]
-    begins = begins + model.mirrors[LEG] * base().air_feet[k, LEG]
-    wanted = np.array([LIMITS.foot_speed + 2.0, 0.0, 0.0])
+    """7 m/s at mid-interval where 5 are allowed, all of it along one axis of the base."""
+    knots, k, model = base(), MIDDLE, base().model
+    omega, half = knots.rotation_rate[k], knots.dt[k] / 2
+    begins = ROBOT.base_position - ROBOT.com + model.hips[LEG]
+    begins = begins + model.mirrors[LEG] * knots.feet_in_hip[k, LEG]
+    velocity = attitude(knots, k).T @ (knots.velocity[k] + knots.velocity[k + 1]) / 2
     # Of a foot that moves at u against the base: u + omega x (where it begins + u dt / 2).
     turned = np.cross(omega, np.eye(3)).T
-    u = np.linalg.solve(np.eye(3) + half * turned, wanted - R.T @ v - turned @ begins)
-    rate = model.mirrors[LEG] * u
-    knots = changed("air_rate", (k, LEG), rate)
-    return knots, 2.0, "flight", {base().time[k]}
+    u = np.linalg.solve(np.eye(3) + half * turned, [7.0, 0, 0] - velocity - turned @ begins)
+    step = model.mirrors[LEG] * u - variable(knots, "feet_velocity", k, LEG)
+    return changed(knots, ("feet_step", k, LEG, step)), 2.0, "flight", k
 
 
 def joint_torque():
-    """A foot that pushes harder: the torques change by -J^T of the force."""
+    """A foot that pushes harder: torques change by -J^T of the force; of 40 Nm 125 % are allowed.
+
+    Models for comparison are given 40 % beyond the 85 % that plans may use.
+    """
     k, more = LAST + 3, np.array([60.0, -40.0, 500.0])
-    knots = changed("force", (k, LEG), base().force[k, LEG] + more)
+    force = variable(base(), "force", k, LEG) + more / FORCE
     q = np.concatenate([[0, 0, 0, 0, 0, 0, 1], base().loads.joint_position[k]])
     data = ROBOT.model.createData()
     frame, axes = ROBOT.legs[LEG].foot_frame_id, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
     J = pin.computeFrameJacobian(ROBOT.model, data, q, frame, axes)[:3, 6:]
-    torque = base().loads.joint_torque[k] - J.T @ base().mid[0][k].T @ more
-    beyond = np.abs(torque).max() - (0.85 + COMPARED_TORQUE_ALLOWANCE) * 40.0
+    torque = base().loads.joint_torque[k] - J.T @ attitude(base(), k).T @ more
+    beyond = np.abs(torque).max() - 50.0
     assert beyond > 10.0
-    return knots, beyond, "landing", {base().time[k]}
+    return changed(base(), ("force", k, LEG, force)), beyond, "landing", k
 
 
 def torque_at_speed():
-    """Driving at 85 % of the speed limit, half of the torque is left."""
-    k, joint = FIRST - 1, 4
-    loads = base().loads
-    speed, torque = loads.joint_velocity.copy(), loads.joint_torque.copy()
-    speed[k, joint], torque[k, joint] = -0.85 * 15.0, -39.0
-    knots = replace(base())
-    vars(knots)["loads"] = replace(
-        loads,
-        joint_velocity=speed,
-        joint_torque=torque,
-        torque_available=torque_in_direction(ROBOT, speed, torque),
-    )
-    return (
-        knots,
-        39.0 - 0.85 * 20.0 - COMPARED_TORQUE_ALLOWANCE * 40.0,
-        "take-off",
-        {base().time[k]},
-    )
+    """Driving at 85 % of 15 rad/s, 20 of 40 Nm are left, of which plans may use 85 %."""
+    knots = with_loads(base(), FIRST - 1, 4, -12.75, -39.0)
+    return knots, 39.0 - 17.0 - 16.0, "take-off", FIRST - 1
 
 
 def joint_speed():
-    """The same motion in less time: all joints are faster by that factor."""
-    fastest = np.abs(base().loads.joint_velocity).max(axis=1)
-    factor = ((0.9 + COMPARED_SPEED_ALLOWANCE) * 15.0 + 1.5) / fastest.max()
-    assert factor > 1
-    knots = replace(
-        base(),
-        time=base().time / factor,
-        durations=base().durations / factor,
-        velocity=base().velocity * factor,
-        rotation_rate=base().rotation_rate * factor,
-    )
-    k = int(fastest.argmax())
-    return knots, 1.5, phase_name(knots, k), {knots.time[k]}
+    """115 % of 15 rad/s are allowed for comparison."""
+    return with_loads(base(), MIDDLE, 3, 17.25 + 1.5, 0.0), 1.5, "flight", MIDDLE
 
 
 def final_state():
@@ -169,7 +149,7 @@ def final_state():
         base().quat[-1], scalar_first=True
     )
     quat = turned.as_quat(scalar_first=True)
-    return changed("quat", -1, quat), 0.02, "landing", {base().time[-1]}
+    return changed(base(), ("quat", LAST + 16, quat)), 0.02, "landing", LAST + 16
 
 
 BROKEN = [
@@ -198,11 +178,11 @@ def test_every_constraint_has_its_example():
 
 @pytest.mark.parametrize("make", BROKEN, ids=lambda make: make.__name__)
 def test_seen_with_the_right_amount_at_the_right_place(make):
-    knots, amount, phase, times = make()
+    knots, amount, phase, knot = make()
     found = violations(knots)[make.__name__]
     assert found.amount == pytest.approx(amount, rel=1e-3, abs=2e-4)
     assert found.phase == phase
-    assert found.time in times
+    assert found.time == knots.time[knot]
     assert found.unit == NAMED[make.__name__].unit
     assert violations(base())[make.__name__].amount < 1e-4
 
@@ -221,46 +201,46 @@ def test_plans_keep_every_constraint(model, request_name):
 
 
 @pytest.mark.parametrize(
+    ("model", "speed", "torque"),
+    [("llsrbm-plus", 0.93 * 15.0, 0.95 * 40.0), ("srbm", 1.15 * 15.0, 1.25 * 40.0)],
+)
+def test_allowances_of_the_drives(model, speed, torque):
+    """Beyond 90 % of the speed and 85 % of the torque: 3 and 10 %, for comparison 25 and 40 %."""
+    knots = solved(model, "twist").knots
+    for share in (0.995, 1.005):
+        fast = violations(with_loads(knots, MIDDLE, 3, share * speed, 0.0))["joint_speed"].amount
+        strong = violations(with_loads(knots, 3, 3, 0.0, share * torque))["joint_torque"].amount
+        assert fast == pytest.approx(max(share - 1, 0) * speed)
+        assert strong == pytest.approx(max(share - 1, 0) * torque)
+
+
+@pytest.mark.parametrize(
     ("change", "name", "amount"),
     [
-        (("force", (0, 0), [0, 0, -3.0]), "friction_pyramid", 3.0 * LIMITS.friction / np.sqrt(2)),
-        (
-            ("force", (0, 0), [0, -60.0, 100.0]),
-            "friction_pyramid",
-            60.0 - 100.0 * LIMITS.friction / np.sqrt(2),
-        ),
-        (("durations", 0, TIMING.takeoff[1] + 0.2), "phase_times", 0.2),
-        (("quat", -1, [0, 0, 0, 1]), "final_state", np.pi / 2),
-        (("velocity", -1, [0, 0, -0.3]), "final_state", 0.3),
-        (("momentum", -1, [0, 0.4 * MASS, 0]), "final_state", 0.4),
+        (("force", 0, 0, [0, 0, -3.0 / FORCE]), "friction_pyramid", 1.0607),
+        (("force", 0, 0, [0, -60.0 / FORCE, 100.0 / FORCE]), "friction_pyramid", 24.6447),
+        (("duration", 0, 1.0), "phase_times", 0.2),
+        (("quat", 48, [0, 0, 0, 1]), "final_state", np.pi / 2),
+        (("velocity", 48, [0, 0, -0.3]), "final_state", 0.3),
+        (("momentum", 48, [0, 0.4, 0]), "final_state", 0.4),
+        (("feet", MIDDLE, LEG, [0.24, 0, -0.4]), "reach", 0.02),
+        (("feet", MIDDLE, LEG, [0, -0.25, -0.4]), "reach", 0.05),
+        (("feet", MIDDLE, LEG, [0, 0, -0.18]), "reach", 0.08),
     ],
     ids=lambda value: value if isinstance(value, str) else "",
 )
 def test_the_other_ways_to_break_them(change, name, amount):
-    assert violations(changed(*change))[name].amount == pytest.approx(amount, abs=1e-4)
-
-
-@pytest.mark.parametrize(
-    ("foot", "amount"),
-    [
-        ([REACH.upper[0] + 0.02, 0, -0.4], 0.02),
-        ([0, REACH.lower[1] - 0.05, -0.4], 0.05),
-        ([0, 0, REACH.upper[2] + 0.04], REACH.distance[0] - abs(REACH.upper[2] + 0.04)),
-    ],
-)
-def test_reach_has_a_box_and_a_shortest_distance(foot, amount):
-    assert violations(swing_to(foot))["reach"].amount == pytest.approx(amount)
+    assert violations(changed(base(), change))[name].amount == pytest.approx(amount, abs=1e-4)
 
 
 def test_reach_in_stance_is_measured_from_the_hip():
     position = base().position[5] + [0, 0, 0.2]
-    knots = changed("position", 5, position)
-    R = base().R_world_base[5]
-    hips = position + (base().model.hips + base().evaluated[0][5]) @ R.T
-    longest = np.linalg.norm(base().task.places[0].feet - hips, axis=1).max()
-    below = np.max(REACH.lower[2] - (base().task.places[0].feet - hips) @ R[:, 2])
-    found = violations(knots)["reach"]
-    assert found.amount == pytest.approx(max(longest - REACH.distance[1], below))
+    R = Rotation.from_quat(base().quat[5], scalar_first=True).as_matrix()
+    hips = position + (base().model.hips + ROBOT.base_position - ROBOT.com) @ R.T
+    legs = base().task.places[0].feet - hips
+    beyond = max(np.linalg.norm(legs, axis=1).max() - 0.52, np.max(-0.56 - legs @ R[:, 2]))
+    found = violations(changed(base(), ("position", 5, position)))["reach"]
+    assert found.amount == pytest.approx(beyond)
     assert found.phase == "take-off"
 
 
@@ -278,8 +258,9 @@ def test_a_box_is_cleared_before_the_feet_are_above_it():
 
 def feet_in_stance(model, R, position, stood):
     """(L, d) m, rad: x of all feet where they stand."""
-    beta = feet_from_com(model, R[None], position[None], stood.feet[None], stood.yaw[None])
-    return model.feet_of(beta, np.ones((1, model.legs), dtype=bool))[0]
+    zero = np.zeros(3)
+    given = (R, position, zero, zero, stood.feet.T, np.zeros((3, model.legs)), stood.yaw)
+    return np.array(feet_seen(model)(*given, np.zeros(model.legs))[0]).T
 
 
 @pytest.mark.parametrize(("model", "robot"), [*((m, "anymal") for m in models.names()), BIPED])
@@ -300,15 +281,18 @@ def test_feet_leave_the_ground_and_meet_it_at_rest(model, robot):
             for t in (-step, step)
         ]
         rate = (x[1] - x[0]) / (2 * step)
-        np.testing.assert_allclose(knots.knot_rate[k], rate, atol=1e-3)
+        found = variable(knots, "feet_velocity", k).reshape(rate.shape)
+        np.testing.assert_allclose(found, rate, atol=1e-3)
 
 
 def test_feet_speed_up_and_slow_down_within_the_first_and_last_intervals():
-    """From rest: the first interval's steps are no larger than the next two's together."""
+    """From rest: a foot is still slow in the first interval, and slow again in the last."""
     for model in models.names():
-        speed = np.abs(solved(model, "all").knots.foot_velocity_base[FIRST:LAST])
-        assert speed[0].max() < 0.6 * speed.max()
-        assert speed[-1].max() < 0.6 * speed.max()
+        knots = solved(model, "all").knots
+        moved = np.diff(knots.foot_position[FIRST : LAST + 1], axis=0)
+        speed = np.linalg.norm(moved, axis=-1) / knots.dt[FIRST:LAST, None]
+        assert speed[0].max() < 0.65 * speed.max()
+        assert speed[-1].max() < 0.65 * speed.max()
 
 
 def test_feet_that_swing_while_others_stand_are_held_to_what_swinging_is():

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from llsrbm.models import make_model
 from llsrbm.planning.problem.layout import LEAST_INTERVALS, Layout, Role, split
-from llsrbm.planning.problem.placement import parameter_sizes
+from llsrbm.planning.problem.parameters import parameter_sizes
 from llsrbm.planning.problem.stage import Stage
 from llsrbm.request.schedule import Phase, Schedule, together
 from llsrbm.robots import load_robot

@@ -17,7 +17,7 @@ import pytest
 from llsrbm.mechanics import GRAVITY
 from llsrbm.models import make_model
 from llsrbm.planning.problem.layout import Layout
-from llsrbm.planning.problem.placement import parameter_sizes
+from llsrbm.planning.problem.parameters import parameter_symbols
 from llsrbm.planning.problem.stage import BALANCE_SCALE, Stage
 from llsrbm.robots import load_robot
 
@@ -154,7 +154,7 @@ def instants() -> list[Instant]:
 @cache
 def evaluated() -> dict[str, np.ndarray]:
     """Name -> (COUNT, ...) what the stage says."""
-    symbols = {n: ca.SX.sym(n, size) for n, size in parameter_sizes(LAYOUT).items()}
+    symbols = parameter_symbols(LAYOUT)
     stage = Stage(PUSHING, LAYOUT, MODEL, symbols)
     expressions = {
         "beta": ca.horzcat(*(stage.foot_from_com(i) for i in range(4))),

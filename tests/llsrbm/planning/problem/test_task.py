@@ -9,7 +9,8 @@ from scipy.spatial.transform import Rotation
 from llsrbm.errors import InputError
 from llsrbm.planning.problem.costs import default_weights
 from llsrbm.planning.problem.layout import Layout
-from llsrbm.planning.problem.placement import make_task, parameter_sizes, parameters
+from llsrbm.planning.problem.parameters import parameter_sizes, parameters
+from llsrbm.planning.problem.placement import make_task
 from llsrbm.request.jump import Jump
 from llsrbm.robots import load_robot
 

@@ -1,4 +1,4 @@
-"""The solver's functions against CasADi's own derivatives and against NumPy."""
+"""The solver's functions against CasADi's own derivatives and against differences."""
 
 from functools import cache
 
@@ -11,7 +11,10 @@ from llsrbm.ocp.transcription import Transcription
 from llsrbm.planning.problem.constraints import CONSTRAINTS
 from llsrbm.planning.problem.horizon import constraints_of, make_horizon, row_bounds
 from llsrbm.planning.problem.layout import Layout
+from llsrbm.planning.problem.placement import make_task
 from llsrbm.planning.solve.guess import analytic_guess
+from llsrbm.planning.solve.planner import layout_of
+from llsrbm.request.jump import Jump
 from llsrbm.robots import load_robot
 from tests.llsrbm.planning.solved import function, parameters, solved
 
@@ -144,3 +147,17 @@ def test_fewer_intervals_share_the_same_derivatives(transcription):
     H = np.array(transcription.functions["nlp_hess_l"](w, p, 0.3, lam)[1])
     Hv = (slopes[0] - slopes[1]) / (2 * step)
     np.testing.assert_allclose(H @ v, Hv, atol=1e-5 * np.abs(Hv).max())
+
+
+@pytest.mark.parametrize(("robot", "kind"), [("anymal", "hops"), ("slider", "together")])
+def test_bounds_of_a_role_are_the_same_at_its_knots_unless_said_otherwise(robot, kind):
+    jump = Jump(robot=robot, type=kind, forward=0.2, height=0.1)
+    task, layout = make_task(jump, load_robot(robot)), layout_of(jump, load_robot(robot))
+    differ = set()
+    for role, knots in layout.blocks():
+        for constraint in constraints_of(role):
+            first, *others = (constraint.bounds(task, layout, knot) for knot in knots)
+            if any(not np.array_equal(first, other) for other in others):
+                differ.add(constraint)
+    assert differ
+    assert all(constraint.by_knot for constraint in differ)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from llsrbm.planning.problem.constraints.truth import BEARABLE, TrueTurn, turn_error
-from tests.llsrbm.planning.solved import TYPES, solved
+from tests.llsrbm.planning.solved import TYPES, changed, solved, variable
 
 
 @pytest.mark.parametrize("request_name", ["twist", "forward", "all", *TYPES])
@@ -17,13 +17,10 @@ def test_plans_of_the_true_model_turn_as_they_say(request_name):
 
 def test_momentum_that_the_body_does_not_have_is_seen():
     """Twice the momentum turns the body by about as much again."""
-    from dataclasses import replace
-
     knots = solved("llsrbm-plus", "twist").knots
     (flight,) = knots.flights
-    momentum = knots.momentum.copy()
-    momentum[flight] *= 2
-    doubled = replace(knots, momentum=momentum)
+    inside = range(flight.start, flight.stop)
+    doubled = changed(knots, *(("momentum", k, 2 * variable(knots, "momentum", k)) for k in inside))
     turned = np.linalg.norm(turn_error(doubled, flight))
     turn = np.linalg.norm(knots.rotation_rate[flight].T @ knots.dt[flight])
     assert turned == pytest.approx(turn, rel=0.25)

@@ -1,7 +1,9 @@
+import casadi as ca
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
 
 from llsrbm import models
 from llsrbm.planning.problem.knots import unpack
@@ -9,11 +11,10 @@ from llsrbm.planning.problem.layout import Layout
 from llsrbm.planning.problem.placement import make_task
 from llsrbm.planning.solve.guess import analytic_guess
 from llsrbm.planning.solve.planner import layout_of
-from llsrbm.planning.why.residuals import dynamics_defects, violations
 from llsrbm.request.jump import Jump
 from llsrbm.robots import load_robot
 from tests.llsrbm.planning.any_schedule import task_of
-from tests.llsrbm.planning.solved import TYPES
+from tests.llsrbm.planning.solved import TYPES, variable
 from tests.llsrbm.schedules import schedules
 
 ROBOT = load_robot("anymal")
@@ -40,11 +41,9 @@ def test_a_hop_from_start_to_goal(model, request_):
     np.testing.assert_allclose(knots.position[-1], task.goal_position, atol=1e-12)
     np.testing.assert_allclose(knots.quat[-1], task.goal_quat, atol=1e-12)
     np.testing.assert_allclose(knots.velocity[-1], 0, atol=1e-12)
-    # What is cheap to satisfy from the start is satisfied.
-    found = violations(knots)
-    for name in ("phase_times", "friction_pyramid"):
-        assert found[name].amount < 1e-9, name
-    assert found["final_state"].amount < 1e-9
+    for p, taken in enumerate(knots.durations):
+        assert task.times(p)[0] <= taken <= task.times(p)[1]
+    assert not knots.force[..., :2].any()
 
 
 def test_flight_is_ballistic_and_continuous():
@@ -83,7 +82,7 @@ def guesses(draw):
     return task, layout, analytic_guess(task, layout, MODEL)
 
 
-@settings(max_examples=40)
+@settings(max_examples=10, deadline=None)
 @given(guesses())
 def test_any_schedules_guess_is_a_motion_from_start_to_goal(made):
     task, layout, w = made
@@ -100,58 +99,36 @@ def test_any_schedules_guess_is_a_motion_from_start_to_goal(made):
     # Legs have a length they can have, and feet go on from knot to knot.
     shortest, longest = task.reach.distance
     for leg, lift, touch in layout.swings:
-        x, rate = knots.air_feet[lift : touch + 1, leg], knots.air_rate[lift:touch, leg]
-        length = np.linalg.norm(x, axis=1)
-        assert shortest - 1e-9 <= length.min() <= length.max() <= longest + 1e-9
-        np.testing.assert_allclose(np.diff(x, axis=0), rate * knots.dt[lift:touch, None], atol=1e-9)
-
-
-@settings(max_examples=40)
-@given(guesses())
-def test_any_schedules_guess_nearly_satisfies_the_dynamics(made):
-    """Exactly so in flight; on the ground forces are guessed from the load alone."""
-    task, layout, w = made
-    knots = unpack(w, layout, task, MODEL)
-    defects = {name: values for name, (_, values) in dynamics_defects(knots).items()}
+        length = np.linalg.norm(knots.feet_in_hip[lift : touch + 1, leg], axis=1)
+        assert shortest - 1e-9 <= length[1:-1].min() <= length[1:-1].max() <= longest + 1e-9
+        for k in range(lift, touch):
+            rate = sum(variable(knots, name, k, leg) for name in ("feet_velocity", "feet_step"))
+            moved = knots.feet_in_hip[k + 1, leg] - knots.feet_in_hip[k, leg]
+            np.testing.assert_allclose(moved, rate * knots.dt[k], atol=1e-9)
+    # In flight the CoM falls freely; nowhere is a step longer than the speeds at its ends allow.
     for flight in knots.flights:
-        for name in ("dynamics_position", "dynamics_velocity"):
-            assert defects[name][flight].max() < 1e-9
-    # Position is continuous: no step is longer than the speeds at its ends allow.
+        fall = np.diff(knots.velocity[flight.start : flight.stop + 1], axis=0)
+        np.testing.assert_allclose(fall, knots.dt[flight, None] * [0, 0, -9.81], atol=1e-9)
     steps = np.linalg.norm(np.diff(knots.position, axis=0), axis=1)
     mean = (knots.velocity[1:] + knots.velocity[:-1]) / 2
     np.testing.assert_allclose(steps, np.linalg.norm(mean, axis=1) * knots.dt, atol=0.08)
-    assert defects["dynamics_attitude"].max() < 0.2
-
-
-@settings(max_examples=40)
-@given(guesses())
-def test_unpacked_and_packed_again(made):
-    """Every variable that is a state of the motion is where `Knots` has it."""
-    task, layout, w = made
-    knots = unpack(w, layout, task, MODEL)
+    # Variables are where they belong.
     unit = task.mass * 9.81 / 4
-    for k, role in enumerate(layout.roles):
-        of = {
-            "position": knots.position[k],
-            "velocity": knots.velocity[k],
-            "quat": knots.quat[k],
-            "momentum": knots.momentum[k] / task.mass,
-        }
-        if not role.terminal:
-            in_air, swinging = list(role.in_air), list(role.swinging)
-            of |= {
-                "duration": knots.durations[[role.phase]],
-                "rotation_rate": knots.rotation_rate[k],
-                "feet": knots.air_feet[k, in_air].ravel(),
-                "feet_velocity": knots.knot_rate[k, in_air].ravel(),
-                "feet_step": (knots.air_rate[k] - knots.knot_rate[k])[swinging].ravel(),
-                "force": knots.force[k, list(role.standing)].ravel() / unit,
-            }
-            assert not knots.force[k, swinging].any()
-            assert np.isnan(np.delete(knots.air_feet[k], in_air, axis=0)).all()
-        for name, place in layout.variables(k).items():
-            if name in of:
-                np.testing.assert_allclose(of[name], w[place], atol=1e-12, err_msg=name)
+    for k, role in enumerate(layout.roles[1:-1], start=1):
+        np.testing.assert_allclose(knots.momentum[k], variable(knots, "momentum", k) * task.mass)
+        np.testing.assert_allclose(knots.rotation_rate[k], variable(knots, "rotation_rate", k))
+        for leg in range(layout.legs):
+            stands = leg in role.standing
+            force = variable(knots, "force", k, leg) * unit if stands else np.zeros(3)
+            np.testing.assert_allclose(knots.force[k, leg], force, atol=1e-12)
+
+
+def seen(knots, k):
+    """(L, 3) m: the feet as the model places them."""
+    x = knots.feet_in_hip[k]
+    offset = np.array(MODEL.base_offset(ca.DM(x.T))).ravel()
+    R = Rotation.from_quat(knots.quat[k], scalar_first=True)
+    return knots.position[k] + R.apply(offset + MODEL.hips + MODEL.mirrors * x)
 
 
 @pytest.mark.parametrize("name", TYPES)
@@ -161,8 +138,8 @@ def test_feet_swing_from_where_they_stood_to_where_they_will_stand(name):
     knots = unpack(analytic_guess(task, layout, MODEL), layout, task, MODEL)
     for leg, lift, touch in layout.swings:
         stood, lands = (task.stood(layout.phase[k]).feet[leg] for k in (lift - 1, touch))
-        assert np.linalg.norm(knots.model_feet[lift, leg] - stood) < 0.1
-        assert np.linalg.norm(knots.model_feet[touch, leg] - lands) < 0.1
+        assert np.linalg.norm(seen(knots, lift)[leg] - stood) < 0.1
+        assert np.linalg.norm(seen(knots, touch)[leg] - lands) < 0.1
 
 
 @pytest.mark.parametrize("turn", [{"pitch": -2 * np.pi}, {"pitch": 2 * np.pi}, {"roll": 2 * np.pi}])

@@ -12,11 +12,11 @@ from llsrbm import models
 from llsrbm.body.joint_margins import joint_margins
 from llsrbm.errors import Cancelled, InputError, NotConverged
 from llsrbm.ocp import progress, solvers
-from llsrbm.planning.problem.formulation import PATIENT_FLIGHT
+from llsrbm.planning.problem.violations import TOLERANCE, excess
+from llsrbm.planning.solve import explanation
+from llsrbm.planning.solve.formulation import PATIENT_FLIGHT
 from llsrbm.planning.solve.planner import INTERVALS, Planner, planner_for
 from llsrbm.planning.solve.progress import PlanningProgress
-from llsrbm.planning.why import explanation
-from llsrbm.planning.why.residuals import TOLERANCE, excess
 from llsrbm.request.jump import Jump
 from llsrbm.robots import load_robot
 from tests.llsrbm.kinematics import foot_positions

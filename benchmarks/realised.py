@@ -1,25 +1,22 @@
-"""What a plan becomes on the whole robot: inertia and momentum of its postures, by Pinocchio."""
+"""Inertia and momentum of a plan's postures on the whole robot, by Pinocchio."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 import numpy as np
-import pinocchio as pin
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
-from llsrbm.body.postures import joint_speeds, solve_postures
-from llsrbm.planning.problem.headings import heading_rates, headings
+from llsrbm.mechanics import rotation_matrices, slerp
+from llsrbm.planning.problem.constraints.truth import whole_body
 from llsrbm.planning.problem.knots import Knots
-from llsrbm.robots.robot import Robot
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
 class Realised:
-    """The model's word and Pinocchio's at the N intervals' midpoints.
+    """Numbers of the model and of Pinocchio in the middles of N intervals.
 
     Attributes:
         time: (N,) s; flight: (N,) whether in flight.
@@ -29,7 +26,7 @@ class Realised:
             whole robot has the planned momentum and its joints move as planned.
         interval: (N,) s.
         joint_speed: (N, J) rad/s or m/s.
-        foot_residual: (N,) m, what inverse kinematics could not reach.
+        foot_residual: (N,) m, left over by inverse kinematics.
     """
 
     time: Array
@@ -97,55 +94,22 @@ class Realised:
         return turn
 
 
-def realise(knots: Knots, robot: Robot) -> Realised:
-    """Postures and velocities at the midpoints: same CoM, attitude, feet, and their velocities."""
-    R, position, velocity = knots.mid
-    x, xdot = knots.feet_mid
-    model, omega_base = knots.model, knots.rotation_rate
-    offset, offset_rate = model.offsets(x, xdot)
-    beta = offset[:, None] + model.hips + model.mirrors * x[..., :3]
-    turning = np.cross(omega_base[:, None], beta)
-    beta_rate = offset_rate[:, None] + model.mirrors * xdot[..., :3]
-    feet = position[:, None] + np.einsum("kij,klj->kli", R, beta)
-    foot_velocity = velocity[:, None] + np.einsum("kij,klj->kli", R, beta_rate + turning)
-    quat = Rotation.from_matrix(R).as_quat(scalar_first=True)
-    omega = np.einsum("kij,kj->ki", R, omega_base)
-    foot_quat, foot_omega = None, None
-    if model.coordinates > 3:
-        yaw, yaw_rate = model.turn_mirrors * x[..., 3], model.turn_mirrors * xdot[..., 3]
-        foot_quat = _about_vertical(headings(R, yaw))
-        foot_omega = heading_rates(R, yaw, yaw_rate, omega_base)[..., None] * [0.0, 0.0, 1.0]
-    postures = solve_postures(robot, position, quat, feet, foot_quat)
-    speeds = joint_speeds(
-        robot, postures.joint_position, quat, omega, velocity, foot_velocity, foot_omega
-    )
-
-    pin_model, data = robot.model, robot.model.createData()
-    inertias, momenta, rate_error = np.zeros((3, len(R), 3))
-    for k in range(len(R)):
-        q = np.r_[postures.base_position[k], quat[k, 1:], quat[k, 0], postures.joint_position[k]]
-        # The base's linear velocity does not enter the momentum about the CoM.
-        v = np.r_[np.zeros(3), omega_base[k], speeds[k]]
-        pin.ccrba(pin_model, data, q, v)
-        inertias[k] = np.diag(R[k].T @ data.Ig.inertia @ R[k])
-        momenta[k] = data.hg.angular
-        missing = knots.momentum_mid[k] - data.hg.angular
-        rate_error[k] = R[k].T @ np.linalg.solve(data.Ig.inertia, missing)
+def realise(knots: Knots) -> Realised:
+    """Postures and velocities in the middles of the intervals, and the model's numbers there."""
+    loads = knots.loads
+    middle = rotation_matrices(slerp(knots.quat[:-1], knots.quat[1:], np.array(0.5)))
+    momenta, inertias = map(np.array, zip(*(whole_body(knots, k) for k in range(len(knots.dt)))))
+    rate_error = np.linalg.solve(inertias, (knots.momentum_mean - momenta)[..., None])[..., 0]
+    model = (knots.inertia[:-1] + knots.inertia[1:]) / 2
     return Realised(
-        time=(knots.time[:-1] + knots.time[1:]) / 2,
+        time=loads.time,
         flight=np.asarray(~knots.layout.standing[:-1].any(axis=1)),
-        inertias_model=np.diagonal(model.evaluate(x)[1], axis1=1, axis2=2),
-        inertias_true=inertias,
-        momenta_plan=knots.momentum_mid,
-        momenta_true=momenta,
+        inertias_model=np.diagonal(model, axis1=1, axis2=2),
+        inertias_true=np.diagonal(inertias, axis1=1, axis2=2),
+        momenta_plan=np.einsum("kij,kj->ki", middle, knots.momentum_mean),
+        momenta_true=np.einsum("kij,kj->ki", middle, momenta),
         rate_error=rate_error,
         interval=knots.dt,
-        joint_speed=speeds,
-        foot_residual=postures.residual_m,
+        joint_speed=loads.joint_velocity,
+        foot_residual=loads.foot_residual,
     )
-
-
-def _about_vertical(angle: Array) -> Array:
-    """Quaternions w, x, y, z (..., 4) of turns (...) rad about z."""
-    zero = np.zeros_like(angle)
-    return np.stack([np.cos(angle / 2), zero, zero, np.sin(angle / 2)], axis=-1)

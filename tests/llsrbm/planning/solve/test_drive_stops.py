@@ -16,10 +16,10 @@ from llsrbm.planning.problem.constraints.drives import (
     TorqueAtSpeed,
 )
 from llsrbm.planning.problem.placement import make_task
+from llsrbm.planning.problem.violations import describe_worst, stops, violations
+from llsrbm.planning.solve.explanation import explain, in_words
 from llsrbm.planning.solve.planner import planner_for
-from llsrbm.planning.solve.scout import Scout
-from llsrbm.planning.why.explanation import explain, in_words
-from llsrbm.planning.why.residuals import describe_worst, stops, violations
+from llsrbm.planning.solve.search import FeasibilitySearch
 from llsrbm.request.jump import Jump
 from llsrbm.robots import load_robot
 from tests.llsrbm.planning.solved import solved
@@ -69,7 +69,7 @@ def test_the_nearest_jump_that_the_drives_can_do():
 
 def test_a_jump_that_no_drive_limit_alone_allows_names_the_joints_first():
     planner = planner_for("anymal", "llsrbm-plus")
-    found = explain(Scout(planner.formulation), make_task(BEYOND, ANYMAL))
+    found = explain(FeasibilitySearch(planner.formulation), make_task(BEYOND, ANYMAL))
     assert len(found) > 1
     assert all(stop.together for stop in found)
     assert found[0].limit in ("torque_share", "speed_share")

@@ -1,4 +1,4 @@
-"""What a result is worth: every constraint and the dynamics, recomputed in NumPy."""
+"""Violations of the constraints and defects of the dynamics of a motion."""
 
 from __future__ import annotations
 
@@ -12,7 +12,8 @@ from llsrbm.errors import Stop
 from llsrbm.motion.plan import Violation
 from llsrbm.planning.problem.constraints import CONSTRAINTS, Constraint
 from llsrbm.planning.problem.constraints.base import Demand, Limit
-from llsrbm.planning.problem.knots import Knots
+from llsrbm.planning.problem.knots import DYNAMICS, Knots
+from llsrbm.planning.problem.layout import BODY_PLACES
 
 Array = NDArray[np.float64]
 
@@ -36,19 +37,18 @@ FAR = 20.0
 
 
 def dynamics_defects(knots: Knots) -> dict[str, tuple[str, Array]]:
-    """Name -> unit and (N,) |x[k+1] - F(x[k], u[k])| (eq. 8), from the stored knots alone."""
-    dt = knots.dt[:, None]
-    v, a, r = knots.velocity, knots.acceleration, knots.position
-    q = Rotation.from_quat(knots.quat, scalar_first=True)
-    turned = q[:-1] * Rotation.from_rotvec(knots.rotation_rate * dt)
+    """Name -> unit and (N,) |x[k+1] - F(x[k], u[k])| (eq. 8)."""
+    gaps = knots.rows[DYNAMICS].values.reshape(len(knots.dt), -1)
+    gap = {name: gaps[:, place] for name, place in BODY_PLACES.items()}
+    reached, planned = (
+        Rotation.from_quat(q, scalar_first=True)
+        for q in (knots.quat[1:] - gap["quat"], knots.quat[1:])
+    )
     defects = {
-        "dynamics_position": ("m", r[1:] - r[:-1] - v[:-1] * dt - a * dt**2 / 2),
-        "dynamics_velocity": ("m/s", v[1:] - v[:-1] - a * dt),
-        "dynamics_attitude": ("rad", (turned.inv() * q[1:]).as_rotvec()),
-        "dynamics_momentum": (
-            "kg m2/s",
-            knots.momentum[1:] - knots.momentum[:-1] - knots.momentum_step,
-        ),
+        "dynamics_position": ("m", gap["position"]),
+        "dynamics_velocity": ("m/s", gap["velocity"]),
+        "dynamics_attitude": ("rad", (reached.inv() * planned).as_rotvec()),
+        "dynamics_momentum": ("kg m2/s", gap["momentum"] * knots.task.mass),
     }
     return {name: (unit, np.abs(error).max(axis=1)) for name, (unit, error) in defects.items()}
 
@@ -128,7 +128,7 @@ def stops(knots: Knots) -> tuple[Stop, ...]:
     """What a result violates, the worst first, with the limits that would have to be others.
 
     Of a solve that failed this is what it could not mend, which need not be what made it fail:
-    `llsrbm.planning.why.explanation` finds that, with further solves.
+    `llsrbm.planning.solve.explanation` finds that, with further solves.
     """
     found = violations(knots)
     broken = sorted(

@@ -11,11 +11,11 @@ from hypothesis import strategies as st
 import llsrbm
 from llsrbm.errors import Cancelled, Error, InputError, NotConverged, Stop
 from llsrbm.planning.problem.placement import make_task
+from llsrbm.planning.problem.violations import TOLERANCE
+from llsrbm.planning.solve.explanation import explain, in_words
+from llsrbm.planning.solve.nearest import STEPS, Way
 from llsrbm.planning.solve.planner import planner_for
-from llsrbm.planning.solve.scout import Scout
-from llsrbm.planning.why.explanation import explain, in_words
-from llsrbm.planning.why.nearest import STEPS, Way
-from llsrbm.planning.why.residuals import TOLERANCE
+from llsrbm.planning.solve.search import FeasibilitySearch
 from llsrbm.request.jump import Jump
 from llsrbm.robots import load_robot
 
@@ -127,7 +127,7 @@ def test_the_named_limit_is_the_one():
     """Only that limit changed, as it says, makes the jump plannable; half of that does not."""
     planner = planner_for("anymal", HIGH.model)
     task = make_task(HIGH, ANYMAL, None, {"torque_share": 0.44, "friction": 0.45})
-    (stop,) = explain(Scout(planner.formulation), task)
+    (stop,) = explain(FeasibilitySearch(planner.formulation), task)
     assert (stop.constraint, stop.limit, stop.value) == ("joint_torque", "torque_share", 0.44)
     assert 0.44 < stop.needed < ANYMAL.file.limits.torque_share
     assert stop.amount == pytest.approx(stop.needed - 0.44)

@@ -7,10 +7,11 @@ from typing import Any
 
 import numpy as np
 
+from llsrbm.mechanics import rotation_matrices
 from llsrbm.motion.plan import Plan, SolveReport
 from llsrbm.ocp.problem import Iterate
-from llsrbm.planning.problem.formulation import Attempt
 from llsrbm.planning.problem.knots import Knots
+from llsrbm.planning.solve.formulation import Attempt
 from llsrbm.robots.robot import Robot
 
 
@@ -35,8 +36,7 @@ def assemble_plan(robot: Robot, attempt: Attempt, report: Callable[[], SolveRepo
 
 def knot_arrays(knots: Knots) -> dict[str, Any]:
     """Name -> array of what a plan has at its knots, but for the joints' loads."""
-    task, R = knots.task, knots.R_world_base
-    _, inertia, leg_com = knots.evaluated
+    task, R = knots.task, rotation_matrices(knots.quat)
     # Knot values of the interval rates: the mean of both beside it, at rest at the ends, but for
     # those of a run-up, a landing that keeps some speed, and a motion that is under way.
     rate = np.zeros_like(knots.position)
@@ -55,13 +55,13 @@ def knot_arrays(knots: Knots) -> dict[str, Any]:
         "angular_velocity": np.einsum("kij,kj->ki", R, rate),
         "linear_momentum": knots.velocity * task.mass,
         "angular_momentum": knots.momentum,
-        "inertia": R @ inertia @ R.transpose(0, 2, 1),
+        "inertia": R @ knots.inertia @ R.transpose(0, 2, 1),
         "foot_position": knots.foot_position,
         "foot_quat": knots.foot_quat,
         "contact_point": knots.contact_point,
         "contact_force": knots.force,
         "leg_mass": knots.model.leg_mass,
-        "leg_com": knots.position[:, None] + np.einsum("kij,klj->kli", R, leg_com),
+        "leg_com": knots.position[:, None] + np.einsum("kij,klj->kli", R, knots.leg_com),
         "joint_position": knots.postures.joint_position,
         "foot_in_hip": knots.feet_in_hip,
     }

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,13 +13,17 @@ from llsrbm.models.base import CentroidalModel
 from llsrbm.motion.plan import Violation
 from llsrbm.ocp.problem import Problem, Solution
 from llsrbm.ocp.solvers import Solver
-from llsrbm.planning.problem.horizon import make_problem
-from llsrbm.planning.problem.knots import Knots, rolled_out, unpack
+from llsrbm.planning.problem.horizon import (
+    evaluated_rows,
+    make_problem,
+    rolled_out,
+)
+from llsrbm.planning.problem.knots import DYNAMICS, Knots, unpack
 from llsrbm.planning.problem.layout import Layout
 from llsrbm.planning.problem.placement import place_task
 from llsrbm.planning.problem.task import Task
+from llsrbm.planning.problem.violations import satisfied, violations
 from llsrbm.planning.solve.guess import analytic_guess
-from llsrbm.planning.why.residuals import satisfied, violations
 from llsrbm.request.jump import Jump
 from llsrbm.robots.robot import Robot
 
@@ -74,11 +79,7 @@ class Formulation:
     def moved(self, near: Attempt, task: Task) -> Array:
         """A guess: another task's solution, moved as the analytic guesses of the two differ."""
         w = near.solution.variables + self.guess(task) - self.guess(near.task)
-        for knot in range(self.layout.knots):
-            place = self.layout.variables(knot).get("quat")
-            if place is not None:
-                w[place] /= np.linalg.norm(w[place])
-        return w
+        return self.layout.normalised(w)
 
     def easier(self, task: Task) -> Iterator[Task]:
         """Shares of the jump under the task's limits; at last the task itself."""
@@ -106,8 +107,11 @@ class Formulation:
 
     def judged(self, task: Task, solution: Solution) -> Attempt:
         """The motion of a solution, checked."""
-        knots = rolled_out(unpack(solution.variables, self.layout, task, self.model))
-        return Attempt(task, solution, knots, violations(knots))
+        evaluate = partial(evaluated_rows, self.layout, self.solver.function("nlp_g"))
+        with np.errstate(all="ignore"):  # a solver that diverges leaves what is no number
+            w = rolled_out(self.layout, lambda w: evaluate(task, w)[DYNAMICS], solution.variables)
+            knots = unpack(w, self.layout, task, self.model, evaluate)
+            return Attempt(task, solution, knots, violations(knots))
 
 
 def scaled(jump: Jump, share: float) -> Jump:

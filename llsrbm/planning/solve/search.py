@@ -2,12 +2,13 @@
 
 A solve that succeeds from a near solution takes some tens of iterations; one that fails would go
 on to the planner's limit. A hurried solve gives up early, which makes a failure as cheap as a
-success, at the price of a few tasks at the very edge that patience would have solved.
+success, at the price of a few tasks at the very edge that a longer solve would find.
 """
 
 from __future__ import annotations
 
 import math
+import time
 from functools import partial
 
 import numpy as np
@@ -15,9 +16,9 @@ from numpy.typing import NDArray
 
 from llsrbm.motion.plan import Plan, SolveReport
 from llsrbm.ocp.solvers import PATIENT, SolveOptions
-from llsrbm.planning.problem.assembly import assemble_plan
-from llsrbm.planning.problem.formulation import PATIENT_FLIGHT, Attempt, Formulation
 from llsrbm.planning.problem.task import Task
+from llsrbm.planning.solve.assembly import assemble_plan
+from llsrbm.planning.solve.formulation import PATIENT_FLIGHT, Attempt, Formulation
 from llsrbm.planning.solve.progress import Watch
 
 Array = NDArray[np.float64]
@@ -29,21 +30,21 @@ HURRIED = SolveOptions(mu=1e-3, iterations=60)
 
 
 class OutOfTime(Exception):
-    """The scout's budget is spent."""
+    """The budget is spent."""
 
 
-class Scout:
+class FeasibilitySearch:
     """Solves tasks of one robot and model; counts what it does.
 
     Attributes:
         formulation: what it solves, and with what.
-        about: what is looked for, for progress messages.
-        solves, seconds: how often, and in how much time, so far.
-        budget_s: after so much time a solve ends with `OutOfTime`.
+        about: the search's aim, for progress messages.
+        solves, seconds: number of solves so far, and the time in the solver.
+        deadline: of `time.monotonic`, s; no solve begins after it.
     """
 
     def __init__(self, formulation: Formulation, watch: Watch | None = None) -> None:
-        """`watch` is told before each solve, and asked before and during it.
+        """Solve nothing yet; `watch` reports progress and may cancel.
 
         Raises:
             Cancelled: it is not wanted any more.
@@ -51,7 +52,7 @@ class Scout:
         self.formulation = formulation
         self.about = ""
         self.solves, self.seconds = 0, 0.0
-        self.budget_s = math.inf
+        self.deadline, self._begun = math.inf, time.monotonic()
         self._watch = Watch() if watch is None else watch
         self._watch.wait()
 
@@ -60,7 +61,7 @@ class Scout:
 
         Raises:
             Cancelled: it is not wanted any more.
-            OutOfTime: the budget is spent.
+            OutOfTime: the deadline has passed.
         """
         formulation = self.formulation
         if near is not None:
@@ -84,7 +85,7 @@ class Scout:
         return found
 
     def _run(self, task: Task, guess: Array, options: SolveOptions) -> Attempt | None:
-        if self.seconds > self.budget_s:
+        if time.monotonic() > self.deadline:
             raise OutOfTime
         self.solves += 1
         self._watch.begin(f"{self.about}, try {self.solves}")
@@ -98,7 +99,7 @@ class Scout:
         return attempt if attempt.solved else None
 
     def plan(self, found: Attempt) -> Plan:
-        """The plan of a solution; its report counts everything the scout did."""
+        """The plan of a solution; its report counts the whole search."""
 
         def report() -> SolveReport:
             return SolveReport(
@@ -107,7 +108,7 @@ class Scout:
                 iterations=found.solution.iterations,
                 attempts=self.solves,
                 solve_time_s=self.seconds,
-                total_time_s=self.seconds,
+                total_time_s=time.monotonic() - self._begun,
                 build_time_s=0.0,
                 cost=found.solution.cost,
             )

@@ -9,12 +9,12 @@ from typing import Any
 
 from llsrbm.errors import Error, NoFooting
 from llsrbm.motion.plan import Plan
-from llsrbm.planning.problem.formulation import Attempt
 from llsrbm.planning.problem.placement import make_task
+from llsrbm.planning.solve.explanation import explain, in_words
+from llsrbm.planning.solve.formulation import Attempt
 from llsrbm.planning.solve.planner import Planner
 from llsrbm.planning.solve.progress import Watch
-from llsrbm.planning.solve.scout import Scout
-from llsrbm.planning.why.explanation import explain, in_words
+from llsrbm.planning.solve.search import FeasibilitySearch
 from llsrbm.request.jump import Jump
 from llsrbm.robots.schema import Task as Ranges
 
@@ -106,35 +106,31 @@ def find_nearest(
     on_the_spot = replace(jump, twist=0.0, forward=0.0, lateral=0.0, height=0.0)
 
     tell = None if progress is None else lambda news: progress(news.text)
-    search = _Search(
-        Scout(planner.formulation, Watch(cancelled, tell)),
-        lambda other: _distance(other, within, ranges),
-        weights,
-        limits,
-    )
-    if search.found(on_the_spot) is None:
-        search.scout.about = "what stops a jump on the spot"
-        stops = explain(search.scout, make_task(on_the_spot, robot, weights, limits))
+    search = FeasibilitySearch(planner.formulation, Watch(cancelled, tell))
+    tried = _Reductions(search, lambda other: _distance(other, within, ranges), weights, limits)
+    if tried.found(on_the_spot) is None:
+        search.about = "what stops a jump on the spot"
+        stops = explain(search, make_task(on_the_spot, robot, weights, limits))
         raise Error(f"not even a jump on the spot can be planned: {in_words(stops)}")
     components = tuple(name for name in STEPS if getattr(within, name) != 0)
     ways = [(name,) for name in components] if len(components) > 1 else []
     for reduced in [components, *ways] if components else []:
-        search.along(Way(within, reduced))
-    best = search.best
-    return Nearest(best.task.jump, search.scout.plan(best), _changes(jump, best.task.jump))
+        tried.along(Way(within, reduced))
+    best = tried.best
+    return Nearest(best.task.jump, search.plan(best), _changes(jump, best.task.jump))
 
 
-class _Search:
+class _Reductions:
     """Looks along one way after another, no further than could still be nearer."""
 
     def __init__(
         self,
-        scout: Scout,
+        search: FeasibilitySearch,
         distance: Callable[[Jump], float],
         weights: Mapping[str, float] | None,
         limits: Mapping[str, float] | None,
     ) -> None:
-        self.scout = scout
+        self.search = search
         self._distance = distance
         self._weights, self._limits = weights, limits
         self._known: list[Attempt] = []
@@ -149,18 +145,18 @@ class _Search:
         known = next((found for found in self._known if found.task.jump == jump), None)
         if known is not None:
             return known
-        self.scout.about = f"looking for a jump that works: {_in_words(jump)}"
+        self.search.about = f"looking for a jump that works: {_in_words(jump)}"
         try:
-            task = make_task(jump, self.scout.formulation.robot, self._weights, self._limits)
+            task = make_task(jump, self.search.formulation.robot, self._weights, self._limits)
         except NoFooting:
             return None
-        ranges = self.scout.formulation.robot.file.task
+        ranges = self.search.formulation.robot.file.task
         near = min(
             self._known,
             key=lambda found: _distance(found.task.jump, jump, ranges),
             default=None,
         )
-        found = self.scout.solve(task, near)
+        found = self.search.solve(task, near)
         if found is not None:
             self._known.append(found)
         return found

@@ -8,18 +8,25 @@ tightened again towards their value as far as that goes.
 from __future__ import annotations
 
 import math
+import time
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 from llsrbm.errors import NotConverged, Stop
 from llsrbm.motion.plan import Violation
 from llsrbm.planning.problem.constraints import CONSTRAINTS, Constraint
-from llsrbm.planning.problem.formulation import Attempt
 from llsrbm.planning.problem.limits import Limit, limits_in, put_limits
 from llsrbm.planning.problem.placement import place_task
 from llsrbm.planning.problem.task import Task
-from llsrbm.planning.solve.scout import OutOfTime, Scout
-from llsrbm.planning.why.residuals import TOLERANCE, severity, stop, violation_with, with_demand
+from llsrbm.planning.problem.violations import (
+    TOLERANCE,
+    severity,
+    stop,
+    violation_with,
+    with_demand,
+)
+from llsrbm.planning.solve.formulation import Attempt
+from llsrbm.planning.solve.search import FeasibilitySearch, OutOfTime
 
 # A limit that would have to change is found to this share of the change that is known to do.
 RESOLUTION = 1 / 16
@@ -45,43 +52,43 @@ class _Suspect:
         return self.value + share * (self.looser - self.value)
 
 
-def explain(scout: Scout, task: Task) -> tuple[Stop, ...]:
+def explain(search: FeasibilitySearch, task: Task) -> tuple[Stop, ...]:
     """The limits each of which alone, changed as said, makes a jump plannable; easiest first.
 
     Limits that the request tightens are relaxed to the robot's own; if that does not do, or there
     are none, those of the drives to the end of their range; then every limit. Where no limit alone
     does, those that have to be changed together are named. Empty: even all of them do not do.
     """
-    own = place_task(task.jump, scout.formulation.robot)
+    own = place_task(task.jump, search.formulation.robot)
     tightened = [s for s in _suspects(task, own) if s.limit.name in task.tuning.limits]
     every = _suspects(task, None)
     drives = [s for s in every if s.limit.name in DRIVE_LIMITS]
     for suspects in (tightened, drives, every):
         if not suspects:
             continue
-        free = scout.solve(_with(task, suspects, 1.0))
+        free = search.solve(_with(task, suspects, 1.0))
         if free is None:
             continue
         if len(suspects) > 1 and suspects is every:
-            suspects, free = _exceeded(scout, task, suspects, free)
-        alone = [(s, f) for s in suspects if (f := scout.solve(_with(task, [s], 1.0), free))]
+            suspects, free = _exceeded(search, task, suspects, free)
+        alone = [(s, f) for s in suspects if (f := search.solve(_with(task, [s], 1.0), free))]
         if not alone and len(suspects) > 1:
-            share, free = _march(scout, task, suspects, free)
+            share, free = _march(search, task, suspects, free)
             stops = _by_ease(replace(_stop(s, share, free), together=True) for s in suspects)
             return tuple(sorted(stops, key=lambda s: not s.detail))  # the drives' first
-        return _by_ease(_tightened(scout, task, s, f) for s, f in alone)
+        return _by_ease(_tightened(search, task, s, f) for s, f in alone)
     return ()
 
 
-def explained(scout: Scout, error: NotConverged, task: Task) -> NotConverged:
+def explained(search: FeasibilitySearch, error: NotConverged, task: Task) -> NotConverged:
     """The planner's failure with what really stops it, where that is found."""
-    scout.about = "looking for the limit that stops it"
-    scout.budget_s = scout.seconds + EXPLANATION_TIME
+    search.about = "looking for the limit that stops it"
+    search.deadline = time.monotonic() + EXPLANATION_TIME
     try:
-        stops = explain(scout, task)
+        stops = explain(search, task)
     except OutOfTime:
         stops = ()
-    scout.budget_s = math.inf
+    search.deadline = math.inf
     if not stops:
         return error
     attempts = error.plan.report.attempts
@@ -107,24 +114,24 @@ def _with(task: Task, suspects: Iterable[_Suspect], share: float) -> Task:
 
 
 def _exceeded(
-    scout: Scout, task: Task, suspects: list[_Suspect], free: Attempt
+    search: FeasibilitySearch, task: Task, suspects: list[_Suspect], free: Attempt
 ) -> tuple[list[_Suspect], Attempt]:
     """Those that a plan still needs when all are relaxed as little as can be, the most first."""
-    _, free = _march(scout, task, suspects, free)
+    _, free = _march(search, task, suspects, free)
     sizes = {s: severity(_worst(s, free)) for s in suspects}
     needed = [s for s, size in sizes.items() if size > TOLERANCE]
     return sorted(needed, key=lambda s: -sizes[s])[:TRIED], free
 
 
 def _march(
-    scout: Scout, task: Task, suspects: list[_Suspect], free: Attempt
+    search: FeasibilitySearch, task: Task, suspects: list[_Suspect], free: Attempt
 ) -> tuple[float, Attempt]:
     """The smallest share of the way to the looser limits that does, and the plan there."""
     enough, too_little = 1.0, 0.0
     while enough - too_little > RESOLUTION:
         # Nearer to what is known to do: a failure takes longer than a success.
         share = enough - 0.4 * (enough - too_little)
-        found = scout.solve(_with(task, suspects, share), free)
+        found = search.solve(_with(task, suspects, share), free)
         if found is None:
             too_little = share
         else:
@@ -132,8 +139,8 @@ def _march(
     return enough, free
 
 
-def _tightened(scout: Scout, task: Task, suspect: _Suspect, free: Attempt) -> Stop:
-    share, free = _march(scout, task, [suspect], free)
+def _tightened(search: FeasibilitySearch, task: Task, suspect: _Suspect, free: Attempt) -> Stop:
+    share, free = _march(search, task, [suspect], free)
     return _stop(suspect, share, free)
 
 

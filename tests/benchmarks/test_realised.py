@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from benchmarks.realised import realise
 from llsrbm import models
-from llsrbm.body.realised import realise
 from llsrbm.planning.solve.planner import planner_for, planner_of
 from llsrbm.request.jump import Jump
 from llsrbm.robots import load_robot
@@ -15,13 +15,13 @@ ROBOT = load_robot("anymal")
 
 @pytest.fixture(scope="module")
 def twists():
-    return {name: realise(solved(name, "twist").knots, ROBOT) for name in models.names()}
+    return {name: realise(solved(name, "twist").knots) for name in models.names()}
 
 
 @pytest.mark.parametrize("request_name", ["twist", "all"])
 def test_plans_of_llsrbm_plus_are_true(request_name):
     """Figures of the benchmark: Izz 1 %, Lz 2.6 % RMS and 3.6 % at worst on the 90 degree twist."""
-    found = realise(solved("llsrbm-plus", request_name).knots, ROBOT)
+    found = realise(solved("llsrbm-plus", request_name).knots)
     rms, worst = found.momentum_error
     assert found.inertia_error < 0.02
     assert rms < 0.04
@@ -48,7 +48,7 @@ def turning(request):
     jump = Jump(**TURNING[request.param])
     planner = planner_of(jump)
     planner.plan(jump)
-    return realise(planner.last_knots(), ROBOT)
+    return realise(planner.last_knots())
 
 
 def test_turning_jumps_of_any_type_are_true_in_flight(turning):
@@ -61,7 +61,7 @@ def test_turning_jumps_of_any_type_are_true_in_flight(turning):
 def test_flips_are_true_in_flight(name):
     """The plan is made with a model that the whole body has corrected."""
     s = solved("llsrbm-plus", name, "go2")
-    found = realise(s.knots, s.planner.robot)
+    found = realise(s.knots)
     assert found.inertia_errors[1] < 0.05  # about the axis that it turns about
     # Roll, about which nothing turns: legs that tuck far are at the edge of their maps.
     assert found.inertia_errors.max() < 0.06
@@ -77,7 +77,7 @@ def test_straight_jumps_of_any_type_hardly_turn_otherwise_than_planned(name):
     over the flight it cancels.
     """
     knots = solved("llsrbm-plus", name).knots
-    found = realise(knots, ROBOT)
+    found = realise(knots)
     assert found.flight.sum() == sum(flight.stop - flight.start for flight in knots.flights)
     assert found.inertia_errors.max() < 0.05
     error = (found.momenta_true - found.momenta_plan)[found.flight]
@@ -104,11 +104,11 @@ def test_the_robot_starts_and_ends_with_the_urdfs_inertia(twists, model):
 
 @pytest.fixture(scope="module")
 def biped():
-    planner, robot = planner_for("slider", "llsrbm-plus"), load_robot("slider")
+    planner = planner_for("slider", "llsrbm-plus")
 
     def of(**request):
         planner.plan(Jump("slider", "llsrbm-plus", **request))
-        return planner.last_knots(), realise(planner.last_knots(), robot)
+        return planner.last_knots(), realise(planner.last_knots())
 
     return of
 
@@ -136,7 +136,7 @@ def test_the_turn_error_is_what_integrating_the_rest_gives(twists):
 
 
 def test_errors_are_relative():
-    found = realise(solved("srbm", "twist").knots, ROBOT)
+    found = realise(solved("srbm", "twist").knots)
     ratio = found.inertia_model[found.flight] / found.inertia_true[found.flight]
     assert found.inertia_error == pytest.approx(np.sqrt(np.mean((ratio - 1) ** 2)))
     rms, worst = found.momentum_error

@@ -1,0 +1,112 @@
+"""Parameters of the solver: their names, sizes and places, and a task's values."""
+
+from __future__ import annotations
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from llsrbm.planning.problem.clearance_profile import CLEARANCE_PARAMETERS, clearance_parameters
+from llsrbm.planning.problem.costs import COSTS, weight_parameter
+from llsrbm.planning.problem.layout import Layout
+from llsrbm.planning.problem.stage_body import StageBody
+from llsrbm.planning.problem.task import Task
+from llsrbm.request.jump import Jump
+
+Array = NDArray[np.float64]
+
+CORRECTION = "correction"
+"""The parameters that each interval has for itself, three of it."""
+
+
+def parameters(layout: Layout, task: Task) -> dict[str, Array]:
+    """Name -> value of the solver's parameters (names and sizes: `parameter_sizes`)."""
+    values = {
+        "start_position": task.start_position,
+        "start_quat": task.start_quat,
+        "start_velocity": task.start_velocity,
+        "goal_position": task.goal_position,
+        "goal_quat": task.goal_quat,
+        "goal_velocity": task.goal_velocity,
+        "corners": task.corners[:, :2],
+        "friction": np.array([task.limits.friction]),
+        "torque_share": np.array([task.limits.torque_share]),
+        "upright_axes": upright_axes(task.jump),
+    }
+    if task.clears:
+        values |= clearance_parameters(task)
+    if task.motion is not None:
+        values["start_momentum"] = task.motion.momentum / task.mass
+        values["start_feet"] = task.motion.feet
+        values["start_feet_velocity"] = task.motion.feet_velocity
+    for p in range(len(task.schedule)):
+        stood = task.stood(p)
+        local = (stood.feet, stood.contacts, stood.yaw, task.towards(p))
+        values |= dict(zip(_local_names(p), local, strict=True))
+    weights = {
+        weight_parameter(cost): np.array([cost.share(task.jump) * task.weights[cost.name]])
+        for cost in COSTS
+    }
+    correction = np.zeros((layout.total, 3)) if task.correction is None else task.correction
+    last = {CORRECTION: correction / task.mass}
+    return {name: np.ravel(value) for name, value in (values | weights | last).items()}
+
+
+def parameter_sizes(layout: Layout) -> dict[str, int]:
+    """Name -> number of scalars of the solver's parameters, in their order."""
+    sizes = {
+        "start_position": 3,
+        "start_quat": 4,
+        "start_velocity": 3,
+        "goal_position": 3,
+        "goal_quat": 4,
+        "goal_velocity": 3,
+        "corners": 2 * layout.corners,
+        "friction": 1,
+        "torque_share": 1,
+        "upright_axes": 3,
+    }
+    if layout.clears:
+        sizes |= CLEARANCE_PARAMETERS
+    if layout.under_way:
+        feet = layout.legs * layout.foot_coordinates
+        sizes |= {"start_momentum": 3, "start_feet": feet, "start_feet_velocity": feet}
+    for p in range(layout.phases):
+        local = StageBody.local_sizes(layout)
+        sizes |= dict(zip(_local_names(p), local.values(), strict=True))
+    weights = {weight_parameter(cost): 1 for cost in COSTS}
+    return sizes | weights | {CORRECTION: 3 * layout.total}
+
+
+def local_parameters(phase: int) -> tuple[str, ...]:
+    """Names of a phase's own parameters, in the order of `Stage.local`."""
+    return tuple(_local_names(phase))
+
+
+def _local_names(phase: int) -> list[str]:
+    return [f"phase{phase}_{name}" for name in ("feet", "contacts", "yaw", "towards")]
+
+
+def upright_axes(jump: Jump) -> Array:
+    """(3,) 1 for the body's axes about which a turn is not wanted, 0 for the others.
+
+    Upright jumps turn about z alone. A flip turns about y (a barrel roll about x); about the axes
+    square to it only as far as a twist asks, and then nothing is said about them.
+    """
+    if not jump.turns:
+        return np.array([1.0, 1.0, 0.0])
+    if jump.twist or (jump.roll and jump.pitch):
+        return np.zeros(3)
+    return np.array([0.0, 1.0, 1.0]) if jump.roll else np.array([1.0, 0.0, 1.0])
+
+
+def parameter_symbols(layout: Layout) -> dict[str, ca.SX]:
+    """Name -> symbols of the solver's parameters, in their order."""
+    return {name: ca.SX.sym(name, size) for name, size in parameter_sizes(layout).items()}
+
+
+def parameter_places(layout: Layout) -> dict[str, slice]:
+    """Name -> place in the vector of all parameters."""
+    sizes = parameter_sizes(layout)
+    ends = np.cumsum(list(sizes.values())).tolist()
+    return {n: slice(end - size, end) for (n, size), end in zip(sizes.items(), ends, strict=True)}
