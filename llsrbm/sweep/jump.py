@@ -177,7 +177,7 @@ def _solve(plan: Plan) -> Row:
 
 def _stop(error: NotConverged, diagnosed: bool) -> Row:
     """The limit that stops a jump if it was diagnosed, else the constraint violated most."""
-    from llsrbm.planning.why.residuals import severity
+    from llsrbm.planning.problem.violations import severity
 
     violations = error.plan.violations
     worst = max(violations, key=lambda name: severity(violations[name]), default=None)
