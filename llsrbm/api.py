@@ -44,11 +44,11 @@ def plan(
         intervals: N, shared evenly by the three phases.
         weights: cost name -> weight, in place of the defaults (`llsrbm.planning.problem.costs`).
         limits: limit name -> value, in place of the robot's (`llsrbm.planning.problem.limits`).
-        near: a plan to start from, of another request to the same robot and model: a few degrees
-            or centimetres away it takes a fifth of the time.
+        near: a plan to start from, of another request to the same robot and model. A few degrees
+            or centimetres away that is faster (docs/figures.md).
         guesses: begin from solutions nearby that come with the project, where there are some: with
-            its robots as they are, the default model and the default type. Then it takes a third
-            of the time.
+            its robots as they are, the default model and the default type. That is faster
+            (docs/figures.md).
         patient: try all there is; otherwise only from `near`, from solutions nearby and from the
             analytic guess.
         cancelled: asked before and during every attempt; True ends with `Cancelled` within 0.1 s.

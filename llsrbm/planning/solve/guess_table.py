@@ -1,4 +1,4 @@
-"""Solutions that are at hand: what a jump begins from, where jumps around it were solved before.
+"""Tables of solutions: where a jump begins, if jumps around it were solved before.
 
 A file a robot ships in `assets/guesses`, made by `python -m benchmarks.guess_tables` of a sweep's
 jumps. It has their requests x (twist, forward, lateral, height), scaled to -1 ... 1 over what the
@@ -10,9 +10,9 @@ nearest K give, by a linear regression that is weighted by nearness,
 and c0 is where `Solver.follow` begins. Quaternions have no jumps of sign between neighbours: all of
 them begin at 1, 0, 0, 0 and turn on without a break, past half a turn, too.
 
-A table is for one robot as its file is, one model, jumps of the type `together` with the robot's
-own weights and limits, and one version. It is refused without a word elsewhere: then a jump begins
-from the analytic guess.
+A table is for one robot, by its numbers, one model and layout, and jumps of type `together` with
+the robot's own weights and limits. Where it should fit and does not, a warning says why, once, and
+jumps begin from the analytic guess.
 """
 
 from __future__ import annotations
@@ -30,7 +30,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from llsrbm.cache import content_key
-from llsrbm.installed import assets_directory, package_version
+from llsrbm.files.npz import write_archive
+from llsrbm.installed import assets_directory
 from llsrbm.ocp.problem import Iterate
 from llsrbm.planning.problem.costs import default_weights
 from llsrbm.planning.problem.placement import make_task
@@ -38,14 +39,14 @@ from llsrbm.planning.problem.task import Task
 from llsrbm.planning.solve.formulation import Formulation
 from llsrbm.request.jump import Jump
 from llsrbm.robots import load_robot
-from llsrbm.robots.robot import Robot
 
 Array = NDArray[np.float64]
 
 REQUEST = ("twist", "forward", "lateral", "height")
-"""Fields of a `Jump` by which solutions are told apart."""
+"""Fields of a `Jump` that differ among a table's solutions."""
 
-SCHEMA = "llsrbm.guesses/1"
+SCHEMA = "llsrbm.guesses/2"
+DIGITS = 6  # after the point, of a robot's numbers; computed ones differ from machine to machine
 
 # Of inverse distances, local regressions and radial basis functions, on 60 to 80 jumps of ANYmal
 # that are in no table, the latter two lose equally few, and a regression takes 0.5 ms, not 12.
@@ -134,13 +135,17 @@ class Guesses:
     def _table(self) -> GuessTable | None:
         path = table_path(self.formulation.robot.name)
         try:
-            table = read_table(path, self.formulation)
+            return read_table(path, self.formulation)
         except FileNotFoundError:
             return None
-        except _Refused as refused:
-            _log.info("%s is not used: %s", path.name, refused)
+        except RefusedTable as refused:
+            if (message := str(refused)) not in _refused:
+                _refused.add(message)
+                _log.warning("%s: jumps begin from the analytic guess", message)
             return None
-        return table
+
+
+_refused: set[str] = set()  # messages of this process, each given once
 
 
 def table_path(robot: str) -> Path:
@@ -173,8 +178,6 @@ def write_table(path: Path, table: GuessTable, formulation: Formulation) -> None
     Raises:
         InputError: it cannot be written.
     """
-    from llsrbm.files.npz import write_archive
-
     largest = np.abs(table.variables).max(axis=0)
     step = 2.0 ** np.ceil(np.log2(np.maximum(largest, np.finfo(np.float16).tiny))) * VARIABLE_STEP
     variables = np.round(table.variables / step) * step
@@ -198,17 +201,16 @@ def write_table(path: Path, table: GuessTable, formulation: Formulation) -> None
     )
 
 
-def read_table(path: Path, formulation: Formulation) -> GuessTable:
-    """Read a table that is for this formulation.
+def read_table(path: Path, formulation: Formulation) -> GuessTable | None:
+    """Read a table; None if it is for another model, layout or solver, or for other drives.
 
     Raises:
         FileNotFoundError: there is none.
-        _Refused: it is of another robot, model, layout or version, or damaged.
+        RefusedTable: it should fit, but the robot or the problem has changed, or it is damaged.
     """
-    if formulation.solver.name != "fatrop":
-        raise _Refused(f"{formulation.solver.name} takes none")
-    if not _is_as_its_file(formulation.robot):
-        raise _Refused("the robot is not as its file says")
+    robot = formulation.robot
+    if formulation.solver.name != "fatrop" or robot is not load_robot(str(robot.path)):
+        return None
     try:
         with np.load(path, allow_pickle=False) as file:
             arrays = dict(file)
@@ -225,26 +227,39 @@ def read_table(path: Path, formulation: Formulation) -> GuessTable:
     except FileNotFoundError:
         raise
     except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile) as error:
-        raise _Refused(f"damaged ({type(error).__name__})") from error
+        raise RefusedTable(path, f"it is damaged ({type(error).__name__})") from error
     expected = _of(formulation)
+    if any(meta.get(name) != expected[name] for name in ("model", "layout")):
+        return None
     for name, value in expected.items():
         if meta.get(name) != value:
-            raise _Refused(f"the {name.replace('_', ' ')} differs")
-    _check(table, formulation)
+            raise RefusedTable(path, f"{_NAMES[name]} when it was made")
+    _check(path, table, formulation)
     return table
 
 
-class _Refused(Exception):
-    """Why a table is not used."""
+class RefusedTable(Exception):
+    """A table that should fit, and why it is not used."""
+
+    def __init__(self, path: Path, reason: str) -> None:
+        super().__init__(f"{path.name}, a table of guesses, is not used, because {reason}")
+
+
+# What a table's solutions depend on, as a reason against it.
+_NAMES = {
+    "schema": "its format was another one",
+    "robot": "the robot's numbers were others",
+    "sizes": "the problem had another size",
+    "weights": "the default weights were others",
+}
 
 
 def _of(formulation: Formulation) -> dict[str, Any]:
-    """What a table's solutions depend on, as plain data."""
-    robot = formulation.robot
+    """Plain data on which a table's solutions depend."""
+    numbers = json.dumps(_rounded(formulation.robot.parameters()), sort_keys=True)
     return {
         "schema": SCHEMA,
-        "version": package_version(),
-        "robot": content_key(robot.path, robot.urdf_path).hex(),
+        "robot": content_key(numbers).hex(),
         "model": formulation.model.name,
         "layout": repr(formulation.layout),
         "sizes": list(formulation.solver.sizes),
@@ -252,16 +267,28 @@ def _of(formulation: Formulation) -> dict[str, Any]:
     }
 
 
-def _check(table: GuessTable, formulation: Formulation) -> None:
-    """Whether the table's first solution is one of today's problem.
+def _rounded(data: Any) -> Any:
+    """Plain data, its numbers with `DIGITS` digits after the point."""
+    if isinstance(data, dict):
+        return {key: _rounded(value) for key, value in data.items()}
+    if isinstance(data, list | tuple):
+        return [_rounded(value) for value in data]
+    return round(data, DIGITS) + 0.0 if isinstance(data, float) else data
 
-    A constraint or a cost may have changed since, and nothing of what is compared says so.
+
+def _check(path: Path, table: GuessTable, formulation: Formulation) -> None:
+    """Compare the table's first solution with today's problem.
+
+    A constraint or a cost may have changed since, which nothing that is compared above shows.
+
+    Raises:
+        RefusedTable: it is of another problem.
     """
     count = len(table.requests)
     variables, rows = formulation.solver.sizes
     shapes = table.variables.shape, table.multipliers.shape, table.all_rows
     if shapes != ((count, variables), (count, len(table.rows)), rows) or count < NEIGHBOURS:
-        raise _Refused("damaged (sizes)")
+        raise RefusedTable(path, "it is damaged (sizes)")
     request = dict(zip(REQUEST, table.requests[0].tolist(), strict=True))
     jump = Jump(robot=str(formulation.robot.path), model=formulation.model.name, **request)
     problem = formulation.problem(make_task(jump, formulation.robot))
@@ -270,16 +297,11 @@ def _check(table: GuessTable, formulation: Formulation) -> None:
     if formulation.solver.miss(problem, w) > STALE_ROWS or abs(
         cost - table.costs[0]
     ) > STALE_COST * abs(table.costs[0]):
-        raise _Refused("its solutions are of another problem")
-
-
-def _is_as_its_file(robot: Robot) -> bool:
-    """Not one with other drives, or one that was read before its file changed."""
-    return robot is load_robot(str(robot.path))
+        raise RefusedTable(path, "its solutions are of another problem")
 
 
 def _is_usual(task: Task) -> bool:
-    """Whether a task asks for nothing that a table's jumps do not."""
+    """Whether a task is of the kind that tables have."""
     jump = task.jump
     plain = Jump(robot=jump.robot, model=jump.model)
     same = all(getattr(jump, n) == v for n, v in plain.as_dict().items() if n not in REQUEST)

@@ -131,10 +131,10 @@ class Planner:
             jump: the request; robot and model are this planner's.
             weights: cost name -> weight, in place of the defaults.
             limits: limit name -> value, in place of the robot's (`llsrbm.planning.problem.limits`).
-            near: a plan to start from, of another request to the same robot and model: a few
-                degrees or centimetres away it takes a fifth of the time.
-            guesses: begin from solutions nearby, if some are at hand (`planning.guess_table`).
-                Otherwise what comes out depends on the request alone.
+            near: a plan to start from, of another request to the same robot and model. A few
+                degrees or centimetres away that is faster (docs/figures.md).
+            guesses: begin from solutions nearby, if there is a table (`guess_table`). Without, the
+                result depends on the request alone.
             patient: try all there is; otherwise only from `near`, from solutions nearby and from
                 the analytic guess.
             explains: whether, with patience, the limits that stop a jump are looked for.

@@ -318,7 +318,7 @@ class Reluctant:
 
     def __init__(self, solver, failures):
         self.solver, self.failures, self.calls, self.seconds = solver, failures, [], []
-        self.name, self.sizes = solver.name, solver.sizes
+        self.name, self.sizes, self.function = solver.name, solver.sizes, solver.function
 
     def solve(self, problem, guess, options=solvers.PATIENT, read=None):
         self.calls.append(guess)
