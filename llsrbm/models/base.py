@@ -81,7 +81,7 @@ class CentroidalModel(ABC):
         summary: one line for lists.
         is_true: whether plans are held to what the whole body makes of them; else the model is
             there for comparison.
-        mass: kg, the whole robot.
+        mass: of the whole robot, kg.
         leg_mass: (L,) kg; base_mass: kg.
         hips: (L, 3) m, base frame; mirrors: (L, 3) of +-1.
         coordinates: d, of a foot: 3, or 4 with its yaw.

@@ -1,4 +1,4 @@
-"""What the joints of a leg must do, as functions of where its foot is and what pushes at it.
+"""Rates and torques of a leg's joints, as functions of its foot's place and the force on it.
 
 The planner knows feet, not joints. For its limits on drives it needs, of each leg,
 
@@ -87,7 +87,7 @@ class LegDrives(ABC):
 
     @abstractmethod
     def numbers(self) -> dict[str, Any]:
-        """What was computed from the robot, for keys of caches."""
+        """Numbers computed from the robot, for keys of caches."""
 
     def accelerations(self, x: Matrix, x_rate: Matrix, x_acceleration: Matrix) -> Matrix:
         """q'' (n, 1) rad/s2 or m/s2."""
@@ -379,9 +379,8 @@ class Drives:
             a leg takes is this times its joints' acceleration, within 6 % of the hip's torque limit
             on ANYmal's jumps and 10 % of the abduction's: the legs' inertia changes with posture,
             and the base gives way.
-        weight: (L, n, 3) kg m, kg: times what the base feels of gravity and acceleration, base
-            axes,
-            the torques that carry the leg, in the default posture.
+        weight: (L, n, 3) kg m, kg: the torques that carry the leg in the default posture, per
+            specific force on the base, base axes.
     """
 
     legs: list[LegDrives]

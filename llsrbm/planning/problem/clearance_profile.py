@@ -1,4 +1,4 @@
-"""How high the body must be at a distance: a smooth profile of an obstacle, and of the ground.
+"""Least height of the body along the way: a smooth profile of an obstacle and of the ground.
 
 The profile is the ground's height before the obstacle, its top over it, and the ground's height
 beyond it, with ramps between. Ramps lie outside of the obstacle, so that what is above the profile
@@ -119,7 +119,7 @@ def foot_reach(task: Task) -> float:
 
 
 def check_footing(task: Task) -> None:
-    """Whether feet stand beside the obstacle, and at one height on either side.
+    """Check that feet stand beside the obstacle, and at one height on either side.
 
     Raises:
         NoFooting: one does not; which, and where it could stand.

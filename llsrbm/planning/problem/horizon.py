@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Iterator
 from dataclasses import replace
-from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -127,18 +126,18 @@ def _rows(layout: Layout, task: Task) -> Iterator[tuple[Hashable, int, Array, Ar
 
 
 def evaluated_rows(
-    layout: Layout, g: Callable[[Array, Array], Any], task: Task, w: Array
+    layout: Layout, g: Callable[[Array, Array], Array], task: Task, w: Array
 ) -> dict[Hashable, Rows]:
     """Values of all rows of g under a task: of each constraint, and of the body's `DYNAMICS`.
 
     Args:
         layout: of the variables.
-        g: of variables and parameters, the solver's function.
+        g: rows of variables and parameters, as the solver evaluates them.
         task: whose parameters and bounds count.
         w: all variables.
     """
     keys, knots, lower, upper = zip(*_rows(layout, task), strict=True)
-    values = np.array(g(w, np.concatenate([*parameters(layout, task).values()]))).ravel()
+    values = g(w, np.concatenate([*parameters(layout, task).values()]))
     sizes = [len(low) for low in lower]
     numbers = {key: number for number, key in enumerate(dict.fromkeys(keys))}
     owner = np.repeat([numbers[key] for key in keys], sizes)

@@ -36,12 +36,12 @@ _SIZES = {"position": 3, "quat": 4, "velocity": 3, "momentum": 3, "rotation_rate
 _SCALARS = ("duration", "next_duration")
 
 LEAST_INTERVALS = 3  # of a phase
-NOMINAL_PHASES = 3  # the number of intervals that is asked for is shared by so many
+NOMINAL_PHASES = 3  # that share the number of intervals of a request
 
 
 @dataclass(frozen=True)
 class Role:
-    """What kind of stage a knot has; knots of one role share their expressions.
+    """Kind of a knot's stage; knots of one role share their expressions.
 
     Attributes:
         phase: index.
@@ -79,7 +79,7 @@ class Role:
 
     @property
     def in_contact(self) -> bool:
-        """Whether forces act over the interval that starts here."""
+        """True if forces act over the interval that starts here."""
         return bool(self.standing) and not self.terminal
 
     @property
@@ -94,7 +94,7 @@ class Role:
 
     @property
     def flies(self) -> bool:
-        """Whether feet are off the ground at the knot, which is not where it all begins."""
+        """True if feet are off the ground at the knot, which is not where it all begins."""
         return bool(self.flying) and not self.initial
 
     @property
@@ -104,18 +104,13 @@ class Role:
 
     @property
     def is_flight(self) -> bool:
-        """Whether no foot stands."""
+        """True if no foot stands."""
         return not self.standing
 
     @property
     def moves_feet(self) -> bool:
-        """Whether a foot leaves, swings or lands here: where joints are fast."""
+        """True if a foot leaves, swings or lands here: where joints are fast."""
         return bool(self.swinging or self.rising or self.landing)
-
-    def describe(self) -> str:
-        """For names of functions and messages."""
-        tags = ("first", self.first), ("last", self.last), ("terminal", self.terminal)
-        return "_".join([f"phase{self.phase}", *(tag for tag, on in tags if on)])
 
 
 def split(intervals: int, schedule: Schedule) -> tuple[int, ...]:

@@ -42,9 +42,9 @@ def make_task(
         InputError: a value outside of the robot file's [task], a weight or a limit that is none, a
             jump type that is none or not for this robot.
     """
-    asked = robot.file.task
+    ranges = robot.file.task
     for name in ("twist", "forward", "lateral", "height"):
-        low, high = getattr(asked, name)
+        low, high = getattr(ranges, name)
         value = getattr(jump, name)
         if not low - 1e-4 <= value <= high + 1e-4:
             raise InputError(_out_of_range(robot.name, name, value, low, high))
@@ -77,7 +77,7 @@ def make_task(
 
 
 def place_task(jump: Jump, robot: Robot, tuning: Tuning | None = None) -> Task:
-    """Place the request in the world, whatever it asks; its numbers are not checked.
+    """Place the request in the world; its numbers are not checked.
 
     Raises:
         InputError: a jump type that is none, or not for this robot.
@@ -133,14 +133,14 @@ def _places(jump: Jump, kind: JumpType, robot: Robot, count: int) -> tuple[Footh
     for k in range(count):
         own = kind.displacement[k] if kind.displacement else None
 
-        def asked(name: str, own: object = own) -> float:
+        def moved(name: str, own: object = own) -> float:
             value = getattr(own, name, None)
             return float(getattr(jump, name) if value is None else value)
 
         c, s = np.cos(heading), np.sin(heading)
-        ahead, aside = asked("forward"), asked("lateral")
-        shift = shift + np.array([c * ahead - s * aside, s * ahead + c * aside, asked("height")])
-        heading += asked("twist")
+        ahead, aside = moved("forward"), moved("lateral")
+        shift = shift + np.array([c * ahead - s * aside, s * ahead + c * aside, moved("height")])
+        heading += moved("twist")
         c, s = np.cos(heading), np.sin(heading)
         Rz = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
         feet = robot.feet @ Rz.T + shift

@@ -72,7 +72,7 @@ class Stage(StageFeet):
         return self._share(leg, torque)
 
     def _turning_force(self, leg: int, x: Any, x_rate: Any) -> Any:
-        """What a leg's CoM feels of the body's turning, (3, 1) m/s2: centrifugal and Coriolis."""
+        """Centrifugal and Coriolis acceleration of a leg's CoM in the turning body, (3, 1) m/s2."""
         model, omega = self.model, self.rotation_rate
         offset = self.feet_mid[2]
         com = self.lift(model.foot_from_com(leg, model.leg_com(leg, x), offset))

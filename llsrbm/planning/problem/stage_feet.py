@@ -141,7 +141,7 @@ class StageFeet(StageBody):
 
     @cached_property
     def foot_turn(self) -> Any:
-        """How fast the swinging feet turn in the world, mean over the interval, rad/s.
+        """Turning rate of the swinging feet in the world, mean over the interval, rad/s.
 
         (swinging, 1); empty for points.
         """
@@ -185,7 +185,7 @@ class StageFeet(StageBody):
 
     @cached_property
     def foot_turn_at_knot(self) -> Any:
-        """How fast `edge_legs` turn in the world as the interval begins, (n, 1) rad/s.
+        """Turning rate of `edge_legs` in the world as the interval begins, (n, 1) rad/s.
 
         Empty for points.
         """

@@ -102,7 +102,7 @@ class InMotion:
 
 @dataclass(frozen=True, eq=False)
 class Task:
-    """What the planner solves.
+    """A request as the planner solves it.
 
     Attributes:
         jump: the request.
@@ -162,7 +162,7 @@ class Task:
 
     @cached_property
     def lowest_hips(self) -> float:
-        """How high the hips stay above standing feet, m."""
+        """Least height of the hips above standing feet, m."""
         robot = self.robot
         stands = float((robot.base_position + robot.hips - robot.feet)[:, 2].mean())
         return self.reach.standing * stands
@@ -225,7 +225,7 @@ class Task:
         return int(self._lands[phase, leg])
 
     def edges(self, phase: int, leg: int) -> Edges:
-        """What a foot that swings in a phase crosses, as all feet would."""
+        """Edges that a foot swinging in a phase crosses, as all feet would."""
         return self._edges[int(self._stood[phase, leg]), int(self._lands[phase, leg])]
 
     @cached_property

@@ -84,7 +84,7 @@ def phase_name(knots: Knots, knot: int) -> str:
 
 
 def satisfied(found: dict[str, Violation]) -> bool:
-    """Whether no violation exceeds the tolerance."""
+    """True if no violation exceeds the tolerance."""
     return all(v.amount <= TOLERANCE for v in found.values())
 
 
@@ -125,7 +125,7 @@ def describe_worst(found: dict[str, Violation], knots: Knots | None = None) -> s
 
 
 def stops(knots: Knots) -> tuple[Stop, ...]:
-    """What a result violates, the worst first, with the limits that would have to be others.
+    """Violated constraints, the worst first, with the limits that would have to be others.
 
     Of a solve that failed this is what it could not mend, which need not be what made it fail:
     `llsrbm.planning.solve.explanation` finds that, with further solves.
@@ -176,7 +176,7 @@ def _exceeded(knots: Knots, constraint: Constraint) -> Stop | None:
 
 
 def violation_with(knots: Knots, constraint: Constraint, limit: Limit, value: float) -> Violation:
-    """What the largest violation of a constraint would be, had one of its limits that value."""
+    """Largest violation of a constraint if `limit` were `value`."""
     return violation(knots.under(limit.put(knots.task, value)), constraint)
 
 

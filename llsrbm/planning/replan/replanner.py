@@ -1,4 +1,4 @@
-"""What remains of a jump, planned anew from a measured state, fast enough to do it at 50 Hz.
+"""Replanning of the rest of a jump from a measured state, fast enough for 50 Hz.
 
 The same stages, constraints and costs as a plan's, from a state in which the robot is under way: in
 flight the CoM's parabola and the angular momentum are what they are, and what is left to choose is
@@ -64,7 +64,7 @@ CREEPING = (5e-3, 1)
 # Rows of an answer may be off by this much, in their units of about 1: a millimetre, a per mille of
 # the weight. The next answer comes 20 ms later.
 GOOD_ENOUGH = 2e-3
-# A last solution that violates its rows now by more is no start: of one that was asked for in the
+# A last solution that violates its rows now by more is no start: of one from the
 # last period, and of an older one. Without a push 40 ms make 0.6, right after one it is 1 and more.
 # Of 70 pushes at the edge of what is recovered from 66 are with 8, 62 with 4. Looser solves take
 # fewer iterations from there, and of their plans fewer land: 52 at ten times the tolerance.
@@ -78,7 +78,7 @@ FRESH = 0.12  # s; the last solution is a start for so long
 
 @dataclass(frozen=True, eq=False)
 class Answer:
-    """What was found from a state.
+    """Result of replanning from a state.
 
     Attributes:
         plan: the whole jump, with what remains of it planned anew; None if nothing was found.
@@ -91,7 +91,7 @@ class Answer:
 
 
 class Replanner:
-    """Plans what remains of one jump; a solver for each phase in which it is asked.
+    """Plans what remains of one jump; a solver for each phase in which it replans.
 
     Attributes:
         plan: the one that is followed, to be set when an answer is taken over.
@@ -140,7 +140,7 @@ class Replanner:
         formulation = self._formulation(task.schedule)
         layout, solver = formulation.layout, formulation.solver
         problem = formulation.problem(task)
-        asked, last = self._last.pop(layout, (-np.inf, None))
+        solved_at, last = self._last.pop(layout, (-np.inf, None))
         solution: Solution | None = None
         iterations, seconds = 0, 0.0
         for start in ("last", "sampled"):
@@ -149,8 +149,8 @@ class Replanner:
                 if solver.miss(problem, guess) > LOST:
                     break
                 solution = solver.solve(problem, guess, options=FIRST)
-            elif last is not None and state.time - asked < FRESH:
-                too_far = NEAR_AT_ONCE if state.time - asked < AT_ONCE else NEAR
+            elif last is not None and state.time - solved_at < FRESH:
+                too_far = NEAR_AT_ONCE if state.time - solved_at < AT_ONCE else NEAR
                 solution = solver.follow(problem, last, too_far, CREEPING)
             if solution is None:
                 continue
@@ -178,7 +178,7 @@ class Replanner:
         return _kept(self._robot, self._task.jump.model, layout)
 
     def _task_from(self, state: State) -> Task:
-        """What is left, from a state on."""
+        """The task of the rest of the jump, from a state on."""
         task, plan = self._task, self.plan
         elapsed = state.time - float(plan.phase_start[state.phase])
         low, high = task.times(state.phase)

@@ -1,4 +1,4 @@
-"""A robot under way: its state, and what may be asked of it where a push has to be caught."""
+"""A robot under way: its state, and limits under which it may catch a push."""
 
 from __future__ import annotations
 

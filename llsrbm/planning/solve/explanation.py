@@ -1,4 +1,4 @@
-"""Which limit it is that makes a jump impossible: the one whose change alone makes it plannable.
+"""The limit that makes a jump impossible: the one whose change alone makes it feasible.
 
 What a failed solve violates most is often a law of motion that it could not mend, not the limit
 that made it fail. So limits are relaxed, one at a time, until the jump can be planned, and then
@@ -145,7 +145,7 @@ def _tightened(search: FeasibilitySearch, task: Task, suspect: _Suspect, free: A
 
 
 def _stop(suspect: _Suspect, share: float, free: Attempt) -> Stop:
-    """What a plan under the looser limit does that the limit forbids."""
+    """The excess of a plan under the looser limit over the limit."""
     constraint, limit, value = suspect.constraint, suspect.limit, suspect.value
     found = stop(constraint, limit, value, suspect.at(share), _worst(suspect, free))
     knots = free.knots.under(limit.put(free.task, value))
@@ -165,7 +165,7 @@ def _by_ease(stops: Iterable[Stop]) -> tuple[Stop, ...]:
 
 
 def in_words(stops: tuple[Stop, ...]) -> str:
-    """What would have to change, in one line."""
+    """The limits that would have to change, in one line."""
     if not stops:
         return "no limit is found that would do"
     return (" and " if stops[0].together else " or ").join(map(str, stops))

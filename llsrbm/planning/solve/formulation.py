@@ -12,7 +12,9 @@ from numpy.typing import NDArray
 from llsrbm.models.base import CentroidalModel
 from llsrbm.motion.plan import Violation
 from llsrbm.ocp.problem import Problem, Solution
+from llsrbm.ocp.progress import solving
 from llsrbm.ocp.solvers import Solver
+from llsrbm.planning.problem.constraints.truth import TrueTurn
 from llsrbm.planning.problem.horizon import (
     evaluated_rows,
     make_problem,
@@ -22,7 +24,7 @@ from llsrbm.planning.problem.knots import DYNAMICS, Knots, unpack
 from llsrbm.planning.problem.layout import Layout
 from llsrbm.planning.problem.placement import place_task
 from llsrbm.planning.problem.task import Task
-from llsrbm.planning.problem.violations import satisfied, violations
+from llsrbm.planning.problem.violations import TOLERANCE, satisfied, violations
 from llsrbm.planning.solve.guess import analytic_guess
 from llsrbm.request.jump import Jump
 from llsrbm.robots.robot import Robot
@@ -55,13 +57,25 @@ class Attempt:
 
     @property
     def solved(self) -> bool:
-        """Whether the solver converged and the motion satisfies every constraint."""
+        """True if the solver converged and the motion satisfies every constraint."""
         return self.solution.converged and satisfied(self.violations)
+
+    @property
+    def lacks_truth(self) -> bool:
+        """True if a solution violates nothing but the whole body's turn (`TrueTurn`)."""
+        broken = [name for name, v in self.violations.items() if v.amount > TOLERANCE]
+        return self.solution.converged and TrueTurn.name in broken
+
+
+def with_all_time(attempts: list[Attempt]) -> Attempt:
+    """The last attempt, with the time that all of them took."""
+    last, seconds = attempts[-1], sum(attempt.solution.solve_time_s for attempt in attempts)
+    return replace(last, solution=replace(last.solution, solve_time_s=seconds))
 
 
 @dataclass(frozen=True, eq=False)
 class Formulation:
-    """What is solved, and with what; it keeps nothing of a solve."""
+    """Robot, model, variables and solver of a kind of jumps; nothing of a solve is kept."""
 
     robot: Robot
     model: CentroidalModel
@@ -105,9 +119,14 @@ class Formulation:
             yield replace(task, limits=own.model_copy(update=shares))
         yield task
 
+    def constraint_values(self, w: Array, parameters: Array) -> Array:
+        """All rows g of the problem, while no solver runs."""
+        with solving:
+            return np.array(self.solver.function("nlp_g")(w, parameters)).ravel()
+
     def judged(self, task: Task, solution: Solution) -> Attempt:
         """The motion of a solution, checked."""
-        evaluate = partial(evaluated_rows, self.layout, self.solver.function("nlp_g"))
+        evaluate = partial(evaluated_rows, self.layout, self.constraint_values)
         with np.errstate(all="ignore"):  # a solver that diverges leaves what is no number
             w = rolled_out(self.layout, lambda w: evaluate(task, w)[DYNAMICS], solution.variables)
             knots = unpack(w, self.layout, task, self.model, evaluate)
@@ -115,6 +134,6 @@ class Formulation:
 
 
 def scaled(jump: Jump, share: float) -> Jump:
-    """A share of the displacement that is asked; whole turns, speeds and hops stay."""
+    """A share of the request's displacement; whole turns, speeds and hops stay."""
     motion = {k: share * getattr(jump, k) for k in ("twist", "forward", "lateral", "height")}
     return replace(jump, **motion)

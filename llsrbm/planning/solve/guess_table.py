@@ -46,6 +46,11 @@ REQUEST = ("twist", "forward", "lateral", "height")
 """Fields of a `Jump` that differ among a table's solutions."""
 
 SCHEMA = "llsrbm.guesses/2"
+# Of a robot, on which its solutions depend.
+NUMBERS = (
+    *("limits", "reach", "timing", "foot", "task", "planning"),
+    *("mass", "com", "inertia", "feet", "base_position", "hips", "mirrors", "joint_names"),
+)
 DIGITS = 6  # after the point, of a robot's numbers; computed ones differ from machine to machine
 
 # Of inverse distances, local regressions and radial basis functions, on 60 to 80 jumps of ANYmal
@@ -256,10 +261,11 @@ _NAMES = {
 
 def _of(formulation: Formulation) -> dict[str, Any]:
     """Plain data on which a table's solutions depend."""
-    numbers = json.dumps(_rounded(formulation.robot.parameters()), sort_keys=True)
+    numbers = formulation.robot.parameters()
+    numbers = _rounded({name: numbers[name] for name in NUMBERS})
     return {
         "schema": SCHEMA,
-        "robot": content_key(numbers).hex(),
+        "robot": content_key(json.dumps(numbers, sort_keys=True)).hex(),
         "model": formulation.model.name,
         "layout": repr(formulation.layout),
         "sizes": list(formulation.solver.sizes),
@@ -301,7 +307,7 @@ def _check(path: Path, table: GuessTable, formulation: Formulation) -> None:
 
 
 def _is_usual(task: Task) -> bool:
-    """Whether a task is of the kind that tables have."""
+    """True if a task is of the kind that tables have."""
     jump = task.jump
     plain = Jump(robot=jump.robot, model=jump.model)
     same = all(getattr(jump, n) == v for n, v in plain.as_dict().items() if n not in REQUEST)

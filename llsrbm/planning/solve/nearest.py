@@ -18,7 +18,7 @@ from llsrbm.planning.solve.search import FeasibilitySearch
 from llsrbm.request.jump import Jump
 from llsrbm.robots.schema import Task as Ranges
 
-# The steps in which people ask, rad and m: what is found is whole steps of what was reduced.
+# rad and m; results are whole steps of the components that were reduced.
 STEPS = {
     "twist": math.radians(1.0),
     "forward": 0.01,
@@ -59,7 +59,7 @@ class Way:
 
     @property
     def steps(self) -> int:
-        """How many steps the largest of them has."""
+        """Number of steps of the largest of them."""
         return max(math.ceil(_steps(self.jump, name) - 1e-6) for name in self.reduced)
 
     def at(self, step: int) -> Jump:
@@ -91,22 +91,22 @@ def find_nearest(
     Raises:
         InputError: an unknown weight or limit.
         Error: not even a jump on the spot can be planned; says which limits would have to change.
-        Cancelled: `cancelled` said so.
+        Cancelled: `cancelled` was true.
 
     Args:
         planner: of the jump's robot and model.
         jump: the request.
         weights, limits: as in `llsrbm.plan`.
-        progress: told in words what is tried.
-        cancelled: asked before and during every solve.
+        progress: called with each try, in words.
+        cancelled: called before and during every solve; true to stop.
     """
     robot = planner.formulation.robot
     ranges = robot.file.task
     within = _within(jump, ranges)
     on_the_spot = replace(jump, twist=0.0, forward=0.0, lateral=0.0, height=0.0)
 
-    tell = None if progress is None else lambda news: progress(news.text)
-    search = FeasibilitySearch(planner.formulation, Watch(cancelled, tell))
+    report = None if progress is None else lambda step: progress(step.text)
+    search = FeasibilitySearch(planner.formulation, Watch(cancelled, report))
     tried = _Reductions(search, lambda other: _distance(other, within, ranges), weights, limits)
     if tried.found(on_the_spot) is None:
         search.about = "what stops a jump on the spot"
@@ -200,7 +200,7 @@ def _ends(ranges: Ranges) -> list[tuple[str, tuple[float, float]]]:
 
 
 def _distance(one: Jump, other: Jump, ranges: Ranges) -> float:
-    """How far apart two requests are, each component as a share of what may be asked."""
+    """Distance of two requests, each component as a share of the robot's range."""
     shares = (
         (getattr(one, name) - getattr(other, name)) / ((high - low) or 1.0)
         for name, (low, high) in _ends(ranges)
@@ -222,7 +222,7 @@ def _in_words(jump: Jump) -> str:
     return ", ".join(moved) or "on the spot"
 
 
-def _changes(asked: Jump, found: Jump) -> str:
-    """What differs, in words; values that look alike do not."""
-    values = ((name, _value(found, name), _value(asked, name)) for name in STEPS)
+def _changes(request: Jump, found: Jump) -> str:
+    """The differences, in words; values that look alike are none."""
+    values = ((name, _value(found, name), _value(request, name)) for name in STEPS)
     return ", ".join(f"{name} {new} instead of {old}" for name, new, old in values if new != old)

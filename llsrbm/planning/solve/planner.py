@@ -17,15 +17,21 @@ from llsrbm.motion.plan import Plan, SolveReport
 from llsrbm.ocp import solvers
 from llsrbm.ocp.problem import Iterate
 from llsrbm.ocp.progress import when_idle
-from llsrbm.planning.problem.constraints.truth import TrueTurn, correction
+from llsrbm.planning.problem.constraints.truth import correction
 from llsrbm.planning.problem.knots import Knots
 from llsrbm.planning.problem.layout import Layout
 from llsrbm.planning.problem.placement import make_task
 from llsrbm.planning.problem.task import Task
-from llsrbm.planning.problem.violations import TOLERANCE, describe_worst, excess, stops
+from llsrbm.planning.problem.violations import describe_worst, excess, stops
 from llsrbm.planning.solve.assembly import assemble_plan
 from llsrbm.planning.solve.explanation import explained
-from llsrbm.planning.solve.formulation import PATIENT_FLIGHT, Array, Attempt, Formulation
+from llsrbm.planning.solve.formulation import (
+    PATIENT_FLIGHT,
+    Array,
+    Attempt,
+    Formulation,
+    with_all_time,
+)
 from llsrbm.planning.solve.guess_table import Guesses
 from llsrbm.planning.solve.progress import Progress, Watch
 from llsrbm.planning.solve.search import FeasibilitySearch
@@ -94,17 +100,17 @@ class Planner:
 
     @cached_property
     def guesses(self) -> Guesses:
-        """Solutions that are at hand."""
+        """The robot's table of solutions."""
         return Guesses(self.formulation)
 
     @property
     def robot(self) -> Robot:
-        """Whose jumps are planned."""
+        """The robot whose jumps are planned."""
         return self.formulation.robot
 
     @property
     def model(self) -> CentroidalModel:
-        """With which they are."""
+        """Its centroidal model."""
         return self.formulation.model
 
     @property
@@ -138,15 +144,15 @@ class Planner:
             patient: try all there is; otherwise only from `near`, from solutions nearby and from
                 the analytic guess.
             explains: whether, with patience, the limits that stop a jump are looked for.
-            cancelled: asked before and during every solve.
-            progress: told what is being tried, and how it goes.
+            cancelled: called before and during every solve; true to stop.
+            progress: called with each attempt and the solver's iterations.
 
         Raises:
             InputError: the request is out of the robot's range, or `near` is of no use for it.
             NotConverged: no attempt satisfied every constraint; carries the nearest one. With
                 patience and the default solver it names the limits that stop the jump, after some
                 more seconds, unless it is not to; else what the nearest one violates.
-            Cancelled: `cancelled` said so.
+            Cancelled: `cancelled` was true.
         """
         robot, layout = self.formulation.robot, self.formulation.layout
         task = make_task(jump, robot, weights, limits)
@@ -206,7 +212,7 @@ class Planner:
     def _attempts(
         self, task: Task, near: Plan | None, guesses: bool, patient: bool, watch: Watch
     ) -> Iterator[tuple[str, Callable[[], Attempt]]]:
-        """What is tried, in order, each only when the one before failed."""
+        """Label and solve of each attempt, in order; the next only when the one before failed."""
         guess = self.formulation.guess
         if near is not None:
             start = self._start(near)
@@ -232,11 +238,11 @@ class Planner:
         says by how much; a few solves agree with it.
         """
         attempts = [attempt]
-        while len(attempts) <= CORRECTIONS and _lacks_truth(attempts[-1]):
+        while len(attempts) <= CORRECTIONS and attempts[-1].lacks_truth:
             last = attempts[-1]
             task = replace(last.task, correction=correction(last.knots))
             attempts.append(self._solve(task, last.solution.variables, watch))
-        return _with_all_time(attempts)
+        return with_all_time(attempts)
 
     def _by_stronger_drives(self, task: Task, watch: Watch) -> Attempt:
         """Solve with drives that give more first, then with less, each from the one before."""
@@ -249,7 +255,7 @@ class Planner:
                 start = attempts[-1].solution.variables
             elif start is not None:
                 break
-        return _with_all_time(attempts)
+        return with_all_time(attempts)
 
     def _by_easier_jumps(self, task: Task, watch: Watch) -> Attempt:
         """Solve a share of the jump first, then larger ones, each from the one before."""
@@ -260,10 +266,10 @@ class Planner:
             else:
                 guess = self.formulation.guess(easier)
             attempts.append(self._solve(easier, guess, watch))
-        return _with_all_time(attempts)
+        return with_all_time(attempts)
 
     def _start(self, near: Plan) -> Iterate:
-        """What a plan holds for the next one.
+        """A plan's solution, from which the next one starts.
 
         Raises:
             InputError: it is not this planner's.
@@ -301,7 +307,7 @@ class Planner:
             if attempts[-1].solved or not attempts[-1].solution.converged:
                 break
             start = attempts[-1].solution
-        return _with_all_time(attempts)
+        return with_all_time(attempts)
 
     def _from_nearby(self, start: Iterate, task: Task, watch: Watch) -> Attempt:
         """Follow from near; from further off, and where following creeps, solve from there."""
@@ -311,7 +317,7 @@ class Planner:
             attempts.append(self._follow(start, task, watch))
         if not attempts or not attempts[-1].solved:
             attempts.append(self._solve(task, start.variables, watch, CLOSE))
-        return _with_all_time(attempts)
+        return with_all_time(attempts)
 
     def _solve(
         self, task: Task, guess: Array, watch: Watch, options: solvers.SolveOptions | None = None
@@ -324,21 +330,8 @@ class Planner:
 
     def last_knots(self) -> Knots:
         """The last solution in full, for tests and studies."""
-        if self.last is None:
-            raise InputError("this planner has no solution yet")
+        assert self.last is not None
         return self.last.knots
-
-
-def _lacks_truth(attempt: Attempt) -> bool:
-    """Whether a solution is one but for what the whole body makes of it."""
-    broken = [name for name, v in attempt.violations.items() if v.amount > TOLERANCE]
-    return attempt.solution.converged and TrueTurn.name in broken
-
-
-def _with_all_time(attempts: list[Attempt]) -> Attempt:
-    """The last attempt, with the time that all of them took."""
-    last, seconds = attempts[-1], sum(attempt.solution.solve_time_s for attempt in attempts)
-    return replace(last, solution=replace(last.solution, solve_time_s=seconds))
 
 
 def _describe(jump: Jump) -> str:

@@ -1,4 +1,4 @@
-"""News of planning while it runs."""
+"""Progress and cancellation of planning."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from llsrbm.ocp.progress import IterationTable, attended, when_idle
 
 @dataclass(frozen=True)
 class PlanningProgress:
-    """What the planner is doing.
+    """A step of the planner.
 
     Attributes:
         text: one line for a person.
-        iteration: of the running solve; None before its first news.
+        iteration: of the running solve; None before its first report.
         residual: its largest constraint violation, in the solver's scaled units.
     """
 
@@ -29,7 +29,7 @@ Progress = Callable[[PlanningProgress], None]
 
 
 class Watch:
-    """Whether to go on, and who is told how it goes."""
+    """Passes progress on, and cancels."""
 
     def __init__(
         self, cancelled: Callable[[], bool] | None = None, progress: Progress | None = None
@@ -40,40 +40,40 @@ class Watch:
 
     @property
     def read(self) -> Callable[[str], None] | None:
-        """Takes what a solver prints; None when nobody wants to know."""
+        """Takes a solver's printed output; None when progress is not wanted."""
         return None if self._progress is None else self._table.read
 
     def wait(self) -> None:
         """Until CasADi may be used.
 
         Raises:
-            Cancelled: it is not wanted any more.
+            Cancelled: on request.
         """
         when_idle(self._cancelled)
 
     def begin(self, text: str) -> None:
-        """Tell what comes next.
+        """Report the next step.
 
         Raises:
-            Cancelled: it is not wanted any more.
+            Cancelled: on request.
         """
         if self._cancelled is not None and self._cancelled():
             raise Cancelled("planning was cancelled")
         self._text = text
-        # A new one before anybody takes hold of its `read`.
+        # A new one before its `read` is handed on.
         self._table = IterationTable()
         if self._progress is not None:
             self._progress(PlanningProgress(text))
 
     def over(self, solve: Callable[[], Solution]) -> Solution:
-        """What `solve` returns, watched over.
+        """Run `solve`, reporting progress; its result.
 
         Raises:
-            Cancelled: it is not wanted any more.
+            Cancelled: on request.
         """
-        tell = None if self._progress is None else self._tell
-        return attended(solve, lambda: self._table.last, tell, self._cancelled)
+        report = None if self._progress is None else self._report
+        return attended(solve, lambda: self._table.last, report, self._cancelled)
 
-    def _tell(self, iteration: int, residual: float) -> None:
+    def _report(self, iteration: int, residual: float) -> None:
         if self._progress is not None:
             self._progress(PlanningProgress(self._text, iteration, residual))

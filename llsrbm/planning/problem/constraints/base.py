@@ -107,16 +107,16 @@ class Constraint(ABC):
     by_knot: ClassVar[bool] = False
 
     def concerns(self, task: Task) -> bool:
-        """Whether the robot has what is limited."""
+        """True if the limits mean something for the task's robot."""
         return True
 
     def checked(self, task: Task) -> bool:
-        """Whether plans of a task are checked for it."""
+        """True if plans of a task are checked for it."""
         return True
 
     @abstractmethod
     def applies(self, role: Role) -> bool:
-        """Whether stages of that role have these rows."""
+        """True if stages of that role have these rows."""
 
     @abstractmethod
     def rows(self, stage: Stage) -> Any:
@@ -146,7 +146,7 @@ class Constraint(ABC):
         return rows
 
     def demand(self, knots: Knots) -> Demand | None:
-        """What a motion asks of a joint beyond the limits; None if it does not, or of no joint."""
+        """The largest demand on a joint beyond the limits; None if there is none."""
         return None
 
 

@@ -59,7 +59,7 @@ class BodyClearance(Constraint):
     )
 
     def concerns(self, task: Task) -> bool:
-        """Whether there is something to clear."""
+        """True if there is something to clear."""
         return task.clears
 
     def checked(self, task: Task) -> bool:

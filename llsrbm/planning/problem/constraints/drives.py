@@ -1,4 +1,4 @@
-"""What the joints' drives can do: torque, speed, and the torque that is left at a speed.
+"""Limits of the joints' drives: torque, speed, and the torque that is left at a speed.
 
 A drive gives its whole torque up to 70 % of its speed limit, from there less, none at the limit;
 braking takes nothing away (`llsrbm.robots.drives`). With t and w torque and speed as shares of

@@ -1,4 +1,4 @@
-"""How feet fly: above the ground, and no faster than legs can carry them."""
+"""Height and speed of flying feet."""
 
 from __future__ import annotations
 

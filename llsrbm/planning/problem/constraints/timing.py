@@ -1,4 +1,4 @@
-"""How long the phases may take."""
+"""Durations of the phases."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Whether the whole body would turn in flight as the model says."""
+"""Turn of the whole body in flight, against the model's."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ BEARABLE = 0.09
 
 
 class TrueTurn(Constraint):
-    """What the model leaves out turns the base by no more than a landing bears.
+    """The model's errors turn the base by no more than a landing bears.
 
     The maps of the legs are fitted about the standing feet; of feet far out they are a few per cent
     wrong, and a robot that follows such a plan arrives tilted. No rows: the check alone, by

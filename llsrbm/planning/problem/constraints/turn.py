@@ -1,4 +1,4 @@
-"""How far and how fast soles turn about the vertical; points have no such rows."""
+"""Angles and rates of soles about the vertical; points have no such rows."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ class FootYaw(Constraint):
 
 
 class FootTurn(Constraint):
-    """How fast feet turn in flight: against the base, and in the world."""
+    """Turning rates of feet in flight, against the base and in the world."""
 
     name = "foot_turn"
     unit = "rad/s"

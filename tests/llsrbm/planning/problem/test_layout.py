@@ -2,12 +2,11 @@ from dataclasses import replace
 
 import casadi as ca
 import numpy as np
-import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from llsrbm.models import make_model
-from llsrbm.planning.problem.layout import LEAST_INTERVALS, Layout, Role, split
+from llsrbm.planning.problem.layout import LEAST_INTERVALS, Layout, split
 from llsrbm.planning.problem.parameters import parameter_sizes
 from llsrbm.planning.problem.stage import Stage
 from llsrbm.request.schedule import Phase, Schedule, together
@@ -206,15 +205,6 @@ def test_names_of_files_say_which_feet_stand_when():
     assert LAYOUT.name == "1111-0000-1111"
     assert REAR_LAST.name == "1111-0011-0000-1111"
     assert replace(LAYOUT, turns=True).name == "1111-0000-1111-turns"
-
-
-@pytest.mark.parametrize(
-    ("knot", "name"),
-    [(0, "phase0_first"), (1, "phase0"), (2, "phase0_last"), (-1, "phase2_terminal")],
-)
-def test_roles_describe_themselves(knot, name):
-    assert LAYOUT.roles[knot].describe() == name
-    assert isinstance(LAYOUT.roles[knot], Role)
 
 
 def test_of_a_schedule():

@@ -12,11 +12,13 @@ from llsrbm import models
 from llsrbm.body.joint_margins import joint_margins
 from llsrbm.errors import Cancelled, InputError, NotConverged
 from llsrbm.ocp import progress, solvers
+from llsrbm.planning.problem.placement import make_task
 from llsrbm.planning.problem.violations import TOLERANCE, excess
 from llsrbm.planning.solve import explanation
 from llsrbm.planning.solve.formulation import PATIENT_FLIGHT
 from llsrbm.planning.solve.planner import INTERVALS, Planner, planner_for
 from llsrbm.planning.solve.progress import PlanningProgress
+from llsrbm.planning.solve.search import FeasibilitySearch, OutOfTime
 from llsrbm.request.jump import Jump
 from llsrbm.robots import load_robot
 from tests.llsrbm.kinematics import foot_positions
@@ -370,6 +372,14 @@ def of_weak_legs(planner):
     robot = replace(ROBOT, file=ROBOT.file.model_copy(update={"limits": limits}))
     planner.formulation = replace(planner.formulation, robot=robot)
     return planner
+
+
+def test_a_search_ends_by_the_clock_however_little_its_solver_took(planner):
+    search = FeasibilitySearch(planner.formulation)
+    search.deadline = time.monotonic()
+    with pytest.raises(OutOfTime):
+        search.solve(make_task(Jump(model="srbm", forward=0.1), planner.robot))
+    assert (search.solves, search.seconds) == (0, 0.0)
 
 
 def test_what_cannot_be_says_what_is_violated(planner, monkeypatch):
