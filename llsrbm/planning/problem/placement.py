@@ -76,6 +76,21 @@ def make_task(
     return task
 
 
+def check_turns(jump: Jump, robot: Robot) -> None:
+    """Check that the robot makes the whole turns of a request.
+
+    Raises:
+        InputError: it makes none about that axis.
+    """
+    axes = robot.file.turning_axes
+    for axis in ("roll", "pitch"):
+        if getattr(jump, axis) and axis not in axes:
+            raise InputError(
+                f"{axis}: no plan of {robot.name} with whole turns of {axis} is known; expected "
+                f'{" or ".join(axes)}, or {axis} among "axes" of [turning] in its file'
+            )
+
+
 def place_task(jump: Jump, robot: Robot, tuning: Tuning | None = None) -> Task:
     """Place the request in the world; its numbers are not checked.
 
@@ -178,3 +193,11 @@ def _out_of_range(robot: str, name: str, value: float, low: float, high: float) 
         return f"{name} {value:g} m is out of range; {robot} takes {low:g} to {high:g} m"
     low, high, value = (np.degrees(v) for v in (low, high, value))
     return f"twist {value:g} deg is out of range; {robot} takes {low:.0f} to {high:.0f} deg"
+
+
+def describe(jump: Jump) -> str:
+    """A request in words, for messages."""
+    return (
+        f"twist {np.degrees(jump.twist):g} deg, forward {jump.forward:g} m, "
+        f"lateral {jump.lateral:g} m, height {jump.height:g} m, {jump.model}"
+    )

@@ -8,8 +8,6 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from functools import cached_property, lru_cache, partial
 
-import numpy as np
-
 from llsrbm.errors import InputError, NotConverged
 from llsrbm.models import check_name, make_model
 from llsrbm.models.base import CentroidalModel
@@ -20,7 +18,7 @@ from llsrbm.ocp.progress import when_idle
 from llsrbm.planning.problem.constraints.truth import correction
 from llsrbm.planning.problem.knots import Knots
 from llsrbm.planning.problem.layout import Layout
-from llsrbm.planning.problem.placement import make_task
+from llsrbm.planning.problem.placement import check_turns, describe, make_task
 from llsrbm.planning.problem.task import Task
 from llsrbm.planning.problem.violations import describe_worst, excess, stops
 from llsrbm.planning.solve.assembly import assemble_plan
@@ -202,7 +200,7 @@ class Planner:
         plan = assemble_plan(self.robot, best, report)
         if not best.solved:
             raise NotConverged(
-                f"no plan found in {len(tried)} attempts ({_describe(task.jump)}); the nearest, "
+                f"no plan found in {len(tried)} attempts ({describe(task.jump)}); the nearest, "
                 f"{best.label}: {describe_worst(best.violations, best.knots)}",
                 plan,
                 stops(best.knots),
@@ -330,15 +328,9 @@ class Planner:
 
     def last_knots(self) -> Knots:
         """The last solution in full, for tests and studies."""
-        assert self.last is not None
+        if self.last is None:
+            raise InputError("this planner has no solution yet")
         return self.last.knots
-
-
-def _describe(jump: Jump) -> str:
-    return (
-        f"twist {np.degrees(jump.twist):g} deg, forward {jump.forward:g} m, "
-        f"lateral {jump.lateral:g} m, height {jump.height:g} m, {jump.model}"
-    )
 
 
 def layout_of(jump: Jump, robot: Robot, intervals: int = INTERVALS) -> Layout:
@@ -384,18 +376,8 @@ def planner_of(
     robot = robot or load_robot(jump.robot)
     if jump.turns:
         robot = robot.turning
-        _check_turns(jump, robot)
+        check_turns(jump, robot)
     return _kept(robot, jump.model, solver, layout_of(jump, robot, intervals))
-
-
-def _check_turns(jump: Jump, robot: Robot) -> None:
-    axes = robot.file.turning_axes
-    for axis in ("roll", "pitch"):
-        if getattr(jump, axis) and axis not in axes:
-            raise InputError(
-                f"{axis}: no plan of {robot.name} with whole turns of {axis} is known; expected "
-                f'{" or ".join(axes)}, or {axis} among "axes" of [turning] in its file'
-            )
 
 
 def planner_for(
