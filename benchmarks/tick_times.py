@@ -66,11 +66,12 @@ def follow(plan_path: str, torque_path: str) -> dict[str, float]:
 
 def parts(plan_path: str) -> dict[str, float]:
     """Mean times of a tick's parts, s, inner ones taken off the outer."""
+    from llsrbm.control.solvers import QpSolver
+
     from llsrbm.control.contact_schedule import ContactSchedule
     from llsrbm.control.controller import WholeBodyController
     from llsrbm.control.detection.residual import ResidualDetector
     from llsrbm.control.inverse_dynamics import InverseDynamics
-    from llsrbm.control.solvers import QpSolver
     from llsrbm.control.whole_body import WholeBody
 
     spent: dict[str, float] = {}
