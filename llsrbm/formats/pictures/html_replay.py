@@ -1,28 +1,31 @@
 """One page that plays the motion from disk: no server, no network, no installation.
 
 Robot, contact forces, inertia ellipsoid, trails, ground and boxes; of a rollout also its plan as a
-ghost, where the file holds it, and the board. A timeline with phases and events; space plays,
-arrows step, mouse or fingers turn, move and zoom. The ellipsoid is that of the uniform solid with
-the robot's mass and inertia, of a plan the model's, of a rollout the whole body's. An arrow as long
-as the standing robot's CoM is high is a force as large as its weight; of a rollout, forces are
-means from frame to frame. World frame, x forward, y left, z up, m.
+ghost, and the board. A timeline with phases and events; space plays, arrows step, mouse or fingers
+turn, move and zoom. The ellipsoid is that of the uniform solid with the robot's mass and inertia,
+of a plan the model's, of a rollout the whole body's. An arrow as long as the standing robot's CoM
+is high is a force as large as its weight; of a rollout, forces are means from frame to frame. World
+frame, x forward, y left, z up, m.
 
-Needs WebGL2 and DecompressionStream: browsers of 2023 and later. It draws with WebGL2 itself: a
-scene of viser's has no timeline and no layers, three.js would be 0.7 MB of foreign code to keep.
+The scene is viser's own export, from a server on a free port of this machine alone that is stopped
+at once; a script of ours lays a timeline over it and moves the nodes. Needs WebGL2 and
+DecompressionStream: browsers of 2023 and later.
 """
 
 from __future__ import annotations
 
 import base64
+import contextlib
 import gzip
-import hashlib
+import io
 import json
 import math
+from collections.abc import Iterator
 from html import escape
 from importlib.resources import files
 from pathlib import Path
 from string import Template
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,89 +48,188 @@ from llsrbm.mechanics import sign_continuous
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.trajectory import Trajectory, description
 
+if TYPE_CHECKING:
+    import viser
+
 _ASPECT = 16 / 9  # of the window that the camera is placed for
-_BARS = 1.2  # of the distance: title and timeline cover a part of the picture
-_PAGE = "replay_page"
-_SCRIPTS = ("renderer.js", "replay.js")
-_ALIGNED = 4  # bytes, at which typed arrays may begin
+_BARS = 1.2  # of the distance: title and layers cover a part of the picture
+_PALER = 0.7  # of the way to white, of trails that are to come
+# Whatever a file may bring along, nothing is asked of the network.
+_POLICY = (
+    "default-src 'none'; connect-src data: blob:; img-src data: blob:; font-src data:; "
+    "worker-src blob: data:; style-src 'unsafe-inline'; "
+    "script-src 'unsafe-inline' 'unsafe-eval' 'wasm-unsafe-eval' blob: data:"
+)
 
 
 def write_html(trajectory: Trajectory, path: Path, options: Options) -> None:
     """Write the page."""
     drawing = draw(trajectory, options.fps, with_instants=True)
+    nodes, exported = _exported_scene(drawing)
     numbers, listed = _packed(_arrays(drawing))
-    facts = _facts(drawing, trajectory, options.camera) | {"arrays": listed}
-    style, script = _asset("style.css"), "\n".join(_asset(name) for name in _SCRIPTS)
-    page = Template(_asset("page.html")).substitute(
-        # Whatever a file may bring along, nothing but this script runs and nothing is asked for.
-        policy=(
-            "default-src 'none'; connect-src 'none'; img-src data:; "
-            f"script-src {_digest(script)}; style-src {_digest(style)}"
-        ),
-        version=escape(package_version()),
-        title=escape(drawing.title),
-        style=style,
-        facts=_json(facts),
-        numbers=numbers,
-        script=script,
+    facts = _facts(drawing, trajectory, options.camera) | {"nodes": nodes, "arrays": listed}
+    over = Template(_asset("replay.html")).substitute(
+        facts=_json(facts), numbers=numbers, script=_asset("replay.js")
     )
-    path.write_text(page, encoding="utf-8")
+    head = (
+        f'<meta http-equiv="Content-Security-Policy" content="{_POLICY}">'
+        f'<meta name="generator" content="llsrbm {escape(package_version())}">'
+        f"<title>{escape(drawing.title)}</title>"
+    )
+    before, after = exported.split("<title>Viser</title>", 1)
+    start, charset, rest = before.partition('<meta charset="utf-8" />')
+    page = f"{start}{charset}{head}{rest}{after}"
+    end = page.rindex("</body>")
+    style = f"<style>{_asset('replay.css')}</style>"
+    path.write_text(page[:end] + style + over + page[end:], encoding="utf-8")
+
+
+# ---- the scene
+
+
+def _exported_scene(drawing: Drawing) -> tuple[list[str], str]:
+    """Names of the nodes that the script moves, and viser's page of the scene."""
+    import viser
+
+    with contextlib.redirect_stdout(io.StringIO()):  # viser prints whatever `verbose` says
+        server = viser.ViserServer(host="127.0.0.1", port=0, verbose=False)
+        try:
+            nodes = list(_add_nodes(server.scene, drawing))
+            return nodes, server.get_scene_serializer().as_html()
+        finally:
+            server.stop()
+
+
+def _add_nodes(scene: viser.SceneApi, drawing: Drawing) -> Iterator[str]:
+    """Add everything where it is at the origin; yields the names of the nodes that are moved."""
+    import trimesh
+
+    ground = (0.0, 0.0, drawing.surroundings.ground)
+    scene.add_grid("/ground", infinite_grid=True, position=ground, shadow_opacity=0.25)
+    for layer in ("robot", "ghost", "forces", "trails", "blocks"):
+        scene.add_frame(f"/{layer}", show_axes=False)
+    for visual in drawing.visuals:
+        name = f"/robot/{visual.link}"
+        scene.add_glb(name, visual.mesh().export(file_type="glb"))
+        yield name
+    for visual in drawing.coarse_visuals if drawing.ghost is not None else ():
+        name = f"/ghost/{visual.link}"
+        scene.add_mesh_simple(
+            name,
+            visual.vertices,
+            visual.faces,
+            color=palette.PLANNED,
+            opacity=0.3,
+            cast_shadow=False,
+        )
+        yield name
+    yield from _add_ellipsoid(scene, drawing.colour)
+    rod = trimesh.creation.cylinder(radius=1.0, height=1.0, sections=20)
+    rod.apply_translation([0.0, 0.0, 0.5])
+    tip = trimesh.creation.cone(radius=1.0, height=1.0, sections=20)
+    for leg in drawing.robot.legs:
+        scene.add_frame(f"/forces/{leg.name}", show_axes=False)
+        for part, mesh in (("shaft", rod), ("head", tip)):
+            name = f"/forces/{leg.name}/{part}"
+            scene.add_mesh_simple(name, mesh.vertices, mesh.faces, color=palette.FORCE)
+            yield name
+    for name, points, colour, width in _trails(drawing):
+        segments = np.stack([points[:-1], points[1:]], axis=1).astype(np.float32)
+        for part, tint in (("to_come", palette.paler(colour, _PALER)), ("past", colour)):
+            scene.add_line_segments(
+                f"/trails/{name}_{part}",
+                segments,
+                np.array(tint, dtype=np.uint8),
+                thickness=width,
+                thickness_units="screen",
+            )
+        yield f"/trails/{name}_past"
+    size = 0.026 * float(drawing.robot.com[2])
+    scene.add_icosphere("/trails/com_now", size, palette.COM, opacity=0.9, cast_shadow=False)
+    yield "/trails/com_now"
+    for i, block in enumerate(drawing.surroundings.blocks):
+        turn = (math.cos(block.yaw / 2), 0.0, 0.0, math.sin(block.yaw / 2))
+        for part, opacity in (("there", None), ("to_come", 0.16)):
+            scene.add_box(
+                f"/blocks/{i}/{part}",
+                palette.BLOCK,
+                block.size,
+                opacity=opacity,
+                position=block.centre,
+                wxyz=turn,
+            )
+        yield from (f"/blocks/{i}/there", f"/blocks/{i}/to_come")
+
+
+def _add_ellipsoid(scene: viser.SceneApi, colour: Rgb) -> Iterator[str]:
+    scene.add_frame("/ellipsoid", show_axes=False)
+    yield "/ellipsoid"
+    scene.add_icosphere("/ellipsoid/surface", 1.0, colour, opacity=0.27, cast_shadow=False)
+    scene.add_icosphere(
+        "/ellipsoid/wires",
+        1.004,
+        colour,
+        subdivisions=2,
+        wireframe=True,
+        opacity=0.35,
+        cast_shadow=False,
+    )
+
+
+def _trails(drawing: Drawing) -> Iterator[tuple[str, NDArray[Any], Rgb, float]]:
+    """Name, points, colour and pixels: the CoM over the whole motion, the feet in flight."""
+    yield "com", drawing.solid.com, palette.COM, 2.6
+    if drawing.flight.sum() > 1:
+        for i, leg in enumerate(drawing.robot.legs):
+            yield leg.name, drawing.foot[drawing.flight, i], palette.FOOT, 1.8
+
+
+# ---- numbers and words
 
 
 def _facts(
     drawing: Drawing, trajectory: Trajectory, camera: tuple[float, float, float] | None
 ) -> dict[str, Any]:
-    """What the page's script reads besides the arrays."""
+    """Everything that the page's script reads besides the arrays."""
     view = view_of(drawing, _ASPECT, camera)
-    size = float(drawing.robot.com[2])
+    distance = view.distance * (1.0 if camera else _BARS)
     good = trajectory.solved if isinstance(trajectory, Plan) else trajectory.landed
+    flying = drawing.time[drawing.flight]
+    trails = [(name, drawing.time if name == "com" else flying) for name, *_ in _trails(drawing)]
     return {
         "title": drawing.title,
-        "told": drawing.told,
+        "outcome": drawing.told,
         "bad": not good,
         "rollout": not isinstance(trajectory, Plan),
-        "legs": len(drawing.robot.legs),
-        "bodies": [
-            {
-                "name": fine.link,
-                "fine": {"points": len(fine.vertices), "faces": len(fine.faces)},
-                "coarse": {"points": len(coarse.vertices), "faces": len(coarse.faces)},
-            }
-            for fine, coarse in zip(drawing.visuals, drawing.coarse_visuals, strict=True)
-        ],
-        "meshUnit": _mesh_unit(drawing.visuals),
-        "ground": drawing.surroundings.ground,
-        "span": 2.2 * size + 0.3,
+        "legs": [leg.name for leg in drawing.robot.legs],
+        "bodies": [visual.link for visual in drawing.visuals],
         "blocks": [
             {
-                "centre": block.centre.tolist(),
-                "size": block.size.tolist(),
-                "yaw": block.yaw,
                 "from": block.from_s,
                 "until": block.until_s if math.isfinite(block.until_s) else None,
             }
             for block in drawing.surroundings.blocks
         ],
+        "trails": [
+            {"name": f"/trails/{name}_past", "times": times[1:].round(4).tolist()}
+            for name, times in trails
+        ],
         "camera": {
             "target": view.target.tolist(),
-            "azimuth": view.azimuth,
-            "elevation": view.elevation,
-            "distance": view.distance * (1.0 if camera else _BARS),
-            "fieldOfView": math.radians(FIELD_OF_VIEW),
+            "eye": (view.target + distance * view.axes[:, 2]).tolist(),
+            "fieldOfView": FIELD_OF_VIEW,
             "aspect": _ASPECT,
         },
         "arrow": {
             "perNewton": drawing.arrow_per_newton,
             "least": LEAST_FORCE,
-            "thickness": 0.016 * size,
+            "thickness": 0.016 * float(drawing.robot.com[2]),
         },
         "colours": {
-            "planned": _share(palette.PLANNED),
-            "ellipsoid": _share(drawing.colour),
-            "force": _share(palette.FORCE),
-            "com": _share(palette.COM),
-            "foot": _share(palette.FOOT),
-            "block": _share(palette.BLOCK),
+            "planned": css(palette.PLANNED),
+            "ellipsoid": css(drawing.colour),
+            "force": css(palette.FORCE),
+            "com": css(palette.COM),
         },
         "timeline": _timeline(drawing.timeline),
         "description": description(trajectory),
@@ -136,7 +238,7 @@ def _facts(
 
 def _timeline(events: Timeline) -> dict[str, Any]:
     return {
-        "told": events.told,
+        "events": events.told,
         "rows": [
             {
                 "name": row.name,
@@ -166,73 +268,37 @@ def _timeline(events: Timeline) -> dict[str, Any]:
     }
 
 
-def _arrays(drawing: Drawing) -> dict[str, NDArray[Any]]:
-    """Meshes and motion; what the script sends to the graphics processor has rows of four."""
-    visuals = drawing.visuals
-    single = np.float32
-    arrays: dict[str, NDArray[Any]] = {
-        "time": drawing.time.astype(single),
-        "solid": _poses(drawing.solid, visuals),
-        "com": drawing.solid.com.astype(single),
-        "ellipsoid": np.hstack([drawing.axes, sign_continuous(drawing.axes_quat)]).astype(single),
-        "foot": drawing.foot.astype(single),
-        "flight": drawing.flight.astype(np.uint8),
-        "force": np.concatenate([drawing.pressed_at, drawing.force], axis=2).astype(single),
+def _arrays(drawing: Drawing) -> dict[str, NDArray[np.float32]]:
+    """The motion of the nodes."""
+    axes = np.hstack([drawing.axes, sign_continuous(drawing.axes_quat)])
+    arrays = {
+        "time": drawing.time,
+        "solid": _poses(drawing.solid, drawing.visuals),
+        "com": drawing.solid.com,
+        "ellipsoid": axes,
+        "force": np.concatenate([drawing.pressed_at, drawing.force], axis=2),
     }
-    unit = _mesh_unit(visuals)
-    # The coarse ones are ghosts, cast shadows, and are all that is drawn without a graphics card.
-    arrays |= _meshes("fine", visuals, unit) | _meshes("coarse", drawing.coarse_visuals, unit)
     if drawing.ghost is not None:
-        arrays["ghost"] = _poses(drawing.ghost, visuals)
-        arrays["ghost_com"] = drawing.ghost.com.astype(single)
-    return arrays
+        arrays["ghost"] = _poses(drawing.ghost, drawing.visuals)
+    return {name: array.astype(np.float32) for name, array in arrays.items()}
 
 
-def _meshes(name: str, visuals: tuple[LinkVisual, ...], unit: float) -> dict[str, NDArray[Any]]:
-    faces = np.concatenate([np.zeros((0, 3)), *(visual.faces for visual in visuals)])
-    return {
-        f"{name}_points": _four(visuals, "vertices", np.int16, 1 / unit),
-        f"{name}_normals": _four(visuals, "normals", np.int8, 127.0),
-        f"{name}_paint": _four(visuals, "rgb", np.uint8, 1.0),
-        f"{name}_faces": faces.astype(np.uint32),
-    }
-
-
-def _mesh_unit(visuals: tuple[LinkVisual, ...]) -> float:
-    """m: points are 16 bit shares of it, which are a few hundredths of a millimetre apart."""
-    return max((float(np.abs(visual.vertices).max()) for visual in visuals), default=1.0)
-
-
-def _four(
-    visuals: tuple[LinkVisual, ...], name: str, kind: type[np.integer[Any]], factor: float
-) -> NDArray[Any]:
-    """(V, 4) whole numbers; floats are taken as shares of the largest there is."""
-    rows = np.concatenate([np.zeros((0, 3)), *(getattr(visual, name) for visual in visuals)])
-    scale = np.iinfo(kind).max if kind is np.int16 else 1
-    result = np.full((len(rows), 4), 255 if kind is np.uint8 else 0, dtype=kind)
-    limits = np.iinfo(kind)
-    result[:, :3] = np.clip(np.round(rows * factor * scale), limits.min, limits.max)
-    return result
-
-
-def _poses(bodies: Bodies, visuals: tuple[LinkVisual, ...]) -> NDArray[np.float32]:
+def _poses(bodies: Bodies, visuals: tuple[LinkVisual, ...]) -> NDArray[np.float64]:
     """(K, bodies with meshes, 7): position and quaternion, signs so that they can be mixed."""
     index = [visual.joint_id - 1 for visual in visuals]
     quat = np.stack([sign_continuous(bodies.quat[:, body]) for body in index], axis=1)
-    return np.concatenate([bodies.position[:, index], quat], axis=2).astype(np.float32)
+    return np.concatenate([bodies.position[:, index], quat], axis=2)
 
 
-def _packed(arrays: dict[str, NDArray[Any]]) -> tuple[str, dict[str, Any]]:
+def _packed(arrays: dict[str, NDArray[np.float32]]) -> tuple[str, dict[str, Any]]:
     """Base64 of a gzip of the arrays' bytes, and where in them each array is."""
-    listed, parts, start = {}, [], 0
+    listed, start = {}, 0
     for name, array in arrays.items():
-        little = np.ascontiguousarray(array, dtype=array.dtype.newbyteorder("<"))
-        listed[name] = {"kind": little.dtype.str, "start": start, "length": little.size}
-        padding = -little.nbytes % _ALIGNED
-        parts += [little.tobytes(), bytes(padding)]
-        start += little.nbytes + padding
+        listed[name] = {"kind": "<f4", "start": start, "length": array.size}
+        start += array.nbytes
+    content = b"".join(array.astype("<f4").tobytes() for array in arrays.values())
     # No time in the head: the same motion gives the same file.
-    return base64.b64encode(gzip.compress(b"".join(parts), 9, mtime=0)).decode("ascii"), listed
+    return base64.b64encode(gzip.compress(content, 9, mtime=0)).decode("ascii"), listed
 
 
 def _json(value: Any) -> str:
@@ -241,17 +307,8 @@ def _json(value: Any) -> str:
     return text.replace("&", "\\u0026").replace("<", "\\u003c").replace(">", "\\u003e")
 
 
-def _digest(text: str) -> str:
-    digest = base64.b64encode(hashlib.sha256(text.encode()).digest()).decode("ascii")
-    return f"'sha256-{digest}'"
-
-
-def _share(colour: Rgb) -> list[float]:
-    return [round(part / 255, 4) for part in colour]
-
-
 def _asset(name: str) -> str:
-    return files("llsrbm.formats.pictures").joinpath(_PAGE, name).read_text(encoding="utf-8")
+    return files("llsrbm.formats.pictures").joinpath(name).read_text(encoding="utf-8")
 
 
 HTML = Format(
