@@ -174,7 +174,7 @@ def test_numbers_that_no_design_may_have_are_refused(tab):
         ((title, body),) = tab.notes()
         assert title == "Not opened"
         assert body.startswith("far.npz: ")
-        assert "jump.twist" in body
+        assert "twist: expected" in body
         assert (tab.state.design, tab.state.plan) == before
         assert tab.state.pins == ()
 
