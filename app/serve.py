@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from llsrbm.errors import InputError
+from llsrbm.errors import InputError, require
 from llsrbm.request.jump import Jump
 
 if TYPE_CHECKING:
@@ -124,6 +124,7 @@ def _cluster(address: str) -> Cluster:
     Raises:
         InputError: nothing answers there.
     """
+    require("--scheduler needs Dask", "sweep", "distributed")
     from app.workers.cluster import Cluster  # dask takes most of a second to import
 
     cluster = Cluster(address)

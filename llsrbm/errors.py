@@ -22,6 +22,10 @@ class NoFooting(InputError):
     """A jump that would put feet onto, or too near to, what it is to pass over."""
 
 
+class UnusableStart(InputError):
+    """A plan that another one cannot be started from."""
+
+
 class RobotFileError(InputError):
     """A robot file that cannot be read or that contradicts its URDF."""
 

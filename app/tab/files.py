@@ -53,9 +53,6 @@ def take_opening(state: TabState, event: Reported) -> Step:
         return state, ()
     report: Report = event.report
     if isinstance(report, Progress):
-        # That it is being opened goes without saying: it takes a tenth of a second.
-        if report.text.startswith("opening"):
-            return state, ()
         return with_files(state, opening_note=report.text), ()
     state = with_files(state, opening=0, opening_note="")
     if isinstance(report, Opened):
@@ -180,7 +177,7 @@ def take_saving(state: TabState, event: Reported) -> Step:
     if event.ticket != files.saving:
         return state, ()
     if isinstance(report, Progress):
-        waits = f" ({report.text})" if report.text.startswith("waiting") else ""
+        waits = f" ({report.text})" if report.waiting else ""
         return with_files(state, saving_note=f"Exporting {files.saved}{waits} ..."), ()
     state = with_files(state, saving=0, saved="", saving_note="")
     match report:

@@ -18,15 +18,14 @@ from collections import Counter
 from collections.abc import Callable, Coroutine, Mapping
 from concurrent.futures import Future
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, TypeVar
 
 import dask
 from distributed import Client
 
-from app.workers.channel import Sink
 from app.workers.cluster_process import ClusterProcess
 from app.workers.code_identity import CodeIdentity, code_identity
-from app.workers.planner import PlannerFactory
+from app.workers.protocol import PlannerFactory
 from llsrbm.errors import InputError
 
 # How long a scheduler may take to let us in, and its workers to say what code they have, s.
@@ -47,6 +46,9 @@ _CLOSE_PATIENCE = 2.0  # s
 _PRIORITY = 100
 
 _log = logging.getLogger(__name__)
+
+
+AnyResult = TypeVar("AnyResult")
 
 
 @dataclass(eq=False)
@@ -108,19 +110,14 @@ class Cluster:
 
     # ---- from any thread
 
-    def processes(
-        self, factory: PlannerFactory, inbox: Sink, most: int
-    ) -> tuple[ClusterProcess, ...]:
-        """Processes that may be started here, as far as there are places.
+    def processes(self, factory: PlannerFactory, most: int) -> tuple[ClusterProcess, ...]:
+        """At most so many processes, which may be started here as far as there are places.
 
         Args:
             factory: makes the planner inside them.
-            inbox: gets all that they send.
-            most: so many.
+            most: number of them.
         """
-        return tuple(
-            ClusterProcess(self, factory, inbox, f"llsrbm-cluster-{i + 1}") for i in range(most)
-        )
+        return tuple(ClusterProcess(self, factory, f"llsrbm-cluster-{i + 1}") for i in range(most))
 
     def watch(self, changed: Callable[[], object], remark: Callable[[str], object]) -> None:
         """Have something called, by the cluster's thread, in place of what was called before.
@@ -158,14 +155,13 @@ class Cluster:
             self._taken[place] -= 1
             if not self._taken[place]:
                 del self._taken[place]
-        self._changed()
 
     def bar(self, place: Place) -> None:
         """A process could not be started there: nothing is, for a while."""
         with self._lock:
             place.barred_until = time.monotonic() + BARRED
 
-    def run(self, work: Coroutine[Any, Any, None]) -> Future[None]:
+    def run(self, work: Coroutine[Any, Any, AnyResult]) -> Future[AnyResult]:
         """Have it run on the loop."""
         return asyncio.run_coroutine_threadsafe(work, self._loop)
 
@@ -209,7 +205,7 @@ class Cluster:
             future.release()
             raise
 
-    async def explain(self, place: Place, error: Exception) -> tuple[str, bool]:
+    async def explain(self, place: Place, error: BaseException) -> tuple[str, bool]:
         """Why a process there may have been lost, and whether the terminal knows; looks first."""
         self._looked.clear()
         self._look_now.set()

@@ -1,14 +1,10 @@
-"""One place of the pool: a computing process, which may come and go, and its job.
-
-Where the process runs is its own affair (`app.workers.process.Process`): on this machine or on a
-cluster. Nothing here waits.
-"""
+"""One place of the pool: a computing process, which may come and go, and its job; nothing waits."""
 
 from __future__ import annotations
 
-from app.workers.process import Ended, Process
-from app.workers.protocol import Job, Progress, Task
-from app.workers.scheduler import Entry, Member
+from app.workers.process import Process
+from app.workers.protocol import Job, PlanJump, Progress, Task
+from app.workers.waiting import Entry, Member
 
 # How long a process that works may be without a sign of life, s: half a minute is common while it
 # builds a solver, some minutes while it writes a long film.
@@ -19,12 +15,12 @@ class PoolMember(Member):
     """One computing process and its job.
 
     Attributes:
-        process: the process, wherever it runs.
+        process: wherever it runs.
+        running: whether its thread has started it and not yet seen it end.
+        ending: it was killed on our order.
         may_start: False once it could not, until the next request.
-        was_ready: whether the process that is ending, or has ended, had started.
-        wanted: whether a tab still waits for its job.
-        todo: what to load when there is nothing else to do.
-        stop_at, end_at: when to ask the running job to stop, and to end the process, s.
+        todo: tasks to load when there is nothing else to do.
+        stop_at, end_at: when to have the running job stop, and to kill the process, s.
         start_by: when it has to be ready, s.
         silent_by: when it has to have given a sign of life, s.
         activity: the text of its job's last progress.
@@ -33,18 +29,11 @@ class PoolMember(Member):
     """
 
     def __init__(self, process: Process, *, reserved: bool, remote: bool = False) -> None:
-        """Nothing runs before `start`.
-
-        Args:
-            process: none yet, but started when there is something to do.
-            reserved: takes no job that lasts seconds.
-            remote: on another machine.
-        """
+        """Nothing runs yet; it is started when there is something to do."""
         super().__init__(reserved, remote)
         self.process = process
+        self.running = self.ending = False
         self.may_start = True
-        self.was_ready = False
-        self.wanted = True
         self.todo: list[Task] = []
         self.stop_at: float | None = None
         self.end_at: float | None = None
@@ -53,79 +42,63 @@ class PoolMember(Member):
         self.progress: Progress | None = None
         self.notify_at = 0.0
 
-    # ---- the process
-
     @property
     def id(self) -> int | None:
         """Of the process, on its machine; None while there is none."""
         return self.process.id
 
-    @property
-    def exists(self) -> bool:
-        """Whether there is a process, be it one that is ending."""
-        return self.process.exists
-
-    @property
-    def starting(self) -> bool:
-        """Whether there is a process that has not got ready yet."""
-        return self.exists and not self.ready and not self.process.ending
-
     def start(self, now: float) -> None:
-        """Start it; it sends `Ready` when it can take a job.
-
-        Raises:
-            OSError: the machine has no room for another process.
-        """
-        self.process.start()
+        """Its thread is about to run it."""
+        self.running, self.ending, self.ready = True, False, False
         self.start_by = now + self.process.start_patience
 
-    def send(self, job: Job) -> None:
-        """Give it a job; returns at once.
-
-        Raises:
-            Exception: the job cannot be sent, whatever is wrong with it.
-        """
-        self.process.send(job)
-
-    def ask_to_stop(self) -> None:
-        """Have its job stop; from any thread."""
-        if self.working_on is not None:
-            self.stopping = True
-            self.process.stop(self.working_on.job.number)
-
-    def end(self, now: float, patience: float = 0.0, *, unexpected: bool = False) -> None:
-        """Have it end; `poll` finds out when it has.
-
-        Args:
-            now: s.
-            patience: s that it gets to exit by itself.
-            unexpected: not on our order.
-        """
-        if self.exists and not self.process.ending:
-            self.was_ready, self.ready = self.ready, False
-            self.process.end(now, patience, unexpected=unexpected)
-
-    def poll(self, now: float) -> Ended | None:
-        """How it ended, if it was ending and has gone by now; then there is no process any more."""
-        return self.process.poll(now)
-
-    # ---- its job
-
-    def begin(self, entry: Entry, now: float) -> None:
-        """Have that job from now on."""
-        self.working_on, self.wanted, self.stopping = entry, True, False
+    def begin(self, entry: Entry, task: Task, now: float) -> Job:
+        """Have that job, or part of one, from now on."""
+        self.working_on, self.task, self.stopping = entry, task, False
         self.activity, self.progress, self.notify_at = "", None, 0.0
-        self.stop_at = self.end_at = None
+        self.stop_at = None
+        self.end_at = None if task.limit is None else now + task.limit
         self.silent_by = now + SILENCE
+        return Job(entry.number, task)
 
     def finish(self) -> Entry | None:
-        """Have no job any more; the one it had, if a tab waits for it."""
-        entry, self.working_on = self.working_on, None
+        """Have no job any more; the one that it had, if a tab waits for it."""
+        entry, self.working_on, self.task = self.working_on, None, None
         self.stop_at = self.end_at = self.progress = None
-        return entry if self.wanted else None
+        return None if entry is None or entry.over else entry
+
+    def request_stop(self) -> None:
+        """Have its job stop."""
+        if self.working_on is not None:
+            self.stopping = True
+            self.process.stop(self.working_on.number)
+
+    def kill(self) -> None:
+        """End the process; a new one in its place loads the same."""
+        if self.running and not self.ending:
+            self.ending, self.ready = True, False
+            self.process.kill()
 
     def plan_to_restore(self, but: Task | None) -> None:
-        """Have a new process in its place load the same again: all but what ended the old one."""
+        """Have a new process load the same again: all but what ended the old one."""
         tasks: list[Task] = [*self.loaded.values(), *self.todo]
         self.todo = [task for task in tasks if task != but]
         self.loaded.clear()
+
+    def supersede(self, newer: Task, now: float, grace: float) -> None:
+        """Have the running job stop in favour of a newer one of its tab, if it may take long.
+
+        Args:
+            newer: task.
+            now: s.
+            grace: how long a patient plan may go on, s.
+        """
+        if self.task is None or self.stop_at is not None or self.stopping:
+            return
+        patient = isinstance(self.task, PlanJump) and self.task.patient
+        hurried = isinstance(newer, PlanJump) and not newer.patient
+        if self.task.kind.gives_way or (patient and hurried):
+            # The hand that rested has moved on, and the plan for its new place is not to wait.
+            self.stop_at = now
+        elif patient:
+            self.stop_at = now + grace

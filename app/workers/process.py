@@ -1,67 +1,49 @@
-"""A computing process as the server knows it: started, given jobs, asked to stop, ended.
+"""A computing process as the pool knows it: started, read by a thread, given jobs, stopped, killed.
 
-Nothing here waits: a process that ends is looked at again and again until it has gone.
+Only `run` waits; it is called by a thread of the process' own.
 """
 
 from __future__ import annotations
 
+import contextlib
 import ctypes
-from dataclasses import dataclass
-from multiprocessing.context import SpawnContext, SpawnProcess
+import logging
+import multiprocessing
+import threading
+from collections.abc import Callable, Iterator
+from multiprocessing.connection import Connection
+from multiprocessing.context import SpawnProcess
+from multiprocessing.reduction import ForkingPickler
 from typing import Any, Protocol
 
 from app.workers import worker
-from app.workers.channel import Channel, Sink
-from app.workers.planner import PlannerFactory
-from app.workers.protocol import Job
+from app.workers.protocol import Job, PlannerFactory, Ready, Report
 
-# How long a process may take to be ready, s: it imports for 1 s, on a busy machine for some more.
-START_PATIENCE = 60.0
-# How long one whose connection has closed may take to exit by itself; and how long one that was
-# told to end may take before it is killed, and before it is given up, s. The latter are never used
-# up unless the machine is stuck.
-EXIT_PATIENCE, END_PATIENCE, KILL_PATIENCE = 1.0, 1.0, 2.0
+# Time to exit (s): of a process whose connection has closed, and of one that was killed.
+EXIT_PATIENCE, KILL_PATIENCE = 3.0, 2.0
+
+_log = logging.getLogger(__name__)
 
 
-@dataclass(frozen=True)
-class Ended:
-    """How a process ended.
+class Ended(Exception):  # no error where it was our order
+    """A process has gone.
 
     Attributes:
         how: its exit status, or signal.
-        unexpected: by itself, or because it never got ready; otherwise on our order.
-        logged: whether the terminal has been told the reason already.
+        logged: whether the terminal has the reason already.
     """
 
-    how: str
-    unexpected: bool
-    logged: bool = False
+    def __init__(self, how: str, *, logged: bool = False) -> None:
+        super().__init__(how)
+        self.how, self.logged = how, logged
 
 
 class Process(Protocol):
-    """A process that computes, on this machine or another; it may come and go.
-
-    All but `stop` and `kill` are called by the pool's own thread, and none waits.
-    """
+    """A process that computes, on this machine or another; started again after it has ended."""
 
     @property
     def id(self) -> int | None:
         """Of the process, on its machine; None while there is none."""
-        ...
-
-    @property
-    def channel(self) -> object | None:
-        """Where its messages come from (`Received.channel`); None: it has gone, or is ending."""
-        ...
-
-    @property
-    def exists(self) -> bool:
-        """Whether there is a process, be it one that is ending."""
-        ...
-
-    @property
-    def ending(self) -> bool:
-        """Whether the process is ending."""
         ...
 
     @property
@@ -71,107 +53,66 @@ class Process(Protocol):
 
     @property
     def start_patience(self) -> float:
-        """How long it may take to be ready, s."""
+        """Time (s) that it may take to be ready."""
         ...
 
-    def start(self) -> None:
-        """Start it; it sends `Ready` when it can take a job.
+    def reserve(self) -> bool:
+        """Take a place on such a machine, which `run` needs, if there is one."""
+        ...
+
+    def run(self) -> Iterator[Ready | Report]:
+        """Start it and wait for its messages, of which `Ready` is the first.
 
         Raises:
-            OSError: the machine has no room for another process.
+            Ended: it has gone, or cannot be started.
         """
         ...
 
-    def send(self, job: Job) -> None:
-        """Give it a job; returns at once.
-
-        Raises:
-            Exception: the job cannot be sent, whatever is wrong with it.
-        """
+    def send(self, job: Job, failed: Callable[[Exception], None]) -> None:
+        """Give it a job; returns at once, `failed` is called if the job cannot be sent."""
         ...
 
     def stop(self, number: int) -> None:
         """Have the job with this number stop; from any thread."""
         ...
 
-    def end(self, now: float, patience: float = 0.0, *, unexpected: bool = False) -> None:
-        """Have it end; `poll` finds out when it has.
-
-        Args:
-            now: s.
-            patience: s that it gets to exit by itself.
-            unexpected: not on our order.
-        """
-        ...
-
-    def poll(self, now: float) -> Ended | None:
-        """How it ended, if it was ending and has gone by now; then there is no process any more."""
-        ...
-
     def kill(self) -> None:
-        """Kill it without looking at anything; from any thread, when the pool's has gone."""
+        """Have `run` end; from any thread, returns at once."""
         ...
-
-
-@dataclass
-class _Ending:
-    """When to do what to a process that shall end, s."""
-
-    terminate_at: float
-    kill_at: float
-    give_up_at: float
-    unexpected: bool
 
 
 class LocalProcess:
-    """A process of this machine; see `Process`.
-
-    Attributes:
-        id: of the process; None while there is none.
-        channel: to it; None while there is none, or it is ending.
-        startable: always.
-    """
+    """A process of this machine; see `Process`."""
 
     startable = True
+    start_patience = 60.0  # it imports for 1 s, on a busy machine for some more
 
-    def __init__(
-        self, context: SpawnContext, factory: PlannerFactory, inbox: Sink, name: str
-    ) -> None:
-        """Nothing runs before `start`.
+    def __init__(self, factory: PlannerFactory, name: str) -> None:
+        """Nothing runs before `run`.
 
         Args:
-            context: spawns; a forked child would inherit the server's sockets and threads' locks.
             factory: makes the planner inside the process.
-            inbox: gets all that the process sends.
             name: of the process.
         """
-        self._context = context
-        self._factory = factory
-        self._inbox = inbox
-        self._name = name
-        self._stop: Any = context.Value(ctypes.c_longlong, 0, lock=False)
+        # A forked child would inherit the server's sockets and threads' locks.
+        self._context = multiprocessing.get_context("spawn")
+        self._factory, self._name = factory, name
+        self._stop: Any = self._context.Value(ctypes.c_longlong, 0, lock=False)
         self._process: SpawnProcess | None = None
-        self._ending: _Ending | None = None
-        self.id: int | None = None
-        self.channel: Channel | None = None
+        self._connection: Connection | None = None
+        self._writer: threading.Thread | None = None
 
     @property
-    def exists(self) -> bool:
-        """See `Process.exists`."""
-        return self._process is not None
+    def id(self) -> int | None:
+        """See `Process.id`."""
+        return None if self._process is None else self._process.pid
 
-    @property
-    def ending(self) -> bool:
-        """See `Process.ending`."""
-        return self._ending is not None
+    def reserve(self) -> bool:
+        """See `Process.reserve`."""
+        return True
 
-    @property
-    def start_patience(self) -> float:
-        """See `Process.start_patience`."""
-        return START_PATIENCE
-
-    def start(self) -> None:
-        """See `Process.start`."""
+    def run(self) -> Iterator[Ready | Report]:
+        """See `Process.run`."""
         ours, theirs = self._context.Pipe()
         process = self._context.Process(
             target=worker.main,
@@ -181,64 +122,67 @@ class LocalProcess:
         )
         try:
             process.start()
-        except BaseException:
+        except OSError as error:
             ours.close()
-            raise
+            raise Ended(f"{error.strerror or error}") from error
         finally:
-            # Only the child may hold its end, or its death would go unnoticed.
-            theirs.close()
-        self._process = process
-        self.id = process.pid
-        self.channel = Channel(ours, self._inbox, self._name)
+            theirs.close()  # only the child may hold its end, or its death would go unnoticed
+        self._connection, self._process = ours, process
+        try:
+            while True:
+                yield ours.recv()
+        except (EOFError, OSError):
+            pass
+        except Exception:  # noqa: BLE001  # half a message, or one that is none
+            _log.exception("%s sent a message that cannot be read", self._name)
+        finally:
+            how = self._end(process)
+        raise Ended(how)
 
-    def send(self, job: Job) -> None:
+    def send(self, job: Job, failed: Callable[[Exception], None]) -> None:
         """See `Process.send`."""
-        if self.channel is not None:
-            self.channel.send(job)
+        # A process that does not read keeps nobody waiting but this thread, which ends with it.
+        self._writer = threading.Thread(
+            target=self._write, args=(self._connection, job, failed), name=f"{self._name}-writer"
+        )
+        self._writer.daemon = True
+        self._writer.start()
+
+    def _write(self, to: Connection, job: Job, failed: Callable[[Exception], None]) -> None:
+        try:
+            content = ForkingPickler.dumps(job)
+        except Exception as error:  # noqa: BLE001  # whatever is wrong with it
+            failed(error)
+            return
+        with contextlib.suppress(OSError):  # a process that has gone is noticed by reading
+            to.send_bytes(content)
 
     def stop(self, number: int) -> None:
         """See `Process.stop`."""
         self._stop.value = number
 
-    def end(self, now: float, patience: float = 0.0, *, unexpected: bool = False) -> None:
-        """See `Process.end`."""
-        if self._process is None or self._ending is not None:
-            return
-        end_at = now + patience
-        kill_at = end_at + END_PATIENCE
-        self._ending = _Ending(end_at, kill_at, kill_at + KILL_PATIENCE, unexpected)
-        self.channel = None
-        self.poll_signals(now)
-
-    def poll_signals(self, now: float) -> None:
-        """Send the signal that is due to a process that is ending."""
-        ending, process = self._ending, self._process
-        if ending is None or process is None or not process.is_alive():
-            return
-        if now >= ending.kill_at:
-            process.kill()
-        elif now >= ending.terminate_at:
-            process.terminate()
-
-    def poll(self, now: float) -> Ended | None:
-        """See `Process.poll`."""
-        ending, process = self._ending, self._process
-        if ending is None or process is None:
-            return None
-        if process.is_alive():
-            self.poll_signals(now)
-            if now < ending.give_up_at:
-                return None
-            how = "it cannot even be killed"  # the kernel holds it; it is left to itself
-        else:
-            exit_code = process.exitcode or 0
-            how = f"signal {-exit_code}" if exit_code < 0 else f"exit status {exit_code}"
-            process.close()
-        self._process = self._ending = self.id = None
-        return Ended(how, ending.unexpected)
-
     def kill(self) -> None:
         """See `Process.kill`."""
         process = self._process
-        if process is not None and process.is_alive():
+        if process is not None:
+            with contextlib.suppress(ValueError):  # closed meanwhile
+                process.kill()
+
+    def _end(self, process: SpawnProcess) -> str:
+        """Wait until it has gone; its exit status or signal."""
+        process.join(EXIT_PATIENCE)
+        if process.is_alive():
             process.kill()
+            process.join(KILL_PATIENCE)
+        code = process.exitcode
+        if code is None:
+            how = "it cannot even be killed"  # the kernel holds it; it is left to itself
+        else:
+            how = f"signal {-code}" if code < 0 else f"exit status {code}"
+        self._process = None
+        # Closed only when no thread uses it any more: its number may be another file's soon.
+        if self._writer is not None:
+            self._writer.join()
+        if self._connection is not None:
+            self._connection.close()
+        return how

@@ -1,17 +1,20 @@
 """Messages between the server and its computing processes: tasks one way, reports the other.
 
-Every job has a number of its own, and a process works on one job at a time, so "stop job n" is
-unambiguous and needs no reset.
+A task states itself what the pool has to know of it, and how a process works on it: another kind of
+task is a class here and a method of the planner (`app.workers.worker`).
 
-A job's reports are any number of partial ones (`Progress`, `SimulatedSoFar`, `SeedDone`), then one
-outcome, and nothing after it.
+Every job has a number of its own, and a process works on one job at a time, so "stop job n" is
+unambiguous and needs no reset. A job's reports are any number of partial ones (`Progress`,
+`SimulatedSoFar`, `SeedDone`), then one outcome, and nothing after it.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass, field
-from typing import Any, Protocol
+from enum import Enum
+from typing import Any, ClassVar, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,13 +28,100 @@ from llsrbm.request.jump import Jump
 from llsrbm.request.scenario import Scenario
 from llsrbm.request.tuning import Tuning
 
-# ---- tasks, server to process
+Array = NDArray[np.float64]
+
+READING_LIMIT = 60.0
+"""Time (s) that the reading of a file may take; the largest that is accepted takes a few."""
 
 _NUMBERS = {".npz", ".csv", ".json", ".pkl", SUFFIX}  # of files that hold nothing else
 
 
+class Kind(Enum):
+    """Kinds of jobs; a tab has one of each running at a time."""
+
+    PLAN = "plan"
+    SEARCH = "search"
+    SIMULATE = "simulate"
+    EXPORT = "export"
+    QUICK_EXPORT = "quick export"
+    READ = "read"
+
+    @property
+    def long(self) -> bool:
+        """Whether it may last seconds, and keeps away from the reserved process."""
+        return self in (Kind.SEARCH, Kind.SIMULATE, Kind.EXPORT, Kind.READ)
+
+    @property
+    def gives_way(self) -> bool:
+        """Whether it is stopped at once when its tab requests something newer."""
+        return self in (Kind.SEARCH, Kind.SIMULATE, Kind.EXPORT)
+
+
+class Talk(Protocol):
+    """The way of a job's partial reports, and of the request to stop it."""
+
+    def progress(
+        self,
+        text: str,
+        *,
+        share: float | None = None,
+        iteration: int | None = None,
+        residual: float | None = None,
+    ) -> None:
+        """Report `Progress`; cheap enough to be called often."""
+        ...
+
+    def so_far(self, share: float, time: Array, qpos: Array) -> None:
+        """Report `SimulatedSoFar`."""
+        ...
+
+    def cancelled(self) -> bool:
+        """Whether the job shall stop."""
+        ...
+
+
+# ---- tasks, server to process
+
+
+class Task(ABC):
+    """Some work for a process.
+
+    Attributes:
+        only_here: it needs files of the server's machine: its meshes, a visitor's file, packages.
+        one_at_a_time: in the whole pool.
+        limit: time (s) that it may take; None: as long as it gives signs of life.
+    """
+
+    only_here: ClassVar[bool] = False
+    one_at_a_time: ClassVar[bool] = False
+    limit: ClassVar[float | None] = None
+
+    @property
+    @abstractmethod
+    def kind(self) -> Kind:
+        """Its kind."""
+
+    @property
+    def needs(self) -> Hashable:
+        """The robot or the solver that has to be built first; None: nothing."""
+        return None
+
+    @property
+    def parts(self) -> tuple[Task, ...]:
+        """Tasks that processes work on side by side, in place of this one; it alone: not so."""
+        return (self,)
+
+    @abstractmethod
+    def work(self, planner: Any, job: int, talk: Talk) -> Outcome:
+        """Have the planner of this process do it.
+
+        Raises:
+            llsrbm.errors.Error: it cannot be done, or was stopped (`Cancelled`).
+        """
+
+
 @dataclass(frozen=True)
-class Prepare:
+class Prepare(Task):
     """Compute or load all that drawing a robot needs.
 
     Attributes:
@@ -39,10 +129,20 @@ class Prepare:
     """
 
     robot: str
+    kind = Kind.PLAN  # comes before its plan
+    only_here = True
+
+    @property
+    def needs(self) -> Hashable:  # noqa: D102
+        return self.robot
+
+    def work(self, planner: Any, job: int, talk: Talk) -> Outcome:  # noqa: D102
+        planner.prepare(self.robot, talk.progress)
+        return Prepared(job, self.robot)
 
 
 @dataclass(frozen=True)
-class PlanJump:
+class PlanJump(Task):
     """Plan a jump.
 
     Attributes:
@@ -56,10 +156,18 @@ class PlanJump:
     tuning: Tuning = field(default_factory=Tuning)
     near: Plan | None = None
     patient: bool = True
+    kind = Kind.PLAN
+
+    @property
+    def needs(self) -> Hashable:  # noqa: D102
+        return solver_of(self.jump)
+
+    def work(self, planner: Any, job: int, talk: Talk) -> Outcome:  # noqa: D102
+        return Planned(job, planner.plan(self, talk.progress, talk.cancelled))
 
 
 @dataclass(frozen=True, eq=False)
-class SimulateJump:
+class SimulateJump(Task):
     """Follow a plan with the whole robot.
 
     Attributes:
@@ -69,10 +177,14 @@ class SimulateJump:
 
     plan: Plan
     scenario: Scenario
+    kind = Kind.SIMULATE
+
+    def work(self, planner: Any, job: int, talk: Talk) -> Outcome:  # noqa: D102
+        return Simulated(job, planner.simulate(self, talk.progress, talk.so_far, talk.cancelled))
 
 
 @dataclass(frozen=True, eq=False)
-class SimulateSeeds:
+class SimulateSeeds(Task):
     """Follow a plan once with each seed's disturbance, to see how many land.
 
     Attributes:
@@ -84,10 +196,18 @@ class SimulateSeeds:
     plan: Plan
     scenario: Scenario
     seeds: tuple[int, ...]
+    kind = Kind.SIMULATE
+
+    @property
+    def parts(self) -> tuple[Task, ...]:  # noqa: D102
+        return tuple(SimulateJump(self.plan, self.scenario.but(seed=s)) for s in self.seeds)
+
+    def work(self, planner: Any, job: int, talk: Talk) -> Outcome:  # noqa: D102
+        raise NotImplementedError("processes get its parts")
 
 
 @dataclass(frozen=True)
-class FindNearest:
+class FindNearest(Task):
     """Find the nearest jump that can be planned.
 
     Attributes:
@@ -97,10 +217,18 @@ class FindNearest:
 
     jump: Jump
     tuning: Tuning = field(default_factory=Tuning)
+    kind = Kind.SEARCH
+
+    @property
+    def needs(self) -> Hashable:  # noqa: D102
+        return solver_of(self.jump)
+
+    def work(self, planner: Any, job: int, talk: Talk) -> Outcome:  # noqa: D102
+        return Found(job, planner.nearest(self, talk.progress, talk.cancelled))
 
 
 @dataclass(frozen=True, eq=False)
-class OpenFile:
+class OpenFile(Task):
     """Read a visitor's file, and prepare its robot.
 
     Attributes:
@@ -114,10 +242,17 @@ class OpenFile:
     content: bytes
     robot: str
     fps: float | None = None
+    kind = Kind.READ
+    only_here = True
+    one_at_a_time = True  # a hostile file keeps one process busy, not all of them
+    limit = READING_LIMIT
+
+    def work(self, planner: Any, job: int, talk: Talk) -> Outcome:  # noqa: D102
+        return Opened(job, planner.open(self, talk.progress))
 
 
 @dataclass(frozen=True, eq=False)
-class ExportMotion:
+class ExportMotion(Task):
     """Write a plan or a rollout in other formats.
 
     Attributes:
@@ -131,14 +266,17 @@ class ExportMotion:
     formats: tuple[str, ...]
     zipped: bool = False
     options: Mapping[str, Any] = field(default_factory=dict)
+    only_here = True
 
     @property
-    def quick(self) -> bool:
-        """Whether it surely takes less than a second: numbers alone, no meshes and no pictures."""
-        return all(find(name).suffix in _NUMBERS for name in self.formats)
+    def kind(self) -> Kind:  # noqa: D102
+        # Numbers alone, no meshes and no pictures: surely less than a second.
+        quick = all(find(name).suffix in _NUMBERS for name in self.formats)
+        return Kind.QUICK_EXPORT if quick else Kind.EXPORT
 
+    def work(self, planner: Any, job: int, talk: Talk) -> Outcome:  # noqa: D102
+        return Exported(job, *planner.export(self, talk.progress))
 
-Task = Prepare | PlanJump | FindNearest | SimulateJump | SimulateSeeds | OpenFile | ExportMotion
 
 Solver = tuple[str, str, str, int]
 """Requests that one solver works on: robot, model, jump type and hops, which make the phases."""
@@ -151,37 +289,24 @@ def solver_of(jump: Jump) -> Solver:
 
 @dataclass(frozen=True)
 class Job:
-    """One task to work on.
-
-    Attributes:
-        number: of the job.
-        task: the work.
-    """
+    """One task to work on, under its number."""
 
     number: int
     task: Task
 
 
-# ---- reports, process to server
+# ---- reports, process to server; `job` is the number of the job
 
 
 class Nearest(Protocol):
-    """Result of a search (`llsrbm.nearest`)."""
+    """Result of a search (`llsrbm.nearest`): a jump that can be planned, and its difference."""
 
     @property
-    def jump(self) -> Jump:
-        """The one that can be planned."""
-        ...
-
+    def jump(self) -> Jump: ...  # noqa: D102
     @property
-    def plan(self) -> Plan:
-        """Its plan."""
-        ...
-
+    def plan(self) -> Plan: ...  # noqa: D102
     @property
-    def changes(self) -> str:
-        """How it differs from the request, in words."""
-        ...
+    def changes(self) -> str: ...  # noqa: D102
 
 
 @dataclass(frozen=True)
@@ -194,11 +319,11 @@ class Progress:
     """A job is under way, or waits.
 
     Attributes:
-        job: its number.
         text: one line to show: the work in hand, or the reason for waiting.
         share: done of this very job, 0 to 1; None where that is not known.
         iteration: of the solver in this job's running attempt; None where there is none.
         residual: the largest constraint violation there, in the solver's scaling.
+        waiting: it has not begun.
     """
 
     job: int
@@ -206,6 +331,7 @@ class Progress:
     share: float | None = None
     iteration: int | None = None
     residual: float | None = None
+    waiting: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -215,7 +341,6 @@ class SimulatedSoFar:
     Each report holds everything so far, so that older ones may be dropped.
 
     Attributes:
-        job: number of the job.
         share: done of it, 0 to 1.
         time: (K,) s from 0 on.
         qpos: (K, 7 + J) in MuJoCo's convention, joints in `Robot.joint_names`' order.
@@ -223,13 +348,13 @@ class SimulatedSoFar:
 
     job: int
     share: float
-    time: NDArray[np.float64]
-    qpos: NDArray[np.float64]
+    time: Array
+    qpos: Array
 
 
 @dataclass(frozen=True)
 class SeedResult:
-    """How the simulation of one seed ended.
+    """Outcome of the simulation of one seed.
 
     Attributes:
         seed: of its disturbance.
@@ -250,13 +375,7 @@ class SeedResult:
 
 @dataclass(frozen=True)
 class SeedDone:
-    """One more seed of several was simulated.
-
-    Attributes:
-        job: number of the job.
-        result: of that seed.
-        done, of: how many are done by now, of how many.
-    """
+    """One more seed of several was simulated: its result, and `done` of `of` by now."""
 
     job: int
     result: SeedResult
@@ -266,12 +385,7 @@ class SeedDone:
 
 @dataclass(frozen=True)
 class Prepared:
-    """A robot can be drawn.
-
-    Attributes:
-        job: number of the job.
-        robot: its name.
-    """
+    """A robot, by its name, can be drawn."""
 
     job: int
     robot: str
@@ -279,12 +393,7 @@ class Prepared:
 
 @dataclass(frozen=True)
 class Planned:
-    """A jump was planned and satisfies its constraints.
-
-    Attributes:
-        job: number of the job.
-        plan: the result.
-    """
+    """A jump was planned and satisfies its constraints."""
 
     job: int
     plan: Plan
@@ -292,12 +401,7 @@ class Planned:
 
 @dataclass(frozen=True)
 class Found:
-    """The nearest jump that can be planned was found.
-
-    Attributes:
-        job: number of the job.
-        nearest: the jump, its plan and how it differs from the request, in words.
-    """
+    """The nearest jump that can be planned was found."""
 
     job: int
     nearest: Nearest
@@ -305,12 +409,7 @@ class Found:
 
 @dataclass(frozen=True)
 class Simulated:
-    """A plan was followed; whether the robot stands at the end is in the outcome.
-
-    Attributes:
-        job: number of the job.
-        rollout: the result.
-    """
+    """A plan was followed; whether the robot stands at the end is in the outcome."""
 
     job: int
     rollout: Rollout
@@ -321,7 +420,6 @@ class SimulatedSeeds:
     """A plan was followed once with each seed.
 
     Attributes:
-        job: number of the job.
         results: in the order of the task's seeds.
         worst: rollout of the seed that ended worst (`app.workers.seeds.badness`); its scenario has
             the seed.
@@ -334,12 +432,7 @@ class SimulatedSeeds:
 
 @dataclass(frozen=True, eq=False)
 class Opened:
-    """A file was read, and its content can be shown.
-
-    Attributes:
-        job: number of the job.
-        file: its content.
-    """
+    """A file was read, and its content can be shown."""
 
     job: int
     file: OpenedFile
@@ -347,13 +440,7 @@ class Opened:
 
 @dataclass(frozen=True, eq=False)
 class Exported:
-    """A motion was written.
-
-    Attributes:
-        job: number of the job.
-        name: of the file.
-        content: of the file.
-    """
+    """A motion was written: name and content of the file."""
 
     job: int
     name: str
@@ -362,13 +449,7 @@ class Exported:
 
 @dataclass(frozen=True)
 class Failed:
-    """The job ended without a result.
-
-    Attributes:
-        job: number of the job.
-        message: one line for the user.
-        plan: the last iterate, when there is one to look at.
-    """
+    """The job ended without a result: one line for the user, and the last iterate, if any."""
 
     job: int
     message: str
@@ -377,11 +458,7 @@ class Failed:
 
 @dataclass(frozen=True)
 class Cancelled:
-    """The job was stopped because the user asked for it.
-
-    Attributes:
-        job: number of the job.
-    """
+    """The job was stopped because the user requested it."""
 
     job: int
 
@@ -391,3 +468,8 @@ Outcome = (
     Prepared | Planned | Found | Simulated | SimulatedSeeds | Opened | Exported | Failed | Cancelled
 )
 Report = Partial | Outcome
+Listener = Callable[[Report], None]
+
+PlannerFactory = Callable[[], Any]
+"""Makes the planner (`app.workers.worker.LibraryPlanner`) inside a process; an importable function
+or class, found there by name. Tasks call its methods."""

@@ -1,74 +1,82 @@
 """The same plan simulated with the disturbances of several seeds: how many land, and the worst.
 
-The worst is the earliest fall, if there is one; otherwise the landing whose feet are farthest from
-the planned places at the end (`Outcome.foot_error`, of the foot that is farthest). That distance
-takes a wrong place and a wrong heading alike, in metres, and the strict measure has it too.
+Processes simulate the seeds side by side; `Seeds` makes one outcome of theirs. The worst is the
+earliest fall, if there is one; otherwise the landing whose feet are farthest from the planned
+places at the end (`Outcome.foot_error`, of the foot that is farthest). That distance takes a wrong
+place and a wrong heading alike, in metres, and the strict measure has it too.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from typing import Any
 
-from app.workers.planner import Array, Planner, ProgressListener
-from app.workers.protocol import SeedResult, SimulateJump, SimulateSeeds
-from llsrbm.errors import Cancelled, InputError
+from app.workers.protocol import (
+    Progress,
+    Report,
+    SeedDone,
+    SeedResult,
+    Simulated,
+    SimulatedSeeds,
+    SimulatedSoFar,
+    SimulateJump,
+    SimulateSeeds,
+)
+from llsrbm.errors import InputError
 from llsrbm.motion.rollout import Rollout
 
 MOST_SEEDS = 100
 """Of one request: some five minutes of one process."""
 
 
-def simulate_seeds(
-    planner: Planner,
-    task: SimulateSeeds,
-    progress: ProgressListener,
-    seed_done: Callable[[SeedResult, int, int], None],
-    cancelled: Callable[[], bool],
-) -> tuple[tuple[SeedResult, ...], Rollout]:
-    """Simulate a plan once a seed.
+class Seeds:
+    """The reports on a job of several seeds, made of those on its simulations."""
 
-    Args:
-        planner: simulates.
-        task: the plan and the seeds.
-        progress: called with the share of all that is done.
-        seed_done: called with each result, how many are done, and of how many.
-        cancelled: True ends with `Cancelled`, between simulations and within one.
+    def __init__(self, job: int, task: SimulateSeeds) -> None:
+        """Nothing is simulated yet.
 
-    Returns:
-        Results in the order of the seeds, and the rollout of the worst.
+        Raises:
+            InputError: no seeds, or too many.
+        """
+        seeds = task.seeds
+        if not 0 < len(seeds) <= MOST_SEEDS or len(set(seeds)) < len(seeds):
+            raise InputError(
+                f"seeds: expected 1 to {MOST_SEEDS} different ones, got {len(seeds)}, "
+                f"{len(set(seeds))} of them different"
+            )
+        self._job, self._seeds = job, seeds
+        self._shares = dict.fromkeys(seeds, 0.0)
+        self._results: dict[int, SeedResult] = {}
+        self._worst: Rollout | None = None
 
-    Raises:
-        llsrbm.errors.Error: no seeds or too many, the plan or the scenario cannot be used, or
-            stopped (`Cancelled`).
-    """
-    seeds = task.seeds
-    if not 0 < len(seeds) <= MOST_SEEDS or len(set(seeds)) < len(seeds):
-        raise InputError(
-            f"seeds: expected 1 to {MOST_SEEDS} different ones, got {len(seeds)}, "
-            f"{len(set(seeds))} of them different"
-        )
-    results: list[SeedResult] = []
-    worst: Rollout | None = None
-    for number, seed in enumerate(seeds):
+    def take(self, part: SimulateJump, report: Report) -> list[Report]:
+        """The reports on the whole job that a report on one simulation makes."""
+        seed, of = part.scenario.seed, len(self._seeds)
+        assert seed is not None
+        match report:
+            case SimulatedSoFar():
+                return []  # of many simulations the page draws none while they run
+            case Progress(share=share):
+                self._shares[seed] = share or 0.0
+                text = f"simulating, {len(self._results)} of {of} seeds done"
+                return [Progress(self._job, text, share=sum(self._shares.values()) / of)]
+            case Simulated(rollout=rollout):
+                self._shares[seed] = 1.0
+                self._results[seed] = result = result_of(seed, rollout)
+                if self._worst is None or self._order(rollout) > self._order(self._worst):
+                    self._worst = rollout
+                done = len(self._results)
+                reports: list[Report] = [SeedDone(self._job, result, done, of)]
+                if done == of:
+                    results = tuple(self._results[seed] for seed in self._seeds)
+                    reports.append(SimulatedSeeds(self._job, results, self._worst))
+                return reports
+        return [report]
 
-        def percent(
-            text: str, *, share: float | None = None, number: int = number, **_: Any
-        ) -> None:
-            done = (number + (share or 0.0)) / len(seeds)
-            progress(f"seed {number + 1} of {len(seeds)}, {text}", share=done)
-
-        if cancelled():
-            raise Cancelled("the simulations were cancelled")
-        one = SimulateJump(task.plan, task.scenario.but(seed=seed))
-        rollout = planner.simulate(one, percent, _ignore, cancelled)
-        results.append(result_of(seed, rollout))
-        if worst is None or badness(rollout) > badness(worst):
-            worst = rollout
-        seed_done(results[-1], number + 1, len(seeds))
-    assert worst is not None  # there is a seed at least
-    return tuple(results), worst
+    def _order(self, rollout: Rollout) -> tuple[tuple[bool, float], int]:
+        """Sorts rollouts from the best to the worst; of equals the first seed's is worse."""
+        seed = rollout.scenario.seed
+        assert seed is not None
+        return badness(rollout), -self._seeds.index(seed)
 
 
 def badness(rollout: Rollout) -> tuple[bool, float]:
@@ -96,7 +104,3 @@ def result_of(seed: int, rollout: Rollout) -> SeedResult:
         foot_error=outcome.foot_error,
         line=line,
     )
-
-
-def _ignore(_share: float, _time: Array, _qpos: Array) -> None:
-    """Of many simulations the page draws none while they run."""

@@ -2,50 +2,44 @@
 
 from __future__ import annotations
 
+import logging
 import signal
 import tempfile
 from collections.abc import Callable
-from functools import partial
 from multiprocessing.connection import Connection
 from pathlib import Path
-from typing import Protocol
+from typing import Any, Protocol
 
 import llsrbm
 from app.workers.opened_file import OpenedFile
-from app.workers.planner import Array, Planner, PlannerFactory, ProgressListener, SoFarListener
 from app.workers.protocol import (
+    Array,
     Cancelled,
-    Exported,
     ExportMotion,
     Failed,
     FindNearest,
-    Found,
     Job,
     Nearest,
-    Opened,
     OpenFile,
     PlanJump,
-    Planned,
-    Prepare,
-    Prepared,
+    PlannerFactory,
     Progress,
     Ready,
     Report,
-    SeedDone,
-    SeedResult,
-    Simulated,
-    SimulatedSeeds,
     SimulatedSoFar,
     SimulateJump,
-    SimulateSeeds,
     Solver,
     solver_of,
 )
-from app.workers.seeds import simulate_seeds
 from llsrbm import errors
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
 from llsrbm.request.jump import Jump
+
+_log = logging.getLogger(__name__)
+
+ProgressListener = Callable[..., None]
+"""`app.workers.protocol.Talk.progress`."""
 
 
 class SharedNumber(Protocol):
@@ -55,17 +49,21 @@ class SharedNumber(Protocol):
 
 
 class LibraryPlanner:
-    """Planner and simulator of the library, for robots found by name."""
+    """Planner and simulator of the library, for robots found by name.
+
+    Made once in each process and kept, its solvers warm. Methods raise `llsrbm.errors.Error`; those
+    that take `cancelled` call it now and then and raise `Cancelled` when it is true.
+    """
 
     def __init__(self) -> None:
         """Import what takes long, once, before the first job."""
         import llsrbm.api  # noqa: F401
 
         self._solvers: set[Solver] = set()
-        self._replanned: set[Solver] = set()  # whose remains have been planned anew
+        self._replanned: set[Solver] = set()  # with which a flight has been planned anew
 
     def prepare(self, robot: str, progress: ProgressListener) -> None:
-        """See `app.workers.planner.Planner.prepare`."""
+        """Compute or load everything that drawing `robot` needs."""
         from llsrbm.look.visuals import link_visuals
         from llsrbm.robots import load_robot
 
@@ -78,36 +76,31 @@ class LibraryPlanner:
     def plan(
         self, task: PlanJump, progress: ProgressListener, cancelled: Callable[[], bool]
     ) -> Plan:
-        """See `app.workers.planner.Planner.plan`."""
+        """Plan a jump."""
         self._announce(task.jump, progress)
-        # What the page shows may be no plan to start from: of another solver, or from a file.
+        # The plan that the page shows may be no start: of another solver, or without an iterate.
         near = task.near
         if near is not None and (
             near.solution is None or solver_of(near.jump) != solver_of(task.jump)
         ):
             near = None
-        plan = partial(
-            llsrbm.plan,
-            task.jump,
-            weights=task.tuning.weights,
-            limits=task.tuning.limits,
-            patient=task.patient,
-            progress=lambda p: progress(p.text, iteration=p.iteration, residual=p.residual),
-            cancelled=cancelled,
-        )
-        if near is not None:
-            try:
-                return plan(near=near)
-            except errors.InputError:
-                # A file of another version of the planner, or made up; a request that cannot be
-                # planned is refused without it, too.
-                pass
-        return plan(near=None)
+        how: dict[str, Any] = {
+            "weights": task.tuning.weights,
+            "limits": task.tuning.limits,
+            "patient": task.patient,
+            "progress": lambda p: progress(p.text, iteration=p.iteration, residual=p.residual),
+            "cancelled": cancelled,
+        }
+        try:
+            return llsrbm.plan(task.jump, near=near, **how)
+        except errors.UnusableStart as error:  # from a file of another version, or made up
+            _log.info("planned without the plan that is shown: %s", error)
+            return llsrbm.plan(task.jump, near=None, **how)
 
     def nearest(
         self, task: FindNearest, progress: ProgressListener, cancelled: Callable[[], bool]
     ) -> Nearest:
-        """See `app.workers.planner.Planner.nearest`."""
+        """Find the nearest jump that can be planned."""
         self._announce(task.jump, progress)
         found: Nearest = llsrbm.nearest(
             task.jump,
@@ -122,10 +115,10 @@ class LibraryPlanner:
         self,
         task: SimulateJump,
         progress: ProgressListener,
-        so_far: SoFarListener,
+        so_far: Callable[[float, Array, Array], None],
         cancelled: Callable[[], bool],
     ) -> Rollout:
-        """See `app.workers.planner.Planner.simulate`."""
+        """Simulate a plan; progress comes with the share that is done."""
         jump = task.plan.jump
         if task.scenario.replan and solver_of(jump) not in self._replanned:
             progress(
@@ -153,16 +146,15 @@ class LibraryPlanner:
         )
 
     def open(self, task: OpenFile, progress: ProgressListener) -> OpenedFile:
-        """See `app.workers.planner.Planner.open`."""
+        """Read a file, and prepare its robot."""
         from app.workers.file_reading import open_file
 
-        progress(f"opening {task.name}")
         opened = open_file(task.name, task.content, task.robot, task.fps)
         self.prepare(opened.robot, progress)
         return opened
 
     def export(self, task: ExportMotion, progress: ProgressListener) -> tuple[str, bytes]:
-        """See `app.workers.planner.Planner.export`."""
+        """Name and content of the file that is made."""
         progress(f"writing {', '.join(task.formats)}")
         return exported(task)
 
@@ -210,53 +202,40 @@ def main(connection: Connection, stop: SharedNumber, factory: PlannerFactory) ->
         connection.send(Ready())
         while True:
             job: Job = connection.recv()
-            connection.send(_work(planner, job, connection, stop))
+            connection.send(_work(planner, job, _Talk(job.number, connection, stop)))
     except (EOFError, BrokenPipeError, ConnectionResetError):
         return
 
 
-def _work(planner: Planner, job: Job, connection: Connection, stop: SharedNumber) -> Report:
-    number, task = job.number, job.task
+class _Talk:
+    """See `app.workers.protocol.Talk`."""
+
+    def __init__(self, job: int, connection: Connection, stop: SharedNumber) -> None:
+        self._job, self._connection, self._stop = job, connection, stop
 
     def progress(
+        self,
         text: str,
         *,
         share: float | None = None,
         iteration: int | None = None,
         residual: float | None = None,
     ) -> None:
-        connection.send(Progress(number, text, share, iteration, residual))
+        self._connection.send(Progress(self._job, text, share, iteration, residual))
 
-    def so_far(share: float, time: Array, qpos: Array) -> None:
-        connection.send(SimulatedSoFar(number, share, time, qpos))
+    def so_far(self, share: float, time: Array, qpos: Array) -> None:
+        self._connection.send(SimulatedSoFar(self._job, share, time, qpos))
 
-    def seed_done(result: SeedResult, done: int, of: int) -> None:
-        connection.send(SeedDone(number, result, done, of))
+    def cancelled(self) -> bool:
+        return self._stop.value == self._job
 
-    def cancelled() -> bool:
-        return stop.value == number
 
+def _work(planner: Any, job: Job, talk: _Talk) -> Report:
     try:
-        match task:
-            case Prepare(robot):
-                planner.prepare(robot, progress)
-                return Prepared(number, robot)
-            case PlanJump():
-                return Planned(number, planner.plan(task, progress, cancelled))
-            case FindNearest():
-                return Found(number, planner.nearest(task, progress, cancelled))
-            case SimulateJump():
-                return Simulated(number, planner.simulate(task, progress, so_far, cancelled))
-            case SimulateSeeds():
-                results, worst = simulate_seeds(planner, task, progress, seed_done, cancelled)
-                return SimulatedSeeds(number, results, worst)
-            case OpenFile():
-                return Opened(number, planner.open(task, progress))
-            case ExportMotion():
-                return Exported(number, *planner.export(task, progress))
+        return job.task.work(planner, job.number, talk)
     except errors.Cancelled:
-        return Cancelled(number)
+        return Cancelled(job.number)
     except errors.NotConverged as error:
-        return Failed(number, str(error), error.plan)
+        return Failed(job.number, str(error), error.plan)
     except errors.Error as error:
-        return Failed(number, str(error))
+        return Failed(job.number, str(error))

@@ -130,7 +130,8 @@ class SyntheticPlanner:
         return replace(rollout, scenario=task.scenario)
 
     def open(self, task, progress):
-        progress(f"opening {task.name}")
+        if task.name == "slow.zip":
+            time.sleep(60)
         if task.name == "foreign.csv":
             return OpenedFile(task.name, turning_states(task.robot))
         return open_file(task.name, task.content, task.robot, task.fps)

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from functools import cached_property, lru_cache, partial
 
-from llsrbm.errors import InputError, NotConverged
+from llsrbm.errors import InputError, NotConverged, UnusableStart
 from llsrbm.models import check_name, make_model
 from llsrbm.models.base import CentroidalModel
 from llsrbm.motion.plan import Plan, SolveReport
@@ -270,27 +270,27 @@ class Planner:
         """A plan's solution, from which the next one starts.
 
         Raises:
-            InputError: it is not this planner's.
+            UnusableStart: it is not this planner's.
         """
         knots, of = len(near.time), near.jump
         if (of.model, knots) != (self.model.name, self.layout.knots) or (
             near.robot_parameters != self.robot.parameters()
         ):
-            raise InputError(
+            raise UnusableStart(
                 f"near: a plan of {of.robot} with {of.model} and {knots - 1} intervals cannot be "
                 f"started from; expected {self.robot.name} as it is now with {self.model.name} "
                 f"and {self.layout.knots - 1} intervals"
             )
         solution = near.solution
         if solution is None:
-            raise InputError(
+            raise UnusableStart(
                 "near: a plan that did not converge, or whose file was written before files held "
                 "what that takes, cannot be started from; expected one that converged"
             )
         sizes = len(solution.variables), len(solution.multipliers)
         expected = self.formulation.solver.sizes
         if sizes != expected:
-            raise InputError(
+            raise UnusableStart(
                 f"near: the plan is of another version of the planner: {sizes[0]} variables and "
                 f"{sizes[1]} constraints; expected {expected[0]} and {expected[1]}"
             )

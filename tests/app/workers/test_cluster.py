@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import os
-import queue
 import signal
 import socket
 import subprocess
@@ -19,6 +18,7 @@ import pytest
 from app.workers import cluster as cluster_module
 from app.workers.cluster import Cluster
 from app.workers.pool import WorkerPool
+from app.workers.process import Ended
 from app.workers.protocol import (
     Cancelled,
     Failed,
@@ -175,7 +175,7 @@ def test_progress_of_a_simulation_there_is_passed_on_and_cancelling_stops_it(poo
 def test_the_newest_request_wins_over_one_that_is_under_way_there(pool, tab):
     old = tab.plan(planners.SLOW)
     tab.wait_until_running(old)
-    assert there(pool).working_on.job.number == old
+    assert there(pool).working_on.number == old
     for step in range(20):
         new = tab.plan(forward=step / 100)
     outcomes = {report.job: report for report in (tab.outcome(), tab.outcome())}
@@ -290,19 +290,13 @@ def test_closing_leaves_no_process_behind(hand):
 
 def test_a_worker_where_no_process_starts_is_left_alone_for_a_while(hand, caplog):
     with closing(Cluster(hand.address)) as cluster:
-        inbox = queue.SimpleQueue()
-        first, second = cluster.processes(broken_factory, inbox, 2)
-        for process in (first, second):
-            process.start()
-        for _ in range(2):
-            received = inbox.get(timeout=15)
-            assert received.message is None
-        for process in (first, second):
-            process.end(time.monotonic(), unexpected=True)
-            ended = process.poll(time.monotonic())
-            assert (ended.how, ended.unexpected) == ("exit status 1", True)
-            assert not process.exists
-        assert not first.startable
+        processes = cluster.processes(broken_factory, 2)
+        for process in processes:
+            assert process.reserve()
+        for process in processes:
+            with pytest.raises(Ended, match="exit status 1"):
+                next(process.run())
+        assert not processes[0].reserve()
         assert cluster.room == 2
 
 

@@ -9,7 +9,7 @@ import pytest
 import llsrbm
 from app.workers.protocol import ExportMotion, FindNearest, OpenFile, PlanJump, SimulateJump
 from app.workers.worker import LibraryPlanner
-from llsrbm.errors import InputError
+from llsrbm.errors import InputError, UnusableStart
 from llsrbm.ocp.problem import Iterate
 from llsrbm.request.design import Design, dump_design
 from llsrbm.request.jump import Jump
@@ -82,13 +82,26 @@ def test_a_plan_that_the_planner_cannot_start_from_is_left_out(monkeypatch):
     def plan(jump, *, near, **_):
         asked.append(near)
         if near is not None:
-            raise InputError("near: the plan is of another version of the planner")
+            raise UnusableStart("near: the plan is of another version of the planner")
         return synthetic_plan(jump)
 
     monkeypatch.setattr(llsrbm, "plan", plan)
     near = planned()
     assert LibraryPlanner().plan(PlanJump(JUMP, near=near), silent, never).jump == JUMP
     assert asked == [near, None]
+
+
+def test_a_request_that_is_refused_is_not_planned_again(monkeypatch):
+    calls = []
+
+    def plan(jump, *, near, **_):
+        calls.append(near)
+        raise InputError("height 3 m is out of range")
+
+    monkeypatch.setattr(llsrbm, "plan", plan)
+    with pytest.raises(InputError, match="out of range"):
+        LibraryPlanner().plan(PlanJump(JUMP, near=planned()), silent, never)
+    assert len(calls) == 1
 
 
 def test_a_file_is_opened_and_its_robot_prepared(monkeypatch):

@@ -11,10 +11,10 @@ from contextlib import closing
 
 import pytest
 
-from app.workers import jobs, member, process, scheduler
+from app.workers import member, protocol, waiting
 from app.workers import pool as pool_module
-from app.workers.dispatcher import BROKEN, DEFECT
-from app.workers.pool import BUSY, CLOSED, WorkerPool
+from app.workers.pool import BROKEN, BUSY, CLOSED, DEFECT, WorkerPool
+from app.workers.process import LocalProcess
 from app.workers.protocol import Cancelled, Failed, OpenFile, PlanJump, Planned, Progress
 from llsrbm.request.jump import Jump
 from tests.app import planners
@@ -31,18 +31,17 @@ def pool():
         yield own
 
 
-def raising_once(monkeypatch, pool, times=1):
-    """The pool's thread meets an exception that nothing foresees, the next time or times."""
-    dispatcher = pool._dispatcher
-    hand_out, left = dispatcher._hand_out, [times]
+def raising(monkeypatch, pool, times=1):
+    """Handing out meets an exception that nothing foresees, the next time or times."""
+    next_, left = pool._waiting.next, [times]
 
-    def raising():
+    def broken(members):
         if left[0]:
             left[0] -= 1
             raise ZeroDivisionError("a defect of the pool")
-        hand_out()
+        return next_(members)
 
-    monkeypatch.setattr(dispatcher, "_hand_out", raising)
+    monkeypatch.setattr(pool._waiting, "next", broken)
 
 
 def gone(pid, within):
@@ -62,7 +61,7 @@ def test_after_a_defect_of_the_pool_all_are_answered_and_it_goes_on(monkeypatch,
     tabs[0].wait_until_running(asked[0])
     asked.append(tabs[1].plan())
     process = pool.process_ids[0]
-    raising_once(monkeypatch, pool)
+    raising(monkeypatch, pool)
     pool.cancel("nobody")  # wakes it
     for tab, job in zip(tabs, asked, strict=True):
         assert tab.outcome() == Failed(job, DEFECT)
@@ -78,14 +77,14 @@ def test_a_lasting_defect_ends_in_refusals_not_in_waiting(monkeypatch, pool):
     job = tab.plan(planners.SLOW)
     tab.wait_until_running(job)
     process = pool.process_ids[0]
-    raising_once(monkeypatch, pool, times=1000)
+    raising(monkeypatch, pool, times=1000)
     first = tab.plan()
     outcomes = {(report := tab.outcome()).job: report.message for _ in range(2)}
     assert set(outcomes) == {job, first}
     assert set(outcomes.values()) <= {DEFECT, BROKEN}
     assert gone(process, 5)
     deadline = time.monotonic() + 5
-    while pool._thread.is_alive():
+    while any(thread.is_alive() for thread in pool._threads):
         assert time.monotonic() < deadline
         time.sleep(0.01)
     for _ in range(3):
@@ -136,7 +135,7 @@ def test_a_log_that_nobody_reads_delays_no_job(pool, monkeypatch):
             blocked.wait(20)
 
     handler = Unread()
-    logging.getLogger("app.workers.jobs").addHandler(handler)
+    logging.getLogger("app.workers.pool").addHandler(handler)
     try:
         tab = Tab(pool)
         tab.plan(planners.CRASH)
@@ -145,7 +144,7 @@ def test_a_log_that_nobody_reads_delays_no_job(pool, monkeypatch):
         assert isinstance(tab.outcome(), Planned)
     finally:
         blocked.set()
-        logging.getLogger("app.workers.jobs").removeHandler(handler)
+        logging.getLogger("app.workers.pool").removeHandler(handler)
 
 
 def with_both_processes(pool, tab, other):
@@ -169,10 +168,10 @@ def test_a_stopped_process_delays_no_other_tab_and_is_replaced(when):
             (working,) = (m for m in pool._workers if m.working_on is not None)
             os.kill(stopped := working.id, signal.SIGSTOP)
         else:
-            os.kill(stopped := pool.process_ids[1], signal.SIGSTOP)
+            os.kill(stopped := pool.process_ids[0], signal.SIGSTOP)
             job = tab.submit(LARGE)
             time.sleep(0.1)
-            assert pool._workers[1].working_on.job.number == job
+            assert pool._workers[0].working_on.number == job
         other.plan()
         assert isinstance(other.outcome(timeout=5), Planned)
         pool.cancel("tab")
@@ -204,7 +203,7 @@ def test_closing_has_an_end_even_if_a_process_does_not():
 def test_a_full_queue_refuses_new_tabs_at_once_and_replaces_jobs_of_those_that_wait(
     monkeypatch, pool
 ):
-    monkeypatch.setattr(scheduler, "MOST_WAITING", 3)
+    monkeypatch.setattr(waiting, "MOST_WAITING", 3)
     busy = Tab(pool, "busy")
     busy.wait_until_running(busy.plan(planners.SLOW))
     tabs = [Tab(pool, number) for number in range(5)]
@@ -220,19 +219,19 @@ def test_a_full_queue_refuses_new_tabs_at_once_and_replaces_jobs_of_those_that_w
 
 
 def test_a_process_that_never_gets_ready_counts_as_one_that_does_not_start(monkeypatch, caplog):
-    monkeypatch.setattr(process, "START_PATIENCE", 0.5)
+    monkeypatch.setattr(LocalProcess, "start_patience", 0.5)
     with closing(WorkerPool(hanging_factory, processes=1)) as pool:
         tab = Tab(pool)
         job = tab.plan()
         report = tab.outcome()
         assert report.job == job
-        assert "does not start (signal 15)" in report.message
+        assert "does not start (signal 9)" in report.message
         assert pool.process_ids == (None,)
     assert "was not ready in time" in caplog.text
 
 
 def test_a_job_without_a_sign_of_life_is_given_up(monkeypatch):
-    for module in (member, jobs):
+    for module in (member, pool_module):
         monkeypatch.setattr(module, "SILENCE", 0.5)
     with closing(WorkerPool(SyntheticPlanner, processes=1)) as pool:
         tab = Tab(pool)
@@ -243,6 +242,24 @@ def test_a_job_without_a_sign_of_life_is_given_up(monkeypatch):
         # What reports now and then goes on as long as it likes.
         tab.plan(planners.ITERATING)
         assert isinstance(tab.outcome(), Planned)
+
+
+def test_a_file_that_takes_too_long_is_given_up_and_others_are_planned(monkeypatch):
+    monkeypatch.setattr(protocol.OpenFile, "limit", 1.0)
+    with closing(WorkerPool(SyntheticPlanner, processes=2)) as pool:
+        tabs = Tab(pool), Tab(pool, "second")
+        jobs = [tab.submit(OpenFile("slow.zip", b"", "anymal")) for tab in tabs]
+        other = Tab(pool, "other")
+        with_one_process = Tab(pool, "planning")
+        with_one_process.plan()
+        assert isinstance(with_one_process.outcome(timeout=20), Planned)
+        other.plan()
+        assert isinstance(other.outcome(), Planned)
+        pool.cancel("second")
+        assert tabs[1].outcome(timeout=1) == Cancelled(jobs[1])
+        assert tabs[0].outcome() == Failed(jobs[0], "It took more than 1 s and was stopped.")
+        tabs[0].plan()
+        assert isinstance(tabs[0].outcome(), Planned)
 
 
 def test_nothing_follows_an_outcome_however_tabs_cancel(pool):

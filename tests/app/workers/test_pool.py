@@ -65,7 +65,7 @@ def test_who_waits_hears_what_for(shared_pool):
     first.wait_until_running(first.plan(planners.SLOW))
     asked = time.monotonic()
     job = second.plan()
-    assert second.reports.get(timeout=5) == Progress(job, "waiting: solving")
+    assert second.reports.get(timeout=5) == Progress(job, "waiting: solving", waiting=True)
     assert 0.4 < time.monotonic() - asked < 0.9
     assert isinstance(second.outcome(), Planned)
 

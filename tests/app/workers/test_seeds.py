@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from contextlib import closing
 from dataclasses import replace
 
 import pytest
@@ -10,15 +11,17 @@ import pytest
 from app.workers.pool import WorkerPool
 from app.workers.protocol import (
     Cancelled,
+    Failed,
     Partial,
     Planned,
     Progress,
     SeedDone,
+    Simulated,
     SimulatedSeeds,
     SimulatedSoFar,
     SimulateSeeds,
 )
-from app.workers.seeds import MOST_SEEDS, badness, result_of, simulate_seeds
+from app.workers.seeds import MOST_SEEDS, Seeds, badness, result_of
 from llsrbm.errors import InputError
 from llsrbm.request.jump import Jump
 from llsrbm.request.scenario import Scenario
@@ -37,37 +40,31 @@ def rollout(fell_at=None, foot_error=0.01, strict=True):
     return replace(made, outcome=replace(made.outcome, foot_error=foot_error, strict=strict))
 
 
-class Given:
-    """Simulates nothing: gives the rollouts that were made before, and keeps the scenarios."""
-
-    def __init__(self, rollouts):
-        self.rollouts, self.scenarios = rollouts, []
-
-    def simulate(self, task, progress, so_far, cancelled):
-        self.scenarios.append(task.scenario)
-        progress("simulating, 50 %", share=0.5)
-        return self.rollouts[task.scenario.seed]
-
-
-def run(rollouts, seeds=None, cancelled=lambda: False):
-    planner, shares, done = Given(rollouts), [], []
-    results, worst = simulate_seeds(
-        planner,
-        SimulateSeeds(PLAN, SCENARIO, tuple(rollouts) if seeds is None else seeds),
-        lambda text, *, share: shares.append((text, share)),
-        lambda *one: done.append(one),
-        cancelled,
-    )
-    return planner, shares, done, results, worst
+def reports_on(rollouts):
+    """What becomes of a job of these seeds, simulated in this order."""
+    collected = Seeds(7, SimulateSeeds(PLAN, SCENARIO, tuple(sorted(rollouts))))
+    parts = {p.scenario.seed: p for p in SimulateSeeds(PLAN, SCENARIO, tuple(rollouts)).parts}
+    found = []
+    for seed, made in rollouts.items():
+        made = replace(made, scenario=SCENARIO.but(seed=seed))
+        found += collected.take(parts[seed], Simulated(7, made))
+    return found
 
 
-def test_every_seed_is_simulated_in_the_same_scenario_and_reported():
-    planner, shares, done, results, _ = run({3: rollout(), 1: rollout(1.1), 2: rollout()})
-    assert planner.scenarios == [SCENARIO.but(seed=seed) for seed in (3, 1, 2)]
-    assert [result.seed for result in results] == [3, 1, 2]
-    assert [result.landed for result in results] == [True, False, True]
-    assert done == [(result, number, 3) for number, result in enumerate(results, 1)]
-    assert shares[1] == ("seed 2 of 3, simulating, 50 %", 0.5)
+def test_every_seed_is_reported_and_the_outcome_is_in_their_order():
+    *done, outcome = reports_on({3: rollout(), 1: rollout(1.1), 2: rollout()})
+    assert [report.result.seed for report in done] == [3, 1, 2]
+    assert [(report.done, report.of) for report in done] == [(1, 3), (2, 3), (3, 3)]
+    assert [result.seed for result in outcome.results] == [1, 2, 3]
+    assert [result.landed for result in outcome.results] == [False, True, True]
+
+
+def test_progress_is_the_share_of_all_and_a_failure_ends_it():
+    task = SimulateSeeds(PLAN, SCENARIO, (1, 2))
+    collected = Seeds(7, task)
+    (report,) = collected.take(task.parts[0], Progress(7, "simulating, 50 %", share=0.5))
+    assert report == Progress(7, "simulating, 0 of 2 seeds done", share=0.25)
+    assert collected.take(task.parts[1], Failed(7, "no")) == [Failed(7, "no")]
 
 
 @pytest.mark.parametrize(
@@ -80,9 +77,10 @@ def test_every_seed_is_simulated_in_the_same_scenario_and_reported():
     ],
 )
 def test_the_worst_is_the_earliest_fall_else_the_feet_that_miss_by_most(rollouts, worst):
-    kept = run(dict(enumerate(rollouts)))[4]
-    assert kept is rollouts[worst]
-    assert badness(kept) == max(map(badness, rollouts))
+    for order in (1, -1):  # in which processes come back
+        kept = reports_on(dict([*enumerate(rollouts)][::order]))[-1].worst
+        assert kept.scenario.seed == worst
+        assert badness(kept) == max(map(badness, rollouts))
 
 
 def test_results_say_in_words_how_it_went():
@@ -100,7 +98,7 @@ def test_results_say_in_words_how_it_went():
 @pytest.mark.parametrize("seeds", [(), (1, 2, 1), tuple(range(MOST_SEEDS + 1))])
 def test_no_seed_too_many_or_one_twice_is_a_mistake(seeds):
     with pytest.raises(InputError, match=f"seeds: expected 1 to {MOST_SEEDS} different ones"):
-        run({}, seeds)
+        Seeds(7, SimulateSeeds(PLAN, SCENARIO, seeds))
 
 
 @pytest.fixture(scope="module")
@@ -161,3 +159,29 @@ def test_a_simulation_reports_its_motion_so_far(pool):
     assert [len(motion.time) for motion in motions] == [1, 2, 3]
     assert [motion.share for motion in motions] == sorted(motion.share for motion in motions)
     assert motions[-1].qpos.shape == (3, 19)
+
+
+def test_a_newer_request_ends_all_seeds_with_one_report():
+    with closing(WorkerPool(SyntheticPlanner, processes=3)) as pool:
+        tab, other = Tab(pool), Tab(pool, "other")
+        old = tab.submit(SimulateSeeds(PLAN, Scenario(), (planners.SLOWLY, 1, 2, 3, 4)))
+        while not isinstance(tab.reports.get(timeout=20), SeedDone):
+            pass
+        new = tab.submit(SimulateSeeds(PLAN, Scenario(), (1, 2)))
+        outcomes = [tab.outcome(), tab.outcome()]
+        assert outcomes[0] == Cancelled(old)
+        assert outcomes[1].job == new
+        other.simulate(seed=1)
+        assert other.outcome().rollout.landed
+        assert tab.reports.empty()
+
+
+def test_a_seed_that_cannot_be_simulated_fails_them_all_once():
+    with closing(WorkerPool(SyntheticPlanner, processes=3)) as pool:
+        tab = Tab(pool)
+        job = tab.submit(SimulateSeeds(PLAN, Scenario(), (1, planners.IMPOSSIBLE, planners.SLOWLY)))
+        assert reports_until_the_outcome(tab)[1] == Failed(
+            job, "board: expected 0 to 0.05 m, got more"
+        )
+        tab.simulate(seed=1)
+        assert tab.outcome(timeout=5).rollout.landed

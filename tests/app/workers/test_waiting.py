@@ -10,14 +10,15 @@ from hypothesis import strategies as st
 from app.workers.protocol import (
     ExportMotion,
     FindNearest,
-    Job,
+    Kind,
     OpenFile,
     PlanJump,
     Prepare,
     SimulateJump,
+    SimulateSeeds,
     solver_of,
 )
-from app.workers.scheduler import Entry, Kind, Member, Scheduler
+from app.workers.waiting import Entry, Member, Waiting
 from llsrbm.request.jump import Jump
 from llsrbm.request.scenario import Scenario
 
@@ -33,7 +34,7 @@ numbers = itertools.count(1)
 
 
 def entry(tab, task=PLAN):
-    return Entry(tab, Job(next(numbers), task), print, 0.0)
+    return Entry(tab, next(numbers), task, print)
 
 
 def members(count=2):
@@ -41,7 +42,7 @@ def members(count=2):
 
 
 def turns_that_know(*tasks):
-    turns = Scheduler()
+    turns = Waiting()
     for task in tasks or TASKS:
         turns.note_done(task)
     return turns
@@ -51,9 +52,9 @@ def give(turns, crew):
     """Hand out what can be; [(tab, member's index)]."""
     given_out = []
     while (turn := turns.next(crew)) is not None:
-        item, member = turn
+        item, task, member = turn
         assert member.idle
-        member.working_on = item
+        member.working_on, member.task = item, task
         given_out.append((item.tab, crew.index(member)))
     return given_out
 
@@ -68,19 +69,41 @@ def test_a_simulation_leaves_the_reserved_process_alone():
     assert [item.tab for item in turns] == ["b", "c"]
 
 
-def test_what_is_quickly_written_or_read_may_go_anywhere_and_the_rest_not():
+def test_what_is_quickly_written_may_go_anywhere_and_the_rest_not():
     turns, crew = turns_that_know(), members()
     for tab, task in (("a", LOG), ("b", LOG), ("c", TABLE)):
         turns.put(entry(tab, task))
     assert give(turns, crew) == [("a", 0), ("c", 1)]
-    crew[1].working_on = None
-    turns.put(entry("d", FILE))
-    assert give(turns, crew) == [("d", 1)]
-    assert not ExportMotion(None, ("csv", "mcap")).quick
+    assert ExportMotion(None, ("csv", "mcap")).kind is Kind.EXPORT
+
+
+def test_a_visitors_file_leaves_the_reserved_process_alone_and_a_second_one_waits():
+    turns, crew = turns_that_know(), members(4)
+    turns.put(entry("a", FILE))
+    turns.put(entry("b", FILE))
+    assert len(give(turns, crew)) == 1
+    assert crew[-1].idle
+    for member in crew:
+        member.working_on = member.task = None
+    assert [tab for tab, _ in give(turns, crew)] == ["b"]
+
+
+def test_seeds_are_simulated_side_by_side_and_other_tabs_have_their_turn():
+    turns, crew = turns_that_know(), members(4)
+    turns.put(entry("a", SimulateSeeds(None, Scenario(), tuple(range(20)))))
+    assert give(turns, crew) == [("a", 0), ("a", 1), ("a", 2)]  # the fourth is reserved
+    turns.put(entry("b", SIMULATION))
+    turns.put(entry("c"))
+    assert give(turns, crew) == [("c", 3)]
+    crew[0].working_on = crew[0].task = None
+    crew[1].working_on = crew[1].task = None
+    assert sorted(give(turns, crew)) == [("a", 0), ("b", 1)]
+    seeds = [member.task.scenario.seed for member in crew[:1] + crew[2:3]]
+    assert seeds == [3, 2]
 
 
 def test_files_need_nothing_that_has_to_be_built_first():
-    turns, crew = Scheduler(), members()
+    turns, crew = Waiting(), members()
     turns.put(entry("a", PLAN))  # builds a solver
     turns.put(entry("b", TABLE))
     assert give(turns, crew) == [("a", 0), ("b", 1)]
@@ -110,7 +133,7 @@ def test_a_tab_has_one_job_of_a_kind_running_besides_those_that_stop():
     assert give(turns, crew) == []
     turns.put(entry("a", SIMULATION))
     assert give(turns, crew) == [("a", 0)]
-    crew[0].working_on = None
+    crew[0].working_on = crew[0].task = None
     crew[1].stopping = True
     turns.put(entry("a"))
     assert give(turns, crew) == [("a", 0)]
@@ -125,16 +148,16 @@ def test_the_process_that_has_the_solver_is_preferred():
     assert give(turns, crew) == [("a", 1), ("b", 2)]
 
 
-def test_what_may_have_to_be_built_is_built_once_and_not_on_the_reserved_process():
-    turns, crew = turns_that_know(OTHER), members()
-    turns.put(entry("a", PLAN))
-    turns.put(entry("b", PLAN))
-    turns.put(entry("c", OTHER))
+def test_a_solver_is_built_once_beside_others_and_not_on_the_reserved_process():
+    turns, crew = Waiting(), members(4)
+    for tab, task in (("a", PLAN), ("b", PLAN), ("c", OTHER)):
+        turns.put(entry(tab, task))
     assert give(turns, crew) == [("a", 0), ("c", 1)]
-    crew[1].working_on = None
-    assert give(turns, crew) == []
+    turns.put(entry("d", Prepare("go2")))
+    turns.put(entry("e", Prepare("slider")))
+    assert give(turns, crew) == [("d", 2)]
     turns.note_done(PLAN)
-    assert give(turns, crew) == [("b", 1)]
+    assert give(turns, crew) == [("b", 3)]
 
 
 requests = st.tuples(st.sampled_from("abcdef"), st.sampled_from(TASKS))
@@ -143,13 +166,13 @@ requests = st.tuples(st.sampled_from("abcdef"), st.sampled_from(TASKS))
 @given(st.lists(requests | st.integers(0, 3), max_size=80), st.integers(1, 4))
 def test_rules_hold_in_every_order(happenings, count):
     """Requests come in, processes finish (a number says which); in the end all are served."""
-    turns, crew = Scheduler(), members(count)
+    turns, crew = Waiting(), members(count)
     asked, served = set(), set()
 
     def finish(member):
         if member.working_on is not None:
-            turns.note_done(member.working_on.job.task)
-            member.working_on = None
+            turns.note_done(member.task)
+            member.working_on = member.task = None
 
     for happening in happenings:
         if isinstance(happening, int):
@@ -159,11 +182,13 @@ def test_rules_hold_in_every_order(happenings, count):
             turns.put(entry(*happening))
         served |= {tab for tab, _ in give(turns, crew)}
         running = [m.working_on for m in crew if m.working_on is not None]
-        claims = [(item.tab, Kind.of(item.job.task)) for item in running]
+        claims = [(item.tab, item.task.kind) for item in running]
         assert len(set(claims)) == len(claims)
-        assert sum(turns.is_new(item.job.task) for item in running) <= 1
+        built = [item.task.needs for item in running if turns.is_new(item.task)]
+        assert len(set(built)) == len(built)
+        assert sum(isinstance(item.task, OpenFile) for item in running) <= 1
         if count > 1 and crew[-1].working_on is not None:
-            assert not Kind.of(crew[-1].working_on.job.task).long
+            assert not crew[-1].task.kind.long
     while len(turns):
         for member in crew:
             finish(member)
@@ -182,7 +207,7 @@ def test_who_has_waited_longest_is_next_however_often_others_ask(order):
         if tab not in waiting:
             waiting.append(tab)
         if i % 3 == 2:
-            crew[0].working_on = None
+            crew[0].working_on = crew[0].task = None
             assert give(turns, crew) == [(waiting.pop(0), 0)]
 
 
@@ -220,7 +245,7 @@ def test_with_thirty_tabs_on_four_processes_five_that_simulate_do_not_starve_ten
         for member in [m for m in crew if m.working_on and ends[m.working_on] <= now]:
             tab = member.working_on.tab
             (answers if tab < 10 else simulated)[tab] += 1
-            member.working_on = None
+            member.working_on = member.task = None
         busy = {m.working_on.tab for m in crew if m.working_on}
         if now % 3 == 0:
             for tab in answers:
@@ -229,9 +254,9 @@ def test_with_thirty_tabs_on_four_processes_five_that_simulate_do_not_starve_ten
         for tab in simulated.keys() - busy - waiting:
             turns.put(entry(tab, SIMULATION))
         while (turn := turns.next(crew)) is not None:
-            item, member = turn
-            member.working_on = item
-            ends[item] = now + (30 if item.job.task is SIMULATION else 1)
+            item, task, member = turn
+            member.working_on, member.task = item, task
+            ends[item] = now + (30 if item.task is SIMULATION else 1)
     # Two processes are theirs, of whose 1200 turns each of the ten has about a tenth.
     assert min(answers.values()) >= 100
     # The other two take forty simulations in that time.

@@ -1,0 +1,180 @@
+"""The jobs that wait, and the process that takes each: the rules by which tabs share the pool.
+
+1. Tabs take turns in the order of their requests. A tab has one job waiting; a newer one takes its
+   place in the queue, so that a slider dragged in one tab cannot starve another.
+2. Of each kind (planning, searching, simulating, files) a tab has at most one job running, besides
+   those that were requested to stop. A job of several parts has any number of them running; after
+   each the other tabs have their turn.
+3. One process is reserved: it takes no job that lasts seconds, so that no plan has to wait for
+   another tab's simulation.
+4. What may have to be built first (a solver, a robot's meshes) is built on one process at a time.
+   Different ones are built side by side, but on the reserved process only if no other builds.
+5. A process of another machine takes nothing that is about files of this one: its meshes, a
+   visitor's file, an export, whose packages that machine may lack. It is the first to be given what
+   lasts seconds, and the last for what is short.
+6. Visitors' files are read one at a time, so that a hostile one keeps one process busy.
+7. At most `MOST_WAITING` jobs wait; beyond that new tabs are refused until the queue is shorter.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Hashable, Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import TypeVar
+
+from app.workers.protocol import Listener, PlanJump, Task
+from app.workers.seeds import Seeds
+
+MOST_WAITING = 200
+"""Jobs in the queue: of some 60 tabs that plan, open and save at once; a job may hold a file of
+32 MB, so that the queue needs a bound."""
+
+
+@dataclass(eq=False)
+class Entry:
+    """A job in the queue or on processes, and the tab that it is for.
+
+    Attributes:
+        tab: any name of it that can be a key.
+        number: of the job.
+        task: the work.
+        listener: called with its reports.
+        notify_at: when its tab gets to know the reason for waiting, s (monotonic clock).
+        parts: of the task, that no process has yet.
+        over: nothing more is reported: it has its outcome, or nobody waits for it.
+        batch: makes one outcome of those of the parts.
+    """
+
+    tab: Hashable
+    number: int
+    task: Task
+    listener: Listener
+    notify_at: float = 0.0
+    over: bool = False
+    batch: Seeds | None = None
+
+    def __post_init__(self) -> None:
+        self.parts = deque(self.task.parts)
+
+
+@dataclass(eq=False)
+class Member:
+    """One process of the pool, as far as the order of jobs goes.
+
+    Attributes:
+        reserved: takes no job that lasts seconds.
+        remote: on another machine; takes no job that is about files of this one.
+        loaded: what is in its memory (`Task.needs`), each with a task that it has solved.
+        ready: it has started.
+        working_on: its job, if it has one; task: the part of it.
+        stopping: whether that job was requested to stop; it may go on for a while.
+    """
+
+    reserved: bool
+    remote: bool = False
+    loaded: dict[Hashable, PlanJump] = field(default_factory=dict)
+    ready: bool = False
+    working_on: Entry | None = None
+    task: Task | None = None
+    stopping: bool = False
+
+    @property
+    def idle(self) -> bool:
+        """Whether it can take a job."""
+        return self.ready and self.working_on is None
+
+    def suits(self, task: Task) -> bool:
+        """Whether it may take a task at all, once it has time."""
+        return not (self.reserved and task.kind.long) and not (self.remote and task.only_here)
+
+
+AnyMember = TypeVar("AnyMember", bound=Member)
+
+
+class Waiting:
+    """The jobs that wait."""
+
+    def __init__(self) -> None:
+        """An empty queue; nothing is known to be built."""
+        self._entries: dict[Hashable, Entry] = {}
+        self._built: set[Hashable] = set()
+
+    def __iter__(self) -> Iterator[Entry]:
+        return iter(tuple(self._entries.values()))
+
+    def __len__(self) -> int:
+        return len(self._entries)
+
+    def put(self, entry: Entry) -> None:
+        """Queue it, or in place of its tab's waiting job; not if `is_full_for` its tab."""
+        self._entries[entry.tab] = entry
+
+    def get(self, tab: Hashable) -> Entry | None:
+        """The tab's waiting job."""
+        return self._entries.get(tab)
+
+    def is_full_for(self, tab: Hashable) -> bool:
+        """Whether no further job can wait, except in place of one of the same tab."""
+        return len(self._entries) >= MOST_WAITING and tab not in self._entries
+
+    def withdraw(self, tab: Hashable) -> Entry | None:
+        """Take the tab's waiting job out of the queue."""
+        return self._entries.pop(tab, None)
+
+    def note_done(self, task: Task) -> None:
+        """A task was worked on: its solver or meshes are built, at least on the disk."""
+        self._built.add(task.needs)
+
+    def clear(self) -> list[Entry]:
+        """Take all waiting jobs out of the queue."""
+        entries = list(self._entries.values())
+        self._entries.clear()
+        return entries
+
+    def next(self, members: Sequence[AnyMember]) -> tuple[Entry, Task, AnyMember] | None:
+        """Take the first job, or part of one, that a member can take; with it, and the member."""
+        running = [m.working_on for m in members if m.working_on is not None and not m.stopping]
+        for entry in self._entries.values():
+            task = entry.parts[0]
+            rival = any(
+                other is not entry and (other.tab, other.task.kind) == (entry.tab, task.kind)
+                for other in running
+            )
+            able = [m for m in members if m.idle and m.suits(task)]
+            if rival or not able or not self.may_run(task, members):
+                continue
+            if self.is_new(task) and self._is_building(members):
+                able = [m for m in able if not m.reserved]
+                if not able:
+                    continue
+            member = min(able, key=lambda m: self._reluctance(m, task))
+            entry.parts.popleft()
+            del self._entries[entry.tab]
+            if entry.parts:  # behind the others, who have waited longer
+                self._entries[entry.tab] = entry
+            return entry, task, member
+        return None
+
+    def is_new(self, task: Task) -> bool:
+        """Whether it may have to build something first, which may take long."""
+        return task.needs is not None and task.needs not in self._built
+
+    def may_run(self, task: Task, members: Sequence[Member]) -> bool:
+        """Whether no member is building the same, nor reads a file if it is one."""
+        running = [m.task for m in members if m.task is not None]
+        if task.one_at_a_time and any(type(other) is type(task) for other in running):
+            return False
+        return not self.is_new(task) or all(other.needs != task.needs for other in running)
+
+    def _is_building(self, members: Sequence[Member]) -> bool:
+        return any(self.is_new(m.task) for m in members if m.task is not None)
+
+    def _reluctance(self, member: Member, task: Task) -> tuple[bool, bool, bool]:
+        """Sorts members: with the solver first; then a reserved one, unless it may take long."""
+        long = task.kind.long
+        return (
+            task.needs not in member.loaded,
+            member.reserved == (self.is_new(task) or long),
+            member.remote != long,
+        )
