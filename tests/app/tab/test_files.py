@@ -82,9 +82,7 @@ def test_of_two_files_the_newer_one_counts(tab):
 
 def test_only_waiting_is_told(tab):
     tab.take(FileChosen("a.npz", b"", 1.0))
-    tab.report(Progress(0, "opening a.npz"))
-    assert tab.state.files.opening_note == ""
-    tab.report(Progress(0, "waiting: two others"))
+    tab.report(Progress(0, "waiting: two others", waiting=True))
     assert tab.state.files.opening_note == "waiting: two others"
     tab.report(Failed(0, "a.npz: no"))
     assert tab.state.files.opening_note == ""
@@ -254,7 +252,9 @@ def test_plan_or_simulation_is_exported(tab):
 def test_saving_ends(tab, report, effect):
     tab.take(ExportWanted(choice("npz")))
     submit = tab.one
-    tab.report(Progress(0, "waiting: others"))
+    tab.report(Progress(0, "writing"))
+    assert tab.state.files.saving_note == "Exporting npz ..."
+    tab.report(Progress(0, "waiting: others", waiting=True))
     assert tab.state.files.saving_note == "Exporting npz (waiting: others) ..."
     assert tab.take(StopExportWanted()) == (Stop(Lane.SAVE),)
     assert tab.report(report) == (effect,)
