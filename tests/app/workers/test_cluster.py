@@ -294,7 +294,7 @@ def test_a_worker_where_no_process_starts_is_left_alone_for_a_while(hand, caplog
         for process in processes:
             assert process.reserve()
         for process in processes:
-            with pytest.raises(Ended, match="exit status 1|signal 9"):
+            with pytest.raises(Ended, match=r"exit status 1|signal 9"):
                 next(process.run())
         assert not processes[0].reserve()
         assert cluster.room == 2
