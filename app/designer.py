@@ -104,7 +104,7 @@ class Designer:
 
     @property
     def url(self) -> str:
-        """Where a browser on this machine finds the page, with the token that opens it."""
+        """Address of the page for a browser on this machine, with the token that opens it."""
         host = {"0.0.0.0": "127.0.0.1", "::": "[::1]"}.get(self.host, self.host)  # noqa: S104
         if ":" in host and not host.startswith("["):
             host = f"[{host}]"
@@ -118,30 +118,30 @@ class Designer:
     def warm_up(self, robot: str) -> None:
         """Prepare a robot and load the solver of every model before anybody asks.
 
-        Tells the terminal what is being done, and when all of it is.
+        The terminal shows each step, and the end.
         """
         first = example(robot)
         others = [name for name in models.names() if name != first.model]
         jumps = [first, *(Jump(robot=robot, model=name) for name in others)]
         self.initial.recall(robot)
 
-        said = ""
+        last = ""
 
         def announce(report: Report) -> None:
-            nonlocal said
+            nonlocal last
             match report:
-                case Progress() if report.text != said:
-                    said = report.text
-                    _say(f"  {said} ...")
+                case Progress() if report.text != last:
+                    last = report.text
+                    _print(f"  {last} ...")
                 case Failed():
-                    _say(f"  {report.message}")
+                    _print(f"  {report.message}")
                 case Prepared():
                     threading.Thread(target=_get_drawn, args=(robot,), daemon=True).start()
                 case Planned() if report.plan.jump == first:
                     self.initial.keep(report.plan)
 
         tasks: list[Prepare | PlanJump] = [Prepare(robot), *map(PlanJump, jumps)]
-        self.pool.warm_up(tasks, announce, lambda: _say("ready"))
+        self.pool.warm_up(tasks, announce, lambda: _print("ready"))
 
     def close(self) -> None:
         """End the sessions, the server and the computing processes."""
@@ -187,7 +187,7 @@ def serve(
             if browser and _has_display():
                 threading.Thread(target=_open, args=(designer.url, stop), daemon=True).start()
             if designer.open_to_all:
-                _say(f"warning: --token {NONE}: anybody who reaches this address may use it")
+                _print(f"warning: --token {NONE}: anybody who reaches this address may use it")
             designer.warm_up(Jump().robot)
             stop.wait()
         finally:
@@ -229,7 +229,7 @@ def check_bindable(host: str, port: int) -> None:
 
 
 def is_loopback(host: str) -> bool:
-    """Whether nobody but this machine reaches an address, or any that a name stands for."""
+    """True if only this machine reaches an address, or all that a name stands for."""
     found = socket.getaddrinfo(host, None, type=socket.SOCK_STREAM)
     addresses = (str(address[0]).partition("%")[0] for *_, address in found)
     return all(ipaddress.ip_address(address).is_loopback for address in addresses)
@@ -256,7 +256,7 @@ def _get_drawn(robot: str) -> None:
     extents(loaded)
 
 
-def _say(line: str) -> None:
+def _print(line: str) -> None:
     """To the terminal, if it still listens: the server outlives `llsrbm serve 2>&1 | head`."""
     with contextlib.suppress(OSError):
         print(line, file=sys.stderr, flush=True)

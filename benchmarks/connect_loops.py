@@ -63,7 +63,7 @@ def loops(designer, times):
 
 
 def ended(designer):
-    """Whether all sessions end in time."""
+    """True if all sessions end in time."""
     until = time.monotonic() + PATIENCE
     while (designer.sessions or of_sessions()) and time.monotonic() < until:
         time.sleep(0.01)

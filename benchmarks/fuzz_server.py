@@ -250,7 +250,7 @@ class Watching(threading.Thread):
 
 
 def record(designer):
-    """What a tab sends whose every control is moved, and more of what a page can send."""
+    """Messages of a tab whose every control is moved, and more that a page can send."""
     recorded = [CAMERA]
     with RawTab(designer.port) as tab:
         tab.wait_for_status("Planned", timeout=60)
@@ -386,9 +386,9 @@ class Quiet:
                 inner = zstandard.ZstdDecompressor().decompress(
                     packet[16 : 16 + compressed], max_output_size=size
                 )
-                for told in msgspec.msgpack.decode(inner)["messages"]:
-                    if "uuid" in told and str(told["type"]).startswith("Gui"):
-                        self._uuids.add(told["uuid"])
+                for sent in msgspec.msgpack.decode(inner)["messages"]:
+                    if "uuid" in sent and str(sent["type"]).startswith("Gui"):
+                        self._uuids.add(sent["uuid"])
         self.closed = True
 
 
@@ -444,7 +444,7 @@ def request(chance, port):
 
 
 def ask(port, content, chance):
-    """How it was answered."""
+    """Status of the answer."""
     try:
         with socket.create_connection((OWN, port), timeout=30) as plain:
             plain.sendall(content)

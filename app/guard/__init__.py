@@ -1,1 +1,1 @@
-"""Who may enter the page and how much each visitor may use: token, policy, limits, sockets."""
+"""Protection of the page: token, policy, limits, sockets, uploads, the check at the start."""

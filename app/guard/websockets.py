@@ -164,7 +164,7 @@ class Door:
             guard: decides.
             page: the page, compressed with gzip or not.
             waiting: bytes of messages that wait for a connection, about.
-            is_bad_message: tells a message that cannot be read from a defect.
+            is_bad_message: true for an error by an unreadable message, false for a defect.
         """
         self.guard = guard
         self.tabs: dict[Connection, None] = {}

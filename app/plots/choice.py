@@ -1,4 +1,4 @@
-"""Which charts a tab shows, a pure value that is part of the tab's state; and the presets."""
+"""The charts that a tab shows, a pure value that is part of its state; and the presets."""
 
 from __future__ import annotations
 

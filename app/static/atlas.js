@@ -5,7 +5,7 @@
   const { page, element, shape, addToPage } = window.llsrbm;
   const PLACE = ".llsrbm-atlas";
   const LOOK_EVERY = 300; // ms; viser makes the place anew whenever its tab is opened
-  const ASK_EVERY = 3000; // ms until a server that has sent no map is asked again
+  const REQUEST_EVERY = 3000; // ms until a server that has sent no map is requested again
   const WIDTH = 320, HEIGHT = 250, LEFT = 50, RIGHT = 8, TOP = 8, BOTTOM = 36;
   const TICKS = 5; // about so many an axis
 
@@ -39,7 +39,7 @@
     ${PLACE} .slice { color: var(--mantine-color-dimmed); }`;
 
   let map = null, mark = null, chosen = -1; // chosen: number of a cell
-  let version = 0, asked = -Infinity;
+  let version = 0, requested = -Infinity;
   let drawn = null; // the place in which the map of this version is
 
   // ---- places
@@ -223,8 +223,8 @@
   function look() {
     const target = document.querySelector(PLACE);
     if (!target) return void (drawn = null);
-    if (!version && performance.now() - asked > ASK_EVERY) {
-      asked = performance.now();
+    if (!version && performance.now() - requested > REQUEST_EVERY) {
+      requested = performance.now();
       page.send({ kind: "atlas-seen" });
     }
     if (version && target.getAttribute("data-version") !== String(version)) draw(target);
@@ -279,7 +279,7 @@
     forget() {
       map = mark = null;
       version = 0;
-      asked = -Infinity;
+      requested = -Infinity;
     },
     get map() { return map; },
     get described() { return drawn?.querySelector(".described")?.textContent ?? ""; },

@@ -41,7 +41,7 @@
 
   // By which the server knows this tab again: after a reload, and after the tab crashed. A copy of
   // the tab gets the name along with the storage, hears from the other that it is in use, and takes
-  // a new one before it tells the server.
+  // a new one before it greets the server.
   const newName = () => [...crypto.getRandomValues(new Uint8Array(16))]
     .map((byte) => byte.toString(16).padStart(2, "0")).join("");
   let tab = stored("sessionStorage", TAB) ?? newName(), greeted = false;
