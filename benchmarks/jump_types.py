@@ -21,8 +21,8 @@ import typer
 
 import llsrbm
 from llsrbm.commands import options
+from llsrbm.motion.outcome import Outcome
 from llsrbm.motion.plan import Plan
-from llsrbm.motion.rollout import Outcome
 from llsrbm.planning.solve.planner import Planner, planner_of
 from llsrbm.request.tuning import Tuning
 

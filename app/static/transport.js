@@ -101,7 +101,7 @@
       return mark;
     });
     track.replaceChildren(rows, ...marks, cursor);
-    events.textContent = events.title = timeline.told;
+    events.textContent = events.title = timeline.summary;
     placeLabels(marks);
     refresh();
   }

@@ -1,4 +1,4 @@
-"""What the native files of plans and rollouts share: a schema, JSON at `meta`, declared arrays."""
+"""Common to the native files of plans and rollouts: a schema, JSON at `meta`, declared arrays."""
 
 from __future__ import annotations
 

@@ -55,7 +55,7 @@ _SLIDING = {
 
 
 class Between(Enum):
-    """How a quantity goes on from one instant to the next."""
+    """Rule for a quantity between one instant and the next."""
 
     CONSTANT = "has no axis of time"
     HELD = "keeps its value over the interval that begins there"
@@ -72,7 +72,7 @@ class Between(Enum):
 
 
 class Kind(Enum):
-    """What numbers a quantity is made of."""
+    """Kind of numbers of a quantity."""
 
     REAL = "real"
     WHOLE = "whole"
@@ -81,7 +81,7 @@ class Kind(Enum):
 
 @dataclass(frozen=True)
 class Quantity:
-    """What one array is.
+    """Meaning, unit, frame and rules of one array.
 
     Attributes:
         axes: of the array, in order; their sizes are in `SIZES`.
@@ -115,7 +115,7 @@ class Quantity:
         return tuple(size for axis in self.axes for size in SIZES[axis])
 
     def codes_of(self, trajectory: Any) -> tuple[str, ...]:
-        """What whole numbers stand for in a plan or a rollout."""
+        """Meanings of the whole numbers in a plan or a rollout."""
         return tuple(getattr(trajectory, self.coded_by)) if self.coded_by else self.codes
 
     def unit_of(self, joint: str, sliding: frozenset[str]) -> str:

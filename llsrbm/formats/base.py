@@ -1,4 +1,4 @@
-"""What a file format is, and what may be asked of one."""
+"""A file format, its options, and packages that it needs."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _SMALLEST, _LARGEST = 32, 4096  # pixels
 
 @dataclass(frozen=True)
 class Options:
-    """What an export may be asked for; a format takes those that it names.
+    """Options of an export; a format takes those that it names.
 
     Attributes:
         fps: frames/s.

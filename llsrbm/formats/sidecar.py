@@ -14,7 +14,7 @@ _LARGEST = 4 * 1024**2  # bytes; ours have some ten thousand
 
 
 def described(trajectory: Trajectory, format_name: str, **own: Any) -> dict[str, Any]:
-    """What there is to say about an exported trajectory, as plain data.
+    """Description of an exported trajectory, as plain data.
 
     Args:
         trajectory: what was exported.
@@ -31,7 +31,7 @@ def write_sidecar(path: Path, trajectory: Trajectory, format_name: str, **own: A
 
 
 def read_sidecar(path: Path) -> dict[str, Any]:
-    """What stands beside a file; nothing where there is no such file.
+    """The JSON beside a file; nothing where there is none.
 
     Raises:
         FileFormatError: there is one, and it is unreadable or no JSON object.

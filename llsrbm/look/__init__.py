@@ -1,1 +1,1 @@
-"""How robots and designs look: meshes, colours, titles, the timeline."""
+"""Appearance of robots and designs: meshes, colours, titles, the timeline."""

@@ -55,7 +55,7 @@ class Mark:
 
 @dataclass(frozen=True)
 class Bar:
-    """How long it took to plan anew, for what was measured at `time`, s.
+    """Computing time of a replan of the state that was measured at `time`, s.
 
     `height` is the computing time over its deadline. `in_time`: a solution within it.
     """
@@ -68,19 +68,19 @@ class Bar:
 
 @dataclass(frozen=True)
 class Timeline:
-    """What happens when.
+    """Phases and events over time.
 
     Attributes:
         rows: strips, the last one is of what is drawn solid.
         marks: in order of time.
-        told: the events in one line.
+        summary: the events in one line.
         end: s.
         bars: computing times of what was planned anew.
     """
 
     rows: tuple[Row, ...]
     marks: tuple[Mark, ...]
-    told: str
+    summary: str
     end: float
     bars: tuple[Bar, ...] = ()
 

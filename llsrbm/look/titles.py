@@ -46,7 +46,7 @@ def titles_of(designs: Sequence[Decisions]) -> tuple[str, ...]:
 
 
 def _parts(jump: Jump, tuning: Tuning, scenario: Scenario | None) -> dict[str, str]:
-    """What was decided, in order: a key and how it is said; no defaults but the model's."""
+    """The decisions in order, key -> words; no defaults but the model's."""
     parts = {}
     if jump.robot != Jump().robot:
         parts["robot"] = Path(jump.robot).stem

@@ -1,4 +1,4 @@
-"""What a robot looks like, light enough for a browser, and where its bodies are over time.
+"""Meshes of a robot, light enough for a browser, and where its bodies are over time.
 
 A URDF's meshes are made for rendering offline (ANYmal B: 400 k faces in 150 parts, with textures).
 Here every moving body becomes one mesh: parts of one colour are merged and simplified together,

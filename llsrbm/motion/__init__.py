@@ -1,1 +1,1 @@
-"""What a planner or a simulator produced, as arrays over time."""
+"""Results of a planner or a simulator, as arrays over time."""

@@ -66,7 +66,7 @@ class Violation:
 
 @dataclass(frozen=True)
 class SolveReport:
-    """How the solver got there.
+    """Status, effort and times of a solve.
 
     Attributes:
         status: "solved" or "not-converged".
@@ -315,8 +315,8 @@ class Plan:
         values["joint_names"] = tuple(str(name) for name in values["joint_names"])
         solution = None
         if any(key in arrays for key in _SOLUTION_LAYOUT):
-            numbers = checked(arrays, _SOLUTION_LAYOUT, path)
-            solution = Iterate(**{name: numbers[key] for name, key in _SOLUTION.items()})
+            found = checked(arrays, _SOLUTION_LAYOUT, path)
+            solution = Iterate(**{name: found[key] for name, key in _SOLUTION.items()})
         return Plan(
             jump=meta.request,
             robot_parameters=meta.robot_parameters,
@@ -377,8 +377,7 @@ def _check(values: Arrays, schedule: Schedule, path: str | Path) -> None:
     phase, last = values["phase"], len(schedule) - 1
     steps = np.diff(phase[:-1], prepend=-1)
     if not np.isin(steps, (0, 1)).all() or steps[0] != 1 or (phase[-2:] != last).any():
-        in_order = ", each of them with an interval, in that order"
-        check_phases(phase, schedule.names, path, in_order)
+        check_phases(phase, schedule.names, path, ", each of them with an interval, in that order")
 
 
 def leg_names(robot_parameters: dict[str, Any], count: int) -> tuple[str, ...]:
@@ -388,7 +387,7 @@ def leg_names(robot_parameters: dict[str, Any], count: int) -> tuple[str, ...]:
 
 
 def sliding_joints(robot_parameters: dict[str, Any]) -> frozenset[str]:
-    """Names of the joints of a trajectory's robot whose position is in metres."""
+    """Names of a trajectory's joints whose position is in metres."""
     return frozenset(robot_parameters.get("sliding_joints", ()))
 
 

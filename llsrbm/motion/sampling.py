@@ -228,7 +228,7 @@ _RULES: dict[Between, Callable[[_Instants, Any], Any]] = {
 
 
 class _BetweenKnots:
-    """What lies between a plan's knots beyond what any trajectory has: `rules` by their names."""
+    """Rules between a plan's knots beyond those of any trajectory: `rules` by their names."""
 
     def __init__(self, plan: Plan, instants: _Instants) -> None:
         self._plan, self._instants = plan, instants

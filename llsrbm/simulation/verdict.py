@@ -27,9 +27,9 @@ from llsrbm.control.contact_schedule import Flight
 from llsrbm.control.controller import WholeBodyController
 from llsrbm.control.reference import com_at_rest
 from llsrbm.mechanics import tilt, yaw
+from llsrbm.motion.outcome import Outcome
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.replan import Replan
-from llsrbm.motion.rollout import Outcome
 from llsrbm.robots import Robot
 from llsrbm.simulation.recorder import Recorder
 from llsrbm.simulation.world import TickResult

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from llsrbm.cache import content_key
 from llsrbm.installed import package_version
-from llsrbm.motion.rollout import Outcome
+from llsrbm.motion.outcome import Outcome
 from llsrbm.sweep.spec import Spec
 
 if TYPE_CHECKING:

@@ -7,8 +7,9 @@ from dataclasses import replace
 import numpy as np
 from scipy.interpolate import BPoly
 
+from llsrbm.motion.outcome import Outcome
 from llsrbm.motion.plan import Plan
-from llsrbm.motion.rollout import Disturbance, Mode, Outcome, Rollout
+from llsrbm.motion.rollout import Disturbance, Mode, Rollout
 from llsrbm.motion.sampling import resample
 from llsrbm.request.scenario import Scenario
 from tests.llsrbm.synthetic import GRAVITY, quat_about_z, rotation_about_z, synthetic_plan

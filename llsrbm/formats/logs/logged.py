@@ -1,4 +1,4 @@
-"""What log viewers are shown of a motion beside the poses of its links: numbers, arrows, boxes."""
+"""A motion for log viewers, beside the poses of its links: numbers, arrows, boxes."""
 
 from __future__ import annotations
 
@@ -96,13 +96,13 @@ def logged(trajectory: Trajectory, fps: float) -> Logged:
 
 
 def logged_plan(trajectory: Trajectory, fps: float) -> Logged | None:
-    """What a rollout followed, on the rollout's time; None where that is not known."""
+    """The plan that a rollout followed, on the rollout's time; None of a plan."""
     plan = trajectory.plan if isinstance(trajectory, Rollout) else None
     return None if plan is None else _logged(plan, fps, float(trajectory.time[0]))
 
 
 def reference_series(rollout: Rollout, motion: Logged) -> tuple[Series, ...]:
-    """What the controller tracked, at the instants of the rollout's motion.
+    """The controller's reference, at the instants of the rollout's motion.
 
     A landing strategy may have changed what the plan says.
     """

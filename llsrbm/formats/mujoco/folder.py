@@ -142,9 +142,22 @@ def write_mujoco(trajectory: Trajectory, path: Path, options: Options) -> None:
             ),
         },
     )
+    _write_words(path, motion, trajectory, options, names, keyframes)
+
+
+def _write_words(
+    path: Path,
+    motion: WholeBodyMotion,
+    trajectory: Trajectory,
+    options: Options,
+    names: tuple[str, ...],
+    keyframes: list[Keyframe],
+) -> None:
+    """The README and the JSON beside the motion."""
+    ctrl = motion.joint_torque
     (path / README).write_text(
         _README.format(
-            title=robot.file.title,
+            title=motion.robot.file.title,
             kind=motion.origin,
             keyframes=", ".join(f'"{keyframe.name}"' for keyframe in keyframes),
             ctrl="" if ctrl is None else ", ctrl",
@@ -193,7 +206,7 @@ def _surroundings(trajectory: Trajectory, motion: WholeBodyMotion) -> Surroundin
 
 
 def _below_feet(motion: WholeBodyMotion) -> float:
-    """How far the model's feet reach below the motion's own at its start, m."""
+    """Height (m) by which the model's feet reach below the motion's own at its start."""
     first = motion_of_states(
         motion.robot, motion.origin, motion.time[:1], motion.qpos[:1], motion.qvel[:1]
     )

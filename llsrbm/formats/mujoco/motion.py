@@ -86,7 +86,7 @@ def read_motion(path: Path, robot: Robot, fps: float | None) -> WholeBodyMotion:
 
 
 def _arrays(path: Path) -> tuple[Arrays, str]:
-    """What is in it, and its name for messages."""
+    """The arrays of a file or folder, and its name for messages."""
     if path.is_dir():
         inner = path / _MOTION
         return read_archive(inner, only=_KEYS, expected=_EXPECTED), str(inner)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from llsrbm.analysis.inertia_ellipsoid import ellipsoid
 from llsrbm.errors import InputError
-from llsrbm.formats.pictures.wording import title, told
+from llsrbm.formats.pictures.wording import outcome_words, title
 from llsrbm.look import palette
 from llsrbm.look.palette import Rgb
 from llsrbm.look.timeline import Timeline, timeline
@@ -51,11 +51,11 @@ class Bodies:
 
 @dataclass(frozen=True, eq=False)
 class Drawing:
-    """What is drawn at K instants, world frame: B bodies, L legs.
+    """A motion to be drawn at K instants, world frame: B bodies, L legs.
 
     Attributes:
         robot: that is drawn.
-        title: what was asked for, in words; told: what came of it.
+        title: the request, in words; outcome: the result, in words.
         time: (K,) s of the motion's own time.
         solid: the robot that moves; ghost: the plan that it followed, if that is another motion
             and known.
@@ -64,12 +64,12 @@ class Drawing:
         force: (K, L, 3) N and pressed_at: (K, L, 3) m; of a rollout means from frame to frame.
         surroundings: ground and blocks, as far as they are known.
         timeline: phases and events.
-        colour: of what is told about the solid one.
+        colour: of the solid one.
     """
 
     robot: Robot
     title: str
-    told: str
+    outcome: str
     time: Array
     solid: Bodies
     ghost: Bodies | None
@@ -177,7 +177,7 @@ def draw(
     return Drawing(
         robot=robot,
         title=title(trajectory),
-        told=told(trajectory),
+        outcome=outcome_words(trajectory),
         time=time,
         solid=Bodies(position, quat, motion.com),
         ghost=None if rollout is None else _ghost(plan, robot, time),

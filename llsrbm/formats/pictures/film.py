@@ -55,7 +55,7 @@ def pictures(trajectory: Trajectory, options: Options) -> Iterator[Picture]:
 
 
 def _film(drawing: Drawing, options: Options) -> dict[str, Any]:
-    """What the drawing process reads: the meshes, where everything is, and JSON with the rest."""
+    """Input of the drawing process: the meshes, where everything is, and JSON with the rest."""
     view = view_of(drawing, options.size[0] / options.size[1], options.camera)
     height = float(drawing.robot.com[2])
     facts = {
@@ -202,7 +202,7 @@ class _Caption:
         phase = phase_at(drawing.timeline, max(time, 0.0))
         rows = (
             (drawing.title, self._large, _INK),
-            (drawing.told, self._plain, _SOFT_INK),
+            (drawing.outcome, self._plain, _SOFT_INK),
             (f"{math.floor(1000 * time + 0.5) / 1000:.2f} s  {phase}", self._plain, _INK),
         )
         for i, (text, font, ink) in enumerate(rows):

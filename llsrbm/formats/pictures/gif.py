@@ -56,7 +56,7 @@ def write_gif(trajectory: Trajectory, path: Path, options: Options) -> None:
 
 
 def durations(count: int, fps: float) -> Sequence[int]:
-    """How long each of `count` pictures is shown, ms, whole hundredths of a second."""
+    """Time that each of `count` pictures is shown, ms, whole hundredths of a second."""
     edges = np.round(np.arange(count + 1) * 100 / fps).astype(int)
     return (10 * np.diff(edges)).tolist()
 

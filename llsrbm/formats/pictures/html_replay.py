@@ -198,7 +198,7 @@ def _facts(
     trails = [(name, drawing.time if name == "com" else flying) for name, *_ in _trails(drawing)]
     return {
         "title": drawing.title,
-        "outcome": drawing.told,
+        "outcome": drawing.outcome,
         "bad": not good,
         "rollout": not isinstance(trajectory, Plan),
         "legs": [leg.name for leg in drawing.robot.legs],
@@ -238,7 +238,7 @@ def _facts(
 
 def _timeline(events: Timeline) -> dict[str, Any]:
     return {
-        "events": events.told,
+        "events": events.summary,
         "rows": [
             {
                 "name": row.name,

@@ -34,7 +34,7 @@ def main(path: str) -> int:
 
 
 def _drawn_by() -> str:
-    """What OpenGL calls what it draws with; importing MuJoCo fails where its OpenGL is not."""
+    """Name of what OpenGL draws with; importing MuJoCo fails where its OpenGL is not."""
     import mujoco
 
     context = mujoco.GLContext(8, 8)

@@ -75,7 +75,7 @@ def _draw(
 
 
 class _Overlays:
-    """What is drawn besides the robot, of picture `k`."""
+    """Everything but the robot in picture `k`."""
 
     def __init__(
         self, scene: mujoco.MjvScene, film: dict[str, Any], facts: dict[str, Any], k: int

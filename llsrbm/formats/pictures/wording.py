@@ -1,4 +1,4 @@
-"""A plan or a rollout in a few words, for pictures: what was asked for, what came of it."""
+"""A plan or a rollout in a few words, for pictures: its request and its result."""
 
 from __future__ import annotations
 
@@ -25,8 +25,8 @@ def title(trajectory: Trajectory) -> str:
     return f"{Path(jump.robot).stem}: {task}"
 
 
-def told(trajectory: Trajectory) -> str:
-    """What came of it, the most important thing first."""
+def outcome_words(trajectory: Trajectory) -> str:
+    """The result in words, the most important thing first."""
     if isinstance(trajectory, Plan):
         if trajectory.solved:
             return f"planned in {1e3 * trajectory.report.solve_time_s:.0f} ms"

@@ -68,7 +68,7 @@ def _columns(
 
 
 def _codes(codes: Sequence[str]) -> str:
-    """What whole numbers stand for: "0 take-off, 1 flight, 2 landing"."""
+    """Meanings of whole numbers: "0 take-off, 1 flight, 2 landing"."""
     return ", ".join(f"{number} {meaning}" for number, meaning in enumerate(codes))
 
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from llsrbm.analysis.rollout_summary import detection_latency, rollout_summary
-from llsrbm.motion.rollout import Outcome
+from llsrbm.motion.outcome import Outcome
 from tests.llsrbm.synthetic_rollout import synthetic_rollout
 
 # As the contract has them, in its order.

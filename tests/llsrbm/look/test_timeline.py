@@ -31,7 +31,7 @@ def test_take_off_flight_landing():
         ("landing", palette.LANDING, "all feet"),
     ]
     assert sorted(mark.name for mark in events.marks) == ["apex", "take-off", "touch-down planned"]
-    assert events.told == "lift-off 0.50 s, touch-down 0.90 s"
+    assert events.summary == "lift-off 0.50 s, touch-down 0.90 s"
     assert events.end == plan.duration
 
 
@@ -42,7 +42,7 @@ def test_a_rollout_of_it():
     assert [piece.name for piece in events.rows[1].pieces] == [
         "take-off", "flight", "landing", "standing", "force control",
     ]  # fmt: skip
-    assert events.told.startswith(
+    assert events.summary.startswith(
         "touch-down 0.900 s planned, 0.890 s simulated, detected +5.0 ms, force control 0.90-1.09 s"
     )
     marks = {mark.name: mark.time for mark in events.marks}
@@ -73,8 +73,8 @@ def test_a_rollout_of_several_jumps(hops):
     events = timeline(hops, followed(hops))
     names = [piece.name for piece in events.rows[1].pieces]
     assert names[: len(TWO_HOPS)] == list(TWO_HOPS.names)
-    assert "touch-down 0.900 s planned, 0.890 s simulated, detected +5.0 ms" in events.told
-    assert "touch-down 2 1.650 s planned, 1.640 s simulated, detected +5.0 ms" in events.told
+    assert "touch-down 0.900 s planned, 0.890 s simulated, detected +5.0 ms" in events.summary
+    assert "touch-down 2 1.650 s planned, 1.640 s simulated, detected +5.0 ms" in events.summary
     for instant, name in ((0.55, "rear push"), (1.0, "rebound"), (1.7, "front first")):
         assert phase_at(events, instant) == name
 

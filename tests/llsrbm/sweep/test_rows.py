@@ -2,7 +2,7 @@ from dataclasses import fields
 
 import pytest
 
-from llsrbm.motion.rollout import Outcome
+from llsrbm.motion.outcome import Outcome
 from llsrbm.robots import load_robot
 from llsrbm.sweep import rows
 from tests.llsrbm.sweep.specs import spec

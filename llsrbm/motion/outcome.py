@@ -1,0 +1,83 @@
+"""`Outcome`: the end of a simulation in figures."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """End of a simulation, in figures; angles in rad.
+
+    "Touchdown" is the first contact of a foot after the robot has left the ground; of several
+    flights it is the last one's that counts, and there is none where the robot did not get there.
+
+    Attributes:
+        status: "landed" or "fell".
+        reason: of a fall; "" when it landed.
+        fell_at_s: when; None when it landed.
+        strict: whether it landed by the strict measure: see `llsrbm.simulation.verdict`.
+        final_yaw_error, final_position_error, final_tilt: at the end, against the plan's last knot,
+            or where the CoM comes to rest after it: rad, m (CoM, horizontal), rad.
+        final_speed: largest speed of the CoM in the last 0.2 s, m/s.
+        touchdown_planned_s: the plan's, retimed by the touchdowns before it.
+        touchdown_true_s: the simulator's first contact; None if there was none.
+        touchdown_detected_s: None if it was never detected.
+        foot_touchdown_s: the simulator's, a foot.
+        false_touchdowns: detections while no foot touched the ground, of all flights.
+        yaw_error_at_touchdown: yaw of the base at the true touchdown minus the plan's at its own;
+            of a base far from upright, the vertical part of the turn between the two.
+        foot_error_at_touchdown: largest horizontal distance of a foot, at its first contact, from
+            where the plan lands it, m.
+        foot_error: largest horizontal distance of a foot from the plan's at the end, m.
+        peak_tilt: largest after touchdown; of a body that turned over, from the planned attitude.
+        second_flight_s: time without any foot in contact, from the true touchdown on.
+        trunk_touched: whether anything but the feet touched the ground.
+        peak_torque_ratio, peak_speed_ratio: largest share of the robot file's limits.
+        takeoff_joint_speed: largest until lift-off, rad/s or m/s.
+        saturated_fraction: share of ticks with a torque at its limit.
+        unsolved_ticks: ticks whose QP was not solved; their torques were held for 10 ms, then
+            damped the joints (`llsrbm.control.inverse_dynamics`). No strict success with any.
+        tick_median_s, tick_p99_s: wall time of a controller tick.
+        real_time_factor: simulated time / wall time, controller included.
+        control_rate_hz: ticks a simulated second.
+        landing_strategy: the one that ran.
+        recovered: whether it landed by the strict measure but for the feet's place, which pushes
+            and replanning move.
+        replans: how often was planned anew, with or without success.
+        replan_median_s, replan_p95_s: the processor's time for that; None without any.
+    """
+
+    status: str
+    reason: str
+    fell_at_s: float | None
+    strict: bool
+    final_yaw_error: float
+    final_position_error: float
+    final_tilt: float
+    final_speed: float
+    touchdown_planned_s: float
+    touchdown_true_s: float | None
+    touchdown_detected_s: float | None
+    foot_touchdown_s: tuple[float | None, ...]
+    false_touchdowns: int
+    yaw_error_at_touchdown: float | None
+    foot_error_at_touchdown: float | None
+    foot_error: float
+    peak_tilt: float
+    second_flight_s: float
+    trunk_touched: bool
+    peak_torque_ratio: float
+    peak_speed_ratio: float
+    takeoff_joint_speed: float
+    saturated_fraction: float
+    unsolved_ticks: int
+    tick_median_s: float
+    tick_p99_s: float
+    real_time_factor: float
+    control_rate_hz: float
+    landing_strategy: str
+    recovered: bool
+    replans: int = 0
+    replan_median_s: float | None = None
+    replan_p95_s: float | None = None
