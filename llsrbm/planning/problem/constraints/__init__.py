@@ -12,13 +12,17 @@ from llsrbm.planning.problem.constraints.body_clearance import BodyClearance
 from llsrbm.planning.problem.constraints.contacts import FeetAtRest, FrictionPyramid, GivenContacts
 from llsrbm.planning.problem.constraints.drives import JointSpeed, JointTorque, TorqueAtSpeed
 from llsrbm.planning.problem.constraints.edge import Edge
-from llsrbm.planning.problem.constraints.motion import MOMENTUM_BALANCE, FinalPlace, FinalState
+from llsrbm.planning.problem.constraints.motion import (
+    MOMENTUM_BALANCE,
+    FinalPlace,
+    FinalState,
+    PhaseTimes,
+    UprightLanding,
+)
 from llsrbm.planning.problem.constraints.reach import FeetApart, Reach
 from llsrbm.planning.problem.constraints.swing import Clearance, FootSpeed
-from llsrbm.planning.problem.constraints.timing import PhaseTimes
 from llsrbm.planning.problem.constraints.truth import TrueTurn
 from llsrbm.planning.problem.constraints.turn import FootTurn, FootYaw
-from llsrbm.planning.problem.constraints.upright import UprightLanding
 
 __all__ = ["CONSTRAINTS", "Constraint"]
 

@@ -1,4 +1,4 @@
-"""The laws of motion beside the dynamics, and where the motion ends."""
+"""The laws of motion beside the dynamics, durations, and where and how the motion ends."""
 
 from __future__ import annotations
 
@@ -7,13 +7,17 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from llsrbm.planning.problem.constraints.base import Array, Bounds, Constraint
+from llsrbm.planning.problem.constraints.base import Array, Bounds, Constraint, Limit
+from llsrbm.planning.problem.knots import Knots
 from llsrbm.planning.problem.layout import Layout, Role
 from llsrbm.planning.problem.stage import BALANCE_SCALE, Stage
 from llsrbm.planning.problem.task import Task
 
 # Of the way from the middle of the feet to the nearest of them: forces can still be shared by all.
 INSIDE = 0.4
+# How far the base may lean from touchdown on, rad. It comes down at some 10 rad/s, and the legs
+# stop that within a tenth of a second at best: half a radian.
+LEAN = np.radians(30.0)
 
 
 class MomentumBalance(Constraint):
@@ -106,3 +110,75 @@ class FinalPlace(Constraint):
         last = task.places[-1]
         top = INSIDE * np.abs(last.contacts[:, :2] - task.goal_position[:2]).min(axis=0)
         return -top, top
+
+
+class UprightLanding(Constraint):
+    """e_z . R e_z >= cos(lean) from touchdown on, of jumps in which the body turns over.
+
+    Others are kept upright by their costs. Without it a flip lands as soon as its front or hind
+    feet reach the ground, and turns the rest of the way over them.
+    """
+
+    name = "upright_landing"
+    unit = "rad"
+
+    def applies(self, role: Role) -> bool:
+        """After the last flight; the very end is given."""
+        return role.lands_upright and not role.terminal
+
+    def rows(self, stage: Stage) -> Any:
+        """(1, 1) the cosine of the lean."""
+        return stage.R_world_base[2, 2]
+
+    def bounds(self, task: Task, layout: Layout, knot: int) -> Bounds:
+        """At least that of the largest lean."""
+        return np.array([np.cos(LEAN)]), np.array([np.inf])
+
+    def measured(self, rows: Array, task: Task) -> Array:
+        """Less the lean, rad."""
+        return -np.arccos(np.clip(rows, -1.0, 1.0))
+
+
+class PhaseTimes(Constraint):
+    """T_min <= T <= T_max for each phase (the paper bounds dt; flight collapses without it)."""
+
+    name = "phase_times"
+    unit = "s"
+    limits = tuple(
+        Limit(
+            f"{phase}_{end}",
+            f"{extreme} {title}",
+            "s",
+            f"{title} {effect}",
+            lowest=accepted[0],
+            highest=accepted[1],
+            place=("timing", phase, index),
+            lower_bound=end == "min",
+        )
+        for phase, title in (("takeoff", "take-off"), ("flight", "flight"), ("landing", "landing"))
+        for index, (end, extreme, effect, accepted) in enumerate(
+            (
+                ("min", "shortest", "takes at least this long", (0.1, 1.0)),
+                ("max", "longest", "may take longer", (0.15, 1.5)),
+            )
+        )
+    )
+
+    def applies(self, role: Role) -> bool:
+        """Where a duration is chosen: at the start, and at the end of every phase but the last."""
+        return role.initial or (role.last and not role.final)
+
+    def rows(self, stage: Stage) -> Any:
+        """(1, 1) s."""
+        return stage.symbols.get("next_duration", stage.symbols["duration"])
+
+    def bounds(self, task: Task, layout: Layout, knot: int) -> Bounds:
+        """The limits of the phase that begins."""
+        role = layout.roles[knot]
+        low, high = task.times(role.phase + (0 if role.initial else 1))
+        return np.array([low]), np.array([high])
+
+    def violation(self, knots: Knots) -> Array:
+        """At the knots at which phases begin; rows are where their durations are chosen."""
+        out = super().violation(knots)
+        return np.concatenate([out[:1], [0.0], out[1:-1]])

@@ -11,7 +11,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from llsrbm.models import make_model
-from llsrbm.planning.problem.constraints.upright import LEAN, UprightLanding
+from llsrbm.planning.problem.constraints.motion import LEAN, UprightLanding
 from llsrbm.planning.problem.knots import Rows
 from llsrbm.planning.problem.parameters import parameter_symbols, parameters
 from llsrbm.planning.problem.placement import make_task
