@@ -23,9 +23,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from llsrbm.cache import cache_path, content_key, read_checked, write_checked
 from llsrbm.errors import RobotFileError
-from llsrbm.look.collada_repair import readable
-from llsrbm.look.mesh_reduction import coarser, face_shares, simplified
-from llsrbm.mechanics import apply, rotation_matrices
+from llsrbm.look.meshes import coarser, face_shares, readable, simplified
 from llsrbm.robots.robot import Robot
 
 if TYPE_CHECKING:
@@ -145,26 +143,15 @@ def forward_kinematics(
         position (K, 1 + J, 3) m and quaternion (K, 1 + J, 4) w, x, y, z in the world frame: the
         pose of joint j is at index j - 1, so a `LinkVisual` belongs at `joint_id - 1`.
     """
-    origin = np.asarray(base_position, dtype=float)
     quat = np.asarray(base_quat, dtype=float)
-    q = np.asarray(joint_position, dtype=float)[:, robot.leg_joint_index]
-    R_world_base = rotation_matrices(quat)
-    R_base_link, base_link = robot.chains.frames(q)
-    index = robot.leg_joint_index + 1
-    position = np.empty((len(q), robot.model.njoints - 1, 3))
-    rotation = np.empty((len(q), robot.model.njoints - 1, 3, 3))
-    position[:, 0], rotation[:, 0] = origin, R_world_base
-    position[:, index] = origin[:, None, None] + apply(R_world_base[:, None, None], base_link)
-    rotation[:, index] = R_world_base[:, None, None] @ R_base_link
-    return position, _quaternions(rotation)
-
-
-def _quaternions(rotation: Array) -> Array:
-    """Rotation matrices (..., 3, 3) as unit quaternions w, x, y, z (..., 4)."""
-    from scipy.spatial.transform import Rotation
-
-    flat = Rotation.from_matrix(rotation.reshape(-1, 3, 3)).as_quat(scalar_first=True)
-    return flat.reshape(*rotation.shape[:-2], 4)
+    coordinates = np.hstack([base_position, quat[:, [1, 2, 3, 0]], joint_position])
+    model, data = robot.model, robot.model.createData()
+    poses = np.empty((len(quat), model.njoints - 1, 7))
+    for k, q in enumerate(coordinates):
+        pin.forwardKinematics(model, data, q)
+        for body, pose in enumerate(data.oMi[1:]):
+            poses[k, body] = pin.SE3ToXYZQUAT(pose)
+    return poses[..., :3], poses[..., [6, 3, 4, 5]]
 
 
 def _prepare(robot: Robot, faces: int, report: Callable[[float], None]) -> tuple[LinkVisual, ...]:

@@ -8,7 +8,7 @@ import trimesh
 
 from llsrbm.cache import ENVIRONMENT_VARIABLE
 from llsrbm.errors import RobotFileError
-from llsrbm.look.collada_repair import readable
+from llsrbm.look.meshes import readable
 from llsrbm.look.visuals import FACES, forward_kinematics, link_visuals
 from llsrbm.robots import load_robot
 from llsrbm.robots.robot import build_robot
