@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from llsrbm.ocp.problem import Iterate, Problem, Solution
 from llsrbm.ocp.progress import solving
-from llsrbm.ocp.transcription import Structure, Transcribed
+from llsrbm.ocp.transcription import FUNCTIONS, Structure, Transcribed
 
 Array = NDArray[np.float64]
 
@@ -73,38 +73,37 @@ class Solver(ABC):
     name: ClassVar[str]
     compiled: ClassVar[bool] = False
 
-    def __init__(self, cold: ca.Function, near: ca.Function, structure: Structure) -> None:
-        self._structure = structure
-        self._cold = {PATIENT: cold}
-        self._near: dict[tuple[float, int] | None, ca.Function] = {None: near}  # by `acceptable`
+    def __init__(self, transcribed: Transcribed) -> None:
         self._faster: Callable[[], Transcribed | None] | None = None
         self._wait: Callable[[], None] | None = None
+        self._adopt(transcribed)
+
+    def _adopt(self, transcribed: Transcribed) -> None:
+        self._problem = transcribed
+        self._cold = {PATIENT: self._solver_from_guesses(PATIENT)}
+        self._near: dict[tuple[float, int] | None, ca.Function] = {None: self._solver_near(None)}
 
     @property
     def sizes(self) -> tuple[int, int]:
         """Numbers of variables and of rows."""
-        cold = self._cold[PATIENT]
-        return int(cold.numel_in("x0")), int(cold.numel_in("lbg"))
-
-    @classmethod
-    @abstractmethod
-    def build(cls, transcription: Transcribed) -> Solver:
-        """Build the solver of a transcription."""
+        rows = self.function("nlp_g")
+        return int(rows.numel_in(0)), int(rows.numel_out(0))
 
     def serialize(self) -> str:
-        """The solver as text, for a cache."""
+        """The problem as text, for a cache."""
         serializer = ca.StringSerializer()
-        serializer.pack([self._cold[PATIENT], self._near[None]])
-        for numbers in self._structure.as_lists():
+        serializer.pack([self.function(name) for name in FUNCTIONS])
+        for numbers in self._problem.structure.as_lists():
             serializer.pack(numbers)
         return str(serializer.encode())
 
     @classmethod
     def deserialize(cls, text: str) -> Solver:
-        """The solver that `serialize` wrote."""
+        """The solver of the problem that `serialize` wrote."""
         serializer = ca.StringDeserializer(text)
-        cold, near = serializer.unpack()
-        return cls(cold, near, Structure.of_lists(*(serializer.unpack() for _ in range(4))))
+        functions = dict(zip(FUNCTIONS, serializer.unpack(), strict=True))
+        structure = Structure.of_lists(*(serializer.unpack() for _ in range(4)))
+        return cls(Transcribed(functions, structure))
 
     def replace_by(
         self, faster: Callable[[], Transcribed | None], wait: Callable[[], None] | None = None
@@ -125,15 +124,13 @@ class Solver(ABC):
         self._faster = None
 
     def _renew(self) -> None:
-        if self._faster is None or (transcribed := self._faster()) is None:
-            return
-        new = type(self).build(transcribed)
-        self._cold, self._near, self._faster = new._cold, new._near, None
+        if self._faster is not None and (transcribed := self._faster()) is not None:
+            self._adopt(transcribed)
+            self._faster = None
 
     def function(self, name: str) -> ca.Function:
-        """One of the problem's functions, as it is evaluated: nlp_f, nlp_g, ...; nlp: f and g."""
-        cold = self._cold[PATIENT]
-        return cold.oracle() if name == "nlp" else cold.get_function(name)
+        """One of the problem's functions, as it is evaluated (`transcription.FUNCTIONS`)."""
+        return self._problem.functions[name]
 
     def solve(
         self,
@@ -159,7 +156,7 @@ class Solver(ABC):
                 start = Iterate(guess, np.zeros_like(problem.lower))
                 return self._not_begun(problem, start, miss)
             if options not in self._cold:
-                self._cold[options] = self._with_options(options)
+                self._cold[options] = self._solver_from_guesses(options)
             arguments = {
                 "x0": guess,
                 "p": problem.parameters,
@@ -189,13 +186,15 @@ class Solver(ABC):
             rows = self._rows(problem, start.variables)
             if (miss := largest_violation(problem, rows)) > too_far:
                 return self._not_begun(problem, start, miss)
-            return self._follow(problem, start, rows, acceptable)
+            if acceptable not in self._near:
+                self._near[acceptable] = self._solver_near(acceptable)
+            return self._follow(self._near[acceptable], problem, start, rows)
 
     @abstractmethod
     def _follow(
-        self, problem: Problem, start: Iterate, rows: Array, acceptable: tuple[float, int] | None
+        self, solver: ca.Function, problem: Problem, start: Iterate, rows: Array
     ) -> Solution:
-        """`follow` with `rows` (rows,), g of the start."""
+        """`follow` by a solver of `_solver_near`, with `rows` (rows,), g of the start."""
 
     def miss(self, problem: Problem, variables: Array) -> float:
         """The largest violation of a row; infinite where a row is not finite."""
@@ -218,8 +217,12 @@ class Solver(ABC):
         )
 
     @abstractmethod
-    def _with_options(self, options: SolveOptions) -> ca.Function:
-        """Solver from guesses with other options, of the same functions."""
+    def _solver_from_guesses(self, options: SolveOptions) -> ca.Function:
+        """Solver from guesses."""
+
+    @abstractmethod
+    def _solver_near(self, acceptable: tuple[float, int] | None) -> ca.Function:
+        """Solver from near solutions."""
 
     @abstractmethod
     def _outcome(self, stats: dict[str, Any]) -> tuple[bool, int]:

@@ -16,12 +16,10 @@ from llsrbm.ocp.progress import printed_into
 from llsrbm.ocp.solvers.base import (
     NEAR_MU,
     NEAR_TOLERANCE,
-    PATIENT,
     SolveOptions,
     Solver,
     largest_violation,
 )
-from llsrbm.ocp.transcription import Structure, Transcribed
 
 Array = NDArray[np.float64]
 
@@ -54,10 +52,6 @@ class Fatrop(Solver):
     name = "fatrop"
     compiled = True
 
-    def __init__(self, cold: ca.Function, near: ca.Function, structure: Structure) -> None:
-        super().__init__(cold, near, structure)
-        _set_print_level(_SILENT)
-
     @contextmanager
     def _printing(self, read: Callable[[str], None]) -> Iterator[None]:
         _set_print_level(_TABLE)
@@ -67,35 +61,51 @@ class Fatrop(Solver):
         finally:
             _set_print_level(_SILENT)
 
-    @classmethod
-    def build(cls, transcription: Transcribed) -> Solver:
-        """Build the solvers from guesses and near solutions."""
-        functions, structure = transcription.functions, transcription.structure
-        return cls(
-            _fatrop(functions, structure, _fatrop_options(PATIENT)),
-            _fatrop(_with_scaled_rows(functions), structure, _NEAR_OPTIONS),
-            structure,
-        )
-
-    def _functions(self) -> dict[str, ca.Function]:
-        available = self._cold[PATIENT].get_function()
-        return {n: self.function(n) for n in ("nlp", *available) if n.startswith("nlp")}
-
-    def _with_options(self, options: SolveOptions) -> ca.Function:
-        functions = self._functions()
+    def _solver_from_guesses(self, options: SolveOptions) -> ca.Function:
+        functions = dict(self._problem.functions)
         if options.within is not None:
             functions["nlp_g"] = _rows_within(functions["nlp_g"], options.within)
-        return _fatrop(functions, self._structure, _fatrop_options(options), silent=True)
+        push = options.push
+        pushes = {} if push is None else {"bound_push": push, "bound_frac": push}
+        fatrop_options = {
+            "mu_init": options.mu,
+            "tolerance": options.tolerance,
+            "max_iter": options.iterations,
+            **pushes,
+        }
+        return self._nlpsol(functions, fatrop_options, options.acceptable)
 
-    def _near_until(self, acceptable: tuple[float, int] | None) -> ca.Function:
-        if acceptable not in self._near:
-            options = _NEAR_OPTIONS | _acceptable_options(acceptable)
-            functions = _with_scaled_rows(self._functions())
-            self._near[acceptable] = _fatrop(functions, self._structure, options, silent=True)
-        return self._near[acceptable]
+    def _solver_near(self, acceptable: tuple[float, int] | None) -> ca.Function:
+        functions = _with_scaled_rows(self._problem.functions)
+        return self._nlpsol(functions, _NEAR_OPTIONS, acceptable)
+
+    def _nlpsol(
+        self,
+        functions: dict[str, ca.Function],
+        options: dict[str, Any],
+        acceptable: tuple[float, int] | None,
+    ) -> ca.Function:
+        structure = self._problem.structure
+        if acceptable is not None:
+            tolerance, iterations = acceptable
+            options = options | {"tol_acceptable": tolerance, "acceptable_iter": iterations}
+        nlpsol_options = {
+            "print_time": False,
+            "error_on_fail": False,
+            "show_eval_warnings": False,  # of rows that are no numbers on purpose
+            "structure_detection": "manual",
+            "N": len(structure.states) - 1,
+            "nx": structure.states,
+            "nu": structure.controls,
+            "ng": structure.rows,
+            "equality": structure.equality,
+            "cache": {n: f for n, f in functions.items() if n != "nlp"},
+            "fatrop": options | {"print_level": _SILENT},
+        }
+        return ca.nlpsol("solver", "fatrop", functions["nlp"], nlpsol_options)
 
     def _follow(
-        self, problem: Problem, start: Iterate, rows: Array, acceptable: tuple[float, int] | None
+        self, solver: ca.Function, problem: Problem, start: Iterate, rows: Array
     ) -> Solution:
         lower, upper = problem.lower, problem.upper
         inequality = lower < upper
@@ -112,51 +122,12 @@ class Fatrop(Solver):
             "lbg": scale * lower,
             "ubg": scale * upper,
         }
-        return self._run(self._near_until(acceptable), problem, arguments, scale)
+        return self._run(solver, problem, arguments, scale)
 
     def _outcome(self, stats: dict[str, Any]) -> tuple[bool, int]:
         fatrop = stats["fatrop"]  # nlpsol does not count what is acceptable as a success
         converged = stats["success"] or fatrop["return_flag"] == _STOPPED_ACCEPTABLE
         return bool(converged), int(fatrop["iterations_count"])
-
-
-def _fatrop_options(options: SolveOptions) -> dict[str, Any]:
-    push = {} if options.push is None else dict.fromkeys(("bound_push", "bound_frac"), options.push)
-    return {
-        "mu_init": options.mu,
-        "tolerance": options.tolerance,
-        "max_iter": options.iterations,
-        **push,
-        **_acceptable_options(options.acceptable),
-    }
-
-
-def _acceptable_options(acceptable: tuple[float, int] | None) -> dict[str, Any]:
-    if acceptable is None:
-        return {}
-    return dict(zip(("tol_acceptable", "acceptable_iter"), acceptable, strict=True))
-
-
-def _fatrop(
-    functions: dict[str, ca.Function],
-    structure: Structure,
-    options: dict[str, Any],
-    silent: bool = False,
-) -> ca.Function:
-    nlpsol_options = {
-        "print_time": False,
-        "error_on_fail": False,
-        "show_eval_warnings": False,  # of rows that are no numbers on purpose
-        "structure_detection": "manual",
-        "N": len(structure.states) - 1,
-        "nx": structure.states,
-        "nu": structure.controls,
-        "ng": structure.rows,
-        "equality": structure.equality,
-        "cache": {n: f for n, f in functions.items() if n != "nlp"},
-        "fatrop": options | ({"print_level": _SILENT} if silent else {}),
-    }
-    return ca.nlpsol("solver", "fatrop", functions["nlp"], nlpsol_options)
 
 
 def _set_print_level(level: int) -> None:

@@ -46,7 +46,7 @@ def _cached_solver(
         return Transcription(make_horizon(model, layout))
 
     def text() -> bytes:
-        solver = kind.build(transcription())
+        solver = kind(transcription())
         return zlib.compress(solver.serialize().encode("ascii"), level=1)
 
     name = f"solver-{robot.name}-{model.name}-{kind.name}-{layout.name}"
@@ -58,7 +58,7 @@ def _cached_solver(
         fatrop_patches.load(tool)
         library = Library(cache_path(name, content_key(key, tool.identity), ".so"))
         if (loaded := library.load()) is not None:
-            return kind.build(loaded)
+            return kind(loaded)
     stored = cached_bytes(name, key, ".casadi.z", text)
     solver = kind.deserialize(zlib.decompress(stored).decode("ascii"))
     if tool is not None and library is not None:

@@ -63,7 +63,7 @@ def test_structure(library):
 
 def test_solutions(library):
     kind = solvers.by_name("fatrop")
-    plain, fast = kind.build(transcription()), kind.build(library.load())
+    plain, fast = kind(transcription()), kind(library.load())
     task = problem(0.9, drag=0.5, weights=(1.0, 3.0))
     for options in (solvers.PATIENT, SolveOptions(mu=1e-3, iterations=60)):
         one, other = (solver.solve(task, GUESS, options) for solver in (plain, fast))
@@ -78,7 +78,7 @@ def test_solutions(library):
 
 def test_a_solver_takes_them_when_they_are_there(library):
     there = []
-    solver = solvers.by_name("fatrop").build(transcription())
+    solver = solvers.by_name("fatrop")(transcription())
     solver.replace_by(lambda: library.load() if there else None)
     before = solver.solve(problem(1.0), GUESS)
     assert not solver.function("nlp_g").is_a("External", True)
@@ -90,7 +90,7 @@ def test_a_solver_takes_them_when_they_are_there(library):
 
 def test_a_solver_that_settles_waits_for_them_and_changes_no_more(library):
     there = []
-    waiting, late = (solvers.by_name("fatrop").build(transcription()) for _ in range(2))
+    waiting, late = (solvers.by_name("fatrop")(transcription()) for _ in range(2))
     waiting.replace_by(lambda: library.load() if there else None, lambda: there.append(True))
     waiting.settle()
     assert waiting.function("nlp_g").is_a("External", True)

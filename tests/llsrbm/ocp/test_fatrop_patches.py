@@ -59,7 +59,7 @@ from llsrbm.ocp.transcription import Transcription
 from tests.llsrbm.ocp.cart import INTERVALS, horizon, problem
 if sys.argv[1] == "patched":
     fatrop_patches.load(compiler())
-solver = solvers.by_name("fatrop").build(Transcription(horizon()))
+solver = solvers.by_name("fatrop")(Transcription(horizon()))
 print(*solver.solve(problem(0.9, drag=0.5), np.zeros(3 * INTERVALS + 2)).variables)
 """
 
