@@ -20,6 +20,7 @@ from llsrbm.ocp.solvers.base import (
     Solver,
     largest_violation,
 )
+from llsrbm.ocp.transcription import Transcribed
 
 Array = NDArray[np.float64]
 
@@ -51,6 +52,10 @@ class Fatrop(Solver):
 
     name = "fatrop"
     compiled = True
+
+    def __init__(self, transcribed: Transcribed) -> None:
+        super().__init__(transcribed)
+        _set_print_level(_SILENT)
 
     @contextmanager
     def _printing(self, read: Callable[[str], None]) -> Iterator[None]:
@@ -100,7 +105,7 @@ class Fatrop(Solver):
             "ng": structure.rows,
             "equality": structure.equality,
             "cache": {n: f for n, f in functions.items() if n != "nlp"},
-            "fatrop": options | {"print_level": _SILENT},
+            "fatrop": options,  # without a print level: the first solve would set it
         }
         return ca.nlpsol("solver", "fatrop", functions["nlp"], nlpsol_options)
 

@@ -133,11 +133,14 @@ def test_from_text_it_is_the_same(name):
 
 
 def test_the_table_is_read_and_nothing_printed(capfd):
-    read = []
-    solution = solver("fatrop").solve(problem(1.0), GUESS, read=read.append)
-    assert "inf_pr" in "".join(read)
-    solver("fatrop").solve(problem(1.0), GUESS, SolveOptions(mu=2e-3, iterations=50))
-    assert solution.converged
+    """From the first solve of a solver on, with any options."""
+    fatrop = solvers.by_name("fatrop")(Transcription(horizon()))
+    for options in (PATIENT, SolveOptions(mu=2e-3, iterations=50)):
+        read = []
+        assert fatrop.solve(problem(1.0), GUESS, options, read.append).converged
+        assert "inf_pr" in "".join(read)
+    fatrop.solve(problem(1.0), GUESS, SolveOptions(mu=3e-3, iterations=50))
+    fatrop.follow(problem(1.01), fatrop.solve(problem(1.0), GUESS), acceptable=(5e-3, 1))
     assert capfd.readouterr() == ("", "")
 
 

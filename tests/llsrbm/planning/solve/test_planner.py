@@ -474,8 +474,8 @@ def test_cancelled_in_the_middle_of_a_solve(planner):
 
 
 def test_iterations_are_told_while_a_solve_runs(capfd, monkeypatch):
-    monkeypatch.setattr(progress, "TELL_EVERY", 0.0)
-    monkeypatch.setattr(progress, "LOOK_EVERY", 1e-3)
+    monkeypatch.setattr(progress, "REPORT_INTERVAL", 0.0)
+    monkeypatch.setattr(progress, "POLL_INTERVAL", 1e-3)
     planner = planner_for("anymal", "llsrbm-plus")
     said, threads = [], set()
 
