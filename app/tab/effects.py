@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from app.tab.events import Event
 from app.tab.lanes import Lane
-from app.workers.protocol import Task
+from app.workers.task import Task
 from llsrbm.request.design import Design
 
 

@@ -41,8 +41,8 @@ from app.workers.protocol import (
     SimulatedSoFar,
     SimulateJump,
     SimulateSeeds,
-    Task,
 )
+from app.workers.task import Task
 from llsrbm.motion.rollout import Rollout
 from llsrbm.simulation.surroundings import surroundings
 

@@ -45,7 +45,7 @@ from app.tab.rendering import Rendering
 from app.tab.results import draw_robot
 from app.tab.state import TabState
 from app.tab.update import update
-from app.workers.offered import uploaded_design
+from app.workers.opened_file import uploaded_design
 from app.workers.pool import WorkerPool
 from llsrbm.errors import InputError
 from llsrbm.motion.plan import Plan

@@ -20,7 +20,8 @@ from app.picture.overlays import AT_FIRST
 from app.plots.choice import DEFAULT, PlotChoice
 from app.tab.comparison import Pin
 from app.tab.drag_planning import DragPlanning
-from app.workers.protocol import Nearest, PlanJump, SeedResult, Task
+from app.workers.protocol import Nearest, PlanJump, SeedResult
+from app.workers.task import Task
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
 from llsrbm.request.design import Design

@@ -9,7 +9,7 @@ from app.panel.status import Status, Word
 from app.tab.effects import Effect, Play, Seek, Submit
 from app.tab.lanes import Lane
 from app.tab.state import TabState
-from app.workers.protocol import Task
+from app.workers.task import Task
 
 Step = tuple[TabState, tuple[Effect, ...]]
 """A tab's next state, and what has to be done outside of it."""

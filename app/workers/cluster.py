@@ -2,7 +2,7 @@
 
 Only the scheduler has to be reachable: whatever is exchanged with a worker goes by way of it. One
 thread has an event loop for all of that. Each thread of a worker is a place for one process; before
-it counts, its worker has to prove that it has the same code (`app.workers.code_identity`).
+it counts, its worker has to prove that it has the same code (`code_identity`).
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ import asyncio
 import contextlib
 import logging
 import pickle
+import sys
 import threading
 import time
 import uuid
@@ -18,15 +19,19 @@ from collections import Counter
 from collections.abc import Callable, Coroutine, Mapping
 from concurrent.futures import Future
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any, TypeVar
 
 import dask
 from distributed import Client
 
+import app
+import llsrbm
 from app.workers.cluster_process import ClusterProcess
-from app.workers.code_identity import CodeIdentity, code_identity
 from app.workers.protocol import PlannerFactory
+from llsrbm.cache import content_key
 from llsrbm.errors import InputError
+from llsrbm.installed import assets_directory, package_version
 
 # How long a scheduler may take to let us in, and its workers to say what code they have, s.
 CONNECT_PATIENCE, IDENTITY_PATIENCE = 5.0, 3.0
@@ -48,7 +53,41 @@ _PRIORITY = 100
 _log = logging.getLogger(__name__)
 
 
+_DATA = ("robots", "jump_types")  # folders of what jumps depend on besides the sources
+_SHOWN = 8  # hexadecimal digits of the key, in messages
+
 AnyResult = TypeVar("AnyResult")
+
+
+@dataclass(frozen=True)
+class CodeIdentity:
+    """The code of an installation: two machines with the same one compute the same.
+
+    A cluster's workers are asked for theirs before they get a job; messages are pickled, so that
+    another version would misread them, or answer with another planner's jumps.
+
+    Attributes:
+        version: of the package.
+        key: hash of the sources of library and page, and of what robots and jump types are.
+        python: its version, as 3.11.
+    """
+
+    version: str
+    key: str
+    python: str
+
+    def __str__(self) -> str:
+        return f"llsrbm {self.version} ({self.key[:_SHOWN]}) on Python {self.python}"
+
+
+def code_identity() -> CodeIdentity:
+    """Of the code that runs here, as its files are now."""
+    folders = [Path(str(package.__file__)).parent for package in (app, llsrbm)]
+    sources = [path for folder in folders for path in sorted(folder.rglob("*.py"))]
+    # Names of the files do not count: sources and wheel have them in other places.
+    data = [path for kind in _DATA for path in sorted((assets_directory() / kind).glob("*.toml"))]
+    key = content_key(*sources, *data).hex()
+    return CodeIdentity(package_version(), key, "{}.{}".format(*sys.version_info))
 
 
 @dataclass(eq=False)

@@ -17,8 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from app.workers.offered import check_offered, uploaded_design
-from app.workers.opened_file import OpenedFile, States
+from app.workers.opened_file import OpenedFile, States, check_offered, uploaded_design
 from llsrbm.errors import Error, FileFormatError, printable
 from llsrbm.formats import load_motion, readable
 from llsrbm.formats.reading import is_native

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from app.workers.process import Process
-from app.workers.protocol import Job, PlanJump, Progress, Task
+from app.workers.protocol import Job, PlanJump, Progress
+from app.workers.task import Task
 from app.workers.waiting import Entry, Member
 
 # How long a process that works may be without a sign of life, s: half a minute is common while it

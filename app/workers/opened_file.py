@@ -1,4 +1,7 @@
-"""A file that a visitor has opened, as it goes from a computing process to the server."""
+"""A file that a visitor has opened, as it goes from a computing process to the server.
+
+Designs are of robots, models and types that the page has, never of a path.
+"""
 
 from __future__ import annotations
 
@@ -6,11 +9,15 @@ from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from typing import Any
 
+from llsrbm import models
+from llsrbm.errors import InputError
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
 from llsrbm.motion.whole_body import WholeBodyMotion
-from llsrbm.request.design import Design
-from llsrbm.robots import load_robot
+from llsrbm.request import jump_types
+from llsrbm.request.design import Design, load_design
+from llsrbm.request.jump import Jump
+from llsrbm.robots import load_robot, names
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,3 +66,34 @@ class OpenedFile:
     def robot(self) -> str:
         """Name of its robot."""
         return self.holds.robot if isinstance(self.holds, States) else self.holds.jump.robot
+
+
+def uploaded_design(name: str, content: bytes) -> Design:
+    """The design in an uploaded file.
+
+    Args:
+        name: of the file, as the browser has it.
+        content: of the file.
+
+    Raises:
+        InputError: it is no design, or one of a robot, model or type that is not on the page.
+    """
+    design = load_design(content, name=name)
+    check_offered(design.jump, f"{name}: jump")
+    return design
+
+
+def check_offered(jump: Jump, where: str) -> None:
+    """Raise `InputError` unless robot, model and type are among those that the page has.
+
+    A file's path works on the command line; a visitor shall not open files of this machine.
+    """
+    for key, value, valid in (
+        ("robot", jump.robot, names()),
+        ("model", jump.model, models.names()),
+        ("type", jump.type, tuple(jump_types.names())),
+    ):
+        if value not in valid:
+            raise InputError(
+                f"{where}.{key}: expected one of {', '.join(valid)}, got {value!r:.80}"
+            )

@@ -10,16 +10,12 @@ unambiguous and needs no reset. A job's reports are any number of partial ones (
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
 from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass, field
-from enum import Enum
-from typing import Any, ClassVar, Protocol
-
-import numpy as np
-from numpy.typing import NDArray
+from typing import Any, Protocol
 
 from app.workers.opened_file import OpenedFile
+from app.workers.task import Array, Kind, Talk, Task
 from llsrbm.formats import find
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
@@ -28,96 +24,13 @@ from llsrbm.request.jump import Jump
 from llsrbm.request.scenario import Scenario
 from llsrbm.request.tuning import Tuning
 
-Array = NDArray[np.float64]
-
 READING_LIMIT = 60.0
 """Time (s) that the reading of a file may take; the largest that is accepted takes a few."""
 
 _NUMBERS = {".npz", ".csv", ".json", ".pkl", SUFFIX}  # of files that hold nothing else
 
 
-class Kind(Enum):
-    """Kinds of jobs; a tab has one of each running at a time."""
-
-    PLAN = "plan"
-    SEARCH = "search"
-    SIMULATE = "simulate"
-    EXPORT = "export"
-    QUICK_EXPORT = "quick export"
-    READ = "read"
-
-    @property
-    def long(self) -> bool:
-        """Whether it may last seconds, and keeps away from the reserved process."""
-        return self in (Kind.SEARCH, Kind.SIMULATE, Kind.EXPORT, Kind.READ)
-
-    @property
-    def gives_way(self) -> bool:
-        """Whether it is stopped at once when its tab requests something newer."""
-        return self in (Kind.SEARCH, Kind.SIMULATE, Kind.EXPORT)
-
-
-class Talk(Protocol):
-    """The way of a job's partial reports, and of the request to stop it."""
-
-    def progress(
-        self,
-        text: str,
-        *,
-        share: float | None = None,
-        iteration: int | None = None,
-        residual: float | None = None,
-    ) -> None:
-        """Report `Progress`; cheap enough to be called often."""
-        ...
-
-    def so_far(self, share: float, time: Array, qpos: Array) -> None:
-        """Report `SimulatedSoFar`."""
-        ...
-
-    def cancelled(self) -> bool:
-        """Whether the job shall stop."""
-        ...
-
-
 # ---- tasks, server to process
-
-
-class Task(ABC):
-    """Some work for a process.
-
-    Attributes:
-        only_here: it needs files of the server's machine: its meshes, a visitor's file, packages.
-        one_at_a_time: in the whole pool.
-        limit: time (s) that it may take; None: as long as it gives signs of life.
-    """
-
-    only_here: ClassVar[bool] = False
-    one_at_a_time: ClassVar[bool] = False
-    limit: ClassVar[float | None] = None
-
-    @property
-    @abstractmethod
-    def kind(self) -> Kind:
-        """Its kind."""
-
-    @property
-    def needs(self) -> Hashable:
-        """The robot or the solver that has to be built first; None: nothing."""
-        return None
-
-    @property
-    def parts(self) -> tuple[Task, ...]:
-        """Tasks that processes work on side by side, in place of this one; it alone: not so."""
-        return (self,)
-
-    @abstractmethod
-    def work(self, planner: Any, job: int, talk: Talk) -> Outcome:
-        """Have the planner of this process do it.
-
-        Raises:
-            llsrbm.errors.Error: it cannot be done, or was stopped (`Cancelled`).
-        """
 
 
 @dataclass(frozen=True)

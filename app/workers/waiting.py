@@ -23,8 +23,9 @@ from collections.abc import Hashable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import TypeVar
 
-from app.workers.protocol import Listener, PlanJump, Task
+from app.workers.protocol import Listener, PlanJump
 from app.workers.seeds import Seeds
+from app.workers.task import Task
 
 MOST_WAITING = 200
 """Jobs in the queue: of some 60 tabs that plan, open and save at once; a job may hold a file of

@@ -13,7 +13,6 @@ from typing import Any, Protocol
 import llsrbm
 from app.workers.opened_file import OpenedFile
 from app.workers.protocol import (
-    Array,
     Cancelled,
     ExportMotion,
     Failed,
@@ -31,6 +30,7 @@ from app.workers.protocol import (
     Solver,
     solver_of,
 )
+from app.workers.task import Array
 from llsrbm import errors
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout

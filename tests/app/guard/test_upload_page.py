@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from app.guard.limits import MAX_UPLOAD
-from app.workers.offered import uploaded_design
+from app.workers.opened_file import uploaded_design
 from llsrbm.request.design import dump_design, examples
 from tests.app.chromium import PACE, VIEW, drop, fill
 from tests.app.design_page import design_page

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from app.guard.limits import MAX_UPLOAD
-from app.workers.offered import uploaded_design
+from app.workers.opened_file import uploaded_design
 from llsrbm.errors import InputError
 from llsrbm.request.design import Design, dump_design, examples
 from llsrbm.request.jump import Jump

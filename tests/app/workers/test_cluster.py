@@ -267,7 +267,7 @@ def test_a_lost_cluster_is_one_line_and_the_server_s_processes_go_on(monkeypatch
 
 
 def test_a_worker_with_other_code_gets_nothing_and_one_line_says_so(hand, monkeypatch, caplog):
-    monkeypatch.setattr("app.workers.code_identity.package_version", lambda: "0.0.1")
+    monkeypatch.setattr("app.workers.cluster.package_version", lambda: "0.0.1")
     with closing(Cluster(hand.address)) as cluster:
         time.sleep(1.5)  # it is not said at every look
         assert (cluster.room, cluster.has_room) == (0, False)

@@ -11,9 +11,10 @@ from contextlib import closing
 
 import pytest
 
-from app.workers import member, protocol, waiting
+from app.workers import jobs, member, protocol, waiting
 from app.workers import pool as pool_module
-from app.workers.pool import BROKEN, BUSY, CLOSED, DEFECT, WorkerPool
+from app.workers.jobs import BROKEN, DEFECT
+from app.workers.pool import BUSY, CLOSED, WorkerPool
 from app.workers.process import LocalProcess
 from app.workers.protocol import Cancelled, Failed, OpenFile, PlanJump, Planned, Progress
 from llsrbm.request.jump import Jump
@@ -231,7 +232,7 @@ def test_a_process_that_never_gets_ready_counts_as_one_that_does_not_start(monke
 
 
 def test_a_job_without_a_sign_of_life_is_given_up(monkeypatch):
-    for module in (member, pool_module):
+    for module in (member, jobs):
         monkeypatch.setattr(module, "SILENCE", 0.5)
     with closing(WorkerPool(SyntheticPlanner, processes=1)) as pool:
         tab = Tab(pool)

@@ -10,7 +10,6 @@ from hypothesis import strategies as st
 from app.workers.protocol import (
     ExportMotion,
     FindNearest,
-    Kind,
     OpenFile,
     PlanJump,
     Prepare,
@@ -18,6 +17,7 @@ from app.workers.protocol import (
     SimulateSeeds,
     solver_of,
 )
+from app.workers.task import Kind
 from app.workers.waiting import Entry, Member, Waiting
 from llsrbm.request.jump import Jump
 from llsrbm.request.scenario import Scenario
