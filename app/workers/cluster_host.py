@@ -45,7 +45,7 @@ class Host:
         multiprocessing.current_process().daemon = False
         self._messages: asyncio.Queue[Message] = asyncio.Queue()
         self._loop = asyncio.get_running_loop()
-        self._asked_at = self._answered_at = time.monotonic()
+        self._requested_at = self._answered_at = time.monotonic()
         self._process = LocalProcess(self._factory, self._name)
         threading.Thread(target=self._read, name=f"{self._name}-reader", daemon=True).start()
         self._lease = asyncio.create_task(self._keep_lease())
@@ -68,9 +68,9 @@ class Host:
 
         Of progress only the newest is passed on, and not too often; all else goes at once.
         """
-        self._asked_at = time.monotonic()
+        self._requested_at = time.monotonic()
         taken: list[Message] = []
-        until = self._asked_at + KEEP_ALIVE
+        until = self._requested_at + KEEP_ALIVE
         while not taken or _may_wait(taken[-1]):
             try:
                 async with asyncio.timeout(until - time.monotonic()):
@@ -78,7 +78,7 @@ class Host:
             except TimeoutError:
                 break
             until = self._answered_at + PROGRESS_INTERVAL
-        self._asked_at = self._answered_at = time.monotonic()
+        self._requested_at = self._answered_at = time.monotonic()
         last = {type(message): message for message in taken}
         newest = [m for m in taken if not _may_wait(m) or last[type(m)] is m]
         return pickle.dumps((self._process.id, newest))
@@ -95,7 +95,7 @@ class Host:
             self._loop.call_soon_threadsafe(self._messages.put_nowait, message)
 
     async def _keep_lease(self) -> None:
-        while time.monotonic() < self._asked_at + LEASE:
+        while time.monotonic() < self._requested_at + LEASE:
             await asyncio.sleep(_LOOK_INTERVAL)
         self._process.kill()
 

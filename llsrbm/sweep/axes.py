@@ -52,19 +52,19 @@ class AxisTable(Table):
         if (self.values is not None, all(ends), self.range is not None).count(True) != 1 or (
             any(ends) != all(ends)
         ):
-            raise said('expected a list, "from" and "to", or range = "robot"')
+            raise wrong('expected a list, "from" and "to", or range = "robot"')
         if self.values is not None:
             if self.count is not None:
-                raise said('a list has its values; expected no "count" beside it')
+                raise wrong('a list has its values; expected no "count" beside it')
             if len(set(self.values)) < len(self.values):
-                raise said("a value is listed twice; expected each once")
+                raise wrong("a value is listed twice; expected each once")
         if self.low is not None and self.high is not None:
             if self.low > self.high:
-                raise said(
+                raise wrong(
                     f"the range from {self.low:g} to {self.high:g} is empty; expected from <= to"
                 )
             if self.low == self.high and (self.count or 1) > 1:
-                raise said(f"from and to are both {self.low:g}; expected count = 1, or a range")
+                raise wrong(f"from and to are both {self.low:g}; expected count = 1, or a range")
         return self
 
 
@@ -151,15 +151,15 @@ def check_axis(where: str, name: str, axis: AxisTable, sampling: str) -> None:
     plain = name.removesuffix(DEGREES)
     if axis.values is None:
         if where.startswith("axes.") and plain in COUNTED:
-            raise said(f"{where}: expected a list of values, such as [{_example(plain, name)}]")
+            raise wrong(f"{where}: expected a list of values, such as [{_example(plain, name)}]")
         if sampling == "grid" and axis.count is None:
-            raise said(f'{where}: missing "count"; expected how many values a grid has of it')
+            raise wrong(f'{where}: missing "count"; expected how many values a grid has of it')
         if sampling != "grid" and axis.count is not None:
-            raise said(
+            raise wrong(
                 f'{where}: "count" is for grids; expected it beside sampling = "{sampling}" alone'
             )
     if axis.range is not None and (not where.startswith("axes.") or plain not in ROBOT_RANGES):
-        raise said(
+        raise wrong(
             f'{where}: a robot\'s file says nothing of its range; expected "from" and "to" '
             f'(range = "robot" is for {", ".join(ROBOT_RANGES)})'
         )
@@ -170,7 +170,7 @@ def check_axis(where: str, name: str, axis: AxisTable, sampling: str) -> None:
                 asked: dict[str, Any] = {plain: _whole(si) if plain == "hops" else si}
                 Jump(**asked)
             except InputError as error:
-                raise said(f"{where}: {str(error).partition(': ')[2]}") from error
+                raise wrong(f"{where}: {str(error).partition(': ')[2]}") from error
 
 
 def check_drives(drives: DriveAxes) -> None:
@@ -179,7 +179,7 @@ def check_drives(drives: DriveAxes) -> None:
         axis = getattr(drives, name)
         if axis is not None and (axis.values is None or min(axis.values) <= 0):
             # Each has solvers of its own, which take half a minute to build.
-            raise said(f"drives.{name}: expected a list of factors above 0, such as [0.8, 1, 1.2]")
+            raise wrong(f"drives.{name}: expected a list of factors above 0, such as [0.8, 1, 1.2]")
 
 
 def _whole(value: float) -> Any:
@@ -195,6 +195,6 @@ def names_of(table: Table) -> list[str]:
     return list(type(table).model_fields)
 
 
-def said(message: str) -> PydanticCustomError:
-    """An error whose words are all there is to say."""
-    return PydanticCustomError("said", "{message}", {"message": message})
+def wrong(message: str) -> PydanticCustomError:
+    """An error whose message is complete."""
+    return PydanticCustomError("wrong", "{message}", {"message": message})

@@ -47,7 +47,7 @@ from llsrbm.sweep.axes import (
     check_axis,
     check_drives,
     names_of,
-    said,
+    wrong,
 )
 
 _LARGEST_SEED = 2**63 - 1  # what the table's column holds
@@ -99,16 +99,16 @@ class Spec(Table):
         for name in ("robots", "models", "types"):
             given = getattr(self, name)
             if len(set(given)) < len(given):
-                raise said(f"{name}: one is named twice; expected each once")
+                raise wrong(f"{name}: one is named twice; expected each once")
         if self.sampling == "grid" and self.count is not None:
-            raise said('count: a grid has its axes\' counts; expected it with "random" or "sobol"')
+            raise wrong('count: a grid has its axes\' counts; expected it with "random" or "sobol"')
         if self.sampling != "grid" and self.count is None:
-            raise said(f'count: missing; expected how many jumps to draw with "{self.sampling}"')
+            raise wrong(f'count: missing; expected how many jumps to draw with "{self.sampling}"')
         for where, name, axis in self._given():
             check_axis(f"{where}.{name}", name, axis, self.sampling)
         for name in ("twist", "roll", "pitch"):
             if getattr(self.axes, name) and getattr(self.axes, name + DEGREES):
-                raise said(f"axes: {name} and {name}{DEGREES} are the same; expected one of them")
+                raise wrong(f"axes: {name} and {name}{DEGREES} are the same; expected one of them")
         check_drives(self.drives)
         self.scenario()
         return self
@@ -135,12 +135,12 @@ class Spec(Table):
         seeds = table.pop("seeds", None)
         _check_seeds(seeds)
         if "seed" in table:
-            raise said('simulate.seed: expected "seeds", a number of them or a list')
+            raise wrong('simulate.seed: expected "seeds", a number of them or a list')
         try:
             scenario = Scenario().but(**table)
             return scenario if seeds is None else scenario.but(seed=0)
         except InputError as error:
-            raise said(f"simulate: {error}") from error
+            raise wrong(f"simulate: {error}") from error
 
     @property
     def simulated(self) -> bool:
@@ -185,7 +185,7 @@ def _check_seeds(seeds: Any) -> None:
         and max(listed) <= _LARGEST_SEED
     ):
         return
-    raise said(
+    raise wrong(
         "simulate.seeds: expected how many of each jump, from 1 on, or a list of different seeds "
         f"from 0 on, got {printable(repr(seeds))}"
     )

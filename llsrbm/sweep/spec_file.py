@@ -39,7 +39,7 @@ def find_spec(name_or_path: str) -> Spec:
 
 
 def read_spec(path: Path) -> Spec:
-    """Read and check a spec; whether there are such robots and limits is said by `points`.
+    """Read and check a spec; robots and limits are checked by `points`.
 
     Raises:
         InputError: one line naming the file, the key, what was given and what is accepted.
@@ -81,7 +81,7 @@ def _sentence(detail: ErrorDetails) -> str:
             return f'unknown key "{key}"; {choices(last, _keys(location[:-1]))}'
         case "missing":
             return f'missing key "{key}"; expected: {", ".join(_keys(location[:-1]))}'
-        case "said":
+        case "wrong":
             return f"{key}: {detail['msg']}" if location else detail["msg"]
         case "model_type" | "dict_type" | "model_attributes_type" if location[:1] == ["axes"]:
             return f"{key}: expected a number, a list or a table, got {given}"
