@@ -106,7 +106,7 @@ def truth(robot: Robot, fit: LegFit, count: int = 300, seed: int = 1) -> Truth:
     soles = turns_about_z(yaw[..., 0]) if yaw.size else None
     angles = np.array([robot.file.posture[leg.name] for leg in robot.legs])
     q_legs, error = solve_legs(robot.chains, feet, angles, soles)
-    _, jacobian = foot_task(robot.chains, robot.chains.motion(q_legs), feet, soles)
+    _, jacobian = foot_task(robot.chains.motion(q_legs, rotations=soles is not None), feet, soles)
     usable = (error < 1e-7).all(axis=1) & (np.linalg.cond(jacobian) < 30).all(axis=1)
     data = robot.model.createData()
     rows = []

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
-from llsrbm.body.joint_loads import KnotMotion
+from llsrbm.body.knot_motion import KnotMotion
 from llsrbm.mechanics import GRAVITY
 from llsrbm.models.base import CentroidalModel
 from llsrbm.planning.problem.rotations import quat_product, rotation_matrix

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from llsrbm.body.joint_loads import KnotMotion, joint_loads
+from llsrbm.body.joint_loads import joint_loads
+from llsrbm.body.knot_motion import KnotMotion
 from llsrbm.robots.drives import torque_in_direction
 from llsrbm.robots.robot import Robot
 

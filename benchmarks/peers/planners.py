@@ -14,7 +14,7 @@ from benchmarks.interleaved import CHILD, Program, crocoddyl_python
 from benchmarks.opti_baseline import solve_baseline
 from benchmarks.peers.judge import Motion
 from benchmarks.solve_child import wait_for_library
-from llsrbm.body.joint_loads import KnotMotion
+from llsrbm.body.knot_motion import KnotMotion
 from llsrbm.models import make_model
 from llsrbm.planning.problem.placement import make_task
 from llsrbm.planning.solve.planner import planner_for

@@ -15,8 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from llsrbm.analysis.summary import peak_yaw_rate
-from llsrbm.body.peak_loads import planned_peak_load
+from llsrbm.analysis.summary import peak_yaw_rate, planned_peak_load
 from llsrbm.mechanics import GRAVITY, final_yaw, rotation_matrices
 from llsrbm.motion.flights import flights, without_contact
 from llsrbm.motion.plan import Plan

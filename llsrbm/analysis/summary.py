@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from llsrbm.body.peak_loads import planned_torque_shares
+from llsrbm.body.peak_loads import PeakLoad, peak_load, torque_share
 from llsrbm.mechanics import final_yaw
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.trajectory import json_value
@@ -60,3 +60,26 @@ def phases(plan: Plan) -> list[dict[str, Any]]:
         {"name": phase.name, "feet": list(phase.feet), "duration_s": duration}
         for phase, duration in zip(plan.schedule, np.diff(plan.phase_start).tolist(), strict=True)
     ]
+
+
+def planned_peak_load(plan: Plan) -> PeakLoad | None:
+    """The most loaded joint of a plan; None if its torques are not known."""
+    if plan.joint_torque is None or plan.joint_torque_limit is None:
+        return None
+    intervals = slice(0, -1)  # the last knot's are those of standing
+    return peak_load(
+        plan.joint_names,
+        plan.time,
+        plan.phase[intervals],
+        plan.schedule,
+        plan.joint_torque[intervals],
+        plan.joint_torque_limit[intervals],
+    )
+
+
+def planned_torque_shares(plan: Plan) -> dict[str, float]:
+    """Joint -> largest share of the torque available at its speed; empty if that is not known."""
+    if plan.joint_torque is None or plan.joint_torque_limit is None:
+        return {}
+    largest = torque_share(plan.joint_torque, plan.joint_torque_limit).max(axis=0)
+    return dict(zip(plan.joint_names, largest.tolist(), strict=True))

@@ -1,40 +1,33 @@
-"""What each joint must do over a plan: speeds and torques of the whole body, by Pinocchio.
+"""Speeds and torques of each joint over a plan: the whole body, by Pinocchio.
 
-Nothing of the planner's models enters. Of each interval between two knots the plan fixes the CoM's
-acceleration (forces are constant), the turn of the base and the motion of the feet. From these
-follow:
+Nothing of the planner's models enters.
 
-- velocities at the knots, by Jacobians. They are continuous: on both sides of lift-off and
-  touchdown the feet are at rest in the world, at both ends of the plan everything is. Elsewhere the
-  base's rate and the flying feet's velocity at a knot are the means of the two intervals beside it.
-  At lift-off and touchdown the base's rate is extrapolated from the side on which the feet stand:
-  a plan's rates have a step there, because its feet move as fast in the whole first interval of
-  flight, and in the last.
-- accelerations over an interval: the velocities at its end minus those at its start, over its
+- Speeds at the knots follow from the motion of CoM, base and feet (`llsrbm.body.knot_motion`) by
+  Jacobians.
+- Accelerations over an interval are the velocities at its end minus those at its start, over its
   length. So they belong to its middle, and no difference is taken across lift-off or touchdown.
-- torques in the middle of an interval, by inverse dynamics of the floating base,
+- Torques in the middle of an interval are inverse dynamics of the floating base,
 
       tau = M(q) a + h(q, v) - J^T f,
 
   with the plan's contact forces. The base's linear acceleration is that with which the CoM
-  accelerates as planned. The six rows of the base have no drive: what is left there shows by how
-  much the plan's centroidal dynamics are not those of the whole body.
+  accelerates as planned. The six rows of the base have no drive: their remainder is by how much
+  the plan's centroidal dynamics are not those of the whole body.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
+from llsrbm.body.knot_motion import KnotMotion, States, states
 from llsrbm.body.peak_loads import PeakLoad, peak_load, torque_share
 from llsrbm.body.postures import Postures, joint_speeds, solve_postures
-from llsrbm.mechanics import GRAVITY, apply, cross, rotation_matrices, skew, slerp
-from llsrbm.motion.plan import Plan
+from llsrbm.mechanics import GRAVITY, apply, cross, rotation_matrices, skew
 from llsrbm.request.schedule import Schedule
 from llsrbm.robots.drives import torque_in_direction
 from llsrbm.robots.robot import Robot
@@ -42,52 +35,7 @@ from llsrbm.robots.robot import Robot
 Array = NDArray[np.float64]
 
 _BASE = 6  # velocities of the floating base
-_AT_REST = 1e-3  # m/s of the CoM: where a plan ends at rest, a solver is that far off
 _UPWARD_GRAVITY = np.array([0.0, 0.0, GRAVITY])  # m/s2
-
-
-@dataclass(frozen=True, eq=False)
-class KnotMotion:
-    """What a plan says at N + 1 knots; arrays as in `llsrbm.motion.plan.Plan`.
-
-    Attributes:
-        schedule: which feet stand in a phase.
-        joint_position: (N+1, J) postures at the knots; None to have them solved.
-    """
-
-    time: Array
-    schedule: Schedule
-    phase: NDArray[np.int64]
-    com: Array
-    com_velocity: Array
-    base_quat: Array
-    foot_position: Array
-    foot_quat: Array
-    contact_point: Array
-    contact_force: Array
-    joint_position: Array | None = None
-
-    @property
-    def standing(self) -> NDArray[np.bool_]:
-        """(N, L) whether a foot stands over an interval."""
-        return self.schedule.stands[self.phase[:-1]]
-
-    @staticmethod
-    def of_plan(plan: Plan) -> KnotMotion:
-        """The knots of a plan, with its postures."""
-        return KnotMotion(
-            time=plan.time,
-            schedule=plan.schedule,
-            phase=plan.phase,
-            com=plan.com,
-            com_velocity=plan.com_velocity,
-            base_quat=plan.base_quat,
-            foot_position=plan.foot_position,
-            foot_quat=plan.foot_quat,
-            contact_point=plan.contact_point,
-            contact_force=plan.contact_force,
-            joint_position=plan.joint_position,
-        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -150,7 +98,7 @@ class JointLoads:
         return float(force), float(moment)
 
     def at_knots(self) -> dict[str, Any]:
-        """What a plan stores of it at its N + 1 knots; empty where numbers are not finite.
+        """Arrays of a plan at its N + 1 knots; empty where numbers are not finite.
 
         Of torques and their limits, knot k has those of the interval that starts there, and the
         last knot those of standing.
@@ -188,7 +136,7 @@ def joint_loads(robot: Robot, motion: KnotMotion) -> JointLoads:
 
 def _joint_loads(robot: Robot, motion: KnotMotion) -> JointLoads:
     dt = np.diff(motion.time)[:, None]
-    knots, middles = _states(robot, motion)
+    knots, middles = states(robot, motion)
     angles = motion.joint_position
     if angles is None:
         angles = _postures(robot, knots).joint_position
@@ -233,142 +181,11 @@ def _joint_loads(robot: Robot, motion: KnotMotion) -> JointLoads:
     )
 
 
-# ---- motion of the CoM, the base and the feet
-
-
-@dataclass(frozen=True, eq=False)
-class _States:
-    """K instants, world frame.
-
-    Attributes:
-        com, com_velocity: (K, 3) m, m/s.
-        base_quat: (K, 4); omega: (K, 3) rad/s, of the base.
-        foot, foot_velocity: (K, L, 3) m, m/s.
-        foot_quat: (K, L, 4); foot_omega: (K, L, 3) rad/s; None of points.
-    """
-
-    com: Array
-    com_velocity: Array
-    base_quat: Array
-    omega: Array
-    foot: Array
-    foot_velocity: Array
-    foot_quat: Array | None
-    foot_omega: Array | None
-
-
-def _states(robot: Robot, motion: KnotMotion) -> tuple[_States, _States]:
-    """The N + 1 knots and the middles of the N intervals."""
-    dt = np.diff(motion.time)
-    standing = motion.standing
-    quat, v = motion.base_quat, motion.com_velocity
-    R_knot = rotation_matrices(quat)
-    middle_quat = slerp(quat[:-1], quat[1:], np.array(0.5))
-    R_middle = rotation_matrices(middle_quat)
-    rate = _turns(quat[:-1], quat[1:]) / dt[:, None]
-    com = (motion.com[1:] + motion.com[:-1]) / 2 - np.diff(v, axis=0) * dt[:, None] / 8
-    com_velocity = (v[1:] + v[:-1]) / 2
-    # Flying feet are seen from the CoM in base axes, where they move on straight lines.
-    seen = (motion.foot_position - motion.com[:, None]) @ R_knot
-    seen_rate = np.diff(seen, axis=0) / dt[:, None, None]
-    lever = ((seen[1:] + seen[:-1]) / 2) @ np.swapaxes(R_middle, -1, -2)
-    foot_velocity = (
-        com_velocity[:, None]
-        + seen_rate @ np.swapaxes(R_middle, -1, -2)
-        + cross(np.broadcast_to(rate[:, None], lever.shape), lever)
-    )
-    rests = standing[..., None]
-    middles = _States(
-        com=com,
-        com_velocity=com_velocity,
-        base_quat=middle_quat,
-        omega=rate,
-        foot=np.where(rests, motion.foot_position[:-1], com[:, None] + lever),
-        foot_velocity=np.where(rests, 0.0, foot_velocity),
-        foot_quat=None,
-        foot_omega=None,
-    )
-
-    omega = _base_rates(rate, dt, standing)
-    for end in (0, -1):
-        if np.linalg.norm(v[end]) > _AT_REST:  # of a run-up, or a landing that keeps some speed
-            omega[end] = rate[end]
-    lever = motion.foot_position - motion.com[:, None]
-    seen_rate = _flying(_means(seen_rate, dt), standing)
-    foot_velocity = (
-        v[:, None]
-        + seen_rate @ np.swapaxes(R_knot, -1, -2)
-        + cross(np.broadcast_to(omega[:, None], lever.shape), lever)
-    )
-    knots = _States(
-        com=motion.com,
-        com_velocity=v,
-        base_quat=quat,
-        omega=omega,
-        foot=motion.foot_position,
-        foot_velocity=_flying(foot_velocity, standing),
-        foot_quat=None,
-        foot_omega=None,
-    )
-    if robot.foot_coordinates == 3:
-        return knots, middles
-    feet = motion.foot_quat
-    foot_rate = _turns(feet[:-1], feet[1:]) / dt[:, None, None]
-    flying = slerp(feet[:-1], feet[1:], np.array(0.5))
-    return (
-        replace(knots, foot_quat=feet, foot_omega=_flying(_means(foot_rate, dt), standing)),
-        replace(
-            middles,
-            foot_quat=np.where(rests, feet[:-1], flying),
-            foot_omega=np.where(rests, 0.0, foot_rate),
-        ),
-    )
-
-
-def _turns(start: Array, end: Array) -> Array:
-    """Rotation vectors (..., 3) rad, world frame, between attitudes (..., 4), the shorter way."""
-    first, last = (Rotation.from_quat(q.reshape(-1, 4), scalar_first=True) for q in (start, end))
-    turns: Array = (last * first.inv()).as_rotvec().reshape(*start.shape[:-1], 3)
-    return turns
-
-
-def _means(rates: Array, dt: Array) -> Array:
-    """Values (N+1, ...) at the knots of what (N, ...) holds in the middles; zero at both ends."""
-    shaped = dt.reshape(-1, *[1] * (rates.ndim - 1))
-    values = np.zeros((len(rates) + 1, *rates.shape[1:]))
-    before, after = shaped[:-1], shaped[1:]
-    values[1:-1] = (rates[:-1] * after + rates[1:] * before) / (before + after)
-    return values
-
-
-def _flying(values: Array, standing: NDArray[np.bool_]) -> Array:
-    """Values (N+1, L, 3), zero at knots at which the foot stands just before or just after."""
-    flying = np.zeros(values.shape[:2], dtype=bool)
-    flying[1:-1] = ~standing[:-1] & ~standing[1:]
-    return np.where(flying[..., None], values, 0.0)
-
-
-def _base_rates(rate: Array, dt: Array, standing: NDArray[np.bool_]) -> Array:
-    """(N+1, 3) rad/s at the knots, of (N, 3) over the intervals.
-
-    Where feet leave or land, from the side on which more of them stand.
-    """
-    values = _means(rate, dt)
-    for knot in np.flatnonzero((standing[1:] != standing[:-1]).any(axis=1)) + 1:
-        lift_off = standing[knot - 1].sum() > standing[knot].sum()
-        near, far = (knot - 1, knot - 2) if lift_off else (knot, knot + 1)
-        values[knot] = rate[near]
-        if 0 <= far < len(rate) and (standing[far] == standing[near]).all():
-            share = dt[near] / (dt[near] + dt[far])
-            values[knot] += (rate[near] - rate[far]) * share
-    return values
-
-
-def _postures(robot: Robot, at: _States, near: Array | None = None) -> Postures:
+def _postures(robot: Robot, at: States, near: Array | None = None) -> Postures:
     return solve_postures(robot, at.com, at.base_quat, at.foot, at.foot_quat, near=near)
 
 
-def _speeds(robot: Robot, joint_position: Array, at: _States) -> Array:
+def _speeds(robot: Robot, joint_position: Array, at: States) -> Array:
     return joint_speeds(
         robot,
         joint_position,
@@ -422,12 +239,11 @@ def _contact_effort(robot: Robot, position: Array, arm: Array, force: Array) -> 
     """J^T f of contact forces (K, C, 3) N at points (K, C, 3) m from the base's origin."""
     count, legs = len(position), len(robot.legs)
     motion = robot.chains.motion(position[:, robot.leg_joint_index])
-    _, turning = robot.chains.foot_turning(motion)
     on_foot = force.reshape(count, legs, -1, 3)
     from_foot = arm.reshape(on_foot.shape) - motion.foot[:, :, None]
     moment = cross(from_foot, on_foot).sum(axis=2)
     of_legs = apply(np.swapaxes(motion.foot_jacobian, -1, -2), on_foot.sum(axis=2))
-    of_legs += apply(np.swapaxes(turning, -1, -2), moment)
+    of_legs += apply(np.swapaxes(motion.foot_turning, -1, -2), moment)
     effort = np.empty((count, _BASE + position.shape[1]))
     effort[:, :3] = force.sum(axis=1)
     effort[:, 3:_BASE] = cross(arm, force).sum(axis=1)

@@ -1,4 +1,4 @@
-"""The largest loads of the joints: of arrays that a plan, or an analysis of one, holds."""
+"""The largest loads of the joints, of arrays over intervals."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from llsrbm.motion.plan import Plan
 from llsrbm.request.schedule import Schedule
 
 Array = NDArray[np.float64]
@@ -106,26 +105,3 @@ def peak_load(
         torque=float(torque[k, j]),
         available=float(available[k, j]),
     )
-
-
-def planned_peak_load(plan: Plan) -> PeakLoad | None:
-    """The most loaded joint of a plan; None if its torques are not known."""
-    if plan.joint_torque is None or plan.joint_torque_limit is None:
-        return None
-    intervals = slice(0, -1)  # the last knot's are those of standing
-    return peak_load(
-        plan.joint_names,
-        plan.time,
-        plan.phase[intervals],
-        plan.schedule,
-        plan.joint_torque[intervals],
-        plan.joint_torque_limit[intervals],
-    )
-
-
-def planned_torque_shares(plan: Plan) -> dict[str, float]:
-    """Joint -> largest share of the torque available at its speed; empty if that is not known."""
-    if plan.joint_torque is None or plan.joint_torque_limit is None:
-        return {}
-    largest = torque_share(plan.joint_torque, plan.joint_torque_limit).max(axis=0)
-    return dict(zip(plan.joint_names, largest.tolist(), strict=True))

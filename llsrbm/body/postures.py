@@ -53,65 +53,6 @@ class Postures:
     residual_m: Array
 
 
-@dataclass(frozen=True)
-class JointMargin:
-    """How close one joint comes to its limits; negative margins are violations.
-
-    Attributes:
-        joint: its name; unit: "rad", or "m" of a sliding joint.
-        position_margin: rad or m, smallest distance to the URDF's limits.
-        position_time: s, when.
-        peak_speed: rad/s or m/s.
-        speed_margin: the robot file's joint speed minus the peak.
-        speed_time: s, when the peak is.
-    """
-
-    joint: str
-    unit: str
-    position_margin: float
-    position_time: float
-    peak_speed: float
-    speed_margin: float
-    speed_time: float
-
-
-@dataclass(frozen=True)
-class JointMargins:
-    """Margins of every joint, in the order of `Robot.joint_names`."""
-
-    joints: tuple[JointMargin, ...]
-
-    def __getitem__(self, joint: str) -> JointMargin:
-        """The margins of the joint of that name."""
-        return next(margin for margin in self.joints if margin.joint == joint)
-
-    @property
-    def peak_speed(self) -> float:
-        """Largest speed of any joint that turns, rad/s."""
-        return max((m.peak_speed for m in self.joints if m.unit == "rad"), default=0.0)
-
-    @property
-    def satisfied(self) -> bool:
-        """Whether every joint keeps within its limits."""
-        return all(m.position_margin >= 0 and m.speed_margin >= 0 for m in self.joints)
-
-    def worst(self) -> str:
-        """One sentence on the joints that come closest to their limits."""
-        fast = max(self.joints, key=lambda m: m.peak_speed / (m.peak_speed + m.speed_margin))
-        near = min(self.joints, key=lambda margin: margin.position_margin)
-        speed = (
-            f"{fast.joint} is fastest, {fast.peak_speed:.1f} of "
-            f"{fast.peak_speed + fast.speed_margin:.1f} {fast.unit}/s at {fast.speed_time:.2f} s"
-        )
-        side = "beyond" if near.position_margin < 0 else "within"
-        room = f"{abs(near.position_margin):.2f} {near.unit}"
-        position = (
-            f"{near.joint} comes nearest to a stop, {room} {side} its limits "
-            f"at {near.position_time:.2f} s"
-        )
-        return f"{speed}; {position}."
-
-
 def solve_postures(
     robot: Robot,
     com: ArrayLike,
@@ -155,8 +96,8 @@ def solve_postures(
     _make_continuous(robot, goal, q, residual)
     joint_position = np.empty((len(r), len(robot.joint_names)))
     joint_position[:, robot.leg_joint_index] = q
-    origin = _base_from_com(robot, robot.chains.motion(q).com)
-    return Postures(joint_position, r + apply(R_world_base, origin), residual)
+    com_in_base = robot.chains.motion(q).com
+    return Postures(joint_position, r - apply(R_world_base, com_in_base), residual)
 
 
 def joint_speeds(
@@ -189,7 +130,7 @@ def joint_speeds(
     R_world_base = rotation_matrices(base_quat)
     q = position[:, robot.leg_joint_index]
     motion = robot.chains.motion(q)
-    beta = _base_from_com(robot, motion.com)[:, None, :] + motion.foot
+    beta = motion.foot - motion.com[:, None, :]
     omega = apply(np.swapaxes(R_world_base, -1, -2), np.asarray(angular_velocity, dtype=float))
     relative = np.asarray(foot_velocity, dtype=float) - np.asarray(com_velocity)[:, None, :]
     rate = relative @ R_world_base - cross(np.broadcast_to(omega[:, None, :], beta.shape), beta)
@@ -199,47 +140,12 @@ def joint_speeds(
             raise InputError(_SOLES_NEED.format(robot=robot.name, what="foot_angular_velocity"))
         turn = np.asarray(foot_angular_velocity, dtype=float) @ R_world_base - omega[:, None, :]
         rate = np.concatenate([rate, TURN_ARM * turn], axis=-1)
-        _, turning = robot.chains.foot_turning(motion)
-        jacobian = np.concatenate([jacobian, TURN_ARM * turning], axis=-2)
+        jacobian = np.concatenate([jacobian, TURN_ARM * motion.foot_turning], axis=-2)
     speeds = np.empty_like(position)
     speeds[:, robot.leg_joint_index] = _joint_step(
-        robot, motion, damped_inverse(jacobian, np.zeros_like(rate)), rate
+        motion, damped_inverse(jacobian, np.zeros_like(rate)), rate
     )
     return speeds
-
-
-def margins(
-    robot: Robot, time: ArrayLike, joint_position: ArrayLike, joint_speed: ArrayLike
-) -> JointMargins:
-    """How close each joint comes to the URDF's position limits and the robot file's speed limit.
-
-    Args:
-        robot: the robot.
-        time: (K,) s.
-        joint_position: (K, J) rad or m.
-        joint_speed: (K, J) rad/s or m/s, see `joint_speeds`.
-    """
-    t = np.asarray(time, dtype=float)
-    q = np.asarray(joint_position, dtype=float)
-    speed = np.abs(np.asarray(joint_speed, dtype=float))
-    room = np.minimum(
-        q - robot.model.lowerPositionLimit[7:], robot.model.upperPositionLimit[7:] - q
-    )
-    found = []
-    for j, name in enumerate(robot.joint_names):
-        tightest, fastest = int(np.argmin(room[:, j])), int(np.argmax(speed[:, j]))
-        found.append(
-            JointMargin(
-                joint=name,
-                unit="m" if name in robot.sliding_joints else "rad",
-                position_margin=float(room[tightest, j]),
-                position_time=float(t[tightest]),
-                peak_speed=float(speed[fastest, j]),
-                speed_margin=float(robot.speed_limit[j] - speed[fastest, j]),
-                speed_time=float(t[fastest]),
-            )
-        )
-    return JointMargins(tuple(found))
 
 
 @dataclass(frozen=True, eq=False)
@@ -279,16 +185,15 @@ def _newton(robot: Robot, goal: _Goal, q: Array) -> tuple[Array, Array]:
         if np.abs(error).max() < _CONVERGED:
             break
         inverse = damped_inverse(jacobian, error)
-        q += _joint_step(robot, motion, inverse, shortened(error))
+        q += _joint_step(motion, inverse, shortened(error))
         motion, error, jacobian = _miss(robot, goal, q)
     return q, np.sqrt(np.sum(error * error, axis=-1)).max(axis=-1)
 
 
 def _miss(robot: Robot, goal: _Goal, q: Array) -> tuple[LegMotion, Array, Array]:
     """The legs at q, what keeps their feet from the goal and its Jacobian: see `foot_task`."""
-    motion = robot.chains.motion(q)
-    foot = goal.beta - _base_from_com(robot, motion.com)[:, None, :]
-    return motion, *foot_task(robot.chains, motion, foot, goal.rotation)
+    motion = robot.chains.motion(q, rotations=goal.rotation is not None)
+    return motion, *foot_task(motion, goal.beta + motion.com[:, None, :], goal.rotation)
 
 
 def _make_continuous(robot: Robot, goal: _Goal, q: Array, residual: Array) -> None:
@@ -309,18 +214,11 @@ def _make_continuous(robot: Robot, goal: _Goal, q: Array, residual: Array) -> No
             last = k
 
 
-def _joint_step(robot: Robot, motion: LegMotion, inverse: Array, error: Array) -> Array:
+def _joint_step(motion: LegMotion, inverse: Array, error: Array) -> Array:
     """Joint step (K, L, n) that moves the feet by `error` (K, L, r) as seen from the CoM."""
-    fraction = robot.chains.mass / robot.mass
-    carried = fraction[:, None, None] * (motion.com_jacobian @ inverse)
+    carried = motion.com_jacobian @ inverse
     right = -np.sum(apply(carried, error), axis=1)
     moved = np.eye(3) - carried[..., :3].sum(axis=1)
     step = error.copy()
     step[..., :3] -= np.linalg.solve(moved, right[..., None])[..., 0][:, None, :]
     return apply(inverse, step)
-
-
-def _base_from_com(robot: Robot, leg_com: Array) -> Array:
-    """(K, 3) m: the base's origin relative to the robot's CoM, base frame."""
-    trunk = robot.model.inertias[1]
-    return -(trunk.mass * trunk.lever + robot.chains.mass @ leg_com) / robot.mass

@@ -51,8 +51,9 @@ def trunk_box(robot: Robot) -> Array:
 @lru_cache(maxsize=16)
 def knee_joint(robot: Robot) -> int | None:
     """Which joint of a leg is its knee, counted from the base outwards; None: it has none."""
-    motion = robot.chains.motion(robot.posture[7:][robot.leg_joint_index])
-    hip, foot, origin = robot.hips[0], motion.foot[0], motion.origin[0]
+    angles = robot.posture[7:][robot.leg_joint_index]
+    hip, foot = robot.hips[0], robot.chains.motion(angles).foot[0]
+    origin = robot.chains.origins(angles)[0]
     ends = np.array([hip, foot])[:, None]
     near = np.linalg.norm(origin - ends, axis=-1).min(axis=0)
     near[robot.chains.prismatic] = 0.0

@@ -99,8 +99,8 @@ def _phases(plan: Plan) -> str:
 
 def _joints(plan: Plan) -> str:
     """The joint that is loaded most, the fastest, and the one that comes nearest to a stop."""
-    from llsrbm.body.joint_margins import joint_margins
-    from llsrbm.body.peak_loads import planned_peak_load
+    from llsrbm.analysis.joint_margins import joint_margins
+    from llsrbm.analysis.summary import planned_peak_load
     from llsrbm.robots import load_robot
 
     robot = load_robot(plan.jump.robot)

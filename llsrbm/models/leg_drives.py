@@ -124,27 +124,27 @@ class KneeLeg(LegDrives):
         leg, chains = robot.legs[index], robot.chains
         if robot.foot_coordinates != 3 or len(leg.joints) != 3 or chains.prismatic.any():
             return None
-        zero = chains.motion(np.zeros_like(robot.posture[7:][robot.leg_joint_index]))
-        standing = chains.motion(robot.posture[7:][robot.leg_joint_index])
-        axes = (zero.rotation @ chains.axis[..., None])[index, :, :, 0]
+        stance = robot.posture[7:][robot.leg_joint_index]
+        rest = np.zeros_like(stance)
+        zero, standing = chains.motion(rest), chains.motion(stance)
+        axes = zero.foot_turning[index].T
         a, n = axes[0], axes[1]
         sigma = float(np.sign(axes[2] @ n))
         if np.linalg.norm(np.cross(n, axes[2])) > _ALIGNED or abs(a @ n) > _ALIGNED:
             return None
         if leg.joints.index(robot.file.legs[leg.name].hip) != 1:
             return None
-        o1, o2, o3 = zero.origin[index]
+        o1, o2, o3 = chains.origins(rest)[index]
         foot = standing.foot[index]
         across, knee_across = (float(n @ (point - o1)) for point in (zero.foot[index], o3))
         # Which way of the two the leg's plane reaches down from the axis, when it stands.
-        turned = standing.rotation[index, 0] @ chains.axis[index, 0]
-        n_standing = (standing.rotation[index, 1] @ chains.axis[index, 1][:, None])[:, 0]
+        turned, n_standing, _ = standing.foot_turning[index].T
         side = float(np.sign(np.cross(turned, n_standing) @ (foot - o1)))
         e = side * np.cross(a, n)
-        knee = standing.origin[index, 2]
+        _, hip, knee = chains.origins(stance)[index]
         e_standing = side * np.cross(turned, n_standing)
         plane = np.array([turned, e_standing])
-        u = plane @ (foot - standing.origin[index, 1])
+        u = plane @ (foot - hip)
         shank = plane @ (foot - knee)
         bend = float(np.sign(u[0] * shank[1] - u[1] * shank[0]))
         in_plane = np.array([a, e])
@@ -304,13 +304,12 @@ class FittedLeg(LegDrives):
     def of(robot: Robot) -> list[LegDrives]:
         """Fit every leg of a robot."""
         x, q = sampled_legs(robot, _SAMPLES, _SEED)
-        motion = robot.chains.motion(q)
-        _, turning = robot.chains.foot_turning(motion)
+        motion, origins = robot.chains.motion(q), robot.chains.origins(q)
         joint = knee_joint(robot)
         fitted: list[LegDrives] = []
         for leg in range(len(robot.legs)):
             features = quadratic_features(x[:, leg])
-            J = np.concatenate([motion.foot_jacobian[:, leg], turning[:, leg]], axis=1)
+            J = np.concatenate([motion.foot_jacobian[:, leg], motion.foot_turning[:, leg]], axis=1)
             flat = J.transpose(0, 2, 1).reshape(len(J), -1)
             angles, columns = (np.linalg.lstsq(features, y)[0] for y in (q[:, leg], flat))
             residuals = {
@@ -321,7 +320,7 @@ class FittedLeg(LegDrives):
             }
             knee = None
             if joint is not None:
-                places = motion.origin[:, leg, joint] - robot.hips[leg]
+                places = origins[:, leg, joint] - robot.hips[leg]
                 knee = np.linalg.lstsq(features, places)[0]
                 residuals["knee"] = float(np.sqrt(np.mean((features @ knee - places) ** 2)))
             fitted.append(FittedLeg(angles, columns, knee, residuals))
@@ -402,7 +401,7 @@ class Drives:
             torque_limit=robot.torque_limit[index],
             speed_limit=robot.speed_limit[index],
             mass_matrix=np.array([joints[np.ix_(rows, rows)] for rows in index]),
-            weight=robot.chains.mass[:, None, None] * motion.com_jacobian.transpose(0, 2, 1),
+            weight=robot.mass * motion.com_jacobian.transpose(0, 2, 1),
         )
 
     def numbers(self) -> dict[str, Any]:

@@ -25,6 +25,7 @@ from itertools import combinations
 from typing import Any
 
 import numpy as np
+import pinocchio as pin
 from numpy.typing import NDArray
 
 from llsrbm.cache import cache_path, content_key, read_checked, write_checked
@@ -213,9 +214,8 @@ def _sample(robot: Robot, samples: int, seed: int) -> tuple[Array, Array, Array,
     det = mirrors.prod(axis=1)
     place, rotation = _places(robot, drawn)
     q, error = solve_legs(chains, place, _standing_angles(robot), rotation)
-    motion = chains.motion(q)
-    inertia, spin = chains.inertia_and_spin(motion)
-    _, jacobian = foot_task(chains, motion, place, rotation)
+    _, jacobian = foot_task(chains.motion(q, rotations=turned), place, rotation)
+    masses = chains.masses(q)
     good = (error < 1e-7) & (np.linalg.cond(jacobian) < _SINGULAR)
     if good.sum() < min(samples, _FEWEST_SAMPLES) / 2:
         raise RobotFileError(
@@ -232,10 +232,10 @@ def _sample(robot: Robot, samples: int, seed: int) -> tuple[Array, Array, Array,
     det = det[:, None, None]
     return (
         drawn[good],
-        (mirrors * (motion.com - hips))[good],
-        (flip * (motion.com_jacobian @ rates))[good],
-        (flip * inertia * mirrors[:, None, :])[good],
-        (det * flip * (spin @ rates))[good],
+        (mirrors * (masses.com - hips))[good],
+        (flip * (masses.com_jacobian @ rates))[good],
+        (flip * masses.inertia * mirrors[:, None, :])[good],
+        (det * flip * (masses.spin @ rates))[good],
     )
 
 
@@ -302,18 +302,15 @@ def _least_squares(rows: Array, right: Array) -> Array:
 
 def _proportional(robot: Robot) -> tuple[float, float]:
     """The paper's rule: mass from the hip joint outwards, on the line from foot to hip."""
+    model, data = robot.model, robot.model.createData()
+    pin.ccrba(model, data, robot.posture, np.zeros(model.nv))
     masses, fractions = [], []
-    angles = np.array([robot.file.posture[leg.name] for leg in robot.legs])
-    chains = robot.chains
-    motion = chains.motion(angles)
-    link_com = motion.origin + (motion.rotation @ chains.link_com[..., None])[..., 0]
-    for i, leg in enumerate(robot.legs):
-        hip = leg.joints.index(robot.file.legs[leg.name].hip)
-        mass = chains.link_mass[i, hip:]
-        com = mass @ link_com[i, hip:] / mass.sum()
-        up = motion.origin[i, hip] - motion.foot[i]
-        masses.append(mass.sum())
-        fractions.append((com - motion.foot[i]) @ up / (up @ up))
+    for leg in robot.legs:
+        hip = model.getJointId(robot.file.legs[leg.name].hip)
+        foot = pin.updateFramePlacement(model, data, leg.foot_frame_id).translation
+        body, up = data.oYcrb[hip], data.oMi[hip].translation - foot
+        masses.append(body.mass)
+        fractions.append((body.lever - foot) @ up / (up @ up))
     return float(np.mean(masses)), float(np.mean(fractions))
 
 

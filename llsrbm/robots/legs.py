@@ -1,20 +1,22 @@
-"""Kinematics and mass of all legs of a robot, over many postures at once.
+"""Kinematics and mass of a robot's legs, the base at rest: Pinocchio, posture by posture.
 
-Pinocchio takes one posture a call; a plan has fifty and a fit has thousands. Everything here is in
-the base frame and in SI units. Leading dimensions of joint angles are arbitrary: (..., L, n).
+Everything is in the base frame and in SI units. Leading dimensions of joint angles are arbitrary:
+(..., L, n), L legs of n joints each.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
+from typing import Any
 
 import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from llsrbm.mechanics import apply, cross, parallel_axis, skew
+from llsrbm.mechanics import apply, cross
 
 Array = NDArray[np.float64]
 
@@ -25,196 +27,178 @@ TURN_ARM = 0.1
 
 @dataclass(frozen=True, eq=False)
 class LegMotion:
-    """The legs in a posture, base frame.
+    """Feet and CoM in a posture, and what the joints do to them.
 
     Attributes:
-        rotation: (..., L, n, 3, 3) R_base_link of each link.
-        origin: (..., L, n, 3) m: origin of each joint.
-        foot: (..., L, 3) m.
-        com: (..., L, 3) m: CoM of each leg's links.
-        foot_jacobian, com_jacobian: (..., L, 3, n) with respect to the joint angles.
+        foot: (..., L, 3) m; foot_rotation: (..., L, 3, 3) R_base_foot, None unless wanted.
+        foot_jacobian, foot_turning: (..., L, 3, n) the foot's velocity and angular velocity per
+            joint speed.
+        com: (..., 3) m, of the whole robot; com_jacobian: (..., L, 3, n) its velocity per speed of
+            a leg's joints.
     """
 
-    rotation: Array
-    origin: Array
     foot: Array
-    com: Array
+    foot_rotation: Array | None
     foot_jacobian: Array
+    foot_turning: Array
+    com: Array
     com_jacobian: Array
 
 
 @dataclass(frozen=True, eq=False)
-class LegChains:
-    """Constants of L legs of n joints each.
+class LegMasses:
+    """Mass properties of the legs in a posture.
 
     Attributes:
-        placement_rotation, placement_origin: (L, n, 3, 3), (L, n, 3): each joint in the one before.
-        axis: (L, n, 3) unit axis in the joint's own frame.
-        prismatic: (n,) whether the joint slides, the same for every leg.
-        foot_offset: (L, 3) m: the foot frame's origin in the last joint's frame.
-        foot_rotation: (L, 3, 3) of the foot frame in the last joint's frame.
-        link_mass: (L, n) kg; link_com: (L, n, 3) m; link_inertia: (L, n, 3, 3) kg m2 about its CoM;
-            all in the joint's frame.
+        com: (..., L, 3) m, of each leg; com_jacobian: (..., L, 3, n) per joint speed.
+        inertia: (..., L, 3, 3) kg m2 of each leg about its CoM.
+        spin: (..., L, 3, n) kg m2: angular momentum of the leg's links about the leg's CoM per
+            joint speed.
     """
 
-    placement_rotation: Array
-    placement_origin: Array
-    axis: Array
-    prismatic: NDArray[np.bool_]
-    foot_offset: Array
-    foot_rotation: Array
-    link_mass: Array
-    link_com: Array
-    link_inertia: Array
+    com: Array
+    com_jacobian: Array
+    inertia: Array
+    spin: Array
 
-    @staticmethod
-    def from_model(
-        model: pin.Model, joint_ids: list[list[int]], foot_frame_ids: list[int]
-    ) -> LegChains:
-        """Read the constants out of a Pinocchio model; joints from the base outwards."""
-        subspace = [
-            [np.asarray(model.joints[j].createData().S).reshape(6) for j in leg]
-            for leg in joint_ids
-        ]
-        motion = np.array(subspace, dtype=float)
-        prismatic = np.linalg.norm(motion[..., :3], axis=-1) > 0.5
-        return LegChains(
-            placement_rotation=np.array(
-                [[model.jointPlacements[j].rotation for j in leg] for leg in joint_ids]
-            ),
-            placement_origin=np.array(
-                [[model.jointPlacements[j].translation for j in leg] for leg in joint_ids]
-            ),
-            axis=np.where(prismatic[..., None], motion[..., :3], motion[..., 3:]),
-            prismatic=prismatic[0],
-            foot_offset=np.array([model.frames[f].placement.translation for f in foot_frame_ids]),
-            foot_rotation=np.array([model.frames[f].placement.rotation for f in foot_frame_ids]),
-            link_mass=np.array([[model.inertias[j].mass for j in leg] for leg in joint_ids]),
-            link_com=np.array([[model.inertias[j].lever for j in leg] for leg in joint_ids]),
-            link_inertia=np.array([[model.inertias[j].inertia for j in leg] for leg in joint_ids]),
-        )
+
+@dataclass(frozen=True, eq=False)
+class LegChains:
+    """L legs of n joints each.
+
+    Attributes:
+        model: Pinocchio's, on a free flyer.
+        joint_ids: (L, n) of the model's joints, from the base outwards.
+        foot_ids: (L,) of the feet's frames.
+    """
+
+    model: pin.Model
+    joint_ids: NDArray[np.int64]
+    foot_ids: tuple[int, ...]
+
+    @cached_property
+    def prismatic(self) -> NDArray[np.bool_]:
+        """(n,) whether the joint slides, the same for every leg."""
+        kinds = [self.model.joints[j].shortname() for j in self.joint_ids[0].tolist()]
+        return np.array([kind.startswith("JointModelP") for kind in kinds])
 
     @cached_property
     def mass(self) -> Array:
         """(L,) kg: mass of each leg."""
-        return self.link_mass.sum(axis=1)
+        masses = [[self.model.inertias[j].mass for j in leg] for leg in self.joint_ids.tolist()]
+        return np.sum(masses, axis=1)
 
     @cached_property
-    def _turning(self) -> tuple[Array, Array, Array]:
-        """Constant, sine and cosine parts of Rodrigues' formula after the placement."""
-        k = skew(self.axis)
-        kk = k @ k
-        placement = self.placement_rotation
-        return placement + placement @ kk, placement @ k, -placement @ kk
+    def _index(self) -> NDArray[np.int64]:
+        """(L, n) of the joints among all velocities."""
+        ids = self.joint_ids.tolist()
+        return np.array([[self.model.joints[j].idx_v for j in leg] for leg in ids])
 
-    @cached_property
-    def _moment(self) -> Array:
-        """(L, n, 3) kg m: m c of each link in its own frame, foot excluded."""
-        return self.link_mass[..., None] * self.link_com
+    def _read(self, q: Array, read: Callable[[pin.Data], Any]) -> list[Array]:
+        """As `read_postures`, at joint angles q (..., L, n), the base at the origin."""
+        every = np.tile(pin.neutral(self.model), (q.size // self._index.size, 1))
+        every[:, self._index + 1] = q.reshape(-1, *self._index.shape)  # a quaternion has 4 numbers
+        arrays = read_postures(self.model, every, read)
+        return [array.reshape(*q.shape[:-2], *array.shape[1:]) for array in arrays]
 
-    @cached_property
-    def _outer_mass(self) -> Array:
-        """(L, n) kg: mass of each link and all links beyond it."""
-        return np.cumsum(self.link_mass[:, ::-1], axis=1)[:, ::-1]
-
-    def frames(self, q: Array) -> tuple[Array, Array]:
-        """R_base_link (..., L, n, 3, 3) and origin (..., L, n, 3) m of each joint frame."""
-        constant, sine_part, cosine_part = self._turning
-        sine, cosine = np.sin(q)[..., None, None], np.cos(q)[..., None, None]
-        rotation = np.empty((*q.shape, 3, 3))
-        origin = np.empty((*q.shape, 3))
-        for j in range(q.shape[-1]):
-            if self.prismatic[j]:
-                turn = np.broadcast_to(self.placement_rotation[:, j], rotation[..., j, :, :].shape)
-                shift = self.placement_origin[:, j] + q[..., j, None] * apply(
-                    self.placement_rotation[:, j], self.axis[:, j]
-                )
-            else:
-                turn = (
-                    constant[:, j]
-                    + sine[..., j, :, :] * sine_part[:, j]
-                    + cosine[..., j, :, :] * cosine_part[:, j]
-                )
-                shift = self.placement_origin[:, j]
-            if j == 0:
-                rotation[..., 0, :, :], origin[..., 0, :] = turn, shift
-            else:
-                parent = rotation[..., j - 1, :, :]
-                rotation[..., j, :, :] = parent @ turn
-                origin[..., j, :] = origin[..., j - 1, :] + apply(parent, shift)
-        return rotation, origin
-
-    def motion(self, q: Array) -> LegMotion:
-        """Feet, leg CoMs and their Jacobians at joint angles q (..., L, n)."""
-        rotation, origin = self.frames(q)
-        axis = apply(rotation, self.axis)
-        foot = origin[..., -1, :] + apply(rotation[..., -1, :, :], self.foot_offset)
-        moment = self.link_mass[..., None] * origin + apply(rotation, self._moment)
-        outer_moment = np.cumsum(moment[..., ::-1, :], axis=-2)[..., ::-1, :]
-        outer = self._outer_mass[..., None]
-        total = self.mass[:, None]
-        foot_jacobian = cross(axis, foot[..., None, :] - origin)
-        com_jacobian = cross(axis, outer_moment - outer * origin)
-        for j in np.flatnonzero(self.prismatic):
-            foot_jacobian[..., j, :] = axis[..., j, :]
-            com_jacobian[..., j, :] = outer[:, j] * axis[..., j, :]
+    def motion(self, q: Array, *, rotations: bool = False) -> LegMotion:
+        """Feet and CoM at joint angles q (..., L, n); `rotations`: with the feet's attitudes."""
+        J, momentum, com, *feet = self._read(
+            q,
+            lambda data: [
+                data.J,
+                data.Ag,
+                data.com[0],
+                *(data.oMf[frame].translation for frame in self.foot_ids),
+                *(data.oMf[frame].rotation for frame in self.foot_ids if rotations),
+            ],
+        )
+        legs = len(self.foot_ids)
+        foot = np.stack(feet[:legs], axis=-2)
+        jacobian = self._of_legs(J)
+        turning = jacobian[..., 3:, :]
+        # Columns of J are velocities of the point at the origin.
+        arm = cross(np.swapaxes(turning, -1, -2), foot[..., None, :])
         return LegMotion(
-            rotation=rotation,
-            origin=origin,
             foot=foot,
-            com=outer_moment[..., 0, :] / total,
-            foot_jacobian=np.swapaxes(foot_jacobian, -1, -2),
-            com_jacobian=np.swapaxes(com_jacobian / total[..., None], -1, -2),
+            foot_rotation=np.stack(feet[legs:], axis=-3) if rotations else None,
+            foot_jacobian=jacobian[..., :3, :] + np.swapaxes(arm, -1, -2),
+            foot_turning=turning,
+            com=com,
+            com_jacobian=self._of_legs(momentum[..., :3, :]) / pin.computeTotalMass(self.model),
         )
 
-    def foot_turning(self, motion: LegMotion) -> tuple[Array, Array]:
-        """How the feet's frames stand and turn.
-
-        Returns:
-            rotation: (..., L, 3, 3) R_base_foot.
-            jacobian: (..., L, 3, n): the foot's angular velocity relative to the base per joint
-                speed, base axes.
-        """
-        axis = apply(motion.rotation, self.axis)
-        axis[..., self.prismatic, :] = 0.0
-        return motion.rotation[..., -1, :, :] @ self.foot_rotation, np.swapaxes(axis, -1, -2)
-
-    def inertia_and_spin(self, motion: LegMotion) -> tuple[Array, Array]:
-        """What a leg's extent adds to its point mass, in base axes.
-
-        Returns:
-            inertia: (..., L, 3, 3) kg m2 of the leg about its own CoM.
-            spin: (..., L, 3, n) kg m2: angular momentum of the leg's links about the leg's CoM per
-                joint speed, base at rest.
-        """
-        rotation, origin = motion.rotation, motion.origin
-        link_inertia = rotation @ self.link_inertia @ np.swapaxes(rotation, -1, -2)
-        lever = origin + apply(rotation, self.link_com) - motion.com[..., None, :]
-        inertia = np.sum(
-            link_inertia + self.link_mass[..., None, None] * parallel_axis(lever), axis=-3
+    def masses(self, q: Array) -> LegMasses:
+        """CoM, inertia and angular momentum of each leg at joint angles q (..., L, n)."""
+        roots = self.joint_ids[:, 0].tolist()
+        momentum, com, *bodies = self._read(
+            q,
+            lambda data: [
+                data.Ag,
+                data.com[0],
+                *(data.oYcrb[root].lever for root in roots),
+                *(partial(getattr, data.oYcrb[root], "inertia") for root in roots),
+            ],
         )
-        axis = apply(rotation, self.axis)
-        spin = np.zeros((*motion.foot.shape, axis.shape[-2]))
-        for j in range(axis.shape[-2]):
-            for k in range(j, axis.shape[-2]):
-                a = axis[..., j, :]
-                mass = self.link_mass[:, k, None]
-                if self.prismatic[j]:
-                    spin[..., j] += mass * cross(lever[..., k, :], a)
-                else:
-                    arm = lever[..., k, :] + motion.com - origin[..., j, :]
-                    spin[..., j] += apply(link_inertia[..., k, :, :], a)
-                    spin[..., j] += mass * cross(lever[..., k, :], cross(a, arm))
-        return inertia, spin
+        leg_com = np.stack(bodies[: len(roots)], axis=-2)
+        # Momenta per joint speed: angular about the robot's CoM.
+        columns = np.swapaxes(self._of_legs(momentum), -1, -2)
+        arm = leg_com - com[..., None, :]
+        spin = columns[..., 3:] - cross(arm[..., None, :], columns[..., :3])
+        return LegMasses(
+            com=leg_com,
+            com_jacobian=np.swapaxes(columns[..., :3], -1, -2) / self.mass[:, None, None],
+            inertia=np.stack(bodies[len(roots) :], axis=-3),
+            spin=np.swapaxes(spin, -1, -2),
+        )
+
+    def origins(self, q: Array) -> Array:
+        """(..., L, n, 3) m: origins of the joints at joint angles q (..., L, n)."""
+        joints = self.joint_ids.ravel().tolist()
+        places = self._read(q, lambda data: [data.oMi[joint].translation for joint in joints])
+        return np.stack(places, axis=-2).reshape(*q.shape, 3)
+
+    def _of_legs(self, columns: Array) -> Array:
+        """(..., L, r, n) of matrices (..., r, nv)."""
+        return np.moveaxis(columns[..., self._index], -3, -2)
+
+
+def read_postures(
+    model: pin.Model, q: Array, read: Callable[[pin.Data], Sequence[Array | Callable[[], Array]]]
+) -> list[Array]:
+    """Arrays of Pinocchio's data in each of K postures: kinematics, `ccrba` and frames.
+
+    Args:
+        model: of the robot.
+        q: (K, nq).
+        read: the wanted arrays of a data object, of shapes (...). They are views of its memory, so
+            that reading one costs a copy and no more; or functions where there is no view.
+
+    Returns:
+        (K, ...) each.
+    """
+    data, rest = model.createData(), np.zeros(model.nv)
+    views = read(data)
+    kept = [np.empty((len(q), *np.shape(_value(view)))) for view in views]
+    for k, posture in enumerate(q):
+        pin.ccrba(model, data, posture, rest)
+        pin.updateFramePlacements(model, data)
+        for array, view in zip(kept, views, strict=True):
+            array[k] = _value(view)
+    return kept
+
+
+def _value(view: Array | Callable[[], Array]) -> Array:
+    return view() if callable(view) else view
 
 
 def foot_task(
-    chains: LegChains, motion: LegMotion, foot: Array, foot_rotation: Array | None = None
+    motion: LegMotion, foot: Array, foot_rotation: Array | None = None
 ) -> tuple[Array, Array]:
-    """What keeps the feet from where they shall be, base frame; r = 3, or 6 with rotations.
+    """Errors of the feet from their goals, base frame; r = 3, or 6 with rotations.
 
     Args:
-        chains, motion: the legs.
+        motion: the legs, with rotations where they matter.
         foot: (..., L, 3) m.
         foot_rotation: (..., L, 3, 3) R_base_foot, where it matters.
 
@@ -224,12 +208,12 @@ def foot_task(
     error = foot - motion.foot
     if foot_rotation is None:
         return error, motion.foot_jacobian
-    rotation, turning = chains.foot_turning(motion)
-    missing = foot_rotation @ np.swapaxes(rotation, -1, -2)
+    assert motion.foot_rotation is not None
+    missing = foot_rotation @ np.swapaxes(motion.foot_rotation, -1, -2)
     turn = Rotation.from_matrix(missing.reshape(-1, 3, 3)).as_rotvec().reshape(error.shape)
     return (
         np.concatenate([error, TURN_ARM * turn], axis=-1),
-        np.concatenate([motion.foot_jacobian, TURN_ARM * turning], axis=-2),
+        np.concatenate([motion.foot_jacobian, TURN_ARM * motion.foot_turning], axis=-2),
     )
 
 
@@ -256,12 +240,14 @@ def solve_legs(
         q (..., L, n) and the remaining error (..., L) m (a rotation's times TURN_ARM).
     """
     q = np.broadcast_to(q, (*foot.shape[:-1], q.shape[-1])).copy()
-    error, jacobian = foot_task(chains, chains.motion(q), foot, foot_rotation)
+    turns = foot_rotation is not None
+    error, jacobian = foot_task(chains.motion(q, rotations=turns), foot, foot_rotation)
     for _ in range(iterations):
         if np.abs(error).max() < tolerance:
             break
         q = q + apply(damped_inverse(jacobian, error), shortened(error))
-        error, jacobian = foot_task(chains, chains.motion(q), foot, foot_rotation)
+        motion = chains.motion(q, rotations=turns)
+        error, jacobian = foot_task(motion, foot, foot_rotation)
     return q, np.linalg.norm(error, axis=-1)
 
 

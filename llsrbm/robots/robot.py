@@ -75,7 +75,7 @@ class Robot:
         urdf_source: the URDF that the file names; without such tables the same.
         package_dirs: where `package://` names in it are looked up.
         model: Pinocchio model with a free flyer at the root link. Do not change it.
-        chains: the legs' kinematics over many postures at once.
+        chains: the legs' kinematics, the base at rest.
         legs: in the order of the file.
         joint_names: (J,) Pinocchio's order, without the root.
         posture: (nq,) default posture, Pinocchio's convention (quaternion x, y, z, w).
@@ -163,10 +163,17 @@ class Robot:
         return np.array([(x, y, 0.0) for x, y in self.file.foot.corners])
 
     @cached_property
+    def foot_rotation(self) -> Array:
+        """(L, 3, 3) R_base_foot in the default posture."""
+        angles = self.posture[7:][self.leg_joint_index]
+        rotation = self.chains.motion(angles, rotations=True).foot_rotation
+        assert rotation is not None
+        return rotation
+
+    @cached_property
     def foot_yaw(self) -> Array:
         """(L,) rad: headings of the feet in the default posture."""
-        motion = self.chains.motion(self.posture[7:][self.leg_joint_index])
-        rotation, _ = self.chains.foot_turning(motion)
+        rotation = self.foot_rotation
         return np.arctan2(rotation[:, 1, 0], rotation[:, 0, 0])
 
     @cached_property
@@ -240,7 +247,7 @@ def build_robot(path: str | Path) -> Robot:
     check_joints(model, file, path, chains_of)
     joint_ids = list(chains_of.values())
     foot_ids = [frame_id(model, spec.foot) for spec in file.legs.values()]
-    chains = LegChains.from_model(model, joint_ids, foot_ids)
+    chains = LegChains(model, np.array(joint_ids), tuple(foot_ids))
 
     posture = pin.neutral(model)
     for name, chain in chains_of.items():
@@ -326,7 +333,7 @@ def _mirrors(chains: LegChains, hips: Array, angles: Array) -> Array:
         mirror = np.column_stack([sign, side, np.ones(len(hips))])
         target = mirror * (mirror[0] * standing[0] + offsets[:, None, :]) + hips
         q, error = solve_legs(chains, target, angles)
-        return mirror * (chains.motion(q).com - hips), error
+        return mirror * (chains.masses(q).com - hips), error
 
     mirrored, mirrored_error = com_map(front * end)
     same, same_error = com_map(np.full(len(hips), front))

@@ -21,8 +21,7 @@ def check_soles(robot: Robot) -> None:
     Raises:
         RobotFileError: a sole leans, or the robot would tip over.
     """
-    motion = robot.chains.motion(robot.posture[7:][robot.leg_joint_index])
-    rotation, _ = robot.chains.foot_turning(motion)
+    rotation = robot.foot_rotation
     for leg, upward in zip(robot.legs, rotation[..., 2], strict=True):
         lean = np.arctan2(np.hypot(upward[0], upward[1]), upward[2])
         if lean > _LEVEL:

@@ -1,10 +1,12 @@
 import numpy as np
+import pinocchio as pin
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
 from scipy.spatial.transform import Rotation
 
-from llsrbm.mechanics import tilt, yaw
+from llsrbm.mechanics import cross, parallel_axis, rotation_matrices, skew, tilt, yaw
 
 ANGLES = st.floats(-1.2, 1.2)
 
@@ -28,3 +30,19 @@ def test_a_full_turn_keeps_counting():
 def test_small_tilts_keep_their_digits():
     quat = Rotation.from_euler("x", 1e-7).as_quat(scalar_first=True)
     assert tilt(quat) == pytest.approx(1e-7, rel=1e-6)
+
+
+vectors = arrays(float, (3,), elements=st.floats(-10, 10))
+
+
+@given(a=vectors, b=vectors)
+def test_vector_algebra(a, b):
+    np.testing.assert_allclose(cross(a, b), np.cross(a, b), atol=1e-12)
+    np.testing.assert_allclose(skew(a) @ b, np.cross(a, b), atol=1e-12)
+    np.testing.assert_allclose(parallel_axis(a), -skew(a) @ skew(a), atol=1e-10)
+
+
+@given(turn=vectors)
+def test_quaternions_are_w_x_y_z(turn):
+    quat = pin.Quaternion(pin.exp3(turn)).coeffs()
+    np.testing.assert_allclose(rotation_matrices(quat[[3, 0, 1, 2]]), pin.exp3(turn), atol=1e-12)

@@ -10,7 +10,8 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from llsrbm.body.joint_loads import JointLoads, KnotMotion, joint_loads
+from llsrbm.body.joint_loads import JointLoads, joint_loads
+from llsrbm.body.knot_motion import KnotMotion
 from llsrbm.body.postures import Postures, solve_postures
 from llsrbm.models.base import CentroidalModel
 from llsrbm.planning.problem.layout import Layout, Role

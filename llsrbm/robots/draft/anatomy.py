@@ -114,7 +114,7 @@ def read_anatomy(urdf: Path, package_dirs: tuple[Path, ...]) -> Anatomy:
         feet=tuple(feet),
         hips=tuple(model.names[hip] for hip in hips),
         joint_ids=tuple(tuple(leg) for leg in joints),
-        chains=LegChains.from_model(model, joints, foot_ids),
+        chains=LegChains(model, np.array(joints), tuple(foot_ids)),
         hip_position=np.array([data.oMi[hip].translation for hip in hips]),
         lower=np.maximum(model.lowerPositionLimit[at], -np.pi),
         upper=np.minimum(model.upperPositionLimit[at], np.pi),

@@ -148,9 +148,9 @@ def _leg_posture(anatomy: Anatomy, leg: int, foot_from_hip: Array) -> Array:
 
     def pose(q: Array) -> tuple[Array, Array]:
         all_legs[leg] = q
-        motion = chains.motion(all_legs)
-        turning, _ = chains.foot_turning(motion)
-        return motion.foot[leg] - hip, turning[leg]
+        motion = chains.motion(all_legs, rotations=True)
+        assert motion.foot_rotation is not None
+        return motion.foot[leg] - hip, motion.foot_rotation[leg]
 
     rest = np.clip(0.0, lower, upper)
     sideways, _ = pose(rest)
@@ -188,8 +188,8 @@ def _knee(anatomy: Anatomy, leg: int, q: Array) -> float:
     """How far the leg's joints after the hip are in front of the line from hip to foot, m."""
     all_legs = np.zeros_like(anatomy.lower)
     all_legs[leg] = q
-    motion = anatomy.chains.motion(all_legs)
-    origin, foot, hip = motion.origin[leg], motion.foot[leg], anatomy.hip_position[leg]
+    origin, hip = anatomy.chains.origins(all_legs)[leg], anatomy.hip_position[leg]
+    foot = anatomy.chains.motion(all_legs).foot[leg]
     ahead = origin[:, 0] - (hip[0] + foot[0]) / 2
     return float(ahead.max(initial=0.0) + ahead.min(initial=0.0))
 

@@ -11,7 +11,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import llsrbm
-from llsrbm.body.joint_loads import JointLoads, KnotMotion, joint_loads
+from llsrbm.body.joint_loads import JointLoads, joint_loads
+from llsrbm.body.knot_motion import KnotMotion
 from llsrbm.body.postures import solve_postures
 from llsrbm.request.schedule import together
 from llsrbm.robots import load_robot

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from llsrbm.body.postures import joint_speeds, margins, solve_postures
+from llsrbm.body.postures import joint_speeds, solve_postures
 from llsrbm.errors import InputError
 from llsrbm.robots import load_robot
 from tests.llsrbm.robots.test_robot import QUADRUPEDS
@@ -206,50 +206,6 @@ def test_joint_speeds_are_the_motions(name):
                 np.testing.assert_allclose(velocity.angular, foot_omega[k, i], atol=2e-3)
         if k == 3:
             break
-
-
-def test_margins_name_the_joint_and_the_time():
-    robot = load_robot("anymal")
-    time = np.array([0.0, 0.1, 0.2])
-    position = np.tile(robot.posture[7:], (3, 1))
-    speed = np.zeros((3, 12))
-    knee = robot.joint_names.index("RF_KFE")
-    hip = robot.joint_names.index("LH_HFE")
-    speed[1, knee] = -17.0
-    position[2, hip] = 9.5
-    found = margins(robot, time, position, speed)
-    assert found["RF_KFE"].peak_speed == 17.0
-    assert found["RF_KFE"].speed_margin == pytest.approx(-2.0)
-    assert found["RF_KFE"].speed_time == 0.1
-    assert found["LH_HFE"].position_margin == pytest.approx(-0.08)
-    assert found["LH_HFE"].position_time == 0.2
-    assert found["LF_HAA"].position_margin == pytest.approx(9.42 - 0.1)
-    assert found.peak_speed == 17.0
-    assert not found.satisfied
-    assert found.worst() == (
-        "RF_KFE is fastest, 17.0 of 15.0 rad/s at 0.10 s; "
-        "LH_HFE comes nearest to a stop, 0.08 rad beyond its limits at 0.20 s."
-    )
-    assert margins(robot, time, np.tile(robot.posture[7:], (3, 1)), 0 * speed).satisfied
-
-
-def test_margins_of_joints_that_slide():
-    robot = load_robot("slider")
-    position, speed = np.tile(robot.posture[7:], (2, 1)), np.zeros((2, 12))
-    slide, roll = (robot.joint_names.index(f"right_{name}") for name in ("slide", "roll"))
-    top, limits = robot.model.upperPositionLimit[7:], robot.speed_limit
-    position[1, slide] = top[slide] - 0.05
-    speed[1, slide] = 0.9 * limits[slide]
-    speed[0, roll] = 0.5 * limits[roll]  # more in numbers, less of what it can do
-    found = margins(robot, [0.0, 0.2], position, speed)
-    assert limits[slide] < limits[roll]
-    assert found["right_slide"].speed_margin == pytest.approx(0.1 * limits[slide])
-    assert found.peak_speed == pytest.approx(0.5 * limits[roll])
-    assert found.satisfied
-    assert found.worst() == (
-        "right_slide is fastest, 5.4 of 6.0 m/s at 0.20 s; "
-        "right_slide comes nearest to a stop, 0.05 m within its limits at 0.20 s."
-    )
 
 
 @pytest.mark.parametrize("name", ["anymal", "slider"])

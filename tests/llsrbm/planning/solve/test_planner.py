@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 
 import llsrbm
 from llsrbm import models
-from llsrbm.body.joint_margins import joint_margins
+from llsrbm.analysis.joint_margins import joint_margins
 from llsrbm.errors import Cancelled, InputError, NotConverged
 from llsrbm.ocp import progress, solvers
 from llsrbm.planning.problem.placement import make_task

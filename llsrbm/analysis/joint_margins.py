@@ -1,0 +1,142 @@
+"""How close a plan's postures come to the joints' limits of position and speed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from llsrbm.body.postures import joint_speeds
+from llsrbm.motion.plan import Plan
+from llsrbm.motion.sampling import resample
+from llsrbm.robots import Robot
+
+Array = NDArray[np.float64]
+
+# Both ends and the middle of each interval: feet may change their speed at a knot.
+_SHARES = np.array([0.01, 0.5, 0.99])
+_STEP = 1e-4  # of an interval
+
+
+@dataclass(frozen=True)
+class JointMargin:
+    """How close one joint comes to its limits; negative margins are violations.
+
+    Attributes:
+        joint: its name; unit: "rad", or "m" of a sliding joint.
+        position_margin: rad or m, smallest distance to the URDF's limits.
+        position_time: s, when.
+        peak_speed: rad/s or m/s.
+        speed_margin: the robot file's joint speed minus the peak.
+        speed_time: s, when the peak is.
+    """
+
+    joint: str
+    unit: str
+    position_margin: float
+    position_time: float
+    peak_speed: float
+    speed_margin: float
+    speed_time: float
+
+
+@dataclass(frozen=True)
+class JointMargins:
+    """Margins of every joint, in the order of `Robot.joint_names`."""
+
+    joints: tuple[JointMargin, ...]
+
+    def __getitem__(self, joint: str) -> JointMargin:
+        """The margins of the joint of that name."""
+        return next(margin for margin in self.joints if margin.joint == joint)
+
+    @property
+    def peak_speed(self) -> float:
+        """Largest speed of any joint that turns, rad/s."""
+        return max((m.peak_speed for m in self.joints if m.unit == "rad"), default=0.0)
+
+    @property
+    def satisfied(self) -> bool:
+        """Whether every joint keeps within its limits."""
+        return all(m.position_margin >= 0 and m.speed_margin >= 0 for m in self.joints)
+
+    def worst(self) -> str:
+        """One sentence on the joints that come closest to their limits."""
+        fast = max(self.joints, key=lambda m: m.peak_speed / (m.peak_speed + m.speed_margin))
+        near = min(self.joints, key=lambda margin: margin.position_margin)
+        speed = (
+            f"{fast.joint} is fastest, {fast.peak_speed:.1f} of "
+            f"{fast.peak_speed + fast.speed_margin:.1f} {fast.unit}/s at {fast.speed_time:.2f} s"
+        )
+        side = "beyond" if near.position_margin < 0 else "within"
+        room = f"{abs(near.position_margin):.2f} {near.unit}"
+        position = (
+            f"{near.joint} comes nearest to a stop, {room} {side} its limits "
+            f"at {near.position_time:.2f} s"
+        )
+        return f"{speed}; {position}."
+
+
+def joint_margins(plan: Plan, robot: Robot) -> JointMargins:
+    """Position and speed margins of every joint over the plan, speeds by Jacobians."""
+    dt = np.diff(plan.time)[:, None]
+    times = (plan.time[:-1, None] + _SHARES * dt).ravel()
+    step = np.repeat(_STEP * dt, len(_SHARES))
+    before, motion, after = (resample(plan, times + sign * step) for sign in (-1, 0, 1))
+    foot_velocity = (after.foot_position - before.foot_position) / (2 * step[:, None, None])
+    speeds = joint_speeds(
+        robot,
+        motion.joint_position,
+        motion.base_quat,
+        _turn(before.base_quat, after.base_quat) / (2 * step[:, None]),
+        motion.com_velocity,
+        foot_velocity,
+        _turn(before.foot_quat, after.foot_quat) / (2 * step[:, None, None]),
+    )
+    return margins(robot, times, motion.joint_position, speeds)
+
+
+def margins(
+    robot: Robot, time: ArrayLike, joint_position: ArrayLike, joint_speed: ArrayLike
+) -> JointMargins:
+    """How close each joint comes to the URDF's position limits and the robot file's speed limit.
+
+    Args:
+        robot: the robot.
+        time: (K,) s.
+        joint_position: (K, J) rad or m.
+        joint_speed: (K, J) rad/s or m/s, see `joint_speeds`.
+    """
+    t = np.asarray(time, dtype=float)
+    q = np.asarray(joint_position, dtype=float)
+    speed = np.abs(np.asarray(joint_speed, dtype=float))
+    room = np.minimum(
+        q - robot.model.lowerPositionLimit[7:], robot.model.upperPositionLimit[7:] - q
+    )
+    found = []
+    for j, name in enumerate(robot.joint_names):
+        tightest, fastest = int(np.argmin(room[:, j])), int(np.argmax(speed[:, j]))
+        found.append(
+            JointMargin(
+                joint=name,
+                unit="m" if name in robot.sliding_joints else "rad",
+                position_margin=float(room[tightest, j]),
+                position_time=float(t[tightest]),
+                peak_speed=float(speed[fastest, j]),
+                speed_margin=float(robot.speed_limit[j] - speed[fastest, j]),
+                speed_time=float(t[fastest]),
+            )
+        )
+    return JointMargins(tuple(found))
+
+
+def _turn(before: Array, after: Array) -> Array:
+    """Rotation vectors (..., 3) rad, world frame, between attitudes (..., 4) close to each other.
+
+    2 vec(after before*).
+    """
+    w0, v0 = before[..., :1], before[..., 1:]
+    w1, v1 = after[..., :1], after[..., 1:]
+    turn: Array = 2 * (w0 * v1 - w1 * v0 + np.cross(v0, v1))
+    return turn

@@ -1,0 +1,100 @@
+"""A real plan between its knots: where the feet are, and joint speeds against differences."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import llsrbm
+from llsrbm.analysis.joint_margins import joint_margins, margins
+from llsrbm.body.postures import solve_postures
+from llsrbm.motion.sampling import resample, with_events
+from llsrbm.robots import load_robot
+from tests.llsrbm.kinematics import foot_positions
+
+
+@pytest.fixture(
+    scope="module",
+    params=[{"twist": 1.57}, {"forward": 0.3}, {"robot": "slider", "twist": 1.57}],
+    ids=str,
+)
+def plan(request):
+    return llsrbm.plan(llsrbm.Jump(**request.param))
+
+
+@pytest.fixture
+def robot(plan):
+    return load_robot(plan.jump.robot)
+
+
+def test_feet_of_the_resampled_posture(plan, robot):
+    """Pinocchio's forward kinematics of what the page draws and exports hold."""
+    motion = resample(plan, with_events(plan, 60.0))
+    feet = foot_positions(robot, motion.base_position, motion.base_quat, motion.joint_position)
+    assert np.linalg.norm(feet - motion.foot_position, axis=-1).max() < 8e-3
+
+
+def test_peak_speeds_are_those_of_inverse_kinematics(plan, robot):
+    """Differences of postures solved 20 us apart at every end and middle of an interval."""
+    dt = np.diff(plan.time)[:, None]
+    times = (plan.time[:-1, None] + np.array([0.01, 0.5, 0.99]) * dt).ravel()
+    half = 1e-5
+    before, after = (
+        solve_postures(robot, m.com, m.base_quat, m.foot_position, m.foot_quat).joint_position
+        for m in (resample(plan, times - half), resample(plan, times + half))
+    )
+    peaks = np.abs(after - before).max(axis=0) / (2 * half)
+    margins = joint_margins(plan, robot)
+    assert [m.joint for m in margins.joints] == list(robot.joint_names)
+    got = [m.peak_speed for m in margins.joints]
+    # 0.2 rad/s: the Jacobians are taken at the interpolated posture, a few mm from the solved one.
+    np.testing.assert_allclose(got, peaks, rtol=0.03, atol=0.2)
+
+
+def test_peak_speed_is_within_the_limit(plan, robot):
+    for margin in joint_margins(plan, robot).joints:
+        assert margin.speed_margin > -0.2, margin
+
+
+def test_margins_name_the_joint_and_the_time():
+    robot = load_robot("anymal")
+    time = np.array([0.0, 0.1, 0.2])
+    position = np.tile(robot.posture[7:], (3, 1))
+    speed = np.zeros((3, 12))
+    knee = robot.joint_names.index("RF_KFE")
+    hip = robot.joint_names.index("LH_HFE")
+    speed[1, knee] = -17.0
+    position[2, hip] = 9.5
+    found = margins(robot, time, position, speed)
+    assert found["RF_KFE"].peak_speed == 17.0
+    assert found["RF_KFE"].speed_margin == pytest.approx(-2.0)
+    assert found["RF_KFE"].speed_time == 0.1
+    assert found["LH_HFE"].position_margin == pytest.approx(-0.08)
+    assert found["LH_HFE"].position_time == 0.2
+    assert found["LF_HAA"].position_margin == pytest.approx(9.42 - 0.1)
+    assert found.peak_speed == 17.0
+    assert not found.satisfied
+    assert found.worst() == (
+        "RF_KFE is fastest, 17.0 of 15.0 rad/s at 0.10 s; "
+        "LH_HFE comes nearest to a stop, 0.08 rad beyond its limits at 0.20 s."
+    )
+    assert margins(robot, time, np.tile(robot.posture[7:], (3, 1)), 0 * speed).satisfied
+
+
+def test_margins_of_joints_that_slide():
+    robot = load_robot("slider")
+    position, speed = np.tile(robot.posture[7:], (2, 1)), np.zeros((2, 12))
+    slide, roll = (robot.joint_names.index(f"right_{name}") for name in ("slide", "roll"))
+    top, limits = robot.model.upperPositionLimit[7:], robot.speed_limit
+    position[1, slide] = top[slide] - 0.05
+    speed[1, slide] = 0.9 * limits[slide]
+    speed[0, roll] = 0.5 * limits[roll]  # more in numbers, less of what it can do
+    found = margins(robot, [0.0, 0.2], position, speed)
+    assert limits[slide] < limits[roll]
+    assert found["right_slide"].speed_margin == pytest.approx(0.1 * limits[slide])
+    assert found.peak_speed == pytest.approx(0.5 * limits[roll])
+    assert found.satisfied
+    assert found.worst() == (
+        "right_slide is fastest, 5.4 of 6.0 m/s at 0.20 s; "
+        "right_slide comes nearest to a stop, 0.05 m within its limits at 0.20 s."
+    )
