@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import os
 import re
+import tempfile
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from llsrbm.commands import console
-from llsrbm.errors import InputError
+from llsrbm.errors import InputError, RobotFileError
 
 robot_app = typer.Typer(
     name="robot", help="Robot files: write a first one from a URDF.", rich_markup_mode=None
@@ -40,7 +42,7 @@ def new_command(
     force: Annotated[bool, typer.Option("--force", help="Replace a file that is there.")] = False,
 ) -> int:
     """Write a robot file: what the URDF says is measured, the rest guessed and marked so."""
-    from llsrbm.robots import draft, load_robot
+    from llsrbm.robots import draft
     from llsrbm.robots.urdf import package_share
 
     package, colon, inside = urdf.partition(":")
@@ -63,11 +65,7 @@ def new_command(
     anatomy = draft.read_anatomy(path, dirs)
     proposal = draft.propose(anatomy)
     table = table or draft.urdf_beside(path, out)
-    try:
-        out.write_text(draft.robot_file_text(name, table, anatomy, proposal))
-    except OSError as error:
-        raise InputError(f"{out}: cannot be written ({error.strerror})") from error
-    load_robot(str(out.absolute()))  # it is one that can be read
+    _write_checked(out, draft.robot_file_text(name, table, anatomy, proposal))
     print(f"{out}: {len(anatomy.names)} legs of {len(anatomy.joint_ids[0])} joints")
     print(f"  feet {', '.join(anatomy.feet)}; hips {', '.join(anatomy.hips)}")
     if anatomy.held:
@@ -79,3 +77,26 @@ def new_command(
         print(f"  guessed {key}: {reason}")
     print(f"try it: llsrbm simulate --robot {out} --twist 45, and docs/add_a_robot.md")
     return console.DONE
+
+
+def _write_checked(out: Path, text: str) -> None:
+    """Write a robot file that can be loaded; another one leaves `out` as it is."""
+    from llsrbm.robots import load_robot
+
+    try:
+        handle, name = tempfile.mkstemp(dir=out.absolute().parent, suffix=".toml")
+        os.close(handle)
+    except OSError as error:
+        raise InputError(f"{out}: cannot be written ({error.strerror})") from error
+    draft = Path(name)
+    try:
+        draft.write_text(text, encoding="utf-8")
+        load_robot(name)
+        draft.chmod(0o644)
+        draft.replace(out)
+    except RobotFileError as error:
+        raise RobotFileError(str(error).replace(name, str(out))) from error
+    except OSError as error:
+        raise InputError(f"{out}: cannot be written ({error.strerror})") from error
+    finally:
+        draft.unlink(missing_ok=True)

@@ -33,8 +33,7 @@ _SLOWEST, _FASTEST = 2.0, 100.0  # rad/s, of limits that are meant
 _SPEED = 15.0  # rad/s, where the URDF has none
 _LEVEL = 0.1  # m that a turn of a sole by 1 rad counts
 _STRAIGHT = 1e-3  # how much a joint that is turned counts, so that those that need not are not
-# Ways to bend that cost so much more are alike; of ANYmal C's hind legs one is straighter.
-_ALIKE = 1.5
+_MIRRORED = 1e-3  # m by which places of masses tell a mirrored leg from one like the front leg
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,11 +121,11 @@ def _distances(anatomy: Anatomy) -> tuple[float, float]:
 
 def _posture(anatomy: Anatomy, standing: float) -> tuple[Array, Array]:
     """Joint angles (L, n) with hips so high, m, above their feet; and these (L, 3) m from there."""
-    shift = 0.0
+    shift, forward = 0.0, [_mirrors_a_front_leg(anatomy, k) for k in range(len(anatomy.names))]
     for _ in range(8 if anatomy.has_soles else 1):  # until the CoM is above the soles
         angles = np.array(
             [
-                _leg_posture(anatomy, leg, np.array([shift, 0.0, -standing]))
+                _leg_posture(anatomy, leg, np.array([shift, 0.0, -standing]), forward=forward[leg])
                 for leg in range(len(anatomy.names))
             ]
         )
@@ -136,21 +135,28 @@ def _posture(anatomy: Anatomy, standing: float) -> tuple[Array, Array]:
     return angles, foot - anatomy.hip_position
 
 
-def _leg_posture(anatomy: Anatomy, leg: int, foot_from_hip: Array) -> Array:
+def _leg_posture(anatomy: Anatomy, leg: int, foot_from_hip: Array, *, forward: bool) -> Array:
     """Joint angles (n,) with a foot there, seen from its hip, level if it is a sole.
 
-    Sideways it is wherever the leg hangs down straight. Of the two ways to bend, knees go
-    backwards if the limits allow both.
+    Sideways it is wherever the leg hangs down straight. Where the limits allow both ways to bend,
+    the knee goes forward or backward, as `forward` says.
     """
-    chains, lower, upper = anatomy.chains, anatomy.lower[leg], anatomy.upper[leg]
-    hip = anatomy.hip_position[leg]
-    all_legs = np.zeros_like(anatomy.lower)
+    lower, upper = anatomy.lower[leg], anatomy.upper[leg]
+    model, hip, joints = anatomy.model, anatomy.hip_position[leg], anatomy.joint_ids[leg]
+    frame, data, posture = anatomy.chains.foot_ids[leg], model.createData(), pin.neutral(model)
+    index = [model.joints[j].idx_q for j in joints]
 
     def pose(q: Array) -> tuple[Array, Array]:
-        all_legs[leg] = q
-        motion = chains.motion(all_legs, rotations=True)
-        assert motion.foot_rotation is not None
-        return motion.foot[leg] - hip, motion.foot_rotation[leg]
+        posture[index] = q
+        pin.forwardKinematics(model, data, posture)
+        foot = pin.updateFramePlacement(model, data, frame)
+        return foot.translation - hip, foot.rotation
+
+    def knee() -> float:
+        """How far the joints after the hip are in front of the line from hip to foot, m."""
+        ahead = np.array([data.oMi[j].translation[0] for j in joints])
+        ahead -= hip[0] + pose(posture[index])[0][0] / 2
+        return float(ahead.max(initial=0.0) + ahead.min(initial=0.0))
 
     rest = np.clip(0.0, lower, upper)
     sideways, _ = pose(rest)
@@ -170,28 +176,43 @@ def _leg_posture(anatomy: Anatomy, leg: int, foot_from_hip: Array) -> Array:
         result = least_squares(residual, start, bounds=(lower - 1e-9, upper + 1e-9))
         foot, _ = pose(result.x)
         if np.linalg.norm(foot - goal) < 0.01:
-            knee = _knee(anatomy, leg, result.x)
-            found.append((float(result.cost), bool(knee > 0), result.x + 0.0))
+            found.append((float(result.cost), knee() > 0, result.x + 0.0))
     if not found:
         name = anatomy.names[leg]
         raise RobotFileError(
             f"{anatomy.urdf}: leg {name} finds no posture with its foot {-foot_from_hip[2]:.2f} m "
             f"below {anatomy.hips[leg]}; expected joint limits that allow one"
         )
-    least = min(cost for cost, _, _ in found)
-    # Among those that cost alike knees go backwards.
-    alike = [entry for entry in found if entry[0] <= _ALIKE * least + 1e-9]
-    return min(alike, key=lambda entry: (entry[1], entry[0]))[2]
+    return min(found, key=lambda entry: (entry[1] != forward, entry[0]))[2]
 
 
-def _knee(anatomy: Anatomy, leg: int, q: Array) -> float:
-    """How far the leg's joints after the hip are in front of the line from hip to foot, m."""
-    all_legs = np.zeros_like(anatomy.lower)
-    all_legs[leg] = q
-    origin, hip = anatomy.chains.origins(all_legs)[leg], anatomy.hip_position[leg]
-    foot = anatomy.chains.motion(all_legs).foot[leg]
-    ahead = origin[:, 0] - (hip[0] + foot[0]) / 2
-    return float(ahead.max(initial=0.0) + ahead.min(initial=0.0))
+def _mirrors_a_front_leg(anatomy: Anatomy, leg: int) -> bool:
+    """Whether a hind leg is the front leg of its side seen in a mirror, so that it bends forward.
+
+    The links' CoMs tell, seen from the hip with all joints at zero: those from the hip outwards,
+    or, where these are alike both ways, those between base and hip.
+    """
+    hip = anatomy.hip_position
+    partners = np.flatnonzero((hip[:, 1] * hip[leg, 1] > 0) & (hip[:, 0] > 0))
+    if hip[leg, 0] > 0 or not len(partners):
+        return False
+    own, other = (_link_places(anatomy, k) for k in (leg, int(partners[0])))
+    first = [anatomy.model.names[j] for j in anatomy.joint_ids[leg]].index(anatomy.hips[leg])
+    for links in (slice(first, None), slice(first)):
+        alike = np.linalg.norm(own[links] - other[links])
+        mirrored = np.linalg.norm(own[links] - other[links] * [-1, 1, 1])
+        if abs(alike - mirrored) > _MIRRORED:
+            return bool(mirrored < alike)
+    return False
+
+
+def _link_places(anatomy: Anatomy, leg: int) -> Array:
+    """(n, 3) m: CoMs of a leg's links from its hip, all joints at zero, base axes."""
+    model, data = anatomy.model, anatomy.model.createData()
+    pin.forwardKinematics(model, data, pin.neutral(model))
+    joints = anatomy.joint_ids[leg]
+    places = [data.oMi[j].act(model.inertias[j].lever) for j in joints]
+    return np.array(places) - anatomy.hip_position[leg]
 
 
 def _com(anatomy: Anatomy, angles: Array) -> Array:

@@ -75,11 +75,11 @@ def test_drives_are_the_urdfs_where_it_has_some_that_are_meant(quadruped):
     assert ((quadruped.speed_limit >= 2) & (quadruped.speed_limit <= 100)).all()
 
 
-def test_hind_legs_bend_the_straighter_way(tmp_path):
-    """ANYmal C's knees point at each other, as in the package's own standing posture."""
-    robot = written(tmp_path / "anymal_c.toml", f"{PACKAGE}:{QUADRUPEDS['anymal_c']}")
-    knees = robot.posture[7:][robot.leg_joint_index][:, 2]
-    assert (np.sign(knees) == [-1, -1, 1, 1]).all()
+def test_mirrored_hind_legs_bend_the_other_way(quadruped):
+    """Knees of ANYmal C, HyQ and Solo 12 point at each other, all others backward."""
+    knees = np.sign(quadruped.posture[7:][quadruped.leg_joint_index][:, 2])
+    mirrored = quadruped.name in ("anymal_c", "hyq", "solo12")
+    assert (knees == ([-1, -1, 1, 1] if mirrored else [-1, -1, -1, -1])).all()
 
 
 def test_a_biped_stands_on_its_soles(tmp_path):
@@ -195,6 +195,17 @@ def test_a_file_that_is_there_is_kept(tmp_path, capsys):
     assert "expected --force" in capsys.readouterr().err
     assert path.read_text() == "mine"
     assert main([*command, "--force"]) == 0
+
+
+def test_a_refused_file_replaces_no_good_one(tmp_path, capsys, monkeypatch):
+    path = tmp_path / "a1.toml"
+    path.write_text("mine")
+    monkeypatch.setattr(draft, "robot_file_text", lambda *_: 'name = "a1"')
+    command = ["robot", "new", f"{PACKAGE}:{QUADRUPEDS['a1']}", "--out", str(path), "--force"]
+    assert main(command) == 2
+    assert f'{path}: missing key "title"' in capsys.readouterr().err
+    assert path.read_text() == "mine"
+    assert list(tmp_path.iterdir()) == [path]
 
 
 def test_what_is_no_urdf_is_told(tmp_path):
