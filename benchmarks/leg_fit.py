@@ -19,13 +19,8 @@ import pinocchio as pin
 
 from llsrbm.mechanics import parallel_axis, turns_about_z
 from llsrbm.robots import Robot, load_robot, names
-from llsrbm.robots.leg_fit import (
-    LegFit,
-    affine_features,
-    fit_legs,
-    quadratic_features,
-    quadratic_slopes,
-)
+from llsrbm.robots.leg_fit import fit_legs
+from llsrbm.robots.leg_maps import LegFit, affine_features, quadratic_features, quadratic_slopes
 from llsrbm.robots.legs import TURN_ARM, foot_task, solve_legs
 
 ROBOTS = (*names(), *sorted(map(str, (Path(__file__).parent / "robots").glob("*.toml"))))

@@ -14,7 +14,7 @@ from llsrbm.mechanics import sign_continuous
 from llsrbm.motion.states import standing
 from llsrbm.motion.whole_body import WholeBodyMotion
 from llsrbm.robots import Robot
-from llsrbm.robots.foot_contact import foot_contacts
+from llsrbm.robots.feet import foot_contacts
 
 Array = NDArray[np.float64]
 

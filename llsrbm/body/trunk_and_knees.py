@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from llsrbm.errors import RobotFileError
-from llsrbm.robots.foot_contact import collision_shapes
+from llsrbm.robots.feet import collision_shapes
 from llsrbm.robots.robot import Robot
 from llsrbm.robots.urdf import BASE_JOINT
 

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from scipy.linalg.lapack import dgesv  # a third of the time of NumPy's solve
 
 from llsrbm.robots import Robot
-from llsrbm.robots.foot_contact import foot_contacts
+from llsrbm.robots.feet import foot_contacts
 
 Array = NDArray[np.float64]
 

@@ -16,7 +16,7 @@ from llsrbm.look.visuals import (
     link_visuals,
     needs_preparation,
 )
-from llsrbm.robots.foot_contact import collision_shapes
+from llsrbm.robots.feet import collision_shapes
 from llsrbm.robots.robot import Robot
 
 if TYPE_CHECKING:

@@ -29,7 +29,8 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from llsrbm.body.trunk_and_knees import knee_joint
-from llsrbm.robots.leg_fit import quadratic_features, sampled_legs
+from llsrbm.robots.leg_fit import sampled_legs
+from llsrbm.robots.leg_maps import quadratic_features
 from llsrbm.robots.robot import Robot
 
 Array = NDArray[np.float64]
@@ -349,7 +350,7 @@ class FittedLeg(LegDrives):
 
 
 def _features(x: Matrix) -> Matrix:
-    """As `robots.leg_fit.quadratic_features`."""
+    """As `robots.leg_maps.quadratic_features`."""
     each = ca.vertsplit(x)
     pairs = [(i, j) for i in range(len(each)) for j in range(i + 1, len(each))]
     return ca.vertcat(1, *each, *(a * a for a in each), *(each[i] * each[j] for i, j in pairs))

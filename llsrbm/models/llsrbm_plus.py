@@ -18,12 +18,12 @@ def _rows(row_major: Any) -> Any:
 
 
 def _affine(x: Any) -> Any:
-    """As `robots.leg_fit.affine_features`."""
+    """As `robots.leg_maps.affine_features`."""
     return ca.vertcat(1, x)
 
 
 def _quadratic(x: Any) -> Any:
-    """As `robots.leg_fit.quadratic_features`."""
+    """As `robots.leg_maps.quadratic_features`."""
     each = ca.vertsplit(x)
     squares = [a * a for a in each]
     products = [a * b for a, b in combinations(each, 2)]

@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 from llsrbm.mechanics import rotation_matrices, sign_continuous
 from llsrbm.motion.whole_body import WholeBodyMotion, pinocchio_states
 from llsrbm.robots import Robot
-from llsrbm.robots.foot_contact import foot_contacts
+from llsrbm.robots.feet import foot_contacts
 
 Array = NDArray[np.float64]
 

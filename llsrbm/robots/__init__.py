@@ -7,7 +7,8 @@ from pathlib import Path
 
 from llsrbm.errors import InputError
 from llsrbm.request.messages import look_up
-from llsrbm.robots.robot import Leg, Robot, build_robot
+from llsrbm.robots.build import build_robot
+from llsrbm.robots.robot import Leg, Robot
 from llsrbm.robots.schema import RobotFile, read_robot_file, robot_files
 
 __all__ = ["Leg", "Robot", "RobotFile", "load_robot", "names", "read_robot_file"]

@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from llsrbm.control.controller import Tick
 from llsrbm.robots import Robot
-from llsrbm.robots.foot_contact import foot_contacts
+from llsrbm.robots.feet import foot_contacts
 from llsrbm.simulation.world import TickResult
 
 Array = NDArray[np.float64]

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from llsrbm.errors import RobotFileError
 from llsrbm.motion.rollout import Disturbance
-from llsrbm.robots.foot_contact import collision_shapes, foot_contacts
+from llsrbm.robots.feet import collision_shapes, foot_contacts
 from llsrbm.robots.robot import Robot
 from llsrbm.robots.urdf import BASE_JOINT
 from llsrbm.simulation.contacts import add_sensors

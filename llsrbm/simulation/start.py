@@ -10,7 +10,7 @@ from llsrbm.control.whole_body import WholeBody
 from llsrbm.errors import InputError
 from llsrbm.mechanics import rotation_matrices
 from llsrbm.motion.plan import Plan
-from llsrbm.robots.foot_contact import foot_contacts
+from llsrbm.robots.feet import foot_contacts
 from llsrbm.robots.robot import Robot
 
 Array = NDArray[np.float64]

@@ -24,7 +24,7 @@ from llsrbm.motion.plan import Plan
 from llsrbm.motion.sampling import foothold_knots, resample
 from llsrbm.request.obstacle import Obstacle
 from llsrbm.request.scenario import Scenario
-from llsrbm.robots.foot_contact import foot_contacts
+from llsrbm.robots.feet import foot_contacts
 from llsrbm.robots.robot import Robot
 
 Array = NDArray[np.float64]

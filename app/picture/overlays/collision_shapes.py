@@ -17,7 +17,7 @@ from app.picture import gltf
 from app.picture.drawing import Copies, RootedOverlay
 from app.picture.picture import Picture
 from llsrbm.robots import Robot
-from llsrbm.robots.foot_contact import collision_shapes, foot_contacts
+from llsrbm.robots.feet import collision_shapes, foot_contacts
 from llsrbm.robots.urdf import BASE_JOINT
 
 if TYPE_CHECKING:

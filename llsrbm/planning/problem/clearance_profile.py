@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from llsrbm.body.trunk_and_knees import trunk_box
 from llsrbm.errors import NoFooting
 from llsrbm.planning.problem.task import Task
-from llsrbm.robots.foot_contact import foot_contacts
+from llsrbm.robots.feet import foot_contacts
 
 Array = NDArray[np.float64]
 

@@ -6,7 +6,7 @@ import pytest
 
 from llsrbm.control.whole_body import WholeBody
 from llsrbm.robots import load_robot
-from llsrbm.robots.foot_contact import foot_contacts
+from llsrbm.robots.feet import foot_contacts
 from tests.llsrbm.control.bodies import ROBOTS, moved, state
 
 STILL = np.zeros(18)

@@ -11,7 +11,7 @@ from llsrbm.errors import RobotFileError
 from llsrbm.look.meshes import readable
 from llsrbm.look.visuals import FACES, forward_kinematics, link_visuals
 from llsrbm.robots import load_robot
-from llsrbm.robots.robot import build_robot
+from llsrbm.robots.build import build_robot
 from tests.llsrbm.robots.test_robot import QUADRUPEDS, beside
 
 

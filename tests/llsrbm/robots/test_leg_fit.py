@@ -8,15 +8,14 @@ from benchmarks.leg_fit import truth
 from llsrbm.cache import ENVIRONMENT_VARIABLE
 from llsrbm.errors import RobotFileError
 from llsrbm.robots import load_robot
-from llsrbm.robots.leg_fit import (
+from llsrbm.robots.build import build_robot
+from llsrbm.robots.leg_fit import fit_legs, load_or_fit
+from llsrbm.robots.leg_maps import (
     affine_features,
     affine_slopes,
-    fit_legs,
-    load_or_fit,
     quadratic_features,
     quadratic_slopes,
 )
-from llsrbm.robots.robot import build_robot
 from tests.llsrbm.robots.test_robot import ANYMAL, QUADRUPEDS
 
 

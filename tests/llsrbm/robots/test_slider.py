@@ -12,7 +12,7 @@ from llsrbm.cache import ENVIRONMENT_VARIABLE
 from llsrbm.look.visuals import forward_kinematics, link_visuals
 from llsrbm.motion.rollout import Disturbance
 from llsrbm.robots import load_robot
-from llsrbm.robots.foot_contact import foot_contacts
+from llsrbm.robots.feet import foot_contacts
 from llsrbm.simulation.scene import build_scene
 from llsrbm.simulation.surroundings import Surroundings
 

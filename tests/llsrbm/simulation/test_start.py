@@ -11,7 +11,7 @@ from llsrbm.errors import InputError
 from llsrbm.motion.rollout import Disturbance
 from llsrbm.request.jump import Jump
 from llsrbm.robots import load_robot
-from llsrbm.robots.foot_contact import foot_contacts
+from llsrbm.robots.feet import foot_contacts
 from llsrbm.simulation.scene import build_scene
 from llsrbm.simulation.start import standing_state, starting_velocity
 from llsrbm.simulation.surroundings import Surroundings

@@ -16,7 +16,7 @@ from llsrbm.request.jump import Jump
 from llsrbm.request.obstacle import Obstacle
 from llsrbm.request.scenario import Scenario
 from llsrbm.robots import load_robot
-from llsrbm.robots.foot_contact import foot_contacts
+from llsrbm.robots.feet import foot_contacts
 from llsrbm.simulation.start import standing_state
 from llsrbm.simulation.world import Diverged, World
 from tests.app.synthetic_plan import FLY, STAND, synthetic_plan

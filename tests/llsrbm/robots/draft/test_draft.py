@@ -14,7 +14,7 @@ from llsrbm.cli import main
 from llsrbm.errors import RobotFileError
 from llsrbm.installed import assets_directory
 from llsrbm.robots import draft, load_robot
-from llsrbm.robots.foot_contact import foot_contacts
+from llsrbm.robots.feet import foot_contacts
 from llsrbm.robots.urdf import package_share
 
 PACKAGE = "example-robot-data"

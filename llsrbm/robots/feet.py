@@ -1,4 +1,4 @@
-"""What of a foot touches the ground: spheres, one at each of its contact points."""
+"""Feet: the spheres that touch the ground, one at each contact point, and soles that stand."""
 
 from __future__ import annotations
 
@@ -9,12 +9,15 @@ import coal
 import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
+from scipy.spatial import ConvexHull
 
 from llsrbm.errors import RobotFileError
 from llsrbm.robots.robot import Leg, Robot
 from llsrbm.robots.urdf import collision_geometry
 
 Array = NDArray[np.float64]
+
+_LEVEL = 0.01  # rad by which soles may lean: joint angles in a file are rounded
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,3 +79,29 @@ def _foot_contact(robot: Robot, leg: Leg, shapes: list[pin.GeometryObject]) -> F
     # A point foot's frame is the middle of its ball; a sole's is on the ground.
     height = 0.0 if robot.file.foot.is_point else radius
     return FootContact(robot.corners + np.array([0.0, 0.0, height]), radius)
+
+
+def check_soles(robot: Robot) -> None:
+    """The default posture stands on its soles.
+
+    Raises:
+        RobotFileError: a sole leans, or the robot would tip over.
+    """
+    rotation = robot.foot_rotation
+    for leg, upward in zip(robot.legs, rotation[..., 2], strict=True):
+        lean = np.arctan2(np.hypot(upward[0], upward[1]), upward[2])
+        if lean > _LEVEL:
+            raise RobotFileError(
+                f"{robot.path}: posture.{leg.name}: the sole {leg.foot_frame} leans by "
+                f"{lean:.3f} rad; expected it level within {_LEVEL} rad"
+            )
+    points = robot.feet[:, None] + robot.corners @ np.swapaxes(rotation, -1, -2)
+    edges = ConvexHull(points.reshape(-1, 3)[:, :2]).equations
+    outside = edges[:, 2].max()  # of the origin, which is below the CoM
+    if outside > 0:
+        x, y, _ = points.mean(axis=(0, 1))
+        raise RobotFileError(
+            f"{robot.path}: posture: the robot tips over, its CoM is {outside:.3f} m outside what "
+            f"its soles span, their middle {x:+.3f} m forward and {y:+.3f} m left of it; "
+            "expected the CoM above them"
+        )

@@ -8,7 +8,7 @@ import trimesh
 
 from llsrbm.errors import RobotFileError
 from llsrbm.robots import load_robot
-from llsrbm.robots.foot_contact import foot_contacts
+from llsrbm.robots.feet import foot_contacts
 from llsrbm.robots.schema import robot_files
 from tests.llsrbm.simulation.sliding_biped import URDF, sliding_biped
 
