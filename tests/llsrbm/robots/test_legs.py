@@ -29,9 +29,9 @@ def links_of(model, joints, q):
 
 def check(chains, angles):
     """One posture (L, n)."""
-    model, motion, masses = chains.model, chains.motion(angles, rotations=True), None
+    model, motion = chains.model, chains.motion(angles, rotations=True)
     masses = chains.masses(angles)
-    joints = np.array(chains.joint_ids)
+    joints = chains.joint_ids.tolist()
 
     def full(q):
         posture = pin.neutral(model)
@@ -40,7 +40,7 @@ def check(chains, angles):
         return posture
 
     total = pin.computeTotalMass(model)
-    for i, leg in enumerate(joints.tolist()):
+    for i, leg in enumerate(joints):
         mass, com, inertia, _ = links_of(model, leg, full(angles))
         centre = mass @ com / mass.sum()
         np.testing.assert_allclose(masses.com[i], centre, atol=1e-12)
