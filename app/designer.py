@@ -26,7 +26,7 @@ from app.page_template import page
 from app.panel.view_controls import configure_theme
 from app.picture.lighting import configure_world
 from app.picture.robot_nodes import extents, meshes
-from app.tab.atlases import Atlases
+from app.tab.atlas import Atlases
 from app.tab.initial_plan import InitialPlans, example
 from app.tab.session import Session
 from app.tab.tabs import Tabs

@@ -90,7 +90,7 @@ def serve(
     # Its first process imports CasADi and loads a solver while this one imports the page.
     with closing(WorkerPool(processes=workers or PROCESSES, cluster=cluster)) as pool:
         from app.designer import serve as serve_designer
-        from app.tab.atlases import Atlases
+        from app.tab.atlas import Atlases
 
         serve_designer(
             host,

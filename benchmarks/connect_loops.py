@@ -19,7 +19,6 @@ from pathlib import Path
 
 from app.designer import Designer
 from app.guard.limits import Limits, Rate
-from app.tab.tabs import MOST_KEPT
 from app.workers.pool import WorkerPool
 from tests.app.planners import SyntheticPlanner
 from tests.app.raw_tab import RawTab
@@ -90,7 +89,7 @@ def main():
     held(designer, f"{time.monotonic() - began - took:.1f} s later")
     with RawTab(designer.port) as tab:
         print(f"the next tab: {tab.wait_for_status('Planned')}")
-    assert designer.tabs.kept <= MOST_KEPT
+    assert designer.tabs.kept <= Limits.tabs
     designer.close()
     return 0 if quiet else 1
 

@@ -17,7 +17,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Track:
-    """How some nodes of the scene move together, at the F instants of a strand.
+    """How some nodes of the scene move together, at the F instants of a channel.
 
     Attributes:
         nodes: their names.
@@ -33,7 +33,7 @@ class Track:
 
 
 @dataclass(frozen=True, eq=False)
-class Strand:
+class AnimationChannel:
     """Tracks with the same instants: those of a plan, or of a simulation.
 
     Attributes:
@@ -53,7 +53,7 @@ class Strand:
 
 
 @dataclass(frozen=True, eq=False)
-class Sight:
+class CameraTarget:
     """For a page's camera.
 
     Attributes:
@@ -66,37 +66,42 @@ class Sight:
     low: Array
     high: Array
 
+    @property
+    def plain(self) -> dict[str, Any]:
+        """For JSON."""
+        return {"follow": self.follow, "low": self.low.tolist(), "high": self.high.tolist()}
+
 
 @dataclass(frozen=True, eq=False)
 class Clip:
     """Everything that moves in a tab.
 
     Attributes:
-        strands: that are shown together.
+        channels: that are shown together.
         end: s, when the last of them ends.
-        request: what the motion was asked for, so that a page can tell which one it draws.
-        sight: what a camera looks at; None: nothing.
+        request: of the motion, so that a page knows which one it draws.
+        camera_target: what a camera looks at; None: nothing.
     """
 
-    strands: tuple[Strand, ...]
+    channels: tuple[AnimationChannel, ...]
     end: float
     request: Mapping[str, Any] = field(default_factory=dict)
-    sight: Sight | None = None
+    camera_target: CameraTarget | None = None
 
     @cached_property
     def encoded(self) -> tuple[str, str]:
         """The form in which a browser reads it: JSON that lists its parts, and the numbers.
 
-        The numbers are little-endian 32 bit floats in base64: of each strand the instants, then of
+        The numbers are little-endian 32 bit floats in base64: of each channel the instants, then of
         each of its tracks positions, quaternions (each on the same side as the one before, so that
         they can be mixed) and scales, as far as the JSON says that there are any.
         """
         arrays: list[Array] = []
         strands = []
-        for strand in self.strands:
-            arrays.append(strand.time)
+        for channel in self.channels:
+            arrays.append(channel.time)
             tracks = []
-            for track in strand.tracks:
+            for track in channel.tracks:
                 arrays.append(track.position)
                 if track.wxyz is not None:
                     arrays.append(_continuous(track.wxyz))
@@ -109,21 +114,17 @@ class Clip:
                         "scales": track.scale is not None,
                     }
                 )
-            strands.append({"frames": len(strand.time), "tracks": tracks})
+            strands.append({"frames": len(channel.time), "tracks": tracks})
         numbers = np.concatenate([np.ravel(a) for a in arrays]) if arrays else np.zeros(0)
         blob = base64.b64encode(numbers.astype("<f4").tobytes()).decode("ascii")
-        sight = None if self.sight is None else _plain(self.sight)
+        target = self.camera_target
         header = {
             "end": self.end,
             "request": dict(self.request),
-            "sight": sight,
+            "sight": None if target is None else target.plain,
             "strands": strands,
         }
         return json.dumps(header), blob
-
-
-def _plain(sight: Sight) -> dict[str, Any]:
-    return {"follow": sight.follow, "low": sight.low.tolist(), "high": sight.high.tolist()}
 
 
 def _continuous(wxyz: Array) -> Array:

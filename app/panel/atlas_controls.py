@@ -6,13 +6,13 @@ The map is drawn by the page's script (static/atlas.js) from what the session se
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import viser
 
 from app.guard.validation import option, put
-from app.panel.atlas_choice import AtlasChoice
+from app.panel.acts import Act, Put, callback
 from app.panel.html import note
 from llsrbm.atlas.colours import COLOURS
 from llsrbm.atlas.jumps import Axis
@@ -24,15 +24,45 @@ _NONE = "none"
 _MAP = '<div class="llsrbm-atlas"></div>'  # by which atlas.js finds its place
 
 
+@dataclass(frozen=True)
+class AtlasChoice:
+    """A map.
+
+    Attributes:
+        seen: whether the page has shown the atlas: before that nothing is read or drawn.
+        sweep: its name; "": the first that there is.
+        x, y: names of axes; where a sweep does not vary one, another stands in for it.
+        colour: name of one of `llsrbm.atlas.colours.COLOURS`.
+        projection: one of `llsrbm.atlas.map.PROJECTIONS`.
+    """
+
+    seen: bool = False
+    sweep: str = ""
+    x: str = "twist"
+    y: str = "forward"
+    colour: str = "plannable"
+    projection: str = NEAREST
+
+    def axes(self, varied: tuple[Axis, ...]) -> tuple[Axis, Axis] | None:
+        """The chosen ones of what a sweep varies, two different ones; None: it varies only one."""
+        if len(varied) < 2:
+            return None
+        named = {axis.name: axis for axis in varied}
+        x = named.get(self.x) or next(axis for axis in varied if axis.name != self.y)
+        y = named.get(self.y) if self.y != x.name else None
+        return x, y or next(axis for axis in varied if axis is not x)
+
+
 class AtlasControls:
     """Dropdowns and the place of the map, in the container that is open."""
 
-    def __init__(self, gui: viser.GuiApi, sweeps: Sequence[str]) -> None:
+    def __init__(self, gui: viser.GuiApi, sweeps: Sequence[str], acted: Put) -> None:
         """Show the first sweep.
 
         Args:
             gui: of the tab.
             sweeps: names to choose from, one at least.
+            acted: called with `Act.ATLAS`.
         """
         self._sweeps = tuple(sweeps)
         self._axes: dict[str, str] = {}  # title -> name
@@ -49,11 +79,9 @@ class AtlasControls:
             tuple(_PROJECTIONS),
             hint="The slice nearest to the present design, or all jumps of the sweep together",
         )
-
-    @property
-    def handles(self) -> list[Any]:
-        """The controls whose updates choose another map."""
-        return [self._sweep, self._x, self._y, self._colour, self._projection]
+        menus: tuple[Any, ...] = (self._sweep, self._x, self._y, self._colour, self._projection)
+        for menu in menus:
+            menu.on_update(callback(acted, Act.ATLAS))
 
     def read(self, choice: AtlasChoice) -> AtlasChoice:
         """The map as the controls stand; what is no option stays as it is chosen."""
@@ -73,13 +101,13 @@ class AtlasControls:
             y,
         )
 
-    def show(self, choice: AtlasChoice, varied: Sequence[Axis], told: str) -> None:
+    def show(self, choice: AtlasChoice, varied: Sequence[Axis], remark: str) -> None:
         """Put the controls where a choice has them.
 
         Args:
             choice: to show.
             varied: axes to choose from; none: there is no map.
-            told: what is to be known about the map; "": nothing.
+            remark: on the map; "": none.
         """
         put(self._sweep, choice.sweep or self._sweeps[0])
         put(self._colour, COLOURS[choice.colour].title)
@@ -93,10 +121,10 @@ class AtlasControls:
                 handle.options = titles
             put(handle, chosen[index].heading if chosen else _NONE)
         self._projection.visible = len(varied) > 2
-        self._note.content = note(told) if told else ""
+        self._note.content = note(remark) if remark else ""
 
     def _with_axes(self, choice: AtlasChoice, x: str, y: str) -> AtlasChoice:
-        """With these axes; who chooses the other axis' one swaps them."""
+        """With these axes; choosing the other axis' one swaps them."""
         before = choice.axes(tuple(_named(self._axes)))
         if before is None or not x or not y:
             return choice

@@ -65,8 +65,8 @@ def slice_of(drawn: Map) -> str:
             low, high = (short(float(f"{end:.3g}")) for end in (values.min(), values.max()))
             span = low if low == high else f"{low} to {high}"
             parts.append(f"{axis.title} {span} {axis.unit}".rstrip())
-    told = ", ".join(parts)
-    return f"Slice: {told}" if parts and drawn.projection == NEAREST else told
+    line = ", ".join(parts)
+    return f"Slice: {line}" if parts and drawn.projection == NEAREST else line
 
 
 def _axis(scale: Scale) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""Plans and rollouts in words and numbers, as the panel shows them."""
+"""Plans and rollouts in words and numbers for the panel."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import Protocol
 import numpy as np
 
 from app.panel.html import SMALL, table
-from app.panel.status import Word
+from app.panel.status import Verdict
 from llsrbm.analysis.diagnosis import diagnose, fall_in_words
 from llsrbm.analysis.figures import figures_of_plan
 from llsrbm.analysis.summary import planned_peak_load
@@ -20,11 +20,11 @@ from llsrbm.motion.rollout import Rollout
 from llsrbm.request.messages import decimal, percent, power
 from llsrbm.robots import load_robot
 
-_TOLD_OF_A_FALL = 4  # events; what follows them is the fall itself
+_EVENTS_OF_A_FALL = 4  # events; what follows them is the fall itself
 
 
 class SeedOutcome(Protocol):
-    """How the simulation of one seed ended."""
+    """Outcome of the simulation of one seed."""
 
     @property
     def seed(self) -> int:
@@ -42,13 +42,16 @@ class SeedOutcome(Protocol):
         ...
 
 
-def planned_line(plan: Plan) -> str:
-    """The status line after "Planned"."""
-    report = plan.report
-    return (
-        f"in {decimal(1e3 * report.solve_time_s)} ms, {report.iterations} iterations, "
-        f"largest violation {worst(plan.violations)}"
-    )
+def planned_line(plan: Plan, remark: str = "") -> str:
+    """The status line after "Planned": flight, apex and peak torque, after a remark."""
+    values = figures_of_plan(plan)
+    parts = [f"apex {decimal(100 * values.apex, signed=True)} cm"]
+    if values.flight_time_s is not None:
+        parts.insert(0, f"flight {decimal(values.flight_time_s, 2)} s")
+    if values.planned_torque_ratio is not None:
+        parts.append(f"peak torque {decimal(100 * values.planned_torque_ratio)} %")
+    line = ", ".join(parts)
+    return f". {remark}{line[0].upper()}{line[1:]}."
 
 
 def live_line(plan: Plan) -> str:
@@ -69,11 +72,11 @@ def progress_line(text: str, iteration: int | None, residual: float | None) -> s
     return f"({', '.join(parts)}) ..."
 
 
-def simulated_line(rollout: Rollout) -> tuple[Word, str]:
+def simulated_line(rollout: Rollout) -> tuple[Verdict, str]:
     """The status line's word and what follows it."""
     outcome = rollout.outcome
     if not rollout.landed:
-        return Word.FELL, f"{fall_in_words(rollout)}."
+        return Verdict.FELL, f"{fall_in_words(rollout)}."
     parts = []
     if outcome.yaw_error_at_touchdown is not None:
         parts.append(f"yaw {_degrees(outcome.yaw_error_at_touchdown)} from the plan at touch-down")
@@ -88,7 +91,7 @@ def simulated_line(rollout: Rollout) -> tuple[Word, str]:
     loosely = "" if outcome.strict else ", but failed the strict criterion: "
     if rollout.pushes and outcome.recovered and not outcome.strict:
         loosely = ", recovered from the push: "
-    return Word.LANDED, loosely + ", ".join(parts)
+    return Verdict.LANDED, loosely + ", ".join(parts)
 
 
 def _followed(rollout: Rollout) -> str:
@@ -164,6 +167,7 @@ def plan_figures(plan: Plan) -> str:
         [
             ("Solve time", f"{decimal(1e3 * report.solve_time_s)} ms ({report.solver})"),
             ("Iterations", f"{report.iterations}" + _attempts(report.attempts)),
+            ("Largest violation", worst(plan.violations)),
             ("Duration", f"{decimal(plan.duration, 2)} s = {_phases(plan)}"),
             ("Peak yaw rate", f"{decimal(values.peak_yaw_rate, 2)} rad/s"),
             (
@@ -239,7 +243,7 @@ def rollout_figures(rollout: Rollout) -> str:
     if not rollout.landed:
         rows[:0] = [
             (f"Wrong from {decimal(event.time, 2)} s", event.words)
-            for event in diagnose(rollout)[:_TOLD_OF_A_FALL]
+            for event in diagnose(rollout)[:_EVENTS_OF_A_FALL]
         ]
     return table(rows, "Simulation")
 

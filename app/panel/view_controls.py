@@ -1,59 +1,72 @@
-"""The controls of overlays and light."""
+"""The controls of overlays and light, and the legend of what is drawn."""
 
 from __future__ import annotations
 
-from typing import Any
+from dataclasses import dataclass, replace
+from functools import partial
 
 import viser
 
-from app.guard.validation import put
 from app.panel import html
-from app.picture.overlays import OVERLAYS
+from app.panel.acts import Act, Put
+from app.panel.fields import Field, Fields
+from app.picture.overlays import AT_FIRST, OVERLAYS
+from app.picture.picture import Picture
 
 BRAND = (38, 92, 150)
 
 
+@dataclass(frozen=True)
+class View:
+    """The overlays that are drawn, and in which light.
+
+    Attributes:
+        layers: names of overlays.
+        night: a dark page.
+    """
+
+    layers: frozenset[str] = AT_FIRST
+    night: bool = False
+
+
+def _shows(name: str, view: View) -> bool:
+    return name in view.layers
+
+
+def _with_layer(name: str, view: View, on: bool) -> View:
+    return replace(view, layers=view.layers | {name} if on else view.layers - {name})
+
+
+SWITCHES: tuple[Field[View], ...] = (
+    *(
+        Field(overlay.title, overlay.hint, partial(_shows, name), partial(_with_layer, name))
+        for name, overlay in OVERLAYS.items()
+    ),
+    Field(
+        "Night", "A dark page", lambda view: view.night, lambda view, on: replace(view, night=on)
+    ),
+)
+"""A switch more is a row here and its field in `View`; an overlay has one by itself."""
+
+
 class ViewControls:
-    """A box to tick for each overlay, and the legend, in the container that is open."""
+    """A box to tick for each switch, and the legend, in the container that is open.
 
-    def __init__(self, gui: viser.GuiApi, shown: frozenset[str]) -> None:
-        """Tick what is drawn, by day.
+    Attributes:
+        fields: the boxes.
+    """
 
-        Args:
-            gui: of the tab.
-            shown: names of the overlays that are drawn.
-        """
-        gui.add_html('<div class="llsrbm-boxes"></div>')
-        self._boxes = {
-            name: gui.add_checkbox(overlay.title, initial_value=name in shown, hint=overlay.hint)
-            for name, overlay in OVERLAYS.items()
-        }
-        self._night = gui.add_checkbox("Night", initial_value=False, hint="A dark page")
-        self._legend = gui.add_html(html.legend(shown, simulated=False))
-
-    @property
-    def handles(self) -> list[Any]:
-        """The controls whose updates change the picture."""
-        return [*self._boxes.values(), self._night]
-
-    def read(self) -> tuple[frozenset[str], bool]:
-        """Names of the overlays that are ticked, and whether it is night."""
-        ticked = frozenset(name for name, box in self._boxes.items() if box.value is True)
-        return ticked, self._night.value is True
-
-    def show(self, shown: frozenset[str], *, night: bool) -> None:
+    def __init__(self, gui: viser.GuiApi, view: View, put: Put) -> None:
         """Tick what is drawn."""
-        for name, box in self._boxes.items():
-            put(box, name in shown)
-        put(self._night, night)
+        gui.add_html('<div class="llsrbm-boxes"></div>')
+        self.fields = Fields(gui, view, None, put, Act.VIEW)
+        self.fields.add(SWITCHES)
+        self._legend = gui.add_html("")
 
-    def show_legend(
-        self, shown: frozenset[str], *, simulated: bool, pushed: bool, replans: bool
-    ) -> None:
+    def show_legend(self, picture: Picture) -> None:
         """Meanings of the colours that are drawn."""
-        self._legend.content = html.legend(
-            shown, simulated=simulated, pushed=pushed, replans=replans
-        )
+        shown = (overlay for name, overlay in OVERLAYS.items() if name in picture.layers)
+        self._legend.content = html.legend(key for each in shown for key in each.keys(picture))
 
 
 def configure_theme(gui: viser.GuiApi, *, dark: bool) -> None:

@@ -10,7 +10,7 @@ import viser
 from numpy.typing import NDArray
 
 from app.motion import colours
-from app.motion.clip import Strand, Track
+from app.motion.clip import AnimationChannel, Track
 from app.picture.drawing import Drawing
 from app.picture.picture import Picture
 from llsrbm.simulation.surroundings import Block
@@ -24,13 +24,12 @@ class Blocks(Drawing):
     parts = frozenset({"planned", "simulated", "blocks"})
 
     def __init__(self, scene: viser.SceneApi) -> None:
-        """See `Drawing`."""
+        """Nothing is drawn."""
         super().__init__(scene)
         self._nodes: list[viser.BoxHandle] = []
         self._shown = 0
 
-    def draw(self, picture: Picture) -> Sequence[Strand]:
-        """See `Drawing.draw`."""
+    def draw(self, picture: Picture) -> Sequence[AnimationChannel]:
         frames = picture.simulated
         blocks = () if frames is None else picture.blocks
         while len(self._nodes) < len(blocks):
@@ -40,22 +39,19 @@ class Blocks(Drawing):
                 )
             )
         for node, block in zip(self._nodes, blocks, strict=False):
-            node.dimensions = (float(block.size[0]), float(block.size[1]), float(block.size[2]))
-            node.position = block.centre
-            node.wxyz = attitude(block)
+            place(node, block)
         self._shown = len(blocks)
         self.show(visible=True)
         if frames is None or not blocks:
             return ()
         pairs = zip(self._nodes, blocks, strict=False)
         return [
-            Strand(
+            AnimationChannel(
                 frames.time, tuple(_track(node.name, block, frames.time) for node, block in pairs)
             )
         ]
 
     def show(self, *, visible: bool) -> None:
-        """See `Drawing.show`."""
         for index, node in enumerate(self._nodes):
             node.visible = visible and index < self._shown
 
@@ -80,9 +76,11 @@ def tops_under(blocks: Sequence[Block], points: Array, time: Array, ground: floa
     return tops
 
 
-def attitude(block: Block) -> tuple[float, float, float, float]:
-    """Of a block, w, x, y, z."""
-    return math.cos(block.yaw / 2), 0.0, 0.0, math.sin(block.yaw / 2)
+def place(node: viser.BoxHandle, block: Block) -> None:
+    """Put a node where a block is, as large."""
+    node.dimensions = (float(block.size[0]), float(block.size[1]), float(block.size[2]))
+    node.position = block.centre
+    node.wxyz = (math.cos(block.yaw / 2), 0.0, 0.0, math.sin(block.yaw / 2))
 
 
 def _track(name: str, block: Block, time: Array) -> Track:

@@ -1,14 +1,15 @@
-"""One thing in the picture: what it is drawn from, and how it moves."""
+"""One thing in the picture, as a class: what it is drawn from, and how it moves."""
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from typing import ClassVar
+from typing import ClassVar, NamedTuple
 
 import viser
 
-from app.motion.clip import Strand, Track
+from app.motion.clip import AnimationChannel, Track
+from app.motion.colours import Rgb
 from app.motion.frames import Frames
 from app.picture.picture import Picture
 
@@ -28,15 +29,11 @@ class Drawing(ABC):
     needs_motion: ClassVar[bool] = True
 
     def __init__(self, scene: viser.SceneApi) -> None:
-        """Nothing is drawn.
-
-        Args:
-            scene: a tab's.
-        """
+        """Nothing is drawn of a tab's scene."""
         self.scene = scene
 
     @abstractmethod
-    def draw(self, picture: Picture) -> Sequence[Strand]:
+    def draw(self, picture: Picture) -> Sequence[AnimationChannel]:
         """Take along what does not move; returns how the rest moves.
 
         Args:
@@ -48,69 +45,90 @@ class Drawing(ABC):
         """Show or hide everything; may be called before anything is drawn."""
 
 
+class Key(NamedTuple):
+    """A line of the legend."""
+
+    colour: Rgb
+    meaning: str
+
+
 class Overlay(Drawing):
-    """Drawn besides the robot if its box is ticked.
+    """Drawn besides the robot if its box is ticked; its nodes hang below one node.
 
     Attributes:
         name: in `Picture.layers`.
-        title: label of its box.
-        hint: its meaning in one sentence.
+        title: label of its box; hint: its meaning in one sentence.
+        place: of its box among the others, a number.
         at_first: whether its box is ticked when a page opens.
+        root: name of its node. viser labels nodes by their names, and tests find controls by label:
+            it differs from `title`.
     """
 
     name: ClassVar[str]
     title: ClassVar[str]
     hint: ClassVar[str]
+    place: ClassVar[int]
     at_first: ClassVar[bool] = False
-
-
-class RootedOverlay(Overlay):
-    """An overlay whose nodes hang below one node, and move with the robot that is drawn solid.
-
-    Attributes:
-        root: name of that node. viser labels nodes by their names, and tests find controls by
-            label: it differs from `title`.
-    """
-
-    root: ClassVar[str]
+    root: ClassVar[str] = ""
 
     def __init__(self, scene: viser.SceneApi) -> None:
-        """See `Drawing`."""
+        """Nothing is drawn."""
         super().__init__(scene)
         self._root: viser.FrameHandle | None = None
+        self._copies: dict[str, Copies] = {}
 
-    def draw(self, picture: Picture) -> Sequence[Strand]:
-        """See `Drawing.draw`."""
-        frames = picture.solid
-        assert frames is not None
-        if self._root is None:
-            self._root = self.scene.add_frame(self.root, show_axes=False)
-        return [Strand(frames.time, tuple(self.tracks(picture, frames)))]
+    @classmethod
+    def keys(cls, picture: Picture) -> Sequence[Key]:
+        """Its lines of the legend; none where its nodes explain themselves."""
+        return ()
 
-    @abstractmethod
+    def draw(self, picture: Picture) -> Sequence[AnimationChannel]:
+        _, _, frames = picture.motion
+        return self.channels(frames, self.tracks(picture, frames))
+
     def tracks(self, picture: Picture, frames: Frames) -> Sequence[Track]:
-        """How its nodes move, at the instants of `frames`, which are `picture.solid`."""
+        """How its nodes move, at the instants of `frames`, the robot that is drawn solid."""
+        return ()
+
+    def channels(self, frames: Frames, tracks: Sequence[Track]) -> Sequence[AnimationChannel]:
+        """Tracks at the instants of frames."""
+        return [AnimationChannel(frames.time, tuple(tracks))]
 
     def show(self, *, visible: bool) -> None:
-        """See `Drawing.show`."""
         if self._root is not None:
             self._root.visible = visible
+
+    def nodes(self, glb: bytes, count: int, name: str = "") -> list[str]:
+        """Names of so many nodes that draw one mesh; others of that name are hidden.
+
+        Args:
+            glb: the mesh, as binary glTF; another one than before is drawn from now on.
+            count: of nodes.
+            name: of them below the root, a number follows.
+        """
+        if self._root is None:
+            self._root = self.scene.add_frame(self.root, show_axes=False)
+        path = f"{self.root}/{name}" if name else self.root
+        copies = self._copies.setdefault(name, Copies(self.scene, path, glb))
+        copies.replace(glb)
+        return copies.names(count)
+
+    def each(self, name: str, meshes: Sequence[bytes]) -> list[str]:
+        """Names of one node for each mesh; those that another robot had more of are hidden."""
+        kind = f"{name}/" if name else ""
+        found = [self.nodes(mesh, 1, f"{kind}{index}")[0] for index, mesh in enumerate(meshes)]
+        while (gone := f"{kind}{len(found)}") in self._copies:
+            found.append("")
+            self._copies[gone].names(0)
+        return found[: len(meshes)]
 
 
 class Copies:
     """Nodes that all draw one mesh: as many as are needed; the rest is hidden."""
 
     def __init__(self, scene: viser.SceneApi, name: str, glb: bytes) -> None:
-        """None.
-
-        Args:
-            scene: a tab's.
-            name: of the nodes, a number follows.
-            glb: the mesh, as binary glTF.
-        """
-        self._scene = scene
-        self._name = name
-        self._glb = glb
+        """No node yet; their names are `name` and a number."""
+        self._scene, self._name, self._glb = scene, name, glb
         self._nodes: list[viser.GlbHandle] = []
 
     def names(self, count: int) -> list[str]:

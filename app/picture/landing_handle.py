@@ -19,7 +19,7 @@ _LINE = 3.0  # pixels
 
 
 @dataclass(frozen=True)
-class Grip:
+class LandingDragged:
     """Where the handle was dragged to.
 
     Attributes:
@@ -51,7 +51,7 @@ class Grip:
 class LandingHandle:
     """Arrows along x and y, and a ring to turn it; stands at the target unless it is held."""
 
-    def __init__(self, client: viser.ClientHandle, moved: Callable[[Grip], None]) -> None:
+    def __init__(self, client: viser.ClientHandle, moved: Callable[[LandingDragged], None]) -> None:
         """Hidden.
 
         Args:
@@ -75,9 +75,9 @@ class LandingHandle:
             self._held = event.phase != "end"
             # Wherever it was let go: the next drawing puts it where the target is.
             self._target = None
-            grip = read_grip(self._handle.wxyz, self._handle.position)
-            if grip is not None:
-                moved(grip)
+            dragged = read_pose(self._handle.wxyz, self._handle.position)
+            if dragged is not None:
+                moved(dragged)
 
     def draw(self, target: Jump | None, robot: Robot | None, *, visible: bool) -> None:
         """Stand where a jump shall land, unless it is being dragged.
@@ -103,13 +103,13 @@ class LandingHandle:
         self._handle.wxyz = (math.cos(half), 0.0, 0.0, math.sin(half))
 
 
-def read_grip(wxyz: object, position: object) -> Grip | None:
+def read_pose(wxyz: object, position: object) -> LandingDragged | None:
     """Where a handle stands, or None: a script may send anything for a pose."""
     quaternion, place = numbers(wxyz, 4), numbers(position, 3)
     if quaternion is None or place is None:
         return None
     (w, _, _, z), (x, y, _) = quaternion, place
-    return Grip(x, y, 2 * math.atan2(z, w))
+    return LandingDragged(x, y, 2 * math.atan2(z, w))
 
 
 def _within(value: float, ends: tuple[float, float]) -> float:

@@ -9,7 +9,7 @@ import numpy as np
 import viser
 from numpy.typing import NDArray
 
-from app.motion.clip import Strand
+from app.motion.clip import AnimationChannel
 from app.motion.colours import Rgb
 from app.picture.drawing import Drawing
 from app.picture.picture import Picture
@@ -141,8 +141,7 @@ class Lighting(Drawing):
             "/floor", self._points, self._faded(DAY), thickness=1.2, thickness_units="screen"
         )
 
-    def draw(self, picture: Picture) -> Sequence[Strand]:
-        """See `Drawing.draw`."""
+    def draw(self, picture: Picture) -> Sequence[AnimationChannel]:
         look = NIGHT if picture.night else DAY
         self._sky.sky_color, self._sky.ground_color = look.sky, look.ground
         self._sky.intensity = look.sky_light

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, fields
 from typing import Any
 
+from app.motion.baked import PlannedMotion
 from app.motion.colours import Rgb
 from app.motion.frames import Frames
-from app.motion.planned_motion import PlannedMotion
 from llsrbm.motion.rollout import Rollout
 from llsrbm.request.jump import Jump
 from llsrbm.request.push import Push
@@ -69,6 +69,15 @@ class Picture:
         if self.planned is None:
             return None
         return self.simulated or self.planned.frames
+
+    @property
+    def motion(self) -> tuple[Robot, PlannedMotion, Frames]:
+        """The robot, its plan, and the motion that is drawn solid: where there is one."""
+        frames = self.solid
+        assert self.robot is not None
+        assert self.planned is not None
+        assert frames is not None
+        return self.robot, self.planned, frames
 
     @property
     def ground(self) -> float:

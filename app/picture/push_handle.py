@@ -26,7 +26,7 @@ _TO_BEGIN = "drag to push"
 
 
 @dataclass(frozen=True)
-class PushGrip:
+class PushDragged:
     """Where the arrow's tip was dragged to.
 
     Attributes:
@@ -74,7 +74,7 @@ class PushShown:
 class PushHandle:
     """The arrow, the grip at its tip and its size in words; stays where it is held."""
 
-    def __init__(self, client: viser.ClientHandle, moved: Callable[[PushGrip], None]) -> None:
+    def __init__(self, client: viser.ClientHandle, moved: Callable[[PushDragged], None]) -> None:
         """Hidden.
 
         Args:
@@ -117,7 +117,7 @@ class PushHandle:
             if ended:
                 self._shown = None  # the next drawing puts it where the push ends
             if tip is not None:
-                moved(PushGrip(shown.time, shown.impulse_to(tip), ended))
+                moved(PushDragged(shown.time, shown.impulse_to(tip), ended))
 
     def draw(self, shown: PushShown | None) -> bool:
         """Show a push, or nothing; the grip is left where a hand holds it.

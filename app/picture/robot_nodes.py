@@ -13,7 +13,7 @@ import numpy as np
 import viser
 from numpy.typing import NDArray
 
-from app.motion.clip import Strand, Track
+from app.motion.clip import AnimationChannel, Track
 from app.motion.colours import Rgb, linear
 from app.motion.frames import Frames
 from llsrbm.look.collision_visuals import collision_visuals, visuals_at_once
@@ -160,10 +160,10 @@ class RobotNodes:
             for name, body in self._bodies.items()
         ]
 
-    def still(self) -> Strand:
+    def still(self) -> AnimationChannel:
         """Every body where it is in the default posture."""
         position, wxyz = _default_pose(self.robot)
-        return Strand(
+        return AnimationChannel(
             np.zeros(1),
             tuple(
                 Track((name,), position[body, None], wxyz[body, None])

@@ -8,7 +8,7 @@ import numpy as np
 import viser
 from numpy.typing import NDArray
 
-from app.motion.clip import Clip, Strand, Track
+from app.motion.clip import AnimationChannel, Clip, Track
 from app.picture.blocks import Blocks
 from app.picture.drawing import Drawing, Overlay
 from app.picture.lighting import Lighting
@@ -45,7 +45,7 @@ class Scene:
             Blocks(scene),
         )
         self._overlays: dict[str, Overlay] = {}
-        self._strands: dict[Drawing, Sequence[Strand]] = {}
+        self._channels: dict[Drawing, Sequence[AnimationChannel]] = {}
         self._outdated: set[Drawing] = set()
 
     def draw(self, picture: Picture) -> Clip | None:
@@ -61,7 +61,7 @@ class Scene:
         if not changed:
             return None
         self._drawn = picture
-        before = dict(self._strands)
+        before = dict(self._channels)
         with self._client.atomic():
             for name in sorted(picture.layers & OVERLAYS.keys() - self._overlays.keys()):
                 overlay = self._overlays[name] = OVERLAYS[name](self._client.scene)
@@ -70,8 +70,10 @@ class Scene:
                 self._update(drawing, picture, changed, wanted=True)
             for name, overlay in self._overlays.items():
                 self._update(overlay, picture, changed, wanted=name in picture.layers)
-        same = all(before.get(drawing, ()) is strands for drawing, strands in self._strands.items())
-        return None if same and before.keys() == self._strands.keys() else self._clip()
+        same = all(
+            before.get(drawing, ()) is channels for drawing, channels in self._channels.items()
+        )
+        return None if same and before.keys() == self._channels.keys() else self._clip()
 
     def _update(
         self, drawing: Drawing, picture: Picture, changed: frozenset[str], *, wanted: bool
@@ -82,32 +84,32 @@ class Scene:
         visible = wanted and (picture.planned is not None or not drawing.needs_motion)
         if not visible:
             # What is hidden need not move; drawn anew when it is shown again.
-            if self._strands.pop(drawing, None):
+            if self._channels.pop(drawing, None):
                 self._outdated.add(drawing)
             drawing.show(visible=False)
         elif drawing in self._outdated:
             self._outdated.discard(drawing)
-            strands = tuple(drawing.draw(picture))
+            channels = tuple(drawing.draw(picture))
             # None before and none now: nothing has changed in how it moves.
-            if strands or drawing in self._strands:
-                self._strands[drawing] = strands
+            if channels or drawing in self._channels:
+                self._channels[drawing] = channels
             drawing.show(visible=True)
         else:
             drawing.show(visible=True)
 
     def _clip(self) -> Clip:
-        strands = _joined(strand for part in self._strands.values() for strand in part)
-        end = max((float(strand.time[-1]) for strand in strands), default=0.0)
+        channels = _joined(channel for part in self._channels.values() for channel in part)
+        end = max((float(channel.time[-1]) for channel in channels), default=0.0)
         planned = self._drawn.planned
         request = {} if planned is None else planned.plan.jump.as_dict()
-        return Clip(strands, end, request, self._robot.sight)
+        return Clip(channels, end, request, self._robot.camera_target)
 
 
-def _joined(strands: Iterable[Strand]) -> tuple[Strand, ...]:
-    """The same, with one strand for all tracks that share their instants."""
+def _joined(channels: Iterable[AnimationChannel]) -> tuple[AnimationChannel, ...]:
+    """The same, with one channel for all tracks that share their instants."""
     times: dict[int, Array] = {}
     tracks: dict[int, list[Track]] = {}
-    for strand in strands:
-        times[id(strand.time)] = strand.time
-        tracks.setdefault(id(strand.time), []).extend(strand.tracks)
-    return tuple(Strand(times[key], tuple(tracks[key])) for key in times if tracks[key])
+    for channel in channels:
+        times[id(channel.time)] = channel.time
+        tracks.setdefault(id(channel.time), []).extend(channel.tracks)
+    return tuple(AnimationChannel(times[key], tuple(tracks[key])) for key in times if tracks[key])

@@ -1,4 +1,4 @@
-"""The robot itself, and the soft dark below it that tells how high it is."""
+"""The robot itself, and a soft shadow below it that shows how high it is."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from itertools import chain, count
 import numpy as np
 import viser
 
-from app.motion.clip import Sight, Strand, Track
+from app.motion.clip import AnimationChannel, CameraTarget, Track
 from app.picture import gltf
 from app.picture.blocks import tops_under
 from app.picture.drawing import Drawing
@@ -25,35 +25,34 @@ class SolidRobot(Drawing):
     """Simulated, or planned, or in its default posture.
 
     Attributes:
-        sight: what a camera looks at; None: there is no robot.
+        camera_target: what a camera looks at; None: there is no robot.
     """
 
     parts = frozenset({"robot", "planned", "simulated", "fine", "prepared"})
     needs_motion = False
 
     def __init__(self, scene: viser.SceneApi) -> None:
-        """See `Drawing`."""
+        """Nothing is drawn."""
         super().__init__(scene)
         names = chain(["/links"], (f"/links-{number}" for number in count(2)))
         self._shelf = RobotShelf(scene, names)
         self._nodes: RobotNodes | None = None
-        self.sight: Sight | None = None
+        self.camera_target: CameraTarget | None = None
 
-    def draw(self, picture: Picture) -> Sequence[Strand]:
-        """See `Drawing.draw`."""
+    def draw(self, picture: Picture) -> Sequence[AnimationChannel]:
         robot, frames = picture.robot, picture.solid
         if robot is None:
-            self._nodes = self.sight = None
+            self._nodes = self.camera_target = None
             self._shelf.show_only(())
             return ()
         nodes = self._nodes = self._shelf.take(robot, fine=picture.fine)
         self._shelf.show_only((nodes,))
         if frames is None:
-            self.sight = Sight(nodes.base, *around_default(robot))
+            self.camera_target = CameraTarget(nodes.base, *around_default(robot))
             return [nodes.still()]
         box = around(robot, frames.body_position[::_EVERY], frames.body_wxyz[::_EVERY])
-        self.sight = Sight(nodes.base, *box)
-        return [Strand(frames.time, tuple(nodes.track(frames)))]
+        self.camera_target = CameraTarget(nodes.base, *box)
+        return [AnimationChannel(frames.time, tuple(nodes.track(frames)))]
 
     def show(self, *, visible: bool) -> None:
         """The robot is always seen."""
@@ -65,15 +64,12 @@ class ContactShadow(Drawing):
     parts = frozenset({"robot", "planned", "simulated", "blocks"})
 
     def __init__(self, scene: viser.SceneApi) -> None:
-        """See `Drawing`."""
+        """Nothing is drawn."""
         super().__init__(scene)
         self._disc: viser.GlbHandle | None = None
 
-    def draw(self, picture: Picture) -> Sequence[Strand]:
-        """See `Drawing.draw`."""
-        robot, frames = picture.robot, picture.solid
-        assert robot is not None
-        assert frames is not None
+    def draw(self, picture: Picture) -> Sequence[AnimationChannel]:
+        robot, _, frames = picture.motion
         if self._disc is None:
             self._disc = self.scene.add_glb(
                 "/below", gltf.soft_disc(), cast_shadow=False, receive_shadow=False
@@ -85,9 +81,8 @@ class ContactShadow(Drawing):
         size = np.column_stack([larger * half[0], larger * half[1], np.ones(len(larger))])
         position = np.column_stack([frames.com[:, :2], below + _ABOVE_GROUND])
         track = Track((self._disc.name,), position, frames.yaw_wxyz, size)
-        return [Strand(frames.time, (track,))]
+        return [AnimationChannel(frames.time, (track,))]
 
     def show(self, *, visible: bool) -> None:
-        """See `Drawing.show`."""
         if self._disc is not None:
             self._disc.visible = visible

@@ -12,9 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.motion import colours
+from app.motion.baked import ForeignMotion, PlannedMotion
 from app.motion.colours import Rgb
-from app.motion.foreign_motion import ForeignMotion
-from app.motion.planned_motion import PlannedMotion
 from app.plots.choice import ALL, ALL_JOINTS, EACH, ChartChoice, PlotChoice
 from app.plots.signals import SIGNALS, Samples, Signal
 from app.plots.time_series import TimeSeries

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.motion import colours
-from app.motion.planned_motion import PlannedMotion
+from app.motion.baked import PlannedMotion
 from app.plots.charts import DASHED, SOLID, Chart, Layer, Line, charts
 from app.plots.choice import PlotChoice
 from app.plots.time_grid import TimeGrid

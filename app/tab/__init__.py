@@ -1,1 +1,8 @@
-"""One tab: its state, how events change it, and what that has done outside of it."""
+"""A tab: its state, the features that change it, and its session.
+
+Importing the features registers their handlers in `app.tab.acts`.
+"""
+
+from app.tab import atlas, comparison, design, files, opening, planning, pushing, simulating
+
+__all__ = ["atlas", "comparison", "design", "files", "opening", "planning", "pushing", "simulating"]

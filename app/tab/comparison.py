@@ -1,66 +1,126 @@
-"""Designs and motions that are kept beside the present one, to be compared with it."""
+"""Designs and motions that are kept beside the present one; a push simulated twice."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from functools import cached_property
+from dataclasses import dataclass, replace
 
-from app.motion import colours
-from app.motion.colours import Rgb
-from app.motion.foreign_motion import ForeignMotion
-from app.motion.planned_motion import PlannedMotion
-from app.motion.simulated_motion import SimulatedMotion
-from app.picture.picture import Ghost
-from llsrbm.analysis.figures import DesignFigures, figures_of_plan
-from llsrbm.look.titles import Decisions
-from llsrbm.motion.rollout import Rollout
+from app.panel.acts import Act
+from app.panel.panel import Panel
+from app.tab.acts import Step, on, reads
+from app.tab.design import choose_design
+from app.tab.effects import Notify
+from app.tab.planning import plan_design, remember
+from app.tab.pushing import replay_start
+from app.tab.simulating import simulate
+from app.tab.state import Comparison, Pin, TabState, free_colour
 from llsrbm.request.design import Design
+from llsrbm.request.jump import Jump
+
+_SIMPLE = "srbm"
+"""The model that others are compared with; it is compared with the default one."""
 
 
-@dataclass(frozen=True, eq=False)
-class Pin:
-    """One design with its motion, or a motion from a file.
+@dataclass(frozen=True)
+class PinChosen:
+    """A pin was chosen, by its number; -1: none."""
 
-    Attributes:
-        motion: its plan, or what a file holds.
-        simulated: the simulation that followed the plan, if there was one.
-        design: what was asked for; None where that is not known.
-        colour: of its ghost and curves.
-    """
-
-    motion: PlannedMotion | ForeignMotion
-    simulated: SimulatedMotion | None
-    design: Design | None
-    colour: Rgb
-
-    @property
-    def rollout(self) -> Rollout | None:
-        """The simulation."""
-        return None if self.simulated is None else self.simulated.rollout
-
-    @cached_property
-    def ghost(self) -> Ghost:
-        """The robot that is drawn of it, the simulated one if there is one."""
-        frames = self.motion.frames if self.simulated is None else self.simulated.frames
-        return Ghost(self.motion.motion.robot, frames, self.colour)
-
-    @cached_property
-    def figures(self) -> DesignFigures:
-        """Its row of numbers."""
-        if isinstance(self.motion, ForeignMotion):
-            return self.motion.figures
-        return figures_of_plan(self.motion.plan, self.rollout)
-
-    @property
-    def decisions(self) -> Decisions | None:
-        """Which its title is made from; None of a motion that has its file's name."""
-        if isinstance(self.motion, ForeignMotion):
-            return None
-        plan, rollout = self.motion.plan, self.rollout
-        return plan.jump, plan.tuning, None if rollout is None else rollout.scenario
+    index: int
 
 
-def free_colour(pins: tuple[Pin, ...]) -> Rgb | None:
-    """A colour that none of the pins has; None: all are taken, and no more can be pinned."""
-    taken = {pin.colour for pin in pins}
-    return next((colour for colour in colours.PINNED if colour not in taken), None)
+def _has_pins(state: TabState) -> bool:
+    return bool(state.pins)
+
+
+def _is_pushed(state: TabState) -> bool:
+    return bool(state.design.scenario.pushes)
+
+
+@on(
+    Act.PIN,
+    enabled=lambda state: state.shown is not None and free_colour(state.pins) is not None,
+)
+def pin(state: TabState) -> TabState:
+    """Keep the motion that is shown beside the next ones."""
+    shown, colour = state.shown, free_colour(state.pins)
+    if shown is None or colour is None:
+        return state
+    plan, rollout = shown.plan, shown.rollout
+    scenario = state.design.scenario if rollout is None else rollout.scenario
+    design = Design(plan.jump, plan.tuning, scenario)
+    pinned = Pin(shown.planned, shown.simulated, design, colour)
+    return replace(state, pins=(*state.pins, pinned), pin_chosen=len(state.pins))
+
+
+@reads(Act.PINNED)
+def _read_pin(_: TabState, panel: Panel) -> tuple[PinChosen, list[str]]:
+    return PinChosen(panel.comparison.chosen), []
+
+
+@on(PinChosen)
+def choose_pin(state: TabState, event: PinChosen) -> TabState:
+    """Choose a pin, or none."""
+    return replace(state, pin_chosen=event.index if event.index < len(state.pins) else -1)
+
+
+@on(Act.UNPIN, visible=_has_pins)
+def unpin(state: TabState) -> TabState:
+    """Let go of the pin that is chosen."""
+    pins = tuple(each for index, each in enumerate(state.pins) if index != state.pin_chosen)
+    return replace(state, pins=pins, pin_chosen=len(pins) - 1)
+
+
+@on(Act.USE_PINNED, visible=_has_pins)
+def use_pinned(state: TabState) -> Step:
+    """Make the design of the chosen pin the present one."""
+    if not 0 <= state.pin_chosen < len(state.pins):
+        return state, ()
+    design = state.pins[state.pin_chosen].design
+    if design is None:
+        body = "A motion of another tool is for looking: it does not say its design."
+        return state, (Notify("Not used", body),)
+    return choose_design(state, design)
+
+
+# ---- simulated twice
+
+
+@on(Act.COMPARE_REPLANNING, visible=_is_pushed)
+def compare_replanning(state: TabState) -> Step:
+    """Simulate with and without replanning, and play both side by side."""
+    return _compare(state, Comparison("replanning"))
+
+
+@on(Act.COMPARE_MODEL, visible=_is_pushed)
+def compare_model(state: TabState) -> Step:
+    """Simulate plans of two models, and play both side by side."""
+    return _compare(state, Comparison("model"))
+
+
+def _compare(state: TabState, comparison: Comparison) -> Step:
+    """Simulate the design, unless that simulation is shown, and then with the one change."""
+    if state.plan is None or state.planning or not state.ready:
+        return state, (Notify("Not compared", "There is no plan yet."),)
+    if free_colour(state.pins) is None:
+        body = "No more can be pinned: unpin one in the tab Figures first."
+        return state, (Notify("Not compared", body),)
+    plan, rollout, design = state.plan, state.rollout, state.design
+    shown = rollout and (plan.jump, plan.tuning, rollout.scenario)
+    if shown == (design.jump, design.tuning, design.scenario):
+        return go_on(state, comparison)
+    return simulate(state.with_work(compare=comparison))
+
+
+@on(Comparison)
+def go_on(state: TabState, comparison: Comparison) -> Step:
+    """Pin the simulation that is shown, and simulate the other one."""
+    state, design = pin(state).with_work(compare=None), state.design
+    if comparison.by == "replanning":
+        scenario = replace(design.scenario, replan=not design.scenario.replan)
+        state = remember(state, replace(design, scenario=scenario), settled=True)
+        state, effects = simulate(state)
+        return state.with_work(replay_from=replay_start(state)), effects
+    model = Jump.model if design.jump.model == _SIMPLE else _SIMPLE
+    jump = replace(design.jump, model=model)
+    changed = replace(design, jump=jump, title="", note="")
+    state, effects = plan_design(remember(state, changed, settled=True))
+    return state.with_work(simulate_next=0, replay_from=replay_start(state)), effects

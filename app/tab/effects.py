@@ -1,151 +1,270 @@
-"""Effects: what `app.tab.outside` has to do for an event outside of the state, as values."""
+"""Effects: what has to be done for an event outside of the state, as values that can be compared.
+
+`Outside` is where a tab's session has them carried out.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from enum import Enum
+from functools import partial
+from typing import Any
 
-from app.tab.events import Event
-from app.tab.lanes import Lane
+import viser
+
+from app.link import PageLink
+from app.tab.inbox import Inbox
+from app.workers.pool import WorkerPool
+from app.workers.protocol import Report
 from app.workers.task import Task
-from llsrbm.request.design import Design
+from llsrbm.errors import Error
+from llsrbm.look.visuals import needs_preparation
+from llsrbm.request.design import Design, dump_design
+from llsrbm.robots import Robot, load_robot
+
+MOST_NOTES = 4
+"""That stand at a time; more would cover the picture."""
+
+
+class Queue(Enum):
+    """A tab's queues in the pool: jobs of one replace each other, and do not wait for others."""
+
+    MOTION = "motion"
+    ROBOT = "robot"
+    OPEN = "open"
+    SAVE = "save"
+
+
+# ---- events that come of effects
 
 
 @dataclass(frozen=True, eq=False)
-class Submit:
-    """Have the pool compute something; it comes back as `Reported`.
+class Reported:
+    """A job has something to report.
 
     Attributes:
-        lane: in which, in place of the job that waits there.
-        ticket: by which the state knows the job.
-        task: what.
+        queue: in which it runs.
+        ticket: by which the state knows it.
+        report: the pool's.
     """
 
-    lane: Lane
+    queue: Queue
+    ticket: int
+    report: Report
+
+
+@dataclass(frozen=True, eq=False)
+class RobotLoaded:
+    """A robot can be drawn, by its meshes if it is prepared, else by its collision shapes."""
+
+    robot: Robot
+    prepared: bool = True
+
+
+@dataclass(frozen=True)
+class RobotMissing:
+    """The robot of this name cannot be drawn, and why not."""
+
+    robot: str
+    message: str
+
+
+# ---- the outside
+
+
+class Outside:
+    """One tab's pool, page and browser; for the session's thread.
+
+    Attributes:
+        client: the tab; link: to the scripts in its page; pool: computes; inbox: takes what comes
+            of effects.
+    """
+
+    def __init__(
+        self, client: viser.ClientHandle, pool: WorkerPool, link: PageLink, inbox: Inbox
+    ) -> None:
+        """Do nothing yet."""
+        self.client, self.pool, self.link, self.inbox = client, pool, link, inbox
+        self._notes: dict[tuple[str, str], viser.NotificationHandle] = {}  # the oldest first
+
+    def name(self, queue: Queue) -> tuple[int, Queue]:
+        """Of a queue of this tab."""
+        return self.client.client_id, queue
+
+    def give_up(self) -> None:
+        """Have the pool forget all of the tab's jobs."""
+        for queue in Queue:
+            self.pool.forget(self.name(queue))
+
+    def note(self, title: str, body: str) -> None:
+        """Show a note until it is closed, in place of the one with the same words."""
+        alike = title, body
+        while len(self._notes) >= MOST_NOTES or alike in self._notes:
+            self._notes.pop(alike if alike in self._notes else next(iter(self._notes))).remove()
+        self._notes[alike] = self.client.add_notification(title, body, color="orange")
+
+
+class Effect:
+    """Something to be done outside of the state.
+
+    Attributes:
+        after_drawing: it means what the page shows then, not what it showed before.
+    """
+
+    after_drawing = False
+
+    def do(self, outside: Outside) -> None:
+        """Carry it out."""
+        raise NotImplementedError
+
+
+@dataclass(frozen=True, eq=False)
+class Submit(Effect):
+    """Have the pool compute something, in place of the queue's waiting job: see `Reported`.
+
+    Attributes:
+        queue: which; ticket: by which the state knows the job; task: its work.
+    """
+
+    queue: Queue
     ticket: int
     task: Task
 
+    def do(self, outside: Outside) -> None:
+        listener = partial(_report, outside.inbox, self.queue, self.ticket)
+        outside.pool.submit(outside.name(self.queue), self.task, listener)
+
+
+def _report(inbox: Inbox, queue: Queue, ticket: int, report: Report) -> None:
+    inbox.put(Reported(queue, ticket, report))
+
 
 @dataclass(frozen=True)
-class Stop:
-    """Have the pool give up what waits and runs in a lane."""
+class Stop(Effect):
+    """Have the pool give up a queue's jobs, waiting and running."""
 
-    lane: Lane
+    queue: Queue
+
+    def do(self, outside: Outside) -> None:
+        outside.pool.cancel(outside.name(self.queue))
 
 
 @dataclass(frozen=True)
-class LoadRobot:
-    """Load a robot that was prepared; it comes back as `RobotLoaded` or `RobotMissing`."""
+class LoadRobot(Effect):
+    """Load a robot that was prepared: `RobotLoaded` or `RobotMissing` comes of it."""
 
     name: str
 
+    def do(self, outside: Outside) -> None:
+        outside.inbox.put(loaded(self.name))
+
 
 @dataclass(frozen=True, eq=False)
-class After:
-    """Have an event happen later, in place of the one that was to happen later before.
-
-    Attributes:
-        seconds: from now.
-        event: which.
-    """
+class After(Effect):
+    """Have an event happen later (s), in place of the one that was to happen later before."""
 
     seconds: float
-    event: Event
+    event: Any
+
+    def do(self, outside: Outside) -> None:
+        outside.inbox.put_later(self.seconds, self.event)
 
 
 @dataclass(frozen=True)
-class Keep:
+class Keep(Effect):
     """Have the browser keep a design, for a tab without a state."""
 
     design: Design
 
+    def do(self, outside: Outside) -> None:
+        outside.link.keep(dump_design(self.design))
+
 
 @dataclass(frozen=True)
-class Download:
-    """Send a file.
-
-    Attributes:
-        name: of the file.
-        content: of the file.
-    """
+class Download(Effect):
+    """Send a file."""
 
     name: str
     content: bytes
 
-
-@dataclass(frozen=True)
-class Share:
-    """Show a link that opens a design, and put it where a visitor pastes from."""
-
-    design: Design
+    def do(self, outside: Outside) -> None:
+        outside.client.send_file_download(self.name, self.content, save_immediately=True)
 
 
 @dataclass(frozen=True)
-class Notify:
-    """Show a note that stays until it is closed.
-
-    Attributes:
-        title: in some words.
-        body: in a sentence.
-    """
+class Notify(Effect):
+    """Show a note that stays until it is closed: a title, and a sentence."""
 
     title: str
     body: str
 
-
-@dataclass(frozen=True)
-class ResetControls:
-    """Put the controls where the state has them: what was entered had to be corrected."""
+    def do(self, outside: Outside) -> None:
+        outside.note(self.title, self.body)
 
 
 @dataclass(frozen=True)
-class Play:
+class ResetControls(Effect):
+    """Put the controls where the state has them: the session does it where they are drawn."""
+
+
+@dataclass(frozen=True)
+class Share(Effect):
+    """Show a link that opens a design, and put it where a visitor pastes from."""
+
+    design: Design
+    after_drawing = True
+
+    def do(self, outside: Outside) -> None:
+        outside.link.share(dump_design(self.design))
+
+
+@dataclass(frozen=True)
+class Play(Effect):
     """Go on, from the start if at the end."""
 
+    after_drawing = True
+
+    def do(self, outside: Outside) -> None:
+        outside.link.play()
+
 
 @dataclass(frozen=True)
-class Pause:
+class Pause(Effect):
     """Stand still."""
 
+    after_drawing = True
+
+    def do(self, outside: Outside) -> None:
+        outside.link.pause()
+
 
 @dataclass(frozen=True)
-class Seek:
-    """Go to an instant.
-
-    Attributes:
-        time: s.
-    """
+class Seek(Effect):
+    """Go to an instant, s."""
 
     time: float
+    after_drawing = True
+
+    def do(self, outside: Outside) -> None:
+        outside.link.seek(self.time)
 
 
 @dataclass(frozen=True)
-class SetPlayback:
-    """Play at another speed.
-
-    Attributes:
-        speed: seconds of motion a second.
-        loop: start again at the end.
-    """
+class SetPlayback(Effect):
+    """Play so many seconds of motion a second, and start again at the end or not."""
 
     speed: float
     loop: bool
+    after_drawing = True
+
+    def do(self, outside: Outside) -> None:
+        outside.link.set_playback(self.speed, self.loop)
 
 
-Effect = (
-    Submit
-    | Stop
-    | LoadRobot
-    | After
-    | Keep
-    | Download
-    | Share
-    | Notify
-    | ResetControls
-    | Play
-    | Pause
-    | Seek
-    | SetPlayback
-)
-
-AFTER_DRAWING = (Share, Play, Pause, Seek, SetPlayback)
-"""Effects on the page that mean what it shows then, not what it showed before."""
+def loaded(name: str) -> RobotLoaded | RobotMissing:
+    """A robot that was prepared, or why it cannot be loaded."""
+    try:
+        robot = load_robot(name)
+        return RobotLoaded(robot, prepared=not needs_preparation(robot))
+    except Error as error:
+        return RobotMissing(name, str(error))

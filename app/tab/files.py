@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
-from app.motion.foreign_motion import bake_foreign
-from app.panel.export_controls import PLAN
-from app.tab.comparison import Pin, free_colour
-from app.tab.effects import Download, Notify, ResetControls, Submit
-from app.tab.events import ExportWanted, FileChosen, Reported
-from app.tab.known_motion import show_known
-from app.tab.lanes import Lane
-from app.tab.requests import plan_design, remember
-from app.tab.state import Known, TabState
-from app.tab.steps import Step, also, joined, with_files
+from app.motion.baked import bake_foreign
+from app.panel.acts import Act
+from app.panel.file_controls import PLAN, FileChoice
+from app.panel.panel import Panel
+from app.tab.acts import Step, on, reads, submit_beside
+from app.tab.effects import Download, Notify, Queue, Reported, Stop
+from app.tab.planning import plan_design, remember, show_given
+from app.tab.state import Given, Pin, TabState, free_colour
 from app.workers.opened_file import OpenedFile, States
 from app.workers.protocol import (
     Cancelled,
@@ -23,7 +21,6 @@ from app.workers.protocol import (
     Opened,
     OpenFile,
     Progress,
-    Report,
 )
 from llsrbm.errors import Error
 from llsrbm.formats import FORMATS
@@ -35,31 +32,39 @@ from llsrbm.request.design import Design, dump_design, file_name
 # ---- opening
 
 
+@dataclass(frozen=True, eq=False)
+class FileChosen:
+    """A file was opened, whatever it is: its name as the browser has it, and its content."""
+
+    name: str
+    content: bytes
+
+
+@on(FileChosen)
 def open_file(state: TabState, event: FileChosen) -> Step:
     """Have a file read."""
     fps = None
     if event.name.lower().endswith(".csv"):  # the others say their own
-        fps = event.rate
-        state = replace(state, csv_rate=True)
-    ticket = state.tickets + 1
+        fps = state.export.rate
+        state = replace(state, export=replace(state.export, rate_asked=True))
     task = OpenFile(event.name, event.content, state.design.jump.robot, fps)
-    state = with_files(replace(state, tickets=ticket), opening=ticket, opening_note="")
-    return state, (Submit(Lane.OPEN, ticket, task),)
+    state, effects = submit_beside(state, Queue.OPEN, task)
+    return state.with_files(opening=state.tickets, opening_note=""), effects
 
 
+@on(Queue.OPEN)
 def take_opening(state: TabState, event: Reported) -> Step:
-    """Take a report on the reading of a file."""
+    """A file is being read, or has been."""
     if event.ticket != state.files.opening:
         return state, ()
-    report: Report = event.report
-    if isinstance(report, Progress):
-        return with_files(state, opening_note=report.text), ()
-    state = with_files(state, opening=0, opening_note="")
-    if isinstance(report, Opened):
-        return show_file(state, report.file)
-    if isinstance(report, Failed):
-        return _refused(state, report.message)
-    return state, ()
+    match event.report:
+        case Progress(text=text):
+            return state.with_files(opening_note=text), ()
+        case Opened(file=file):
+            return show_file(state.with_files(opening=0, opening_note=""), file)
+        case Failed(message=message):
+            return _refused(state.with_files(opening=0, opening_note=""), message)
+    return state.with_files(opening=0, opening_note=""), ()
 
 
 def show_file(state: TabState, file: OpenedFile) -> Step:
@@ -106,8 +111,8 @@ def _show_motion(
     state: TabState, file: OpenedFile, design: Design, plan: Plan, rollout: Rollout | None = None
 ) -> Step:
     note = " ".join((f"Opened {file.name}.", *file.remarks))
-    known = Known(plan, rollout, f"from file {file.name}", note)
-    return show_known(remember(state, design, settled=True), known)
+    given = Given(plan, rollout, f"from file {file.name}", note)
+    return show_given(remember(state, design, settled=True), given)
 
 
 def _pin(
@@ -134,24 +139,37 @@ def _pin(
 # ---- saving
 
 
+@reads(Act.FILES)
+def _read_choice(state: TabState, panel: Panel) -> tuple[FileChoice, list[str]]:
+    return panel.files.fields.read(state.file_choice, state.file_choice)
+
+
+@on(FileChoice)
+def choose_formats(state: TabState, choice: FileChoice) -> TabState:
+    """Export otherwise; other formats come with options of their own."""
+    if choice.formats != state.export.formats:
+        choice = choice.with_own()
+    return replace(state, export=choice)
+
+
+@on(Act.SAVE)
 def save_design(state: TabState) -> Step:
     """Send the design as a file."""
     design = state.design
     return state, (Download(file_name(design), dump_design(design).encode()),)
 
 
-def export(state: TabState, event: ExportWanted) -> Step:
-    """Have what is chosen of the motion that is shown written."""
-    choice = event.choice
-    before = (
-        (Notify("Corrected", "; ".join(event.complaints)), ResetControls())
-        if event.complaints
-        else ()
-    )
-    rollout = state.rollout
+def _busy(state: TabState) -> bool:
+    return bool(state.files.saving_note or state.files.opening_note)
+
+
+@on(Act.EXPORT, enabled=lambda state: state.shown is not None and not _busy(state))
+def export(state: TabState) -> Step:
+    """Have the motion that is shown written in the chosen formats."""
+    choice, rollout = state.export, state.rollout
     motion = state.plan if rollout is None or choice.of == PLAN else rollout
     if motion is None:
-        return joined(before, (state, (Notify("Nothing to export", "There is no plan yet."),)))
+        return state, (Notify("Nothing to export", "There is no plan yet."),)
     for name in choice.formats:
         extra = FORMATS[name].extra
         if extra is not None and extra.missing:
@@ -159,27 +177,24 @@ def export(state: TabState, event: ExportWanted) -> Step:
                 f'format "{name}" needs packages that are not installed; expected pip install '
                 f'"llsrbm[{extra.name}]"'
             )
-            return joined(before, (state, (Notify("Not exported", body),)))
-    saved, ticket = ", ".join(choice.formats), state.tickets + 1
-    task = ExportMotion(motion, choice.formats, choice.zipped, choice.options)
-    state = with_files(
-        replace(state, tickets=ticket),
-        saving=ticket,
-        saved=saved,
-        saving_note=f"Exporting {saved} ...",
-    )
-    return also((state, before), Submit(Lane.SAVE, ticket, task))
+            return state, (Notify("Not exported", body),)
+    saved = ", ".join(choice.formats)
+    task = ExportMotion(motion, choice.formats, bool(choice.also), choice.options)
+    state, effects = submit_beside(state, Queue.SAVE, task)
+    note = f"Exporting {saved} ..."
+    return state.with_files(saving=state.tickets, saved=saved, saving_note=note), effects
 
 
+@on(Queue.SAVE)
 def take_saving(state: TabState, event: Reported) -> Step:
-    """Take a report on the writing of a file."""
+    """A file is being written, or has been."""
     files, report = state.files, event.report
     if event.ticket != files.saving:
         return state, ()
     if isinstance(report, Progress):
         waits = f" ({report.text})" if report.waiting else ""
-        return with_files(state, saving_note=f"Exporting {files.saved}{waits} ..."), ()
-    state = with_files(state, saving=0, saved="", saving_note="")
+        return state.with_files(saving_note=f"Exporting {files.saved}{waits} ..."), ()
+    state = state.with_files(saving=0, saved="", saving_note="")
     match report:
         case Exported(name=name, content=content):
             return state, (Download(name, content),)
@@ -188,3 +203,9 @@ def take_saving(state: TabState, event: Reported) -> Step:
         case Cancelled():
             return state, (Notify("Not exported", f"Stopped: {files.saved}"),)
     return state, ()
+
+
+@on(Act.STOP_FILES, visible=_busy)
+def stop_files(state: TabState) -> Step:
+    """Give up the file that is being read or written."""
+    return state, (Stop(Queue.OPEN), Stop(Queue.SAVE))

@@ -1,17 +1,17 @@
-"""Everything that waits for a session's thread, each reading of controls once."""
+"""Everything that waits for a session's thread, in order."""
 
 from __future__ import annotations
 
+import contextlib
 import queue
 import time
 from enum import Enum
+from typing import Any
 
-from app.link import PageEvent, PageReady
-from app.panel.actions import Action
-from app.picture.landing_handle import Grip
-from app.picture.push_handle import PushGrip
-from app.tab.controls import READ_ACTIONS
-from app.tab.events import Event
+from app.link import PageReady
+from app.panel.acts import Act, Button
+from app.picture.landing_handle import LandingDragged
+from app.picture.push_handle import PushDragged
 
 
 class End(Enum):
@@ -20,26 +20,25 @@ class End(Enum):
     END = 0
 
 
-Item = Event | Action | Grip | PushGrip | PageEvent | tuple[str, bytes] | End
-"""Events, and what becomes one when it is taken out; a name and content are a file."""
-
-
 class Inbox:
-    """`put` may be called from any thread, the rest by the session's."""
+    """Events, and acts that become one when they are taken out.
+
+    `put` may be called from any thread, the rest by the session's.
+    """
 
     def __init__(self) -> None:
         """Empty."""
-        self._queue: queue.SimpleQueue[Item] = queue.SimpleQueue()
-        self._held: list[Item] = []  # what came while the page was waited for
-        self._due: tuple[float, Event] | None = None  # s (monotonic clock), what happens then
+        self._queue: queue.SimpleQueue[Any] = queue.SimpleQueue()
+        self._held: list[Any] = []  # what came while the page was waited for
+        self._due: dict[type, tuple[float, Any]] = {}  # kind -> s (monotonic clock), event
 
-    def put(self, item: Item) -> None:
+    def put(self, item: Any) -> None:
         """Add something; returns at once."""
         self._queue.put(item)
 
-    def put_later(self, seconds: float, event: Event) -> None:
-        """Have an event happen later, in place of the one that was to happen later before."""
-        self._due = time.monotonic() + seconds, event
+    def put_later(self, seconds: float, event: Any) -> None:
+        """Have an event happen later, in place of the one of its kind that was to happen later."""
+        self._due[type(event)] = time.monotonic() + seconds, event
 
     @property
     def ended(self) -> bool:
@@ -60,35 +59,37 @@ class Inbox:
             if item is End.END:
                 return None
 
-    def take(self) -> list[Item]:
+    def take(self) -> list[Any]:
         """Everything that has happened; waits until something has, or is due."""
         items, self._held = self._held, []
         if not items:
-            wait = None if self._due is None else max(0.0, self._due[0] - time.monotonic())
-            try:
-                items = [self._queue.get(timeout=wait)]
-            except queue.Empty:
-                assert self._due is not None
-                (_, event), self._due = self._due, None
-                return [event]
+            first = min((at for at, _ in self._due.values()), default=None)
+            wait = None if first is None else max(0.0, first - time.monotonic())
+            with contextlib.suppress(queue.Empty):
+                items.append(self._queue.get(timeout=wait))
         while True:
             try:
                 item = self._queue.get_nowait()
             except queue.Empty:
-                return items
-            # The latest of its kind counts; every press of a button does.
-            if isinstance(item, Action) and item in READ_ACTIONS and item in items:
-                items.remove(item)
-            elif _outdated(items[-1], item):
+                break
+            if items and _outdated(items[-1], item):
                 items.pop()
             items.append(item)
+        return items + self._due_by_now()
+
+    def _due_by_now(self) -> list[Any]:
+        now = time.monotonic()
+        kinds = [kind for kind, (at, _) in self._due.items() if at <= now]
+        return [self._due.pop(kind)[1] for kind in kinds]
 
 
-def _outdated(before: Item, after: Item) -> bool:
-    """Whether a handle has been moved on; that it was let go of counts, whatever comes next."""
+def _outdated(before: Any, after: Any) -> bool:
+    """Whether the latest of its kind counts: not over something else that happened between."""
     match before, after:
-        case Grip(), Grip():
+        case Act(), Act():  # controls are read as they stand when the act is taken
+            return before is after and not isinstance(before.value, Button)
+        case LandingDragged(), LandingDragged():
             return True
-        case PushGrip(ended=ended), PushGrip():
+        case PushDragged(ended=ended), PushDragged():
             return not ended
     return False

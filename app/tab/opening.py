@@ -1,38 +1,59 @@
-"""How a tab begins: with a kept design, a shared one, a file, or the example of the first robot."""
+"""The beginning of a tab, and its coming back: kept or shared designs, files, examples."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
-from app.link import PageReady
+from app.link import PageReady, PlaybackChosen, PlayerMoved
 from app.tab import files
+from app.tab.acts import Step, joined, on, submit, submit_beside
 from app.tab.drag_planning import REST
-from app.tab.effects import After, Effect, LoadRobot, Notify, Play, Seek, SetPlayback, Submit
-from app.tab.events import Opened, Rested
-from app.tab.known_motion import show_known
-from app.tab.lanes import Lane
-from app.tab.requests import plan_design
-from app.tab.state import FileWork, Known, TabState
-from app.tab.steps import Step, joined, submit, with_work
+from app.tab.effects import After, Effect, LoadRobot, Notify, Play, Queue, Seek, SetPlayback
+from app.tab.planning import Rested, plan_design, show_given
+from app.tab.state import FileWork, Given, TabState
+from app.workers.opened_file import OpenedFile
 from app.workers.protocol import Prepare, SimulateSeeds
+from llsrbm.motion.plan import Plan
 from llsrbm.request.design import Design
 from llsrbm.request.jump import Jump
 from llsrbm.robots import RobotFile
 
 
 def first_state(robots: Mapping[str, RobotFile]) -> TabState:
-    """A tab of which nothing is known yet: the example of the first robot is asked for."""
+    """A tab of which nothing is known yet: the example of the first robot."""
     return TabState(robots, example_design(robots[Jump().robot]))
 
 
 def example_design(file: RobotFile) -> Design:
-    """The jump that shows what a robot can do."""
+    """The example of a robot."""
     return Design(Jump(robot=file.name, **file.example.model_dump()))
 
 
-def open_tab(state: TabState, event: Opened) -> Step:
-    """Show a jump at once, and have planned what is asked for."""
+@dataclass(frozen=True, eq=False)
+class TabOpened:
+    """The tab begins.
+
+    Attributes:
+        design: which the browser kept, or a link holds; None: the example of the first robot.
+        plan: the example's, if it is known.
+        file: with which every tab of this server begins.
+        complaints: on the design that the browser kept.
+        time: s, where the page's motion was with another server; 0: it had none.
+        playing: whether it moved.
+    """
+
+    design: Design | None = None
+    plan: Plan | None = None
+    file: OpenedFile | None = None
+    complaints: tuple[str, ...] = ()
+    time: float = 0.0
+    playing: bool = False
+
+
+@on(TabOpened)
+def open_tab(state: TabState, event: TabOpened) -> Step:
+    """Show a jump at once, and plan the design."""
     before: tuple[Effect, ...] = ()
     playback = replace(state.playback, time=event.time, playing=event.playing)
     state = replace(state, playback=playback)
@@ -47,7 +68,7 @@ def open_tab(state: TabState, event: Opened) -> Step:
         return joined(before, plan_design(replace(state, design=event.design)))
     if event.plan is None:
         return joined(before, plan_design(state))
-    return joined(before, show_known(state, Known(event.plan)))
+    return joined(before, show_given(state, Given(event.plan)))
 
 
 # ---- coming back
@@ -73,27 +94,60 @@ def resume(state: TabState, page: PageReady, tickets: int = 0) -> Step:
         playback = replace(state.playback, time=page.time, playing=page.playing)
         state = replace(state, playback=playback)
     tickets = max(tickets, state.tickets)
-    state = with_work(replace(state, tickets=tickets), dropped=tickets)
+    state = replace(state, tickets=tickets).with_work(dropped=tickets)
     work = state.work
     begun: tuple[Effect, ...] = ()
     if work.awaited is not None:
         if state.seeds is not None and isinstance(work.awaited, SimulateSeeds):
             state = replace(state, seeds=replace(state.seeds, results=()))
         state, begun = submit(state, work.awaited)
-    elif state.known is not None:
-        begun = (LoadRobot(state.known.plan.jump.robot),)
+    elif state.given is not None:
+        begun = (LoadRobot(state.given.plan.jump.robot),)
     elif not state.ready:
         state, begun = plan_design(state)
     elif work.dragging.rests:
         begun = (After(REST, Rested(work.dragging.rest)),)
     robot = state.robot
     if robot is not None and not state.prepared:
-        ticket = state.tickets + 1
-        state = replace(state, tickets=ticket)
-        begun = (*begun, Submit(Lane.ROBOT, ticket, Prepare(robot.name)))
+        state, meshes = submit_beside(state, Queue.ROBOT, Prepare(robot.name))
+        begun = (*begun, *meshes)
     if state.shown is None:
         return state, begun
     play = (Play(),) if state.playback.playing else ()
     playback = state.playback
     pace = SetPlayback(playback.speed, playback.loop)
     return state, (*begun, pace, Seek(playback.time), *play)
+
+
+# ---- the page
+
+
+@on(PageReady)
+def meet_page(state: TabState, page: PageReady) -> TabState:
+    """The page's scripts run."""
+    return replace(state, page=True, fine=not page.software)
+
+
+@on(PlayerMoved)
+def follow_player(state: TabState, event: PlayerMoved) -> TabState:
+    """The motion plays, or stands, at another instant."""
+    return replace(state, playback=replace(state.playback, time=event.time, playing=event.playing))
+
+
+@on(PlaybackChosen)
+def choose_playback(state: TabState, event: PlaybackChosen) -> TabState:
+    """Speed and repetition were chosen."""
+    return replace(state, playback=replace(state.playback, speed=event.speed, loop=event.loop))
+
+
+@dataclass(frozen=True)
+class Remarked:
+    """Something has happened to the server's processes: a sentence for every tab."""
+
+    remark: str
+
+
+@on(Remarked)
+def pass_on(state: TabState, event: Remarked) -> Step:
+    """Note it on the page."""
+    return state, (Notify("The server", event.remark),)

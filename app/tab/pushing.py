@@ -7,15 +7,18 @@ from dataclasses import replace
 
 import numpy as np
 
-from app.motion.push_arrow import metres_per_newton_second, trunk_com
-from app.picture.push_handle import PushShown
-from app.tab import requests
+from app.motion.baked import metres_per_newton_second, trunk_com
+from app.panel.acts import Act
+from app.panel.panel import Panel
+from app.picture.push_handle import PushDragged, PushShown
+from app.tab.acts import Step, kept, on, reads
 from app.tab.effects import Pause, Seek
-from app.tab.events import PushDragged, ScenarioChosen, SimulateWanted
+from app.tab.planning import remember
+from app.tab.simulating import simulate
 from app.tab.state import TabState
-from app.tab.steps import Step, with_work
 from app.workers.protocol import SimulateJump, SimulateSeeds
 from llsrbm.request.push import DURATION, LARGEST_IMPULSE, Push
+from llsrbm.request.scenario import Scenario
 
 USUAL_SPEED = 0.3
 """m/s that a push gives the robot, to begin with: seen, and survived."""
@@ -24,24 +27,33 @@ _LEAST = 0.05  # N s; a smaller push is a click that nobody dragged
 _DECIMALS = 1  # of a dragged impulse, N s
 
 
-def choose_scenario(state: TabState, event: ScenarioChosen) -> Step:
+@reads(Act.SCENARIO)
+def _read_scenario(state: TabState, panel: Panel) -> tuple[Scenario, list[str]]:
+    return panel.scenario.fields.read(state.design.scenario, state.file)
+
+
+@on(Scenario)
+def choose_scenario(state: TabState, scenario: Scenario) -> Step:
     """Simulate in another scenario from now on; a push that is new begins where the page stands."""
-    scenario, before = event.scenario, state.design.scenario.pushes
-    if not scenario.pushes or (before and before[0].time == scenario.pushes[0].time):
-        return requests.choose_scenario(state, event)
+    before = state.design.scenario
+    if before.seed is not None and scenario.seed is None:
+        state = replace(state, noise=before.noise)
+    elif before.seed is None and scenario.seed is not None and state.noise is not None:
+        scenario = replace(scenario, noise=state.noise)  # disturbed again, as much as before
+    if not scenario.pushes or (before.pushes and before.pushes[0].time == scenario.pushes[0].time):
+        return kept(remember(state, replace(state.design, scenario=scenario)))
     first, *others = scenario.pushes
-    if not before:
+    if not before.pushes:
         first = _first_push(state, first)
-    step = requests.choose_scenario(
-        state, replace(event, scenario=replace(scenario, pushes=(first, *others)))
-    )
-    state, effects = step
+    scenario = replace(scenario, pushes=(first, *others))
+    state, effects = kept(remember(state, replace(state.design, scenario=scenario)))
     state = replace(state, history=replace(state.history, changing=()))
     if state.shown is None:
         return state, effects
     return state, (*effects, Pause(), Seek(first.time))
 
 
+@on(PushDragged)
 def drag_push(state: TabState, event: PushDragged) -> Step:
     """Have the push that is drawn; simulate it when it is let go of."""
     scenario = state.design.scenario
@@ -54,12 +66,12 @@ def drag_push(state: TabState, event: PushDragged) -> Step:
     x, y, z = (math.trunc(share * value * 10**_DECIMALS) / 10**_DECIMALS for value in event.impulse)
     push = Push(event.time, (x, y, z), first.moment)
     scenario = replace(scenario, pushes=(push, *others))
-    state = requests.remember(state, replace(state.design, scenario=scenario))
+    state = remember(state, replace(state.design, scenario=scenario))
     if not event.ended:
         return state, ()
     state = replace(state, history=replace(state.history, changing=()))
-    state, effects = requests.simulate(state, SimulateWanted())
-    return with_work(state, replay_from=replay_start(state)), effects
+    state, effects = simulate(state)
+    return state.with_work(replay_from=replay_start(state)), effects
 
 
 def replay_start(state: TabState) -> float:
@@ -69,7 +81,7 @@ def replay_start(state: TabState) -> float:
 
 
 def push_shown(state: TabState) -> PushShown | None:
-    """The push as it is drawn to be dragged; None: it is not asked for, or something moves."""
+    """The push as it is drawn to be dragged; None: there is none, or something moves."""
     shown, robot, pushes = state.shown, state.robot, state.design.scenario.pushes
     if not pushes or shown is None or robot is None or not state.ready or not shown.plan.solved:
         return None

@@ -4,38 +4,38 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from typing import Any
 
 import viser
 
 from app.link import PageLink
 from app.motion import colours
-from app.motion.foreign_motion import ForeignMotion
-from app.panel.actions import Act
-from app.panel.comparison_table import Column
+from app.motion.baked import ForeignMotion
+from app.panel.acts import Act
+from app.panel.comparison import Column
+from app.panel.file_controls import FileChoice
 from app.panel.jump_controls import titled
 from app.panel.panel import Panel
-from app.panel.summaries import seeds_table
-from app.panel.view_controls import configure_theme
-from app.picture.landing_handle import Grip, LandingHandle
+from app.panel.view_controls import View, configure_theme
+from app.picture.landing_handle import LandingHandle
 from app.picture.overlays.landing_marks import LandingMarks
 from app.picture.picture import Picture
-from app.picture.push_handle import PushGrip, PushHandle
+from app.picture.push_handle import PushHandle
 from app.picture.scene import Scene
 from app.plots.charts import Layer, shown_layers
-from app.plots.plots import PlotChoice, Plots
-from app.tab.atlas_drawing import AtlasDrawing
-from app.tab.atlases import Atlases
-from app.tab.comparison import free_colour
-from app.tab.events import Event, JumpChosen, ScenarioChosen, ViewChosen
+from app.plots.plots import Plots
+from app.tab.acts import is_enabled, is_visible
+from app.tab.atlas import AtlasDrawing, Atlases
 from app.tab.pushing import push_shown
-from app.tab.state import Shown, TabState, View
-from app.workers.protocol import SimulateJump
+from app.tab.simulating import status_of
+from app.tab.state import Shown, TabState
 from llsrbm.analysis.figures import figures_of_plan
 from llsrbm.look.timeline import timeline
 from llsrbm.look.titles import Decisions, titles_of
 from llsrbm.motion.rollout import Rollout
 from llsrbm.request.design import Design
-from llsrbm.request.push import Push
+from llsrbm.request.jump import Jump
+from llsrbm.request.scenario import Scenario
 
 
 class Rendering:
@@ -55,12 +55,8 @@ class Rendering:
         examples: Mapping[str, Design],
         atlases: Atlases,
         *,
-        act: Act,
-        choose_example: Callable[[Design], None],
+        put: Callable[[Any], None],
         open_file: Callable[[str, bytes], None],
-        choose_plots: Callable[[PlotChoice], None],
-        drag_target: Callable[[Grip], None],
-        drag_push: Callable[[PushGrip], None],
     ) -> None:
         """Build what every tab has, whatever its state.
 
@@ -69,51 +65,57 @@ class Rendering:
             link: to the scripts in its page.
             state: to begin with; it is drawn by `draw`.
             examples, atlases: to choose from.
-            act, choose_example, open_file, choose_plots, drag_target, drag_push: called on viser's
-                event loop with what the visitor does; must return at once.
+            put, open_file: called on viser's event loop with what the visitor does; must return at
+                once.
         """
         self._client = client
         self._link = link
         self.panel = Panel(
             client,
             state.design,
+            state.view,
             state.robots,
             examples,
-            state.view.layers,
             atlases.names,
-            act=act,
-            choose_example=choose_example,
+            put=put,
+            choose_example=put,
             open_file=open_file,
         )
         link.arrange(self.panel.arrangement)
         self.atlas = AtlasDrawing(self.panel.atlas, link, atlases)
         with self.panel.plots_tab:
-            self._plots = Plots(client, choose_plots)
+            self._plots = Plots(client, put)
         self._scene = Scene(client)
-        self._handle = LandingHandle(client, drag_target)
-        self._push = PushHandle(client, drag_push)
+        self._handle = LandingHandle(client, put)
+        self._push = PushHandle(client, put)
         self._drawn: TabState | None = None
         # Where the controls stand, as far as they were read or set: what a hand is moving must not
         # be set to where it was a moment ago.
         self._controls: Design = state.design
         self._view: View = state.view
-        self._figures_of: tuple[object, object] = (None, None)
+        self._scenario: Scenario = state.design.scenario  # that is drawn
+        self._choice: FileChoice | None = None
+        self._buttons: dict[Act, tuple[bool, bool]] = {}
+        self._numbers_of: tuple[Any, ...] = ()
+        self._compared: tuple[Any, ...] = ()
         self._layers: tuple[Layer, ...] = ()
 
-    def note(self, event: Event) -> None:
+    def note(self, event: Any) -> None:
         """Take note of where the controls stand: the event was read from them."""
         match event:
-            case JumpChosen(jump, tuning):
-                tuning = self._controls.tuning if tuning is None else tuning
-                self._controls = replace(self._controls, jump=jump, tuning=tuning)
-            case ScenarioChosen(scenario):
-                self._controls = replace(self._controls, scenario=scenario)
-            case ViewChosen(layers, night):
-                self._view = replace(self._view, layers=layers, night=night)
+            case Jump():
+                self._controls = replace(self._controls, jump=event)
+            case Scenario():
+                self._controls = replace(self._controls, scenario=event)
+            case View():
+                self._view = event
+            case FileChoice():
+                self._choice = event
 
     def reset_controls(self, state: TabState) -> None:
         """Put the controls where the state has them, wherever they were read."""
         self._show_design(state, anew=True)
+        self.panel.files.show_choice(state.file_choice, anew=True)
 
     def draw(self, state: TabState) -> None:
         """Draw what has changed."""
@@ -122,8 +124,10 @@ class Rendering:
             return
         self._drawn = state
         with self._client.atomic():
+            picture = picture_of(state)
             self._draw_panel(state, before)
-            self._draw_picture(state)
+            self.panel.view.show_legend(picture)
+            self._draw_picture(state, picture)
             self._draw_numbers(state)
             self.atlas.draw(state)
         # viser would gather messages for up to a sixtieth of a second.
@@ -132,43 +136,32 @@ class Rendering:
     # ---- panel
 
     def _draw_panel(self, state: TabState, before: TabState | None) -> None:
+        """Set what the panel shows; viser sends what has changed of it."""
         panel = self.panel
-        if before is None or state.status is not before.status:
-            panel.show_status(state.status)
-        panel.show_busy(state.status.busy or state.files.saving > 0)
-        if before is None or state.history is not before.history:
-            panel.show_history(back=bool(state.history.back), forth=bool(state.history.forth))
+        panel.show_status(status_of(state))
         nearest = state.work.nearest
-        if before is None or nearest is not before.work.nearest:
-            panel.offer_nearest(None if nearest is None else nearest.changes)
+        panel.offer_nearest(None if nearest is None else nearest.changes)
+        buttons = {act: (is_enabled(act, state), is_visible(act, state)) for act in panel.buttons}
+        for act, (enabled, visible) in buttons.items() - self._buttons.items():
+            panel.buttons[act].disabled = not enabled
+            panel.buttons[act].visible = visible
+        self._buttons = buttons
         self._show_design(state, anew=before is not None and state.file is not before.file)
-        if before is None or (state.note, state.design.title, state.csv_rate) != (
-            before.note,
-            before.design.title,
-            before.csv_rate,
-        ):
-            panel.designs.show(state.design.title, state.note, rate=state.csv_rate)
-        if before is None or state.files is not before.files or state.shown is not before.shown:
-            busy = state.files.saving_note or state.files.opening_note
-            panel.export.show(there=state.shown is not None, busy=busy)
-        if before is None or (state.rollout is None) != (before.rollout is None):
-            panel.export_options.show(simulated=state.rollout is not None)
-        if before is None or _legend(state) != _legend(before):
-            simulated, pushed, replans = _legend(state)[1]
-            panel.view.show_legend(
-                state.view.layers, simulated=simulated, pushed=pushed, replans=replans
-            )
-        if before is None or state.seeds is not before.seeds:
-            seeds = state.seeds
+        panel.files.show_design(state.design.title, state.note)
+        panel.files.show_busy(state.files.saving_note or state.files.opening_note)
+        choice = state.file_choice
+        if before is None or choice != before.file_choice:
+            panel.files.show_choice(choice, anew=choice != self._choice)
+            self._choice = choice
+        seeds = state.seeds
+        if before is None or seeds is not before.seeds:
             worst = None if seeds is None or seeds.worst is None else seeds.worst.scenario.seed
-            panel.simulation.show_seeds(
-                "" if seeds is None else seeds_table(seeds.results, worst), worst=worst is not None
-            )
+            panel.scenario.show_seeds(() if seeds is None else seeds.results, worst)
         if state.view.night != (before is not None and before.view.night):
             configure_theme(self._client.gui, dark=state.view.night)
-        if (state.view.layers, state.view.night) != (self._view.layers, self._view.night):
-            panel.view.show(state.view.layers, night=state.view.night)
+        if state.view != self._view:
             self._view = state.view
+            panel.view.fields.show(state.view, None)
 
     def _show_design(self, state: TabState, *, anew: bool) -> None:
         """Put the controls where the design has them, as far as they stand elsewhere."""
@@ -178,9 +171,12 @@ class Rendering:
         if anew or design.jump != controls.jump:
             panel.jump.show(design.jump)
         elif other_types:  # sliders stay where a hand may just have put them
-            panel.jump.show_asked(design.jump)
+            panel.jump.show_type(design.jump)
         if anew or design.scenario != controls.scenario:
-            panel.simulation.show(design.scenario, state.file)
+            panel.scenario.fields.show(design.scenario, state.file)
+        elif design.scenario is not self._scenario:
+            panel.scenario.fields.show_there(design.scenario)
+        self._scenario = design.scenario
         if robot is not None and panel.tuning.show_robot(robot, design.jump.type):
             anew = True
         if robot is not None and (anew or design.tuning != controls.tuning):
@@ -190,8 +186,8 @@ class Rendering:
 
     # ---- picture
 
-    def _draw_picture(self, state: TabState) -> None:
-        clip = self._scene.draw(picture_of(state))
+    def _draw_picture(self, state: TabState, picture: Picture) -> None:
+        clip = self._scene.draw(picture)
         if clip is not None:
             shown = state.shown
             events = None if shown is None else timeline(shown.plan, state.rollout)
@@ -207,28 +203,26 @@ class Rendering:
 
     def _draw_numbers(self, state: TabState) -> None:
         shown = state.shown
-        if state.planning and shown is not None:
+        wanted = (state.pins, state.pin_chosen, state.plots)
+        if state.planning and shown is not None and wanted == self._numbers_of:
             return  # the next plan follows soon: only what is seen at a glance is drawn
-        if (shown, state.pins) != self._figures_of:
-            self._figures_of = (shown, state.pins)
-            self._layers = ()
-            if shown is None:
-                self.panel.show_figures(None, None)
-                self.panel.compare.show(None, (), -1, full=False)
-            else:
-                self._compare(state, shown)
-        elif shown is not None and self.panel.compare.chosen != state.pin_chosen:
+        self._numbers_of = wanted
+        compared = (shown, state.pins, state.pin_chosen)
+        if compared != self._compared:
+            self._compared = compared
             self._compare(state, shown)
         end = 0.0 if shown is None else float(timeline(shown.plan, state.rollout).end)
         self._plots.draw(self._layers, end, state.plots, moving=False)
 
-    def _compare(self, state: TabState, shown: Shown) -> None:
+    def _compare(self, state: TabState, shown: Shown | None) -> None:
+        if shown is None:
+            self._layers = ()
+            self.panel.show_figures(None, None)
+            self.panel.comparison.show(None, (), -1)
+            return
         rollout = shown.rollout
-        current: Decisions = (
-            shown.plan.jump,
-            shown.plan.tuning,
-            None if rollout is None else rollout.scenario,
-        )
+        scenario = None if rollout is None else rollout.scenario
+        current: Decisions = (shown.plan.jump, shown.plan.tuning, scenario)
         decisions = [pin.decisions for pin in state.pins]
         known = [current, *(each for each in decisions if each is not None)]
         title, *titles = titles_of(
@@ -243,11 +237,9 @@ class Rendering:
         self._layers = tuple(layers)
         self.panel.show_figures(shown.plan, rollout)
         colour = colours.PLANNED if rollout is None else colours.SIMULATED
-        self.panel.compare.show(
-            Column(title, colour, figures_of_plan(shown.plan, rollout), _recovered(rollout)),
-            columns,
-            state.pin_chosen,
-            full=free_colour(state.pins) is None,
+        figures = figures_of_plan(shown.plan, rollout)
+        self.panel.comparison.show(
+            Column(title, colour, figures, _recovered(rollout)), columns, state.pin_chosen
         )
 
 
@@ -259,23 +251,15 @@ def picture_of(state: TabState) -> Picture:
         planned=None if shown is None else shown.planned,
         simulated=None if shown is None else shown.solid,
         rollout=state.rollout,
-        pushes=_pushes(state),
+        pushes=state.pushes,
         blocks=() if shown is None else shown.blocks,
         ghosts=tuple(pin.ghost for pin in state.pins),
         layers=view.layers,
         target=state.design.jump,
         night=view.night,
-        fine=view.fine,
+        fine=state.fine,
         prepared=state.prepared,
     )
-
-
-def _legend(state: TabState) -> tuple[frozenset[str], tuple[bool, bool, bool]]:
-    """What the legend is of: overlays; whether simulated, pushed, and planned anew."""
-    rollout = state.rollout
-    if rollout is None:
-        return state.view.layers, (False, False, False)
-    return state.view.layers, (True, bool(_pushes(state)), rollout.scenario.replan)
 
 
 def _recovered(rollout: Rollout | None) -> bool | None:
@@ -283,13 +267,3 @@ def _recovered(rollout: Rollout | None) -> bool | None:
     if rollout is None or not rollout.pushes:
         return None
     return rollout.outcome.recovered
-
-
-def _pushes(state: TabState) -> tuple[Push, ...]:
-    """Pushes of the simulation that is shown."""
-    shown, task = state.shown, state.work.awaited
-    if shown is None:
-        return ()
-    if shown.so_far is not None and isinstance(task, SimulateJump):
-        return task.scenario.pushes
-    return () if shown.rollout is None else shown.rollout.pushes

@@ -7,8 +7,8 @@ Two threads have to do with a tab:
 - The session's own thread, one for each tab. It alone has the state, reads and sets controls,
   draws, submits to the pool and loads robots. The pool passes results by putting into `inbox`.
 
-A browser may skip values while a slider moves, so a callback only says what was done (`Action`);
-the thread reads the controls as they stand then. The latest counts.
+A browser may skip values while a slider moves, so a callback only says what was done (`Act`); the
+thread reads the controls as they stand then.
 """
 
 from __future__ import annotations
@@ -16,35 +16,24 @@ from __future__ import annotations
 import logging
 import threading
 from collections.abc import Callable, Mapping
+from typing import Any
 
 import viser
 
 from app.link import AtlasClicked, ClipTaken, PageLink, PageReady
-from app.panel.actions import Action
-from app.picture.landing_handle import Grip
-from app.picture.push_handle import PushGrip
-from app.tab.atlases import Atlases
-from app.tab.controls import event_of
-from app.tab.effects import AFTER_DRAWING, Effect, Notify, ResetControls
-from app.tab.events import (
-    DesignChosen,
-    Event,
-    FileChosen,
-    Opened,
-    PlotsChosen,
-    PushDragged,
-    Remarked,
-    RobotLoaded,
-    TargetDragged,
-)
-from app.tab.inbox import End, Inbox, Item
+from app.panel.acts import Act
+from app.panel.status import Status, Verdict
+from app.tab.acts import Corrected, Step, event_of, update
+from app.tab.atlas import Atlases
+from app.tab.effects import Effect, Notify, Outside, ResetControls, RobotLoaded, loaded
+from app.tab.files import FileChosen
+from app.tab.inbox import End, Inbox
 from app.tab.initial_plan import InitialPlans
-from app.tab.opening import first_state, left, resume
-from app.tab.outside import Outside, loaded
+from app.tab.opening import Remarked, TabOpened, first_state, left, resume
+from app.tab.planning import draw_robot
 from app.tab.rendering import Rendering
-from app.tab.results import draw_robot
 from app.tab.state import TabState
-from app.tab.update import update
+from app.viser_private import run_javascript
 from app.workers.opened_file import uploaded_design
 from app.workers.pool import WorkerPool
 from llsrbm.errors import InputError
@@ -54,7 +43,7 @@ from llsrbm.request.design import Design, examples
 from llsrbm.robots import RobotFile
 
 # Until a tab begins without its page's scripts, which answer when they are shown, s.
-_PAGE_PATIENCE = 1.5
+_PAGE_ANSWERS = 1.5
 
 _log = logging.getLogger(__name__)
 
@@ -63,7 +52,8 @@ class Session:
     """A tab's state and its thread.
 
     Attributes:
-        token: by which the page is known again when it comes back; None: it has not said.
+        token: by which the page is known again when it comes back; None: unknown.
+        superseded: another session goes on with its state.
         failed: a defect has ended it.
     """
 
@@ -101,6 +91,7 @@ class Session:
             target=self._run, name=f"session-{client.client_id}", daemon=True
         )
         self.token: str | None = None
+        self.superseded = False
         self.failed = False
         self.state = first_state(robots)
         self._outside: Outside | None = None
@@ -161,15 +152,22 @@ class Session:
         except Exception:  # noqa: BLE001  # whatever it is, the page says so
             self.failed = True
             _log.exception("the session of tab %d has failed", self._client.client_id)
-            self._client.add_notification(
-                "This page has failed",
-                "A defect of the designer; reload the page. The terminal has the details.",
-                color="red",
-            )
+            self._show_failure()
         finally:
             if self._outside is not None:
                 self._outside.give_up()
             self._ended(self)
+
+    def _show_failure(self) -> None:
+        """In place of controls that do nothing any more, a button that reloads the page."""
+        gui = self._client.gui
+        gui.reset()
+        line = "by a defect of the designer. The terminal has the details."
+        gui.add_html(Status(Verdict.FAILED, line).html)
+
+        @gui.add_button("Reload").on_click
+        async def _(_: viser.GuiEvent[Any]) -> None:
+            run_javascript(self._client, "window.location.reload()")
 
     def _build(self) -> bool:
         """Draw what every tab begins with, then its own; False: it has gone meanwhile."""
@@ -182,12 +180,8 @@ class Session:
             self.state,
             examples(),
             self._atlases,
-            act=put,
-            choose_example=lambda design: put(DesignChosen(design)),
-            open_file=lambda name, content: put((name, content)),
-            choose_plots=lambda choice: put(PlotsChosen(choice)),
-            drag_target=put,
-            drag_push=put,
+            put=put,
+            open_file=lambda name, content: put(FileChosen(name, content)),
         )
         name = self.state.design.jump.robot
         if self._initial.file is None and self._initial.plan(name) is not None:
@@ -196,7 +190,7 @@ class Session:
             if isinstance(robot, RobotLoaded):
                 self._take(draw_robot(self.state, robot))
         self._rendering.draw(self.state)
-        page = self._inbox.wait_for_page(_PAGE_PATIENCE)
+        page = self._inbox.wait_for_page(_PAGE_ANSWERS)
         if self._inbox.ended:
             return False
         self._begin(page)
@@ -219,7 +213,7 @@ class Session:
         self._open_shared(page)
         return True
 
-    def _opened(self, page: PageReady | None) -> Opened:
+    def _opened(self, page: PageReady | None) -> TabOpened:
         complaints: list[str] = []
         design = None
         for text, name in (
@@ -235,7 +229,7 @@ class Session:
         # A link was chosen for what it holds.
         file = None if page is not None and page.shared is not None else self._initial.file
         time, playing = (0.0, False) if page is None else (page.time, page.playing)
-        return Opened(design, plan, file, tuple(complaints), time, playing)
+        return TabOpened(design, plan, file, tuple(complaints), time, playing)
 
     def _meet(self, page: PageReady) -> None:
         """The page's scripts run, or miss something."""
@@ -262,7 +256,7 @@ class Session:
             self._do(effect)
         return True
 
-    def _take(self, step: tuple[TabState, tuple[Effect, ...]]) -> None:
+    def _take(self, step: Step) -> None:
         """Have a step's state, and draw it before what has to be done on what is drawn."""
         assert self._rendering is not None
         self.state, effects = step
@@ -271,33 +265,24 @@ class Session:
         for effect in later:
             self._do(effect)
 
-    def _event_of(self, item: Item) -> Event | None:
-        rendering = self._rendering
-        assert rendering is not None
+    def _event_of(self, item: Any) -> Any:
+        """The event that an item means; None: there is nothing to update."""
+        assert self._rendering is not None
+        assert self._outside is not None
         match item:
-            case Action():
-                event = event_of(item, self.state, rendering.panel)
-                rendering.note(event)
+            case Act():
+                event = event_of(item, self.state, self._rendering.panel)
+                self._rendering.note(event.event if isinstance(event, Corrected) else event)
                 return event
-            case Grip():
-                return TargetDragged(item.applied_to(self.state.design.jump, self.state.file.task))
-            case PushGrip(time, impulse, ended):
-                return PushDragged(time, impulse, ended)
             case ClipTaken():
-                assert self._outside is not None
                 self._outside.link.take(item)
                 return None
             case PageReady():  # its address has got another design, or it was slow to answer
                 self._greet_late(item)
                 return None
             case AtlasClicked():
-                return rendering.atlas.opened(item)
-            case (str(name), bytes(content)):
-                return FileChosen(name, content, rendering.panel.designs.read_rate())
-            case End():
-                return None
-            case _:
-                return item
+                return self._rendering.atlas.opened(item)
+        return item
 
     def _greet_late(self, page: PageReady) -> None:
         if self.state.page:
@@ -319,16 +304,16 @@ class Session:
             except InputError as error:
                 self._do(Notify("Not opened", str(error)))
             else:
-                self._inbox.put(DesignChosen(design))
+                self._inbox.put(design)
 
     # ---- effects
 
     def _do_now(self, effects: tuple[Effect, ...]) -> list[Effect]:
         """Do what need not wait for the picture; the rest."""
         for effect in effects:
-            if not isinstance(effect, AFTER_DRAWING):
+            if not effect.after_drawing:
                 self._do(effect)
-        return [effect for effect in effects if isinstance(effect, AFTER_DRAWING)]
+        return [effect for effect in effects if effect.after_drawing]
 
     def _do(self, effect: Effect) -> None:
         assert self._outside is not None
@@ -336,4 +321,4 @@ class Session:
         if isinstance(effect, ResetControls):
             self._rendering.reset_controls(self.state)
         else:
-            self._outside.carry_out(effect)
+            effect.do(self._outside)

@@ -1,30 +1,37 @@
 """Everything that is known of one tab, as a value: `TabState`.
 
-Nothing else holds a fact about a tab. Events change it (`app.tab.update`), the picture, the
-panel and the plots are drawn from it (`app.tab.rendering`), and it is what stays for some
-minutes when a connection ends (`app.tab.tabs`).
+Nothing else holds a fact about a tab. Events change it (`app.tab.acts`), the picture, the
+panel and the plots are drawn from it (`app.tab.rendering`), and it stays for some minutes when a
+connection ends (`app.tab.tabs`).
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
-from typing import Literal
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any, Literal
 
+from app.motion import colours
+from app.motion.baked import ForeignMotion, PlannedMotion, SimulatedMotion
+from app.motion.colours import Rgb
 from app.motion.frames import Frames
-from app.motion.planned_motion import PlannedMotion
-from app.motion.simulated_motion import SimulatedMotion
-from app.panel.atlas_choice import AtlasChoice
-from app.panel.status import Status, Word
-from app.picture.overlays import AT_FIRST
+from app.panel.atlas_controls import AtlasChoice
+from app.panel.file_controls import FileChoice
+from app.panel.status import Status, Verdict
+from app.panel.view_controls import View
+from app.picture.picture import Ghost
 from app.plots.choice import DEFAULT, PlotChoice
-from app.tab.comparison import Pin
 from app.tab.drag_planning import DragPlanning
-from app.workers.protocol import Nearest, PlanJump, SeedResult
+from app.workers.protocol import Nearest, PlanJump, SeedResult, SimulateJump
 from app.workers.task import Task
+from llsrbm.analysis.figures import DesignFigures, figures_of_plan
+from llsrbm.look.titles import Decisions
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
 from llsrbm.request.design import Design
+from llsrbm.request.push import Push
+from llsrbm.request.scenario import Scenario
 from llsrbm.robots import Robot, RobotFile
 from llsrbm.simulation.surroundings import Block
 
@@ -35,7 +42,7 @@ class Shown:
 
     Attributes:
         planned: the plan, ready to be drawn.
-        simulated: the simulation that followed it.
+        simulated: the simulation that followed it; scenario: for which it was asked.
         so_far: frames of the simulation that is running.
         blocks: what stands around.
         source: where it is from, in words, if not from this tab's own planning.
@@ -43,6 +50,7 @@ class Shown:
 
     planned: PlannedMotion
     simulated: SimulatedMotion | None = None
+    scenario: Scenario | None = None
     so_far: Frames | None = None
     blocks: tuple[Block, ...] = ()
     source: str = ""
@@ -64,13 +72,12 @@ class Shown:
 
 
 @dataclass(frozen=True, eq=False)
-class Known:
+class Given:
     """A motion that is there already: it is shown when its robot can be drawn, without planning.
 
     Attributes:
-        plan: to show.
-        rollout: that followed it.
-        source: where both are from, in words; "": that goes without saying.
+        plan: to show; rollout: that followed it.
+        source: where both are from, in words; "": the tab's own planning.
         note: on the file that holds them.
     """
 
@@ -78,6 +85,62 @@ class Known:
     rollout: Rollout | None = None
     source: str = ""
     note: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class Pin:
+    """One design with its motion, or a motion from a file.
+
+    Attributes:
+        motion: its plan, or what a file holds.
+        simulated: the simulation that followed the plan, if there was one.
+        design: what was asked for; None where that is not known.
+        colour: of its ghost and curves.
+    """
+
+    motion: PlannedMotion | ForeignMotion
+    simulated: SimulatedMotion | None
+    design: Design | None
+    colour: Rgb
+
+    @property
+    def rollout(self) -> Rollout | None:
+        """The simulation."""
+        return None if self.simulated is None else self.simulated.rollout
+
+    @cached_property
+    def ghost(self) -> Ghost:
+        """The robot that is drawn of it, the simulated one if there is one."""
+        frames = self.motion.frames if self.simulated is None else self.simulated.frames
+        return Ghost(self.motion.motion.robot, frames, self.colour)
+
+    @cached_property
+    def figures(self) -> DesignFigures:
+        """Its row of numbers."""
+        if isinstance(self.motion, ForeignMotion):
+            return self.motion.figures
+        return figures_of_plan(self.motion.plan, self.rollout)
+
+    @property
+    def decisions(self) -> Decisions | None:
+        """Which its title is made from; None of a motion that has its file's name."""
+        if isinstance(self.motion, ForeignMotion):
+            return None
+        plan, rollout = self.motion.plan, self.rollout
+        return plan.jump, plan.tuning, None if rollout is None else rollout.scenario
+
+
+def free_colour(pins: tuple[Pin, ...]) -> Rgb | None:
+    """A colour that none of the pins has; None: all are taken, and no more can be pinned."""
+    taken = {pin.colour for pin in pins}
+    return next((colour for colour in colours.PINNED if colour not in taken), None)
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """The design simulated twice with one change: with and without replanning, or another model."""
+
+    by: Literal["replanning", "model"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,13 +153,13 @@ class Work:
         shown: ticket of the job whose plan is shown.
         dropped: the job with this ticket and those before it are of no interest any more.
         failure: why the newest request cannot be planned.
-        instead: that another jump type is planned than was asked for, and why; "": it is not so.
+        instead: the sentence that says that another jump type is planned; "": none is.
         nearest: a jump that can be planned, on offer in place of one that cannot.
         simulate_next: the plan that is awaited shall be simulated, with so many seeds (0: once).
         dragging: the request on its way.
         replay_from: s, from where the simulation that is awaited shall be played, as soon as there
             is something to see; None: where the page stands.
-        compare: the change with which the design is simulated again once it has been simulated.
+        compare: the design is simulated again so once it has been simulated; an event then.
     """
 
     newest: int = 0
@@ -109,7 +172,7 @@ class Work:
     simulate_next: int | None = None
     dragging: DragPlanning = field(default_factory=DragPlanning)
     replay_from: float | None = None
-    compare: Literal["replanning", "model"] | None = None
+    compare: Comparison | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,9 +181,9 @@ class FileWork:
 
     Attributes:
         opening: ticket of the file that is being read; 0: none.
-        opening_note: how that goes, once it takes its time.
+        opening_note: on its progress, once it takes its time.
         saving: ticket of the file that is being written; 0: none.
-        saved: its formats; saving_note: how that goes.
+        saved: its formats; saving_note: on its progress.
     """
 
     opening: int = 0
@@ -136,12 +199,14 @@ class Seeds:
 
     Attributes:
         plan: that is followed.
-        count: of the seeds that were asked for.
+        scenario: of the design, when they were begun.
+        count: of the seeds.
         results: of those that are done.
         worst: the rollout to look at first, when all are done.
     """
 
     plan: Plan
+    scenario: Scenario
     count: int
     results: tuple[SeedResult, ...] = ()
     worst: Rollout | None = None
@@ -165,21 +230,6 @@ class Playback:
 
 
 @dataclass(frozen=True)
-class View:
-    """The overlays that are drawn, and in which light.
-
-    Attributes:
-        layers: names of overlays.
-        night: a dark page.
-        fine: with all triangles: the browser has a graphics processor.
-    """
-
-    layers: frozenset[str] = AT_FIRST
-    night: bool = False
-    fine: bool = False
-
-
-@dataclass(frozen=True)
 class History:
     """Designs to go back to, and forth again; the newest last.
 
@@ -200,19 +250,20 @@ class TabState:
 
     Attributes:
         robots: name -> file of each robot that can be chosen.
-        design: what is asked for.
+        design: of the visitor.
         robot: that is drawn; the design's, once it can be drawn.
         prepared: whether by its meshes; its collision shapes stand in for them until they are made.
         shown: the motion that is shown; None: there is none yet.
-        known: the motion that is shown as soon as the robot is drawn.
-        status: one line on how it goes.
+        given: the motion that is shown as soon as the robot is drawn.
+        status: one line on the progress.
         work, files, seeds: what is being computed.
         pins: what is compared; pin_chosen: number of the chosen one, -1: none.
-        playback, view, plots: how it is shown; atlas: which map of which sweep.
+        playback, view, plots: how it is shown; fine: with all triangles, as the browser has a
+            graphics processor; atlas: which map of which sweep; export: in which formats.
+        noise: of the scenario when it was last disturbed.
         history: of the design.
         tickets: jobs so far; the next one gets the next number.
         note: on what was opened or chosen, beside the examples.
-        csv_rate: whether a file came that does not say its frames per second.
         page: the page's scripts have answered.
     """
 
@@ -221,8 +272,8 @@ class TabState:
     robot: Robot | None = None
     prepared: bool = True
     shown: Shown | None = None
-    known: Known | None = None
-    status: Status = field(default_factory=lambda: Status(Word.PLANNING, ""))
+    given: Given | None = None
+    status: Status = field(default_factory=lambda: Status(Verdict.PLANNING, ""))
     work: Work = field(default_factory=Work)
     files: FileWork = field(default_factory=FileWork)
     seeds: Seeds | None = None
@@ -230,12 +281,14 @@ class TabState:
     pin_chosen: int = -1
     playback: Playback = field(default_factory=Playback)
     view: View = field(default_factory=View)
+    fine: bool = False
     plots: PlotChoice = DEFAULT
     atlas: AtlasChoice = field(default_factory=AtlasChoice)
+    export: FileChoice = field(default_factory=FileChoice)
+    noise: float | None = None
     history: History = field(default_factory=History)
     tickets: int = 0
     note: str = ""
-    csv_rate: bool = False
     page: bool = False
 
     @property
@@ -249,9 +302,22 @@ class TabState:
         return None if self.shown is None else self.shown.rollout
 
     @property
+    def pushes(self) -> tuple[Push, ...]:
+        """Pushes of the simulation that is shown."""
+        task = self.work.awaited
+        if self.shown is not None and self.shown.so_far and isinstance(task, SimulateJump):
+            return task.scenario.pushes
+        return () if self.rollout is None else self.rollout.pushes
+
+    @property
     def file(self) -> RobotFile:
         """Of the design's robot."""
         return self.robots[self.design.jump.robot]
+
+    @property
+    def file_choice(self) -> FileChoice:
+        """The options of an export, with a choice of motions if there are two."""
+        return replace(self.export, simulated=self.rollout is not None)
 
     @property
     def ready(self) -> bool:
@@ -262,3 +328,31 @@ class TabState:
     def planning(self) -> bool:
         """Whether the plan that is shown is going to be replaced."""
         return isinstance(self.work.awaited, PlanJump) or self.work.dragging.rests
+
+    @property
+    def outdated(self) -> bool:
+        """Whether the simulation that is shown was asked for in another scenario."""
+        shown = self.shown
+        return shown is not None and shown.scenario not in (None, self.design.scenario)
+
+    def with_work(self, **changes: Any) -> TabState:
+        """With other values of `Work`."""
+        return replace(self, work=replace(self.work, **changes))
+
+    def with_files(self, **changes: Any) -> TabState:
+        """With other values of `FileWork`."""
+        return replace(self, files=replace(self.files, **changes))
+
+    def with_status(
+        self, verdict: Verdict, rest: str, *, busy: bool = False, share: float | None = None
+    ) -> TabState:
+        """With another status line."""
+        return replace(self, status=Status(verdict, rest, busy, share))
+
+    def forgetting(self) -> TabState:
+        """With no request on its way: the same one counts as a new one."""
+        return self.with_work(dragging=self.work.dragging.forget())
+
+    def without_sequel(self) -> TabState:
+        """With nothing to follow the plan or the simulation that is awaited."""
+        return self.with_work(simulate_next=None, replay_from=None, compare=None)

@@ -12,7 +12,7 @@ from collections.abc import Callable, Mapping
 import viser
 
 from app.guard.limits import Limits
-from app.tab.atlases import Atlases
+from app.tab.atlas import Atlases
 from app.tab.initial_plan import InitialPlans
 from app.tab.session import Session
 from app.tab.state import TabState
@@ -121,15 +121,19 @@ class Tabs:
         with self._lock:
             self._drop_old()
             _, state = self._kept.pop(token, (0.0, None))
+            for session in same:
+                # Busy with a robot, it ends later: its state as it is now goes on here.
+                if not session.is_own_thread and session in self._sessions.values():
+                    state, session.superseded = session.left, True
         return state
 
     def _session_ended(self, session: Session) -> None:
-        state = session.left if session.token is not None else None
         with self._lock:
+            token, state = session.token, None if session.superseded else session.left
             self._sessions = {k: v for k, v in self._sessions.items() if v is not session}
-            if session.token is not None and state is not None:
-                self._kept.pop(session.token, None)
-                self._kept[session.token] = self._clock() + KEPT, state
+            if token is not None and state is not None:
+                self._kept.pop(token, None)
+                self._kept[token] = self._clock() + KEPT, state
             self._drop_old()
 
     def _drop_old(self) -> None:

@@ -244,8 +244,7 @@ def _rehearse(opened: OpenedFile) -> None:
 
 
 def _show(plan: Plan, rollout: Rollout | None, robot: Robot) -> None:
-    from app.motion.planned_motion import bake_plan
-    from app.motion.simulated_motion import bake_rollout
+    from app.motion.baked import bake_plan, bake_rollout
     from app.panel import summaries
     from app.plots.charts import everything, shown_layers
     from app.plots.choice import PRESETS
@@ -276,7 +275,7 @@ def _show(plan: Plan, rollout: Rollout | None, robot: Robot) -> None:
 
 def _show_alone(name: str, motion: Rollout | WholeBodyMotion) -> None:
     from app.motion import colours
-    from app.motion.foreign_motion import bake_foreign
+    from app.motion.baked import bake_foreign
     from app.plots.charts import Layer, charts, everything
 
     layer = Layer(name, colours.PINNED[0], bake_foreign(name, motion), None, pinned=True)

@@ -8,7 +8,7 @@ import queue
 from app.guard.policy import Guard
 from app.guard.token import Access
 from app.page_template import page
-from app.panel.design_controls import DesignControls
+from app.panel.file_controls import FileControls
 from app.viser_private import DesignerServer
 from llsrbm.request.design import examples
 
@@ -35,17 +35,14 @@ class DesignPage:
         async def _(event):
             self.told.put(("slider", event.target.value))
 
-        controls = DesignControls(
+        controls = FileControls(
             client,
             examples(),
+            lambda act: self.told.put((act.name.lower(),)),
             choose_example=lambda design: self.told.put(("example", design)),
             open_file=lambda name, content: self.told.put(("upload", name, content)),
         )
-        controls.add_examples()
-
-        @controls.save.on_click
-        async def _(_):
-            self.told.put(("save",))
+        controls.add_tab()
 
         self.tabs.put((client, controls))
 

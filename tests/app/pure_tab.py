@@ -7,11 +7,10 @@ from functools import cache
 
 import numpy as np
 
-from app.tab.effects import After, Keep, LoadRobot, Notify, Submit
-from app.tab.events import JumpChosen, Reported, RobotLoaded
+from app.tab.acts import update
+from app.tab.effects import After, Keep, LoadRobot, Notify, Reported, RobotLoaded, Submit
 from app.tab.opening import first_state
-from app.tab.results import draw_robot
-from app.tab.update import update
+from app.tab.planning import draw_robot
 from app.workers.protocol import Planned, Prepared, Simulated
 from llsrbm.ocp.problem import Iterate
 from llsrbm.robots import load_robot, read_robot_file
@@ -63,17 +62,16 @@ class PureTab:
     @property
     def told(self):
         """(word, rest) of the status line."""
-        return self.state.status.word, self.state.status.rest
+        return self.state.status.verdict, self.state.status.rest
 
     def move(self, **changes):
         """The controls of the jump."""
-        design = self.state.design
-        return self.take(JumpChosen(replace(design.jump, **changes), design.tuning))
+        return self.take(replace(self.state.design.jump, **changes))
 
     def report(self, report, *, submit=None):
         """A report of the last job, or of another one."""
         submit = submit or self.submits[-1]
-        return self.take(Reported(submit.lane, submit.ticket, report))
+        return self.take(Reported(submit.queue, submit.ticket, report))
 
     def finish_plan(self, submit=None, status="solved"):
         """The plan that was asked for last comes."""

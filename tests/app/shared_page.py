@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from app.panel.acts import Act
+from app.panel.view_controls import View
 from app.picture.overlays import AT_FIRST
 from app.plots.choice import DEFAULT
-from app.tab.events import DesignChosen, Opened, PlotsChosen, UnpinWanted, ViewChosen
-from app.tab.opening import first_state
+from app.tab.opening import TabOpened, first_state
 from tests.app.chromium import BASE, VIEW, opened, status, tab, wait_until
 from tests.app.synthetic_plan import synthetic_plan
 
@@ -63,11 +64,11 @@ def fresh(page):
     design = first_state(session.state.robots).design
     plan = synthetic_plan(design.jump)
     for event in (
-        *[UnpinWanted()] * len(session.state.pins),
-        ViewChosen(AT_FIRST, night=False),
-        PlotsChosen(DEFAULT),
-        DesignChosen(design),
-        Opened(design, plan, None, ()),
+        *[Act.UNPIN] * len(session.state.pins),
+        View(AT_FIRST, night=False),
+        DEFAULT,
+        design,
+        TabOpened(design, plan, None, ()),
     ):
         session._inbox.put(event)
     if page.viewport_size != VIEW:

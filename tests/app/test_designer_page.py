@@ -67,7 +67,7 @@ def test_a_pinned_design_is_taken_up_again(page):
     fill(page, "Forward [m]", 0.4)
     wait_until(lambda: page.session.plan.jump.forward == 0.4, "the next plan")
     status(page, "Planned")
-    press(page, "Take up")
+    press(page, "Use this design")
     wait_until(lambda: page.session.plan.jump.forward == 0.0, "the pinned one")
     shown = number(page, "Forward [m]")
     wait_until(lambda: float(shown.input_value()) == 0.0, "the slider there")

@@ -1,51 +1,32 @@
-"""Overlays, drawn besides the robot, one file each; `OVERLAYS` names them for the page's boxes.
+"""Overlays, drawn besides the robot, one file each: a class with its box, its legend, its nodes.
 
-A new overlay is a class in a file of its own and its place in `OVERLAYS`.
+`OVERLAYS` names them all. A new overlay is a new file here, and nothing else.
 """
 
 from __future__ import annotations
 
+from importlib import import_module
+from pkgutil import iter_modules
+
 from app.picture.drawing import Overlay
-from app.picture.overlays.angular_momentum import AngularMomentum
-from app.picture.overlays.centre_of_mass import CentreOfMass
-from app.picture.overlays.centre_of_pressure import CentreOfPressure
-from app.picture.overlays.collision_shapes import CollisionShapes
-from app.picture.overlays.forces import Forces
-from app.picture.overlays.friction_pyramids import FrictionPyramids
-from app.picture.overlays.ghosts import Ghosts
-from app.picture.overlays.inertia_ellipsoids import InertiaEllipsoids
-from app.picture.overlays.landing_marks import LandingMarks
-from app.picture.overlays.landing_region import LandingRegion
-from app.picture.overlays.link_frames import LinkFrames
-from app.picture.overlays.new_plans import NewPlans
-from app.picture.overlays.pushes import Pushes
-from app.picture.overlays.reach import FeetReach
-from app.picture.overlays.support_polygon import SupportPolygon
-from app.picture.overlays.trails import Trails
 
 __all__ = ["AT_FIRST", "OVERLAYS"]
 
-OVERLAYS: dict[str, type[Overlay]] = {
-    overlay.name: overlay
-    for overlay in (
-        InertiaEllipsoids,
-        CentreOfMass,
-        Forces,
-        Trails,
-        Ghosts,
-        LandingMarks,
-        Pushes,
-        NewPlans,
-        LandingRegion,
-        FrictionPyramids,
-        SupportPolygon,
-        CentreOfPressure,
-        AngularMomentum,
-        FeetReach,
-        LinkFrames,
-        CollisionShapes,
-    )
-}
+
+def _found() -> list[type[Overlay]]:
+    modules = [import_module(f"{__name__}.{each.name}") for each in iter_modules(__path__)]
+    classes = [
+        value
+        for module in modules
+        for value in vars(module).values()
+        if isinstance(value, type)
+        and issubclass(value, Overlay)
+        and value.__module__ == module.__name__
+    ]
+    return sorted(classes, key=lambda overlay: overlay.place)
+
+
+OVERLAYS: dict[str, type[Overlay]] = {overlay.name: overlay for overlay in _found()}
 """By name, in the order of their boxes."""
 
 AT_FIRST = frozenset(name for name, overlay in OVERLAYS.items() if overlay.at_first)

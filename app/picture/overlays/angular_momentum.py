@@ -5,13 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-import viser
 
 from app.motion import colours
 from app.motion.clip import Track
 from app.motion.frames import Frames
 from app.picture import gltf
-from app.picture.drawing import Copies, RootedOverlay
+from app.picture.drawing import Overlay
 from app.picture.picture import Picture
 from app.picture.turns import z_to
 
@@ -22,25 +21,19 @@ _TURNING = 0.05  # kg m2/s; less is not drawn
 _WIDE = 1.5  # times as wide as a force's arrow
 
 
-class AngularMomentum(RootedOverlay):
+class AngularMomentum(Overlay):
     """An arrow from the CoM along the axis, by the right-hand rule."""
 
     name = "spin"
     title = "Angular momentum"
     hint = f"About the centre of mass; the arrow of 1 kg m²/s is {METRES_PER_UNIT:g} m long."
+    place = 130
     root = "/momentum"
 
-    def __init__(self, scene: viser.SceneApi) -> None:
-        """See `Drawing`."""
-        super().__init__(scene)
-        self._arrow: Copies | None = None
-
     def tracks(self, picture: Picture, frames: Frames) -> Sequence[Track]:
-        """See `RootedOverlay.tracks`."""
-        self._arrow = self._arrow or Copies(self.scene, self.root, gltf.arrow(colours.COM))
         amount = np.linalg.norm(frames.angular_momentum, axis=1)
         turning = amount > _TURNING
         along = np.where(turning[:, None], frames.angular_momentum, [0.0, 0.0, 1.0])
         wide = _WIDE * turning
         size = np.stack([wide, wide, turning * amount * METRES_PER_UNIT], axis=1)
-        return [Track(tuple(self._arrow.names(1)), frames.com, z_to(along), size)]
+        return [Track(tuple(self.nodes(gltf.arrow(colours.COM), 1)), frames.com, z_to(along), size)]

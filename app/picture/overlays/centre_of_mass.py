@@ -7,8 +7,8 @@ from collections.abc import Sequence
 import viser
 
 from app.motion import colours
-from app.motion.clip import Strand, Track
-from app.picture.drawing import Overlay
+from app.motion.clip import AnimationChannel, Track
+from app.picture.drawing import Key, Overlay
 from app.picture.picture import Picture
 
 _RADIUS = 0.018  # m
@@ -20,17 +20,17 @@ class CentreOfMass(Overlay):
     name = "com"
     title = "Centre of mass"
     hint = "Of the whole robot, as the model or the simulation has it."
+    place = 20
     at_first = True
 
-    def __init__(self, scene: viser.SceneApi) -> None:
-        """See `Drawing`."""
-        super().__init__(scene)
-        self._ball: viser.IcosphereHandle | None = None
+    _ball: viser.IcosphereHandle | None = None
 
-    def draw(self, picture: Picture) -> Sequence[Strand]:
-        """See `Drawing.draw`."""
-        frames = picture.solid
-        assert frames is not None
+    @classmethod
+    def keys(cls, picture: Picture) -> Sequence[Key]:
+        return [Key(colours.COM, "centre of mass")]
+
+    def draw(self, picture: Picture) -> Sequence[AnimationChannel]:
+        _, _, frames = picture.motion
         if self._ball is None:
             self._ball = self.scene.add_icosphere(
                 "/com",
@@ -40,9 +40,8 @@ class CentreOfMass(Overlay):
                 cast_shadow=False,
                 receive_shadow=False,
             )
-        return [Strand(frames.time, (Track((self._ball.name,), frames.com),))]
+        return [AnimationChannel(frames.time, (Track((self._ball.name,), frames.com),))]
 
     def show(self, *, visible: bool) -> None:
-        """See `Drawing.show`."""
         if self._ball is not None:
             self._ball.visible = visible

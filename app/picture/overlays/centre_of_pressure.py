@@ -5,14 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-import viser
 from numpy.typing import NDArray
 
 from app.motion import colours
 from app.motion.clip import Track
 from app.motion.frames import Frames
 from app.picture import gltf
-from app.picture.drawing import Copies, RootedOverlay
+from app.picture.drawing import Overlay
 from app.picture.picture import Picture
 
 Array = NDArray[np.float64]
@@ -22,26 +21,20 @@ _ABOVE = 0.003  # m
 _LOADED = 0.02  # of the weight; with less, feet hardly stand
 
 
-class CentreOfPressure(RootedOverlay):
+class CentreOfPressure(Overlay):
     """A disc; none in flight. A simulation does not record where in a sole its force acts."""
 
     name = "pressure"
     title = "Centre of pressure"
     hint = "Where the ground's whole force acts: the feet, weighted by the load that they carry."
+    place = 120
     root = "/zmp"
 
-    def __init__(self, scene: viser.SceneApi) -> None:
-        """See `Drawing`."""
-        super().__init__(scene)
-        self._disc: Copies | None = None
-
     def tracks(self, picture: Picture, frames: Frames) -> Sequence[Track]:
-        """See `RootedOverlay.tracks`."""
-        self._disc = self._disc or Copies(self.scene, self.root, gltf.disc(colours.FORCE))
         place, there = centre_of_pressure(frames)
         return [
             Track(
-                tuple(self._disc.names(1)),
+                tuple(self.nodes(gltf.disc(colours.FORCE), 1)),
                 place + np.array([0.0, 0.0, _ABOVE]),
                 None,
                 there[:, None] * np.array([_RADIUS, _RADIUS, _THICK]),

@@ -8,13 +8,12 @@ from typing import TYPE_CHECKING
 
 import coal
 import numpy as np
-import viser
 
 from app.motion import colours
 from app.motion.clip import Track
 from app.motion.frames import Frames
 from app.picture import gltf
-from app.picture.drawing import Copies, RootedOverlay
+from app.picture.drawing import Overlay
 from app.picture.picture import Picture
 from llsrbm.robots import Robot
 from llsrbm.robots.feet import collision_shapes, foot_contacts
@@ -26,7 +25,7 @@ if TYPE_CHECKING:
 _OPACITY = 0.45
 
 
-class CollisionShapes(RootedOverlay):
+class CollisionShapes(Overlay):
     """The trunk's boxes, cylinders, spheres and convex hulls, and the feet's spheres.
 
     As `llsrbm.simulation.scene` builds them; legs pass through the ground there, too.
@@ -35,27 +34,16 @@ class CollisionShapes(RootedOverlay):
     name = "collision"
     title = "Collision shapes"
     hint = "The shapes that touch the ground in a simulation: the trunk's and the feet's."
+    place = 160
     root = "/hulls"
 
-    def __init__(self, scene: viser.SceneApi) -> None:
-        """See `Drawing`."""
-        super().__init__(scene)
-        self._bodies: list[Copies] = []
-
     def tracks(self, picture: Picture, frames: Frames) -> Sequence[Track]:
-        """See `RootedOverlay.tracks`."""
-        assert picture.robot is not None
-        shapes = _meshes(picture.robot)
-        for copies in self._bodies[len(shapes) :]:
-            copies.names(0)
-        tracks = []
-        for index, (body, glb) in enumerate(shapes):
-            if index == len(self._bodies):
-                self._bodies.append(Copies(self.scene, f"{self.root}/{index}", glb))
-            self._bodies[index].replace(glb)
-            nodes = tuple(self._bodies[index].names(1))
-            tracks.append(Track(nodes, frames.body_position[:, body], frames.body_wxyz[:, body]))
-        return tracks
+        robot, _, _ = picture.motion
+        bodies, meshes = zip(*_meshes(robot), strict=True)
+        return [
+            Track((node,), frames.body_position[:, body], frames.body_wxyz[:, body])
+            for body, node in zip(bodies, self.each("", meshes), strict=True)
+        ]
 
 
 @lru_cache(maxsize=8)

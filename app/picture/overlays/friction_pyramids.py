@@ -5,13 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-import viser
 
 from app.motion import colours
 from app.motion.clip import Track
 from app.motion.frames import Frames
 from app.picture import gltf
-from app.picture.drawing import Copies, RootedOverlay
+from app.picture.drawing import Overlay
 from app.picture.picture import Picture
 from llsrbm.mechanics import INSCRIBED
 from llsrbm.motion.plan import Plan
@@ -19,7 +18,7 @@ from llsrbm.motion.plan import Plan
 _HEIGHT = 0.16  # m
 
 
-class FrictionPyramids(RootedOverlay):
+class FrictionPyramids(Overlay):
     """Pyramids, since planner and controller keep to the one that is inscribed in the cone.
 
     Its edges lie in the cone; its sides look along the world's axes, as in the constraint.
@@ -28,22 +27,14 @@ class FrictionPyramids(RootedOverlay):
     name = "friction"
     title = "Friction pyramids"
     hint = "A standing foot's force stays inside: the pyramid in the cone of the plan's friction."
+    place = 100
     root = "/pyramids"
 
-    def __init__(self, scene: viser.SceneApi) -> None:
-        """See `Drawing`."""
-        super().__init__(scene)
-        self._pyramids: Copies | None = None
-
     def tracks(self, picture: Picture, frames: Frames) -> Sequence[Track]:
-        """See `RootedOverlay.tracks`."""
-        assert picture.planned is not None
-        self._pyramids = self._pyramids or Copies(
-            self.scene, self.root, gltf.pyramid(colours.FRICTION, 0.35)
-        )
-        half = _HEIGHT * INSCRIBED * friction_of(picture.planned.plan)
+        _, planned, _ = picture.motion
+        half = _HEIGHT * INSCRIBED * friction_of(planned.plan)
         size = np.array([half, half, _HEIGHT])
-        names = self._pyramids.names(frames.contact.shape[1])
+        names = self.nodes(gltf.pyramid(colours.FRICTION, 0.35), frames.contact.shape[1])
         return [
             # From where the force acts, so that its arrow is seen to stay inside.
             Track((name,), frames.pressed_at[:, foot], None, frames.contact[:, foot, None] * size)
@@ -52,6 +43,6 @@ class FrictionPyramids(RootedOverlay):
 
 
 def friction_of(plan: Plan) -> float:
-    """The coefficient that a plan was made with: its robot's, or the one that was asked for."""
+    """The coefficient that a plan was made with: its robot's, or the tuning's."""
     own = plan.robot_parameters["limits"]["friction"]
     return float(plan.tuning.limits.get("friction", own))

@@ -8,8 +8,8 @@ from itertools import chain, count
 import viser
 
 from app.motion import colours
-from app.motion.clip import Strand
-from app.picture.drawing import Overlay
+from app.motion.clip import AnimationChannel
+from app.picture.drawing import Key, Overlay
 from app.picture.picture import Picture
 from app.picture.robot_nodes import RobotNodes, RobotShelf
 
@@ -20,12 +20,13 @@ class Ghosts(Overlay):
     name = "ghost"
     title = "Ghost"
     hint = "The plan beside its simulation, and what is pinned."
+    place = 50
     at_first = True
     parts = frozenset({"robot", "planned", "simulated", "ghosts", "prepared"})
     needs_motion = False
 
     def __init__(self, scene: viser.SceneApi) -> None:
-        """See `Drawing`."""
+        """Nothing is drawn."""
         super().__init__(scene)
         names = chain(["/shade"], (f"/shade-{number}" for number in count(2)))
         self._plans = RobotShelf(scene, names)
@@ -33,23 +34,27 @@ class Ghosts(Overlay):
         self._plan: list[RobotNodes] = []
         self._pinned: list[RobotNodes] = []
 
-    def draw(self, picture: Picture) -> Sequence[Strand]:
-        """See `Drawing.draw`."""
+    @classmethod
+    def keys(cls, picture: Picture) -> Sequence[Key]:
+        if picture.rollout is None:
+            return []
+        return [Key(colours.PLANNED, "the plan, a ghost beside the simulated robot")]
+
+    def draw(self, picture: Picture) -> Sequence[AnimationChannel]:
         self._plan, self._pinned = [], []
-        strands = []
+        channels = []
         for ghost in picture.ghosts:
             nodes = self._pins.take(ghost.robot, ghost=ghost.colour)
             self._pinned.append(nodes)
-            strands.append(Strand(ghost.frames.time, tuple(nodes.track(ghost.frames))))
+            channels.append(AnimationChannel(ghost.frames.time, tuple(nodes.track(ghost.frames))))
         if picture.robot is not None and picture.planned is not None and picture.simulated:
             nodes = self._plans.take(picture.robot, ghost=colours.PLANNED)
             self._plan.append(nodes)
             frames = picture.planned.frames
-            strands.append(Strand(frames.time, tuple(nodes.track(frames))))
+            channels.append(AnimationChannel(frames.time, tuple(nodes.track(frames))))
         self.show(visible=True)
-        return strands
+        return channels
 
     def show(self, *, visible: bool) -> None:
-        """See `Drawing.show`."""
         self._plans.show_only(self._plan if visible else ())
         self._pins.show_only(self._pinned if visible else ())

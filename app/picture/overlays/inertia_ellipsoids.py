@@ -9,10 +9,10 @@ import viser
 from numpy.typing import NDArray
 
 from app.motion import colours
-from app.motion.clip import Strand, Track
+from app.motion.clip import AnimationChannel, Track
 from app.motion.colours import Rgb
 from app.motion.frames import Frames
-from app.picture.drawing import Overlay
+from app.picture.drawing import Key, Overlay
 from app.picture.picture import Picture
 
 Array = NDArray[np.float64]
@@ -30,48 +30,48 @@ class InertiaEllipsoids(Overlay):
     name = "ellipsoids"
     title = "Inertia ellipsoids"
     hint = "The uniform solid ellipsoid of the robot's mass that has its inertia about the CoM."
+    place = 10
     at_first = True
 
-    def __init__(self, scene: viser.SceneApi) -> None:
-        """See `Drawing`."""
-        super().__init__(scene)
-        self._planned: _Ellipsoid | None = None
-        self._rigid: _Ellipsoid | None = None
-        self._whole: _Ellipsoid | None = None
-        self._simulated = False
+    _drawn: tuple[_Ellipsoid, _Ellipsoid, _Ellipsoid] | None = None
+    _simulated = False
 
-    def draw(self, picture: Picture) -> Sequence[Strand]:
-        """See `Drawing.draw`."""
-        planned, simulated = picture.planned, picture.simulated
-        assert planned is not None
-        if self._planned is None:
-            add = self.scene
-            self._planned = _Ellipsoid(add, "/ellipsoid/planned", colours.PLANNED, surface=True)
-            self._rigid = _Ellipsoid(add, "/ellipsoid/srbm", colours.RIGID, surface=False)
-            self._whole = _Ellipsoid(add, "/ellipsoid/whole", colours.SIMULATED, surface=False)
-        assert self._rigid is not None
-        assert self._whole is not None
+    @classmethod
+    def keys(cls, picture: Picture) -> Sequence[Key]:
+        second = (
+            Key(colours.RIGID, "the same of SRBM's inertia, which is constant")
+            if picture.rollout is None
+            else Key(colours.SIMULATED, "the same of the simulated whole body's inertia")
+        )
+        first = "ellipsoid: uniform solid of the robot's mass and planned inertia"
+        return [Key(colours.PLANNED, first), second]
+
+    def draw(self, picture: Picture) -> Sequence[AnimationChannel]:
+        _, planned, _ = picture.motion
+        simulated = picture.simulated
+        if self._drawn is None:
+            self._drawn = (
+                _Ellipsoid(self.scene, "/ellipsoid/planned", colours.PLANNED, surface=True),
+                _Ellipsoid(self.scene, "/ellipsoid/srbm", colours.RIGID, surface=False),
+                _Ellipsoid(self.scene, "/ellipsoid/whole", colours.SIMULATED, surface=False),
+            )
+        solid, rigid, whole = self._drawn
         self._simulated = simulated is not None
         frames = planned.frames
-        strands = [Strand(frames.time, (self._planned.of(frames),))]
+        channels = [AnimationChannel(frames.time, (solid.of(frames),))]
         if simulated is not None:
-            strands.append(Strand(simulated.time, (self._whole.of(simulated),)))
+            channels.append(AnimationChannel(simulated.time, (whole.of(simulated),)))
         else:
             axes = np.broadcast_to(planned.rigid_axes, frames.com.shape)
-            track = self._rigid.track(frames.com, planned.rigid_wxyz, axes)
-            strands.append(Strand(frames.time, (track,)))
+            track = rigid.track(frames.com, planned.rigid_wxyz, axes)
+            channels.append(AnimationChannel(frames.time, (track,)))
         self.show(visible=True)
-        return strands
+        return channels
 
     def show(self, *, visible: bool) -> None:
-        """See `Drawing.show`."""
-        for ellipsoid, shown in (
-            (self._planned, True),
-            (self._rigid, not self._simulated),
-            (self._whole, self._simulated),
-        ):
-            if ellipsoid is not None:
-                ellipsoid.show(visible=visible and shown)
+        there = True, not self._simulated, self._simulated
+        for ellipsoid, shown in zip(self._drawn or (), there, strict=False):
+            ellipsoid.show(visible=visible and shown)
 
 
 class _Ellipsoid:

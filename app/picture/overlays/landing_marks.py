@@ -9,9 +9,9 @@ import viser
 from scipy.spatial.transform import Rotation
 
 from app.motion import colours
-from app.motion.clip import Strand
-from app.picture.blocks import attitude
-from app.picture.drawing import Overlay
+from app.motion.clip import AnimationChannel
+from app.picture.blocks import place
+from app.picture.drawing import Key, Overlay
 from app.picture.picture import Picture
 from llsrbm.motion.plan import Plan
 from llsrbm.robots import Robot
@@ -34,11 +34,12 @@ class LandingMarks(Overlay):
     name = "landing"
     title = "Landing handle"
     hint = "Where the feet shall land; drag the arrows, or the ring, to move the landing."
+    place = 60
     at_first = True
     parts = frozenset({"robot", "planned", "simulated", "blocks"})
 
     def __init__(self, scene: viser.SceneApi) -> None:
-        """See `Drawing`."""
+        """Nothing is drawn."""
         super().__init__(scene)
         self._robot: Robot | None = None
         self._marks: list[viser.CylinderHandle | viser.BoxHandle] = []
@@ -46,11 +47,12 @@ class LandingMarks(Overlay):
         self._steps: list[viser.BoxHandle] = []
         self._stepping = 0  # of them, those that are drawn
 
-    def draw(self, picture: Picture) -> Sequence[Strand]:
-        """See `Drawing.draw`."""
-        robot, planned = picture.robot, picture.planned
-        assert robot is not None
-        assert planned is not None
+    @classmethod
+    def keys(cls, picture: Picture) -> Sequence[Key]:
+        return [Key(colours.TARGET, "landing place: drag it")]
+
+    def draw(self, picture: Picture) -> Sequence[AnimationChannel]:
+        robot, planned, _ = picture.motion
         if robot is not self._robot:
             self._forget(robot)
         plan = planned.plan
@@ -70,17 +72,12 @@ class LandingMarks(Overlay):
         while len(self._steps) < len(blocks):
             self._steps.append(self._add_step(f"/target/step{len(self._steps)}"))
         for step, block in zip(self._steps, blocks, strict=False):
-            step.dimensions = (
-                float(block.size[0]), float(block.size[1]), float(block.size[2])
-            )  # fmt: skip
-            step.position = block.centre
-            step.wxyz = attitude(block)
+            place(step, block)
             step.color = _COLOURS.get(block.name, colours.TARGET)
         self.show(visible=True)
         return ()
 
     def show(self, *, visible: bool) -> None:
-        """See `Drawing.show`."""
         for index, mark in enumerate(self._marks):
             mark.visible = visible and index < self._landings
         for index, step in enumerate(self._steps):

@@ -5,13 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-import viser
 from numpy.typing import NDArray
 
 from app.motion import colours
-from app.motion.clip import Strand, Track
+from app.motion.clip import AnimationChannel, Track
 from app.picture import gltf
-from app.picture.drawing import Copies, Overlay
+from app.picture.drawing import Key, Overlay
 from app.picture.picture import Picture
 from app.picture.turns import x_to
 from llsrbm.analysis.landing_region import SIDES, expected_touchdown, landing_regions
@@ -34,28 +33,25 @@ class LandingRegion(Overlay):
         "After a push, or with replanning: where each foot can still land, by its leg's reach and "
         "the time that is left."
     )
+    place = 90
     at_first = True
     parts = frozenset({"robot", "planned", "rollout"})
-    _ROOT = "/within"
+    root = "/within"
 
-    def __init__(self, scene: viser.SceneApi) -> None:
-        """See `Drawing`."""
-        super().__init__(scene)
-        self._root: viser.FrameHandle | None = None
-        self._sides: Copies | None = None
+    @classmethod
+    def keys(cls, picture: Picture) -> Sequence[Key]:
+        if not _is_drawn(picture):
+            return []
+        return [Key(colours.REPLANNED, "outlines: where the feet can still land")]
 
-    def draw(self, picture: Picture) -> Sequence[Strand]:
-        """See `Drawing.draw`."""
+    def draw(self, picture: Picture) -> Sequence[AnimationChannel]:
         found = _outlines(picture)
         if found is None:
             self.show(visible=False)
             return ()
         time, outline, there = found
-        if self._root is None or self._sides is None:
-            self._root = self.scene.add_frame(self._ROOT, show_axes=False)
-            self._sides = Copies(self.scene, f"{self._ROOT}/side", gltf.bar(colours.REPLANNED))
         feet = outline.shape[1]
-        names = self._sides.names(feet * SIDES)
+        names = self.nodes(gltf.bar(colours.REPLANNED), feet * SIDES, "side")
         tracks = []
         for foot in range(feet):
             points = outline[:, foot]
@@ -72,20 +68,18 @@ class LandingRegion(Overlay):
                 for k in range(SIDES)
             ]
         self.show(visible=True)
-        return [Strand(time, tuple(tracks))]
+        return [AnimationChannel(time, tuple(tracks))]
 
-    def show(self, *, visible: bool) -> None:
-        """See `Drawing.show`."""
-        if self._root is not None:
-            self._root.visible = visible
+
+def _is_drawn(picture: Picture) -> bool:
+    rollout = picture.rollout
+    return rollout is not None and bool(picture.pushes or rollout.scenario.replan)
 
 
 def _outlines(picture: Picture) -> tuple[Array, Array, Array] | None:
     """Instants (F,) s, outlines (F, L, SIDES, 3) m and whether they are there (F, L), or None."""
     rollout, planned, robot = picture.rollout, picture.planned, picture.robot
-    if rollout is None or planned is None or robot is None:
-        return None
-    if not (picture.pushes or rollout.scenario.replan):
+    if rollout is None or planned is None or robot is None or not _is_drawn(picture):
         return None
     plan = planned.plan
     task = place_task(plan.jump, robot, plan.tuning)

@@ -1,17 +1,16 @@
-"""What is planned anew while the robot is under way: at each instant the plan that is followed."""
+"""New plans of a robot under way: at each instant the one that is followed."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
 import numpy as np
-import viser
 from numpy.typing import NDArray
 
 from app.motion import colours
-from app.motion.clip import Strand, Track
+from app.motion.clip import AnimationChannel, Track
 from app.picture import gltf
-from app.picture.drawing import Copies, Overlay
+from app.picture.drawing import Key, Overlay
 from app.picture.picture import Picture
 from app.picture.turns import z_to
 from llsrbm.motion.replan import Replan
@@ -32,28 +31,23 @@ class NewPlans(Overlay):
     name = "new-plans"
     title = "New plans"
     hint = "With replanning: the plan that is followed, its centre of mass and footholds."
+    place = 80
     at_first = True
     parts = frozenset({"robot", "planned", "rollout"})
-    _ROOT = "/anew"
+    root = "/anew"
 
-    def __init__(self, scene: viser.SceneApi) -> None:
-        """See `Drawing`."""
-        super().__init__(scene)
-        self._root: viser.FrameHandle | None = None
-        self._path: Copies | None = None
-        self._feet: Copies | None = None
+    @classmethod
+    def keys(cls, picture: Picture) -> Sequence[Key]:
+        if picture.rollout is None or not picture.rollout.scenario.replan:
+            return []
+        return [Key(colours.REPLANNED, "newest plan: path of the centre of mass, footholds")]
 
-    def draw(self, picture: Picture) -> Sequence[Strand]:
-        """See `Drawing.draw`."""
+    def draw(self, picture: Picture) -> Sequence[AnimationChannel]:
         rollout = picture.rollout
         taken = () if rollout is None else [r for r in rollout.replans if np.isfinite(r.applied)]
         if not taken:
             self.show(visible=False)
             return ()
-        if self._root is None or self._path is None or self._feet is None:
-            self._root = self.scene.add_frame(self._ROOT, show_axes=False)
-            self._path = Copies(self.scene, f"{self._ROOT}/path", gltf.rod(colours.REPLANNED))
-            self._feet = Copies(self.scene, f"{self._ROOT}/foothold", gltf.disc(colours.REPLANNED))
         paths = np.stack([_path(replan) for replan in taken])
         start, along = paths[:, :-1], np.diff(paths, axis=1)
         length = np.linalg.norm(along, axis=2)
@@ -63,22 +57,18 @@ class NewPlans(Overlay):
         there = np.append(0.0, np.ones(len(which) - 1))[:, None]  # none before the first one
         tracks = [
             Track((name,), start[which, k], z_to(along[which, k]), there * size[which, k])
-            for k, name in enumerate(self._path.names(_PIECES))
+            for k, name in enumerate(self.nodes(gltf.rod(colours.REPLANNED), _PIECES, "path"))
         ]
         feet = np.stack([replan.foot_position[-1] for replan in taken])
         feet[..., 2] += _ABOVE
         flat = np.array([_FOOTHOLD, _FOOTHOLD, _FOOTHOLD * _FLAT])
+        footholds = self.nodes(gltf.disc(colours.REPLANNED), feet.shape[1], "foothold")
         tracks += [
             Track((name,), feet[which, foot], None, there * flat)
-            for foot, name in enumerate(self._feet.names(feet.shape[1]))
+            for foot, name in enumerate(footholds)
         ]
         self.show(visible=True)
-        return [Strand(time, tuple(tracks))]
-
-    def show(self, *, visible: bool) -> None:
-        """See `Drawing.show`."""
-        if self._root is not None:
-            self._root.visible = visible
+        return [AnimationChannel(time, tuple(tracks))]
 
 
 def _path(replan: Replan) -> Array:

@@ -9,11 +9,11 @@ import viser
 from numpy.typing import NDArray
 
 from app.motion import colours
-from app.motion.clip import Strand, Track
+from app.motion.baked import ARROW_PER_SPEED, metres_per_newton_second, trunk_com
+from app.motion.clip import AnimationChannel, Track
 from app.motion.frames import FRAME_RATE, Frames
-from app.motion.push_arrow import ARROW_PER_SPEED, metres_per_newton_second, trunk_com
 from app.picture import gltf
-from app.picture.drawing import Copies, RootedOverlay
+from app.picture.drawing import Key, Overlay
 from app.picture.picture import Picture
 from app.picture.push_handle import newton_seconds
 from app.picture.turns import z_to
@@ -25,7 +25,7 @@ _WIDE = 1.6  # times as thick as the arrow of a force
 _AWAY = (0.0, 0.0, 1000.0)  # m, where words are that nobody shall see: they have no size
 
 
-class Pushes(RootedOverlay):
+class Pushes(Overlay):
     """Of a simulation; the page draws them over everything else (static/player.js)."""
 
     name = "pushes"
@@ -34,28 +34,30 @@ class Pushes(RootedOverlay):
         "Pushes of a simulation, while they act; one that gives the robot 1 m/s is "
         f"{ARROW_PER_SPEED:g} m long."
     )
+    place = 70
     at_first = True
     root = "/push/past"
     parts = frozenset({"robot", "planned", "simulated", "pushes"})
 
     def __init__(self, scene: viser.SceneApi) -> None:
-        """See `Drawing`."""
+        """Nothing is drawn."""
         super().__init__(scene)
-        self._arrows: Copies | None = None
         self._words: list[viser.LabelHandle] = []
 
-    def draw(self, picture: Picture) -> Sequence[Strand]:
-        """See `Drawing.draw`."""
-        strands = super().draw(picture)
-        return strands if picture.pushes else ()
+    @classmethod
+    def keys(cls, picture: Picture) -> Sequence[Key]:
+        if picture.rollout is None or not picture.pushes:
+            return []
+        length = f"{ARROW_PER_SPEED:g}\u00a0m"
+        return [Key(colours.PUSH, f"push; one that gives the robot 1\u00a0m/s is {length} long")]
+
+    def draw(self, picture: Picture) -> Sequence[AnimationChannel]:
+        channels = super().draw(picture)
+        return channels if picture.pushes else ()
 
     def tracks(self, picture: Picture, frames: Frames) -> Sequence[Track]:
-        """See `RootedOverlay.tracks`."""
-        self._arrows = self._arrows or Copies(
-            self.scene, f"{self.root}/arrow", gltf.arrow(colours.PUSH)
-        )
-        pushes, robot = picture.pushes, picture.robot
-        assert robot is not None
+        pushes, (robot, _, _) = picture.pushes, picture.motion
+        arrows = self.nodes(gltf.arrow(colours.PUSH), len(pushes), "arrow")
         while len(self._words) < len(pushes):
             self._words.append(
                 self.scene.add_label(
@@ -66,9 +68,7 @@ class Pushes(RootedOverlay):
             label.position = _AWAY
         origin = trunk_com(robot, frames)
         tracks = []
-        for push, arrow, label in zip(
-            pushes, self._arrows.names(len(pushes)), self._words, strict=False
-        ):
+        for push, arrow, label in zip(pushes, arrows, self._words, strict=False):
             label.text = newton_seconds(push.impulse)
             reach = metres_per_newton_second(robot) * np.array(push.impulse)
             length = float(np.linalg.norm(reach))

@@ -6,14 +6,13 @@ from collections.abc import Sequence
 from functools import lru_cache
 
 import numpy as np
-import viser
 from numpy.typing import NDArray
 
 from app.motion import colours
 from app.motion.clip import Track
 from app.motion.frames import Frames
 from app.picture import gltf
-from app.picture.drawing import Copies, RootedOverlay
+from app.picture.drawing import Overlay
 from app.picture.picture import Picture
 from llsrbm.planning.problem.placement import place_task
 from llsrbm.robots import Robot
@@ -26,25 +25,17 @@ _GRID = 8  # squares along each side of a box' face
 _SEARCH = 9  # places along each axis at which the middle of a region is looked for
 
 
-class FeetReach(RootedOverlay):
+class FeetReach(Overlay):
     """Regions that move with the base: of feet in flight, and of standing feet."""
 
     name = "reach"
     title = "Reach of the feet"
     hint = "Where the plan lets each foot be: a box about its hip, within two distances from it."
+    place = 140
     root = "/regions"
 
-    def __init__(self, scene: viser.SceneApi) -> None:
-        """See `Drawing`."""
-        super().__init__(scene)
-        self._flying: list[Copies] = []
-        self._standing: list[Copies] = []
-
     def tracks(self, picture: Picture, frames: Frames) -> Sequence[Track]:
-        """See `RootedOverlay.tracks`."""
-        robot, planned = picture.robot, picture.planned
-        assert robot is not None
-        assert planned is not None
+        robot, planned, _ = picture.motion
         task = place_task(planned.plan.jump, robot, planned.plan.tuning)
         distance, lower, upper = task.reach.distance, task.reach.lower, task.reach.upper
         # Rounded so that a drag, which changes no limits, finds the meshes of before.
@@ -55,22 +46,11 @@ class FeetReach(RootedOverlay):
         return [
             Track((name,), *base, np.repeat(there[:, foot, None], 3, axis=1).astype(float))
             for names, there in (
-                (self._names(self._flying, "flying", flying), ~frames.stands),
-                (self._names(self._standing, "standing", standing), frames.stands),
+                (self.each("flying", flying), ~frames.stands),
+                (self.each("standing", standing), frames.stands),
             )
             for foot, name in enumerate(names)
         ]
-
-    def _names(self, legs: list[Copies], kind: str, meshes: tuple[bytes, ...]) -> list[str]:
-        """A node for each leg, with its mesh; of the legs that another robot had more, none."""
-        while len(legs) < len(meshes):
-            leg = len(legs)
-            legs.append(Copies(self.scene, f"{self.root}/{kind}/{leg}", meshes[leg]))
-        for copies in legs[len(meshes) :]:
-            copies.names(0)
-        for copies, mesh in zip(legs, meshes, strict=False):
-            copies.replace(mesh)
-        return [name for copies in legs[: len(meshes)] for name in copies.names(1)]
 
 
 @lru_cache(maxsize=16)

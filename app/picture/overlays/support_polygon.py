@@ -5,14 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-import viser
 from numpy.typing import NDArray
 
 from app.motion import colours
 from app.motion.clip import Track
 from app.motion.frames import Frames
 from app.picture import gltf
-from app.picture.drawing import Copies, RootedOverlay
+from app.picture.drawing import Overlay
 from app.picture.picture import Picture
 from app.picture.turns import x_to
 
@@ -23,7 +22,7 @@ _ABOVE = 0.004  # m; edges would flicker in the ground's own plane
 _STRAIGHT = 1e-8  # m2: twice the area of three points that count as one line
 
 
-class SupportPolygon(RootedOverlay):
+class SupportPolygon(Overlay):
     """Its edges as bars: one a contact point, which leads to the next corner of the hull.
 
     A contact point that is no corner has a bar without a length; so the polygon may change its
@@ -33,16 +32,10 @@ class SupportPolygon(RootedOverlay):
     name = "support"
     title = "Support polygon"
     hint = "Convex hull of the contact points that stand: a robot at rest has its CoM above it."
+    place = 110
     root = "/hull"
 
-    def __init__(self, scene: viser.SceneApi) -> None:
-        """See `Drawing`."""
-        super().__init__(scene)
-        self._bars: Copies | None = None
-
     def tracks(self, picture: Picture, frames: Frames) -> Sequence[Track]:
-        """See `RootedOverlay.tracks`."""
-        self._bars = self._bars or Copies(self.scene, self.root, gltf.bar(colours.SUPPORT))
         count, legs, corners, _ = frames.contact_point.shape
         points = frames.contact_point.reshape(count, -1, 3) + np.array([0.0, 0.0, _ABOVE])
         standing = np.repeat(frames.contact, corners, axis=1)
@@ -61,7 +54,7 @@ class SupportPolygon(RootedOverlay):
                 x_to(along[:, point]),
                 size[:, point],
             )
-            for point, name in enumerate(self._bars.names(legs * corners))
+            for point, name in enumerate(self.nodes(gltf.bar(colours.SUPPORT), legs * corners))
         ]
 
 

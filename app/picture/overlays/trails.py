@@ -9,8 +9,8 @@ import viser
 from numpy.typing import NDArray
 
 from app.motion import colours
-from app.motion.clip import Strand
-from app.picture.drawing import Overlay
+from app.motion.clip import AnimationChannel
+from app.picture.drawing import Key, Overlay
 from app.picture.picture import Picture
 
 Array = NDArray[np.float64]
@@ -25,18 +25,17 @@ class Trails(Overlay):
     name = "trails"
     title = "Trails"
     hint = "The paths of the centre of mass and, in flight, of the feet."
+    place = 40
     at_first = True
 
-    def __init__(self, scene: viser.SceneApi) -> None:
-        """See `Drawing`."""
-        super().__init__(scene)
-        self._lines: tuple[viser.LineSegmentsHandle, viser.LineSegmentsHandle] | None = None
+    _lines: tuple[viser.LineSegmentsHandle, viser.LineSegmentsHandle] | None = None
 
-    def draw(self, picture: Picture) -> Sequence[Strand]:
-        """See `Drawing.draw`."""
-        planned, frames = picture.planned, picture.solid
-        assert planned is not None
-        assert frames is not None
+    @classmethod
+    def keys(cls, picture: Picture) -> Sequence[Key]:
+        return [Key(colours.COM, "centre of mass")]
+
+    def draw(self, picture: Picture) -> Sequence[AnimationChannel]:
+        _, planned, frames = picture.motion
         if self._lines is None:
             self._lines = self._add("com", colours.COM, 3.0), self._add("feet", colours.FOOT, 2.0)
         com, feet = self._lines
@@ -57,7 +56,6 @@ class Trails(Overlay):
         return ()
 
     def show(self, *, visible: bool) -> None:
-        """See `Drawing.show`."""
         for line in self._lines or ():
             line.visible = visible
 

@@ -110,7 +110,7 @@ def test_100_mb_are_not_even_sent(page, server, huge):
 
 
 def test_100_mb_that_are_sent_all_the_same_are_dropped(browser, server, huge, monkeypatch):
-    monkeypatch.setattr("app.panel.design_controls.accept_drops", lambda client: None)
+    monkeypatch.setattr("app.panel.file_controls.accept_drops", lambda client: None)
     with opened(browser, server) as page, growth() as grown:
         page.locator("input[type=file]").set_input_files(huge)
         page.get_by_text("huge.json: too large; expected at most 20 MB").wait_for()

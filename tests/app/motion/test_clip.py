@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from app.motion.clip import Clip, Strand, Track
+from app.motion.clip import AnimationChannel, Clip, Track
 from tests.app.page_script import decoded
 
 RNG = np.random.default_rng(5)
@@ -20,14 +20,14 @@ def attitudes(frames):
 
 
 def test_a_browser_reads_what_was_there():
-    plan = Strand(
+    plan = AnimationChannel(
         np.linspace(0, 1.3, 7),
         (
             Track(("/a", "/b"), RNG.normal(size=(7, 3)), attitudes(7), RNG.normal(size=(7, 3))),
             Track(("/c",), RNG.normal(size=(7, 3))),
         ),
     )
-    rollout = Strand(
+    rollout = AnimationChannel(
         np.linspace(0, 2.3, 4),
         (
             Track(("/d",), RNG.normal(size=(4, 3)), scale=np.zeros((4, 3))),
@@ -66,7 +66,9 @@ SOME = arrays(float, st.tuples(st.integers(1, 12), st.just(4)), elements=st.floa
 def test_neighbouring_quaternions_can_be_mixed(values):
     """None is farther than 90 degrees, on the sphere of quaternions, from the one before."""
     wxyz = values / np.linalg.norm(values, axis=1, keepdims=True)
-    strand = Strand(np.arange(len(wxyz)), (Track(("/a",), np.zeros((len(wxyz), 3)), wxyz),))
+    strand = AnimationChannel(
+        np.arange(len(wxyz)), (Track(("/a",), np.zeros((len(wxyz), 3)), wxyz),)
+    )
     header, blob = Clip((strand,), 1.0).encoded
     (((_, nodes),), _) = decoded(json.loads(header), blob)
     sent = nodes["/a"][1].astype(float)
@@ -79,6 +81,6 @@ def test_neighbouring_quaternions_can_be_mixed(values):
     st.floats(-1, 10),
 )
 def test_frame_at_is_the_nearest(times, instant):
-    frame = Strand(times, ()).frame_at(instant)
+    frame = AnimationChannel(times, ()).frame_at(instant)
     assert 0 <= frame < len(times)
     assert abs(times[frame] - instant) == np.abs(times - instant).min()

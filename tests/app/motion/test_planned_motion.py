@@ -7,7 +7,7 @@ import pinocchio as pin
 import pytest
 from scipy.spatial.transform import Rotation
 
-from app.motion.planned_motion import bake_plan, presentable
+from app.motion.baked import bake_plan, presentable
 from llsrbm.request.jump import Jump
 from llsrbm.robots import load_robot
 from tests.app.synthetic_plan import synthetic_plan

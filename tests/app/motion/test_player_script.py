@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation, Slerp
 
 import app.page_template
 from app.link import ClipTaken, PageReady, PlayerMoved, read_event
-from app.motion.clip import Clip, Strand, Track
+from app.motion.clip import AnimationChannel, Clip, Track
 
 pytestmark = pytest.mark.browser
 
@@ -51,8 +51,10 @@ SIZE = np.array([[1.0, 1, 0], [1, 1, 2], [1, 1, 1], [0, 0, 0]])
 CLIP = Clip(
     (
         # Every other quaternion on its other side.
-        Strand(TIME, (Track(("/a", "/b"), PLACE, WXYZ * [[1], [-1], [1], [-1]], SIZE),)),
-        Strand(np.array([0.0, END]), (Track(("/c",), np.array([[0.0, 0, 0], [4, 0, 0]])),)),
+        AnimationChannel(TIME, (Track(("/a", "/b"), PLACE, WXYZ * [[1], [-1], [1], [-1]], SIZE),)),
+        AnimationChannel(
+            np.array([0.0, END]), (Track(("/c",), np.array([[0.0, 0, 0], [4, 0, 0]])),)
+        ),
     ),
     END,
 )
@@ -158,7 +160,7 @@ def test_without_loop_it_stops_and_plays_from_the_start(page):
 def test_a_shorter_clip_ends_the_time_a_longer_one_goes_on(page):
     does(page, "play()")
     passed(page, 1.5)
-    load(page, Clip((Strand(np.array([0.0, 0.4]), ()),), 0.4))
+    load(page, Clip((AnimationChannel(np.array([0.0, 0.4]), ()),), 0.4))
     assert does(page, "time") == 0.4
     load(page, CLIP)
     assert does(page, "playing")

@@ -9,9 +9,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from app.motion.clip import Strand
+from app.motion.baked import bake_rollout, means_from
+from app.motion.clip import AnimationChannel
 from app.motion.frames import FRAME_RATE
-from app.motion.simulated_motion import bake_rollout, means_from
 from llsrbm.look.timeline import force_phases
 from llsrbm.motion.rollout import Mode
 from llsrbm.request.jump import Jump
@@ -85,7 +85,7 @@ def test_however_short_it_is_drawn(rollout, ticks):
     frames = bake_rollout(short).frames
     assert frames.time[0] == rollout.time[0]
     assert frames.end == rollout.time[ticks - 1]
-    assert Strand(frames.time, ()).frame_at(5.0) == len(frames.time) - 1
+    assert AnimationChannel(frames.time, ()).frame_at(5.0) == len(frames.time) - 1
 
 
 @given(st.lists(st.floats(-9, 9), min_size=1, max_size=20), st.data())

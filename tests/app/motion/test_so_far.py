@@ -7,8 +7,8 @@ from time import thread_time
 import numpy as np
 import pytest
 
+from app.motion.baked import frames_so_far
 from app.motion.frames import make_frames
-from app.motion.so_far import frames_so_far
 from llsrbm.motion.states import motion_of_states
 from llsrbm.request.jump import Jump
 from llsrbm.robots import load_robot, names

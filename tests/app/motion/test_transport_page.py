@@ -31,7 +31,7 @@ def stopped(page, instant):
 def expected(session, node, time):
     """(position, wxyz) of a node in the clip that was sent, mixed between its instants."""
     clip = session._rendering._scene._clip()
-    for strand in clip.strands:
+    for strand in clip.channels:
         for track in strand.tracks:
             if node in track.nodes:
                 position, wxyz = (

@@ -6,7 +6,7 @@ from xml.etree import ElementTree as ET
 
 import pytest
 
-from app.panel.comparison_table import Column, comparison_table
+from app.panel.comparison import Column, comparison_table
 from llsrbm.analysis.figures import DesignFigures
 
 BLUE, GREEN = (44, 123, 229), (10, 160, 90)

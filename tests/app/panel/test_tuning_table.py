@@ -5,7 +5,7 @@ from html import unescape
 
 import pytest
 
-from app.panel.tuning_table import entries_of, tuning_table
+from app.panel.tuning import entries_of, tuning_table
 from llsrbm.planning.problem.costs import COSTS, default_weights
 from llsrbm.planning.problem.placement import limits_of
 from llsrbm.request import jump_types

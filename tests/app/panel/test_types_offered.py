@@ -4,8 +4,14 @@ import math
 
 import pytest
 
-from app.panel.turn_choice import turn_amounts, turn_title, turns_offered
-from app.panel.types_offered import title_of_type, types_offered, with_type
+from app.panel.jump_types import (
+    title_of_type,
+    turn_amounts,
+    turn_title,
+    turns_offered,
+    types_offered,
+    with_type,
+)
 from llsrbm.request import jump_types
 from llsrbm.request.jump import Jump
 from llsrbm.robots import load_robot

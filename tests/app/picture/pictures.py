@@ -7,8 +7,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from app.motion.planned_motion import bake_plan
-from app.motion.simulated_motion import bake_rollout
+from app.motion.baked import bake_plan, bake_rollout
 from app.picture.overlays import AT_FIRST
 from app.picture.picture import Picture
 from llsrbm.request.jump import Jump

@@ -84,7 +84,7 @@ def track_of(clip, node):
     """(time, track) of a node in a clip."""
     ((time, track),) = [
         (strand.time, track)
-        for strand in clip.strands
+        for strand in clip.channels
         for track in strand.tracks
         if node in track.nodes
     ]
@@ -92,4 +92,4 @@ def track_of(clip, node):
 
 
 def names_in(clip):
-    return {name for strand in clip.strands for track in strand.tracks for name in track.nodes}
+    return {name for strand in clip.channels for track in strand.tracks for name in track.nodes}

@@ -85,21 +85,21 @@ def test_a_robot_without_a_plan_stands_still_and_is_looked_at():
     assert all(name.startswith("/links/") for name in names_in(drawn.clip))
     _, track = track_of(drawn.clip, "/links/base")
     assert track.position[0] == pytest.approx(robot.base_position)
-    low, high = drawn.clip.sight.low, drawn.clip.sight.high
+    low, high = drawn.clip.camera_target.low, drawn.clip.camera_target.high
     assert low[2] == pytest.approx(0, abs=0.07)
     assert (high - low > 0.4).all()
-    assert drawn.clip.sight.follow == "/links/base"
+    assert drawn.clip.camera_target.follow == "/links/base"
 
 
 def test_the_box_that_is_looked_at_holds_all_of_the_motion():
     drawn = Drawn(picture(forward=0.4))
-    low, high = drawn.clip.sight.low, drawn.clip.sight.high
+    low, high = drawn.clip.camera_target.low, drawn.clip.camera_target.high
     frames = planned(forward=0.4).frames
     places = frames.body_position.reshape(-1, 3)
     assert (low < places.min(axis=0)).all()
     # The apex may lie between two of the frames that are looked at.
     assert (high > places.max(axis=0) - 0.01).all()
-    still = Drawn(Picture(robot=load_robot("anymal"))).clip.sight
+    still = Drawn(Picture(robot=load_robot("anymal"))).clip.camera_target
     assert high[0] - still.high[0] == pytest.approx(0.4, abs=0.1)
 
 
@@ -206,7 +206,7 @@ def test_robots_that_are_switched_forth_and_back_are_sent_once():
         assert not any(prop == "glb_data" for name, prop in changes if "/links" in name)
         bases = {name for name in drawn.seen if name.endswith(("/base", "/pelvis"))}
         assert {name.split("/")[2] for name in bases} == {"base" if robot == "anymal" else "pelvis"}
-        assert clip.sight.follow in drawn.seen
+        assert clip.camera_target.follow in drawn.seen
     links = sum(len(glb) for _, _, glb in robot_nodes.meshes(load_robot("anymal")))
     assert drawn.client.scene.sent - sent < 0.1 * links
     assert len(drawn.nodes) == nodes
@@ -252,8 +252,8 @@ def test_pins_that_come_and_go_are_sent_once():
 
 def test_tracks_with_the_same_instants_are_one_strand():
     clip = Drawn(picture(layers=OVERLAYS, simulation=True)).clip
-    assert len(clip.strands) == 2
-    for strand in clip.strands:
+    assert len(clip.channels) == 2
+    for strand in clip.channels:
         for track in strand.tracks:
             for values in (track.position, track.wxyz, track.scale):
                 assert values is None or len(values) == len(strand.time)

@@ -8,7 +8,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from app.motion import colours
-from app.motion.planned_motion import bake_plan
+from app.motion.baked import bake_plan
 from app.plots.charts import Layer, charts, components_offered, everything, shown_layers
 from app.plots.choice import (
     LANDING,

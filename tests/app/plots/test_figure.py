@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from app.motion import colours
-from app.motion.planned_motion import bake_plan
+from app.motion.baked import bake_plan
 from app.plots.charts import Layer, charts, shown_layers
 from app.plots.choice import LANDING, OVERVIEW, PRESETS
 from app.plots.drawing import legend

@@ -11,7 +11,7 @@ import pytest
 from app.guard.policy import Guard
 from app.guard.token import Access
 from app.motion import colours
-from app.motion.planned_motion import bake_plan
+from app.motion.baked import bake_plan
 from app.page_template import page as designer_page
 from app.plots.charts import Layer, csv_of, shown_layers
 from app.plots.choice import DEFAULT, LANDING, OVERVIEW, PRESETS, TORQUES, ChartChoice

@@ -10,11 +10,9 @@ from unittest.mock import MagicMock
 import pytest
 
 from app.link import AtlasClicked, AtlasSeen, read_event
-from app.panel.atlas_choice import AtlasChoice
-from app.panel.atlas_controls import AtlasControls
-from app.tab.atlas_drawing import AtlasDrawing
-from app.tab.atlases import SHIPPED, Atlases
-from app.tab.events import AtlasChosen, JumpOpened, UndoWanted
+from app.panel.acts import Act
+from app.panel.atlas_controls import AtlasChoice, AtlasControls
+from app.tab.atlas import BUILT_IN, AtlasDrawing, Atlases, JumpOpened
 from llsrbm.atlas.jumps import axis_of
 from llsrbm.errors import InputError
 from llsrbm.request.jump import Jump
@@ -96,7 +94,7 @@ def test_the_designs_point_moves_with_the_sliders_and_the_map_only_with_its_slic
 
 def test_another_colour_and_other_axes(drawn):
     choice = AtlasChoice(seen=True, x="height", y="twist", colour="stopped-by", projection="all")
-    drawn.take(AtlasChosen(choice))
+    drawn.take(choice)
     sent = drawn.maps[-1]
     assert (sent["x"]["title"], sent["y"]["title"]) == ("Landing height", "Twist")
     assert [name for _, name in sent["legend"]["keys"]] == ["nothing", "joint torque"]
@@ -104,7 +102,7 @@ def test_another_colour_and_other_axes(drawn):
 
 
 def test_a_robot_that_the_sweep_has_not_is_said_and_the_choice_stays(drawn):
-    drawn.take(AtlasChosen(AtlasChoice(seen=True, colour="flight")))
+    drawn.take(AtlasChoice(seen=True, colour="flight"))
     drawn.tab.move(robot="slider")
     drawn.tab.settle()
     drawn.drawing.draw(drawn.tab.state)
@@ -116,7 +114,7 @@ def test_a_robot_that_the_sweep_has_not_is_said_and_the_choice_stays(drawn):
 def test_a_changed_robot_and_another_model_are_said(drawn):
     drawn.move(model="srbm")
     assert drawn.told == (
-        "The sweep's jumps are Together, llsrbm-plus. "
+        "The sweep's jumps are All feet together, llsrbm-plus. "
         "The robot's file has changed since this sweep."
     )
 
@@ -131,7 +129,7 @@ def test_a_click_opens_its_jump_and_undo_takes_it_back(drawn, atlases):
     asked = drawn.tab.submits[-1].task.jump
     assert asked == jump
     assert drawn.marks[-1] == pytest.approx((math.degrees(jump.twist), jump.forward))
-    drawn.take(UndoWanted())
+    drawn.take(Act.UNDO)
     assert drawn.tab.state.design == before
 
 
@@ -170,7 +168,7 @@ def test_axes_that_a_sweep_has_not_are_stood_in_for():
 
 def test_sweeps_by_name(folder, tmp_path):
     atlases = Atlases([folder])
-    assert atlases.names == (folder.name, SHIPPED)
+    assert atlases.names == (folder.name, BUILT_IN)
     assert atlases.named("") is atlases.named(folder.name)
     assert atlases.named("../../etc") is None
     with pytest.raises(InputError, match="given twice"):

@@ -9,7 +9,9 @@ import time
 
 import pytest
 
-from app.tab.tabs import KEPT, MOST_KEPT
+from app.guard.limits import Limits
+from app.tab.effects import LoadRobot, loaded
+from app.tab.tabs import KEPT
 from llsrbm.request.design import Design, dump_design, load_design
 from llsrbm.request.jump import Jump
 from llsrbm.request.scenario import Scenario
@@ -130,7 +132,7 @@ def test_a_page_that_greets_late_finds_its_tab_again(designer, monkeypatch):
     tab, before = worked_on(designer, 6)
     tab.close()
     gone(designer, before)
-    monkeypatch.setattr("app.tab.session._PAGE_PATIENCE", 0.0)
+    monkeypatch.setattr("app.tab.session._PAGE_ANSWERS", 0.0)
     with RawTab(designer.port, None) as again:
         again.wait_for_status("Planned")
         again.page.known = {"tab": token(6)}
@@ -141,7 +143,7 @@ def test_a_page_that_greets_late_finds_its_tab_again(designer, monkeypatch):
 
 
 def test_a_page_that_greets_late_brings_its_design(designer, monkeypatch):
-    monkeypatch.setattr("app.tab.session._PAGE_PATIENCE", 0.0)
+    monkeypatch.setattr("app.tab.session._PAGE_ANSWERS", 0.0)
     with RawTab(designer.port, None) as tab:
         tab.wait_for_status("Planned")
         tab.page.known = {"tab": token(7), "kept": dump_design(Design(Jump(forward=0.3)))}
@@ -164,10 +166,11 @@ def test_states_are_dropped_after_their_time_and_beyond_their_number(designer, m
     tabs._session_ended(session)
     now[0] += KEPT + 1
     assert tabs._take_kept(token(8)) is None
-    for number in range(MOST_KEPT + 5):
+    most = Limits.tabs  # all that may be open: after a cut, each finds its state
+    for number in range(most + 5):
         session.token = token(100 + number)
         tabs._session_ended(session)
-    assert tabs.kept == MOST_KEPT
+    assert tabs.kept == most >= 50
     assert tabs._take_kept(token(104)) is None
     assert tabs._take_kept(token(105)) is not None
 
@@ -185,7 +188,7 @@ def test_tabs_that_close_at_once_leave_nothing_behind(designer):
         return [thread for thread in found if thread.name.startswith("session-")]
 
     wait_until(lambda: not left(), "the threads' end")
-    assert designer.tabs.kept <= MOST_KEPT
+    assert designer.tabs.kept <= Limits.tabs
     with RawTab(designer.port) as tab:
         tab.wait_for_status("Planned")
 
@@ -197,9 +200,7 @@ def test_a_session_that_cannot_be_built_says_so(designer, monkeypatch, caplog):
     with monkeypatch.context() as patched, caplog.at_level(logging.ERROR):
         patched.setattr("app.tab.session.Rendering", broken)
         with RawTab(designer.port, {"tab": token(9)}) as tab:
-            tab.wait(lambda: tab.notifications, "a note")
-            assert tab.notifications[0][0] == "This page has failed"
-            assert "reload" in tab.notifications[0][1]
+            tab.wait_for_status("Failed by a defect")
     assert "ZeroDivisionError: a defect" in caplog.text
     with opened(designer, 9) as again:
         again.wait_for_status("Planned")
@@ -215,7 +216,11 @@ def test_a_state_that_led_to_a_defect_is_not_found_again(designer, monkeypatch):
 
     monkeypatch.setattr(session._rendering, "draw", broken)
     tab.set("Forward [m]", 0.3)
-    tab.wait(lambda: tab.notifications, "a note")
+    tab.wait_for_status("Failed by a defect")
+    labels = [m["props"].get("label") for m in tab.controls.values()]
+    assert [label for label in labels if label] == ["Reload"]  # no control does nothing
+    tab.press("Reload")
+    tab.wait(lambda: "window.location.reload()" in tab.scripts, "a fresh page")
     gone(designer, session)
     tab.close()
     assert session.left is None
@@ -307,3 +312,28 @@ def test_a_page_that_lacks_something_says_what(designer):
         title, body = tab.notifications[0]
         assert title == "This page cannot play"
         assert "__viserMutable.nodePoseData, x" in body
+
+
+def test_a_page_is_back_while_its_session_loads_a_robot(designer, monkeypatch):
+    loading, go_on = threading.Event(), threading.Event()
+
+    def slowly(self, outside):
+        loading.set()
+        go_on.wait(20)
+        outside.inbox.put(loaded(self.name))
+
+    with opened(designer, 40) as tab:
+        tab.wait_for_status("Planned")
+        tab.set("Forward [m]", 0.3)
+        tab.wait(lambda: session_of(designer, tab).plan.jump.forward == 0.3, "its plan")
+        tab.press("Pin")
+        tab.wait(lambda: session_of(designer, tab).state.pins, "a pin")
+        monkeypatch.setattr(LoadRobot, "do", slowly)
+        tab.set("Robot", "Unitree Go2")
+        assert loading.wait(20)
+        monkeypatch.undo()
+    with opened(designer, 40) as again:  # the one before is still at it
+        again.wait(lambda: again.value("Robot") == "Unitree Go2", "the robot")
+        assert session_of(designer, again).state.pins
+        go_on.set()
+        again.wait_for_status("Planned")

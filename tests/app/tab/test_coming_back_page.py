@@ -7,7 +7,6 @@ import re
 import subprocess
 import sys
 
-import numpy as np
 import pytest
 
 from tests.app.chromium import (
@@ -153,52 +152,7 @@ def test_a_link_is_made_in_the_page_and_opens_the_design(page, browser, designer
         assert "#" not in other.evaluate("location.href")  # a reload finds what came of it
 
 
-def test_a_link_is_opened_in_a_page_that_is_there(page, tmp_path):
-    design = page.session.design
-    fill(page, "Forward [m]", FORWARD)
-    wait_until(lambda: page.session.plan.jump.forward == FORWARD, "the plan")
-    press(page, "Share")
-    dialog = page.get_by_role("dialog", name="Share this design")
-    dialog.wait_for()
-    fragment = dialog.get_by_label("Link").input_value().partition("#")[2]
-    dialog.get_by_role("button", name="Close").click()
-    press(page, "Undo")
-    wait_until(lambda: page.session.plan.jump == design.jump, "the plan before")
-    page.evaluate("fragment => { location.hash = fragment; }", fragment)
-    wait_until(lambda: page.session.plan.jump.forward == FORWARD, "the design of the link")
-    assert "#" not in page.evaluate("location.href")
-
-
 # ---- undo
-
-
-def test_changes_are_undone_and_done_again(page):
-    undo = page.get_by_role("button", name="Undo", exact=True)
-    redo = page.get_by_role("button", name="Redo", exact=True)
-    twist = np.degrees(page.session.design.jump.twist)
-
-    def shows(label, value):
-        field = number(page, label)
-        wait_until(
-            lambda: float(field.input_value()) == pytest.approx(value, abs=1e-3), f"{label} {value}"
-        )
-
-    fill(page, "Twist [deg]", 40)
-    wait_until(lambda: np.degrees(page.session.plan.jump.twist) == pytest.approx(40), "a plan")
-    fill(page, "Forward [m]", 0.2)
-    wait_until(lambda: page.session.plan.jump.forward == 0.2, "a plan")
-    assert redo.is_disabled()
-    undo.click()
-    shows("Forward [m]", 0)
-    shows("Twist [deg]", 40)
-    undo.click()
-    shows("Twist [deg]", twist)
-    redo.click()
-    shows("Twist [deg]", 40)
-    redo.click()
-    shows("Forward [m]", 0.2)
-    wait_until(redo.is_disabled, "nothing left to do again")
-    wait_until(lambda: page.session.plan.jump.forward == 0.2, "its plan")
 
 
 # ---- the server

@@ -7,16 +7,9 @@ from dataclasses import replace
 import pytest
 
 from app.motion.colours import PINNED
-from app.tab.comparison import Pin, free_colour
-from app.tab.events import (
-    PinChosen,
-    PinWanted,
-    ScenarioChosen,
-    SimulateWanted,
-    TakeUpWanted,
-    UnpinWanted,
-)
-from app.tab.state import TabState
+from app.panel.acts import Act
+from app.tab.comparison import PinChosen
+from app.tab.state import Pin, TabState, free_colour
 from llsrbm.request.scenario import Scenario
 from tests.app.pure_tab import PureTab, planned_tab
 
@@ -30,7 +23,7 @@ def pin_at(tab, *places):
     for forward in places:
         tab.move(forward=forward)
         tab.settle()
-        tab.take(PinWanted())
+        tab.take(Act.PIN)
     return tab
 
 
@@ -39,8 +32,8 @@ def places(state: TabState):
 
 
 def test_a_pin_keeps_the_motion_and_all_that_was_asked_for(tab):
-    tab.take(ScenarioChosen(Scenario(board=0.02)))
-    tab.take(PinWanted())
+    tab.take(Scenario(board=0.02))
+    tab.take(Act.PIN)
     (pin,) = tab.state.pins
     assert pin.design == tab.state.design
     assert pin.motion is tab.state.shown.planned
@@ -51,11 +44,11 @@ def test_a_pin_keeps_the_motion_and_all_that_was_asked_for(tab):
 
 
 def test_a_pinned_simulation_keeps_the_scenario_it_ran_in(tab):
-    tab.take(ScenarioChosen(Scenario(board=0.02)))
-    tab.take(SimulateWanted())
+    tab.take(Scenario(board=0.02))
+    tab.take(Act.SIMULATE)
     tab.finish_simulation()
-    tab.take(ScenarioChosen(Scenario()))
-    tab.take(PinWanted())
+    tab.take(Scenario())
+    tab.take(Act.PIN)
     (pin,) = tab.state.pins
     assert pin.rollout is tab.state.rollout
     assert pin.design.scenario == Scenario(board=0.02)
@@ -67,33 +60,33 @@ def test_there_are_no_more_pins_than_colours(tab):
     pin_at(tab, 0.05, 0.1, 0.15)
     assert [pin.colour for pin in tab.state.pins] == list(PINNED)
     before = tab.state
-    tab.take(PinWanted())
+    tab.take(Act.PIN)
     assert tab.state is before
 
 
 def test_a_colour_that_was_let_go_is_taken_again(tab):
     pin_at(tab, 0.05, 0.1, 0.15)
     tab.take(PinChosen(1))
-    tab.take(UnpinWanted())
+    tab.take(Act.UNPIN)
     assert places(tab.state) == [0.05, 0.15]
     assert tab.state.pin_chosen == 1
     pin_at(tab, 0.2)
     assert tab.state.pins[-1].colour == PINNED[1]
     for _ in range(4):
-        tab.take(UnpinWanted())
+        tab.take(Act.UNPIN)
     assert (tab.state.pins, tab.state.pin_chosen) == ((), -1)
 
 
 def test_without_a_motion_nothing_is_pinned():
     tab = PureTab()
-    tab.take(PinWanted())
+    tab.take(Act.PIN)
     assert tab.state.pins == ()
 
 
 def test_the_chosen_pin_is_taken_up(tab):
     pin_at(tab, 0.05, 0.1)
     tab.take(PinChosen(0))
-    tab.take(TakeUpWanted())
+    tab.take(Act.USE_PINNED)
     assert tab.one.task.jump.forward == 0.05
     assert places(tab.state) == [0.05, 0.1]
 
@@ -103,7 +96,7 @@ def test_no_pin_is_chosen(tab, index):
     pin_at(tab, 0.05)
     tab.take(PinChosen(index))
     assert tab.state.pin_chosen == -1
-    assert tab.take(TakeUpWanted()) == ()
+    assert tab.take(Act.USE_PINNED) == ()
 
 
 def test_pins_survive_a_change_of_robot(tab):
@@ -111,7 +104,7 @@ def test_pins_survive_a_change_of_robot(tab):
     tab.move(robot="slider")
     tab.settle()
     assert places(tab.state) == [0.05]
-    tab.take(TakeUpWanted())
+    tab.take(Act.USE_PINNED)
     tab.settle()
     assert (tab.state.plan.jump.robot, tab.state.plan.jump.forward) == ("anymal", 0.05)
 

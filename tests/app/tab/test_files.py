@@ -7,20 +7,19 @@ from dataclasses import replace
 import pytest
 
 from app.motion.colours import PINNED
-from app.panel.export_controls import PLAN, Choice
-from app.panel.status import Word
-from app.tab.effects import Download, Keep, LoadRobot, Notify, ResetControls, Stop
-from app.tab.events import (
-    ExportWanted,
-    FileChosen,
+from app.panel.acts import Act
+from app.panel.file_controls import PLAN, FileChoice
+from app.panel.status import Verdict
+from app.tab.effects import (
+    Download,
+    Keep,
+    LoadRobot,
+    Notify,
+    Queue,
     RobotLoaded,
-    SaveWanted,
-    SimulateWanted,
-    StopExportWanted,
-    TakeUpWanted,
-    UndoWanted,
+    Stop,
 )
-from app.tab.lanes import Lane
+from app.tab.files import FileChosen
 from app.workers.opened_file import OpenedFile
 from app.workers.protocol import Cancelled, Exported, Failed, Opened, OpenFile, Progress
 from llsrbm.request.design import Design, load_design
@@ -50,7 +49,7 @@ def rollout(jump=JUMP, **changes):
 
 
 def opened(tab, holds, name="mine.npz", *remarks):
-    tab.take(FileChosen(name, b"content", 30.0))
+    tab.take(FileChosen(name, b"content"))
     return tab.report(Opened(0, OpenedFile(name, holds, remarks)))
 
 
@@ -60,19 +59,20 @@ def opened(tab, holds, name="mine.npz", *remarks):
 @pytest.mark.parametrize(("name", "rate"), [("a.npz", None), ("a.CSV", 25.0)])
 def test_a_file_is_read_in_a_lane_of_its_own(tab, name, rate):
     tab.move(forward=0.1)
-    tab.take(FileChosen(name, b"content", 25.0))
-    assert tab.one.lane is Lane.OPEN
+    tab.take(FileChoice(rate=25.0))
+    tab.take(FileChosen(name, b"content"))
+    assert tab.one.queue is Queue.OPEN
     task = tab.one.task
     assert isinstance(task, OpenFile)
     assert (task.name, task.content, task.robot, task.fps) == (name, b"content", "anymal", rate)
-    assert tab.state.csv_rate == (rate is not None)
+    assert tab.state.export.rate_asked == (rate is not None)
     assert tab.state.planning
 
 
 def test_of_two_files_the_newer_one_counts(tab):
-    tab.take(FileChosen("a.npz", b"", 1.0))
+    tab.take(FileChosen("a.npz", b""))
     older = tab.one
-    tab.take(FileChosen("b.npz", b"", 1.0))
+    tab.take(FileChosen("b.npz", b""))
     before = tab.state
     tab.report(Opened(0, OpenedFile("a.npz", plan_of(JUMP))), submit=older)
     assert tab.state is before
@@ -81,7 +81,7 @@ def test_of_two_files_the_newer_one_counts(tab):
 
 
 def test_only_waiting_is_told(tab):
-    tab.take(FileChosen("a.npz", b"", 1.0))
+    tab.take(FileChosen("a.npz", b""))
     tab.report(Progress(0, "waiting: two others", waiting=True))
     assert tab.state.files.opening_note == "waiting: two others"
     tab.report(Failed(0, "a.npz: no"))
@@ -98,14 +98,14 @@ def test_a_plan_is_shown_without_planning(tab):
     assert tab.state.plan is plan
     assert tab.state.design == Design(JUMP)
     assert tab.state.note == "Opened mine.npz. It is old."
-    assert tab.told[0] is Word.PLANNED
-    assert tab.told[1].startswith("from file mine.npz: in 12 ms")
+    assert tab.told[0] is Verdict.PLANNED
+    assert tab.told[1].startswith("from file mine.npz. Flight 0.50 s")
     assert tab.move() == ()  # it counts as planned
     tab.move(forward=0.13)
     assert tab.one.task.near is plan
     assert tab.state.note == ""
-    tab.take(UndoWanted())
-    tab.take(UndoWanted())
+    tab.take(Act.UNDO)
+    tab.take(Act.UNDO)
     assert tab.state.design == before
 
 
@@ -122,7 +122,7 @@ def test_a_file_ends_what_is_being_planned(tab):
 
 def test_one_that_did_not_converge_says_so(tab):
     opened(tab, plan_of(JUMP, "not-converged"), "bad.npz")
-    assert tab.told[0] is Word.FAILED
+    assert tab.told[0] is Verdict.FAILED
     assert tab.told[1].startswith("from file bad.npz: the planner did not converge")
 
 
@@ -131,9 +131,9 @@ def test_a_simulation_is_shown_with_its_plan_and_scenario(tab):
     opened(tab, run, "run.npz")
     assert (tab.state.plan, tab.state.rollout) == (run.plan, run)
     assert tab.state.design == Design(JUMP, Tuning(), SCENARIO)
-    assert tab.told[0] is Word.LANDED
+    assert tab.told[0] is Verdict.LANDED
     assert tab.told[1].startswith("from file run.npz: yaw")
-    tab.take(SimulateWanted())
+    tab.take(Act.SIMULATE)
     assert tab.submits[-1].task.scenario == SCENARIO
 
 
@@ -145,12 +145,12 @@ def test_another_robots_plan_waits_for_its_robot(tab):
     tab.take(RobotLoaded(load_robot("slider")))
     assert tab.state.plan is plan
     assert tab.state.robot.name == "slider"
-    assert tab.state.known is None
+    assert tab.state.given is None
 
 
 def test_a_plan_that_waits_for_its_robot_is_dropped_when_something_else_is_asked_for(tab):
     opened(tab, plan_of(Jump(robot="slider", twist=0.3)))
-    tab.take(UndoWanted())
+    tab.take(Act.UNDO)
     assert tab.take(RobotLoaded(load_robot("slider"))) == ()
     assert tab.state.robot.name == tab.state.plan.jump.robot == "anymal"
 
@@ -187,8 +187,8 @@ def test_a_motion_without_a_plan_is_pinned(tab, states):
     assert (pin.design, pin.rollout, tab.state.pin_chosen) == (None, None, 0)
     assert tab.state.shown is shown
     assert tab.state.note == "turn.csv is pinned for looking and comparing, at 50 frames/s."
-    tab.take(TakeUpWanted())
-    assert tab.notes()[0][0] == "Not taken up"
+    tab.take(Act.USE_PINNED)
+    assert tab.notes()[0][0] == "Not used"
 
 
 def test_there_are_no_more_pins_than_colours(tab, states):
@@ -203,40 +203,37 @@ def test_there_are_no_more_pins_than_colours(tab, states):
 def test_beside_a_pin_something_is_planned(states):
     tab = PureTab()
     opened(tab, states, "turn.csv")
-    assert tab.one.lane is Lane.MOTION
+    assert tab.one.queue is Queue.MOTION
 
 
 # ---- saving
 
 
-def choice(*formats, of=PLAN):
-    return Choice(of=of, formats=formats, zipped=False, options={})
+def export(tab, *formats, of=PLAN):
+    tab.take(FileChoice(formats[0], formats[1:], of))
+    return tab.take(Act.EXPORT)
 
 
 def test_a_design_is_saved_as_it_is(tab):
-    tab.take(SaveWanted())
+    tab.take(Act.SAVE)
     assert isinstance(tab.one, Download)
     assert load_design(tab.one.content) == tab.state.design
 
 
 def test_there_must_be_something_to_export():
     tab = PureTab()
-    tab.take(ExportWanted(choice("npz"), ("Format: no",)))
-    assert tab.effects == (
-        Notify("Corrected", "Format: no"),
-        ResetControls(),
-        Notify("Nothing to export", "There is no plan yet."),
-    )
+    export(tab, "npz")
+    assert tab.one == Notify("Nothing to export", "There is no plan yet.")
 
 
 def test_plan_or_simulation_is_exported(tab):
-    tab.take(ExportWanted(choice("npz", of="simulation")))
+    export(tab, "npz", of="simulation")
     assert tab.one.task.trajectory is tab.state.plan  # there is no simulation
-    tab.take(SimulateWanted())
+    tab.take(Act.SIMULATE)
     tab.finish_simulation()
     for of, trajectory in ((PLAN, tab.state.plan), ("simulation", tab.state.rollout)):
-        tab.take(ExportWanted(choice("npz", "csv", of=of)))
-        assert tab.one.lane is Lane.SAVE
+        export(tab, "npz", "csv", of=of)
+        assert tab.one.queue is Queue.SAVE
         assert tab.one.task.trajectory is trajectory
         assert tab.state.files.saving_note == "Exporting npz, csv ..."
 
@@ -250,13 +247,13 @@ def test_plan_or_simulation_is_exported(tab):
     ],
 )
 def test_saving_ends(tab, report, effect):
-    tab.take(ExportWanted(choice("npz")))
+    export(tab, "npz")
     submit = tab.one
     tab.report(Progress(0, "writing"))
     assert tab.state.files.saving_note == "Exporting npz ..."
     tab.report(Progress(0, "waiting: others", waiting=True))
     assert tab.state.files.saving_note == "Exporting npz (waiting: others) ..."
-    assert tab.take(StopExportWanted()) == (Stop(Lane.SAVE),)
+    assert tab.take(Act.STOP_FILES) == (Stop(Queue.OPEN), Stop(Queue.SAVE))
     assert tab.report(report) == (effect,)
     assert (tab.state.files.saving, tab.state.files.saving_note) == (0, "")
     before = tab.state
@@ -269,7 +266,7 @@ def test_a_format_whose_package_is_missing_is_refused(tab, monkeypatch):
 
     name = next(name for name, each in FORMATS.items() if each.extra is not None)
     monkeypatch.setattr(type(FORMATS[name].extra), "missing", True)
-    tab.take(ExportWanted(choice(name)))
+    export(tab, name)
     ((title, body),) = tab.notes()
     assert title == "Not exported"
     assert "pip install" in body

@@ -61,7 +61,7 @@ def test_a_plan_is_opened_changed_and_simulated(page, files, way):
     wait_until(lambda: dark(picture(page)).sum() > 3000, "the robot")
     fill(page, "Forward [m]", 0.4)
     wait_until(lambda: page.session.plan.jump.forward == 0.4, "the next plan")
-    status(page, "Planned in")
+    status(page, "Planned. ")
     press(page, "Simulate")
     status(page, "Landed")
 
@@ -105,4 +105,4 @@ def test_another_tools_motion_stands_beside_the_plan(page, tmp_path):
 def test_a_bad_file_is_one_line(page):
     drop(page, "bad.npz", b"PK\x03\x04nothing")
     page.get_by_text("Not opened: bad.npz: ").wait_for()
-    status(page, "Planned in")
+    status(page, "Planned. ")

@@ -9,13 +9,7 @@ import numpy as np
 import pytest
 
 from app.tab import initial_plan
-from app.tab.initial_plan import (
-    LIBRARY_PLANNER,
-    InitialPlans,
-    example,
-    shipped_file,
-    shipped_plan,
-)
+from app.tab.initial_plan import LIBRARY_PLANNER, InitialPlans, example, shipped_file, shipped_plan
 from app.workers.worker import LibraryPlanner
 from llsrbm.motion.plan import load_plan
 from llsrbm.planning.problem.placement import make_task

@@ -7,8 +7,8 @@ from dataclasses import replace
 
 import pytest
 
-from app.panel.status import Word
-from app.tab.events import DesignChosen, RedoWanted, UndoWanted
+from app.panel.acts import Act
+from app.panel.status import Verdict
 from app.workers.protocol import PlanJump
 from llsrbm.request import jump_types
 from llsrbm.request.design import Design
@@ -51,11 +51,11 @@ def test_a_number_of_the_type_is_a_number_like_others(tab):
     shown = tab.state.plan
     tab.move(speed=0.6)
     assert tab.one.task == PlanJump(tab.state.design.jump, near=shown, patient=False)
-    tab.take(UndoWanted())
+    tab.take(Act.UNDO)
     assert tab.state.design.jump == shown.jump
-    tab.take(UndoWanted())
+    tab.take(Act.UNDO)
     assert tab.state.design.jump.type == "together"
-    tab.take(RedoWanted())
+    tab.take(Act.REDO)
     assert tab.state.design.jump == shown.jump
 
 
@@ -104,19 +104,19 @@ def test_a_type_without_feet_on_another_robot_is_told_and_together_instead(tab):
     tab.finish_robot()
     assert tab.state.design.jump.type == "together"
     assert tab.one.task.jump.type == "together"
-    said = 'SLIDER cannot do "Rear last": "Together" instead.'
-    assert tab.told == (Word.PLANNING, f"{said} ...")
+    said = 'SLIDER does not support "Rear last". Planning "All feet together" instead.'
+    assert tab.told == (Verdict.PLANNING, f"{said} ...")
     tab.finish_plan()
     word, rest = tab.told
-    assert word is Word.PLANNED
-    assert rest.startswith(f"{said} in ")
+    assert word is Verdict.PLANNED
+    assert rest.startswith(f". {said} Flight ")
     tab.move(forward=0.05)
     tab.settle()
-    assert tab.told[1].startswith("in ")
+    assert tab.told[1].startswith(". Flight")
 
 
 def test_a_design_of_a_type_that_its_robot_lacks_is_told_too():
     tab = PureTab("slider")
-    tab.take(DesignChosen(Design(Jump(robot="slider", type="rear-last"), title="Odd")))
-    assert tab.told[1].startswith('SLIDER cannot do "Rear last"')
+    tab.take(Design(Jump(robot="slider", type="rear-last"), title="Odd"))
+    assert tab.told[1].startswith('SLIDER does not support "Rear last"')
     assert tab.state.design == Design(Jump(robot="slider"))

@@ -7,19 +7,23 @@ from dataclasses import replace
 import pytest
 
 from app.link import PageReady, PlayerMoved
-from app.panel.status import Word
+from app.panel.acts import Act
+from app.panel.status import Verdict
 from app.tab.drag_planning import REST
-from app.tab.effects import After, Keep, LoadRobot, Notify, Play, Seek, SetPlayback, Submit
-from app.tab.events import (
-    Opened,
-    PinWanted,
-    Rested,
+from app.tab.effects import (
+    After,
+    Keep,
+    LoadRobot,
+    Notify,
+    Play,
+    Queue,
     RobotLoaded,
-    SimulateWanted,
-    WorstWanted,
+    Seek,
+    SetPlayback,
+    Submit,
 )
-from app.tab.lanes import Lane
-from app.tab.opening import example_design, left, resume
+from app.tab.opening import TabOpened, example_design, left, resume
+from app.tab.planning import Rested
 from app.tab.state import FileWork
 from app.workers.opened_file import OpenedFile
 from app.workers.protocol import PlanJump, Prepare, Prepared, SeedDone, SeedResult, SimulatedSoFar
@@ -46,13 +50,13 @@ def kinds(effects):
 
 def test_the_first_robots_example_is_planned():
     tab = PureTab()
-    tab.take(Opened())
+    tab.take(TabOpened())
     assert tab.one.task == PlanJump(EXAMPLE.jump)
 
 
 def test_a_robot_that_is_not_loaded_is_prepared_first():
     tab = PureTab(robot=None)
-    tab.take(Opened())
+    tab.take(TabOpened())
     assert tab.one.task == Prepare("anymal")
     tab.finish_robot()
     assert tab.one.task == PlanJump(EXAMPLE.jump)
@@ -61,13 +65,13 @@ def test_a_robot_that_is_not_loaded_is_prepared_first():
 @pytest.mark.parametrize("robot", [None, "anymal"])
 def test_a_plan_that_is_known_is_shown_at_once(robot):
     tab, plan = PureTab(robot), plan_of(EXAMPLE.jump)
-    tab.take(Opened(plan=plan))
+    tab.take(TabOpened(plan=plan))
     if robot is None:
         assert tab.one == LoadRobot("anymal")
         tab.take(RobotLoaded(load_robot("anymal")))
     assert kinds(tab.effects) == [Keep, Play]
     assert tab.state.plan is plan
-    assert tab.told[0] is Word.PLANNED
+    assert tab.told[0] is Verdict.PLANNED
     assert tab.submits == []
     assert tab.move() == ()
 
@@ -75,7 +79,7 @@ def test_a_plan_that_is_known_is_shown_at_once(robot):
 def test_a_kept_design_is_planned_though_another_plan_is_known():
     tab = PureTab()
     kept = Design(Jump(forward=0.2), scenario=Scenario(board=0.02))
-    tab.take(Opened(kept, plan_of(EXAMPLE.jump)))
+    tab.take(TabOpened(kept, plan_of(EXAMPLE.jump)))
     assert tab.one.task.jump == kept.jump
     assert tab.state.design == kept
 
@@ -83,25 +87,25 @@ def test_a_kept_design_is_planned_though_another_plan_is_known():
 @pytest.mark.parametrize("playing", [False, True])
 def test_a_page_that_lost_its_server_goes_on_where_it_was(playing):
     tab = PureTab()
-    tab.take(Opened(plan=plan_of(EXAMPLE.jump), time=0.65, playing=playing))
+    tab.take(TabOpened(plan=plan_of(EXAMPLE.jump), time=0.65, playing=playing))
     assert tab.effects[1:] == (Seek(0.65), *([Play()] if playing else []))
 
 
 def test_a_kept_design_of_another_robot_has_it_prepared():
     tab = PureTab()
-    tab.take(Opened(Design(Jump(robot="go2")), plan_of(EXAMPLE.jump)))
+    tab.take(TabOpened(Design(Jump(robot="go2")), plan_of(EXAMPLE.jump)))
     assert tab.one.task == Prepare("go2")
 
 
 def test_a_kept_design_that_is_the_example_is_shown_at_once():
     tab = PureTab()
-    tab.take(Opened(EXAMPLE, plan_of(EXAMPLE.jump)))
+    tab.take(TabOpened(EXAMPLE, plan_of(EXAMPLE.jump)))
     assert tab.state.plan is not None
 
 
 def test_a_design_that_cannot_be_read_is_noted_and_the_example_shown():
     tab = PureTab()
-    tab.take(Opened(None, plan_of(EXAMPLE.jump), None, ("it is cut", "so is that")))
+    tab.take(TabOpened(None, plan_of(EXAMPLE.jump), None, ("it is cut", "so is that")))
     assert tab.effects[0] == Notify("The last design was not opened", "it is cut; so is that")
     assert tab.state.plan.jump == EXAMPLE.jump
 
@@ -109,7 +113,7 @@ def test_a_design_that_cannot_be_read_is_noted_and_the_example_shown():
 def test_a_servers_file_comes_before_a_kept_design():
     jump = Jump(robot="slider", twist=0.2)
     tab = PureTab()
-    tab.take(Opened(Design(Jump(forward=0.2)), None, OpenedFile("mine.npz", plan_of(jump))))
+    tab.take(TabOpened(Design(Jump(forward=0.2)), None, OpenedFile("mine.npz", plan_of(jump))))
     assert tab.one == LoadRobot("slider")
     tab.take(RobotLoaded(load_robot("slider")))
     assert tab.state.plan.jump == jump
@@ -118,7 +122,7 @@ def test_a_servers_file_comes_before_a_kept_design():
 
 def test_beside_a_servers_motion_its_robots_example_is_planned():
     tab = PureTab()
-    tab.take(Opened(file=OpenedFile("turn.csv", turning_states("go2"))))
+    tab.take(TabOpened(file=OpenedFile("turn.csv", turning_states("go2"))))
     assert len(tab.state.pins) == 1
     assert tab.state.design == example_design(ROBOTS["go2"])
     assert tab.one.task == Prepare("go2")
@@ -135,9 +139,9 @@ def back(tab, page=PAGE, tickets=0):
 
 def test_everything_that_was_shown_is_there_again():
     tab = planned_tab()
-    tab.take(SimulateWanted())
+    tab.take(Act.SIMULATE)
     tab.finish_simulation()
-    tab.take(PinWanted())
+    tab.take(Act.PIN)
     tab.take(PlayerMoved(0.7, playing=False))
     before = tab.state
     assert back(tab).effects == (AS_BEFORE, Seek(0.7))
@@ -163,7 +167,7 @@ def test_a_page_that_was_never_away_knows_best_where_it_is(playing):
 
 def test_a_running_job_is_begun_again_under_another_ticket():
     tab = planned_tab()
-    tab.take(SimulateWanted())
+    tab.take(Act.SIMULATE)
     old = tab.submits[-1]
     rollout = rollout_of(plan_of(tab.state.plan.jump))
     tab.report(SimulatedSoFar(0, 0.1, rollout.time[:50:7], rollout.qpos[:50:7]))
@@ -176,12 +180,12 @@ def test_a_running_job_is_begun_again_under_another_ticket():
     tab.report(Prepared(0, "go2"), submit=replace(submit, ticket=40))
     assert tab.state is before
     tab.finish_simulation()
-    assert tab.told[0] is Word.LANDED
+    assert tab.told[0] is Verdict.LANDED
 
 
 def test_seeds_are_counted_from_the_first_again():
     tab = planned_tab()
-    tab.take(SimulateWanted(2))
+    tab.take(Act.SEEDS)
     tab.report(SeedDone(0, SeedResult(0, True, True, None, 0.0, "landed"), 1, 2))
     back(tab)
     assert tab.state.seeds.results == ()
@@ -189,14 +193,14 @@ def test_seeds_are_counted_from_the_first_again():
 
 def test_seeds_that_are_done_stay_while_something_else_is_planned():
     tab = planned_tab()
-    tab.take(SimulateWanted(2))
+    tab.take(Act.SEEDS)
     done = (SeedResult(0, True, True, None, 0.0, "landed"),) * 2
     seeds = replace(tab.state.seeds, results=done, worst=rollout_of(tab.state.plan))
     tab.state = replace(tab.state, seeds=seeds)
     tab.move(forward=0.1)
     back(tab)
     assert tab.state.seeds.results == done
-    tab.take(WorstWanted())
+    tab.take(Act.WORST)
     assert tab.state.rollout is not None
 
 
@@ -223,7 +227,7 @@ def test_a_robot_that_was_being_loaded_is_loaded_again():
 
 def test_a_plan_that_waited_for_its_robot_is_shown():
     tab, plan = PureTab(robot=None), plan_of(EXAMPLE.jump)
-    tab.take(Opened(plan=plan))
+    tab.take(TabOpened(plan=plan))
     back(tab)
     assert tab.one == LoadRobot("anymal")
     tab.take(RobotLoaded(load_robot("anymal")))
@@ -241,4 +245,4 @@ def test_meshes_that_were_being_made_are_made_again():
     tab.state = replace(tab.state, prepared=False)
     back(tab)
     (submit,) = tab.of(Submit)
-    assert (submit.lane, submit.task) == (Lane.ROBOT, Prepare("anymal"))
+    assert (submit.queue, submit.task) == (Queue.ROBOT, Prepare("anymal"))

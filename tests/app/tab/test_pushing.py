@@ -8,17 +8,10 @@ import numpy as np
 import pytest
 
 from app.link import PlayerMoved
-from app.motion.push_arrow import ARROW_PER_SPEED, trunk_com
+from app.motion.baked import ARROW_PER_SPEED, trunk_com
+from app.panel.acts import Act
+from app.picture.push_handle import PushDragged
 from app.tab.effects import Keep, Pause, Play, Seek
-from app.tab.events import (
-    CancelWanted,
-    CompareWanted,
-    PushDragged,
-    RedoWanted,
-    ScenarioChosen,
-    SimulateWanted,
-    UndoWanted,
-)
 from app.tab.pushing import push_shown
 from app.workers.protocol import Cancelled, PlanJump, Simulated, SimulatedSoFar, SimulateJump
 from llsrbm.request.push import DURATION, LARGEST_IMPULSE, Push
@@ -43,7 +36,7 @@ def stand_at(tab, time, *, playing=False):
 
 
 def tick_push(tab, push=NOTHING, **scenario):
-    return tab.take(ScenarioChosen(Scenario(pushes=(push,), **scenario)))
+    return tab.take(Scenario(pushes=(push,), **scenario))
 
 
 def pushed_tab(time=0.5, **scenario):
@@ -92,10 +85,10 @@ def test_another_time_is_shown_and_another_size_changes_nothing_else():
 
 def test_the_push_goes_with_its_box():
     tab = pushed_tab()
-    tab.take(ScenarioChosen(Scenario()))
+    tab.take(Scenario())
     assert pushes(tab) == ()
     assert push_shown(tab.state) is None
-    tab.take(UndoWanted())
+    tab.take(Act.UNDO)
     assert len(pushes(tab)) == 1
 
 
@@ -121,11 +114,11 @@ def test_a_drag_is_one_step_back_and_the_next_one_another():
     for way in (1.0, 2.0):
         drag(tab, (way, 0.0, 0.0), ended=False)
         drag(tab, (2 * way, 0.0, 0.0))
-    tab.take(UndoWanted())
+    tab.take(Act.UNDO)
     assert pushes(tab)[0].impulse == (2.0, 0.0, 0.0)
-    tab.take(UndoWanted())
+    tab.take(Act.UNDO)
     assert pushes(tab) == first
-    tab.take(RedoWanted())
+    tab.take(Act.REDO)
     assert pushes(tab)[0].impulse == (2.0, 0.0, 0.0)
 
 
@@ -148,7 +141,7 @@ def test_beyond_the_largest_push_its_direction_counts():
 def test_further_pushes_of_a_design_stay_and_so_does_the_moment():
     tab = planned_tab()
     pair = (Push(0.4, (1.0, 0.0, 0.0), (0.0, 0.0, 2.0)), Push(0.9, (0.0, 5.0, 0.0)))
-    tab.take(ScenarioChosen(Scenario(pushes=pair)))
+    tab.take(Scenario(pushes=pair))
     drag(tab, (0.0, 2.0, 0.0), time=0.6)
     first, second = pushes(tab)
     assert first == Push(0.6, (0.0, 2.0, 0.0), (0.0, 0.0, 2.0))
@@ -160,7 +153,7 @@ def test_a_dragged_push_is_played_from_where_it_was_drawn():
     drag(tab, (0.0, 4.0, 0.0))
     tab.finish_simulation()
     assert [e for e in tab.effects if isinstance(e, Seek | Play)] == [Seek(0.5), Play()]
-    tab.take(SimulateWanted())
+    tab.take(Act.SIMULATE)
     tab.finish_simulation()
     assert not tab.of(Play)
 
@@ -188,9 +181,9 @@ def test_it_is_played_once_as_soon_as_there_is_enough_to_see():
 def test_a_cancelled_one_is_not_played_later():
     tab = pushed_tab()
     drag(tab, (0.0, 4.0, 0.0))
-    tab.take(CancelWanted())
+    tab.take(Act.CANCEL)
     tab.report(Cancelled(0))
-    tab.take(SimulateWanted())
+    tab.take(Act.SIMULATE)
     tab.finish_simulation()
     assert not tab.of(Play)
 
@@ -228,7 +221,7 @@ def test_while_anything_moves_there_is_nothing_to_drag():
     assert push_shown(tab.state) is None
     stand_at(tab, 0.5)
     assert push_shown(tab.state) is not None
-    tab.take(SimulateWanted())
+    tab.take(Act.SIMULATE)
     assert push_shown(tab.state) is None
     tab.finish_simulation()
     assert push_shown(tab.state) is not None
@@ -240,7 +233,7 @@ def test_while_anything_moves_there_is_nothing_to_drag():
 def test_with_and_without_replanning_are_two_simulations_and_one_is_pinned():
     tab = pushed_tab()
     push = pushes(tab)
-    tab.take(CompareWanted("replanning"))
+    tab.take(Act.COMPARE_REPLANNING)
     assert tab.submits[-1].task.scenario == Scenario(pushes=push)
     tab.finish_simulation()
     (pin,) = tab.state.pins
@@ -255,10 +248,10 @@ def test_with_and_without_replanning_are_two_simulations_and_one_is_pinned():
 
 def test_what_is_simulated_already_is_not_simulated_again():
     tab = pushed_tab(replan=True)
-    tab.take(SimulateWanted())
+    tab.take(Act.SIMULATE)
     tab.finish_simulation()
     before = len(tab.submits)
-    tab.take(CompareWanted("replanning"))
+    tab.take(Act.COMPARE_REPLANNING)
     tab.finish_simulation()
     assert [s.task.scenario.replan for s in tab.submits[before:]] == [False]
     assert [pin.rollout.scenario.replan for pin in tab.state.pins] == [True]
@@ -269,7 +262,7 @@ def test_another_model_is_planned_and_simulated(model, other):
     tab = planned_tab(model=model)
     stand_at(tab, 0.5)
     tick_push(tab)
-    tab.take(CompareWanted("model"))
+    tab.take(Act.COMPARE_MODEL)
     tab.finish_simulation()
     task = tab.submits[-1].task
     assert isinstance(task, PlanJump)
@@ -286,20 +279,20 @@ def test_another_model_is_planned_and_simulated(model, other):
 def test_a_full_comparison_says_so():
     tab = pushed_tab()
     for _ in range(3):
-        tab.take(CompareWanted("replanning"))
+        tab.take(Act.COMPARE_REPLANNING)
         while isinstance(tab.state.work.awaited, SimulateJump):
             tab.finish_simulation()
     assert len(tab.state.pins) == 3
     before = len(tab.submits)
-    tab.take(CompareWanted("replanning"))
+    tab.take(Act.COMPARE_REPLANNING)
     assert len(tab.submits) == before
     assert "unpin" in tab.notes()[0][1]
 
 
 def test_a_failed_first_one_ends_the_comparison():
     tab = pushed_tab()
-    tab.take(CompareWanted("replanning"))
+    tab.take(Act.COMPARE_REPLANNING)
     tab.report(Cancelled(0))
-    tab.take(SimulateWanted())
+    tab.take(Act.SIMULATE)
     tab.report(Simulated(0, rollout_of(tab.state.plan)))
     assert tab.state.pins == ()

@@ -7,26 +7,24 @@ from dataclasses import replace
 
 import pytest
 
-from app.panel.status import Word
-from app.picture.landing_handle import Grip
+from app.panel.acts import Act
+from app.panel.status import Verdict
+from app.picture.landing_handle import LandingDragged
+from app.tab.acts import Corrected
 from app.tab.drag_planning import REST
-from app.tab.effects import After, Keep, LoadRobot, Notify, ResetControls, Stop
-from app.tab.events import (
-    CancelWanted,
-    DesignChosen,
-    JumpChosen,
-    NearestWanted,
-    RedoWanted,
-    Rested,
+from app.tab.effects import (
+    After,
+    Keep,
+    LoadRobot,
+    Notify,
+    Queue,
+    ResetControls,
     RobotLoaded,
     RobotMissing,
-    ScenarioChosen,
-    SimulateWanted,
-    TargetDragged,
-    UndoWanted,
+    Stop,
 )
-from app.tab.lanes import Lane
 from app.tab.opening import example_design
+from app.tab.planning import Rested
 from app.workers.protocol import PlanJump, Prepare, Prepared, SimulateJump, SimulateSeeds
 from llsrbm.request.design import Design
 from llsrbm.request.jump import Jump
@@ -51,13 +49,13 @@ def test_the_first_request_is_planned_with_patience_and_played():
     tab = PureTab()
     tab.move(forward=0.1)
     submit = tab.one
-    assert submit.lane is Lane.MOTION
+    assert submit.queue is Queue.MOTION
     assert submit.task == PlanJump(tab.state.design.jump)
-    assert tab.told[0] is Word.PLANNING
+    assert tab.told[0] is Verdict.PLANNING
     assert tab.state.status.busy
     tab.finish_plan()
     assert [type(effect).__name__ for effect in tab.effects] == ["Play", "Keep"]
-    assert tab.told[0] is Word.PLANNED
+    assert tab.told[0] is Verdict.PLANNED
     assert tab.state.plan.jump.forward == 0.1
 
 
@@ -68,7 +66,7 @@ def test_a_moving_slider_is_followed_quickly_from_what_is_shown(tab):
     tab.finish_plan()
     assert isinstance(tab.one, After)
     assert vars(tab.one) == {"seconds": REST, "event": Rested(tab.state.work.dragging.rest)}
-    assert tab.told[0] is Word.PLANNING
+    assert tab.told[0] is Verdict.PLANNING
     assert "while you drag" in tab.told[1]
     assert tab.state.plan.jump.forward == 0.05
 
@@ -80,7 +78,7 @@ def test_a_request_that_has_rested_is_planned_from_scratch_and_kept(tab):
     assert tab.one.task == PlanJump(tab.state.design.jump)
     tab.finish_plan()
     assert tab.one == Keep(tab.state.design)
-    assert tab.told[0] is Word.PLANNED
+    assert tab.told[0] is Verdict.PLANNED
     assert not tab.state.status.busy
 
 
@@ -106,8 +104,8 @@ def test_cancel_ends_a_rest_too(tab):
     tab.move(forward=0.05)
     tab.finish_plan()
     rested = tab.one.event
-    assert tab.take(CancelWanted()) == (Stop(Lane.MOTION), Stop(Lane.SAVE))
-    assert tab.told[0] is Word.CANCELLED
+    assert tab.take(Act.CANCEL) == (Stop(Queue.MOTION),)
+    assert tab.told[0] is Verdict.CANCELLED
     assert not tab.state.status.busy
     assert tab.take(rested) == ()
     tab.move()  # the same request counts as a new one
@@ -115,8 +113,7 @@ def test_cancel_ends_a_rest_too(tab):
 
 
 def test_a_dragged_handle_is_a_request(tab):
-    grip = Grip(0.352, -0.118, math.radians(30))
-    tab.take(TargetDragged(grip.applied_to(tab.state.design.jump, tab.state.file.task)))
+    tab.take(LandingDragged(0.352, -0.118, math.radians(30)))
     assert tab.one.task.jump == replace(
         tab.state.design.jump, twist=math.radians(30), forward=0.35, lateral=-0.12
     )
@@ -124,21 +121,21 @@ def test_a_dragged_handle_is_a_request(tab):
 
 def test_other_weights_and_limits_are_planned(tab):
     tuning = Tuning(limits={"friction": 0.3})
-    tab.take(JumpChosen(tab.state.design.jump, tuning))
+    tab.take(tuning)
     assert tab.one.task.tuning == tuning
-    tab.take(JumpChosen(tab.state.design.jump, None))  # controls of another robot's tuning
+    tab.move(forward=0.1)
     assert tab.state.design.tuning == tuning
 
 
 def test_corrections_are_noted_and_the_controls_put_right(tab):
     jump = replace(tab.state.design.jump, forward=0.6)
-    tab.take(JumpChosen(jump, Tuning(), ("Forward [m]: too far", "Lateral [m]: too far")))
+    tab.take(Corrected(jump, ("Forward [m]: too far", "Lateral [m]: too far")))
     _, *after = tab.effects
     assert after == [
         Notify("Corrected", "Forward [m]: too far; Lateral [m]: too far"),
         ResetControls(),
     ]
-    tab.take(ScenarioChosen(Scenario(), ("Seed: too large",)))
+    tab.take(Corrected(Scenario(), ("Seed: too large",)))
     assert tab.effects[1:] == (Notify("Corrected", "Seed: too large"), ResetControls())
 
 
@@ -149,10 +146,10 @@ def steps_back(tab):
     """Designs on the way back, and the tab is where it was."""
     found, here = [], tab.state.design
     while tab.state.history.back:
-        tab.take(UndoWanted())
+        tab.take(Act.UNDO)
         found.append(tab.state.design)
     for _ in found:
-        tab.take(RedoWanted())
+        tab.take(Act.REDO)
     assert tab.state.design == here
     return found
 
@@ -165,12 +162,12 @@ def test_changes_of_the_same_number_are_one_step_back():
     for twist in (0.1, 0.2):
         tab.move(twist=twist)
     assert len(tab.state.history.back) == first + 2
-    tab.take(UndoWanted())
+    tab.take(Act.UNDO)
     assert (tab.state.design.jump.forward, tab.state.design.jump.twist) == (
         0.15,
         pytest.approx(1.5708),
     )
-    tab.take(UndoWanted())
+    tab.take(Act.UNDO)
     assert tab.state.design.jump.forward == 0.01
     assert isinstance(tab.one.task, PlanJump)
 
@@ -186,11 +183,11 @@ def test_a_number_that_rested_begins_another_step(tab):
 def test_every_design_comes_back_and_forth(tab):
     designs = [tab.state.design]
     for event in (
-        lambda: JumpChosen(replace(tab.state.design.jump, lateral=0.1), Tuning()),
-        lambda: ScenarioChosen(Scenario(board=0.02)),
-        lambda: DesignChosen(EXAMPLE),
-        lambda: JumpChosen(replace(tab.state.design.jump, robot="go2"), None),
-        lambda: JumpChosen(tab.state.design.jump, Tuning(weights={"force": 2.0})),
+        lambda: replace(tab.state.design.jump, lateral=0.1),
+        lambda: Scenario(board=0.02),
+        lambda: EXAMPLE,
+        lambda: replace(tab.state.design.jump, robot="go2"),
+        lambda: Tuning(weights={"force": 2.0}),
     ):
         tab.take(event())
         designs.append(tab.state.design)
@@ -200,16 +197,16 @@ def test_every_design_comes_back_and_forth(tab):
 
 def test_a_change_ends_what_could_be_done_again(tab):
     tab.move(forward=0.1)
-    tab.take(UndoWanted())
+    tab.take(Act.UNDO)
     assert tab.state.history.forth
     tab.move(lateral=0.1)
     assert not tab.state.history.forth
-    assert tab.take(RedoWanted()) == ()
+    assert tab.take(Act.REDO) == ()
 
 
 def test_the_oldest_designs_are_let_go(tab):
     for number in range(120):
-        tab.take(DesignChosen(replace(EXAMPLE, title=f"{number}")))
+        tab.take(replace(EXAMPLE, title=f"{number}"))
     assert len(tab.state.history.back) == 100
     assert tab.state.history.back[-1].title == "118"
 
@@ -217,17 +214,17 @@ def test_the_oldest_designs_are_let_go(tab):
 def test_nothing_to_undo_is_nothing():
     tab = PureTab()
     before = tab.state
-    assert tab.take(UndoWanted()) == tab.take(RedoWanted()) == ()
+    assert tab.take(Act.UNDO) == tab.take(Act.REDO) == ()
     assert tab.state is before
 
 
 def test_an_examples_note_goes_and_comes_with_it(tab):
-    tab.take(DesignChosen(EXAMPLE))
+    tab.take(EXAMPLE)
     assert (tab.state.note, tab.state.design) == ("Look.", EXAMPLE)
     tab.move(forward=0.25)
     assert (tab.state.note, tab.state.design.title, tab.state.design.note) == ("", "", "")
     assert tab.state.design.tuning == EXAMPLE.tuning
-    tab.take(UndoWanted())
+    tab.take(Act.UNDO)
     assert (tab.state.note, tab.state.design) == ("Look.", EXAMPLE)
 
 
@@ -261,7 +258,7 @@ def test_what_is_entered_while_a_robot_is_prepared_counts(tab):
 def test_a_robot_that_is_not_wanted_any_more_is_not_drawn(tab):
     tab.move(robot="go2")
     tab.report(Prepared(0, "go2"))
-    tab.take(UndoWanted())  # while it is loaded
+    tab.take(Act.UNDO)  # while it is loaded
     (submit,) = tab.effects
     assert tab.take(RobotLoaded(load_robot("go2"))) == ()
     assert tab.take(RobotMissing("go2", "no meshes")) == ()
@@ -275,7 +272,7 @@ def test_a_robot_that_cannot_be_drawn_is_a_sentence(tab):
     tab.move(robot="go2")
     tab.report(Prepared(0, "go2"))
     tab.take(RobotMissing("go2", "no meshes"))
-    assert tab.told == (Word.FAILED, "no meshes")
+    assert tab.told == (Verdict.FAILED, "no meshes")
     tab.move(lateral=0.1)  # another try
     assert tab.one.task == Prepare("go2")
 
@@ -284,20 +281,22 @@ def test_a_robot_that_cannot_be_drawn_is_a_sentence(tab):
 
 
 def test_the_plan_that_is_shown_is_simulated_in_the_designs_scenario(tab):
-    tab.take(ScenarioChosen(Scenario(board=0.02)))
+    tab.take(Scenario(board=0.02))
     assert tab.one == Keep(tab.state.design)
-    tab.take(SimulateWanted())
+    tab.take(Act.SIMULATE)
     submit, keep = tab.effects
     assert isinstance(submit.task, SimulateJump)
     assert (submit.task.plan, submit.task.scenario) == (tab.state.plan, Scenario(board=0.02))
     assert keep == Keep(tab.state.design)
-    assert tab.told[0] is Word.SIMULATING
+    assert tab.told[0] is Verdict.SIMULATING
 
 
-@pytest.mark.parametrize(("seeds", "kind"), [(0, SimulateJump), (20, SimulateSeeds)])
-def test_the_plan_that_is_awaited_is_simulated_when_it_has_rested(tab, seeds, kind):
+@pytest.mark.parametrize(
+    ("press", "kind"), [(Act.SIMULATE, SimulateJump), (Act.SEEDS, SimulateSeeds)]
+)
+def test_the_plan_that_is_awaited_is_simulated_when_it_has_rested(tab, press, kind):
     tab.move(forward=0.1)
-    assert tab.take(SimulateWanted(seeds)) == ()
+    assert tab.take(press) == ()
     tab.finish_plan()
     (after,) = tab.of(After)
     tab.take(after.event)
@@ -308,45 +307,64 @@ def test_the_plan_that_is_awaited_is_simulated_when_it_has_rested(tab, seeds, ki
     assert tab.state.work.simulate_next is None
 
 
-@pytest.mark.parametrize(
-    "event", [CancelWanted(), UndoWanted(), DesignChosen(EXAMPLE), ScenarioChosen(Scenario(seed=1))]
-)
+@pytest.mark.parametrize("event", [Act.CANCEL, Act.UNDO, EXAMPLE, Scenario(seed=1)])
 def test_it_is_not_simulated_when_something_else_was_asked_for_meanwhile(tab, event):
     tab.move(forward=0.1)
-    tab.take(SimulateWanted())
+    tab.take(Act.SIMULATE)
     tab.take(event)
     assert tab.state.work.simulate_next is None
 
 
 def test_seeds_are_simulated_in_turn(tab):
-    tab.take(SimulateWanted(5))
-    assert tab.one.task.seeds == (0, 1, 2, 3, 4)
-    assert (tab.state.seeds.plan, tab.state.seeds.count) == (tab.state.plan, 5)
+    tab.take(Act.SEEDS)
+    assert tab.one.task.seeds == tuple(range(20))
+    assert (tab.state.seeds.plan, tab.state.seeds.count) == (tab.state.plan, 20)
 
 
 def test_there_must_be_a_plan_that_converged():
     tab = PureTab()
-    tab.take(SimulateWanted())
+    tab.take(Act.SIMULATE)
     assert tab.notes() == [("Not simulated", "There is no plan yet.")]
     tab = planned_tab()
     tab.move(robot="slider")
-    tab.take(SimulateWanted())
+    tab.take(Act.SIMULATE)
     assert tab.notes() == [("Not simulated", "There is no plan yet.")]
     tab = PureTab()
     tab.move(forward=0.1)
     tab.finish_plan(status="not-converged")
-    tab.take(SimulateWanted())
+    tab.take(Act.SIMULATE)
     assert tab.notes() == [
         ("Not simulated", "The planner did not converge, so there is no motion to follow.")
     ]
 
 
 def test_the_jump_on_offer_is_taken(tab):
-    assert tab.take(NearestWanted()) == ()
+    assert tab.take(Act.NEAREST) == ()
     jump = replace(tab.state.design.jump, height=0.2)
     work = replace(tab.state.work, nearest=Nearest(jump, plan_of(jump), "height 0.2 m"))
     tab.state = replace(tab.state, work=work)
-    tab.take(NearestWanted())
+    tab.take(Act.NEAREST)
     assert tab.one.task.jump == jump
     assert tab.state.work.nearest is None
     assert tab.state.history.back[-1].jump.height == 0
+
+
+def test_cancel_leaves_an_export_alone(tab):
+    tab.take(Act.EXPORT)
+    tab.move(forward=0.1)
+    assert tab.take(Act.CANCEL) == (Stop(Queue.MOTION),)
+    assert tab.state.files.saving
+
+
+def test_a_scenario_that_is_undone_is_kept_by_the_browser(tab):
+    tab.take(Scenario(board=0.02))
+    for act, board in ((Act.UNDO, 0.0), (Act.REDO, 0.02)):
+        assert tab.take(act) == (Keep(tab.state.design),)
+        assert tab.state.design.scenario.board == board
+
+
+def test_a_robot_disturbed_again_is_disturbed_as_much(tab):
+    tab.take(Scenario(seed=3, noise=2.0))
+    tab.take(Scenario())
+    tab.take(Scenario(seed=3))
+    assert tab.state.design.scenario.noise == 2.0

@@ -7,14 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from app.panel.status import Word
+from app.panel.acts import Act
+from app.panel.status import Verdict
 from app.tab.effects import Play, Stop
-from app.tab.events import (
-    CancelWanted,
-    NearestWanted,
-    SimulateWanted,
-    WorstWanted,
-)
+from app.tab.simulating import status_of
 from app.workers.protocol import (
     Cancelled,
     Failed,
@@ -28,6 +24,7 @@ from app.workers.protocol import (
     SimulatedSeeds,
     SimulatedSoFar,
 )
+from llsrbm.request.scenario import Scenario
 from tests.app.planners import Nearest
 from tests.app.pure_tab import PureTab, plan_of, planned_tab, rollout_of
 
@@ -39,7 +36,7 @@ def tab():
 
 @pytest.fixture
 def simulating(tab):
-    tab.take(SimulateWanted())
+    tab.take(Act.SIMULATE)
     return tab
 
 
@@ -53,7 +50,7 @@ def test_while_a_slider_moves_plans_of_older_requests_are_shown(tab):
         submits.append(tab.one)
     tab.finish_plan(submits[1])
     assert tab.state.plan.jump.forward == 0.1
-    assert tab.told[0] is Word.PLANNING
+    assert tab.told[0] is Verdict.PLANNING
     tab.finish_plan(submits[0])  # older than the one that is shown
     assert tab.state.plan.jump.forward == 0.1
     tab.finish_plan(submits[2])
@@ -109,7 +106,7 @@ def test_progress_is_on_the_status_line():
     tab = PureTab()
     tab.move(forward=0.1)
     tab.report(Progress(0, "solving", iteration=3, residual=1e-3))
-    assert tab.told == (Word.PLANNING, "(solving, iteration 3, residual 1.0e-03) ...")
+    assert tab.told == (Verdict.PLANNING, "(solving, iteration 3, residual 1.0e-03) ...")
     assert tab.state.status.busy
 
 
@@ -120,7 +117,7 @@ def failed(tab, forward=0.1):
     """A request for which nothing is found, neither quickly nor with patience."""
     tab.move(forward=forward)
     tab.report(Failed(0, "no convergence"))
-    assert "quickly" in tab.told[1]
+    assert "No quick solution" in tab.told[1]
     tab.take(tab.one.event)
     plan = plan_of(tab.one.task.jump, "not-converged")
     return tab.report(Failed(0, "reach violated", plan))
@@ -131,7 +128,7 @@ def test_what_cannot_be_planned_is_drawn_and_the_nearest_looked_for(tab):
     jump = tab.state.design.jump
     assert tab.one.task == FindNearest(jump)
     assert not tab.state.plan.solved
-    assert tab.told[0] is Word.FAILED
+    assert tab.told[0] is Verdict.FAILED
     assert "reach violated." in tab.told[1]
     assert "no feasible motion" in tab.told[1]
     assert tab.state.status.busy
@@ -140,7 +137,7 @@ def test_what_cannot_be_planned_is_drawn_and_the_nearest_looked_for(tab):
     assert tab.told[1].endswith("It works with height 0.1 m.")
     assert not tab.state.status.busy
     assert tab.state.work.nearest.jump == nearer
-    tab.take(NearestWanted())
+    tab.take(Act.NEAREST)
     assert tab.one.task.jump == nearer
 
 
@@ -174,7 +171,7 @@ def test_an_iterate_that_makes_no_sense_is_not_drawn(tab):
 def test_a_refused_request_counts_as_new_when_it_is_made_again(tab):
     tab.move(forward=0.1, model="srbm")
     tab.report(Failed(0, "twist: too much"))
-    assert tab.told == (Word.FAILED, "twist: too much")
+    assert tab.told == (Verdict.FAILED, "twist: too much")
     tab.move()
     assert tab.one.task.jump == tab.state.design.jump
 
@@ -186,13 +183,13 @@ def test_a_job_that_was_cancelled_says_so(tab, of):
     elif of == "search":
         failed(tab)
     else:
-        tab.take(SimulateWanted())
+        tab.take(Act.SIMULATE)
     plan = tab.state.plan
-    tab.take(CancelWanted())
-    assert [type(effect) for effect in tab.effects] == [Stop, Stop]
+    tab.take(Act.CANCEL)
+    assert [type(effect) for effect in tab.effects] == [Stop]
     tab.report(Cancelled(0))
     word, rest = tab.told
-    assert word is Word.CANCELLED
+    assert word is Verdict.CANCELLED
     assert rest.split()[0] == {"plan": "Move", "search": "The", "simulation": "The"}[of]
     assert not tab.state.status.busy
     assert tab.state.plan is plan
@@ -207,7 +204,7 @@ def test_a_simulation_is_shown_beside_its_plan(simulating):
     assert tab.finish_simulation() == ()
     assert tab.state.rollout.jump == tab.state.plan.jump
     assert tab.state.shown.solid is tab.state.shown.simulated.frames
-    assert tab.told[0] is Word.LANDED
+    assert tab.told[0] is Verdict.LANDED
     tab.move(forward=0.1)
     assert tab.state.rollout is not None  # until there is another plan
     tab.finish_plan()
@@ -248,31 +245,31 @@ def seed(number, landed):
 
 
 def test_seeds_are_counted_and_the_worst_is_shown_on_demand(tab):
-    tab.take(SimulateWanted(3))
+    tab.take(Act.SEEDS)
     results = (seed(0, True), seed(1, False), seed(2, True))
     for done, result in enumerate(results, start=1):
         tab.report(SeedDone(0, result, done, 3))
         assert tab.state.seeds.results == results[:done]
-        assert tab.state.status.share == done / 3
-    assert tab.take(WorstWanted()) == ()
+        assert tab.state.status.share == done / 20
+    assert tab.take(Act.WORST) == ()
     assert tab.state.rollout is None
     worst = replace(rollout_of(plan_of(tab.state.plan.jump), 1), plan=tab.state.plan)
     tab.report(SimulatedSeeds(0, results, worst))
-    assert tab.told == (Word.FELL, "in 1 of 3 seeds.")
-    tab.take(WorstWanted())
+    assert tab.told == (Verdict.FELL, "in 1 of 3 seeds.")
+    tab.take(Act.WORST)
     assert tab.state.rollout is worst
     assert tab.told[1].startswith("seed 1: ")
 
 
 def test_another_plan_has_no_seeds_yet(tab):
-    tab.take(SimulateWanted(1))
+    tab.take(Act.SEEDS)
     worst = rollout_of(plan_of(tab.state.plan.jump), 0)
     tab.report(SimulatedSeeds(0, (seed(0, True),), worst))
-    assert tab.told[0] is Word.LANDED
+    assert tab.told[0] is Verdict.LANDED
     tab.move(forward=0.1)
     tab.finish_plan()
     assert tab.state.seeds is None
-    assert tab.take(WorstWanted()) == ()
+    assert tab.take(Act.WORST) == ()
     assert tab.state.rollout is None
 
 
@@ -283,3 +280,23 @@ def test_a_plan_that_was_asked_for_before_a_file_came_is_dropped(tab):
     before = tab.state
     assert tab.report(Planned(0, plan_of(submit.task.jump)), submit=submit) == ()
     assert tab.state is before
+
+
+@pytest.mark.parametrize(
+    "scenario", [Scenario(board=0.02), Scenario(seed=1), Scenario(seed=2), Scenario(replan=True)]
+)
+def test_a_result_of_another_scenario_is_marked(simulating, scenario):
+    tab = simulating
+    tab.finish_simulation()
+    line = status_of(tab.state)
+    assert line is tab.state.status
+    tab.take(scenario)
+    marked = status_of(tab.state)
+    assert marked.rest == f"in another scenario, press Simulate: {line.rest}"
+    tab.take(Act.UNDO)
+    assert status_of(tab.state) == line
+    tab.take(scenario)
+    tab.take(Act.SIMULATE)
+    tab.take(Scenario())  # while it is simulated
+    tab.finish_simulation()
+    assert "in another scenario" in status_of(tab.state).rest

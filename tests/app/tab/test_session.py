@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import io
 import math
+import threading
 import time
 
 import numpy as np
 import pytest
+from viser._assignable_props_api import AssignablePropsBase
 
 from app.tab.initial_plan import example
 from llsrbm import models
@@ -19,7 +21,8 @@ from tests.app.raw_tab import RawTab, choose, planned
 
 def test_the_first_plan_comes_by_itself_and_the_page_plays_it(tab, session, script):
     assert session.plan.jump == example("anymal")
-    assert "12 ms, 7 iterations, largest violation 2.0e-07 N (friction)" in tab.status()
+    assert tab.status().startswith("Planned. Flight 0.50 s, apex +")
+    assert "2.0e-07 N (friction)" in tab.text()
     tab.wait(lambda: script.calls("player.play") == [[]], "its motion")
     assert script.end == pytest.approx(session.plan.duration)
     assert {"/com", "/links/base", "/ellipsoid/srbm/wires", "/arrows/3"} < script.nodes()
@@ -115,13 +118,6 @@ def test_a_robot_brings_its_ranges_and_its_example(tab, session):
     assert tab.control("Board [mm]")["props"]["max"] == 40
     assert tab.value("Board [mm]") == 0  # what was asked of the other robot is not for this one
     assert not tab.notifications
-
-
-def test_what_is_entered_while_a_robot_is_prepared_counts(tab, session):
-    tab.set("Robot", "go2")
-    tab.wait(lambda: tab.control("Landing height [m]")["props"]["max"] == 0.25, "Go2's ranges")
-    tab.set("Lateral [m]", 0.2)
-    planned(tab, session, lambda jump: jump.robot == "go2" and jump.lateral == 0.2, "that plan")
 
 
 def test_soles_are_marked_and_their_corners_forces_drawn_as_one(tab, session, script):
@@ -342,3 +338,41 @@ def test_the_robots_meshes_fit_into_a_megabyte(designer):
         fresh.wait(lambda: len(links()) >= 13, "all links of the robot")
         assert len(links()) == 13
         assert fresh.received_bytes < 1_000_000
+
+
+def test_while_a_plan_is_awaited_pins_and_charts_are_drawn(tab, session):
+    tab.set("Twist [deg]", round(math.degrees(planners.STUBBORN)))
+    tab.wait(lambda: session.state.planning, "a plan that takes its time")
+    tab.press("Pin")
+    tab.wait(lambda: tab.control("Pinned")["props"]["visible"], "the pin")
+    assert "Status" in tab.text()  # the table that compares it
+    titles = lambda: [m["props"].get("title") for m in list(tab.controls.values())]  # noqa: E731
+    before = titles()
+    tab.set("Preset", "Base rates")
+    tab.wait(lambda: titles() != before, "its charts")
+    assert session.state.planning
+    tab.press("Cancel")
+    tab.wait_for_status("Cancelled")
+
+
+def test_controls_are_written_by_their_sessions_thread_alone(designer, monkeypatch):
+    writers, write = set(), AssignablePropsBase.__setattr__
+
+    def noted(handle, name, value):
+        if type(handle).__name__.startswith("Gui") and name != "_impl":
+            writers.add((threading.current_thread().name.split("-")[0], type(handle).__name__))
+        write(handle, name, value)
+
+    with RawTab(designer.port) as tab:
+        tab.wait_for_status("Planned")
+        monkeypatch.setattr(AssignablePropsBase, "__setattr__", noted)
+        tab.set("Format", "csv")
+        tab.wait(lambda: tab.control("Frames per second")["props"]["visible"], "its options")
+        for label, value in (("csv", True), ("Push", True), ("Disturb", True), ("Night", True)):
+            tab.set(label, value)
+        tab.set("Preset", "Base rates")
+        tab.press("Pin")
+        tab.wait(lambda: tab.control("Pinned")["props"]["visible"], "the pin")
+        tab.press("Simulate")
+        tab.wait_for_status("Landed")
+    assert {thread for thread, _ in writers} == {"session"}, writers

@@ -41,15 +41,7 @@ def test_a_pin_survives_a_change_of_robot_and_is_taken_up_again(tab, session, sc
     tab.wait(lambda: pinned(tab), "a ghost")
     choose(tab, session, "slider")
     tab.wait(lambda: "/pinned/1/base" in script.nodes(), "the ghost's motion")
-    tab.press("Take up")
+    tab.press("Use this design")
     planned(tab, session, lambda jump: jump.robot == "anymal", "the pinned design")
     assert session.plan.jump.forward == 0.2
     assert tab.value("Robot") == "ANYmal B"
-
-
-def test_ghosts_can_be_hidden(tab, session):
-    pin_at(tab, session, 0.1)
-    tab.wait(lambda: pinned(tab), "a ghost")
-    tab.wait(lambda: tab.nodes["/pinned/1"]["visible"], "to be seen")
-    tab.set("Ghost", False)
-    tab.wait(lambda: not tab.nodes["/pinned/1"]["visible"], "no ghost")

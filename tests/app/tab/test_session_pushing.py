@@ -38,12 +38,6 @@ def test_its_numbers_are_there_with_a_push(tab, session):
     tab.wait(lambda: tab.value("Push at [s]") == push.time, "its time")
 
 
-def test_replan_is_asked_for(tab, session):
-    tab.set("Replan", True)
-    tab.wait(lambda: session.design.scenario.replan, "replanning")
-    assert session.rollout is None
-
-
 def test_a_push_is_simulated_and_undone(pushed, session):
     pushed.press("Simulate")
     pushed.wait_for_status("Landed")

@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import io
-import math
 import time
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -39,14 +36,6 @@ def charts(tab):
     return {props["title"]: props for props in found if props["visible"]}
 
 
-def test_the_controls_are_there(tab):
-    assert tab.control("Simulate")["type"] == "GuiButtonMessage"
-    board = tab.control("Board [mm]")["props"]
-    assert (board["min"], board["max"], board["step"]) == (0, 70, 5)
-    assert not tab.value("Half board")
-    assert not tab.value("Disturb")
-
-
 def test_simulate_runs_and_says_how_it_ended(tab, session, script):
     told = simulate(tab, session)
     assert told.startswith("Landed yaw -2.9° from the plan at touch-down")
@@ -73,18 +62,6 @@ def test_the_plan_becomes_a_ghost_on_the_same_timeline(tab, session, script):
     assert visible(tab, "/shade")
     assert [row["name"] for row in script.events["rows"]] == ["plan", "simulation"]
     assert "detected" in [mark["name"] for mark in script.events["marks"]]
-
-
-def test_after_the_plans_end_the_ghost_stands_still(tab, session, script):
-    simulate(tab, session)
-    end = session.plan.base_position[-1]
-    assert script.at("/shade/base", 2.2)[0] == pytest.approx(end, abs=1e-6)
-
-
-def test_the_ghost_can_be_hidden(tab, session):
-    simulate(tab, session)
-    tab.set("Ghost", False)
-    tab.wait(lambda: not visible(tab, "/shade"), "no ghost")
 
 
 def pushed(script, instant):
@@ -147,17 +124,6 @@ def test_the_seed_counts_only_when_disturbed(tab, session):
     assert session.rollout.scenario.noise == 1.0
 
 
-def test_a_designs_noise_outlives_a_simulation_without_disturbance(tab, session):
-    design = replace(session.design, scenario=llsrbm.Scenario(seed=9, noise=2.0))
-    tab.upload("Open", "noisy.json", llsrbm.dump_design(design).encode())
-    tab.wait(lambda: tab.value("Disturb"), "the design")
-    tab.wait_for_status("Planned")
-    for disturb, noise in ((False, None), (True, 2.0)):
-        tab.set("Disturb", disturb)
-        tab.press("Simulate")
-        tab.wait(lambda n=noise: session.rollout and session.rollout.scenario.noise == n, "it")
-
-
 def test_progress_is_told_and_cancel_keeps_the_plan(tab, session):
     simulate(tab, session, "Simulating", planners.SLOWLY)
     tab.wait(lambda: tab.status().startswith("Simulating 1"), "some percent")
@@ -209,37 +175,6 @@ def test_a_refusal_is_a_sentence_and_the_plan_stays(tab, session):
     simulate(tab, session, seed=1)
 
 
-def test_what_did_not_converge_is_not_simulated(tab, session):
-    tab.set("Twist [deg]", math.degrees(planners.UNSOLVABLE))
-    tab.wait_for_status("Failed")
-    tab.press("Simulate")
-    tab.wait(lambda: tab.notifications, "a notification")
-    assert tab.notifications[0][0] == "Not simulated"
-    assert "did not converge" in tab.notifications[0][1]
-    assert tab.status().startswith("Failed")
-
-
-def test_what_is_not_planned_yet_is_simulated_as_soon_as_it_is(tab, session):
-    tab.set("Twist [deg]", math.degrees(planners.SLOW))
-    tab.wait_for_status("Planning")
-    tab.press("Simulate")
-    tab.wait_for_status("Landed")
-    assert session.rollout.jump.twist == pytest.approx(planners.SLOW)
-
-
-def test_cancelling_the_plan_cancels_what_was_to_follow(tab, session):
-    tab.set("Twist [deg]", math.degrees(planners.SLOW))
-    tab.wait_for_status("Planning")
-    tab.press("Simulate")
-    time.sleep(0.1)
-    tab.press("Cancel")
-    tab.wait_for_status("Cancelled")
-    tab.set("Twist [deg]", 10.0)
-    tab.wait_for_status("Planned")
-    time.sleep(0.3)
-    assert session.rollout is None
-
-
 @pytest.mark.parametrize(
     ("label", "value", "told"),
     [
@@ -254,17 +189,6 @@ def test_a_value_no_control_offers_is_corrected_and_said(tab, session, label, va
     tab.wait(lambda: tab.notifications, "a notification")
     assert tab.notifications[0] == ("Corrected", told)
     tab.wait_for_status("Landed")
-
-
-def test_export_saves_what_is_drawn_solid(tab, session):
-    simulate(tab, session)
-    tab.set("Format", "npz")
-    tab.press("Export")
-    tab.wait(lambda: tab.downloads, "a download")
-    ((name, content),) = tab.downloads
-    assert name == "anymal-llsrbm-plus-rollout.npz"
-    stored = np.load(io.BytesIO(content), allow_pickle=False)
-    assert stored["qpos"].tolist() == session.rollout.qpos.tolist()
 
 
 def test_plots_gain_a_curve(tab, session):

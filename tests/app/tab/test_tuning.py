@@ -9,11 +9,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from app.link import TuningChosen, read_event
-from app.panel.tuning_table import entries_of
+from app.panel.acts import Act
+from app.panel.tuning import entries_of
+from app.tab.acts import update
 from app.tab.effects import Notify, ResetControls
-from app.tab.events import TuningReset
 from app.tab.opening import first_state
-from app.tab.update import update
 from llsrbm.request.tuning import Tuning
 from llsrbm.robots import load_robot, read_robot_file
 from llsrbm.robots.schema import robot_files
@@ -46,7 +46,7 @@ def test_a_number_is_changed_and_put_back(state):
 def test_all_are_reset_at_once_and_that_can_be_undone(state):
     for event in (TuningChosen("limits", "friction", 0.4), TuningChosen("weights", "tilt", 7.0)):
         state, _ = update(state, event)
-    state, _ = update(state, TuningReset())
+    state, _ = update(state, Act.RESET_TUNING)
     assert not state.design.tuning
     assert state.history.back[-1].tuning == tuning_of({"tilt": 7.0}, {"friction": 0.4})
 

@@ -12,13 +12,29 @@ from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, pr
 
 from app.link import PageReady, PlaybackChosen, PlayerMoved
 from app.motion.colours import PINNED
-from app.panel.export_controls import Choice
+from app.panel.acts import Act
+from app.panel.file_controls import FileChoice
+from app.panel.view_controls import View
+from app.picture.push_handle import PushDragged
 from app.plots.choice import PRESETS
-from app.tab import events
-from app.tab.effects import After, Effect, LoadRobot, Notify, Share, Stop, Submit
-from app.tab.opening import first_state, left, resume
+from app.tab.acts import Corrected, update
+from app.tab.comparison import PinChosen
+from app.tab.effects import (
+    After,
+    Effect,
+    LoadRobot,
+    Notify,
+    Reported,
+    RobotLoaded,
+    RobotMissing,
+    Share,
+    Stop,
+    Submit,
+)
+from app.tab.files import FileChosen
+from app.tab.opening import Remarked, TabOpened, first_state, left, resume
+from app.tab.planning import Rested
 from app.tab.state import TabState
-from app.tab.update import update
 from app.workers.opened_file import OpenedFile
 from app.workers.protocol import (
     Cancelled,
@@ -57,20 +73,20 @@ from tests.app.pure_tab import ROBOTS, plan_of, planned_tab, rollout_of
 @pytest.mark.parametrize(
     ("event", "changed"),
     [
-        (events.ViewChosen(frozenset({"trails"}), night=True), {"view"}),
-        (events.PlotsChosen(PRESETS["Base rates"]), {"plots"}),
+        (View(frozenset({"trails"}), night=True), {"view"}),
+        (PRESETS["Base rates"], {"plots"}),
         (PlayerMoved(0.5, playing=True), {"playback"}),
         (PlaybackChosen(0.25, loop=False), {"playback"}),
-        (PageReady(software=False), {"page", "view"}),
-        (events.ShareWanted(), set()),
-        (events.Remarked("The cluster is back."), set()),
-        (events.SaveWanted(), set()),
-        (events.StopExportWanted(), set()),
-        (events.UnpinWanted(), {"pins", "pin_chosen"}),
-        (events.NearestWanted(), set()),
-        (events.WorstWanted(), set()),
-        (events.TakeUpWanted(), set()),
-        (events.ScenarioChosen(Scenario(board=0.02)), {"design", "history", "work"}),
+        (PageReady(software=False), {"page", "fine"}),
+        (Act.SHARE, set()),
+        (Remarked("The cluster is back."), set()),
+        (Act.SAVE, set()),
+        (Act.STOP_FILES, set()),
+        (Act.UNPIN, {"pins", "pin_chosen"}),
+        (Act.NEAREST, set()),
+        (Act.WORST, set()),
+        (Act.USE_PINNED, set()),
+        (Scenario(board=0.02), {"design", "history", "work"}),
     ],
 )
 def test_an_event_changes_only_its_own(event, changed):
@@ -86,18 +102,18 @@ def _of(state, field):
 
 def test_a_graphics_processor_draws_all_triangles():
     state = planned_tab().state
-    assert update(state, PageReady(software=False))[0].view.fine
-    assert not update(state, PageReady(software=True))[0].view.fine
+    assert update(state, PageReady(software=False))[0].fine
+    assert not update(state, PageReady(software=True))[0].fine
 
 
 def test_a_design_is_shared_as_it_is():
     state = planned_tab().state
-    assert update(state, events.ShareWanted())[1] == (Share(state.design),)
+    assert update(state, Act.SHARE)[1] == (Share(state.design),)
 
 
 def test_a_remark_on_the_server_becomes_a_note():
     line = "The cluster is lost."
-    effects = update(planned_tab().state, events.Remarked(line))[1]
+    effects = update(planned_tab().state, Remarked(line))[1]
     assert effects == (Notify("The server", line),)
 
 
@@ -130,36 +146,34 @@ FILES = st.sampled_from(
 WISHES = st.one_of(
     st.sampled_from(
         [
-            events.SimulateWanted(),
-            events.SimulateWanted(2),
-            events.CompareWanted("replanning"),
-            events.CompareWanted("model"),
-            events.PushDragged(0.4, (5.0, 0.0, 0.0), ended=False),
-            events.PushDragged(0.4, (5.0, -1.0, 0.0), ended=True),
-            events.WorstWanted(),
-            events.CancelWanted(),
-            events.NearestWanted(),
-            events.UndoWanted(),
-            events.RedoWanted(),
-            events.PinWanted(),
-            events.UnpinWanted(),
-            events.TakeUpWanted(),
-            events.SaveWanted(),
-            events.ShareWanted(),
-            events.StopExportWanted(),
-            events.FileChosen("a.csv", b"", 30.0),
+            Act.SIMULATE,
+            Act.SEEDS,
+            Act.COMPARE_REPLANNING,
+            Act.COMPARE_MODEL,
+            PushDragged(0.4, (5.0, 0.0, 0.0), ended=False),
+            PushDragged(0.4, (5.0, -1.0, 0.0), ended=True),
+            Act.WORST,
+            Act.CANCEL,
+            Act.NEAREST,
+            Act.UNDO,
+            Act.REDO,
+            Act.PIN,
+            Act.UNPIN,
+            Act.USE_PINNED,
+            Act.SAVE,
+            Act.SHARE,
+            Act.STOP_FILES,
+            FileChosen("a.csv", b""),
             PageReady(software=True),
             PlayerMoved(0.3, playing=True),
             PlayerMoved(0.6, playing=False),
         ]
     ),
-    DESIGNS.map(lambda d: events.JumpChosen(d.jump, d.tuning, ("corrected",) if d.title else ())),
-    st.sampled_from(SCENARIOS).map(events.ScenarioChosen),
-    DESIGNS.map(events.DesignChosen),
-    st.integers(-1, 4).map(events.PinChosen),
-    st.sampled_from(["plan", "simulation"]).map(
-        lambda of: events.ExportWanted(Choice(of, ("npz",), zipped=False, options={}))
-    ),
+    DESIGNS.map(lambda d: Corrected(d.jump, ("corrected",)) if d.title else d.jump),
+    st.sampled_from((*SCENARIOS, *TUNINGS)),
+    DESIGNS,
+    st.integers(-1, 4).map(PinChosen),
+    st.sampled_from([Act.EXPORT, FileChoice("npz", of="plan"), FileChoice("csv", ("npz",))]),
 )
 
 
@@ -226,7 +240,7 @@ class AnyEvents(RuleBasedStateMachine):
         self.tickets = set()
         self.state = first_state(ROBOTS)
         plan = plan_of(self.state.design.jump) if known else None
-        self.take(events.Opened(kept, plan, file))
+        self.take(TabOpened(kept, plan, file))
 
     def take(self, event):
         before = parts(self.state)
@@ -246,15 +260,15 @@ class AnyEvents(RuleBasedStateMachine):
                     assert ticket <= state.tickets
                     self.tickets.add(ticket)
                     self.running.append(effect)
-                case Stop(lane):
-                    stopped += [submit for submit in self.running if submit.lane is lane]
+                case Stop(queue):
+                    stopped += [submit for submit in self.running if submit.queue is queue]
                 case LoadRobot(name):
                     self.loading.append(name)
                 case After(event=event):
                     self.due = event
         for submit in stopped:
             self.running.remove(submit)
-            self.take(events.Reported(submit.lane, submit.ticket, Cancelled(0)))
+            self.take(Reported(submit.queue, submit.ticket, Cancelled(0)))
 
     @rule(event=WISHES)
     def wish(self, event):
@@ -262,18 +276,19 @@ class AnyEvents(RuleBasedStateMachine):
 
     @rule(jump=st.sampled_from(JUMPS), tuning=st.sampled_from(TUNINGS))
     def move(self, jump, tuning):
-        self.take(events.JumpChosen(jump, tuning))
+        self.take(tuning)
+        self.take(jump)
 
     @precondition(lambda self: self.state.history.back)
     @rule()
     def undo(self):
-        self.take(events.UndoWanted())
+        self.take(Act.UNDO)
 
     @precondition(lambda self: self.running)
     @rule(file=FILES)
     def finish_newest(self, file):
         submit = self.running.pop()
-        self.take(events.Reported(submit.lane, submit.ticket, success(submit.task, file)))
+        self.take(Reported(submit.queue, submit.ticket, success(submit.task, file)))
 
     @precondition(lambda self: self.running)
     @rule(data=st.data(), file=FILES, end=st.sampled_from(["success", "partial", "failure"]))
@@ -290,7 +305,7 @@ class AnyEvents(RuleBasedStateMachine):
             self.state.files.saving,
         )
         before = self.state
-        self.take(events.Reported(submit.lane, submit.ticket, report))
+        self.take(Reported(submit.queue, submit.ticket, report))
         if not newest and not isinstance(report, Planned):
             assert self.state is before
 
@@ -302,8 +317,8 @@ class AnyEvents(RuleBasedStateMachine):
     @rule(missing=st.sampled_from([False, False, False, True]))
     def load(self, missing):
         name = self.loading.pop(0)
-        gone = events.RobotMissing(name, "no meshes")
-        self.take(gone if missing else events.RobotLoaded(load_robot(name)))
+        gone = RobotMissing(name, "no meshes")
+        self.take(gone if missing else RobotLoaded(load_robot(name)))
 
     @precondition(lambda self: self.due)
     @rule()
@@ -332,7 +347,7 @@ class AnyEvents(RuleBasedStateMachine):
         waits = (
             any(submit.ticket == state.work.newest for submit in self.running),
             bool(self.loading),
-            self.due == events.Rested(state.work.dragging.rest) and state.work.dragging.rests,
+            self.due == Rested(state.work.dragging.rest) and state.work.dragging.rests,
         )
         if state.status.busy or state.planning:
             assert any(waits)
@@ -361,9 +376,9 @@ class AnyEvents(RuleBasedStateMachine):
     def redo_restores_what_undo_took(self):
         state = self.state
         if state.history.back:
-            gone, _ = update(state, events.UndoWanted())
+            gone, _ = update(state, Act.UNDO)
             assert gone.design == state.history.back[-1]
-            again, _ = update(gone, events.RedoWanted())
+            again, _ = update(gone, Act.REDO)
             assert again.design == state.design
             assert again.history.back == state.history.back
 

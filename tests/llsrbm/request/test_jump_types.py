@@ -103,7 +103,7 @@ def test_hops_repeat_what_is_between_them(hops):
 
 
 def test_a_single_jump_has_no_hops():
-    with pytest.raises(InputError, match='hops: "Together" is one jump; expected 1, or a type'):
+    with pytest.raises(InputError, match='hops: "All feet together" is one jump; expected 1'):
         schedule_of(Jump(hops=2), load_robot("go2"))
 
 

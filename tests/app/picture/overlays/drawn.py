@@ -22,7 +22,7 @@ class DrawnOverlay:
         self.nodes = sorted(
             {
                 name
-                for strand in self.clip.strands
+                for strand in self.clip.channels
                 for track in strand.tracks
                 for name in track.nodes
                 if name.startswith(f"{root}/") and name in seen

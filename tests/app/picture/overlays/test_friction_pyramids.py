@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from app.motion.planned_motion import bake_plan
+from app.motion.baked import bake_plan
 from llsrbm.request.tuning import Tuning
 from llsrbm.robots import load_robot
 from tests.app.picture.overlays.drawn import DrawnOverlay

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from app.motion.planned_motion import bake_plan
+from app.motion.baked import bake_plan
 from app.picture.scene import Scene
 from llsrbm.request.jump import Jump
 from llsrbm.robots import load_robot

@@ -8,7 +8,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from app.motion.push_arrow import ARROW_PER_SPEED, trunk_com
+from app.motion.baked import ARROW_PER_SPEED, trunk_com
 from app.picture.scene import Scene
 from llsrbm.motion.replan import followed
 from llsrbm.request.push import Push

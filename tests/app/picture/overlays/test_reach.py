@@ -7,7 +7,7 @@ import pytest
 import trimesh
 from scipy.spatial.transform import Rotation
 
-from app.motion.planned_motion import bake_plan
+from app.motion.baked import bake_plan
 from app.picture.overlays.reach import surface
 from llsrbm.planning.problem.constraints.reach import Reach
 from llsrbm.planning.problem.layout import Layout

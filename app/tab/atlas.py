@@ -1,4 +1,4 @@
-"""The atlas of a tab: which map of a sweep is drawn, where the design is in it, what a click opens.
+"""The atlas: sweeps to choose from, the map that is drawn of one, and jumps that a click opens.
 
 The map is made and sent anew only where it changes: with the choice, with the robot, and with what
 the design says of axes that are not shown. The design's point moves with every slider.
@@ -6,19 +6,26 @@ the design says of axes that are not shown. The design's point moves with every 
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any
 
-from app.link import AtlasClicked, PageLink
-from app.panel.atlas_controls import AtlasControls
+from app.link import AtlasClicked, AtlasSeen, PageLink
+from app.panel.acts import Act
+from app.panel.atlas_controls import AtlasChoice, AtlasControls
 from app.panel.atlas_map import as_sent
-from app.panel.types_offered import title_of_type
-from app.tab.atlases import Atlases
-from app.tab.events import JumpOpened
+from app.panel.jump_types import title_of_type
+from app.panel.panel import Panel
+from app.tab.acts import Step, also, on, reads
+from app.tab.effects import Notify
+from app.tab.planning import plan_design, remember, untitled
 from app.tab.state import TabState
 from llsrbm.atlas.colours import COLOURS
-from llsrbm.atlas.jumps import Axis, Jumps
+from llsrbm.atlas.jumps import Atlas, Axis, Jumps
 from llsrbm.atlas.map import map_of
+from llsrbm.atlas.table import read_atlas, shipped_atlas
 from llsrbm.errors import Error, InputError
 from llsrbm.planning.problem.placement import limits_of
 from llsrbm.request.design import Design
@@ -26,6 +33,97 @@ from llsrbm.request.jump import Jump
 from llsrbm.request.tuning import Tuning
 from llsrbm.robots import Robot
 from llsrbm.sweep.rows import LIMIT, robot_hash
+
+BUILT_IN = "Built-in sweep"
+
+
+class Atlases:
+    """Read when they are first needed, once for all tabs; from any thread.
+
+    Attributes:
+        names: to choose from, one at least.
+    """
+
+    def __init__(self, folders: Sequence[Path] = ()) -> None:
+        """Check and read the folders; the built-in one is read when it is needed.
+
+        Args:
+            folders: of sweeps that are over, or their tables; they come first.
+
+        Raises:
+            InputError: one of them is none.
+        """
+        self._lock = threading.Lock()
+        self._read: dict[str, Atlas] = {}
+        for folder in folders:
+            atlas = read_atlas(folder)
+            name = atlas.title
+            if name in self._read:
+                name = f"{name} ({folder.name})"
+            if name in self._read:
+                raise InputError(f"--atlas: {folder} is given twice; expected each once")
+            self._read[name] = atlas
+        self.names: tuple[str, ...] = (*self._read, BUILT_IN)
+
+    def named(self, name: str) -> Atlas | None:
+        """The atlas with a name, "" the first one; None: there is none.
+
+        Raises:
+            InputError: the built-in one is missing or damaged.
+        """
+        name = name or self.names[0]
+        with self._lock:
+            if name == BUILT_IN and name not in self._read:
+                self._read[name] = read_atlas(shipped_atlas())
+            return self._read.get(name)
+
+
+# ---- events
+
+
+@dataclass(frozen=True)
+class JumpOpened:
+    """A jump of the atlas was chosen.
+
+    Attributes:
+        jump: the request; tuning: with the limits that its sweep varied.
+        other_drives: its sweep had stronger or weaker drives, which a page has not.
+    """
+
+    jump: Jump
+    tuning: Tuning
+    other_drives: bool = False
+
+
+@on(JumpOpened)
+def open_jump(state: TabState, event: JumpOpened) -> Step:
+    """Plan a jump of the atlas, with the limits of its sweep; the scenario stays."""
+    state, design = untitled(state, event.jump, event.tuning)
+    step = plan_design(remember(state, design, settled=True))
+    if not event.other_drives:
+        return step
+    body = "The sweep had other drives there; this page plans with the robot's own."
+    return also(step, Notify("Opened with other drives", body))
+
+
+@reads(Act.ATLAS)
+def _read_choice(state: TabState, panel: Panel) -> tuple[AtlasChoice, list[str]]:
+    return panel.atlas.read(state.atlas), []
+
+
+@on(AtlasChoice)
+def choose_map(state: TabState, choice: AtlasChoice) -> TabState:
+    """Show another map."""
+    return replace(state, atlas=choice)
+
+
+@on(AtlasSeen)
+def show_atlas(state: TabState, _: AtlasSeen) -> TabState:
+    """The page shows the atlas: there shall be a map in it."""
+    return replace(state, atlas=replace(state.atlas, seen=True))
+
+
+# ---- the map
 
 
 class AtlasDrawing:
@@ -77,7 +175,7 @@ class AtlasDrawing:
             self._controls.show(choice, (), "This sweep varies one axis; a map needs two.")
             self._send(None)
             return
-        self._controls.show(choice, found.axes, _told(found, state.design.jump))
+        self._controls.show(choice, found.axes, _remarks(found, state.design.jump))
         colour = COLOURS[choice.colour]
         drawn = map_of(found, *axes, colour, projection=choice.projection, design=design)
         self._send(as_sent(drawn, choice.sweep or self._atlases.names[0]))
@@ -126,11 +224,11 @@ def placed(design: Design, robot: Robot, axes: Sequence[Axis]) -> dict[str, floa
     return values
 
 
-def _told(jumps: Jumps, jump: Jump) -> str:
-    """What is to be known about a map beside what it shows."""
-    told = []
+def _remarks(jumps: Jumps, jump: Jump) -> str:
+    """Sentences on a map, beside what it shows."""
+    remarks = []
     if (jumps.model, jumps.type) != (jump.model, jump.type):
-        told.append(f"The sweep's jumps are {title_of_type(jumps.type)}, {jumps.model}.")
+        remarks.append(f"The sweep's jumps are {title_of_type(jumps.type)}, {jumps.model}.")
     if jumps.robot_hash != robot_hash(jump.robot):
-        told.append("The robot's file has changed since this sweep.")
-    return " ".join(told)
+        remarks.append("The robot's file has changed since this sweep.")
+    return " ".join(remarks)

@@ -1,6 +1,6 @@
-"""Weights and limits as a table of HTML: name, value, unit and default, a row each.
+"""Weights and limits: a table made from what the planner itself declares, and its controls.
 
-The page's script (app/static/tuning.js) puts the numbers in and sends what is typed.
+The page's script (app/static/tuning.js) puts the numbers into the table and sends what is typed.
 """
 
 from __future__ import annotations
@@ -9,11 +9,20 @@ from dataclasses import dataclass
 from html import escape
 from typing import Literal
 
+import viser
+
+from app.panel.acts import Buttons, Put, add_buttons
+from app.panel.html import note
 from llsrbm.planning.problem.costs import COSTS, default_weights
 from llsrbm.planning.problem.placement import limits_of
 from llsrbm.request import jump_types
 from llsrbm.request.messages import short
+from llsrbm.request.tuning import Tuning
 from llsrbm.robots import Robot
+
+_LINE = "Defaults. Hover a name to see the effect of increasing it."
+_CHANGED = "{} from the defaults. Hover a name to see the effect of increasing it."
+_NO_ROBOT = "The weights and limits appear as soon as the robot is ready."
 
 Group = Literal["weights", "limits"]
 """The fields of `Tuning`."""
@@ -118,3 +127,33 @@ def _unit(unit: str) -> str:
         for i, c in enumerate(unit)
     )
     return base.replace("^", "")
+
+
+class TuningControls:
+    """The table of a robot's weights and limits, in the container that is open.
+
+    Attributes:
+        buttons: one takes every change back.
+    """
+
+    def __init__(self, gui: viser.GuiApi, put: Put) -> None:
+        """Empty until there is a robot."""
+        self._line = gui.add_html(note(_NO_ROBOT))
+        self.buttons: Buttons = add_buttons(gui, "limits", put)
+        self._table = gui.add_html("", visible=False)
+        self._of: tuple[Robot, str] | None = None
+
+    def show_robot(self, robot: Robot, jump_type: str) -> bool:
+        """The weights and limits of this robot's jumps of a type; whether they were others'."""
+        if (robot, jump_type) == self._of:
+            return False
+        self._of = robot, jump_type
+        self._table.content = tuning_table(entries_of(robot, jump_type))
+        self._table.visible = True
+        return True
+
+    def show(self, tuning: Tuning) -> None:
+        """How much is changed; the numbers themselves are the page's script's to show."""
+        count = len(tuning.weights) + len(tuning.limits)
+        changed = f"{count} {'number differs' if count == 1 else 'numbers differ'}"
+        self._line.content = note(_CHANGED.format(changed) if count else _LINE)

@@ -1,16 +1,63 @@
-"""Designs beside each other: the current one and those that are pinned, in a table of figures."""
+"""Designs beside each other: the controls that keep them, and the table of their figures."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 from html import escape
+from typing import Any
 
+import viser
+
+from app.guard.validation import put
 from app.motion.colours import Rgb
-from app.panel.html import DIM, SMALL, swatch
+from app.panel.acts import Act, Buttons, Put, add_buttons, callback
+from app.panel.html import DIM, SMALL, note, swatch
 from llsrbm.analysis.figures import FIGURES, DesignFigures, Figure
 
 _CELL = "padding:0.1em 0 0.1em 0.6em;text-align:right;vertical-align:bottom"
+_NONE = "nothing pinned"
+
+
+class ComparisonControls:
+    """Pins to choose from and their figures, in the container that is open.
+
+    Attributes:
+        buttons: to pin and unpin.
+    """
+
+    def __init__(self, gui: viser.GuiApi, put_act: Put) -> None:
+        """Nothing is pinned."""
+        gui.add_html('<div class="llsrbm-pair"></div>')
+        self._empty = gui.add_html(
+            note("Nothing pinned. Pin this design: it stays as a ghost beside the next ones.")
+        )
+        self.buttons: Buttons = add_buttons(gui, "pin", put_act)
+        self._table = gui.add_html("", visible=False)
+        self._choice = gui.add_dropdown("Pinned", (_NONE,), visible=False)
+        self._choice.on_update(callback(put_act, Act.PINNED))
+        self.buttons |= add_buttons(gui, "pinned", put_act)
+        self._titles: tuple[str, ...] = ()
+
+    @property
+    def chosen(self) -> int:
+        """Number of the pin that is chosen; -1 for none."""
+        value: Any = self._choice.value
+        return self._titles.index(value) if value in self._titles else -1
+
+    def show(self, current: Column | None, pinned: Sequence[Column], chosen: int) -> None:
+        """Figures of the current design and of what is pinned, and which pin is chosen."""
+        there = len(pinned) > 0
+        self._table.content = (
+            comparison_table([*([current] if current else []), *pinned]) if there else ""
+        )
+        titles = tuple(f"{index}. {column.title}" for index, column in enumerate(pinned, start=1))
+        if titles != self._titles:
+            self._titles = titles
+            self._choice.options = titles or (_NONE,)
+        put(self._choice, titles[chosen] if 0 <= chosen < len(titles) else (titles or (_NONE,))[0])
+        self._empty.visible = not there
+        self._table.visible = self._choice.visible = there
 
 
 @dataclass(frozen=True)
@@ -34,7 +81,7 @@ class Column:
 def comparison_table(columns: Sequence[Column]) -> str:
     """Figures as rows and designs as columns, the first the current one; "" for none.
 
-    The best of a row is bold, and a cell tells on hover how it differs from the current design.
+    The best of a row is bold, and a cell shows on hover how it differs from the current design.
     Colours and fonts are inherited, so that it can be read in the dark, too; figures that no
     design has are left out.
     """

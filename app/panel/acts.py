@@ -1,0 +1,104 @@
+"""Acts of a visitor in the panel: presses of buttons, and controls that were moved.
+
+A browser may skip values while a slider moves, and callbacks come on viser's event loop, so that an
+act only says which controls to read. The session's thread reads them as they stand then.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Coroutine
+from dataclasses import dataclass
+from enum import Enum
+from typing import Any
+
+import viser
+
+
+@dataclass(frozen=True)
+class Button:
+    """A button, placed by `add_buttons`; its feature in `app.tab` says when it can be pressed.
+
+    Attributes:
+        place: where in the panel, with others of the same place; label, hint: for people.
+    """
+
+    place: str
+    label: str
+    hint: str | None = None
+
+
+class Act(Enum):
+    """An act: a button, or the name of a group of controls that was moved."""
+
+    NEAREST = Button("top", "Use nearest feasible")
+    SIMULATE = Button("main", "Simulate", "Follow the plan with the whole robot in MuJoCo")
+    CANCEL = Button("main", "Cancel", "Stop what is being computed")
+    EXPORT = Button("export", "Export", "Saves the simulation if there is one, else the plan")
+    STOP_FILES = Button("stop", "Stop", "Stop reading or writing this file")
+    UNDO = Button("history", "Undo", "The design before the last change")
+    REDO = Button("history", "Redo", "The design that was undone")
+    SHARE = Button("history", "Share", "A link that opens this design")
+    COMPARE_REPLANNING = Button(
+        "push",
+        "With and without replanning",
+        "Simulate the push both ways, and play both side by side",
+    )
+    COMPARE_MODEL = Button(
+        "push",
+        "Against another model",
+        "Simulate the push on an SRBM plan too (on LL-SRBM+ if this is one)",
+    )
+    SEEDS = Button(
+        "seeds", "Simulate 20 seeds", "The same plan under 20 disturbances: how many land"
+    )
+    WORST = Button("worst", "Open the worst", "Show the simulation that fell first or erred most")
+    PIN = Button("pin", "Pin", "Keep this design as a ghost and compare others with it")
+    USE_PINNED = Button("pinned", "Use this design", "Make the pinned design the current one")
+    UNPIN = Button("pinned", "Unpin")
+    RESET_TUNING = Button(
+        "limits", "Reset all", "Every weight and limit as the robot's file has it, or the jump type"
+    )
+    SAVE = Button(
+        "files", "Save design", "Everything asked for as one small file to open here again"
+    )
+
+    JUMP = "jump"
+    SCENARIO = "scenario"
+    VIEW = "view"
+    ATLAS = "atlas"
+    PINNED = "pinned"
+    FILES = "files"
+
+
+Put = Callable[[Act], None]
+"""Takes an act on viser's event loop; must return at once."""
+
+Buttons = dict[Act, viser.GuiButtonHandle]
+
+_Callback = Callable[[viser.GuiEvent[Any]], Coroutine[Any, Any, None]]
+
+
+def callback(put: Put, act: Act) -> _Callback:
+    """A callback for a control.
+
+    Asynchronous, so that it runs on the event loop as soon as the value is there, in order; viser
+    would hand a plain function to one of 32 threads.
+    """
+
+    async def report(event: viser.GuiEvent[Any]) -> None:
+        # Without a client, it was the panel itself that set the value.
+        if event.client_id is not None:
+            put(act)
+
+    return report
+
+
+def add_buttons(gui: viser.GuiApi, place: str, put: Put) -> Buttons:
+    """Add the buttons of a place to the container that is open."""
+    added = {}
+    for act in Act:
+        button = act.value
+        if isinstance(button, Button) and button.place == place:
+            added[act] = gui.add_button(button.label, hint=button.hint)
+            added[act].on_click(callback(put, act))
+    return added

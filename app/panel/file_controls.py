@@ -1,0 +1,251 @@
+"""The controls for files: open, examples, save, and what is exported in which formats."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from functools import partial
+from html import escape
+from typing import Any
+
+import viser
+
+from app.guard.validation import put
+from app.page_template import accept_drops
+from app.panel.acts import Act, Buttons, Put, add_buttons
+from app.panel.fields import Field, Fields
+from app.panel.html import SMALL, note
+from app.viser_private import take_upload
+from llsrbm.formats import FORMATS, ORDERS, Format, Options, readable
+from llsrbm.request.design import Design
+
+SIMULATION, PLAN = "simulation", "plan"
+
+_NO_EXAMPLE = "choose ..."
+_FASTEST, _FASTEST_FILM = 1000.0, 60.0  # frames/s; every one of a film is drawn
+_LONGEST_PAD = 10.0  # s
+
+
+@dataclass(frozen=True)
+class FileChoice:
+    """What is exported and how, and how files are read; part of a tab's state.
+
+    Attributes:
+        format: its name; also: names of further ones, which makes it a zip.
+        of: `SIMULATION`, if there is one, or `PLAN`.
+        fps: frames/s; pad: s of standing before and after; order: of bodies.
+        rate: frames/s of files that do not say their own.
+        simulated: there is a simulation to choose; `TabState.file_choice` says it.
+        rate_asked: a file came that does not say its rate.
+    """
+
+    format: str = next(iter(FORMATS))
+    also: tuple[str, ...] = ()
+    of: str = SIMULATION
+    fps: float = Options().fps
+    pad: float = Options().pad
+    order: str = Options().order
+    rate: float = 30.0
+    simulated: bool = False
+    rate_asked: bool = False
+
+    @property
+    def formats(self) -> tuple[str, ...]:
+        """All names, the one of the menu first."""
+        return tuple(dict.fromkeys((self.format, *self.also)))
+
+    @property
+    def options(self) -> dict[str, Any]:
+        """Options that differ from those of the formats, which each has by itself."""
+        return {
+            name: getattr(self, name)
+            for name in ("fps", "pad", "order")
+            if self.takes(name) and getattr(self, name) != getattr(self.own(name), name)
+        }
+
+    def takes(self, option: str) -> bool:
+        """Whether one of the formats has this option."""
+        return any(option in FORMATS[name].options for name in self.formats)
+
+    def own(self, option: str) -> Options:
+        """Options of the first format that takes this one."""
+        takers = (FORMATS[name] for name in self.formats if option in FORMATS[name].options)
+        return next((each.defaults for each in takers), Options())
+
+    def with_own(self) -> FileChoice:
+        """With the formats' own options, as when other formats were chosen."""
+        return replace(
+            self, **{name: getattr(self.own(name), name) for name in ("fps", "pad", "order")}
+        )
+
+
+def _field(label: str, name: str, hint: str | None = None, **how: Any) -> Field[FileChoice]:
+    return Field(
+        label,
+        hint,
+        get=lambda choice: getattr(choice, name),
+        put=lambda choice, shown: replace(choice, **{name: shown}),
+        **how,
+    )
+
+
+def _missing(format_: Format) -> bool:
+    return format_.extra is not None and format_.extra.missing
+
+
+def _line(format_: Format) -> str:
+    """A format's title, and the packages that it lacks."""
+    needs = f'; not installed: pip install "llsrbm[{format_.extra.name}]"' if format_.extra else ""
+    return f"{format_.title}{needs if _missing(format_) else ''}"
+
+
+def _not_installed() -> str | None:
+    missing = [name for name, each in FORMATS.items() if _missing(each)]
+    return f"Not installed: {', '.join(missing)}" if missing else None
+
+
+def _is_also(name: str, choice: FileChoice) -> bool:
+    return name in choice.also
+
+
+def _with_also(name: str, choice: FileChoice, on: bool) -> FileChoice:
+    wanted = {*choice.also, name} if on else {*choice.also} - {name}
+    return replace(choice, also=tuple(each for each in FORMATS if each in wanted))
+
+
+FORMAT = _field("Format", "format", _not_installed(), options=tuple(FORMATS))
+RATE = _field(
+    "Rate of the file [1/s]",
+    "rate",
+    "For the next file that is opened and does not say its own",
+    ends=(1.0, _FASTEST),
+    there=lambda choice: choice.rate_asked,
+)
+OPTIONS = (
+    _field("Trajectory", "of", options=(SIMULATION, PLAN), there=lambda choice: choice.simulated),
+    _field(
+        "Frames per second",
+        "fps",
+        ends=lambda choice: (1.0, _FASTEST_FILM if choice.takes("size") else _FASTEST),
+        there=lambda choice: choice.takes("fps"),
+    ),
+    _field(
+        "Padding before and after [s]",
+        "pad",
+        "Standing still before the motion and after it",
+        ends=(0.0, _LONGEST_PAD),
+        step=0.1,
+        there=lambda choice: choice.takes("pad"),
+    ),
+    _field("Order of bodies", "order", options=ORDERS, there=lambda choice: choice.takes("order")),
+)
+ALSO = tuple(
+    Field(
+        name,
+        _line(each),
+        get=partial(_is_also, name),
+        put=partial(_with_also, name),
+        disabled=_missing(each),
+    )
+    for name, each in FORMATS.items()
+)
+
+
+class FileControls:
+    """Above: format, export and open; in the tab Files, after `add_tab`, all the rest.
+
+    Attributes:
+        fields: of `FileChoice`; buttons: so far; open: the button that opens a file.
+    """
+
+    def __init__(
+        self,
+        client: viser.ClientHandle,
+        examples: Mapping[str, Design],
+        put_act: Put,
+        choose_example: Callable[[Design], None],
+        open_file: Callable[[str, bytes], None],
+    ) -> None:
+        """What is always seen.
+
+        Args:
+            client: whose tab.
+            examples: to choose from by their titles.
+            put_act: called with acts.
+            choose_example: called with the one that was chosen.
+            open_file: called with a name and content, whatever it is.
+
+        The callbacks are called on viser's event loop and must return at once.
+        """
+        gui = self._gui = client.gui
+        self._put = put_act
+        self._examples = {design.title: design for design in examples.values()}
+        self._choose_example = choose_example
+        self.fields = Fields(gui, FileChoice(), FileChoice(), put_act, Act.FILES)
+        self.fields.add([FORMAT])
+        self.buttons: Buttons = add_buttons(gui, "export", put_act)
+        self._busy = gui.add_html("", visible=False)
+        self.buttons |= add_buttons(gui, "stop", put_act)
+        self.open = gui.add_upload_button(
+            "Open",
+            mime_type=",".join(_suffixes()),
+            hint="A design, a plan, a simulation or another tool's motion; or drop it on the page",
+        )
+        self._note = gui.add_html("", visible=False)
+        accept_drops(client)
+
+        # Asynchronous, so that it runs on the event loop, in order.
+        @self.open.on_upload
+        async def _(event: viser.GuiEvent[Any]) -> None:
+            file = take_upload(event.target)
+            if file is not None:
+                open_file(file.name, file.content)
+
+    @property
+    def format(self) -> Any:
+        """The menu of formats."""
+        return self.fields.handle(FORMAT)
+
+    def add_tab(self) -> None:
+        """Add examples, the design's file and how motions are written, in the open container."""
+        gui = self._gui
+        self._example = gui.add_dropdown("Example", (_NO_EXAMPLE, *self._examples))
+        self.fields.add([RATE])
+        self.buttons |= add_buttons(gui, "files", self._put)
+        self.fields.add(OPTIONS[:1])
+        self._line = gui.add_html("")
+        self.fields.add(OPTIONS[1:])
+        with gui.add_folder("Several in one zip", expand_by_default=False):
+            self.fields.add(ALSO)
+
+        @self._example.on_update
+        async def _(event: viser.GuiEvent[Any]) -> None:
+            # Without a client, it was `show` that set the value; a script may send any value.
+            value = event.target.value
+            if event.client_id is not None and isinstance(value, str) and value in self._examples:
+                self._choose_example(self._examples[value])
+
+    def show_design(self, title: str, text: str) -> None:
+        """Show an example as chosen by its title, and a text on the design, or on a file."""
+        put(self._example, title if title in self._examples else _NO_EXAMPLE)
+        self._note.content = note(text)
+        self._note.visible = bool(text)
+
+    def show_choice(self, choice: FileChoice, *, anew: bool) -> None:
+        """Show the controls that a choice has; `anew`: and put them where it has them."""
+        if anew:
+            self.fields.show(choice, choice)
+        else:
+            self.fields.show_there(choice)
+        self._line.content = f'<div style="{SMALL}">{escape(_line(FORMATS[choice.format]))}</div>'
+
+    def show_busy(self, busy: str) -> None:
+        """The file that is being read or written; "": none."""
+        self._busy.content = f'<div role="alert" style="{SMALL}">{escape(busy)}</div>'
+        self._busy.visible = bool(busy)
+
+
+def _suffixes() -> list[str]:
+    """Of the files that a browser shall offer to open."""
+    motions = {each.suffix for each in readable() if each.suffix}
+    return sorted({".json", ".zip"} | motions)

@@ -1,0 +1,91 @@
+"""Jump types and whole turns on the page: those that a robot can do, and their titles."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection
+from dataclasses import replace
+
+from llsrbm.errors import InputError
+from llsrbm.request import jump_types
+from llsrbm.request.jump import Jump
+from llsrbm.request.jump_types import JumpType, with_defaults
+from llsrbm.robots import Robot
+
+_TURNS: dict[str, tuple[str, float]] = {
+    "back flip": ("pitch", -math.tau),
+    "front flip": ("pitch", math.tau),
+    "roll left": ("roll", -math.tau),
+    "roll right": ("roll", math.tau),
+}
+"""Title -> field of `Jump` and rad, by the right-hand rule about x forward and y left."""
+
+
+def types_offered(robot: Robot) -> dict[str, JumpType]:
+    """Name -> type of those that the robot can do, the default first.
+
+    It has their feet, and makes the turns that they make by default.
+    """
+    return {
+        name: kind
+        for name, kind in jump_types.names().items()
+        if _turns(kind) <= set(robot.file.turning_axes) and _has_feet_of(robot, kind)
+    }
+
+
+def title_of_type(name: str) -> str:
+    """As in menus and messages; the name itself of a type that is no preset."""
+    known = jump_types.names()
+    return known[name].title if name in known else name
+
+
+def not_supported(robot: Robot, name: str) -> str:
+    """The sentence that says that a robot's jump is of the default type instead."""
+    known = jump_types.names()
+    turns = name in known and _turns(known[name])
+    what = "flips" if turns else f'"{title_of_type(name)}"'
+    default = title_of_type(jump_types.DEFAULT)
+    return f'{robot.file.title} does not support {what}. Planning "{default}" instead.'
+
+
+def with_type(jump: Jump, name: str) -> Jump:
+    """The request as one of another type, with that type's defaults; the landing place stays."""
+    return with_defaults(replace(jump, type=name))
+
+
+def asks(jump: Jump) -> tuple[str, ...]:
+    """Fields that its type has besides where to land; none of a type that is no preset."""
+    known = jump_types.names()
+    return known[jump.type].asks if jump.type in known else ()
+
+
+def turns_offered(fields: Collection[str], axes: Collection[str]) -> tuple[str, ...]:
+    """Titles of the turns that a jump type asks for, about axes about which a robot makes them."""
+    return tuple(title for title, (field, _) in _TURNS.items() if field in fields and field in axes)
+
+
+def turn_title(jump: Jump) -> str:
+    """The turn of a request; one that is not in the menu in degrees."""
+    shown = {field: round(math.degrees(getattr(jump, field))) for field in ("pitch", "roll")}
+    for title, (field, angle) in _TURNS.items():
+        if shown == {"pitch": 0, "roll": 0, field: round(math.degrees(angle))}:
+            return title
+    return ", ".join(f"{field} {angle}°" for field, angle in shown.items() if angle) or "none"
+
+
+def turn_amounts(title: str) -> dict[str, float]:
+    """Fields of `Jump` that make a turn of the menu."""
+    field, angle = _TURNS[title]
+    return {"pitch": 0.0, "roll": 0.0, field: angle}
+
+
+def _turns(kind: JumpType) -> set[str]:
+    return {name for name in ("pitch", "roll") if kind.defaults.get(name)}
+
+
+def _has_feet_of(robot: Robot, kind: JumpType) -> bool:
+    try:
+        kind.schedule(robot)
+    except InputError:
+        return False
+    return True

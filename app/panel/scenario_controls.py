@@ -1,0 +1,160 @@
+"""The controls of the scenario in which a plan is followed: board, push, replanning, disturbance.
+
+A control more is a row here and its field in `Scenario`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+import viser
+
+from app.panel import summaries
+from app.panel.acts import Act, Buttons, Put, add_buttons
+from app.panel.fields import Ends, Field, Fields
+from app.panel.html import note
+from llsrbm.request.push import LARGEST_IMPULSE, Push
+from llsrbm.request.scenario import Scenario
+from llsrbm.robots import RobotFile
+from llsrbm.simulation.surroundings import TO_SPARE
+
+_NO_SEEDS = "No seeds tried yet: each one is another disturbance of the same plan."
+_STEP = 5  # mm
+_LARGEST_SEED = 9999
+_LATEST = 10.0  # s; later than any motion ends
+_NO_PUSH = Push(0.0, (0.0, 0.0, 0.0))
+
+
+def _thickest(file: RobotFile) -> Ends:
+    """Boards, mm, up to the one that surely passes under the feet of a level jump."""
+    room = 1000 * (file.limits.clearance - TO_SPARE)
+    return 0.0, float(max(_STEP, int(room / _STEP + 1e-6) * _STEP))
+
+
+def _with_board(scenario: Scenario, millimetres: float) -> Scenario:
+    # Half of no board is no board.
+    half = scenario.half_board and millimetres > 0
+    return replace(scenario, board=millimetres / 1000, half_board=half)
+
+
+def _with_pushes(scenario: Scenario, wanted: bool) -> Scenario:
+    return replace(scenario, pushes=scenario.pushes or (_NO_PUSH,) if wanted else ())
+
+
+def _first(scenario: Scenario) -> Push:
+    return scenario.pushes[0] if scenario.pushes else _NO_PUSH
+
+
+def _with_first(scenario: Scenario, **changes: Any) -> Scenario:
+    first, *others = scenario.pushes
+    return replace(scenario, pushes=(replace(first, **changes), *others))
+
+
+def _with_seed(scenario: Scenario, wanted: bool) -> Scenario:
+    if not wanted:
+        return replace(scenario, seed=None, noise=None)
+    return scenario if scenario.seed is not None else replace(scenario, seed=0)
+
+
+def _impulse(axis: int) -> Field[Scenario]:
+    def put_part(scenario: Scenario, shown: float) -> Scenario:
+        impulse = scenario.pushes[0].impulse
+        return _with_first(scenario, impulse=(*impulse[:axis], shown, *impulse[axis + 1 :]))
+
+    return Field(
+        f"Push {'xyz'[axis]} [N s]",
+        "Impulse, world frame: x forward, y left, z up",
+        get=lambda scenario: _first(scenario).impulse[axis],
+        put=put_part,
+        ends=(-LARGEST_IMPULSE, LARGEST_IMPULSE),
+        step=0.1,
+        there=_is_pushed,
+    )
+
+
+def _is_pushed(scenario: Scenario) -> bool:
+    return bool(scenario.pushes)
+
+
+BOARD: tuple[Field[Scenario], ...] = (
+    Field(
+        "Board [mm]",
+        "Slid under the robot in mid-flight",
+        get=lambda scenario: 1000 * scenario.board,
+        put=_with_board,
+        ends=_thickest,
+        step=_STEP,
+        slider=True,
+    ),
+    Field(
+        "Half board",
+        "Under the front feet only, or under the front half of soles side by side",
+        get=lambda scenario: scenario.half_board,
+        put=lambda scenario, on: replace(scenario, half_board=on and scenario.board > 0),
+    ),
+)
+PUSH: tuple[Field[Scenario], ...] = (
+    Field(
+        "Push",
+        "A push on the trunk, where the timeline stands: drag its arrow's tip",
+        get=_is_pushed,
+        put=_with_pushes,
+    ),
+    Field(
+        "Push at [s]",
+        "When it begins",
+        get=lambda scenario: _first(scenario).time,
+        put=lambda scenario, shown: _with_first(scenario, time=shown),
+        ends=(0.0, _LATEST),
+        step=0.001,
+        there=_is_pushed,
+    ),
+    *(_impulse(axis) for axis in range(3)),
+    Field(
+        "Replan",
+        "Plan flight and landing anew, 50 times a second, from what is measured",
+        get=lambda scenario: scenario.replan,
+        put=lambda scenario, on: replace(scenario, replan=on),
+    ),
+)
+DISTURBANCE: tuple[Field[Scenario], ...] = (
+    Field(
+        "Disturb",
+        "Trunk mass, friction, contacts, delay and noise that the controller ignores",
+        get=lambda scenario: scenario.seed is not None,
+        put=_with_seed,
+    ),
+    Field(
+        "Seed",
+        "Which disturbance is drawn",
+        get=lambda scenario: scenario.seed or 0,
+        put=lambda scenario, shown: replace(scenario, seed=round(shown)),
+        ends=(0.0, _LARGEST_SEED),
+        there=lambda scenario: scenario.seed is not None,
+        stays=True,
+    ),
+)
+
+
+class ScenarioControls:
+    """The table's controls with their buttons, and results of seeds; in the open container.
+
+    Attributes:
+        fields: of the table; buttons: between them.
+    """
+
+    def __init__(self, gui: viser.GuiApi, file: RobotFile, put: Put) -> None:
+        """No board, nothing disturbed; boards that fit under the robot."""
+        self.fields = Fields(gui, Scenario(), file, put, Act.SCENARIO)
+        self.fields.add((*BOARD, *PUSH))
+        self.buttons: Buttons = add_buttons(gui, "push", put)
+        self.fields.add(DISTURBANCE)
+        self.buttons |= add_buttons(gui, "seeds", put)
+        self._results = gui.add_html(note(_NO_SEEDS))
+        self.buttons |= add_buttons(gui, "worst", put)
+
+    def show_seeds(self, results: Sequence[summaries.SeedOutcome], worst_seed: int | None) -> None:
+        """The outcomes of several seeds; the worst of them is marked."""
+        self._results.content = summaries.seeds_table(results, worst_seed) or note(_NO_SEEDS)

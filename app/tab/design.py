@@ -1,0 +1,160 @@
+"""The design: another jump, weights, scenario or example; undone and done again."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import Any
+
+from app.guard.validation import number
+from app.link import TuningChosen
+from app.panel.acts import Act
+from app.panel.jump_types import with_type
+from app.panel.panel import Panel
+from app.panel.tuning import entries_of
+from app.panel.view_controls import View
+from app.picture.landing_handle import LandingDragged
+from app.plots.choice import PlotChoice
+from app.tab.acts import Corrected, Step, on, reads, update
+from app.tab.effects import Notify, Share
+from app.tab.planning import plan_design, plan_or_keep, remember, untitled
+from app.tab.state import History, TabState
+from llsrbm.request import jump_types
+from llsrbm.request.design import Design
+from llsrbm.request.jump import Jump
+from llsrbm.request.tuning import Tuning
+
+_SAME = 1e-6  # relative; defaults are shown with six digits
+
+
+@reads(Act.JUMP)
+def _read_jump(state: TabState, panel: Panel) -> tuple[Jump, list[str]]:
+    return panel.jump.read(state.design.jump)
+
+
+@on(Jump)
+def choose_jump(state: TabState, jump: Jump) -> Step:
+    """Plan another jump, under the weights and limits of the one before if the robot stays."""
+    design = state.design
+    if jump.robot != design.jump.robot:
+        # A request of the other robot is not for this one, but for the type of jump.
+        state, design = replace(state, note=""), Design(_on_another_robot(jump, state))
+    else:
+        if jump.type != design.jump.type:
+            jump = with_type(jump, jump.type)
+        if jump != design.jump:
+            state, design = untitled(state, jump, design.tuning)
+    return plan_design(remember(state, design))
+
+
+def _on_another_robot(jump: Jump, state: TabState) -> Jump:
+    """The robot's example; of another type than the examples are, the same request of it."""
+    file = state.robots[jump.robot]
+    if jump.type == jump_types.DEFAULT:
+        return Jump(robot=jump.robot, model=jump.model, **file.example.model_dump())
+    ends = file.task.model_dump()
+    within = {name: min(max(getattr(jump, name), low), high) for name, (low, high) in ends.items()}
+    return replace(jump, **within)
+
+
+@on(LandingDragged)
+def drag_landing(state: TabState, dragged: LandingDragged) -> Step:
+    """Plan a jump to where the landing handle was dragged."""
+    return choose_jump(state, dragged.applied_to(state.design.jump, state.file.task))
+
+
+@on(Tuning)
+def choose_tuning(state: TabState, tuning: Tuning) -> Step:
+    """Plan under other weights and limits."""
+    if tuning != state.design.tuning:
+        state, design = untitled(state, state.design.jump, tuning)
+        state = remember(state, design)
+    return plan_design(state)
+
+
+@on(Act.RESET_TUNING, enabled=lambda state: state.design.tuning != Tuning())
+def reset_tuning(state: TabState) -> Step:
+    """Plan with the robot's own weights and limits."""
+    return choose_tuning(state, Tuning())
+
+
+@on(TuningChosen)
+def choose_number(state: TabState, event: TuningChosen) -> Step:
+    """Plan with another weight or limit, or with the robot's own again."""
+    robot = state.robot
+    if robot is None or not state.ready:
+        return state, ()
+    entries = entries_of(robot, state.design.jump.type)
+    entry = next((e for e in entries if (e.group, e.name) == (event.group, event.name)), None)
+    if entry is None:
+        return state, (Notify("Not changed", f"{robot.file.title} has no such number."),)
+    tuning = state.design.tuning
+    wrong: list[str] = []
+    given = {"weights": dict(tuning.weights), "limits": dict(tuning.limits)}
+    given[entry.group].pop(entry.name, None)
+    if event.value is not None:
+        value = number(entry.title, event.value, (entry.lowest, entry.highest), wrong)
+        if not math.isclose(value, entry.default, rel_tol=_SAME, abs_tol=_SAME):
+            given[entry.group][entry.name] = value
+    chosen: Any = Tuning(**given)
+    return update(state, Corrected(chosen, tuple(wrong)) if wrong else chosen)
+
+
+@on(Design)
+def choose_design(state: TabState, design: Design) -> Step:
+    """Plan an example."""
+    return plan_or_keep(remember(replace(state, note=design.note), design, settled=True))
+
+
+@on(Act.SHARE)
+def share(state: TabState) -> Step:
+    """Make a link that opens the design."""
+    return state, (Share(state.design),)
+
+
+# ---- undone and done again
+
+
+@on(Act.UNDO, enabled=lambda state: bool(state.history.back))
+def undo(state: TabState) -> Step:
+    """Back to the design before."""
+    history = state.history
+    if not history.back:
+        return state, ()
+    back, forth = history.back[:-1], (*history.forth, state.design)
+    return _go(state, history.back[-1], History(back, forth))
+
+
+@on(Act.REDO, enabled=lambda state: bool(state.history.forth))
+def redo(state: TabState) -> Step:
+    """Forth to the design that was undone."""
+    history = state.history
+    if not history.forth:
+        return state, ()
+    back, forth = (*history.back, state.design), history.forth[:-1]
+    return _go(state, history.forth[-1], History(back, forth))
+
+
+def _go(state: TabState, design: Design, history: History) -> Step:
+    state = state.without_sequel().with_work(instead="")
+    return plan_or_keep(replace(state, design=design, history=history, note=design.note))
+
+
+# ---- what is drawn of it
+
+
+@reads(Act.VIEW)
+def _read_view(state: TabState, panel: Panel) -> tuple[View, list[str]]:
+    return panel.view.fields.read(state.view, None)
+
+
+@on(View)
+def choose_view(state: TabState, view: View) -> TabState:
+    """Draw other overlays, or in another light."""
+    return replace(state, view=view)
+
+
+@on(PlotChoice)
+def choose_plots(state: TabState, choice: PlotChoice) -> TabState:
+    """Plot other charts."""
+    return replace(state, plots=choice)

@@ -1,0 +1,402 @@
+"""Planning: from the design to a plan that is shown, by way of its robot; and the nearest jump."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields, replace
+
+from app.motion.baked import bake_plan, presentable
+from app.panel import summaries
+from app.panel.acts import Act
+from app.panel.jump_types import not_supported, types_offered, with_type
+from app.panel.status import Verdict
+from app.tab.acts import (
+    Step,
+    also,
+    joined,
+    kept,
+    on,
+    outcome,
+    played_first,
+    submit,
+    submit_beside,
+)
+from app.tab.drag_planning import REST
+from app.tab.effects import (
+    After,
+    Effect,
+    Keep,
+    LoadRobot,
+    Notify,
+    Queue,
+    Reported,
+    RobotLoaded,
+    RobotMissing,
+    Stop,
+)
+from app.tab.simulating import show_rollout, simulate, without_so_far
+from app.tab.state import Given, Shown, TabState
+from app.workers.protocol import (
+    Cancelled,
+    Failed,
+    FindNearest,
+    Found,
+    Partial,
+    PlanJump,
+    Planned,
+    Prepare,
+    Prepared,
+    Progress,
+    Report,
+)
+from llsrbm.motion.plan import Plan
+from llsrbm.request import jump_types
+from llsrbm.request.design import Design
+from llsrbm.request.jump import Jump
+from llsrbm.request.scenario import Scenario
+from llsrbm.request.tuning import Tuning
+from llsrbm.robots import Robot
+from llsrbm.simulation.surroundings import surroundings
+
+_UNDONE_AT_MOST = 100  # designs; a hundred bytes each
+
+
+# ---- requests
+
+
+def plan_design(state: TabState) -> Step:
+    """Plan the design, unless that is under way; its robot is prepared first.
+
+    A motion that waits for its robot is not waited for any more.
+    """
+    state = replace(state, given=None)
+    name = state.design.jump.robot
+    if not state.ready:
+        if state.work.awaited == Prepare(name):
+            return state, ()
+        state = state.forgetting().with_work(nearest=None)
+        state = state.with_status(Verdict.PLANNING, "begins when the robot is ready.", busy=True)
+        return submit(state, Prepare(name))
+    state = _of_a_supported_type(state)
+    design = state.design
+    dragging, task = state.work.dragging.request(design.jump, design.tuning, state.plan)
+    state = state.with_work(dragging=dragging)
+    if task is None:
+        return state, ()
+    return _submit_plan(state.with_work(nearest=None), task)
+
+
+def plan_or_keep(state: TabState) -> Step:
+    """Plan another design; where its plan is there already, have the browser keep it at once."""
+    step = plan_design(state)
+    return step if step[1] else kept(step[0])
+
+
+def _submit_plan(state: TabState, task: PlanJump) -> Step:
+    following = not task.patient and isinstance(state.work.awaited, PlanJump)
+    if not following:
+        state = state.with_status(Verdict.PLANNING, f"{state.work.instead}...", busy=True)
+    return submit(state, task)
+
+
+def _of_a_supported_type(state: TabState) -> TabState:
+    """The state with a jump of the default type, if its robot lacks the feet of the design's."""
+    jump, robot = state.design.jump, state.robot
+    if robot is None or jump.type in types_offered(robot):
+        return state
+    instead = f"{not_supported(robot, jump.type)} "
+    jump = with_type(jump, jump_types.DEFAULT)
+    state, design = untitled(state, jump, state.design.tuning)
+    return replace(state, design=design).with_work(instead=instead)
+
+
+def remember(state: TabState, design: Design, *, settled: bool = False) -> TabState:
+    """The state with another design, and the one before to go back to.
+
+    Changes of the same numbers that follow each other are one step back.
+
+    Args:
+        state: with the design before.
+        design: the next one.
+        settled: it is one step, whatever comes next.
+    """
+    if design == state.design:
+        return state
+    history, changed = state.history, () if settled else _changes(state.design, design)
+    if not changed or changed != history.changing:
+        back = (*history.back, state.design)[-_UNDONE_AT_MOST:]
+        history = replace(history, back=back)
+    state = state.without_sequel().with_work(instead="")
+    return replace(state, design=design, history=replace(history, forth=(), changing=changed))
+
+
+def untitled(state: TabState, jump: Jump, tuning: Tuning) -> tuple[TabState, Design]:
+    """Another design of the visitor's own: titles and notes are not of it."""
+    design = replace(state.design, jump=jump, tuning=tuning, title="", note="")
+    return replace(state, note=""), design
+
+
+def _changes(one: Design, other: Design) -> tuple[str, ...]:
+    """Names of the numbers in which two designs differ."""
+    pairs = ((one.jump, other.jump), (one.tuning, other.tuning), (one.scenario, other.scenario))
+    return tuple(
+        f"{type(a).__name__}.{field.name}"
+        for a, b in pairs
+        for field in fields(a)
+        if getattr(a, field.name) != getattr(b, field.name)
+    )
+
+
+@dataclass(frozen=True)
+class Rested:
+    """The request has rested for as long as it has to, see `DragPlanning.rest`."""
+
+    number: int
+
+
+@on(Rested)
+def rest(state: TabState, event: Rested) -> Step:
+    """A request that has rested is planned from scratch."""
+    dragging, task = state.work.dragging.rested(event.number)
+    if task is None:
+        return state, ()
+    return _submit_plan(state.with_work(dragging=dragging), task)
+
+
+@on(Act.CANCEL, visible=lambda state: state.status.busy)
+def cancel(state: TabState) -> Step:
+    """Give up what is being computed; of a request that rests, planning it from scratch."""
+    work = state.work
+    state = state.without_sequel()
+    if work.awaited is None and work.dragging.rests:
+        state = state.forgetting()
+        state = state.with_status(Verdict.CANCELLED, "Move a slider to plan again.")
+    return state, (Stop(Queue.MOTION),)
+
+
+# ---- reports
+
+
+@on(Queue.MOTION)
+def take_report(state: TabState, event: Reported) -> Step:
+    """A job on the motion has something to report: the newest one, or an older plan."""
+    report, work = event.report, state.work
+    if event.ticket <= work.dropped:
+        return state, ()
+    if event.ticket != work.newest:
+        # While a slider moves, a plan of an older request is worth showing.
+        return _show(state, report, event.ticket) if isinstance(report, Planned) else (state, ())
+    task = work.awaited
+    if task is None:
+        return state, ()
+    if isinstance(report, Partial):
+        return outcome(state, report, task)
+    before: tuple[Effect, ...] = ()
+    state = state.with_work(awaited=None)
+    if isinstance(task, PlanJump):
+        state, before = _wait_for_rest(state, task)
+    return joined(before, outcome(state, report, task))
+
+
+def _wait_for_rest(state: TabState, task: PlanJump) -> Step:
+    """The newest request has its answer; a quick one is planned again when it has rested."""
+    dragging = state.work.dragging.answered(task)
+    state = state.with_work(dragging=dragging)
+    return state, (After(REST, Rested(dragging.rest)),) if dragging.rests else ()
+
+
+@on(PlanJump)
+def take_plan_report(state: TabState, report: Report, task: PlanJump) -> Step:
+    """A plan is being made, or has been."""
+    match report:
+        case Progress():
+            line = summaries.progress_line(report.text, report.iteration, report.residual)
+            line = f"{state.work.instead}{line}"
+            return state.with_status(Verdict.PLANNING, line, busy=True), ()
+        case Planned(plan=plan):
+            return _take_plan(state, report, plan)
+        case Failed() if not task.patient:
+            # It rests before it is planned with patience; a hand may still be moving.
+            line = "No quick solution. Pause to search longer."
+            return state.with_status(Verdict.PLANNING, line, busy=True), ()
+        case Failed(message=message, plan=Plan() as plan):
+            return _search(state, message, plan, task)
+    return _ended(state.forgetting(), report)
+
+
+def _take_plan(state: TabState, report: Planned, plan: Plan) -> Step:
+    step = _show(state, report, state.work.newest)
+    state, _ = step
+    if state.plan is not plan:
+        return step
+    if state.work.dragging.rests:
+        line = summaries.live_line(plan)
+        return state.with_status(Verdict.PLANNING, line, busy=True), step[1]
+    line = summaries.planned_line(plan, state.work.instead)
+    state = state.with_status(Verdict.PLANNED, line)
+    state = replace(state, history=replace(state.history, changing=()))
+    step = also((state, step[1]), Keep(state.design))
+    seeds = state.work.simulate_next
+    if seeds is None:
+        return step
+    return joined(step[1], simulate(state.with_work(simulate_next=None), seeds))
+
+
+def _search(state: TabState, message: str, plan: Plan, task: PlanJump) -> Step:
+    """There is no plan: show where the solver stopped, and look for the nearest jump."""
+    failure, robot = f"{state.work.instead}{message}.", state.robot
+    if presentable(plan) and robot is not None:
+        # Plans of older requests that are still under way do not replace it.
+        state = show_plan(state.with_work(shown=state.work.newest), plan, robot)
+        failure += " The picture shows where the solver stopped, no feasible motion."
+    state = state.without_sequel().with_work(failure=failure)
+    line = f"{failure} Looking for the nearest jump ..."
+    state = state.with_status(Verdict.FAILED, line, busy=True)
+    return submit(state, FindNearest(task.jump, task.tuning))
+
+
+@on(FindNearest)
+def take_nearest_report(state: TabState, report: Report, _: FindNearest) -> TabState:
+    """The nearest jump is looked for, or found: beside what stopped the one that was wanted."""
+    failure = state.work.failure
+    match report:
+        case Progress(text=text):
+            return state.with_status(Verdict.FAILED, f"{failure} ({text}) ...", busy=True)
+        case Found(nearest=nearest):
+            line = f"{failure} It works with {nearest.changes}."
+            return state.with_work(nearest=nearest).with_status(Verdict.FAILED, line)
+        case Failed(message=message):
+            return state.with_status(Verdict.FAILED, f"{failure} {message}")
+    state = without_so_far(state.without_sequel())
+    return state.with_status(Verdict.CANCELLED, "The search for a feasible jump.")
+
+
+@on(Act.NEAREST, visible=lambda state: state.work.nearest is not None)
+def take_nearest(state: TabState) -> Step:
+    """Plan the jump on offer."""
+    nearest = state.work.nearest
+    if nearest is None:
+        return state, ()
+    state, design = untitled(state, nearest.jump, state.design.tuning)
+    return plan_design(remember(state, design, settled=True))
+
+
+def _ended(state: TabState, report: Report) -> Step:
+    """It has failed, or was cancelled."""
+    state = without_so_far(state.without_sequel())
+    if isinstance(report, Failed):
+        return state.with_status(Verdict.FAILED, report.message), ()
+    assert isinstance(report, Cancelled)
+    return state.with_status(Verdict.CANCELLED, "Move a slider to plan again."), ()
+
+
+# ---- robots
+
+
+@on(Prepare)
+def take_prepared(state: TabState, report: Report, _: Prepare) -> Step:
+    """The design's robot can be loaded, or is being prepared."""
+    match report:
+        case Progress():
+            line = summaries.progress_line(report.text, None, None)
+            line = f"{state.work.instead}{line}"
+            return state.with_status(Verdict.PLANNING, line, busy=True), ()
+        case Prepared(robot=robot):
+            return state, (LoadRobot(robot),)
+        case Failed():
+            return _ended(state, report)
+    return _ended(state.forgetting(), report)
+
+
+@on(Queue.ROBOT)
+def take_meshes(state: TabState, event: Reported) -> Step:
+    """The meshes of a robot that is drawn by its collision shapes have been made."""
+    match event.report:
+        case Prepared(robot=name) if state.robot is not None and state.robot.name == name:
+            return state, (LoadRobot(name),)
+        case Failed(message=message):
+            return state, (Notify("The robot's meshes are missing", message),)
+    return state, ()
+
+
+@on(RobotLoaded)
+def take_robot(state: TabState, event: RobotLoaded) -> Step:
+    """A robot can be drawn; then the motion that waits for it is shown, or the design planned."""
+    given, name = state.given, event.robot.name
+    if event.robot is state.robot and event.prepared and not state.prepared:
+        return replace(state, prepared=True), ()  # its meshes have been made
+    if given is not None and given.plan.jump.robot == name:
+        state, effects = draw_robot(state, event)
+        return joined(effects, show_given(state, given))
+    if name != state.design.jump.robot:
+        return state, ()  # another one was chosen while it was loaded
+    state, effects = draw_robot(state, event)
+    return joined(effects, plan_design(state))
+
+
+@on(RobotMissing)
+def miss_robot(state: TabState, event: RobotMissing) -> TabState:
+    """A robot cannot be drawn."""
+    if event.robot != state.design.jump.robot:
+        return state
+    return replace(state, given=None).with_status(Verdict.FAILED, event.message)
+
+
+def draw_robot(state: TabState, event: RobotLoaded) -> Step:
+    """Draw a robot and nothing of another one's motion but the pins; have its meshes made."""
+    if state.robot is event.robot:
+        return replace(state, prepared=event.prepared or state.prepared), ()
+    state = replace(state.forgetting(), robot=event.robot, prepared=event.prepared)
+    state = replace(state, shown=None, seeds=None)
+    if event.prepared:
+        return state, ()
+    return submit_beside(state, Queue.ROBOT, Prepare(event.robot.name))
+
+
+# ---- plans that are shown
+
+
+def show_plan(state: TabState, plan: Plan, robot: Robot, source: str = "") -> TabState:
+    """The state that shows a plan; simulations of another plan go."""
+    blocks = tuple(surroundings(robot, plan, Scenario()).blocks)
+    shown = Shown(bake_plan(plan, robot), blocks=blocks, source=source)
+    return replace(state, shown=shown, seeds=None)
+
+
+def _show(state: TabState, report: Planned, ticket: int) -> Step:
+    """Show a plan, unless a newer one is shown or it is another robot's."""
+    robot = state.robot
+    if ticket < state.work.shown or robot is None or report.plan.jump.robot != robot.name:
+        return state, ()
+    first = state.shown is None
+    state = show_plan(state.with_work(shown=ticket), report.plan, robot)
+    return state, played_first(state) if first else ()
+
+
+def show_given(state: TabState, given: Given) -> Step:
+    """Show a motion as if it had been planned just now, as soon as its robot can be drawn.
+
+    Args:
+        state: of a tab whose design is that of the motion.
+        given: the motion; the next plan may start from it.
+    """
+    plan, robot = given.plan, state.robot
+    if robot is None or robot.name != plan.jump.robot:
+        return replace(state, given=given), (LoadRobot(plan.jump.robot),)
+    play: tuple[Effect, ...] = played_first(state) if state.shown is None else ()
+    work = state.work
+    dragging, _ = work.dragging.forget().request(plan.jump, plan.tuning, None)
+    state = replace(state.without_sequel(), given=None, note=given.note or state.note)
+    state = state.with_work(awaited=None, dropped=work.newest, dragging=dragging, nearest=None)
+    state = show_plan(state, plan, robot, given.source)
+    if given.rollout is not None:
+        source = f"{given.source}: " if given.source else ""
+        state = show_rollout(state, given.rollout, given.rollout.scenario, source)
+    elif plan.solved:
+        line = f"{given.source}{summaries.planned_line(plan)}"
+        state = state.with_status(Verdict.PLANNED, line)
+    else:
+        source = f"{given.source}: " if given.source else ""
+        worst = summaries.worst(plan.violations)
+        line = f"{source}the planner did not converge, largest violation {worst}."
+        state = state.with_status(Verdict.FAILED, line)
+    return state, (Keep(state.design), *play)

@@ -1,0 +1,183 @@
+"""Simulating: the whole robot follows the plan, once or under several disturbances."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from app.motion.baked import bake_rollout, frames_so_far
+from app.panel import summaries
+from app.panel.acts import Act
+from app.panel.file_controls import SIMULATION
+from app.panel.status import Status, Verdict
+from app.tab.acts import Step, also, on, submit, update
+from app.tab.effects import Keep, Notify, Play, Seek
+from app.tab.state import Seeds, Shown, TabState
+from app.workers.protocol import (
+    Cancelled,
+    Failed,
+    Progress,
+    Report,
+    SeedDone,
+    Simulated,
+    SimulatedSeeds,
+    SimulatedSoFar,
+    SimulateJump,
+    SimulateSeeds,
+)
+from llsrbm.motion.rollout import Rollout
+from llsrbm.request.scenario import Scenario
+from llsrbm.simulation.surroundings import surroundings
+
+SEEDS = 20
+"""Disturbances that are tried together; the robustness benchmark's number."""
+
+_AHEAD = 0.05
+"""s by which a simulation has to be ahead of a replay that begins before its end."""
+
+
+@on(Act.SIMULATE)
+def simulate(state: TabState, seeds: int = 0) -> Step:
+    """Simulate the plan that is shown, or the one that is awaited.
+
+    Args:
+        state: whose plan.
+        seeds: under so many disturbances; 0: once, in the design's scenario.
+    """
+    plan, scenario = state.plan, state.design.scenario
+    if state.ready and state.planning:
+        return state.with_work(simulate_next=seeds), ()
+    if not state.ready or plan is None:
+        return state, (Notify("Not simulated", "There is no plan yet."),)
+    if not plan.solved:
+        reason = "The planner did not converge, so there is no motion to follow."
+        return state, (Notify("Not simulated", reason),)
+    if seeds:
+        state = replace(state, seeds=Seeds(plan, scenario, seeds))
+        state = state.with_status(Verdict.SIMULATING, f"{seeds} seeds ...", busy=True)
+        return submit(state, SimulateSeeds(plan, scenario, tuple(range(seeds))))
+    state = state.with_status(Verdict.SIMULATING, "...", busy=True)
+    return also(submit(state, SimulateJump(plan, scenario)), Keep(state.design))
+
+
+@on(SimulateJump)
+def take_simulation(state: TabState, report: Report, task: SimulateJump) -> Step:
+    """A simulation is under way, or complete."""
+    match report:
+        case Progress(text=text, share=share):
+            line = f"({text}) ..." if share is None else f"{share:.0%}"
+            return state.with_status(Verdict.SIMULATING, line, busy=True, share=share), ()
+        case SimulatedSoFar():
+            return _show_so_far(state, report, task)
+        case Simulated(rollout=rollout):
+            state = show_rollout(state, rollout, task.scenario)
+            follow_up = state.work.compare
+            return replay(state) if follow_up is None else update(state, follow_up)
+    return _ended(state, report), ()
+
+
+@on(Act.SEEDS)
+def simulate_seeds(state: TabState) -> Step:
+    """Simulate the plan under several disturbances."""
+    return simulate(state, SEEDS)
+
+
+@on(SimulateSeeds)
+def take_seeds(state: TabState, report: Report, _: SimulateSeeds) -> TabState:
+    """One seed more has been simulated, or all of them."""
+    seeds = state.seeds
+    if seeds is None or isinstance(report, Progress):
+        return state
+    match report:
+        case SeedDone(result=result):
+            seeds = replace(seeds, results=(*seeds.results, result))
+            done = len(seeds.results)
+            landed = sum(each.landed for each in seeds.results)
+            line = f"{done} of {seeds.count} seeds: {landed} landed so far"
+            return replace(state, seeds=seeds).with_status(
+                Verdict.SIMULATING, line, busy=True, share=done / seeds.count
+            )
+        case SimulatedSeeds(results=results, worst=worst):
+            state = replace(state, seeds=replace(seeds, results=results, worst=worst))
+            landed_all = all(each.landed for each in results)
+            verdict = Verdict.LANDED if landed_all else Verdict.FELL
+            return state.with_status(verdict, f"in {summaries.seeds_share(results)}.")
+    return _ended(state, report)
+
+
+@on(Act.WORST, visible=lambda state: state.seeds is not None and state.seeds.worst is not None)
+def show_worst(state: TabState) -> TabState:
+    """Show the worst of several seeds, in place of the simulation that is shown."""
+    seeds = state.seeds
+    if seeds is None or seeds.worst is None or seeds.plan is not state.plan:
+        return state
+    line = f"seed {seeds.worst.scenario.seed}: "
+    return show_rollout(state, seeds.worst, seeds.scenario, line)
+
+
+def show_rollout(
+    state: TabState, rollout: Rollout, scenario: Scenario, source: str = ""
+) -> TabState:
+    """The state that shows a simulation of the plan that is shown.
+
+    Args:
+        state: with that plan.
+        rollout: the simulation.
+        scenario: of the design, when it was asked for.
+        source: before its line.
+    """
+    shown, robot = state.shown, state.robot
+    if shown is None or robot is None:
+        return state
+    if shown.simulated is None:  # there is a choice again, and this is the first of it
+        state = replace(state, export=replace(state.export, of=SIMULATION))
+    blocks = tuple(surroundings(robot, shown.plan, rollout.scenario).blocks)
+    simulated = bake_rollout(rollout)
+    shown = replace(shown, simulated=simulated, scenario=scenario, so_far=None, blocks=blocks)
+    verdict, line = summaries.simulated_line(rollout)
+    return replace(state, shown=shown).with_status(verdict, f"{source}{line}")
+
+
+def status_of(state: TabState) -> Status:
+    """The status line, which says so where a result is of another scenario."""
+    status = state.status
+    if not state.outdated or status.verdict not in (Verdict.LANDED, Verdict.FELL):
+        return status
+    joint = "" if status.rest.startswith((",", ".")) else ": "
+    return replace(status, rest=f"in another scenario, press Simulate{joint}{status.rest}")
+
+
+def _show_so_far(state: TabState, report: SimulatedSoFar, task: SimulateJump) -> Step:
+    shown, robot, start = state.shown, state.robot, state.work.replay_from
+    if shown is None or robot is None:
+        return state, ()
+    if start is not None and report.time[-1] < start + _AHEAD:
+        return state, ()  # the robot stays where a hand has just pushed it
+    so_far = frames_so_far(robot, report.time, report.qpos)
+    blocks = tuple(surroundings(robot, shown.plan, task.scenario).blocks)
+    shown = Shown(shown.planned, so_far=so_far, blocks=blocks, source=shown.source)
+    return replay(replace(state, shown=shown))
+
+
+def replay(state: TabState) -> Step:
+    """Play what was awaited from where it is worth seeing, if it is not being played already."""
+    start = state.work.replay_from
+    if start is None:
+        return state, ()
+    return state.with_work(replay_from=None), (Seek(start), Play())
+
+
+def without_so_far(state: TabState) -> TabState:
+    """Without the beginning of a simulation that has no end."""
+    shown = state.shown
+    if shown is None or shown.so_far is None:
+        return state
+    return replace(state, shown=replace(shown, so_far=None))
+
+
+def _ended(state: TabState, report: Report) -> TabState:
+    """It has failed, or was cancelled."""
+    state = without_so_far(state.without_sequel())
+    if isinstance(report, Failed):
+        return state.with_status(Verdict.FAILED, report.message)
+    assert isinstance(report, Cancelled)
+    return state.with_status(Verdict.CANCELLED, "The plan is still there.")
