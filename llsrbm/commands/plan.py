@@ -37,7 +37,7 @@ def plan_command(
     del context  # of the options that only count where they are given
     with console.result_stream(as_json=as_json) as stdout:
         import llsrbm
-        from llsrbm.analysis.summary import plan_summary
+        from llsrbm.analysis.summaries import plan_summary
 
         request = requested_design(design, requested)
         tuning = options.requested_tuning(request.tuning, weight, limit)
@@ -69,7 +69,7 @@ def _iterations(report: SolveReport) -> str:
 
 def _description(plan: Plan) -> dict[str, str]:
     """A plan in a few lines for a person: degrees, milliseconds."""
-    from llsrbm.analysis.summary import peak_yaw_rate, worst_violation
+    from llsrbm.analysis.summaries import peak_yaw_rate, worst_violation
     from llsrbm.mechanics import final_yaw
 
     report = plan.report
