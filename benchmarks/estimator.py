@@ -17,6 +17,7 @@ import numpy as np
 import typer
 
 import llsrbm
+from benchmarks.counting import count, seeds_of
 from benchmarks.robustness import FORWARD, Cell, one
 from llsrbm.simulation.sensors import estimator_names
 
@@ -47,13 +48,13 @@ def table(results: list[dict[str, Any]]) -> Iterator[str]:
     for cell in dict.fromkeys(result["cell"] for result in results):
         for estimator in estimator_names():
             rows = [r for r in results if (r["cell"], r["estimator"]) == (cell, estimator)]
+            counts = count(rows)
             feet = 1e3 * np.median([row["foot_error"] for row in rows])
             heading = math.degrees(np.median([abs(row["final_yaw_error"]) for row in rows]))
             yield (
                 f"{cell:22}{estimator:11}"
-                f"{sum(row['strict'] for row in rows):>5}/{len(rows)}"
-                f"{sum(row['recovered'] for row in rows):>11}"
-                f"{sum(row['status'] == 'landed' for row in rows):>8}{feet:>7.0f}{heading:>7.2f}"
+                f"{counts.strict:>5}/{counts.requests}{counts.recovered:>11}{counts.stand:>8}"
+                f"{feet:>7.0f}{heading:>7.2f}"
             )
 
 
@@ -62,15 +63,14 @@ def main(
     seeds: Annotated[str, typer.Option(help="First:last+1.")] = "1000:1010",
     jobs: int = 2,
 ) -> None:
-    first, last = (int(part) for part in seeds.split(":"))
     work = [
         (cell, robot, "llsrbm-plus", seed, llsrbm.Scenario(noise=1.0, estimator=estimator))
         for cell in CELLS.get(robot, QUADRUPED)
         for estimator in estimator_names()
-        for seed in range(first, last)
+        for seed in seeds_of(seeds)
     ]
     with ProcessPoolExecutor(jobs, mp_context=get_context("spawn")) as pool:
-        outcomes = pool.map(one, work, chunksize=2 * (last - first))
+        outcomes = pool.map(one, work, chunksize=2 * len(seeds_of(seeds)))
         results = [
             outcome | {"estimator": scenario.estimator}
             for (*_, scenario), outcome in zip(work, outcomes, strict=True)

@@ -20,11 +20,13 @@ from typing import Annotated, NamedTuple
 import typer
 
 import llsrbm
+from benchmarks.counting import count, seeds_of
 from llsrbm.commands import options
 from llsrbm.motion.outcome import Outcome
 from llsrbm.motion.plan import Plan
 from llsrbm.planning.solve.planner import Planner, planner_of
 from llsrbm.request.tuning import Tuning
+from llsrbm.simulation.verdict import FEET_WITHIN, PEAK_TILT
 
 app = typer.Typer(help=__doc__, add_completion=False)
 
@@ -67,27 +69,22 @@ CASES = (
 )
 
 
-def numbers(seeds: str) -> range:
-    first, last = (int(part) for part in seeds.split(":"))
-    return range(first, last)
-
-
 def simulated(plan: Plan, seeds: range) -> list[Outcome]:
     return [llsrbm.simulate(plan, seed=seed).outcome for seed in seeds]
 
 
-def complaints(outcomes: list[Outcome]) -> str:
+def failures(outcomes: list[Outcome]) -> str:
     """Why seeds were not strict, each reason once with its number."""
-    told = [
+    reasons = [
         outcome.reason
-        or (f"foot {1e3 * outcome.foot_error:.0f} mm off" if outcome.foot_error >= 0.05 else "")
-        or (f"tilt {outcome.peak_tilt:.2f} rad" if outcome.peak_tilt > 0.26 else "")
-        or ("trunk touched" if outcome.trunk_touched else "")
+        or (f"foot {1e3 * outcome.foot_error:.0f} mm off" * (outcome.foot_error >= FEET_WITHIN))
+        or (f"tilt {outcome.peak_tilt:.2f} rad" * bool(outcome.peak_tilt >= PEAK_TILT))
+        or ("trunk touched" * outcome.trunk_touched)
         or (f"in the air again {1e3 * outcome.second_flight_s:.0f} ms")
         for outcome in outcomes
         if not outcome.strict
     ]
-    return "; ".join(f"{told.count(reason)} x {reason}" for reason in dict.fromkeys(told))
+    return "; ".join(f"{reasons.count(reason)} x {reason}" for reason in dict.fromkeys(reasons))
 
 
 @app.command()
@@ -106,7 +103,7 @@ def score(
             jump = llsrbm.Jump(
                 robot, model, forward=case.forward, type=case.type, hops=case.hops, speed=case.speed
             )
-            print(f"| {case.name} | {robot} | {judged(jump, numbers(seeds))} |", flush=True)
+            print(f"| {case.name} | {robot} | {judged(jump, seeds_of(seeds))} |", flush=True)
 
 
 def judged(jump: llsrbm.Jump, seeds: range) -> str:
@@ -116,11 +113,10 @@ def judged(jump: llsrbm.Jump, seeds: range) -> str:
     except llsrbm.NotConverged as error:
         return f"no: {error} | | | "
     outcomes = simulated(plan, seeds)
-    strict = sum(outcome.strict for outcome in outcomes)
-    stand = sum(outcome.status == "landed" for outcome in outcomes)
+    counts = count(outcomes)
     return (
         f"{plan.report.iterations} iterations, {plan.report.solve_time_s:.1f} s | "
-        f"{strict}/{len(outcomes)} | {stand} | {complaints(outcomes)}"
+        f"{counts.strict}/{counts.requests} | {counts.stand} | {failures(outcomes)}"
     )
 
 
@@ -144,7 +140,7 @@ def reach(
     for robot in robots.split(","):
         for kind in types.split(","):
             plans = planned_further(llsrbm.Jump(robot, model, forward=0.3, type=kind), limits)
-            said = longest_strict(plans, numbers(seeds), down, limits)
+            said = longest_strict(plans, seeds_of(seeds), down, limits)
             print(f"| {robot} | {kind} | {plans[-1].jump.forward:.2f} m | {said} |", flush=True)
 
 
@@ -162,14 +158,14 @@ def longest_strict(
         plan = planner_of(jump).plan(jump, near=near, limits=limits)
         for part, share in ((seeds[:FIRST_SEEDS], FIRST_SHARE), (seeds, STRICT)):
             outcomes = simulated(plan, part)
-            strict = sum(outcome.strict for outcome in outcomes)
-            told = f"{forward:.2f} m: {strict}/{len(outcomes)}"
-            typer.echo(f"{jump.robot} {jump.type} {told}", err=True)
-            if strict < share * len(outcomes):
-                beyond = f"{told}, {complaints(outcomes)}"
+            counts = count(outcomes)
+            found = f"{forward:.2f} m: {counts.strict}/{counts.requests}"
+            typer.echo(f"{jump.robot} {jump.type} {found}", err=True)
+            if counts.strict < share * counts.requests:
+                beyond = f"{found}, {failures(outcomes)}"
                 break
         else:
-            return f"{told} | {beyond}"
+            return f"{found} | {beyond}"
         forward -= down
     return f"none | {beyond}"
 

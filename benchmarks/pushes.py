@@ -98,6 +98,11 @@ def guess_for(robot: str) -> int:
     return min(range(len(LADDER)), key=lambda rung: abs(math.log(LADDER[rung] / size)))
 
 
+def allowed_failures(seeds: int) -> int:
+    """Of so many seeds that may fail on a rung that passes."""
+    return seeds // FAILURES
+
+
 def search(cell: Cell) -> dict[str, Any]:
     """The largest impulse of a cell, N s, and on each rung that was tried how many recovered."""
     plan, tried = plan_of(cell.robot), {}
@@ -107,7 +112,7 @@ def search(cell: Cell) -> dict[str, Any]:
         push = llsrbm.Push(MOMENTS[cell.moment](plan), impulse)
         good = bad = 0
         count = cell.seeds[1] - cell.seeds[0]
-        allowed = count // FAILURES
+        allowed = allowed_failures(count)
         for seed in range(*cell.seeds):
             scenario = llsrbm.Scenario(seed=seed, pushes=(push,), replan=cell.replan)
             if recovered(cell.robot, scenario):
@@ -208,7 +213,11 @@ def table(rows: list[dict[str, Any]]) -> Iterator[str]:
 
 
 def read(path: Path) -> list[dict[str, Any]]:
-    return [json.loads(line) for line in path.read_text().splitlines()] if path.exists() else []
+    return (
+        [json.loads(line) for line in path.read_text(encoding="utf-8").splitlines()]
+        if path.exists()
+        else []
+    )
 
 
 def main(
@@ -225,7 +234,7 @@ def main(
     first, last = (int(part) for part in seeds.split(":"))
     modes, done = [mode == "on" for mode in replan.split(",")], read(out)
     rows = list(done)
-    with get_context("spawn").Pool(jobs) as pool, out.open("a") as file:
+    with get_context("spawn").Pool(jobs) as pool, out.open("a", encoding="utf-8") as file:
 
         def keep(results: Iterable[dict[str, Any]]) -> None:
             for result in results:

@@ -7,12 +7,12 @@ file's [task]. Each is planned as the page plans it and simulated once with ever
 that `llsrbm.simulation.disturbance` disturbs; strict success is defined in
 `llsrbm.simulation.verdict`.
 Requests and disturbances follow from the seed alone. Controller and planner were tuned on seeds
-below 500.
+below 500, and seed 500 has been looked at since. A request whose box leaves no room for the robot
+(`llsrbm.simulation.surroundings`) is refused, and counts as one that is not strict.
 """
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
@@ -26,6 +26,8 @@ import typer
 from scipy.spatial.transform import Rotation
 
 import llsrbm
+from benchmarks.counting import count, write_lines
+from llsrbm.mechanics import tilt
 from llsrbm.planning.solve.planner import planner_for
 from llsrbm.robots import load_robot
 
@@ -59,7 +61,10 @@ def one(request: dict[str, Any], model: str) -> dict[str, Any]:
         plan = planner_for(jump.robot, model).plan(jump)
     except llsrbm.NotConverged as error:
         return {**request, "planned": False, "why": str(error)}
-    rollout = llsrbm.simulate(plan, seed=request["seed"])
+    try:
+        rollout = llsrbm.simulate(plan, seed=request["seed"])
+    except llsrbm.InputError as error:  # no room for the box that it lands on
+        return {**request, "planned": True, "refused": str(error)}
     return {
         **request,
         "planned": True,
@@ -84,12 +89,12 @@ def tracking(plan: Any, rollout: Any) -> dict[str, Any]:
         "lift_off_momentum": rollout.angular_momentum[at[0]].tolist(),
         "lift_off_velocity_planned": plan.com_velocity[knots[0]].tolist(),
         "lift_off_velocity": (
-            rollout.linear_momentum[at[0]] * rollout_mass_share(plan, rollout)
+            rollout.linear_momentum[at[0]] / rollout.disturbance.mass(load_robot(plan.jump.robot))
         ).tolist(),
         "turn_error_at_lift_off_deg": turn_deg(plan.base_quat[knots[0]], rollout.base_quat[at[0]]),
         "turn_error_at_touchdown_deg": turn_deg(plan.base_quat[knots[1]], rollout.base_quat[at[1]]),
-        "tilt_at_touchdown_planned_deg": tilt_deg(plan.base_quat[knots[1]]),
-        "tilt_at_touchdown_deg": tilt_deg(rollout.base_quat[at[1]]),
+        "tilt_at_touchdown_planned_deg": math.degrees(tilt(plan.base_quat[[knots[1]]])[0]),
+        "tilt_at_touchdown_deg": math.degrees(tilt(rollout.base_quat[[at[1]]])[0]),
     }
     if hasattr(plan, "joint_torque"):
         figures["torque_rms"] = torque_rms(plan, rollout)
@@ -101,12 +106,6 @@ def tracking(plan: Any, rollout: Any) -> dict[str, Any]:
         worst = int(busy.argmax())
         figures["saturated"].append([name, rollout.joint_names[worst], busy[worst]])
     return figures
-
-
-def rollout_mass_share(plan: Any, rollout: Any) -> float:
-    """1 over the simulated mass, 1/kg."""
-    trunk = plan.base_mass * (rollout.disturbance.trunk_mass_factor - 1)
-    return 1.0 / float(plan.base_mass + plan.leg_mass.sum() + trunk)
 
 
 def torque_rms(plan: Any, rollout: Any) -> float:
@@ -128,12 +127,6 @@ def turn_deg(planned: np.ndarray, simulated: np.ndarray) -> list[float]:
     return np.degrees(turn.as_rotvec()).tolist()
 
 
-def tilt_deg(quat: np.ndarray) -> float:
-    """Angle between the base's z and the world's."""
-    _, x, y, _ = quat
-    return math.degrees(math.acos(np.clip(1 - 2 * (x * x + y * y), -1, 1)))
-
-
 def table(results: list[dict[str, Any]]) -> Iterator[str]:
     """One row a robot and kind."""
     yield (
@@ -144,7 +137,7 @@ def table(results: list[dict[str, Any]]) -> Iterator[str]:
     for robot in dict.fromkeys(r["robot"] for r in results):
         for kind in (*KINDS, "all"):
             rows = [r for r in results if r["robot"] == robot and kind in (r["kind"], "all")]
-            offered = [r for r in rows if r["planned"]]
+            offered = [r for r in rows if r["planned"] and not r.get("refused")]
             if not offered:
                 yield f"{robot:8} {kind:14} {len(rows):8} {0:8}"
                 continue
@@ -152,13 +145,13 @@ def table(results: list[dict[str, Any]]) -> Iterator[str]:
                 [abs(180.0 if (e := r["yaw_error_at_touchdown"]) is None else e) for r in offered]
             )
             saturated = 100 * np.array([r["saturated_fraction"] for r in offered])
-            strict = sum(r["strict"] for r in offered)
-            stand = sum(r["status"] == "landed" for r in offered)
+            counts = count(rows)
             torque = [r["torque_rms"] for r in offered if "torque_rms" in r]
             shown = f"{100 * np.median(torque):6.1f}%" if torque else f"{'-':>7}"
             yield (
-                f"{robot:8} {kind:14} {len(rows):8} {len(offered):8} {stand:6} {strict:6} "
-                f"{100 * strict / len(offered):9.1f}% {100 * strict / len(rows):6.1f}% "
+                f"{robot:8} {kind:14} {counts.requests:8} {counts.simulated:8} {counts.stand:6} "
+                f"{counts.strict:6} {100 * counts.strict / counts.simulated:9.1f}% "
+                f"{100 * counts.strict / counts.requests:6.1f}% "
                 f"{np.median(yaw):8.1f} {yaw.max():6.1f} {100 * np.mean(yaw <= 5):5.0f}% "
                 f"{np.median(saturated):7.1f}% {saturated.max():5.1f}% {shown} "
                 f"{sum(r['unsolved_ticks'] > 0 for r in offered):8}"
@@ -176,7 +169,9 @@ def describe(result: dict[str, Any]) -> str:
     )
     head = f"{result['robot']:7} {result['seed']:8} {motion:60}"
     if not result["planned"]:
-        return f"{head} refused: {result['why'][:150]}"
+        return f"{head} not planned: {result['why'][:150]}"
+    if result.get("refused"):
+        return f"{head} refused: {result['refused'][:150]}"
     phase, joint, share = max(result["saturated"], key=lambda item: item[2])
     yaw = result["yaw_error_at_touchdown"]
     return (
@@ -214,11 +209,11 @@ def main(
     with ProcessPoolExecutor(jobs, mp_context=get_context("spawn")) as pool:
         for result in pool.map(_work, work, chunksize=4):
             results.append(result)
-            if not (failures and result["planned"] and result["strict"]):
+            if not (failures and result.get("strict")):
                 print(describe(result), flush=True)
     print("\n".join(table(results)))
     if out is not None:
-        out.write_text("".join(json.dumps(result) + "\n" for result in results))
+        write_lines(out, results)
 
 
 if __name__ == "__main__":

@@ -11,7 +11,6 @@ and nothing else running.
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
@@ -24,6 +23,7 @@ import numpy as np
 import typer
 
 import llsrbm
+from benchmarks.counting import count, seeds_of, write_lines
 from llsrbm.mechanics import yaw
 
 
@@ -122,11 +122,11 @@ def table(results: list[dict[str, Any]]) -> Iterator[str]:
     cells = dict.fromkeys((result["cell"], result["model"]) for result in results)
     for cell, model in cells:
         rows = [r for r in results if (r["cell"], r["model"]) == (cell, model)]
-        true = _column(rows, "touchdown_true_s")
+        counts, true = count(rows), _column(rows, "touchdown_true_s")
         latency = 1e3 * (_column(rows, "touchdown_detected_s") - true)
         values = (
-            f"{sum(r['strict'] for r in rows)}/{len(rows)}",
-            f"{sum(r['status'] == 'landed' for r in rows)}",
+            f"{counts.strict}/{counts.requests}",
+            f"{counts.stand}",
             f"{np.degrees(np.nanmedian(_column(rows, 'yaw_error_at_touchdown'))):.1f}",
             f"{np.nanmedian(latency):.1f}",
             f"{np.nanpercentile(latency, 90):.1f}",
@@ -146,7 +146,7 @@ def table(results: list[dict[str, Any]]) -> Iterator[str]:
         yield f"{cell:20} {model:12}" + "".join(f"{value:>9}" for value in values)
         for row in rows:
             if not row["strict"]:
-                yield f"    seed {row['seed']}: {_complaint(row)}"
+                yield f"    seed {row['seed']}: {_failure(row)}"
 
 
 def yaw_table(results: list[dict[str, Any]]) -> Iterator[str]:
@@ -183,7 +183,7 @@ def _column(rows: list[dict[str, Any]], name: str) -> np.ndarray:
     return np.array([math.nan if row[name] is None else row[name] for row in rows], dtype=float)
 
 
-def _complaint(row: dict[str, Any]) -> str:
+def _failure(row: dict[str, Any]) -> str:
     return (
         f"{row['status']} {row['reason']} foot {1e3 * row['foot_error']:.0f} mm, "
         f"tilt {math.degrees(row['final_tilt']):.1f}, "
@@ -211,7 +211,6 @@ def main(
     ] = None,
     out: Annotated[Path | None, typer.Option(help="All outcomes, JSON lines.")] = None,
 ) -> None:
-    first, last = (int(part) for part in seeds.split(":"))
     scenario = llsrbm.Scenario(
         noise=noise,
         detector=detector,
@@ -225,16 +224,16 @@ def main(
         for model in models.split(",")
         for cell in CELLS.get(robot, QUADRUPED)
         if cells in cell.name
-        for seed in range(first, last)
+        for seed in seeds_of(seeds)
     ]
     if jobs == 1:
         results = [one(item) for item in work]
     else:
         with ProcessPoolExecutor(jobs, mp_context=get_context("spawn")) as pool:
-            results = list(pool.map(one, work, chunksize=last - first))
+            results = list(pool.map(one, work, chunksize=len(seeds_of(seeds))))
     print("\n".join((*table(results), "", *yaw_table(results))))
     if out is not None:
-        out.write_text("".join(json.dumps(result) + "\n" for result in results))
+        write_lines(out, results)
 
 
 if __name__ == "__main__":

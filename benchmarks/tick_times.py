@@ -66,12 +66,11 @@ def follow(plan_path: str, torque_path: str) -> dict[str, float]:
 
 def parts(plan_path: str) -> dict[str, float]:
     """Mean times of a tick's parts, s, inner ones taken off the outer."""
-    from llsrbm.control.solvers import QpSolver
-
     from llsrbm.control.contact_schedule import ContactSchedule
     from llsrbm.control.controller import WholeBodyController
     from llsrbm.control.detection.residual import ResidualDetector
     from llsrbm.control.inverse_dynamics import InverseDynamics
+    from llsrbm.control.qp import Qp
     from llsrbm.control.whole_body import WholeBody
 
     spent: dict[str, float] = {}
@@ -98,7 +97,7 @@ def parts(plan_path: str) -> dict[str, float]:
     timed(WholeBody, "update", "dynamics")
     timed(InverseDynamics, "_set_costs", "tasks")
     timed(InverseDynamics, "solve", "QP, setting up")
-    timed(QpSolver, "solve", "QP, solving")
+    timed(Qp, "solve", "QP, solving")
     timed(ResidualDetector, "update", "detection")
     timed(ContactSchedule, "feel", "detection")
     step = "step" if hasattr(WholeBodyController, "step") else "tick"

@@ -13,7 +13,7 @@ from app.panel.html import SMALL, table
 from app.panel.status import Verdict
 from llsrbm.analysis.diagnosis import diagnose, fall_in_words
 from llsrbm.analysis.figures import figures_of_plan
-from llsrbm.analysis.summary import planned_peak_load
+from llsrbm.analysis.summaries import planned_peak_load
 from llsrbm.motion.outcome import Outcome
 from llsrbm.motion.plan import Plan, Violation
 from llsrbm.motion.rollout import Rollout

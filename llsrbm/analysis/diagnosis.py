@@ -1,10 +1,10 @@
-"""Why a robot fell: what went wrong first, found in what was recorded.
+"""Causes of a fall, found in a rollout.
 
 Two sorts of things are looked for until the fall. *Deviations* say that the robot no longer does
 what was planned: feet that slip, leave early or land elsewhere, a base or a CoM away from where it
 should be, a touchdown that is unexpected or not noticed. Each has a threshold above what disturbed
 robots that land show, and begins where it last was as small as theirs. *Limits* of the drives are
-reached in good jumps, too: one is told only where a deviation follows it.
+reached in good jumps, too: one is reported only where a deviation follows it.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ RISE = np.array([0.09, 0.16, 0.26])  # of the CoM, upwards (0.020, 0.083, 0.169)
 SPIN = np.array([1.2, 1.2, np.inf])  # rad/s that L is worth too much; impacts change it (0.7, 0.8)
 SLIP = np.array([0.075, 0.075, 0.13])  # that a foot moves on the ground (0.048, -, 0.092)
 MISPLACED = 0.22  # of a foot at its touchdown (0.161)
-STEP = 0.035  # m of ground higher or lower than planned (0.025, a board that was asked for)
+STEP = 0.035  # m of ground higher or lower than planned (0.025, a board of the scenario)
 EARLY, LATE = 0.05, 0.06  # s of the touchdown (0.033, 0.040)
 UNNOTICED = 0.025  # s from touchdown to its detection (0.0075)
 OFF_IN_TAKEOFF = 0.025  # s that a foot is in the air before lift-off (0)
@@ -66,7 +66,7 @@ class Event:
 
 
 def diagnose(rollout: Rollout) -> tuple[Event, ...]:
-    """What went wrong until the robot fell, in order of time.
+    """Events that led to a fall, in order of time.
 
     A rollout that landed well has none of them; one that nearly fell may have some.
     """

@@ -1,7 +1,7 @@
 """A design in one row of figures, to be compared with others.
 
-A plan tells what was planned; with the rollout that followed it, also how that went. A rollout
-alone tells the same figures as the simulated whole body made them: its flight is that without any
+A plan has planned figures; with the rollout that followed it, also the outcome. A rollout
+alone has the same figures of the simulated whole body: its flight is that without any
 contact, its forces hold impacts, and the time to solve it is not known. Any other motion has the
 figures that follow from how it moves.
 """
@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from llsrbm.analysis.summary import peak_yaw_rate, planned_peak_load
+from llsrbm.analysis.summaries import peak_yaw_rate, planned_peak_load
 from llsrbm.mechanics import GRAVITY, final_yaw, rotation_matrices
 from llsrbm.motion.flights import flights, without_contact
 from llsrbm.motion.plan import Plan
@@ -66,7 +66,7 @@ class DesignFigures:
 
     @property
     def valid(self) -> bool:
-        """Whether it is a jump that could be made, as far as is known."""
+        """True if the jump could be made, as far as is known."""
         return self.status in ("planned", "landed")
 
 
@@ -151,7 +151,7 @@ def figures_of_motion(motion: WholeBodyMotion) -> DesignFigures:
 
 @dataclass(frozen=True)
 class Figure:
-    """How one of the figures is shown.
+    """Title, unit and format of one of the figures.
 
     Attributes:
         name: of `DesignFigures`.
@@ -253,7 +253,7 @@ def _flight(rollout: Rollout) -> tuple[float | None, NDArray[np.bool_]]:
 
 
 def _longest_flight(motion: WholeBodyMotion) -> tuple[float | None, NDArray[np.bool_]]:
-    """How long, s, and (K,) when; None where no foot ever leaves the ground or none comes back."""
+    """Length (s) and instants (K,) of the longest flight; None without one that ends."""
     standing = np.flatnonzero(motion.contact.any(axis=1))
     apart = np.diff(motion.time[standing])
     jumps = np.diff(standing) > 1

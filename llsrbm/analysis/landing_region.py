@@ -1,4 +1,4 @@
-"""Where the feet of a robot in flight can still land: what its legs reach, and there is time for.
+"""Landing regions of a robot in flight: places that its feet still reach in time.
 
 In flight nothing but gravity moves the CoM, so that it is known where it will be at touchdown. Of
 the posture there the newest plan is believed: its attitude, and how the trunk lies about the CoM.
@@ -32,7 +32,7 @@ _SEARCH = 15  # places along each axis at which a point inside is looked for
 
 @dataclass(frozen=True, eq=False)
 class Touchdown:
-    """What is expected of the next touchdown.
+    """The next touchdown, as expected.
 
     Attributes:
         time: s.

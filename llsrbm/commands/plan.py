@@ -37,7 +37,7 @@ def plan_command(
     del context  # of the options that only count where they are given
     with console.result_stream(as_json=as_json) as stdout:
         import llsrbm
-        from llsrbm.analysis.summary import plan_summary
+        from llsrbm.analysis.summaries import plan_summary
 
         request = requested_design(design, requested)
         tuning = options.requested_tuning(request.tuning, weight, limit)
@@ -69,7 +69,7 @@ def _iterations(report: SolveReport) -> str:
 
 def _description(plan: Plan) -> dict[str, str]:
     """A plan in a few lines for a person: degrees, milliseconds."""
-    from llsrbm.analysis.summary import peak_yaw_rate, worst_violation
+    from llsrbm.analysis.summaries import peak_yaw_rate, worst_violation
     from llsrbm.mechanics import final_yaw
 
     report = plan.report
@@ -100,7 +100,7 @@ def _phases(plan: Plan) -> str:
 def _joints(plan: Plan) -> str:
     """The joint that is loaded most, the fastest, and the one that comes nearest to a stop."""
     from llsrbm.analysis.joint_margins import joint_margins
-    from llsrbm.analysis.summary import planned_peak_load
+    from llsrbm.analysis.summaries import planned_peak_load
     from llsrbm.robots import load_robot
 
     robot = load_robot(plan.jump.robot)

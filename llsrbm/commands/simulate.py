@@ -50,7 +50,7 @@ def simulate_command(
     """
     with console.result_stream(as_json=as_json) as stdout:
         import llsrbm
-        from llsrbm.analysis.rollout_summary import rollout_summary
+        from llsrbm.analysis.summaries import rollout_summary
         from llsrbm.robots import load_robot
         from llsrbm.simulation.checks import check_scenario
 

@@ -1,16 +1,16 @@
-"""Which feet stand: lifted by the schedule, put down by what is felt.
+"""The feet that stand: lifted by the schedule, put down by measured contact.
 
 A plan says when feet leave the ground and when they meet it. Leaving is the robot's own doing, so
 feet leave when the plan says. Meeting the ground is not: it may be nearer or farther than planned,
 and the robot may have jumped higher. So
 
 - a flight, in which no foot stands, begins by the clock and ends when the contact detector says so,
-  and feet felt it: a push on the trunk is no touchdown (`felt_impulse`).
+  and it went through the feet: a push on the trunk is no touchdown (`MeasuredImpulse`).
   What follows is retimed: the plan's clock is set to the planned touchdown, and all later phases,
   a rebound and its next flight among them, come as much earlier or later;
 - a foot that lands while others stand is swung as planned until its planned landing, and then seeks
   the ground. It stands from the moment at which its leg feels load, or, once it seeks, at which it
-  has stopped sinking: a foot that is put down gently shows no force that can be told from noise;
+  has stopped sinking: a foot that is put down gently shows no force that stands out of noise;
 - a foot that lifts while others stand leaves by the clock.
 
 The ground may be higher or lower than planned, too. The feet that stand measure by how much, and
@@ -77,7 +77,7 @@ class ContactSchedule:
         Args:
             plan: what is followed.
             body: the robot, updated before each tick.
-            feet: what its legs feel.
+            feet: contact forces estimated from its legs.
             tick: s between updates.
         """
         self._schedule = plan.schedule
@@ -112,7 +112,7 @@ class ContactSchedule:
 
     @property
     def flying(self) -> bool:
-        """Whether no foot stands, as far as is known."""
+        """True if no foot stands, as far as is known."""
         return self._schedule[self.phase].is_flight
 
     @property
@@ -142,7 +142,7 @@ class ContactSchedule:
         return self._plan_time + time - self._at
 
     def lands(self, time: float) -> bool:
-        """Whether those that stand catch a landing rather than push towards the next flight.
+        """True if the feet that stand catch a landing rather than push towards the next flight.
 
         Between two flights the first half is a landing.
         """
@@ -165,7 +165,7 @@ class ContactSchedule:
             self._seek(self._schedule.lands(phase), time)
         return False
 
-    def feel(self, time: float, torque: Array, *, hit: bool) -> None:
+    def find_contacts(self, time: float, torque: Array, *, hit: bool) -> None:
         """Find the feet that have met the ground.
 
         Args:
@@ -206,7 +206,7 @@ class ContactSchedule:
         self._seeking_since = np.where(feet, time, self._seeking_since)
 
     def _found(self, time: float, loaded: Feet) -> Feet:
-        """(L,) feet that stand by what is felt now."""
+        """(L,) feet that stand by present forces and speeds."""
         sinking = self._body.foot_velocity[:, 2] < -_STOPPED_BELOW
         self._still = np.where(sinking, 0, self._still + 1)
         stopped = (self._still >= _STILL_TICKS) & (time - self._seeking_since > _SEEKING_TIME)

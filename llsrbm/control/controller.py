@@ -47,7 +47,7 @@ class Measurement:
 
 @dataclass(frozen=True, eq=False)
 class Tick:
-    """What the controller did in one tick.
+    """The controller's decision of one tick.
 
     Attributes:
         command: torques, accelerations and forces.
@@ -121,7 +121,7 @@ class WholeBodyController:
         return Reference(plan, self._robot.mass * GRAVITY, start)
 
     def target(self, time: float) -> Target:
-        """What is to be tracked at a time, s since the first plan's start."""
+        """The target at a time, s since the first plan's start."""
         return self._reference.at(self.contacts.plan_time(time))
 
     def set_reference(self, reference: Reference) -> None:
@@ -149,7 +149,7 @@ class WholeBodyController:
             body.inertia,
             body.trunk_momentum if flying else _NOT_NEEDED,
         )
-        contacts.feel(time, measurement.torque, hit=flying and self.detector.update(state))
+        contacts.find_contacts(time, measurement.torque, hit=flying and self.detector.update(state))
         landed = flying and not contacts.flying
         if landed:
             planned = self._reference.late(contacts.phase - 1).com_velocity[2]

@@ -108,7 +108,7 @@ class FootForces:
         return touching
 
     def met_ground(self) -> bool:
-        """Whether it was with the feet that the robot hit what it has hit in the air."""
+        """True if the robot in the air has hit the ground with its feet."""
         return self._impulse.is_ground()
 
 
@@ -135,7 +135,7 @@ class MeasuredImpulse:
         self._recent.append((np.array(com_velocity), feet))
 
     def is_ground(self) -> bool:
-        """Whether what the detector reports came from the ground; it is remembered if not."""
+        """True if the reported impulse came from the ground; one that did not is remembered."""
         if len(self._recent) < 2:
             return True
         ticks = len(self._recent) - 1

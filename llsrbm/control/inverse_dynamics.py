@@ -41,7 +41,7 @@ DAMPING = 0.05  # s in which a joint that is damped, the others held, loses two 
 
 
 class Command(NamedTuple):
-    """What a tick decides: `torque` (J,), `acceleration` (n,), `force` (C, 3) N.
+    """The decision of a tick: `torque` (J,), `acceleration` (n,), `force` (C, 3) N.
 
     `solved` is False when the program was not; torques are then held or damp the joints, as above.
     Accelerations and forces are held with them, and zero where joints are damped.

@@ -1,4 +1,4 @@
-"""What a controller does with the plan's landing forces once it has met the ground."""
+"""Landing strategies: use of the plan's landing forces after touchdown."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ _STRATEGIES = {
 
 
 def names() -> dict[str, str]:
-    """What may be asked for -> one line, the default first."""
+    """Name of each strategy -> one line, the default first."""
     return {AUTO: _AUTO} | {name: one.description for name, one in _STRATEGIES.items()}
 
 
@@ -71,7 +71,7 @@ def check_name(name: str) -> None:
 
 
 def resolved(name: str, force_phase: float) -> str:
-    """The strategy that runs where `name` is asked for.
+    """The strategy that runs for a name.
 
     Args:
         name: of a strategy, or "auto".

@@ -55,7 +55,7 @@ class Qp:
 
     @property
     def is_sound(self) -> bool:
-        """Whether all numbers are finite, limits aside, and no limits exclude each other.
+        """True if all numbers are finite, limits aside, and no limits exclude each other.
 
         Solvers would iterate on NaN for seconds, and call it a solution.
         """

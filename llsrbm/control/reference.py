@@ -27,7 +27,7 @@ BRAKING = 0.3  # s in which a robot that keeps some speed comes to rest after th
 
 @dataclass(frozen=True, eq=False)
 class Target:
-    """What is wanted at one instant: L legs, C contact points, J joints; world frame, SI units.
+    """The motion wanted at one instant: L legs, C contact points, J joints; world frame, SI units.
 
     Attributes:
         com, com_velocity, com_acceleration: (3,).
@@ -73,7 +73,7 @@ class Reference:
             plan: what to follow.
             weight: of the robot, N, carried by all contacts alike after the end.
             start: from where it is followed, for a while perhaps: only what comes next is sampled,
-                more as it is asked for; None: all of it at once.
+                more as it is needed; None: all of it at once.
         """
         self.plan = plan
         self._weight = weight
@@ -211,7 +211,7 @@ def _angular_velocity(plan: Plan, times: Array, knot: int) -> tuple[Array, Array
     """The base's angular velocity and acceleration, (K, 3), from the turns between knots.
 
     Straight between the middles of intervals of one phase, held from the last middle to the phase's
-    edge: a line across lift-off would ask ground forces for the flight's rotation before the feet
+    edge: a line across lift-off would need ground forces for the flight's rotation before the feet
     have left, at the price of angular momentum. Where the plan starts or ends at rest, so does it,
     and at a knot at which it begins under way it is what the plan says.
     """

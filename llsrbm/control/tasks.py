@@ -24,7 +24,7 @@ _DOWNWARDS = np.array([0.0, 0.0, -0.5])
 
 
 class Motion(NamedTuple):
-    """How m task coordinates x move, n velocities v of the robot.
+    """Motion of m task coordinates x, for n velocities v of the robot.
 
     Attributes:
         jacobian: (m, n): the coordinates' rate is `jacobian @ v`.
@@ -253,7 +253,7 @@ class StandingFeet(Task):
 
 
 def _places(indices: Sequence[int]) -> slice | NDArray[np.intp]:
-    """What selects them: where they follow each other a slice, which copies nothing."""
+    """An index of them: where they follow each other a slice, which copies nothing."""
     first, last = indices[0], indices[-1]
     if list(indices) == list(range(first, last + 1)):
         return slice(first, last + 1)

@@ -1,4 +1,4 @@
-"""What may be simulated: a solved plan of the robot at hand, with what there is to simulate it."""
+"""Checks before a simulation: a solved plan of the robot at hand, and a scenario of known names."""
 
 from __future__ import annotations
 

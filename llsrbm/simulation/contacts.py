@@ -67,7 +67,7 @@ class ContactReader:
         self._tick[step] = self._sensors
 
     def trunk_touches_now(self) -> bool:
-        """Whether anything but the feet touches in the present state."""
+        """True if anything but the feet touches in the present state."""
         return bool(self._sensors[self._feet_rows.shape[1]])
 
     def touched(self) -> NDArray[np.bool_]:
@@ -83,9 +83,9 @@ class ContactReader:
         return force
 
     def trunk_touched(self) -> bool:
-        """Whether anything but the feet touched."""
+        """True if anything but the feet touched."""
         return bool(np.logical_or.reduce(self._trunk))
 
     def untouched_touched(self) -> bool:
-        """Whether anything touched what nothing may touch."""
+        """True if anything touched what nothing may touch."""
         return self._untouched.size > 0 and bool(self._untouched.any())

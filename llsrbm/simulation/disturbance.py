@@ -65,10 +65,10 @@ def _drawn(seed: int, noise: float) -> Disturbance:
 
 
 class Pushes(Hook):
-    """Pushes the world as a scenario asks; a push's impulse is exact whatever the tick.
+    """Pushes the world as a scenario states; a push's impulse is exact whatever the tick.
 
     Attributes:
-        drawn: the random push, if one is asked for.
+        drawn: the random push, if there is one.
     """
 
     def __init__(self, plan: Plan, scenario: Scenario, duration: float) -> None:

@@ -103,7 +103,7 @@ class Recorder:
         }
 
     def _centroidal(self) -> dict[str, Array]:
-        """What follows from the states, with the masses that were simulated."""
+        """Columns computed from the states, with the masses that were simulated."""
         model, robot = self._model, self._robot
         data = model.createData()
         contacts = foot_contacts(robot)

@@ -95,7 +95,7 @@ class Replanning(Hook):
         self._pending: _Pending | None = None
 
     def before(self, situation: Situation) -> None:
-        """Take over what has been found, and ask anew."""
+        """Take over what has been found, and plan anew."""
         now = situation.time + self._tick / 2  # times are rounded
         contacts = situation.controller.contacts
         self._take_over(situation, now)
@@ -106,7 +106,7 @@ class Replanning(Hook):
         left = self._left(situation)
         settled = contacts.flying or not contacts.seeking.any()
         if left > (LEAST_FLIGHT if contacts.flying else LEAST_STANCE) and settled:
-            self._ask(situation)
+            self._plan_anew(situation)
 
     def _take_over(self, situation: Situation, now: float) -> None:
         pending, controller = self._pending, situation.controller
@@ -120,7 +120,7 @@ class Replanning(Hook):
         replan = situation.replans[pending.index]
         situation.replans[pending.index] = replace(replan, applied=situation.time)
 
-    def _ask(self, situation: Situation) -> None:
+    def _plan_anew(self, situation: Situation) -> None:
         controller, asked = situation.controller, situation.time
         began = time.thread_time()
         state = self._expected(situation)
@@ -152,7 +152,7 @@ class Replanning(Hook):
         return end - float(contacts.plan_time(situation.time)) - self._latency
 
     def _departs(self, situation: Situation, state: State) -> bool:
-        """Whether the plan that is followed is no longer what the robot does."""
+        """True if the robot has departed from the plan that is followed."""
         controller = situation.controller
         target = controller.target(situation.time + self._latency)
         along = state.com_velocity - target.com_velocity
@@ -220,7 +220,7 @@ class Replanning(Hook):
 
 
 def _record(asked: float, computing: float, answer: Answer, state: State, offset: float) -> Replan:
-    """What is kept of an answer; `offset` s from the plan's clock to the simulation's."""
+    """The record of an answer; `offset` s from the plan's clock to the simulation's."""
     plan, legs = answer.plan, len(state.foot_position)
     touchdown = math.nan
     shapes: dict[str, tuple[int, ...]] = {"time": (), "com": (3,), "base_quat": (4,)}

@@ -173,7 +173,7 @@ class Sensors:
     def measure(
         self, time: float, state: tuple[Array, Array], last: TickResult | None
     ) -> Measurement:
-        """What is measured at the beginning of a tick; earlier than its delay, the first state.
+        """The measurement at the beginning of a tick; earlier than its delay, the first state.
 
         Args:
             time: s since the plan's start.

@@ -18,7 +18,7 @@ Array = NDArray[np.float64]
 _EXACT = 1e-9  # m and rad: where Newton's step stops
 _GOOD = 1e-5  # m and rad: far below what feet sink in by standing
 _ITERATIONS = 50
-_SLOW = 0.02  # m/s and rad/s: of what a run-up asks for, a small part
+_SLOW = 0.02  # m/s and rad/s: a small part of a run-up's speed
 _LONGEST_STEP = 0.2  # rad or m a joint: the linearisation holds
 
 

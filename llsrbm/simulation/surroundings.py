@@ -1,4 +1,4 @@
-"""What stands around the robot: the ground, what it jumps from, over or onto, and a board.
+"""Surroundings of the robot: the ground, what it jumps from, over or onto, and a board.
 
 The lowest place is on the ground, every other on a block: the start on one called "block", a
 landing on a "box". Where the robot would stand on a block and beside it, there is one under each

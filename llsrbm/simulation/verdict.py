@@ -1,4 +1,4 @@
-"""How a simulation ended: landed or fell, and by how much everything missed.
+"""The outcome of a simulation: landed or fell, with its errors.
 
 Strict success: it stands, nothing but feet touched, and nothing a hurdle, every flight before the
 last ended on all feet that were to stand, every foot is within 50 mm of the plan horizontally, tilt
@@ -61,7 +61,7 @@ class Fall:
 
 
 def fallen(time: float, q: Array, planned: Array, result: TickResult) -> Fall | None:
-    """Whether it has fallen in the state q (nq,), with its base planned to be at (3, 3)."""
+    """The fall, if it has fallen in the state q (nq,), with its base planned to be at (3, 3)."""
     if result.trunk_contact:
         return Fall(time, "the trunk touched the ground")
     if result.obstacle_contact:
@@ -264,7 +264,7 @@ def _first(contacts: list[float | None]) -> float | None:
 
 
 def _is_false(flight: Flight, contacts: list[float | None]) -> bool:
-    """Whether a flight's touchdown was detected before it came."""
+    """True if a flight's touchdown was detected before it came."""
     true = _first(contacts)
     return flight.detected is not None and (true is None or flight.detected < true)
 
@@ -272,7 +272,7 @@ def _is_false(flight: Flight, contacts: list[float | None]) -> bool:
 def _rebounds_on_feet(
     plan: Plan, flights: list[Flight], contacts: list[list[float | None]]
 ) -> bool:
-    """Whether each flight but the last ended on all feet that stand before the next."""
+    """True if each flight but the last ended on all feet that stand before the next."""
     schedule = plan.schedule
     for here, after, touched in zip(flights, flights[1:], contacts, strict=False):
         planned = np.any(schedule.stands[here.phase : after.phase], axis=0)

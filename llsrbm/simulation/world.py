@@ -41,7 +41,7 @@ class Diverged(Exception):
 
 @dataclass(frozen=True, eq=False)
 class TickResult:
-    """What happened in one tick: L legs, J joints.
+    """Contacts and torques of one tick: L legs, J joints.
 
     Attributes:
         contact_force: (L, 3) N, mean of the tick, world frame: on the foot, sum of all it touches.

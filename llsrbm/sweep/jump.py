@@ -197,7 +197,11 @@ def _stop(error: NotConverged, diagnosed: bool) -> Row:
 
 def _figures(plan: Plan, robot: Robot) -> Row:
     """Durations, margins and loads of a plan."""
-    from llsrbm.analysis.summary import peak_yaw_rate, planned_peak_load, planned_torque_shares
+    from llsrbm.analysis.summaries import (
+        peak_yaw_rate,
+        planned_peak_load,
+        planned_torque_shares,
+    )
     from llsrbm.mechanics import final_yaw
 
     durations = np.diff(plan.phase_start)

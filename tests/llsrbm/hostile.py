@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 
 from llsrbm.analysis.figures import figures_of_plan, figures_of_rollout
-from llsrbm.analysis.summary import plan_summary, worst_violation
+from llsrbm.analysis.summaries import plan_summary, worst_violation
 from llsrbm.errors import Error, FileFormatError, InputError
 from llsrbm.formats import export
 from llsrbm.look.timeline import timeline

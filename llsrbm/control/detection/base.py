@@ -116,6 +116,6 @@ class Detector(ABC):
         """Take in the state of one control tick of the flight; True: there is contact."""
 
     def _falling(self, state: CentroidalState) -> bool:
-        """Whether it is time to listen, from now on: a contact slows the fall before it is seen."""
+        """True if it is time to listen, from now on: a contact slows the fall before it is seen."""
         self._has_fallen |= float(state.com_velocity[2]) < ARMED_BELOW
         return self._has_fallen

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from llsrbm.analysis.summary import planned_peak_load, planned_torque_shares
+from llsrbm.analysis.summaries import planned_peak_load, planned_torque_shares
 from llsrbm.body.peak_loads import torque_share
 from tests.llsrbm.synthetic import JOINT_NAMES, TWO_HOPS, TWO_HOPS_DURATIONS, synthetic_plan
 

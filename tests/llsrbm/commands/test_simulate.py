@@ -12,7 +12,7 @@ import pytest
 import llsrbm
 from llsrbm import cli
 from llsrbm.analysis.diagnosis import diagnose
-from llsrbm.analysis.rollout_summary import rollout_summary
+from llsrbm.analysis.summaries import rollout_summary
 from llsrbm.errors import NotConverged
 from llsrbm.motion.replan import Replan
 from llsrbm.motion.trajectory import load

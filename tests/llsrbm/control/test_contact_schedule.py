@@ -54,7 +54,7 @@ class Run:
         time = self.ticks * TICK
         if self.contacts.follow_clock(time):
             self.begun.append(time)
-        self.contacts.feel(time, np.zeros(12), hit=hit)
+        self.contacts.find_contacts(time, np.zeros(12), hit=hit)
         self.ticks += 1
         return self.contacts
 

@@ -1,15 +1,18 @@
-"""A plan in a few figures, for the command line and the page."""
+"""Plans and rollouts in a few figures, for the command line, the page and scripts."""
 
 from __future__ import annotations
 
 import math
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
 
+from llsrbm.analysis.diagnosis import diagnose
 from llsrbm.body.peak_loads import PeakLoad, peak_load, torque_share
 from llsrbm.mechanics import final_yaw
 from llsrbm.motion.plan import Plan
+from llsrbm.motion.rollout import Rollout
 from llsrbm.motion.trajectory import json_value
 
 
@@ -31,7 +34,7 @@ def _size(amount: float) -> float:
 
 
 def plan_summary(plan: Plan) -> dict[str, Any]:
-    """What `llsrbm plan --json` prints: SI units, radians; null for what is not a number."""
+    """The output of `llsrbm plan --json`: SI units, radians; null for values that are no number."""
     report = plan.report
     figures: dict[str, Any] = {
         "status": report.status,
@@ -83,3 +86,48 @@ def planned_torque_shares(plan: Plan) -> dict[str, float]:
         return {}
     largest = torque_share(plan.joint_torque, plan.joint_torque_limit).max(axis=0)
     return dict(zip(plan.joint_names, largest.tolist(), strict=True))
+
+
+# Figures promised by the contract, in its order; further figures may follow.
+PROMISED = (
+    "status",
+    "final_yaw_error",
+    "final_position_error",
+    "final_tilt",
+    "touchdown_true_s",
+    "touchdown_detected_s",
+    "false_touchdowns",
+    "peak_torque_ratio",
+    "peak_speed_ratio",
+    "saturated_fraction",
+    "tick_median_s",
+    "tick_p99_s",
+    "real_time_factor",
+    "control_rate_hz",
+    "strict",
+    "unsolved_ticks",
+    "recovered",
+    "replans",
+    "replan_median_s",
+    "replan_p95_s",
+)
+
+
+def rollout_summary(rollout: Rollout) -> dict[str, Any]:
+    """The output of `llsrbm simulate --json`: SI units, radians; null for missing values."""
+    outcome = asdict(rollout.outcome)
+    figures: dict[str, Any] = {
+        **{name: outcome[name] for name in PROMISED},
+        **outcome,
+        "duration_s": rollout.duration,
+        "scenario": asdict(rollout.scenario),
+        "disturbance": asdict(rollout.disturbance),
+        "events": [asdict(event) for event in diagnose(rollout)],
+    }
+    return {key: json_value(value) for key, value in figures.items()}
+
+
+def detection_latency(rollout: Rollout) -> float | None:
+    """From the simulator's first contact to its detection, s; None where one of them is missing."""
+    true, detected = rollout.outcome.touchdown_true_s, rollout.outcome.touchdown_detected_s
+    return None if true is None or detected is None else detected - true

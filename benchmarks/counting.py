@@ -1,0 +1,52 @@
+"""Counts of outcomes that published tables are made of.
+
+An outcome is an `Outcome`, or a mapping of its figures; a request that was not planned, or whose
+simulation was refused, has none of them.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from llsrbm.motion.outcome import Outcome
+
+
+class Counts(NamedTuple):
+    """Of all requests those planned, simulated, that stand at the end, are strict, recovered."""
+
+    requests: int
+    planned: int
+    simulated: int
+    stand: int
+    strict: int
+    recovered: int
+
+
+def count(rows: Iterable[Outcome | Mapping[str, Any]]) -> Counts:
+    """Count outcomes; rows with `planned` False or `refused` have no outcome."""
+    every = [row if isinstance(row, Mapping) else vars(row) for row in rows]
+    planned = [row for row in every if row.get("planned", True)]
+    simulated = [row for row in planned if not row.get("refused")]
+    return Counts(
+        requests=len(every),
+        planned=len(planned),
+        simulated=len(simulated),
+        stand=sum(row["status"] == "landed" for row in simulated),
+        strict=sum(row["strict"] is True for row in simulated),
+        recovered=sum(row["recovered"] is True for row in simulated),
+    )
+
+
+def seeds_of(text: str) -> range:
+    """The seeds "first:last+1"."""
+    first, last = (int(part) for part in text.split(":"))
+    return range(first, last)
+
+
+def write_lines(path: Path, results: Iterable[Mapping[str, Any]]) -> None:
+    """Write results as JSON lines."""
+    text = "".join(json.dumps(result) + "\n" for result in results)
+    path.write_text(text, encoding="utf-8")
