@@ -17,7 +17,7 @@ from llsrbm.robots import load_robot
 
 
 def jumps(robot: str, fine: bool) -> list[dict[str, float]]:
-    """What of the grid the robot may be asked."""
+    """Jumps of the grid that are in the robot's range."""
     task = load_robot(robot).file.task
 
     def allowed(name: str, value: float) -> bool:

@@ -47,9 +47,9 @@ class Page:
     def __init__(self, url):
         parts = urlsplit(url)
         self.port, self.token = parts.port, parts.query.partition("=")[2]
-        self.cookie = {"Cookie": self.ask(f"/?token={self.token}")[1].partition(";")[0]}
+        self.cookie = {"Cookie": self.request(f"/?token={self.token}")[1].partition(";")[0]}
 
-    def ask(self, path="/", headers=()):
+    def request(self, path="/", headers=()):
         """(status, cookie) of a request."""
         connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=30)
         with contextlib.closing(connection):
@@ -102,7 +102,7 @@ def watch(page, pipe):
         tab.wait_for_status(HEARD, PLAN)
 
         def request():
-            status, _ = page.ask(headers=page.cookie)
+            status, _ = page.request(headers=page.cookie)
             assert status == 200, status
 
         def ping():
@@ -186,9 +186,9 @@ def silent_sockets(page):
 @contextlib.contextmanager
 def guesses(page):
     """Wrong tokens, one after the other."""
-    statuses = [page.ask(f"/?token=guess-{k:020d}")[0] for k in range(GUESSES)]
+    statuses = [page.request(f"/?token=guess-{k:020d}")[0] for k in range(GUESSES)]
     print(f"  {statuses.count(429)} of {GUESSES} guesses were answered with 429", flush=True)
-    assert page.ask(f"/?token={page.token}")[0] == 303, "the right token was refused"
+    assert page.request(f"/?token={page.token}")[0] == 303, "the right token was refused"
     yield
 
 

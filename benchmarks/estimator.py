@@ -1,4 +1,4 @@
-"""What a state estimate that drifts costs: the same jumps and seeds with it and with the truth.
+"""The cost of a state estimate that drifts: the same jumps and seeds with it and with the truth.
 
     python -m benchmarks.estimator --robot anymal --seeds 1000:1010
 

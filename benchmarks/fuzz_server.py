@@ -403,7 +403,7 @@ def flood_of_requests(designer, given, chance, threads=8):
     def one(seed):
         mine, counted = random.Random(seed), Counter()
         for _ in range(share):
-            counted[ask(designer.port, request(mine, designer.port), mine)] += 1
+            counted[answer_of(designer.port, request(mine, designer.port), mine)] += 1
         with lock:
             answers.update(counted)
 
@@ -443,7 +443,7 @@ def request(chance, port):
     return made
 
 
-def ask(port, content, chance):
+def answer_of(port, content, chance):
     """Status of the answer."""
     try:
         with socket.create_connection((OWN, port), timeout=30) as plain:

@@ -52,8 +52,8 @@ def jumps(sweep: str, robot: str) -> list[Jump]:
     return [point.jump for point in made if point.jump.robot == robot and not point.limits]
 
 
-def with_faces(asked: list[Jump]) -> Iterator[Jump]:
-    for number, jump in enumerate(asked):
+def with_faces(requested: list[Jump]) -> Iterator[Jump]:
+    for number, jump in enumerate(requested):
         yield jump
         kept = KEPT[number % len(KEPT)]
         yield replace(jump, **{name: 0.0 for name in REQUEST if name not in kept})
@@ -62,15 +62,15 @@ def with_faces(asked: list[Jump]) -> Iterator[Jump]:
 def make(robot: str, sweep: str) -> None:
     planner = planner_of(Jump(robot=robot))
     planner.formulation.solver.settle()
-    solved, asked, start = [], [*with_faces(jumps(sweep, robot))], time.perf_counter()
-    for number, jump in enumerate(asked):
+    solved, requested, start = [], [*with_faces(jumps(sweep, robot))], time.perf_counter()
+    for number, jump in enumerate(requested):
         try:
             plan = planner.plan(jump, patient=False)
         except NotConverged:
             continue
         solved.append((jump, plan.solution, plan.report.cost))
         if number % 50 == 0:
-            print(f"{robot}: {number} of {len(asked)}", flush=True)
+            print(f"{robot}: {number} of {len(requested)}", flush=True)
     path = table_path(robot)
     path.parent.mkdir(exist_ok=True)
     write_table(path, make_table(solved, planner.formulation), planner.formulation)
@@ -80,7 +80,7 @@ def make(robot: str, sweep: str) -> None:
         solved = [solved[number] for number in kept]
         write_table(path, make_table(solved, planner.formulation), planner.formulation)
     print(
-        f"{path.name}: {len(solved)} solutions of {len(asked)} jumps, "
+        f"{path.name}: {len(solved)} solutions of {len(requested)} jumps, "
         f"{path.stat().st_size / 1e6:.2f} MB, {time.perf_counter() - start:.0f} s",
         flush=True,
     )

@@ -1,4 +1,4 @@
-"""What the first guesses of the planner gain: unseen jumps, each planned without and with them.
+"""The gain by the planner's first guesses: unseen jumps, each planned without and with them.
 
     python -m benchmarks.guesses [--jumps 200] [--seed 900] [--robots anymal,go2,slider]
 
@@ -61,8 +61,8 @@ def compare(robot: str, jumps: int, seed: int) -> None:
     counter.watch(planner)
     planned(planner, llsrbm.Jump(robot=robot), counter, guesses=True)  # reads the table
     pairs, lost, won = [], 0, 0
-    for number, asked in enumerate(requests(robot, jumps, seed)):
-        jump = llsrbm.Jump(robot=robot, **{n: asked[n] for n in COMPONENTS if n in asked})
+    for number, request in enumerate(requests(robot, jumps, seed)):
+        jump = llsrbm.Jump(robot=robot, **{n: request[n] for n in COMPONENTS if n in request})
         found = {}
         for guesses in (number % 2 == 0, number % 2 == 1):
             found[guesses] = planned(planner, jump, counter, guesses=guesses)

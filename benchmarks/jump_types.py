@@ -1,4 +1,4 @@
-"""What do the jump types give? Reach, strict landings and a look at published jumps.
+"""Figures of the jump types: reach, strict landings and a look at published jumps.
 
     python -m benchmarks.jump_types score --seeds 1000:1020
     python -m benchmarks.jump_types reach --robots anymal,go2
@@ -140,8 +140,8 @@ def reach(
     for robot in robots.split(","):
         for kind in types.split(","):
             plans = planned_further(llsrbm.Jump(robot, model, forward=0.3, type=kind), limits)
-            said = longest_strict(plans, seeds_of(seeds), down, limits)
-            print(f"| {robot} | {kind} | {plans[-1].jump.forward:.2f} m | {said} |", flush=True)
+            longest = longest_strict(plans, seeds_of(seeds), down, limits)
+            print(f"| {robot} | {kind} | {plans[-1].jump.forward:.2f} m | {longest} |", flush=True)
 
 
 def longest_strict(

@@ -43,7 +43,7 @@ class Tab:
 
     def __init__(self, pool, number):
         self.pool, self.number = pool, number
-        self.asked = {}  # job -> (task, when)
+        self.submitted = {}  # job -> (task, when)
         self.took = {"plan": [], "simulation": []}
         self.answers = self.replaced = self.wrong = 0
         self.failures = []
@@ -51,25 +51,25 @@ class Tab:
         self.lock = threading.Lock()
         self.answered = threading.Event()
 
-    def ask(self, task):
+    def submit(self, task):
         with self.lock:  # the answer may come before the number
             self.answered.clear()
             job = self.pool.submit(self.number, task, self.take)
-            self.asked[job] = task, time.monotonic()
+            self.submitted[job] = task, time.monotonic()
 
     def take(self, report):
         if isinstance(report, Partial):
             return
         with self.lock:
-            task, asked = self.asked.pop(report.job)
+            task, began = self.submitted.pop(report.job)
             now = time.monotonic()
-            took = now - asked
+            took = now - began
             if isinstance(report, Planned):
                 # Requests that were replaced while they waited get no answer but this.
-                older = [job for job in self.asked if job < report.job]
+                older = [job for job in self.submitted if job < report.job]
                 self.replaced += len(older)
                 self.answers += 1
-                self.took["plan"] += [took, *(now - self.asked.pop(job)[1] for job in older)]
+                self.took["plan"] += [took, *(now - self.submitted.pop(job)[1] for job in older)]
                 self.wrong += report.plan.jump != task.jump
                 self.plan = report.plan
             elif isinstance(report, Simulated):
@@ -88,18 +88,18 @@ class Tab:
             twist = math.radians(60 + 2 * abs(step % 20 - 10) + self.number)
             with self.lock:
                 near = self.plan
-            self.ask(PlanJump(Jump(twist=twist), near=near, patient=near is None))
+            self.submit(PlanJump(Jump(twist=twist), near=near, patient=near is None))
             time.sleep(STEP_SECONDS)
         self.answered.wait(PATIENCE)
 
     def simulate(self, until):
         while time.monotonic() < until:
-            self.ask(SimulateJump(self.plan, Scenario(seed=self.number)))
+            self.submit(SimulateJump(self.plan, Scenario(seed=self.number)))
             self.answered.wait(PATIENCE)
 
     def begin(self):
         """With a plan of its own."""
-        self.ask(PlanJump(Jump(twist=math.radians(60 + self.number))))
+        self.submit(PlanJump(Jump(twist=math.radians(60 + self.number))))
         assert self.answered.wait(PATIENCE)
         assert self.plan is not None
         self.took["plan"].clear()

@@ -1,4 +1,4 @@
-"""What each model plans against what the whole robot does with it, in flight, by Pinocchio.
+"""The plan of each model against the motion of the whole robot, in flight, by Pinocchio.
 
 python benchmarks/model_truth.py [--robot anymal] [--twist 90] [--forward 0] [--type together ...]
 

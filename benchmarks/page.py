@@ -107,9 +107,9 @@ def latencies(steps, drawn):
     values = np.array([value for _, value in steps])
     shown = []  # (time, index of the step)
     for at, value in drawn:
-        asked = np.flatnonzero((times <= at) & (values == value))
-        if len(asked):
-            shown.append((at, int(asked[-1])))
+        steps_before = np.flatnonzero((times <= at) & (values == value))
+        if len(steps_before):
+            shown.append((at, int(steps_before[-1])))
     found = []
     for index, at in enumerate(times):
         later = [seen for seen, which in shown if which >= index and seen >= at]
@@ -141,8 +141,8 @@ def main():
                 firsts.append(page.evaluate(FIRST_PICTURE))
                 page.wait_for_timeout(1000)
                 context.close()
-            told = ", ".join(f"{first:.2f}" for first in firsts)
-            print(f"first picture of a playing robot  {told} s after opening")
+            listed = ", ".join(f"{first:.2f}" for first in firsts)
+            print(f"first picture of a playing robot  {listed} s after opening")
             page = browser.new_context(viewport=VIEW).new_page()
             page.goto(url)
             page.evaluate(FIRST_PICTURE)

@@ -3,7 +3,7 @@
 Twenty tabs plan and simulate all the time, each its next job as soon as it has the outcome of the
 last; a process that works on a job of theirs is killed, and as soon as one works again the next.
 Counted are jobs without an outcome, with two, or with a report after it; and how long a tab waits
-until it is told of the death. Exit status 1 if a job is lost or a tab is stuck.
+until it is delays of the death. Exit status 1 if a job is lost or a tab is stuck.
 """
 
 from __future__ import annotations
@@ -38,15 +38,15 @@ class Tab:
     def __init__(self, pool, number, simulated):
         self.pool, self.number, self.simulated = pool, number, simulated
         self.random = random.Random(number)
-        self.outcomes, self.late, self.asked = {}, 0, {}
-        self.told_of_death = []
+        self.outcomes, self.late, self.submitted = {}, 0, {}
+        self.heard_of_death = []
         self.answered = threading.Event()
         self.going_on = True
         self.thread = threading.Thread(target=self.work)
 
     def work(self):
         while self.going_on:
-            if not self.ask(self.task()):
+            if not self.submit(self.task()):
                 return
 
     def task(self):
@@ -55,11 +55,11 @@ class Tab:
         jump = Jump(twist=ITERATING, forward=self.number / 100)  # takes a second
         return PlanJump(jump if self.random.random() < 0.5 else Jump(forward=self.number / 100))
 
-    def ask(self, task):
+    def submit(self, task):
         self.answered.clear()
         began = time.monotonic()
         job = self.pool.submit(self.number, task, self.take)
-        self.asked[job] = task, began
+        self.submitted[job] = task, began
         return self.answered.wait(PATIENCE)
 
     def take(self, report):
@@ -68,12 +68,12 @@ class Tab:
         elif not isinstance(report, Partial):
             self.outcomes[report.job] = report
             if isinstance(report, Failed) and report.message == DIED:
-                self.told_of_death.append(time.monotonic())
+                self.heard_of_death.append(time.monotonic())
             self.answered.set()
 
     @property
     def lost(self):
-        return [job for job in self.asked if job not in self.outcomes]
+        return [job for job in self.submitted if job not in self.outcomes]
 
     @property
     def wrong(self):
@@ -126,31 +126,31 @@ def main():
         tab.going_on = False
     for tab in tabs:
         tab.thread.join()
-    last = [tab.ask(PlanJump(Jump(forward=tab.number / 100))) for tab in tabs]
+    last = [tab.submit(PlanJump(Jump(forward=tab.number / 100))) for tab in tabs]
 
-    told, missed = [], 0
+    delays, missed = [], 0
     for at, tab, job in kills:
         outcome = tabs[tab].outcomes.get(job)
         if isinstance(outcome, Failed):
-            told.append(next(t for t in tabs[tab].told_of_death if t >= at) - at)
+            delays.append(next(t for t in tabs[tab].heard_of_death if t >= at) - at)
         else:  # it had its result in the same moment
             missed += 1
     outcomes = Counter(type(r).__name__ for tab in tabs for r in tab.outcomes.values())
-    asked = sum(len(tab.asked) for tab in tabs)
+    submitted = sum(len(tab.submitted) for tab in tabs)
     lost = sum(len(tab.lost) for tab in tabs)
     late, wrong = sum(tab.late for tab in tabs), sum(tab.wrong for tab in tabs)
     failed = outcomes["Failed"]
     counts = ", ".join(f"{count} {name}" for name, count in sorted(outcomes.items()))
     print(f"{options.tabs} tabs, {options.times} processes killed in mid-work")
-    print(f"jobs                                   {asked} ({counts})")
+    print(f"jobs                                   {submitted} ({counts})")
     # A process may die right after it has sent a result; its next job fails then, or none.
     print(f"jobs that failed by a death            {failed}; {missed} had their result already")
     print(f"lost                                   {lost}")
     print(f"reports after an outcome               {late}")
     print(f"plans of another tab's request         {wrong}")
     print(f"tabs that still get their plan         {sum(last)} of {len(tabs)}")
-    if told:
-        middle, late_ones, most = 1e3 * np.percentile(told, [50, 95, 100])
+    if delays:
+        middle, late_ones, most = 1e3 * np.percentile(delays, [50, 95, 100])
         print(
             f"from the kill to the report            {middle:.0f} ms median, "
             f"{late_ones:.0f} ms p95, {most:.0f} ms worst"

@@ -1,4 +1,4 @@
-"""What of a robot's whole range does the whole robot do? Random requests, judged strictly.
+"""The share of a robot's whole range that lands: random requests, judged strictly.
 
     python -m benchmarks.range --robots anymal,slider,go2 --requests 120 --seed 500
 

@@ -64,7 +64,7 @@ def drag(page: Page, label: str, there: float, seconds: float) -> None:
 
 
 def story(page: Page) -> None:
-    """What a visitor does in the first minute."""
+    """The first minute of a visitor."""
     page.wait_for_timeout(2500)
     drag(page, "Twist [deg]", -0.08, 5.0)
     status(page, "Planned", timeout=60_000)

@@ -1,4 +1,4 @@
-"""What a sweep withstands, and what it costs: each measurement is a command.
+"""The cost of sweeps, and their faults: each measurement is a command.
 
     python -m benchmarks.sweeps deaths --jumps 300 --kills 10
     python -m benchmarks.sweeps client --jumps 200
@@ -137,10 +137,10 @@ def deaths(jumps: Jumps = 300, kills: int = 10, workers: int = 2, seed: int = 0)
                 rng.choice(alive).kill()
                 killed += 1
             time.sleep(rng.uniform(1.0, 4.0))
-        _, told = process.communicate()
+        _, printed = process.communicate()
         print(f"{killed} workers killed, status {process.returncode}")
         if process.returncode != 0:
-            print(told)
+            print(printed)
             finished(sweep, folder / "broken", "--workers", str(workers))
         verdict("deaths", folder / "whole", folder / "broken")
 
@@ -217,9 +217,9 @@ def scheduler(jumps: Jumps = 200, workers: int = 2) -> None:
             time.sleep(0.2)
         cluster.scheduler.kill()
         start = time.perf_counter()
-        _, told = process.communicate()
+        _, printed = process.communicate()
         cluster.close()
-        print(f"status {process.returncode} {time.perf_counter() - start:.1f} s later: {told}")
+        print(f"status {process.returncode} {time.perf_counter() - start:.1f} s later: {printed}")
         cluster = Cluster(workers)
         finished(sweep, folder / "broken", "--scheduler", cluster.address)
         cluster.close()

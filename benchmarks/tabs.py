@@ -41,13 +41,13 @@ class Tab(RawTab):
         self.latencies = []
         self.wait_for_status("Planned", timeout=60)
 
-    def ask(self, twist):
+    def request(self, twist):
         self.twist = twist
         self.set("Twist [deg]", twist)
 
-    def ask_and_wait(self, twist):
+    def plan_and_wait(self, twist):
         before, began = self.status(), time.monotonic()
-        self.ask(twist)
+        self.request(twist)
         self.wait(lambda: self.status() != before and SHOWN.match(self.status()), "a plan", 60)
         self.latencies.append(time.monotonic() - began)
 
@@ -55,11 +55,11 @@ class Tab(RawTab):
         step = 0
         while time.monotonic() < until:
             step += 1
-            self.ask_and_wait(30 + 2 * abs(step % 60 - 30) - 3 * self.number)
+            self.plan_and_wait(30 + 2 * abs(step % 60 - 30) - 3 * self.number)
 
     def burst(self):
         for step in range(BURST):
-            self.ask(-step + 5 * self.number)
+            self.request(-step + 5 * self.number)
             time.sleep(STEP_SECONDS)
 
     def exported_twist(self):

@@ -60,7 +60,7 @@ class Field(Generic[V]):
         return self.ends(about) if callable(self.ends) else self.ends
 
     def shown(self, value: V) -> Any:
-        """What the control shows, numbers in whole steps."""
+        """The value as the control shows it, numbers in whole steps."""
         shown = self.get(value)
         if self.ends is None:
             return shown

@@ -28,7 +28,7 @@ _LONGEST_PAD = 10.0  # s
 
 @dataclass(frozen=True)
 class FileChoice:
-    """What is exported and how, and how files are read; part of a tab's state.
+    """The choices of exports and of reading files; part of a tab's state.
 
     Attributes:
         format: its name; also: names of further ones, which makes it a zip.
@@ -36,7 +36,7 @@ class FileChoice:
         fps: frames/s; pad: s of standing before and after; order: of bodies.
         rate: frames/s of files that do not say their own.
         simulated: there is a simulation to choose; `TabState.file_choice` says it.
-        rate_asked: a file came that does not say its rate.
+        rate_needed: a file came that does not say its rate.
     """
 
     format: str = next(iter(FORMATS))
@@ -47,7 +47,7 @@ class FileChoice:
     order: str = Options().order
     rate: float = 30.0
     simulated: bool = False
-    rate_asked: bool = False
+    rate_needed: bool = False
 
     @property
     def formats(self) -> tuple[str, ...]:
@@ -119,7 +119,7 @@ RATE = _field(
     "rate",
     "For the next file that is opened and does not say its own",
     ends=(1.0, _FASTEST),
-    there=lambda choice: choice.rate_asked,
+    there=lambda choice: choice.rate_needed,
 )
 OPTIONS = (
     _field("Trajectory", "of", options=(SIMULATION, PLAN), there=lambda choice: choice.simulated),
@@ -166,7 +166,7 @@ class FileControls:
         choose_example: Callable[[Design], None],
         open_file: Callable[[str, bytes], None],
     ) -> None:
-        """What is always seen.
+        """The controls that are always there.
 
         Args:
             client: whose tab.

@@ -13,7 +13,7 @@ from app.guard.validation import option, put
 from app.panel.acts import Act, Put, callback
 from app.panel.fields import Ends, Field, Fields
 from app.panel.jump_types import (
-    asks,
+    extra_fields,
     title_of_type,
     turn_amounts,
     turn_title,
@@ -62,7 +62,7 @@ def _slider(
         ends=ends or of_task,
         step=step,
         slider=True,
-        there=lambda jump: ends is None or name in asks(jump),
+        there=lambda jump: ends is None or name in extra_fields(jump),
     )
 
 
@@ -182,7 +182,7 @@ class JumpControls:
         return turn_amounts(chosen) if chosen else {}
 
     def _turns(self, jump: Jump) -> tuple[str, ...]:
-        return turns_offered(asks(jump), self._robots[jump.robot].turning_axes)
+        return turns_offered(extra_fields(jump), self._robots[jump.robot].turning_axes)
 
 
 def titled(jump: Jump, robots: Mapping[str, RobotFile]) -> Jump:

@@ -53,14 +53,14 @@ def with_type(jump: Jump, name: str) -> Jump:
     return with_defaults(replace(jump, type=name))
 
 
-def asks(jump: Jump) -> tuple[str, ...]:
+def extra_fields(jump: Jump) -> tuple[str, ...]:
     """Fields that its type has besides where to land; none of a type that is no preset."""
     known = jump_types.names()
     return known[jump.type].asks if jump.type in known else ()
 
 
 def turns_offered(fields: Collection[str], axes: Collection[str]) -> tuple[str, ...]:
-    """Titles of the turns that a jump type asks for, about axes about which a robot makes them."""
+    """Titles of the turns that a jump type needs, about axes about which a robot makes them."""
     return tuple(title for title, (field, _) in _TURNS.items() if field in fields and field in axes)
 
 

@@ -76,7 +76,7 @@ class DragPlanning:
 
 
 def _kind(jump: Jump) -> tuple[object, ...]:
-    """What two requests must share for one's plan to be a start for the other's.
+    """Fields that two requests must share for one's plan to be a start for the other's.
 
     Phases are of a type, and of a number of hops; whole turns differ by turns.
     """

@@ -46,7 +46,7 @@ def open_file(state: TabState, event: FileChosen) -> Step:
     fps = None
     if event.name.lower().endswith(".csv"):  # the others say their own
         fps = state.export.rate
-        state = replace(state, export=replace(state.export, rate_asked=True))
+        state = replace(state, export=replace(state.export, rate_needed=True))
     task = OpenFile(event.name, event.content, state.design.jump.robot, fps)
     state, effects = submit_beside(state, Queue.OPEN, task)
     return state.with_files(opening=state.tickets, opening_note=""), effects

@@ -36,7 +36,7 @@ def result(folder: Path) -> Result:
     ]
     _curves(runs["norm"][0], shown, folder / figures[0][0])
     snapshots([("30°, board", shown)], (0.1, 0.19, 0.25, 0.32, 0.5), folder / figures[1][0])
-    rows = [[told, *_row(runs[name])] for name, told in DETECTORS.items()]
+    rows = [[title, *_row(runs[name])] for name, title in DETECTORS.items()]
     landed = {name: sum(run.outcome.strict for run in runs[name]) for name in DETECTORS}
     false = {name: sum(run.outcome.false_touchdowns for run in runs[name]) for name in DETECTORS}
     works = landed["norm"] >= len(SEEDS) - 2 and not false["norm"]

@@ -1,4 +1,4 @@
-"""What one of the paper's results came to, and how it is written down."""
+"""One of the paper's results as it came out here, and its text."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ class Result:
     reason: str
 
     def markdown(self) -> str:
-        figures = [f"![{told}](paper/{name})\n\n*{told}*" for name, told in self.figures]
+        figures = [f"![{caption}](paper/{name})\n\n*{caption}*" for name, caption in self.figures]
         return "\n\n".join(
             (
                 f"## {self.title}",

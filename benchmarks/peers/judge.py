@@ -1,4 +1,4 @@
-"""One checker for everybody's jump: what would it ask of the drives, the floor and the feet?"""
+"""One checker for everybody's jump: its demands on drives, floor and feet."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ LOADED = 1.0  # N; a foot that carries less cannot slip in a way that matters
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """What a planner says, N intervals, J joints, L feet; world frame, SI units.
+    """The motion of a planner, N intervals, J joints, L feet; world frame, SI units.
 
     Attributes:
         joint_velocity, joint_torque: (N, J) in the order of `Robot.joint_names`.
@@ -73,7 +73,7 @@ class Verdict:
 
     @property
     def violated(self) -> tuple[str, ...]:
-        """What a robot could not do."""
+        """Names of the limits that are exceeded."""
         beyond = {
             "torque": self.torque > 1.0,
             "speed": self.speed > 1.0,

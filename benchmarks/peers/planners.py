@@ -26,7 +26,7 @@ INTERVALS = 48
 
 @dataclass(frozen=True, eq=False)
 class Answer:
-    """What a planner found.
+    """The result of a planner.
 
     Attributes:
         seconds: in its solver.
@@ -115,7 +115,7 @@ class Crocoddyl:
     def plan(self, twist: float, forward: float) -> Answer | None:
         if twist or forward != 0.3:
             return None
-        figures = json.loads(self._program.ask())
+        figures = json.loads(self._program.request())
         with np.load(self._file) as arrays:
             motion = _crocoddyls(load_robot("anymal"), dict(arrays))
             moved = float(arrays["moved"])

@@ -65,7 +65,7 @@ def test_a_file_is_read_in_a_lane_of_its_own(tab, name, rate):
     task = tab.one.task
     assert isinstance(task, OpenFile)
     assert (task.name, task.content, task.robot, task.fps) == (name, b"content", "anymal", rate)
-    assert tab.state.export.rate_asked == (rate is not None)
+    assert tab.state.export.rate_needed == (rate is not None)
     assert tab.state.planning
 
 
