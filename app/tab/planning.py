@@ -388,14 +388,12 @@ def show_given(state: TabState, given: Given) -> Step:
     state = replace(state.without_sequel(), given=None, note=given.note or state.note)
     state = state.with_work(awaited=None, dropped=work.newest, dragging=dragging, nearest=None)
     state = show_plan(state, plan, robot, given.source)
+    source = f"{given.source}: " if given.source else ""
     if given.rollout is not None:
-        source = f"{given.source}: " if given.source else ""
         state = show_rollout(state, given.rollout, given.rollout.scenario, source)
     elif plan.solved:
-        line = f"{given.source}{summaries.planned_line(plan)}"
-        state = state.with_status(Verdict.PLANNED, line)
+        state = state.with_status(Verdict.PLANNED, f"{given.source}{summaries.planned_line(plan)}")
     else:
-        source = f"{given.source}: " if given.source else ""
         worst = summaries.worst(plan.violations)
         line = f"{source}the planner did not converge, largest violation {worst}."
         state = state.with_status(Verdict.FAILED, line)
