@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Annotated, Any, get_type_hints
 import typer
 
 from llsrbm.commands import options
-from llsrbm.request.jump import ASKABLE, Jump
+from llsrbm.request.jump import TYPE_PARAMETERS, Jump
 from llsrbm.request.messages import FieldSpec, Number, field_specs
 from llsrbm.request.push import PushList, parse_push
 from llsrbm.request.scenario import Scenario
@@ -157,7 +157,7 @@ def _parameters(kind: Any) -> list[inspect.Parameter]:
         shown: bool | str = True
         if isinstance(spec, PushList):
             accepted, default, annotation = f"{accepted}; may be repeated", [], list[str]
-        elif kind is Jump and field.name in ASKABLE:
+        elif kind is Jump and field.name in TYPE_PARAMETERS:
             default, annotation, shown = None, annotation | None, _OF_THE_TYPE
         option = typer.Option(
             default,

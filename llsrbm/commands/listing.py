@@ -44,7 +44,7 @@ def types_command() -> int:
 def _own_options(kind: JumpType) -> str:
     """The options that a type takes, with its defaults: " (--pitch -360, --roll)"."""
     taken = []
-    for name in kind.asks:
+    for name in kind.parameters:
         value = kind.defaults.get(name)
         if value is not None and is_angle(name):
             value = math.degrees(value)
