@@ -28,8 +28,7 @@ from llsrbm.planning.solve.planner import planner_of
 from llsrbm.request.jump import Jump
 from llsrbm.sweep.points import Points
 from llsrbm.sweep.rows import PLANNED
-from llsrbm.sweep.spec import Spec
-from llsrbm.sweep.spec_file import find_spec
+from llsrbm.sweep.spec import Spec, find_spec
 
 KEPT = [set(c) for count in (1, 2) for c in combinations(REQUEST, count)]
 """Components of the second jump, in turns."""

@@ -16,18 +16,17 @@ from typer.core import TyperGroup
 
 from llsrbm.commands.atlas import atlas_command
 from llsrbm.commands.compare import compare_command
-from llsrbm.commands.console import BAD_INPUT, DONE, FAILED, INTERRUPTED, complain
+from llsrbm.commands.console import BAD_INPUT, DONE, FAILED, INTERRUPTED, print_error
 from llsrbm.commands.dataset import dataset_command
-from llsrbm.commands.design import designs_command
-from llsrbm.commands.export import export_command, formats_command
+from llsrbm.commands.export import export_command, formats_command, replay_command
 from llsrbm.commands.listing import (
+    designs_command,
     models_command,
     robots_command,
     tuning_command,
     types_command,
 )
 from llsrbm.commands.plan import plan_command
-from llsrbm.commands.replay import replay_command
 from llsrbm.commands.robot import robot_app
 from llsrbm.commands.simulate import simulate_command
 from llsrbm.commands.sweep import sweep_command
@@ -109,20 +108,20 @@ def main(arguments: Sequence[str] | None = None) -> int:
             standalone_mode=False,
         )
         sys.stdout.flush()
-    except typer.TyperException as error:  # what typer says about options and arguments
-        complain(error.format_message())
+    except typer.TyperException as error:  # about options and arguments
+        print_error(error.format_message())
         return error.exit_code
     except InputError as error:
-        complain(str(error))
+        print_error(str(error))
         return BAD_INPUT
     except Error as error:
-        complain(str(error))
+        print_error(str(error))
         return FAILED
     except (KeyboardInterrupt, typer.Abort):
         return INTERRUPTED
     except BrokenPipeError:
-        # Whoever read stdout has gone (`llsrbm models | head -1`); Python's own flush at exit would
-        # complain about it.
+        # The reader of stdout has gone (`llsrbm models | head -1`); Python would report that when
+        # it flushes at exit.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return FAILED
     return status if isinstance(status, int) else DONE

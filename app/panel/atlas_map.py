@@ -51,7 +51,9 @@ def as_sent(drawn: Map, sweep: str) -> dict[str, Any]:
 
 def _places(drawn: Map) -> list[list[float | None]]:
     """Where in their cells the jumps of a drawn sweep are, along x and along y."""
-    asked = (drawn.jumps.asked[s.axis.name][drawn.jump] * s.axis.scale for s in (drawn.x, drawn.y))
+    asked = (
+        drawn.jumps.requested[s.axis.name][drawn.jump] * s.axis.scale for s in (drawn.x, drawn.y)
+    )
     return [_plain(values) for values in asked]
 
 
@@ -61,7 +63,7 @@ def slice_of(drawn: Map) -> str:
     parts = []
     for axis in drawn.jumps.axes:
         if axis.name not in shown:
-            values = drawn.jumps.asked[axis.name][drawn.members] * axis.scale
+            values = drawn.jumps.requested[axis.name][drawn.members] * axis.scale
             low, high = (short(float(f"{end:.3g}")) for end in (values.min(), values.max()))
             span = low if low == high else f"{low} to {high}"
             parts.append(f"{axis.title} {span} {axis.unit}".rstrip())

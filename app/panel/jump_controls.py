@@ -121,7 +121,7 @@ class JumpControls:
         )
         self._turn = gui.add_dropdown(
             "Turn",
-            turns_offered(jump_types.ASKABLE, jump_types.ASKABLE),
+            turns_offered(jump_types.TYPE_PARAMETERS, jump_types.TYPE_PARAMETERS),
             visible=False,
             hint="A whole turn in the air",
         )

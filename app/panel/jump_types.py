@@ -56,7 +56,7 @@ def with_type(jump: Jump, name: str) -> Jump:
 def extra_fields(jump: Jump) -> tuple[str, ...]:
     """Fields that its type has besides where to land; none of a type that is no preset."""
     known = jump_types.names()
-    return known[jump.type].asks if jump.type in known else ()
+    return known[jump.type].parameters if jump.type in known else ()
 
 
 def turns_offered(fields: Collection[str], axes: Collection[str]) -> tuple[str, ...]:

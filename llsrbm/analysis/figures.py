@@ -188,7 +188,7 @@ class Figure:
         return f"{self._text(mine - theirs, signed=True)} {self.unit}"
 
     def best(self, designs: Sequence[DesignFigures]) -> frozenset[int]:
-        """Which of the designs are best, as shown; none where all are alike or it has no best."""
+        """Indices of the best designs, as shown; none where all are alike or it has no best."""
         sizes = {
             index: round(abs(value) * self.scale, self.decimals)
             for index, design in enumerate(designs)

@@ -1,4 +1,4 @@
-"""How close a plan's postures come to the joints' limits of position and speed."""
+"""Margins of a plan's postures to the joints' limits of position and speed."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _STEP = 1e-4  # of an interval
 
 @dataclass(frozen=True)
 class JointMargin:
-    """How close one joint comes to its limits; negative margins are violations.
+    """Margins of one joint to its limits; negative ones are violations.
 
     Attributes:
         joint: its name; unit: "rad", or "m" of a sliding joint.
@@ -58,7 +58,7 @@ class JointMargins:
 
     @property
     def satisfied(self) -> bool:
-        """Whether every joint keeps within its limits."""
+        """True if every joint keeps within its limits."""
         return all(m.position_margin >= 0 and m.speed_margin >= 0 for m in self.joints)
 
     def worst(self) -> str:
@@ -100,7 +100,7 @@ def joint_margins(plan: Plan, robot: Robot) -> JointMargins:
 def margins(
     robot: Robot, time: ArrayLike, joint_position: ArrayLike, joint_speed: ArrayLike
 ) -> JointMargins:
-    """How close each joint comes to the URDF's position limits and the robot file's speed limit.
+    """Margins of each joint to the URDF's position limits and the robot file's speed limit.
 
     Args:
         robot: the robot.

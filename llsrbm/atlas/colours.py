@@ -1,8 +1,7 @@
-"""What a map may show: each a small class with its name, unit, and how jumps come together.
+"""Colours of a map: each a small class with name, unit, and its value of several jumps.
 
-A jump's seeds are together already (`llsrbm.atlas.jumps`): shares are of its seeds. Where a cell of
-a map stands for several jumps, shares and figures are means of those that have one, and what stops
-them is what stops most of them.
+A jump's seeds are together already (`llsrbm.atlas.jumps`): shares are of its seeds. A cell of
+several jumps has the mean of their shares and figures, and the limiting constraint of most of them.
 """
 
 from __future__ import annotations
@@ -25,7 +24,7 @@ SCALE: tuple[Rgb, ...] = (
     (42, 104, 156),
     (36, 48, 104),
 )
-"""From the lowest to the highest value: lightness falls evenly, so that grey tells it, too."""
+"""From the lowest to the highest value: lightness falls evenly, so that grey shows it, too."""
 
 CATEGORIES: tuple[Rgb, ...] = (
     (230, 159, 0),
@@ -36,16 +35,16 @@ CATEGORIES: tuple[Rgb, ...] = (
     (0, 114, 178),
     (140, 110, 70),
 )
-"""Of what stops jumps, most frequent first; the rest is `REST`. Okabe and Ito's, which colour-blind
-eyes tell apart."""
+"""Of limiting constraints, most frequent first; the rest is `REST`. Okabe and Ito's, which
+colour-blind eyes distinguish."""
 
 REST: Rgb = (130, 130, 130)
 FREE: Rgb = (215, 226, 216)
-"""Of jumps that nothing stops."""
+"""Of feasible jumps."""
 
 
 class Colour(ABC):
-    """One thing that a map may show.
+    """A quantity that a map may show.
 
     Attributes:
         name: in commands; title: for people; unit: of what they are shown, "" if there is none.
@@ -83,7 +82,7 @@ class Colour(ABC):
 
 
 class Plannable(Colour):
-    """Whether there is a plan; of several jumps, the share of those with one."""
+    """Share of jumps with a plan."""
 
     name, title, unit, scale, ends = "plannable", "Plannable", "%", 100.0, (0.0, 1.0)
 
@@ -119,7 +118,7 @@ class FlightTime(Colour):
 
 
 class StoppedBy(Colour):
-    """What stops a jump; of several, what stops most of them."""
+    """Limiting constraint of a jump; of several, that of most of them."""
 
     name, title, categorical = "stopped-by", "What stops it", True
 
@@ -152,10 +151,10 @@ def of_share(share: float) -> Rgb:
 
 
 def of_stop(place: int, stops: tuple[str, ...]) -> Rgb:
-    """The colour of what stops a jump.
+    """The colour of a limiting constraint.
 
     Args:
-        place: in `stops`, of which "", that nothing does, comes first if it is there.
+        place: in `stops`, of which "", none, comes first if it is there.
     """
     if stops[place] == "":
         return FREE

@@ -1,4 +1,4 @@
-"""The jumps of a sweep: what was asked of each, and how it went, its seeds together."""
+"""The jumps of a sweep: request and result of each, its seeds together."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from llsrbm.sweep.rows import LIMIT, NOT_PLANNED
 Array = NDArray[np.float64]
 
 NOTHING = ""
-"""What stops a jump that can be done."""
+"""The limiting constraint of a jump that is feasible: none."""
 
 FALLS = "falls in simulation"
-"""What stops a jump that can be planned, and after which the robot does not stand."""
+"""The limiting constraint of a jump that is planned, and after which the robot falls."""
 
 AMOUNTS = ("twist", "forward", "lateral", "height", "roll", "pitch", "speed", "end_speed", "hops")
 DRIVES = ("drive_torque", "drive_speed")
-"""Columns of a sweep's table that say what was asked, limits aside."""
+"""Columns of a sweep's table of the request, limits aside."""
 
 
 @dataclass(frozen=True)
@@ -83,11 +83,11 @@ class Jumps:
     Attributes:
         robot, model, type: of all of them.
         numbers: (J,) in the sweep.
-        asked: axis name -> (J,) SI; limits begin with "limit_".
+        requested: axis name -> (J,) SI; limits begin with "limit_".
         planned: (J,) 0 or 1: there is a plan.
         landed, strict: (J,) share of the simulated seeds; NaN where nothing was simulated.
         flight: (J,) s; torque_share: (J,); NaN where there is no plan.
-        stops: names of what stops a jump; stop: (J,) places therein.
+        stops: names of limiting constraints; stop: (J,) places therein.
         robot_hash: of the robot's files.
     """
 
@@ -95,7 +95,7 @@ class Jumps:
     model: str
     type: str
     numbers: NDArray[np.int64]
-    asked: Mapping[str, Array]
+    requested: Mapping[str, Array]
     planned: Array
     landed: Array
     strict: Array
@@ -110,17 +110,17 @@ class Jumps:
 
     @property
     def axes(self) -> tuple[Axis, ...]:
-        """What varies among them, in the table's order."""
-        return tuple(axis_of(name) for name, values in self.asked.items() if np.ptp(values) > 0)
+        """Axes that vary among them, in the table's order."""
+        return tuple(axis_of(name) for name, values in self.requested.items() if np.ptp(values) > 0)
 
     @property
     def simulated(self) -> bool:
-        """Whether any of them was."""
+        """True if any of them was."""
         return bool(np.isfinite(self.strict).any())
 
     def request(self, index: int) -> tuple[Jump, dict[str, float], dict[str, float]]:
-        """What was asked: the jump, limits and drives (times the robot file's)."""
-        values = {name: float(column[index]) for name, column in self.asked.items()}
+        """A jump's request, its limits and its drives (times the robot file's)."""
+        values = {name: float(column[index]) for name, column in self.requested.items()}
         amounts: dict[str, Any] = {name: values[name] for name in AMOUNTS}
         amounts["hops"] = int(amounts["hops"])
         limits = {
@@ -165,5 +165,5 @@ class Atlas:
 
 
 def words_of(stop: str) -> str:
-    """What stops a jump, for people."""
+    """The name of a limiting constraint as the page shows it."""
     return {NOTHING: "nothing", NOT_PLANNED: "no plan found"}.get(stop, stop.replace("_", " "))

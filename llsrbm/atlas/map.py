@@ -77,13 +77,13 @@ class Map:
     cell: NDArray[np.int64]
 
     def of(self, colour: Colour) -> Array:
-        """What a colour says of each cell, SI; NaN where no jump has a value."""
+        """(rows, columns) A colour's value of each cell, SI; NaN where no jump has one."""
         values = colour.of(self.jumps)[self.members]
         return colour.together(values, self.cell, self.jump.size).reshape(self.jump.shape)
 
     @cached_property
     def value(self) -> Array:
-        """What is shown, SI; NaN where no jump of the cell has a value."""
+        """The shown value of each cell, SI; NaN where no jump has one."""
         return self.of(self.colour)
 
     @cached_property
@@ -108,7 +108,7 @@ class Map:
         return (float(known.min()), float(known.max())) if len(known) else (0.0, 1.0)
 
     def colour_of(self, value: float) -> Rgb | None:
-        """What a value is painted in; None of NaN."""
+        """The colour of a value, SI; None of NaN."""
         if math.isnan(value):
             return None
         if self.colour.categorical:
@@ -153,8 +153,8 @@ def map_of(
         design: axis name -> SI value, of the slice and of the jumps that cells open; what it does
             not name is as a jump has it that says nothing, or in the middle of the jumps' values.
     """
-    scales = _scale(x, jumps.asked[x.name]), _scale(y, jumps.asked[y.name])
-    across, up = (s.cells(jumps.asked[s.axis.name]) for s in scales)
+    scales = _scale(x, jumps.requested[x.name]), _scale(y, jumps.requested[y.name])
+    across, up = (s.cells(jumps.requested[s.axis.name]) for s in scales)
     shape = len(scales[1].centres), len(scales[0].centres)
     away = _away(jumps, (x.name, y.name), design or {})
     away += _LEAST * _off_centre(jumps, scales, (across, up))
@@ -187,7 +187,7 @@ def _away(jumps: Jumps, shown: tuple[str, str], design: Mapping[str, float]) -> 
     away = np.zeros(len(jumps))
     for axis in jumps.axes:
         if axis.name not in shown:
-            values = jumps.asked[axis.name]
+            values = jumps.requested[axis.name]
             plain = float(np.median(values)) if axis.otherwise is None else axis.otherwise
             away += ((values - design.get(axis.name, plain)) / np.ptp(values)) ** 2
     return np.sqrt(away)
@@ -198,7 +198,7 @@ def _off_centre(
 ) -> Array:
     """(J,) how far jumps are from the middle of their cell, in the axes' lengths."""
     parts = [
-        (jumps.asked[scale.axis.name] - scale.centres[cell]) / np.ptp(scale.edges)
+        (jumps.requested[scale.axis.name] - scale.centres[cell]) / np.ptp(scale.edges)
         for scale, cell in zip(scales, cells, strict=True)
     ]
     return np.hypot(*parts)

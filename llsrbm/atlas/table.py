@@ -189,15 +189,15 @@ def _reduced(columns: dict[str, NDArray[Any]], first: NDArray[np.int64]) -> Jump
     planned = np.minimum.reduceat((statuses == PLANNED).astype(float), first)
     landed, strict = (_share(columns[name], first, counts) for name in ("landed", "strict"))
     stops, stop = _stops(columns, first, planned, landed)
-    asked = {name: columns[name][first].astype(float) for name in (*AMOUNTS, *DRIVES)}
-    asked |= {n: v[first].astype(float) for n, v in columns.items() if n.startswith(LIMIT)}
+    requested = {name: columns[name][first].astype(float) for name in (*AMOUNTS, *DRIVES)}
+    requested |= {n: v[first].astype(float) for n, v in columns.items() if n.startswith(LIMIT)}
     flight, torque = (
         np.where(planned > 0, columns[name][first].astype(float), np.nan) for name in _FIGURES
     )
     return Jumps(
         *("", "", ""),
         numbers=columns["jump"][first].astype(np.int64),
-        asked={name: np.round(values, _DECIMALS) for name, values in asked.items()},
+        requested={name: np.round(values, _DECIMALS) for name, values in requested.items()},
         planned=planned,
         landed=landed,
         strict=strict,
@@ -240,7 +240,13 @@ def _masked(
         for field in fields(Jumps)
         if isinstance(getattr(one, field.name), np.ndarray)
     }
-    asked = {name: values[mask] for name, values in one.asked.items()}
+    requested = {name: values[mask] for name, values in one.requested.items()}
     return replace(
-        one, robot=robot, model=model, type=kind, robot_hash=robot_hash, asked=asked, **arrays
+        one,
+        robot=robot,
+        model=model,
+        type=kind,
+        robot_hash=robot_hash,
+        requested=requested,
+        **arrays,
     )

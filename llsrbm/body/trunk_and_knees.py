@@ -50,7 +50,7 @@ def trunk_box(robot: Robot) -> Array:
 
 @lru_cache(maxsize=16)
 def knee_joint(robot: Robot) -> int | None:
-    """Which joint of a leg is its knee, counted from the base outwards; None: it has none."""
+    """Index of a leg's knee among its joints, counted from the base outwards; None: it has none."""
     angles = robot.posture[7:][robot.leg_joint_index]
     hip, foot = robot.hips[0], robot.chains.motion(angles).foot[0]
     origin = robot.chains.origins(angles)[0]

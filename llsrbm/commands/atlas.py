@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -31,9 +30,7 @@ def atlas_command(
     ] = None,
     table: Annotated[
         Path | None,
-        typer.Option(
-            metavar="FILE", help="Write the columns that an atlas needs: .npz or .parquet."
-        ),
+        typer.Option(metavar="FILE", help="Write the atlas' columns: .npz or .parquet."),
     ] = None,
     robot: Annotated[
         list[str] | None, typer.Option(metavar="R", help="Of these alone; repeatable.")
@@ -47,8 +44,7 @@ def atlas_command(
         list[str] | None,
         typer.Option(
             metavar="AXIS=VALUE",
-            help="Nearest slice, as height=0.1 or twist=90 (deg); repeatable. Without: all slices "
-            "together.",
+            help="Nearest slice, as height=0.1 or twist=90 (deg); repeatable [default: all].",
         ),
     ] = None,
     as_json: options.AsJson = False,
@@ -76,10 +72,7 @@ def atlas_command(
         if table is not None:
             write_small(source, table)
         result = {"title": atlas.title, "maps": [_summary(each) for each in maps]}
-        if as_json:
-            print(json.dumps(result, allow_nan=False), file=stdout)
-        else:
-            console.print_lines(_description(result), stdout)
+        console.print_result(result, _description(result), stdout, as_json=as_json)
     return console.DONE
 
 
@@ -162,9 +155,9 @@ def _description(result: dict[str, Any]) -> dict[str, str]:
     lines = {"sweep": result["title"]}
     for found in result["maps"]:
         strict = found["strict_share"]
-        told = f"{found['jumps']} jumps, {percent(found['plannable_share'])} plannable"
+        line = f"{found['jumps']} jumps, {percent(found['plannable_share'])} plannable"
         if strict is not None:
-            told += f", of these {percent(strict)} land by the strict measure"
+            line += f", of these {percent(strict)} land by the strict measure"
         name = f"{found['robot']} {found['model']} {found['type']} "
-        lines[name] = f"{told}; axes: {', '.join(found['axes'])}"
+        lines[name] = f"{line}; axes: {', '.join(found['axes'])}"
     return lines

@@ -37,8 +37,8 @@ def compare_command(
 ) -> int:
     """Print the figures of plans, simulations and other motions beside each other, a row a file.
 
-    A plan's file tells what was planned, a simulation's what the whole body did; another tool's has
-    the figures that follow from how the robot moves. Where all are of one kind, the best of a
+    A plan's figures are of the planned motion, a simulation's of the whole body; another tool's are
+    those that follow from how the robot moves. Where all are of one kind, the best of a
     column has an asterisk; what fell or did not converge has none.
     """
     with console.result_stream(as_json=as_json) as stdout:
@@ -72,7 +72,7 @@ def _row(motion: Trajectory | WholeBodyMotion) -> DesignFigures:
 
 
 def _titles(motions: Sequence[Trajectory | WholeBodyMotion]) -> list[str]:
-    """Of designs what tells them apart; of other tools' motions what kind of file they are from."""
+    """Differences of designs; of other tools' motions the kind of their file."""
     from llsrbm.look.titles import Decisions, titles_of
     from llsrbm.motion.plan import Plan
     from llsrbm.motion.rollout import Rollout
@@ -83,8 +83,8 @@ def _titles(motions: Sequence[Trajectory | WholeBodyMotion]) -> list[str]:
             designs.append((motion.jump, motion.tuning, None))
         elif isinstance(motion, Rollout):
             designs.append((motion.jump, motion.plan.tuning, motion.scenario))
-    told = iter(titles_of(designs))
-    return [next(told) if isinstance(m, Plan | Rollout) else m.origin for m in motions]
+    named = iter(titles_of(designs))
+    return [next(named) if isinstance(m, Plan | Rollout) else m.origin for m in motions]
 
 
 def _request(motion: Trajectory | WholeBodyMotion) -> dict[str, Any] | None:

@@ -1,27 +1,31 @@
-"""Talking to whoever called: the result on stdout, the rest on stderr, a status at the end."""
+"""Output of commands: results on stdout, errors and progress on stderr, exit statuses."""
 
 from __future__ import annotations
 
 import contextlib
+import json
 import os
 import sys
-from collections.abc import Iterator
+import time
+from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager
-from typing import TYPE_CHECKING, TextIO
+from typing import TYPE_CHECKING, Any, TextIO
 
 if TYPE_CHECKING:
     from llsrbm.planning.solve.progress import PlanningProgress
 
 DONE, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130  # exit statuses
+_LINE_TIME = 30.0  # s between lines of progress where there is no terminal
+_WIDTH = 24  # characters of a bar
 
 
-def complain(message: str) -> None:
-    """Say in one line on stderr what is wrong."""
+def print_error(message: str) -> None:
+    """Print an error in one line on stderr."""
     print(f"llsrbm: {' '.join(message.split())}", file=sys.stderr)
 
 
-def tell(message: str | PlanningProgress) -> None:
-    """Tell a waiting person; a script's stderr is for what is wrong."""
+def show_planning(message: str | PlanningProgress) -> None:
+    """Show a plan's progress on a terminal; a script's stderr has errors alone."""
     if not sys.stderr.isatty():
         return
     if isinstance(message, str):
@@ -33,21 +37,66 @@ def tell(message: str | PlanningProgress) -> None:
         print(row, end="\r", file=sys.stderr, flush=True)
 
 
-def tell_share(share: float) -> None:
-    """Tell a waiting person how much of the simulation is done, 0 to 1, in one line."""
+def show_simulation(share: float) -> None:
+    """Show the share of a simulation that is done, 0 to 1, on a terminal."""
     if sys.stderr.isatty():
         end = "\n" if share >= 1 else ""
         print(f"\rsimulating {100 * share:3.0f} %", end=end, file=sys.stderr, flush=True)
 
 
+@contextlib.contextmanager
+def counting(noun: str) -> Iterator[Callable[[int, int], None]]:
+    """A function of (done, total) that shows progress: a bar, or now and then a line for a log.
+
+    `noun` is the plural of what is counted.
+    """
+    from llsrbm.request.messages import duration
+
+    terminal = sys.stderr.isatty()
+    start = last = time.monotonic()
+    first: int | None = None
+
+    def show(done: int, total: int) -> None:
+        nonlocal first, last
+        now = time.monotonic()
+        first = done if first is None else first
+        if not terminal and now - last < _LINE_TIME:
+            return
+        last = now
+        line = f"{done} of {total} {noun}"
+        if done > first:
+            rate = (done - first) / max(now - start, 1e-3)
+            line += f", {rate:.1f} a second, {duration((total - done) / rate)} left"
+        if terminal:
+            full = _WIDTH * done // max(total, 1)
+            line = f"\r\x1b[K{'━' * full}{'╌' * (_WIDTH - full)} {line}"
+        print(line, file=sys.stderr, end="" if terminal else "\n", flush=True)
+
+    try:
+        yield show
+    finally:
+        if terminal and first is not None:
+            print(file=sys.stderr)
+
+
+def print_result(
+    result: dict[str, Any], lines: dict[str, str], stdout: TextIO, *, as_json: bool
+) -> None:
+    """Print a result as one JSON object, or its `lines`."""
+    if as_json:
+        print(json.dumps(result, allow_nan=False), file=stdout)
+    else:
+        print_lines(lines, stdout)
+
+
 def print_lines(lines: dict[str, str], stdout: TextIO) -> None:
-    """Print a word and what there is to say about it, line by line."""
+    """Print names and their values, line by line."""
     for name, value in lines.items():
         print(f"{name:<10}{value}", file=stdout)
 
 
 def result_stream(*, as_json: bool) -> AbstractContextManager[TextIO]:
-    """Where a command prints its result; for JSON nothing else gets to stdout."""
+    """Stream of a command's result; for JSON nothing else gets to stdout."""
     return _stdout_kept_for_result() if as_json else contextlib.nullcontext(sys.stdout)
 
 

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from llsrbm.commands import console, options
-from llsrbm.commands.bar import counting
 
 
 def dataset_command(
@@ -39,7 +37,7 @@ def dataset_command(
     with console.result_stream(as_json=as_json) as stdout:
         from llsrbm.sweep.dataset import make_dataset
 
-        with counting("motions") as progress:
+        with console.counting("motions") as progress:
             done = make_dataset(
                 sweep,
                 out,
@@ -51,7 +49,7 @@ def dataset_command(
                 progress=progress,
             )
         if done.left_out:
-            console.complain(
+            console.print_error(
                 f"{len(done.left_out)} rows are not strict when computed again, and are left out: "
                 f"{', '.join(map(str, done.left_out[:10]))}"
             )
@@ -61,9 +59,7 @@ def dataset_command(
             "left_out": list(done.left_out),
             "index": str(done.index),
         }
-        if as_json:
-            print(json.dumps(result), file=stdout)
-        else:
-            lines = {"motions": f"{done.motions}, of them {done.computed} computed now"}
-            console.print_lines({**lines, "index": str(done.index)}, stdout)
+        motions = f"{done.motions}, of them {done.computed} computed now"
+        lines = {"motions": motions, "index": str(done.index)}
+        console.print_result(result, lines, stdout, as_json=as_json)
     return console.DONE

@@ -1,8 +1,10 @@
-"""`llsrbm export` and `llsrbm formats`."""
+"""`llsrbm export`, `llsrbm replay` and `llsrbm formats`."""
 
 from __future__ import annotations
 
 import math
+import tempfile
+import webbrowser
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -58,6 +60,36 @@ def export_command(
     return console.DONE
 
 
+def replay_command(
+    file: Annotated[Path, typer.Argument(metavar="FILE.npz", help="A native file.")],
+    out: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE.html", help="Where to; default: a temporary file."),
+    ] = None,
+    open_: Annotated[
+        bool, typer.Option("--open/--no-open", help="Open it in the default browser.")
+    ] = True,
+) -> int:
+    """Look at a plan or a rollout in the browser: one page, without a server.
+
+    Prints the page's path. It stays where it is and may be passed on.
+    """
+    from llsrbm.formats import export
+    from llsrbm.formats.exporting import stem
+    from llsrbm.motion.trajectory import load
+
+    trajectory = load(file)
+    if out is None:
+        out = Path(tempfile.mkdtemp(prefix="llsrbm-")) / f"{stem(trajectory)}.html"
+    export(trajectory, out, format="html")
+    out = out.resolve()
+    print(out)
+    if open_ and not webbrowser.open(out.as_uri()):
+        console.print_error(f"no browser was found; expected one that opens {out}")
+        return console.FAILED
+    return console.DONE
+
+
 def formats_command(
     format_: Annotated[str | None, FormatName] = None,
 ) -> int:
@@ -69,13 +101,13 @@ def formats_command(
         for name, each in FORMATS.items():
             print(f"{name:{width}}  {each.title}{_needs(each)}")
     else:
-        for line in _told(find(format_)):
+        for line in _facts(find(format_)):
             print(line)
     return console.DONE
 
 
-def _told(format_: Format) -> list[str]:
-    """What there is to know about a format, line by line."""
+def _facts(format_: Format) -> list[str]:
+    """A format's title, conventions, options and uses, line by line."""
     from llsrbm.formats.tables.csv_columns import quantity_rows
 
     lines = [f"{format_.name}: {format_.title}{_needs(format_)}", ""]

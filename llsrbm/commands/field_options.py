@@ -1,4 +1,4 @@
-"""Options made from a request's fields: one for each field of a `Jump` or a `Scenario`.
+"""Options of a request: `--design`, and one for each field of a `Jump` or a `Scenario`.
 
 Angles are degrees on the command line.
 """
@@ -10,15 +10,27 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import fields, replace
 from functools import wraps
-from typing import Any, get_type_hints
+from typing import TYPE_CHECKING, Annotated, Any, get_type_hints
 
 import typer
 
 from llsrbm.commands import options
-from llsrbm.request.jump import ASKABLE, Jump
+from llsrbm.request.jump import TYPE_PARAMETERS, Jump
 from llsrbm.request.messages import FieldSpec, Number, field_specs
 from llsrbm.request.push import PushList, parse_push
 from llsrbm.request.scenario import Scenario
+
+if TYPE_CHECKING:
+    from llsrbm.request.design import Design
+
+DesignOption = Annotated[
+    str | None,
+    typer.Option(
+        "--design",
+        metavar="FILE",
+        help="A design's file, or a name of `llsrbm designs`; other options override it.",
+    ),
+]
 
 _PARAMETERS = {"solver": "qp_solver"}  # `--solver` is the planner's
 _FLAGS = {"half_board": "--half-board/--whole-board", "pushes": "--push"}
@@ -60,8 +72,23 @@ def requested_jump(requested: Mapping[str, Any], jump: Jump | None = None) -> Ju
     return with_defaults(changed, requested)
 
 
+def requested_design(name_or_path: str | None, requested: Mapping[str, Any]) -> Design:
+    """The design that was named, its jump as the options of a command line change it.
+
+    Args:
+        name_or_path: as `llsrbm.request.design.find_design` takes it; None: only the jump.
+        requested: as `requested_jump` takes it.
+    """
+    from llsrbm.request.design import Design, find_design
+
+    if name_or_path is None:
+        return Design(requested_jump(requested))
+    design = find_design(name_or_path)
+    return replace(design, jump=requested_jump(requested, design.jump))
+
+
 def is_angle(name: str) -> bool:
-    """Whether a field of a jump is an angle, which the command line has in degrees."""
+    """True if a field of a jump is an angle, which the command line has in degrees."""
     spec = field_specs(Jump)[name]
     return isinstance(spec, Number) and spec.unit == "rad"
 
@@ -130,7 +157,7 @@ def _parameters(kind: Any) -> list[inspect.Parameter]:
         shown: bool | str = True
         if isinstance(spec, PushList):
             accepted, default, annotation = f"{accepted}; may be repeated", [], list[str]
-        elif kind is Jump and field.name in ASKABLE:
+        elif kind is Jump and field.name in TYPE_PARAMETERS:
             default, annotation, shown = None, annotation | None, _OF_THE_TYPE
         option = typer.Option(
             default,

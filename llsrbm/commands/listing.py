@@ -1,4 +1,4 @@
-"""`llsrbm robots | models | types | tuning`: what there is."""
+"""`llsrbm robots | models | types | designs | tuning`: lists of names."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def robots_command() -> int:
 
 
 def models_command() -> int:
-    """List the models that a planner can believe in."""
+    """List the models of the robot's inertia in the planner."""
     from llsrbm.models import MODELS
 
     _print_table({name: model.summary for name, model in MODELS.items()})
@@ -34,22 +34,30 @@ def types_command() -> int:
     from llsrbm.request import jump_types
 
     rows = {
-        name: f"{kind.title}: {kind.summary}{_asked(kind)}"
+        name: f"{kind.title}: {kind.summary}{_own_options(kind)}"
         for name, kind in jump_types.names().items()
     }
     _print_table(rows)
     return console.DONE
 
 
-def _asked(kind: JumpType) -> str:
+def _own_options(kind: JumpType) -> str:
     """The options that a type takes, with its defaults: " (--pitch -360, --roll)"."""
-    told = []
-    for name in kind.asks:
+    taken = []
+    for name in kind.parameters:
         value = kind.defaults.get(name)
         if value is not None and is_angle(name):
             value = math.degrees(value)
-        told.append(options.option(name) + ("" if value is None else f" {value:g}"))
-    return f" ({', '.join(told)})" if told else ""
+        taken.append(options.option(name) + ("" if value is None else f" {value:g}"))
+    return f" ({', '.join(taken)})" if taken else ""
+
+
+def designs_command() -> int:
+    """List the designs that come with the project."""
+    from llsrbm.request.design import examples
+
+    _print_table({name: design.title for name, design in examples().items()})
+    return console.DONE
 
 
 def tuning_command(robot: options.Robot = "anymal") -> int:

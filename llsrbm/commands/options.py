@@ -34,7 +34,7 @@ PLANNING = ("design", *(field.name for field in fields(Jump)), "solver", "weight
 
 
 def is_given(context: typer.Context, name: str) -> bool:
-    """Whether a parameter of a command stands on the command line."""
+    """True if a parameter of a command stands on the command line."""
     source = context.get_parameter_source(name)
     return source is not None and source.name != "DEFAULT"
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Mapping
 from itertools import pairwise
@@ -11,8 +10,12 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 from llsrbm.commands import console, options
-from llsrbm.commands.design import DesignOption, requested_design
-from llsrbm.commands.field_options import in_words, with_jump_options
+from llsrbm.commands.field_options import (
+    DesignOption,
+    in_words,
+    requested_design,
+    with_jump_options,
+)
 from llsrbm.errors import NotConverged
 
 if TYPE_CHECKING:
@@ -48,18 +51,16 @@ def plan_command(
                 solver=solver,
                 weights=tuning.weights,
                 limits=tuning.limits,
-                progress=console.tell,
+                progress=console.show_planning,
             )
         except NotConverged as error:
             plan, status, failure = error.plan, console.FAILED, error
         if out is not None:
             plan.save(out)
-        if as_json:
-            print(json.dumps(plan_summary(plan), allow_nan=False), file=stdout)
-        else:
-            console.print_lines(_description(plan), stdout)
+        lines = {} if as_json else _description(plan)
+        console.print_result(plan_summary(plan), lines, stdout, as_json=as_json)
         if failure is not None:
-            console.complain(str(failure))
+            console.print_error(str(failure))
     return status
 
 
@@ -89,12 +90,12 @@ def _description(plan: Plan) -> dict[str, str]:
 
 def _phases(plan: Plan) -> str:
     """Name and duration, s, of each phase, with its feet where only some of them stand."""
-    told = []
+    parts = []
     for phase, (start, end) in zip(plan.schedule, pairwise(plan.phase_start), strict=True):
         some = 0 < len(phase.feet) < len(plan.schedule.legs)
         feet = f" on {' and '.join(phase.feet)}" if some else ""
-        told.append(f"{phase.name}{feet} {end - start:.2f}")
-    return ", ".join(told)
+        parts.append(f"{phase.name}{feet} {end - start:.2f}")
+    return ", ".join(parts)
 
 
 def _joints(plan: Plan) -> str:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Mapping
 from pathlib import Path
@@ -11,9 +10,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from llsrbm.commands import console, options
-from llsrbm.commands.design import DesignOption, requested_design
 from llsrbm.commands.field_options import (
+    DesignOption,
     in_words,
+    requested_design,
     with_jump_options,
     with_scenario_options,
 )
@@ -73,18 +73,16 @@ def simulate_command(
                 solver=solver,
                 weights=tuning.weights,
                 limits=tuning.limits,
-                progress=console.tell,
+                progress=console.show_planning,
             )
-        rollout = llsrbm.simulate(plan, scenario, progress=console.tell_share)
+        rollout = llsrbm.simulate(plan, scenario, progress=console.show_simulation)
         if out is not None:
             rollout.save(out)
-        if as_json:
-            print(json.dumps(rollout_summary(rollout), allow_nan=False), file=stdout)
-        else:
-            console.print_lines(_description(rollout), stdout)
+        lines = {} if as_json else _description(rollout)
+        console.print_result(rollout_summary(rollout), lines, stdout, as_json=as_json)
         if rollout.landed:
             return console.DONE
-        console.complain(f"the robot {_fall(rollout)}")
+        console.print_error(f"the robot {_fall(rollout)}")
     return console.FAILED
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import sys
 from pathlib import Path
@@ -11,7 +10,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from llsrbm.commands import console, options
-from llsrbm.commands.bar import counting
 from llsrbm.errors import InputError, require
 
 if TYPE_CHECKING:
@@ -51,20 +49,13 @@ def sweep_command(
     planned, or that time out, are rows too, and no failure of the sweep.
     """
     require("sweeps need Dask", "sweep", "distributed", "pyarrow")
-    if timeout is not None and not timeout > 0:
-        raise InputError(f"--timeout {timeout:g}: expected a time above 0 (s)")
-    if workers is not None and workers < 1:
-        raise InputError(f"--workers {workers}: expected 1 or more")
-    if workers is not None and scheduler is not None:
-        raise InputError(
-            "--workers and --scheduler: expected one of them; a cluster that runs has its workers"
-        )
+    _check(workers, scheduler, timeout)
     with console.result_stream(as_json=as_json) as stdout:
         from llsrbm.sweep.folder import Folder
         from llsrbm.sweep.points import Points
         from llsrbm.sweep.rows import origin
         from llsrbm.sweep.run import LARGE, default_limit, estimate
-        from llsrbm.sweep.spec_file import find_spec
+        from llsrbm.sweep.spec import find_spec
 
         points = Points(find_spec(spec))
         workers = workers or os.cpu_count() or 1
@@ -82,15 +73,22 @@ def sweep_command(
                 _note(f"{name} is damaged; its jumps are computed again")
             if folder.done.any():
                 _note(f"going on: {int(folder.done.sum())} of {points.count} jumps are done")
-            progress = None
-            if not folder.done.all():
-                progress = _run(folder, workers, scheduler, versions, limit)
+            whole = folder.done.all()
+            progress = None if whole else _run(folder, workers, scheduler, versions, limit)
             result = _summary(folder, progress)
-        if as_json:
-            print(json.dumps(result, allow_nan=False), file=stdout)
-        else:
-            console.print_lines(_description(result), stdout)
+        console.print_result(result, _description(result), stdout, as_json=as_json)
     return console.DONE
+
+
+def _check(workers: int | None, scheduler: str | None, timeout: float | None) -> None:
+    if timeout is not None and not timeout > 0:
+        raise InputError(f"--timeout {timeout:g}: expected a time above 0 (s)")
+    if workers is not None and workers < 1:
+        raise InputError(f"--workers {workers}: expected 1 or more")
+    if workers is not None and scheduler is not None:
+        raise InputError(
+            "--workers and --scheduler: expected one of them; a cluster that runs has its workers"
+        )
 
 
 def _run(
@@ -99,7 +97,7 @@ def _run(
     from llsrbm.sweep.run import GO_ON, connected, run
 
     try:
-        with connected(workers, scheduler) as client, counting("jumps") as count:
+        with connected(workers, scheduler) as client, console.counting("jumps") as count:
             _note(f"dashboard: {client.dashboard_link}")
             return run(
                 folder,

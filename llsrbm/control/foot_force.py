@@ -83,7 +83,7 @@ class FootForces:
         self._touching[:] = 0
 
     def update(self, torque: Array) -> NDArray[np.bool_]:
-        """Which feet carry load, (L,).
+        """Feet that carry load, (L,).
 
         Args:
             torque: (J,) measured, mean of the tick that ended.

@@ -72,7 +72,7 @@ def staged(path: str | Path) -> Iterator[Path]:
 
 
 def _is_special(target: Path) -> bool:
-    """Whether bytes have to be sent there, as nothing can take its place."""
+    """True if bytes have to be sent there, as nothing can take its place."""
     try:
         kind = target.stat().st_mode
     except ValueError as error:  # a name that no file can have

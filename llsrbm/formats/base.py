@@ -76,7 +76,7 @@ class Extra:
 
     @property
     def missing(self) -> bool:
-        """Whether one of them is not there."""
+        """True if one of the modules is not installed."""
         return any(find_spec(module) is None for module in self.modules)
 
 

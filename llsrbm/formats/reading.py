@@ -91,7 +91,7 @@ def load_any(
 
 
 def is_native(path: str | Path) -> bool:
-    """Whether a file is this project's as far as its kind goes, damaged ones among them."""
+    """True if a file is of this project's kind, damaged or not."""
     held = keys(path)
     # `load` says best what is wrong with an archive that cannot be listed.
     return _SCHEMA in held or (not held and Path(path).suffix.lower() == ".npz")

@@ -47,9 +47,9 @@ def read_sidecar(path: Path) -> dict[str, Any]:
     if len(content) > _LARGEST:
         raise FileFormatError(f"{beside}: more than {_LARGEST} bytes; expected what is beside")
     try:
-        told = json.loads(content)
+        table = json.loads(content)
     except (ValueError, RecursionError) as error:
         raise FileFormatError(f"{beside}: damaged: expected a JSON object") from error
-    if not isinstance(told, dict):
+    if not isinstance(table, dict):
         raise FileFormatError(f"{beside}: expected a JSON object")
-    return told
+    return table

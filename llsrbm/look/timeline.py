@@ -200,8 +200,8 @@ def _bar(replan: Replan) -> Bar:
     elif math.isnan(replan.applied):
         took += ", too late to be followed"
     in_time = replan.solved and replan.computing_time <= DEADLINE
-    words = f"planned anew at {replan.asked:.3f} s: {took}"
-    return Bar(replan.asked, replan.computing_time / DEADLINE, in_time, words)
+    words = f"planned anew at {replan.measured:.3f} s: {took}"
+    return Bar(replan.measured, replan.computing_time / DEADLINE, in_time, words)
 
 
 def _numbered(name: str, number: int) -> str:

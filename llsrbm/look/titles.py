@@ -34,9 +34,11 @@ def titles_of(designs: Sequence[Decisions]) -> tuple[str, ...]:
     """
     every = [_parts(*design) for design in designs]
     keys = {key for parts in every for key in parts}
-    told = {key for key in keys if len({parts.get(key) for parts in every}) > 1}
-    told |= {"task", "model"}
-    titles = [_joined({key: text for key, text in parts.items() if key in told}) for parts in every]
+    differing = {key for key in keys if len({parts.get(key) for parts in every}) > 1}
+    differing |= {"task", "model"}
+    titles = [
+        _joined({key: text for key, text in parts.items() if key in differing}) for parts in every
+    ]
     counts, seen = Counter(titles), Counter[str]()
     for index, title in enumerate(titles):
         if counts[title] > 1:
@@ -82,8 +84,8 @@ def _pushes(pushes: Sequence[Push]) -> str:
         return f"{len(pushes)} pushes"
     (push,) = pushes
     sizes = [(push.impulse, "N s"), (push.moment, "N m s")]
-    told = [f"{math.hypot(*vector):.3g} {unit}" for vector, unit in sizes if any(vector)]
-    return f"push {' + '.join(told) or 'of nothing'} at {push.time:.3g} s"
+    parts = [f"{math.hypot(*vector):.3g} {unit}" for vector, unit in sizes if any(vector)]
+    return f"push {' + '.join(parts) or 'of nothing'} at {push.time:.3g} s"
 
 
 def _task(jump: Jump) -> str:

@@ -120,7 +120,7 @@ def link_visuals_at_hand(robot: Robot, *, coarse: bool = False) -> tuple[LinkVis
 
 
 def needs_preparation(robot: Robot) -> bool:
-    """Whether `link_visuals` would take seconds: meshes that were not prepared on this machine."""
+    """True if `link_visuals` would take seconds: meshes that were not prepared on this machine."""
     return bool(mesh_files(robot)) and not _entry(robot, FACES, coarse=True).exists()
 
 

@@ -218,7 +218,7 @@ class Plan:
 
     @property
     def solved(self) -> bool:
-        """Whether every constraint is satisfied."""
+        """True if every constraint is satisfied."""
         return self.report.status == "solved"
 
     @property

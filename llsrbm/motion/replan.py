@@ -25,7 +25,7 @@ class Replan:
     """One answer of the replanner: K knots, L legs; world frame.
 
     Attributes:
-        asked: s since the first plan's start, when the state was measured.
+        measured: s since the first plan's start, when the state was measured.
         applied: s, when the controller took it over; nan: it came too late, or not at all.
         computing_time: s of the processor's time.
         solved: whether a motion was found that satisfies every constraint.
@@ -38,7 +38,7 @@ class Replan:
     Arrays have no knots where nothing was found.
     """
 
-    asked: float
+    measured: float
     applied: float
     computing_time: float
     solved: bool
@@ -90,7 +90,7 @@ def replan_arrays(replans: Sequence[Replan]) -> Arrays:
         return {}
     arrays: Arrays = {}
     for key, entry in _EACH.items():
-        values = [len(r.time) if key == "knots" else getattr(r, key) for r in replans]
+        values = [_number(replan, key) for replan in replans]
         if entry.kind is Kind.WHOLE:
             arrays[key] = np.array(values, dtype=np.int64)
         else:
@@ -102,6 +102,13 @@ def replan_arrays(replans: Sequence[Replan]) -> Arrays:
         if not (np.abs(value) <= LARGEST_NUMBER).all():
             raise Error(f"a replan's {key} holds numbers that are not finite; it is not written")
     return {_PREFIX + key: value for key, value in arrays.items()}
+
+
+def _number(replan: Replan, key: str) -> float:
+    """The value of one of `_EACH`."""
+    if key == "knots":
+        return len(replan.time)
+    return float(getattr(replan, "measured" if key == "asked" else key))
 
 
 def replans_from_arrays(arrays: Arrays, legs: int, path: str | Path) -> tuple[Replan, ...]:
@@ -136,7 +143,7 @@ def replans_from_arrays(arrays: Arrays, legs: int, path: str | Path) -> tuple[Re
     ends = np.cumsum(knots)
     return tuple(
         Replan(
-            asked=float(each["asked"][k]),
+            measured=float(each["asked"][k]),
             applied=_time(each["applied"][k]),
             computing_time=float(each["computing_time"][k]),
             solved=bool(solved[k]),

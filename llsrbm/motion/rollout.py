@@ -51,7 +51,7 @@ from llsrbm.robots.robot import Robot
 
 
 class Mode(IntEnum):
-    """Which reference the controller follows."""
+    """The reference that the controller follows."""
 
     TRACKING = 0
     FORCE = 1
@@ -271,7 +271,7 @@ class Rollout:
 
     @property
     def landed(self) -> bool:
-        """Whether the robot stands at the end."""
+        """True if the robot stands at the end."""
         return self.outcome.status == "landed"
 
     def save(self, path: str | Path) -> None:

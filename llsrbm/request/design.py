@@ -219,8 +219,8 @@ def _parse(content: bytes, where: str) -> Design:
     except RecursionError as error:
         raise FileFormatError(f"{where}: nested too deeply for a design ({SCHEMA})") from error
     except ValueError as error:  # JSONDecodeError, or a number of thousands of digits
-        told = str(error).partition("; use sys.")[0]
-        raise FileFormatError(f"{where}: not a JSON file: {told}") from error
+        reason = str(error).partition("; use sys.")[0]
+        raise FileFormatError(f"{where}: not a JSON file: {reason}") from error
     file = _checked(table, where)
     return Design(
         jump=file.jump,

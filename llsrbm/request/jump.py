@@ -12,7 +12,7 @@ from llsrbm.request.messages import Name, Number, Whole, check_fields
 AMOUNTS = ("twist", "forward", "lateral", "height", "roll", "pitch", "speed", "end_speed")
 """Fields of a `Jump` that are numbers."""
 
-ASKABLE = ("roll", "pitch", "speed", "end_speed", "hops")
+TYPE_PARAMETERS = ("roll", "pitch", "speed", "end_speed", "hops")
 """Fields of a `Jump` beyond where to land, which a jump type may ask for."""
 
 MOST_HOPS = 5
@@ -74,7 +74,7 @@ class Jump:
 
     @property
     def turns(self) -> bool:
-        """Whether the body turns over: a whole turn of roll or pitch."""
+        """True if the body turns over: a whole turn of roll or pitch."""
         return bool(self.roll or self.pitch)
 
     def as_dict(self) -> dict[str, Any]:

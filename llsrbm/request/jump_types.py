@@ -35,7 +35,7 @@ from pydantic import Field, model_validator
 
 from llsrbm.errors import InputError, printable
 from llsrbm.installed import assets_directory
-from llsrbm.request.jump import ASKABLE as ASKABLE
+from llsrbm.request.jump import TYPE_PARAMETERS as TYPE_PARAMETERS
 from llsrbm.request.jump import Jump
 from llsrbm.request.messages import choices
 from llsrbm.request.obstacle import wrong_shape
@@ -123,7 +123,8 @@ class JumpType(Table):
 
     Attributes:
         title: name to show; summary: one line.
-        asks: what a request of this type says beside where to land, of `ASKABLE`.
+        parameters: fields of a request of this type beside where to land, of `TYPE_PARAMETERS`;
+            "asks" in the file.
         defaults: what it says if it is silent.
         weights, limits: cost or limit name -> value, in place of the robot's.
         displacement: of each jump of several; none: the request's for all.
@@ -135,9 +136,9 @@ class JumpType(Table):
 
     title: Annotated[str, Field(min_length=1, max_length=LONGEST_NAME), OneLine]
     summary: Annotated[str, Field(min_length=1, max_length=200), OneLine]
-    asks: Annotated[
+    parameters: Annotated[
         tuple[Literal["roll", "pitch", "speed", "end_speed", "hops"], ...],
-        Field(description=f"some of {', '.join(ASKABLE)}"),
+        Field(alias="asks", description=f"some of {', '.join(TYPE_PARAMETERS)}"),
     ] = ()
     defaults: dict[str, float | int] = Field(default_factory=dict)
     weights: dict[str, float] = Field(default_factory=dict)
@@ -150,12 +151,10 @@ class JumpType(Table):
     @model_validator(mode="after")
     def _check_defaults(self) -> JumpType:
         for name in self.defaults:
-            if name not in self.asks:
-                asked = ", ".join(self.asks) or "nothing"
-                why = (
-                    f'defaults.{printable(name)}: the type asks for {asked}; expected one of "asks"'
-                )
-                raise fault(why)
+            if name not in self.parameters:
+                known = ", ".join(self.parameters) or "nothing"
+                key = f"defaults.{printable(name)}"
+                raise fault(f'{key}: the type asks for {known}; expected one of "asks"')
         try:
             replace(Jump(), **self.defaults)  # type: ignore[arg-type]
         except InputError as error:
@@ -164,7 +163,7 @@ class JumpType(Table):
 
     @property
     def clears(self) -> bool:
-        """Whether the whole body has something to clear, not the feet alone."""
+        """True if the whole body has something to clear, not the feet alone."""
         return self.clears_ground or self.obstacle is not None
 
     def schedule(self, robot: Legs, jump: Jump | None = None) -> Schedule:
@@ -230,14 +229,14 @@ def schedule_of(jump: Jump, robot: Legs) -> Schedule:
 
 
 def with_defaults(jump: Jump, given: Collection[str] = ()) -> Jump:
-    """The request with what its type says where it is silent, in the fields of `ASKABLE`.
+    """The request with what its type says where it is silent, in the fields of `TYPE_PARAMETERS`.
 
     A roll is enough said of the turn: a request that has one keeps its pitch, and the other way
     round.
 
     Args:
         jump: a request.
-        given: names of the fields that were asked for; the others of `ASKABLE` become the type's
+        given: names of requested fields; the others of `TYPE_PARAMETERS` become the type's
             defaults, or those of `Jump` where it has none.
 
     Raises:
@@ -248,7 +247,7 @@ def with_defaults(jump: Jump, given: Collection[str] = ()) -> Jump:
     plain = Jump().as_dict()
     silent: dict[str, Any] = {
         name: plain[name] if turned and name in _TURNS else defaults.get(name, plain[name])
-        for name in ASKABLE
+        for name in TYPE_PARAMETERS
         if name not in given
     }
     return replace(jump, **silent)

@@ -1,4 +1,4 @@
-"""What lies between start and landing: a hurdle to jump over, or a gap in the ground.
+"""A hurdle to jump over, or a gap in the ground, between start and landing.
 
 It runs across the heading at the start, along the world's y axis, as far as anybody looks.
 """
@@ -41,7 +41,7 @@ class Obstacle:
 
     @property
     def is_gap(self) -> bool:
-        """Whether the ground lies lower there."""
+        """True if the ground lies lower there."""
         return self.height < 0
 
     def as_dict(self) -> dict[str, Any]:
@@ -50,7 +50,7 @@ class Obstacle:
 
     @classmethod
     def from_dict(cls, table: dict[str, Any]) -> Obstacle:
-        """What `as_dict` wrote, checked.
+        """The obstacle that `as_dict` wrote, checked.
 
         Raises:
             InputError: it is no obstacle.
@@ -65,7 +65,7 @@ class Obstacle:
 
 
 def wrong_shape(near: float, far: float, height: float) -> str:
-    """What is wrong with an obstacle of these measures, m, and what is accepted; "" if nothing."""
+    """The fault of an obstacle of these measures, m, and what is accepted; "" if none."""
     if not all(map(math.isfinite, (near, far, height))):
         return f"from {near:g} to {far:g} m, height {height:g} m; expected finite numbers"
     if abs(near) > FURTHEST:

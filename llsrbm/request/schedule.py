@@ -42,7 +42,7 @@ class Phase:
 
     @property
     def is_flight(self) -> bool:
-        """Whether no foot stands."""
+        """True if no foot stands."""
         return not self.feet
 
 
@@ -98,7 +98,7 @@ class Schedule:
         return self.phases[-1].place
 
     def rest(self, phase: int, time: tuple[float, float]) -> Schedule:
-        """What is left of it in a phase that may still take `time`, shortest and longest, s."""
+        """The rest of it from a phase on that may still take `time`, shortest and longest, s."""
         first = replace(self.phases[phase], time=time)
         return Schedule(self.legs, (first, *self.phases[phase + 1 :]), under_way=True)
 
@@ -137,7 +137,7 @@ class Schedule:
 
     @classmethod
     def from_dict(cls, table: dict[str, Any]) -> Schedule:
-        """What `as_dict` wrote, checked.
+        """The schedule that `as_dict` wrote, checked.
 
         Raises:
             InputError: it is no schedule.

@@ -1,4 +1,4 @@
-"""What a request changes about the planner: weights of costs, limits of constraints."""
+"""Changes of the planner by a request: weights of costs, limits of constraints."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class Tuning:
             object.__setattr__(self, kind, values)
 
     def __bool__(self) -> bool:
-        """Whether anything is changed."""
+        """True if anything is changed."""
         return bool(self.weights or self.limits)
 
     def __hash__(self) -> int:

@@ -26,7 +26,7 @@ class Gains(Table):
 
 
 class Weights(Table):
-    """What the whole-body controller's tasks cost: 1 over (the task's unit squared).
+    """Weights of the whole-body controller's tasks: 1 over (the task's unit squared).
 
     Attributes:
         com, orientation, angular_momentum, swing, contact, posture: of squared accelerations (of
@@ -55,7 +55,7 @@ class Weights(Table):
 
 
 class Control(Table):
-    """How the whole-body controller follows a plan on this robot.
+    """Parameters of the whole-body controller on this robot.
 
     Attributes:
         rate: of the controller, Hz.

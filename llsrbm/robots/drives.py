@@ -1,4 +1,4 @@
-"""What a robot's drives can give at a speed."""
+"""Torque that a robot's drives can give at a speed."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def torque_range(robot: Robot, speed: Array) -> tuple[Array, Array]:
 
 
 def torque_in_direction(robot: Robot, speed: Array, torque: Array) -> Array:
-    """How large a torque can be at a speed in the direction of `torque`, (..., J) Nm or N.
+    """Largest torque at a speed in the direction of `torque`, (..., J) Nm or N.
 
     Called in every step of a simulation.
 

@@ -144,7 +144,7 @@ class Robot:
 
     @property
     def foot_coordinates(self) -> int:
-        """What describes a foot's place: 3 for points; 4, with its yaw, for lines and soles."""
+        """Coordinates of a foot's place: 3 for points; 4, with its yaw, for lines and soles."""
         return 3 if self.file.foot.is_point else 4
 
     @cached_property
@@ -214,5 +214,5 @@ class Robot:
         }
 
     def control_parameters(self) -> dict[str, Any]:
-        """What the controller takes from the robot file, defaults included, as plain data."""
+        """The controller's parameters of the robot file, defaults included, as plain data."""
         return self.file.model_dump(mode="json", include={"control", "uncertainty"})

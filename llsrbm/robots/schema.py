@@ -41,7 +41,7 @@ class LegFrames(Table):
 
 
 class Foot(Table):
-    """What of a foot touches the ground; without this table feet are points.
+    """Contact points of a foot with the ground; without this table feet are points.
 
     Attributes:
         corners: x forward, y left of the contact points in the frame of the foot, m: one for a
@@ -59,7 +59,7 @@ class Foot(Table):
 
     @property
     def is_point(self) -> bool:
-        """Whether the foot has no direction."""
+        """True if the foot has no direction."""
         return len(self.corners) == 1
 
 
@@ -90,7 +90,7 @@ class Reach(Table):
 
 
 class Limits(Table):
-    """What a plan keeps to.
+    """Limits that a plan keeps to.
 
     Attributes:
         torque: largest joint torque, Nm, or force of a sliding joint, N: one number for all joints,
@@ -123,7 +123,7 @@ class Timing(Table):
 
 
 class Task(Table):
-    """What may be asked of the robot: lowest and highest value of each part of a request.
+    """Range of requests of the robot: lowest and highest value of each part of a request.
 
     Attributes:
         twist: rad, positive to the left.
@@ -138,7 +138,7 @@ class Task(Table):
 
 
 class Turning(Table):
-    """What holds instead for jumps in which the body turns over.
+    """Values for jumps in which the body turns over, in place of the others.
 
     It leans far over its standing feet before it leaves them, and tucks its legs in the air.
 

@@ -121,7 +121,7 @@ class Replanning(Hook):
         situation.replans[pending.index] = replace(replan, applied=situation.time)
 
     def _plan_anew(self, situation: Situation) -> None:
-        controller, asked = situation.controller, situation.time
+        controller, measured = situation.controller, situation.time
         began = time.thread_time()
         state = self._expected(situation)
         answer = self._replanner.replan(state)
@@ -133,13 +133,13 @@ class Replanning(Hook):
             reference = controller.reference_of(answer.plan, start)
         computing = time.thread_time() - began
         # From the plan's clock to that of the simulation.
-        offset = asked + self._latency - state.time
-        situation.replans.append(_record(asked, computing, answer, state, offset))
+        offset = measured + self._latency - state.time
+        situation.replans.append(_record(measured, computing, answer, state, offset))
         delay = self._latency
         if self._measured:
             delay = max(delay, math.ceil(computing / self._tick) * self._tick)
-        ready = asked + delay
-        self._next = max(asked + PERIOD, ready)
+        ready = measured + delay
+        self._next = max(measured + PERIOD, ready)
         self._departed = self._departed or self._departs(situation, state)
         if reference is not None and self._departed:
             index = len(situation.replans) - 1
@@ -219,7 +219,9 @@ class Replanning(Hook):
         )
 
 
-def _record(asked: float, computing: float, answer: Answer, state: State, offset: float) -> Replan:
+def _record(
+    measured: float, computing: float, answer: Answer, state: State, offset: float
+) -> Replan:
     """The record of an answer; `offset` s from the plan's clock to the simulation's."""
     plan, legs = answer.plan, len(state.foot_position)
     touchdown = math.nan
@@ -233,7 +235,7 @@ def _record(asked: float, computing: float, answer: Answer, state: State, offset
         ends = (float(plan.phase_start[p + 1]) for p in plan.schedule.flights)
         touchdown = next((end + offset for end in ends if end > state.time), math.nan)
     return Replan(
-        asked=asked,
+        measured=measured,
         applied=math.nan,
         computing_time=computing,
         solved=plan is not None,

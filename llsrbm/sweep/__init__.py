@@ -1,7 +1,6 @@
 """Sweeps: thousands of jumps of a spec, planned and simulated by Dask, in one table.
 
-`spec` says which jumps (its file: `spec_file`, its ranges: `axes`), `points` counts and orders
-them, `shard` works some of them off in a worker, `rows` is what the table says of one, with
-`figures` of its plan, `run` hands shards out, `table` and `trajectories` keep what comes back,
-`estimate` says beforehand what it will take.
+`spec` describes the jumps, `points` counts and orders them, `jump` computes the rows of one in a
+`process` beside each worker, `rows` declares the table's columns, `run` hands the jumps out,
+`folder` keeps their rows, `dataset` makes trainers' files of the strict ones.
 """

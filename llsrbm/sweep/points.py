@@ -1,7 +1,7 @@
-"""The jumps of a spec in their order: counted without listing them, made when they are asked for.
+"""The jumps of a spec in their order: counted without listing them, made when they are needed.
 
 Robots, models and types are the slowest to change, then drives, limits and the jump's own axes. A
-drawn sweep asks the same shares of its ranges of every robot, model and type, so that they can be
+drawn sweep takes the same shares of its ranges of every robot, model and type, so that they can be
 compared jump by jump.
 """
 
@@ -22,8 +22,7 @@ from numpy.typing import NDArray
 from llsrbm.errors import InputError
 from llsrbm.request.jump import Jump
 from llsrbm.request.messages import choices
-from llsrbm.sweep.axes import COUNTED, ROBOT_RANGES
-from llsrbm.sweep.spec import Spec
+from llsrbm.sweep.spec import COUNTED, ROBOT_RANGES, Ranges, Spec
 
 MOST_ROWS = 10**8
 """Rows of a sweep at most: two workers take a year for that."""
@@ -69,7 +68,7 @@ class Points:
     """The jumps of a spec, by their number.
 
     Attributes:
-        spec: what asks for them.
+        spec: of them.
         count: of jumps; rows: of the table.
 
     Raises:
@@ -79,7 +78,7 @@ class Points:
 
     def __init__(self, spec: Spec) -> None:
         self.spec = spec
-        self._dimensions = spec.dimensions()
+        self._dimensions = list(spec.dimensions())
         self._groups = list(product(spec.robots, spec.models, spec.types))
         sizes = [dimension.size for dimension in self._dimensions]
         self._of_group = math.prod(sizes) if spec.sampling == "grid" else spec.count or 0
@@ -139,9 +138,7 @@ class Points:
                     drive_speed=drives.get("speed", 1.0),
                 )
 
-    def _values(
-        self, place: int, ranges: dict[str, tuple[float, float]]
-    ) -> dict[tuple[str, str], float]:
+    def _values(self, place: int, ranges: Ranges) -> dict[tuple[str, str], float]:
         """Table and name of what varies -> value, SI."""
         found = {}
         if self.spec.sampling != "grid":
@@ -178,14 +175,14 @@ def _sobol(dimensions: int, seed: int, block: int) -> NDArray[np.float64]:
 
 
 def _of_type(jump: Jump, fields: dict[str, Any]) -> Jump:
-    """With what is asked, and of the rest what its type says."""
+    """The jump with these fields, of the others with its type's defaults."""
     from llsrbm.request.jump_types import with_defaults
 
     return with_defaults(replace(jump, **fields), fields)
 
 
-def _checked_ranges(robot: str, spec: Spec) -> dict[str, tuple[float, float]]:
-    """What the robot's file says may be asked, once the names of limits have been checked."""
+def _checked_ranges(robot: str, spec: Spec) -> Ranges:
+    """The ranges of the robot's file, once the names of limits have been checked."""
     from llsrbm.planning.problem.placement import limits_of
     from llsrbm.robots import load_robot
 

@@ -1,4 +1,4 @@
-"""A sweep's spec: which jumps of which robots, as a TOML file says it.
+"""A sweep's spec: a TOML file that lists jumps of robots.
 
     title = "ANYmal: twist and distance"
     robots = ["anymal"]              # names or paths of robot files
@@ -8,12 +8,12 @@
     [axes]                           # in SI units; angles in rad, or in degrees as twist_deg
     twist_deg = { from = -180, to = 180, count = 25 }
     forward = [0.0, 0.2, 0.4]
-    height = { range = "robot", count = 7 }      # all that the robot's file says may be asked
+    height = { range = "robot", count = 7 }      # the range of the robot's file
 
     [limits]                         # limit name -> values, see `llsrbm tuning`
     friction = [0.3, 0.5]
 
-    [drives]                         # times what the robot's file says
+    [drives]                         # times the values of the robot's file
     torque = [0.8, 1.0, 1.2]
 
     [simulate]                       # without: plan only
@@ -27,41 +27,207 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Iterator
+import math
+import os
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import AfterValidator, Field, model_validator
-from pydantic_core import PydanticCustomError
+from pydantic import BeforeValidator, Field, model_validator
 
 from llsrbm.errors import InputError, printable
+from llsrbm.installed import assets_directory
 from llsrbm.request.jump import Jump
+from llsrbm.request.messages import choices
 from llsrbm.request.scenario import Scenario
-from llsrbm.request.tables import Table, with_tuples
-from llsrbm.sweep.axes import (
-    DEGREES,
-    Axis,
-    AxisTable,
-    Dimension,
-    DriveAxes,
-    JumpAxes,
-    check_axis,
-    check_drives,
-    names_of,
-    wrong,
+from llsrbm.request.tables import (
+    OneLine,
+    Table,
+    fault,
+    parse_table,
+    read_table,
+    validated,
+    with_tuples,
 )
 
-_LARGEST_SEED = 2**63 - 1  # what the table's column holds
+ROBOT_RANGES = ("twist", "forward", "lateral", "height")
+"""Axes whose ranges a robot's file states."""
+
+COUNTED = ("roll", "pitch", "hops")
+"""Axes of whole turns and whole numbers: only lists make sense."""
+
+_DEGREES = "_deg"  # end of the name of an axis in degrees
+_LARGEST_SEED = 2**63 - 1  # of the table's column
+
+Ranges = Mapping[str, tuple[float, float]]
+"""Name -> ends of a robot's range, SI."""
 
 
-def _printable(text: str) -> str:
-    if not text.isprintable():
-        raise PydanticCustomError("text", "expected one line of printable text")
-    return text
+# ---- axes
 
 
-_OneLine = AfterValidator(_printable)
-_Name = Annotated[str, Field(min_length=1, max_length=1000), _OneLine]
+def _as_axis(given: Any) -> Any:
+    """A number or a list as the table of an axis."""
+    if given == ():
+        raise fault("is empty; expected at least one value")
+    if isinstance(given, int | float) and not isinstance(given, bool):
+        return {"values": (given,)}
+    return {"values": given} if isinstance(given, tuple) else given
+
+
+class AxisTable(Table):
+    """One axis: listed values, or a range.
+
+    Attributes:
+        values: listed.
+        low, high: the ends of a range, both included; "from" and "to" in files.
+        range: "robot": the whole range of the robot's file.
+        count: of a grid's values in a range, evenly spaced.
+    """
+
+    values: Annotated[tuple[float, ...], Field(min_length=1)] | None = None
+    low: Annotated[float | None, Field(alias="from")] = None
+    high: Annotated[float | None, Field(alias="to")] = None
+    range: Literal["robot"] | None = None
+    count: Annotated[int, Field(ge=1)] | None = None
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        ends = (self.low is not None, self.high is not None)
+        if (self.values is not None, all(ends), self.range is not None).count(True) != 1 or (
+            any(ends) != all(ends)
+        ):
+            raise fault('expected a list, "from" and "to", or range = "robot"')
+        if self.values is not None:
+            if self.count is not None:
+                raise fault('a list has its values; expected no "count" beside it')
+            if len(set(self.values)) < len(self.values):
+                raise fault("a value is listed twice; expected each once")
+        if self.low is not None and self.high is not None:
+            if self.low > self.high:
+                raise fault(
+                    f"the range from {self.low:g} to {self.high:g} is empty; expected from <= to"
+                )
+            if self.low == self.high and (self.count or 1) > 1:
+                raise fault(f"from and to are both {self.low:g}; expected count = 1, or a range")
+        return self
+
+
+_Axis = Annotated[AxisTable, BeforeValidator(_as_axis)]
+_AnyAxis = Annotated[_Axis | None, Field(description="a number, a list or a table")]
+
+
+class JumpAxes(Table):
+    """Axes of a jump's fields, in the order in which a grid runs through them, the last fastest."""
+
+    twist: _AnyAxis = None
+    twist_deg: _AnyAxis = None
+    forward: _AnyAxis = None
+    lateral: _AnyAxis = None
+    height: _AnyAxis = None
+    roll: _AnyAxis = None
+    roll_deg: _AnyAxis = None
+    pitch: _AnyAxis = None
+    pitch_deg: _AnyAxis = None
+    speed: _AnyAxis = None
+    end_speed: _AnyAxis = None
+    hops: _AnyAxis = None
+
+
+class DriveAxes(Table):
+    """Axes of the drives' limits, times those of the robot's file."""
+
+    torque: _AnyAxis = None
+    speed: _AnyAxis = None
+
+
+@dataclass(frozen=True)
+class Dimension:
+    """One axis in SI units.
+
+    Attributes:
+        where: the spec's table, "axes", "limits" or "drives".
+        key: its name there; name: a `Jump`'s field, a limit or a property of drives.
+        axis: its values.
+    """
+
+    where: str
+    key: str
+    axis: AxisTable
+
+    @property
+    def name(self) -> str:
+        """The key without its unit."""
+        return self.key.removesuffix(_DEGREES)
+
+    @property
+    def size(self) -> int:
+        """Number of its values in a grid."""
+        return len(self.axis.values) if self.axis.values is not None else self.axis.count or 1
+
+    def value(self, number: int, ranges: Ranges) -> float:
+        """One of a grid's values, SI; `number`: from 0 to `size` - 1."""
+        if self.axis.values is not None:
+            return self._si(self.axis.values[number])
+        low, high = self._ends(ranges)
+        steps = self.size - 1
+        # The far end is met exactly, and a grid's middle is 0 where that is in the middle.
+        return (low * (steps - number) + high * number) / steps if steps else low
+
+    def drawn(self, share: float, ranges: Ranges) -> float:
+        """The value, SI, at a share, 0 to 1, of the range, or of the list."""
+        if self.axis.values is not None:
+            count = len(self.axis.values)
+            return self._si(self.axis.values[min(int(share * count), count - 1)])
+        low, high = self._ends(ranges)
+        return low + share * (high - low)
+
+    def check(self, sampling: str) -> None:
+        """Refuse an axis that makes no sense in its place."""
+        of_jump, axis, place = self.where == "axes", self.axis, f"{self.where}.{self.key}"
+        if self.where == "drives" and (axis.values is None or min(axis.values) <= 0):
+            # Each has solvers of its own, which take half a minute to build.
+            raise fault(f"{place}: expected a list of factors above 0, such as [0.8, 1, 1.2]")
+        if axis.values is None:
+            if of_jump and self.name in COUNTED:
+                degrees = "-360, 0" if self.key.endswith(_DEGREES) else "0.0"
+                example = "1, 2, 3" if self.name == "hops" else degrees
+                raise fault(f"{place}: expected a list of values, such as [{example}]")
+            if sampling == "grid" and axis.count is None:
+                raise fault(f'{place}: missing "count"; expected how many values a grid has of it')
+            if sampling != "grid" and axis.count is not None:
+                raise fault(f'{place}: "count" is for grids; expected none with "{sampling}"')
+        if axis.range is not None and (not of_jump or self.name not in ROBOT_RANGES):
+            raise fault(
+                f'{place}: a robot\'s file has no range of it; expected "from" and "to" '
+                f'(range = "robot" is for {", ".join(ROBOT_RANGES)})'
+            )
+        for value in map(self._si, (axis.values or ()) if of_jump else ()):
+            whole = self.name == "hops" and value == int(value)
+            field: dict[str, Any] = {self.name: int(value) if whole else value}
+            try:
+                Jump(**field)
+            except InputError as error:
+                raise fault(f"{place}: {str(error).partition(': ')[2]}") from error
+
+    def _ends(self, ranges: Ranges) -> tuple[float, float]:
+        if self.axis.low is None or self.axis.high is None:
+            return ranges[self.name]
+        return self._si(self.axis.low), self._si(self.axis.high)
+
+    def _si(self, value: float) -> float:
+        in_degrees = self.where == "axes" and self.key.endswith(_DEGREES)
+        return math.radians(value) if in_degrees else value
+
+
+# ---- the spec
+
+_Name = Annotated[str, Field(min_length=1, max_length=1000), OneLine]
 _Names = Annotated[tuple[_Name, ...], Field(min_length=1)]
+_Simulate = Annotated[
+    Literal[False] | dict[str, Any] | None, Field(description="a table of a scenario, or false")
+]
 
 
 class Spec(Table):
@@ -74,12 +240,12 @@ class Spec(Table):
         seed: draws jumps, and numbers the disturbances of simulations (`seeds`).
         axes, limits, drives: what varies; what is not named is as the robot has it.
         simulate: fields of a `Scenario`, with `seeds`; None or false: plan only.
-        patient: whether plans are tried from other guesses where the analytic one fails.
-        diagnose: whether the limit that stops a jump is looked for, which takes some seconds each.
-        trajectories: whether planned motions are kept, as zarr.
+        patient: plans are tried from other guesses where the analytic one fails.
+        diagnose: the limit that stops a jump is looked for, which takes some seconds each.
+        trajectories: planned motions are kept, as list columns.
     """
 
-    title: Annotated[str, Field(min_length=1, max_length=200), _OneLine]
+    title: Annotated[str, Field(min_length=1, max_length=200), OneLine]
     robots: _Names
     models: _Names = (Jump.model,)
     types: _Names = (Jump.type,)
@@ -87,9 +253,9 @@ class Spec(Table):
     count: Annotated[int, Field(ge=1)] | None = None
     seed: Annotated[int, Field(ge=0, le=_LARGEST_SEED)] = 0
     axes: JumpAxes = JumpAxes()
-    limits: dict[_Name, Axis] = Field(default_factory=dict)
+    limits: dict[_Name, _Axis] = Field(default_factory=dict)
     drives: DriveAxes = DriveAxes()
-    simulate: Literal[False] | dict[str, Any] | None = None
+    simulate: _Simulate = None
     patient: bool = True
     diagnose: bool = False
     trajectories: bool = False
@@ -99,65 +265,59 @@ class Spec(Table):
         for name in ("robots", "models", "types"):
             given = getattr(self, name)
             if len(set(given)) < len(given):
-                raise wrong(f"{name}: one is named twice; expected each once")
+                raise fault(f"{name}: one is named twice; expected each once")
         if self.sampling == "grid" and self.count is not None:
-            raise wrong('count: a grid has its axes\' counts; expected it with "random" or "sobol"')
+            raise fault('count: a grid has its axes\' counts; expected it with "random" or "sobol"')
         if self.sampling != "grid" and self.count is None:
-            raise wrong(f'count: missing; expected how many jumps to draw with "{self.sampling}"')
-        for where, name, axis in self._given():
-            check_axis(f"{where}.{name}", name, axis, self.sampling)
+            raise fault(f'count: missing; expected how many jumps to draw with "{self.sampling}"')
+        for dimension in self.dimensions():
+            dimension.check(self.sampling)
         for name in ("twist", "roll", "pitch"):
-            if getattr(self.axes, name) and getattr(self.axes, name + DEGREES):
-                raise wrong(f"axes: {name} and {name}{DEGREES} are the same; expected one of them")
-        check_drives(self.drives)
+            if getattr(self.axes, name) and getattr(self.axes, name + _DEGREES):
+                raise fault(f"axes: {name} and {name}{_DEGREES} are the same; expected one of them")
         self.scenario()
         return self
 
-    def _given(self) -> Iterator[tuple[str, str, AxisTable]]:
-        """Table, name and axis of all that are given, the slowest of a grid first."""
-        for where, table in (("drives", self.drives), ("limits", None), ("axes", self.axes)):
-            named = (
-                self.limits if table is None else {n: getattr(table, n) for n in names_of(table)}
-            )
-            for name, axis in named.items():
+    def dimensions(self) -> Iterator[Dimension]:
+        """Axes that are given, the slowest of a grid first."""
+        for where, axes in (("drives", self.drives), ("limits", self.limits), ("axes", self.axes)):
+            for name, axis in axes.items() if isinstance(axes, dict) else axes:
                 if axis is not None:
-                    yield where, name, axis
-
-    def dimensions(self) -> list[Dimension]:
-        """What varies, in SI units, the slowest of a grid first."""
-        return [Dimension(where, name, axis) for where, name, axis in self._given()]
+                    yield Dimension(where, name, axis)
 
     def scenario(self) -> Scenario | None:
-        """What simulations are asked for, seeds aside; None: plan only."""
+        """The scenario of simulations, seeds aside; None: plan only."""
         if not self.simulated:
             return None
         table: dict[str, Any] = dict(self.simulate or {})
         seeds = table.pop("seeds", None)
         _check_seeds(seeds)
         if "seed" in table:
-            raise wrong('simulate.seed: expected "seeds", a number of them or a list')
+            raise fault('simulate.seed: expected "seeds", a number of them or a list')
         try:
             scenario = Scenario().but(**table)
             return scenario if seeds is None else scenario.but(seed=0)
         except InputError as error:
-            raise wrong(f"simulate: {error}") from error
+            raise fault(f"simulate: {error}") from error
 
     @property
     def simulated(self) -> bool:
-        """Whether plans are simulated, too."""
+        """True if plans are simulated, too."""
         return self.simulate is not None and self.simulate is not False
+
+    @property
+    def _seeds(self) -> Any:
+        return self.simulate.get("seeds") if isinstance(self.simulate, dict) else None
 
     def rows_a_jump(self) -> int:
         """One a seed."""
-        seeds = self.simulate.get("seeds") if isinstance(self.simulate, dict) else None
-        return len(seeds) if isinstance(seeds, tuple) else seeds or 1
+        return len(self._seeds) if isinstance(self._seeds, tuple) else self._seeds or 1
 
     def simulation_seed(self, row: int) -> int | None:
         """Of the row with that number; None: undisturbed, or not simulated."""
-        seeds = self.simulate.get("seeds") if isinstance(self.simulate, dict) else None
-        if isinstance(seeds, tuple):
-            return int(seeds[row % len(seeds)])
-        return None if seeds is None else self.seed + row
+        if isinstance(self._seeds, tuple):
+            return int(self._seeds[row % len(self._seeds)])
+        return None if self._seeds is None else self.seed + row
 
     def as_json(self) -> str:
         """The whole of it, to be sent or compared."""
@@ -165,16 +325,16 @@ class Spec(Table):
 
     @classmethod
     def from_json(cls, text: str) -> Spec:
-        """What `as_json` wrote."""
+        """The spec that `as_json` wrote."""
         return cls.model_validate(with_tuples(json.loads(text)))
 
     def digest(self) -> str:
-        """The same for specs that ask the same, whatever their comments, and for those alone."""
+        """The same for specs of the same jumps, whatever their comments, and for those alone."""
         return hashlib.sha256(self.as_json().encode()).hexdigest()
 
 
 def _check_seeds(seeds: Any) -> None:
-    """Whether they are a number of seeds or a list of them; None: none."""
+    """Refuse seeds that are neither None, a number of them, nor a list of different ones."""
     listed = seeds if isinstance(seeds, tuple) else (seeds,)
     whole = all(isinstance(seed, int) and not isinstance(seed, bool) for seed in listed)
     if seeds is None or (
@@ -185,7 +345,47 @@ def _check_seeds(seeds: Any) -> None:
         and max(listed) <= _LARGEST_SEED
     ):
         return
-    raise wrong(
+    raise fault(
         "simulate.seeds: expected how many of each jump, from 1 on, or a list of different seeds "
         f"from 0 on, got {printable(repr(seeds))}"
     )
+
+
+# ---- files
+
+
+def find_spec(name_or_path: str) -> Spec:
+    """The spec of that name among those that come with the project, or in the file at that path.
+
+    A text that ends in ".toml" or contains a path separator is a path.
+
+    Raises:
+        InputError: no such name, or as `read_spec`.
+    """
+    if name_or_path.endswith(".toml") or os.sep in name_or_path:
+        return read_spec(Path(name_or_path))
+    known = {path.stem: path for path in sorted((assets_directory() / "sweeps").glob("*.toml"))}
+    if name_or_path not in known:
+        raise InputError(
+            f'no sweep "{name_or_path}"; {choices(name_or_path, known)}, '
+            "or the path of a spec's file (.toml)"
+        )
+    return read_spec(known[name_or_path])
+
+
+def read_spec(path: Path) -> Spec:
+    """Read and check a spec; robots and limits are checked by `points`.
+
+    Raises:
+        InputError: one line: the file, the key, its value and the accepted ones.
+    """
+    return validated(Spec, read_table(path, "a sweep's spec"), str(path))
+
+
+def parse_spec(text: str, where: str) -> Spec:
+    """A spec from the text of its file, called `where` in messages.
+
+    Raises:
+        InputError: as `read_spec`.
+    """
+    return validated(Spec, parse_table(text, where), where)

@@ -31,7 +31,7 @@ def with_replans(rollout, plan):
         feet = np.repeat(plan.foot_position[-1:] + moved, KNOTS, axis=0)
         replans.append(
             Replan(
-                asked=float(asked),
+                measured=float(asked),
                 applied=float(asked + LATENCY) if solved and not late else np.nan,
                 computing_time=0.031 if late else 0.008 + 0.001 * (number % 5),
                 solved=solved,

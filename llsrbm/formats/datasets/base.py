@@ -1,4 +1,4 @@
-"""What a format of many motions is: a file a motion, and what makes a data set of the files."""
+"""A format of many motions: a file a motion, and the making of a data set of the files."""
 
 from __future__ import annotations
 

@@ -2,7 +2,7 @@
 
     meta/info.json                                features, rate, how many episodes and frames
     meta/stats.json                               of each feature over all frames
-    meta/tasks.parquet                            what is asked, in words -> task_index
+    meta/tasks.parquet                            the request in words -> task_index
     meta/episodes/chunk-000/file-000.parquet      an episode a row: length, where it is, statistics
     data/chunk-000/file-000.parquet               a frame a row, episode after episode
 
@@ -52,7 +52,7 @@ _COUNTED = {
 }
 """Columns that every such data set has, and their types."""
 
-_NAMES, _ROBOT = b"llsrbm.names", b"llsrbm.robot"  # what a part's schema tells of itself
+_NAMES, _ROBOT = b"llsrbm.names", b"llsrbm.robot"  # a part's names and robot in its schema
 _QUANTILES = (0.01, 0.1, 0.5, 0.9, 0.99)  # those that LeRobot computes
 
 
@@ -108,7 +108,7 @@ def finish(folder: Path, episodes: Sequence[Episode], options: Options) -> None:
     """
     import pyarrow.parquet as pq
 
-    # Told before anything is written: what of one robot fits, does not of another.
+    # Checked before anything is written: features differ from robot to robot.
     schemas = [pq.read_schema(episode.file) for episode in episodes]
     robots = {schema.metadata[_ROBOT].decode() for schema in schemas}
     if len(robots) > 1 or any(not schema.equals(schemas[0]) for schema in schemas):
@@ -182,7 +182,7 @@ class _Writer:
             self._flush()
         self._tables.append(part.replace_schema_metadata(None))
         chunk, file = divmod(self._file, _CHUNK)
-        told: dict[str, Any] = {
+        episode: dict[str, Any] = {
             "episode_index": number,
             "tasks": [task],
             "length": count,
@@ -194,8 +194,8 @@ class _Writer:
             "meta/episodes/file_index": 0,
         }
         for name, values in arrays.items():
-            told |= {f"stats/{name}/{key}": value for key, value in _stats(values).items()}
-        self._episodes.append(told)
+            episode |= {f"stats/{name}/{key}": value for key, value in _stats(values).items()}
+        self._episodes.append(episode)
         self.frames += count
 
     def close(self) -> None:
@@ -240,7 +240,7 @@ def _stats(values: NDArray[Any]) -> dict[str, list[float]]:
 
 
 def _described(names: dict[str, list[str]]) -> dict[str, Any]:
-    """What info.json says of each feature."""
+    """Type, shape and names of each feature, for info.json."""
     own = {
         name: {"dtype": "float32", "shape": [len(labels)], "names": labels}
         for name, labels in names.items()

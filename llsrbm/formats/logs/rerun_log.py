@@ -129,7 +129,7 @@ def _log_description(recording: rr.RecordingStream, about: dict[str, Any]) -> No
         "",
         f"- request: {request}",
         f"- model: {about['model']}",
-        *(f"- {name}: {_told(about[name])}" for name in ("solver", "outcome") if name in about),
+        *(f"- {name}: {_status(about[name])}" for name in ("solver", "outcome") if name in about),
         f"- world frame: {about['world_frame']}",
         f"- units: {about['units']}",
         f"- llsrbm {about['package_version']}",
@@ -141,7 +141,7 @@ def _log_description(recording: rr.RecordingStream, about: dict[str, Any]) -> No
     )
 
 
-def _told(part: dict[str, Any]) -> str:
+def _status(part: dict[str, Any]) -> str:
     return part["status"] + (f", {part['reason']}" if part.get("reason") else "")
 
 

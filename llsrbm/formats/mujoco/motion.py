@@ -37,7 +37,7 @@ _SAME_RATE = 2e-3  # share by which rates may differ: 60 frames/s, and 59.94
 
 
 def recognises(path: Path) -> bool:
-    """Whether it looks like something that `read_motion` reads; opens it, and never raises."""
+    """True if it looks like something that `read_motion` reads; opens it, and never raises."""
     try:
         if path.is_dir():
             return (path / _MOTION).is_file() and (path / _SCENE).is_file()

@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 Picture = NDArray[np.uint8]
 
 _BACKENDS = ("egl", "osmesa")  # of MuJoCo, those that need no screen
-_TOLD = 200  # characters of what went wrong in the other process
+_LONGEST_LINE = 200  # characters of what went wrong in the other process
 _INK, _SOFT_INK = (29, 36, 48), (93, 104, 118)
 
 
@@ -127,28 +127,28 @@ def _poses(bodies: Bodies, visuals: tuple[LinkVisual, ...]) -> NDArray[np.float6
 def _drawn(film: dict[str, Any]) -> Iterator[Picture]:
     """The film's pictures, from a process that is ended with the iteration."""
     width, height = json.loads(str(film["facts"]))["size"]
-    asked = os.environ.get("MUJOCO_GL", "").lower()
-    backends = (asked,) if asked in _BACKENDS else _BACKENDS
+    chosen = os.environ.get("MUJOCO_GL", "").lower()
+    backends = (chosen,) if chosen in _BACKENDS else _BACKENDS
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "film.npz"
         np.savez(path, **film)
-        told = ""
+        output = ""
         for backend in backends:
-            status, told = yield from _drawn_with(backend, path, width, height, len(film["time"]))
+            status, output = yield from _drawn_with(backend, path, width, height, len(film["time"]))
             if status == 0:
                 return
             if status != NO_OPENGL:
-                raise Error(f"drawing pictures failed: {_last_line(told)}")
+                raise Error(f"drawing pictures failed: {_last_line(output)}")
     raise InputError(
-        f"pictures cannot be drawn without a screen: no OpenGL ({_last_line(told)}); expected EGL "
-        "or OSMesa, on Debian and Ubuntu: apt install libegl1 libgl1-mesa-dri, or libosmesa6"
+        f"pictures cannot be drawn without a screen: no OpenGL ({_last_line(output)}); expected "
+        "EGL or OSMesa, on Debian and Ubuntu: apt install libegl1 libgl1-mesa-dri, or libosmesa6"
     )
 
 
-def _last_line(told: str) -> str:
+def _last_line(output: str) -> str:
     """Of what a process wrote when it gave up."""
-    lines = told.strip().splitlines()
-    return lines[-1][:_TOLD] if lines else "nothing was said"
+    lines = output.strip().splitlines()
+    return lines[-1][:_LONGEST_LINE] if lines else "nothing was said"
 
 
 def _drawn_with(

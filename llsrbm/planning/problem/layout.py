@@ -1,4 +1,4 @@
-"""Which variables exist at which knot, in which units, and where they sit in the vector.
+"""The variables of each knot, their units, and their places in the vector.
 
 The horizon has the schedule's phases of n intervals each. Only what a phase needs is a variable:
 no positions of feet that stand, no forces of feet that swing; the start is fixed. A phase's
@@ -193,7 +193,7 @@ class Layout:
 
     @property
     def name(self) -> str:
-        """Which feet stand in which phase, for names of files: "1111-0000-1111"."""
+        """The feet that stand in each phase, for names of files: "1111-0000-1111"."""
         text = "-".join("".join(str(int(foot)) for foot in row) for row in self.stands)
         flags = ("-clears", self.clears), ("-turns", self.turns), ("-under-way", self.under_way)
         return text + "".join(tag for tag, on in flags if on)

@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 from llsrbm.errors import Stop
 from llsrbm.motion.plan import Violation
 from llsrbm.planning.problem.constraints import CONSTRAINTS, Constraint
-from llsrbm.planning.problem.constraints.base import Demand, Limit
+from llsrbm.planning.problem.constraints.base import JointDemand, Limit
 from llsrbm.planning.problem.knots import DYNAMICS, Knots
 from llsrbm.planning.problem.layout import BODY_PLACES
 
@@ -197,7 +197,7 @@ def stop(
     )
 
 
-def with_demand(stop: Stop, demand: Demand | None, knots: Knots) -> Stop:
+def with_demand(stop: Stop, demand: JointDemand | None, knots: Knots) -> Stop:
     """A stop with the joint, the amount and the place of a demand, if there is one."""
     if demand is None:
         return stop

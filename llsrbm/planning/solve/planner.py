@@ -334,7 +334,7 @@ class Planner:
 
 
 def layout_of(jump: Jump, robot: Robot, intervals: int = INTERVALS) -> Layout:
-    """Which variables the plan of a jump has; `intervals` as for three phases.
+    """The variables of a jump's plan; `intervals` as for three phases.
 
     Raises:
         InputError: a number of intervals that cannot be, or a jump type that is none.

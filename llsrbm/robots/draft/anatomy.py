@@ -1,4 +1,4 @@
-"""Which chains of a URDF are legs, where they end, and what touches the ground there."""
+"""The legs of a URDF: their chains, ends, and contacts with the ground."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ class Anatomy:
 
     @property
     def has_soles(self) -> bool:
-        """Whether the feet have a direction."""
+        """True if the feet have a direction."""
         return len(self.corners) > 1
 
     @property

@@ -1,4 +1,4 @@
-"""What of a URDF's feet touches the ground, by their collision geometry."""
+"""Contacts of a URDF's feet with the ground, by their collision geometry."""
 
 from __future__ import annotations
 

@@ -38,7 +38,7 @@ _MIRRORED = 1e-3  # m by which places of masses tell a mirrored leg from one lik
 
 @dataclass(frozen=True, eq=False)
 class Proposal:
-    """What goes into a robot file, rounded, and which keys of it are guesses.
+    """Content of a robot file, rounded, and its keys that are guesses.
 
     Attributes:
         values: key, with dots -> value.
@@ -57,10 +57,10 @@ def propose(anatomy: Anatomy) -> Proposal:
     """
     shortest, length = _distances(anatomy)
     near, standing, far = _NEAREST * length, _STANDING * length, _FARTHEST * length
-    said = f"{length:.3f} m of leg"
+    basis = f"{length:.3f} m of leg"
     if anatomy.chains.prismatic.any():  # as much of the stroke to push off with as to land on
         near, standing, far = (shortest + share * (length - shortest) for share in _OF_STROKE)
-        said = f"a stroke of {length - shortest:.3f} m"
+        basis = f"a stroke of {length - shortest:.3f} m"
         length = far / _FARTHEST  # of a leg that bends and reaches as far
     angles, seen = _posture(anatomy, standing)
     outward = np.where(anatomy.hip_position[:, 1] < 0, -1.0, 1.0)
@@ -90,8 +90,8 @@ def propose(anatomy: Anatomy) -> Proposal:
         "example.twist": 0.7854,
     }
     guessed = {
-        "posture": f"hips {standing:.2f} m above the feet, from {said}",
-        "reach": f"shares of {said}",
+        "posture": f"hips {standing:.2f} m above the feet, from {basis}",
+        "reach": f"shares of {basis}",
         "limits": "friction, clearance and the feet's distance by the legs' length",
         "timing": "as of robots that are tuned",
         "task": "by the legs' length",
@@ -153,7 +153,7 @@ def _leg_posture(anatomy: Anatomy, leg: int, foot_from_hip: Array, *, forward: b
         return foot.translation - hip, foot.rotation
 
     def knee() -> float:
-        """How far the joints after the hip are in front of the line from hip to foot, m."""
+        """Distance (m) of the joints after the hip in front of the line from hip to foot."""
         ahead = np.array([data.oMi[j].translation[0] for j in joints])
         ahead -= hip[0] + pose(posture[index])[0][0] / 2
         return float(ahead.max(initial=0.0) + ahead.min(initial=0.0))
@@ -187,7 +187,7 @@ def _leg_posture(anatomy: Anatomy, leg: int, foot_from_hip: Array, *, forward: b
 
 
 def _mirrors_a_front_leg(anatomy: Anatomy, leg: int) -> bool:
-    """Whether a hind leg is the front leg of its side seen in a mirror, so that it bends forward.
+    """True if a hind leg is the front leg of its side seen in a mirror, so that it bends forward.
 
     The links' CoMs tell, seen from the hip with all joints at zero: those from the hip outwards,
     or, where these are alike both ways, those between base and hip.

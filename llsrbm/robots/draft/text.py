@@ -11,7 +11,7 @@ from llsrbm.robots.draft.anatomy import Anatomy
 from llsrbm.robots.draft.proposal import Proposal
 
 _TABLES = ("foot", "reach", "limits", "timing", "task", "example")
-_SAID = {
+_COMMENTS = {
     "reach": "Where a foot may be, seen from its hip: x forward, y outward, m.",
     "limits": "Nm or N and rad/s or m/s, a number a joint of a leg; m, m/s.",
     "timing": "s, shortest and longest.",
@@ -66,8 +66,10 @@ def _held(anatomy: Anatomy) -> list[str]:
     if not anatomy.held:
         return []
     rows = [f"{_key(name)} = {_value(angle)}" for name, angle in anatomy.held.items()]
-    said = "# Joints that move no foot stay at these angles, rad. Guessed: at zero, or next to it."
-    return ["", said, "[urdf.held]", *rows]
+    comment = (
+        "# Joints that move no foot stay at these angles, rad. Guessed: at zero, or next to it."
+    )
+    return ["", comment, "[urdf.held]", *rows]
 
 
 def _frames(anatomy: Anatomy) -> list[str]:
@@ -78,8 +80,8 @@ def _frames(anatomy: Anatomy) -> list[str]:
         + " }"
         for name, frame in anatomy.frames.items()
     ]
-    said = "# Middles of the soles on the ground. Guessed: from the feet's collision geometry."
-    return ["", said, "[urdf.frames]", *rows] if rows else []
+    comment = "# Middles of the soles on the ground. Guessed: from the feet's collision geometry."
+    return ["", comment, "[urdf.frames]", *rows] if rows else []
 
 
 def _key(name: str) -> str:
@@ -96,10 +98,10 @@ def _table(table: str, proposal: Proposal) -> list[str]:
     }
     if not rows:
         return []
-    said = [_SAID[table]] if table in _SAID else []
+    comments = [_COMMENTS[table]] if table in _COMMENTS else []
     if table in proposal.guessed:
-        said.append(f"Guessed: {proposal.guessed[table]}.")
-    lines = ["", f"[{table}]"] if not said else ["", f"# {' '.join(said)}", f"[{table}]"]
+        comments.append(f"Guessed: {proposal.guessed[table]}.")
+    lines = ["", f"[{table}]"] if not comments else ["", f"# {' '.join(comments)}", f"[{table}]"]
     for key, value in rows.items():
         guess = proposal.guessed.get(f"{table}.{key}")
         lines.append(f"{key} = {_value(value)}" + (f"  # guessed: {guess}" if guess else ""))

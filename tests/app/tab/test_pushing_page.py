@@ -127,7 +127,7 @@ def test_computing_times_are_bars_under_the_timeline(page):
     box = bars.nth(3).bounding_box()
     end = page.evaluate("llsrbm.player.clip.end")
     assert (box["x"] + 2 - strip["x"]) / strip["width"] == pytest.approx(
-        replan.asked / end, abs=0.01
+        replan.measured / end, abs=0.01
     )
     assert box["height"] / strip["height"] == pytest.approx(replan.computing_time / 0.04, abs=0.1)
     taken = next(replan.applied for replan in rollout.replans if np.isfinite(replan.applied))

@@ -43,7 +43,7 @@ def test_together_is_chosen_and_asks_for_nothing_else(tab):
 @pytest.mark.parametrize("name", ["flip", "hops", "run-up"])
 def test_controls_appear_that_a_type_asks_for(tab, session, name):
     choose_type(tab, session, name)
-    asks = jump_types.load_type(name).asks
+    asks = jump_types.load_type(name).parameters
     assert there(tab) == {label for label, fields in EXTRA.items() if set(fields) & set(asks)}
     assert session.plan.schedule == jump_types.schedule_of(session.plan.jump, session.state.robot)
 
@@ -93,7 +93,7 @@ def test_a_biped_is_offered_what_it_can_do(tab, session):
 )
 def test_values_that_no_control_offers_are_told(tab, session, label, value):
     for name, kind in jump_types.names().items():
-        if set(EXTRA.get(label, ())) & set(kind.asks):
+        if set(EXTRA.get(label, ())) & set(kind.parameters):
             choose_type(tab, session, name)
             break
     before = session.design.jump

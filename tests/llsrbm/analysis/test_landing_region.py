@@ -137,7 +137,7 @@ def replan(applied, touchdown=0.95, yaw=1.0):
     knots = np.array([0.5, 0.8, touchdown, 1.4])
     quat = Rotation.from_euler("z", yaw).as_quat(scalar_first=True)
     return Replan(
-        asked=applied - 0.02,
+        measured=applied - 0.02,
         applied=applied,
         computing_time=0.01,
         solved=True,

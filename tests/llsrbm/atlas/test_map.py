@@ -35,7 +35,7 @@ def test_a_grids_slice_is_the_one_nearest_to_the_design(jumps, height, border):
     np.testing.assert_allclose(found.x.centres, TWISTS, atol=1e-8)
     np.testing.assert_allclose(found.y.centres, FORWARDS)
     slice_ = min(HEIGHTS, key=lambda each: abs(each - height))
-    assert {jumps.asked["height"][k] for k in found.jump.flat} == {slice_}
+    assert {jumps.requested["height"][k] for k in found.jump.flat} == {slice_}
     assert len(found.border) == 2
     for line in found.border:
         np.testing.assert_allclose(np.abs(np.degrees(line[:, 0])), border, atol=1e-4)
@@ -54,12 +54,12 @@ def test_all_slices_together_are_shares(jumps):
 def test_a_cell_opens_its_own_jump(jumps):
     found = made(jumps, projection=ALL, design={"height": 0.2})
     for (up, across), place in np.ndenumerate(found.jump):
-        assert jumps.asked["twist"][place] == pytest.approx(TWISTS[across])
-        assert jumps.asked["forward"][place] == pytest.approx(FORWARDS[up])
-        assert jumps.asked["height"][place] == 0.2
+        assert jumps.requested["twist"][place] == pytest.approx(TWISTS[across])
+        assert jumps.requested["forward"][place] == pytest.approx(FORWARDS[up])
+        assert jumps.requested["height"][place] == 0.2
     nearest = found.nearest(math.radians(50), 0.5)
-    assert math.degrees(jumps.asked["twist"][nearest]) == pytest.approx(45)
-    assert jumps.asked["forward"][nearest] == pytest.approx(0.6)
+    assert math.degrees(jumps.requested["twist"][nearest]) == pytest.approx(45)
+    assert jumps.requested["forward"][nearest] == pytest.approx(0.6)
 
 
 def test_a_drawn_sweeps_border_is_where_it_should_be(cloud):
@@ -74,10 +74,10 @@ def test_a_drawn_sweeps_border_is_where_it_should_be(cloud):
 
 def test_figures_are_means_of_the_jumps_that_have_them(cloud):
     found = made(cloud, "torque", axes=(FORWARD, LATERAL), projection=ALL)
-    cells = found.y.cells(cloud.asked["lateral"]), found.x.cells(cloud.asked["forward"])
+    cells = found.y.cells(cloud.requested["lateral"]), found.x.cells(cloud.requested["forward"])
     for place, value in np.ndenumerate(found.value):
         inside = (cells[0] == place[0]) & (cells[1] == place[1]) & (cloud.planned > 0)
-        expected = (1 + cloud.asked["forward"][inside]).mean() if inside.any() else np.nan
+        expected = (1 + cloud.requested["forward"][inside]).mean() if inside.any() else np.nan
         np.testing.assert_allclose(value, expected, rtol=1e-6)
     assert found.colour_of(float("nan")) is None
     assert found.colour_of(found.ends[0]) == SCALE[0]

@@ -21,7 +21,7 @@ def test_jumps_of_a_robot_with_what_was_asked_and_what_varies(tmp_path):
     jumps = atlas.jumps_of("go2")
     assert len(jumps) == 72
     assert [axis.name for axis in jumps.axes] == ["twist", "forward", "height"]
-    asked = zip(jumps.asked["twist"], jumps.asked["height"], strict=True)
+    asked = zip(jumps.requested["twist"], jumps.requested["height"], strict=True)
     assert jumps.planned.tolist() == [can(*each) for each in asked]
     assert atlas.jumps_of("slider") is None
 
@@ -79,7 +79,9 @@ def test_the_small_file_is_the_same_atlas(tmp_path, name):
     (one,), (other,) = (read_atlas(p).groups for p in (table, tmp_path / name))
     assert read_atlas(tmp_path / name).title == tmp_path.name
     np.testing.assert_array_equal(one.planned, other.planned)
-    np.testing.assert_array_equal(one.asked["limit_friction"], other.asked["limit_friction"])
+    np.testing.assert_array_equal(
+        one.requested["limit_friction"], other.requested["limit_friction"]
+    )
     np.testing.assert_allclose(one.torque_share, other.torque_share, rtol=1e-6)
     assert one.stops == other.stops
 

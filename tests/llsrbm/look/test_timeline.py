@@ -98,7 +98,7 @@ def test_pushes_are_marks_by_their_size():
 def planned_anew(asked, computing_time, *, solved=True, applied=1.0):
     none = np.zeros((0, 4, 3))
     return Replan(
-        asked=asked,
+        measured=asked,
         applied=applied,
         computing_time=computing_time,
         solved=solved,

@@ -21,7 +21,7 @@ def replan(knots, seed=0, **changes):
     quat = rng.normal(size=(knots, 1 + LEGS, 4))
     quat /= np.linalg.norm(quat, axis=-1, keepdims=True)
     made = Replan(
-        asked=0.4 + seed / 50,
+        measured=0.4 + seed / 50,
         applied=0.42 + seed / 50,
         computing_time=0.0123,
         solved=knots > 0,

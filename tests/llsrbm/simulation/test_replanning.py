@@ -59,7 +59,7 @@ def pushed_at_lift_off():
 def test_it_is_asked_at_50_hz_in_flight_and_after_and_followed_after_the_latency(takes):
     takes(0.008)
     rollout = simulate(plan(), ROBOT, Scenario(pushes=pushed_at_lift_off(), replan=True))
-    asked = np.array([replan.asked for replan in rollout.replans])
+    asked = np.array([replan.measured for replan in rollout.replans])
     applied = np.array([replan.applied for replan in rollout.replans])
     assert rollout.outcome.replans == len(asked) > 20
     assert asked[0] == pytest.approx(plan().lift_off, abs=2 * TICK)
@@ -76,7 +76,7 @@ def test_with_a_measured_latency_a_slow_answer_is_followed_when_it_is_there(take
     takes(0.05)
     scenario = Scenario(pushes=pushed_at_lift_off(), replan=True, replan_latency="measured")
     rollout = simulate(plan(), ROBOT, scenario)
-    asked = np.array([replan.asked for replan in rollout.replans])
+    asked = np.array([replan.measured for replan in rollout.replans])
     applied = np.array([replan.applied for replan in rollout.replans])
     followed = ~np.isnan(applied)
     assert applied[followed] - asked[followed] == pytest.approx(0.05, abs=1.5 * TICK)
@@ -126,8 +126,8 @@ def test_the_first_plan_is_followed_until_a_push(takes):
     takes(0.01)
     push = (Push(middle(), ASIDE),)
     replans = simulate(plan(), ROBOT, Scenario(pushes=push, replan=True)).replans
-    before = [replan for replan in replans if replan.asked < middle()]
-    after = [replan for replan in replans if replan.asked > middle() + DURATION]
+    before = [replan for replan in replans if replan.measured < middle()]
+    after = [replan for replan in replans if replan.measured > middle() + DURATION]
     assert len(before) > 2
     assert all(replan.solved and np.isnan(replan.applied) for replan in before)
     assert np.mean([np.isfinite(replan.applied) for replan in after]) > 0.8
@@ -149,9 +149,9 @@ def test_what_is_recorded_is_what_was_followed(takes, tmp_path):
     takes(0.01)
     gently = (Push(middle(), (0.0, 8.0, 0.0)),)
     rollout = simulate(plan(), ROBOT, Scenario(pushes=gently, replan=True))
-    after = next(replan for replan in rollout.replans if replan.asked > middle() + 0.03)
+    after = next(replan for replan in rollout.replans if replan.measured > middle() + 0.03)
     assert after.solved
-    assert after.time[0] == pytest.approx(after.asked + LATENCY, abs=1e-6)
+    assert after.time[0] == pytest.approx(after.measured + LATENCY, abs=1e-6)
     assert after.touchdown == pytest.approx(rollout.outcome.touchdown_true_s, abs=0.02)
     # The CoM comes down where that answer saw it come down.
     down = np.searchsorted(rollout.time, after.touchdown)

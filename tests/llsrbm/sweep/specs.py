@@ -12,7 +12,7 @@ from llsrbm.sweep import jump, process, run
 from llsrbm.sweep.folder import Folder
 from llsrbm.sweep.points import Points
 from llsrbm.sweep.rows import NOT_PLANNED, PLANNED, TIMES, origin
-from llsrbm.sweep.spec_file import parse_spec
+from llsrbm.sweep.spec import parse_spec
 
 GRID = """
 title = "a grid"

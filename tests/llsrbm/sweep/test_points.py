@@ -9,7 +9,7 @@ from scipy.stats import qmc
 from llsrbm.errors import InputError
 from llsrbm.robots import load_robot
 from llsrbm.sweep.points import Points
-from llsrbm.sweep.spec_file import parse_spec
+from llsrbm.sweep.spec import parse_spec
 from tests.llsrbm.sweep.specs import GRID, spec
 
 HEAD = 'title = "x"\nrobots = ["anymal"]\n'

@@ -7,8 +7,7 @@ from hypothesis import strategies as st
 from llsrbm.errors import InputError
 from llsrbm.installed import assets_directory
 from llsrbm.sweep.points import Points
-from llsrbm.sweep.spec import Spec
-from llsrbm.sweep.spec_file import find_spec, parse_spec, read_spec
+from llsrbm.sweep.spec import Spec, find_spec, parse_spec, read_spec
 from tests.llsrbm.sweep.specs import GRID, spec
 
 HEAD = 'title = "x"\nrobots = ["anymal"]\n'
@@ -54,7 +53,7 @@ def test_whatever_the_text_one_line_says_what_is_wrong(text):
         ("[axes]\ntwist = { from = 0 }", '"from" and "to"'),
         ("[axes]\ntwist = [1, 1]", "listed twice"),
         ("[axes]\ntwist = 'far'", "axes.twist: expected a number, a list or a table"),
-        ("[axes]\ntwist = ['far']", "axes.twist.value 1"),
+        ("[axes]\ntwist = ['far']", "axes.twist.values.1"),
         ("[axes]\ntwist = [nan]", "finite number"),
         ("[axes]\ntwist = [1]\ntwist_deg = [1]", "are the same"),
         ("[axes]\npitch_deg = [90]", "whole turns"),
@@ -62,7 +61,7 @@ def test_whatever_the_text_one_line_says_what_is_wrong(text):
         ("[axes]\nhops = [1.5]", "expected a whole number"),
         ("[axes]\nhops = [99]", "expected 1 to 5"),
         ("[axes]\nspeed = { range = 'robot', count = 2 }", 'range = "robot" is for twist'),
-        ("[limits]\nfriction = { range = 'robot', count = 2 }", "says nothing of its range"),
+        ("[limits]\nfriction = { range = 'robot', count = 2 }", "has no range of it"),
         ("[drives]\ntorque = [0.0]", "factors above 0"),
         ("[drives]\ntorque = { from = 1, to = 2, count = 2 }", "expected a list of factors"),
         ("[drives]\npower = [1]", 'unknown key "drives.power"; valid: torque, speed'),
@@ -92,8 +91,8 @@ def test_a_bad_spec_gets_one_line(text, said):
     [
         ("", 'missing key "title"'),
         ('title = "x"', 'missing key "robots"'),
-        ('title = "x"\nrobots = []', "robots: is empty"),
-        ('title = "x"\nrobots = "anymal"', "robots: expected a list"),
+        ('title = "x"\nrobots = []', "robots: expected at least 1"),
+        ('title = "x"\nrobots = "anymal"', "robots: expected an array"),
         ('title = "x"\nrobots = ["go2", "go2"]', "robots: one is named twice"),
         ('title = "x\n', "not a TOML file"),
     ],

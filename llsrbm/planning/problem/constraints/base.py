@@ -75,7 +75,7 @@ def _put(whole: Any, place: tuple[str | int, ...], value: float) -> Any:
     return replace(whole, **{key: part})
 
 
-class Demand(NamedTuple):
+class JointDemand(NamedTuple):
     """The largest demand on a joint that a plan may not make.
 
     Attributes:
@@ -145,7 +145,7 @@ class Constraint(ABC):
         """Rows (n,), or their bounds, in `unit`."""
         return rows
 
-    def demand(self, knots: Knots) -> Demand | None:
+    def demand(self, knots: Knots) -> JointDemand | None:
         """The largest demand on a joint beyond the limits; None if there is none."""
         return None
 

@@ -26,7 +26,7 @@ from llsrbm.planning.problem.constraints.base import (
     Array,
     Bounds,
     Constraint,
-    Demand,
+    JointDemand,
     Limit,
     spread,
 )
@@ -126,7 +126,7 @@ class JointTorque(_DriveConstraint):
         excess: Array = np.abs(knots.loads.joint_torque) - share * limit
         return excess
 
-    def demand(self, knots: Knots) -> Demand | None:
+    def demand(self, knots: Knots) -> JointDemand | None:
         """The torque that exceeds its share most, at rest or at speed."""
         return torque_demand(knots)
 
@@ -161,7 +161,7 @@ class TorqueAtSpeed(_DriveConstraint):
         )
         return excess
 
-    def demand(self, knots: Knots) -> Demand | None:
+    def demand(self, knots: Knots) -> JointDemand | None:
         """As of `JointTorque`."""
         return torque_demand(knots)
 
@@ -203,7 +203,7 @@ class JointSpeed(_DriveConstraint):
         excess: Array = np.abs(knots.loads.joint_velocity) - share * knots.task.robot.speed_limit
         return excess
 
-    def demand(self, knots: Knots) -> Demand | None:
+    def demand(self, knots: Knots) -> JointDemand | None:
         """The speed that exceeds its share most."""
         loads, robot = knots.loads, knots.task.robot
         share, speed = knots.task.limits.speed_share, np.abs(loads.joint_velocity)
@@ -213,7 +213,7 @@ class JointSpeed(_DriveConstraint):
         joint, limit = loads.joint_names[place[1]], robot.speed_limit[place[1]]
         sliding = joint in robot.sliding_joints
         verb, unit = ("slide", "m/s") if sliding else ("turn", "rad/s")
-        return Demand(
+        return JointDemand(
             f"{joint} would have to {verb} at {_number(speed[place])} {unit} "
             f"{_when(loads, place[0])}, {100 * speed[place] / limit:.0f} % of its drive's "
             f"{_number(limit)} {unit}; plans may use {100 * share:.0f} % (speed_share)",
@@ -226,7 +226,7 @@ def _tamed(share: Any) -> Any:
     return share / ca.sqrt(ca.sqrt(1 + (share / FAR_BEYOND) ** 2))
 
 
-def torque_demand(knots: Knots) -> Demand | None:
+def torque_demand(knots: Knots) -> JointDemand | None:
     """The torque that exceeds the plans' share of what is available most, of the limit at rest."""
     loads, robot = knots.loads, knots.task.robot
     share, torque = knots.task.limits.torque_share, np.abs(loads.joint_torque)
@@ -248,7 +248,7 @@ def torque_demand(knots: Knots) -> Demand | None:
             f"its drive has {_number(available)} {unit} left at {speed} {speed_unit}; "
             f"{share_text} of that"
         )
-    return Demand(f"{need}, {has} (torque_share)", place[0])
+    return JointDemand(f"{need}, {has} (torque_share)", place[0])
 
 
 def _largest(excess: Array) -> tuple[int, int] | None:
