@@ -10,7 +10,7 @@ from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
 
 JUMPS = {
-    "anymal": {"twist": 3.1, "height": 0.1},
+    "anymal": {"twist": 0.8, "forward": 0.5, "height": 0.1},
     "slider": {"twist": 1.57},
     "go2": {"twist": 3.1, "forward": 0.2},
 }
