@@ -84,7 +84,7 @@ class Limits:
     """Of one message: a browser cuts a part of a file into at most some hundred."""
 
     messages: Rate = Rate(200.0, 400.0)
-    """Faster ones wait unread, and the tab's network with them, in order. Each 64 kB count as one
+    """Faster ones wait unread, and the tab's network with them, in order. Each 128 kB count as one
     more. A page sends 20 changes of its controls a second and 50 of its camera, and a file of 40
     parts."""
 

@@ -31,7 +31,7 @@ Handler = Callable[[ServerConnection], Awaitable[None]]
 
 _VERSION = viser.__version__
 _LONGEST_METHOD = 16  # bytes; those of HTTP have at most 7
-_COUNTED_AS_ONE = 64 << 10  # bytes of a message
+_COUNTED_AS_ONE = 128 << 10  # bytes of a message
 _WATCH_PERIOD = 1.0  # s
 
 _log = logging.getLogger(__name__)
