@@ -67,6 +67,14 @@ def rotation_matrices(quat: ArrayLike) -> Array:
     return np.stack(rows, axis=-1).reshape(*q.shape[:-1], 3, 3)
 
 
+def quaternions(rotation: Array) -> Array:
+    """Rotation matrices (..., 3, 3) as unit quaternions w, x, y, z (..., 4)."""
+    from scipy.spatial.transform import Rotation
+
+    flat = Rotation.from_matrix(rotation.reshape(-1, 3, 3)).as_quat(scalar_first=True)
+    return flat.reshape(*rotation.shape[:-2], 4)
+
+
 def sign_continuous(quat: Array) -> Array:
     """The same attitudes, signed such that neighbours in time (axis 0) are close, (K, ..., 4)."""
     if len(quat) < 2:

@@ -51,10 +51,8 @@ def as_sent(drawn: Map, sweep: str) -> dict[str, Any]:
 
 def _places(drawn: Map) -> list[list[float | None]]:
     """Where in their cells the jumps of a drawn sweep are, along x and along y."""
-    asked = (
-        drawn.jumps.requested[s.axis.name][drawn.jump] * s.axis.scale for s in (drawn.x, drawn.y)
-    )
-    return [_plain(values) for values in asked]
+    requested = drawn.jumps.requested
+    return [_plain(requested[s.axis.name][drawn.jump] * s.axis.scale) for s in (drawn.x, drawn.y)]
 
 
 def slice_of(drawn: Map) -> str:

@@ -96,7 +96,7 @@
     if (map.count) parts.push(`${share(plannable)} of ${map.count[cell]} jumps can be planned`);
     else parts.push(plannable[cell] > 0 ? "can be planned" : "cannot be planned");
     const stop = map.stops[map.stop[cell]];
-    if (stop !== "nothing") parts.push(`${map.count ? "mostly " : ""}stopped by: ${stop}`);
+    if (stop !== "none (feasible)") parts.push(`${map.count ? "mostly " : ""}stopped by: ${stop}`);
     if (strict?.[cell] != null) parts.push(`strict landings ${share(strict)}`);
     if (torque[cell] != null) parts.push(`largest torque share ${share(torque)}`);
     if (flight[cell] != null) parts.push(`flight ${flight[cell].toFixed(2)} s`);

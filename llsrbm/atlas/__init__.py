@@ -1,5 +1,5 @@
-"""Atlases: what a sweep's jumps say of what a robot can do, as maps over two of its axes.
+"""Atlases: the range of a robot's feasible jumps, as maps of a sweep over two of its axes.
 
-`jumps` reads a sweep's table, `colours` says what a map may show, `map` lays jumps out over two
-axes and draws the border of what can be done, `picture` draws maps with matplotlib.
+`table` reads a sweep's table as `jumps`, `colours` has the quantities that a map may show, `map`
+lays jumps out over two axes and draws the border of feasible ones, `picture` draws it.
 """

@@ -1,4 +1,4 @@
-"""Colours of a map: each a small class with name, unit, and its value of several jumps.
+"""Colours of a map: each with name, unit, and its value of several jumps.
 
 A jump's seeds are together already (`llsrbm.atlas.jumps`): shares are of its seeds. A cell of
 several jumps has the mean of their shares and figures, and the limiting constraint of most of them.
@@ -6,8 +6,8 @@ several jumps has the mean of their shares and figures, and the limiting constra
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,11 +43,13 @@ FREE: Rgb = (215, 226, 216)
 """Of feasible jumps."""
 
 
-class Colour(ABC):
+@dataclass(frozen=True)
+class Colour:
     """A quantity that a map may show.
 
     Attributes:
         name: in commands; title: for people; unit: of what they are shown, "" if there is none.
+        of: jumps -> (J,) SI; NaN of a jump that has none.
         scale: shown units per SI unit.
         ends: of its scale, SI; None where the values have them.
         categorical: values are places in `Jumps.stops`.
@@ -55,7 +57,8 @@ class Colour(ABC):
 
     name: str
     title: str
-    unit: str = ""
+    unit: str
+    of: Callable[[Jumps], Array]
     scale: float = 1.0
     ends: tuple[float, float] | None = None
     categorical: bool = False
@@ -65,76 +68,44 @@ class Colour(ABC):
         """Title and unit."""
         return f"{self.title} [{self.unit}]" if self.unit else self.title
 
-    @abstractmethod
-    def of(self, jumps: Jumps) -> Array:
-        """(J,) SI; NaN of a jump that has none."""
-
     def together(self, values: Array, cell: NDArray[np.int64], cells: int) -> Array:
         """(C,) one value a cell, of its jumps that have one; NaN where none has.
+
+        The mean, or the most frequent of categories.
 
         Args:
             values: (K,) of jumps; cell: (K,) in which they are; cells: how many there are.
         """
+        if self.categorical:
+            stops = int(values.max(initial=0)) + 1
+            counts = np.bincount(cell * stops + values.astype(np.int64), minlength=cells * stops)
+            table = counts.reshape(cells, stops)
+            return np.where(table.any(axis=1), table.argmax(axis=1), np.nan)
         known = np.isfinite(values)
         count = np.bincount(cell[known], minlength=cells)
         total = np.bincount(cell[known], values[known], minlength=cells)
         return np.where(count > 0, total / np.maximum(count, 1), np.nan)
 
 
-class Plannable(Colour):
-    """Share of jumps with a plan."""
-
-    name, title, unit, scale, ends = "plannable", "Plannable", "%", 100.0, (0.0, 1.0)
-
-    def of(self, jumps: Jumps) -> Array:  # noqa: D102
-        return jumps.planned
+def _strict(jumps: Jumps) -> Array:
+    """(J,) share of a planned jump's seeds that landed by the strict measure."""
+    return np.where(jumps.planned > 0, jumps.strict, np.nan)
 
 
-class Strict(Colour):
-    """Share of simulated jumps that landed by the strict measure; not of those without a plan."""
-
-    name, title, unit, scale, ends = "strict", "Strict share", "%", 100.0, (0.0, 1.0)
-
-    def of(self, jumps: Jumps) -> Array:  # noqa: D102
-        return np.where(jumps.planned > 0, jumps.strict, np.nan)
-
-
-class TorqueShare(Colour):
-    """Largest share of the torque that is available at a joint's speed, of plans."""
-
-    name, title, unit, scale = "torque", "Largest torque share", "%", 100.0
-
-    def of(self, jumps: Jumps) -> Array:  # noqa: D102
-        return jumps.torque_share
-
-
-class FlightTime(Colour):
-    """Time without a foot on the ground, of plans."""
-
-    name, title, unit = "flight", "Flight time", "s"
-
-    def of(self, jumps: Jumps) -> Array:  # noqa: D102
-        return jumps.flight
-
-
-class StoppedBy(Colour):
-    """Limiting constraint of a jump; of several, that of most of them."""
-
-    name, title, categorical = "stopped-by", "What stops it", True
-
-    def of(self, jumps: Jumps) -> Array:  # noqa: D102
-        return jumps.stop.astype(float)
-
-    def together(self, values: Array, cell: NDArray[np.int64], cells: int) -> Array:  # noqa: D102
-        stops = int(values.max(initial=0)) + 1
-        counts = np.bincount(cell * stops + values.astype(np.int64), minlength=cells * stops)
-        table = counts.reshape(cells, stops)
-        return np.where(table.any(axis=1), table.argmax(axis=1), np.nan)
-
-
+_SHARE: tuple[float, tuple[float, float]] = 100.0, (0.0, 1.0)  # shown in per cent
 COLOURS: Mapping[str, Colour] = {
     colour.name: colour
-    for colour in (Plannable(), Strict(), TorqueShare(), FlightTime(), StoppedBy())
+    for colour in (
+        Colour("plannable", "Plannable", "%", lambda jumps: jumps.planned, *_SHARE),
+        Colour("strict", "Strict share", "%", _strict, *_SHARE),
+        Colour("torque", "Largest torque share", "%", lambda jumps: jumps.torque_share, 100.0),
+        Colour("flight", "Flight time", "s", lambda jumps: jumps.flight),
+        Colour(
+            *("stopped-by", "Limiting constraint", ""),
+            lambda jumps: jumps.stop.astype(float),
+            categorical=True,
+        ),
+    )
 }
 """By name."""
 

@@ -166,4 +166,6 @@ class Atlas:
 
 def words_of(stop: str) -> str:
     """The name of a limiting constraint as the page shows it."""
-    return {NOTHING: "nothing", NOT_PLANNED: "no plan found"}.get(stop, stop.replace("_", " "))
+    return {NOTHING: "none (feasible)", NOT_PLANNED: "no plan found"}.get(
+        stop, stop.replace("_", " ")
+    )

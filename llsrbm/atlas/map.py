@@ -151,7 +151,7 @@ def map_of(
         colour: what to show.
         projection: one of `PROJECTIONS`.
         design: axis name -> SI value, of the slice and of the jumps that cells open; what it does
-            not name is as a jump has it that says nothing, or in the middle of the jumps' values.
+            not name has its default, or the median of the jumps' values.
     """
     scales = _scale(x, jumps.requested[x.name]), _scale(y, jumps.requested[y.name])
     across, up = (s.cells(jumps.requested[s.axis.name]) for s in scales)

@@ -25,11 +25,8 @@ SUFFIXES = (".png", ".svg", ".pdf")
 _WIDTH, _HEIGHT = 3.4, 3.3  # inches of a map
 _DPI = 120  # three maps beside each other are as wide as a page of the README
 _TURN = 90.0  # degrees between ticks
-_NONE: dict[str, Any] = {
-    "facecolor": "0.93",
-    "hatch": "////",
-    "edgecolor": "0.75",
-}  # where nothing is to show
+# Cells without a value.
+_NONE: dict[str, Any] = {"facecolor": "0.93", "hatch": "////", "edgecolor": "0.75"}
 
 
 def write_picture(maps: Sequence[Map], titles: Sequence[str], target: Path) -> None:
@@ -37,7 +34,7 @@ def write_picture(maps: Sequence[Map], titles: Sequence[str], target: Path) -> N
 
     Args:
         maps: one at least; titles: above each.
-        target: where to; its suffix says the kind of picture.
+        target: where to; its suffix is the kind of picture.
 
     Raises:
         InputError: matplotlib is not installed, or no picture has such a suffix.

@@ -10,7 +10,6 @@ from __future__ import annotations
 import json
 import zipfile
 from collections.abc import Iterable
-from dataclasses import fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -162,25 +161,37 @@ def _array(column: pa.Array) -> NDArray[Any]:
     return np.asarray(column.to_numpy(zero_copy_only=False))
 
 
-def _groups(columns: dict[str, NDArray[Any]]) -> tuple[Jumps, ...]:
+def _groups(columns: _Columns) -> tuple[Jumps, ...]:
     if not len(columns.get("jump", ())):
         return ()
     order = np.argsort(columns["jump"], kind="stable")
     columns = {name: values[order] for name, values in columns.items()}
     first = np.flatnonzero(np.diff(columns["jump"], prepend=columns["jump"][0] - 1))
-    one = _reduced(columns, first)
+    requested, stops, arrays = _reduced(columns, first)
     keys = list(zip(*(columns[name][first] for name in _GROUPED), strict=True))
     hashes = columns["robot_hash"][first]
     groups = []
     for key in dict.fromkeys(keys):
         mask = np.fromiter((each == key for each in keys), dtype=bool, count=len(keys))
         robot, model, kind = map(str, key)
-        groups.append(_masked(one, mask, robot, model, kind, str(hashes[mask][0])))
+        groups.append(
+            Jumps(
+                robot,
+                model,
+                kind,
+                requested={name: values[mask] for name, values in requested.items()},
+                stops=stops,
+                robot_hash=str(hashes[mask][0]),
+                **{name: values[mask] for name, values in arrays.items()},
+            )
+        )
     return tuple(groups)
 
 
-def _reduced(columns: dict[str, NDArray[Any]], first: NDArray[np.int64]) -> Jumps:
-    """One jump a jump, whatever its seeds; of several robots yet."""
+def _reduced(
+    columns: _Columns, first: NDArray[np.int64]
+) -> tuple[dict[str, Array], tuple[str, ...], _Columns]:
+    """Requests, limiting constraints and the arrays of `Jumps`: one jump a jump, of all groups."""
     counts = np.diff(first, append=len(columns["jump"]))
     statuses = columns["status"]
     unknown = set(statuses.tolist()) - set(STATUSES)
@@ -194,19 +205,16 @@ def _reduced(columns: dict[str, NDArray[Any]], first: NDArray[np.int64]) -> Jump
     flight, torque = (
         np.where(planned > 0, columns[name][first].astype(float), np.nan) for name in _FIGURES
     )
-    return Jumps(
-        *("", "", ""),
-        numbers=columns["jump"][first].astype(np.int64),
-        requested={name: np.round(values, _DECIMALS) for name, values in requested.items()},
-        planned=planned,
-        landed=landed,
-        strict=strict,
-        flight=flight,
-        torque_share=torque,
-        stops=stops,
-        stop=stop,
-        robot_hash="",
-    )
+    arrays = {
+        "numbers": columns["jump"][first].astype(np.int64),
+        "planned": planned,
+        "landed": landed,
+        "strict": strict,
+        "flight": flight,
+        "torque_share": torque,
+        "stop": stop,
+    }
+    return {n: np.round(values, _DECIMALS) for n, values in requested.items()}, stops, arrays
 
 
 def _share(flags: NDArray[Any], first: NDArray[np.int64], counts: NDArray[np.int64]) -> Array:
@@ -216,7 +224,7 @@ def _share(flags: NDArray[Any], first: NDArray[np.int64], counts: NDArray[np.int
 
 
 def _stops(
-    columns: dict[str, NDArray[Any]], first: NDArray[np.int64], planned: Array, landed: Array
+    columns: _Columns, first: NDArray[np.int64], planned: Array, landed: Array
 ) -> tuple[tuple[str, ...], NDArray[np.int64]]:
     """Names of the causes that stop jumps, the most frequent first, and (J,) places therein."""
     causes, statuses = columns["stopped_by"][first], columns["status"][first]
@@ -230,23 +238,3 @@ def _stops(
     rank = np.empty(len(found), dtype=np.int64)
     rank[order] = np.arange(len(found))
     return tuple(str(found[k]) for k in order), rank[places]
-
-
-def _masked(
-    one: Jumps, mask: NDArray[np.bool_], robot: str, model: str, kind: str, robot_hash: str
-) -> Jumps:
-    arrays = {
-        field.name: getattr(one, field.name)[mask]
-        for field in fields(Jumps)
-        if isinstance(getattr(one, field.name), np.ndarray)
-    }
-    requested = {name: values[mask] for name, values in one.requested.items()}
-    return replace(
-        one,
-        robot=robot,
-        model=model,
-        type=kind,
-        robot_hash=robot_hash,
-        requested=requested,
-        **arrays,
-    )

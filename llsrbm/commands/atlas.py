@@ -130,7 +130,7 @@ def _title(jumps: Jumps) -> str:
 
     try:
         return load_robot(jumps.robot).file.title
-    except Error:  # of another machine: its name says enough
+    except Error:  # of another machine: its name is enough
         return jumps.robot
 
 

@@ -89,6 +89,13 @@ def print_result(
         print_lines(lines, stdout)
 
 
+def print_table(rows: dict[str, str]) -> None:
+    """Print names and their descriptions in two columns."""
+    width = max(map(len, rows))
+    for name, description in rows.items():
+        print(f"{name:{width}}  {description}")
+
+
 def print_lines(lines: dict[str, str], stdout: TextIO) -> None:
     """Print names and their values, line by line."""
     for name, value in lines.items():

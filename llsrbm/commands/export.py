@@ -97,9 +97,7 @@ def formats_command(
     from llsrbm.formats import FORMATS, find
 
     if format_ is None:
-        width = max(map(len, FORMATS))
-        for name, each in FORMATS.items():
-            print(f"{name:{width}}  {each.title}{_needs(each)}")
+        console.print_table({n: f"{each.title}{_needs(each)}" for n, each in FORMATS.items()})
     else:
         for line in _facts(find(format_)):
             print(line)

@@ -17,7 +17,7 @@ def robots_command() -> int:
     from llsrbm.robots import read_robot_file
     from llsrbm.robots.schema import robot_files
 
-    _print_table({name: read_robot_file(path).title for name, path in robot_files().items()})
+    console.print_table({name: read_robot_file(path).title for name, path in robot_files().items()})
     return console.DONE
 
 
@@ -25,7 +25,7 @@ def models_command() -> int:
     """List the models of the robot's inertia in the planner."""
     from llsrbm.models import MODELS
 
-    _print_table({name: model.summary for name, model in MODELS.items()})
+    console.print_table({name: model.summary for name, model in MODELS.items()})
     return console.DONE
 
 
@@ -37,7 +37,7 @@ def types_command() -> int:
         name: f"{kind.title}: {kind.summary}{_own_options(kind)}"
         for name, kind in jump_types.names().items()
     }
-    _print_table(rows)
+    console.print_table(rows)
     return console.DONE
 
 
@@ -56,7 +56,7 @@ def designs_command() -> int:
     """List the designs that come with the project."""
     from llsrbm.request.design import examples
 
-    _print_table({name: design.title for name, design in examples().items()})
+    console.print_table({name: design.title for name, design in examples().items()})
     return console.DONE
 
 
@@ -84,9 +84,3 @@ def tuning_command(robot: options.Robot = "anymal") -> int:
         cells = (f"{cell:{width}}" for cell, width in zip(row, widths, strict=True))
         print("  ".join(cells).rstrip())
     return console.DONE
-
-
-def _print_table(rows: dict[str, str]) -> None:
-    width = max(len(name) for name in rows)
-    for name, description in rows.items():
-        print(f"{name:{width}}  {description}")

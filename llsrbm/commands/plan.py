@@ -19,7 +19,7 @@ from llsrbm.commands.field_options import (
 from llsrbm.errors import NotConverged
 
 if TYPE_CHECKING:
-    from llsrbm.motion.plan import Plan, SolveReport
+    from llsrbm.motion.plan import Plan
 
 
 @with_jump_options
@@ -64,20 +64,17 @@ def plan_command(
     return status
 
 
-def _iterations(report: SolveReport) -> str:
-    return f"{report.iterations} iterations {report.guess}".rstrip()
-
-
 def _description(plan: Plan) -> dict[str, str]:
     """A plan in a few lines for a person: degrees, milliseconds."""
     from llsrbm.analysis.summaries import peak_yaw_rate, worst_violation
     from llsrbm.mechanics import final_yaw
 
     report = plan.report
+    iterations = f"{report.iterations} iterations {report.guess}".rstrip()
     turn = final_yaw(plan.time, plan.base_quat, plan.angular_velocity[:, 2])
     return {
         "request": in_words(plan.jump),
-        "solver": f"{report.status} by {report.solver} in {_iterations(report)}, "
+        "solver": f"{report.status} by {report.solver} in {iterations}, "
         f"{1e3 * report.solve_time_s:.0f} ms ({1e3 * report.total_time_s:.0f} ms from request to "
         f"plan, {report.build_time_s:.2f} s to build the solver)",
         "duration": f"{plan.duration:.2f} s: {_phases(plan)} s",

@@ -41,7 +41,7 @@ def new_command(
     ] = None,
     force: Annotated[bool, typer.Option("--force", help="Replace a file that is there.")] = False,
 ) -> int:
-    """Write a robot file: what the URDF says is measured, the rest guessed and marked so."""
+    """Write a robot file: measured from the URDF, the rest guessed and marked so."""
     from llsrbm.robots import draft
     from llsrbm.robots.urdf import package_share
 

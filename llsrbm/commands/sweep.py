@@ -54,7 +54,7 @@ def sweep_command(
         from llsrbm.sweep.folder import Folder
         from llsrbm.sweep.points import Points
         from llsrbm.sweep.rows import origin
-        from llsrbm.sweep.run import LARGE, default_limit, estimate
+        from llsrbm.sweep.run import LARGE, estimate
         from llsrbm.sweep.spec import find_spec
 
         points = Points(find_spec(spec))
@@ -67,14 +67,13 @@ def sweep_command(
                 "large a sweep"
             )
         versions = origin(points.spec)
-        limit = timeout or default_limit(points.spec)
         with Folder(out, points, versions) as folder:
             for name in folder.damaged:
                 _note(f"{name} is damaged; its jumps are computed again")
             if folder.done.any():
                 _note(f"going on: {int(folder.done.sum())} of {points.count} jumps are done")
             whole = folder.done.all()
-            progress = None if whole else _run(folder, workers, scheduler, versions, limit)
+            progress = None if whole else _run(folder, workers, scheduler, versions, timeout)
             result = _summary(folder, progress)
         console.print_result(result, _description(result), stdout, as_json=as_json)
     return console.DONE
@@ -92,9 +91,13 @@ def _check(workers: int | None, scheduler: str | None, timeout: float | None) ->
 
 
 def _run(
-    folder: Folder, workers: int, scheduler: str | None, versions: dict[str, str], limit: float
+    folder: Folder,
+    workers: int,
+    scheduler: str | None,
+    versions: dict[str, str],
+    timeout: float | None,
 ) -> Progress:
-    from llsrbm.sweep.run import GO_ON, connected, run
+    from llsrbm.sweep.run import GO_ON, connected, default_limit, run
 
     try:
         with connected(workers, scheduler) as client, console.counting("jumps") as count:
@@ -103,7 +106,7 @@ def _run(
                 folder,
                 client,
                 versions,
-                limit=limit,
+                limit=timeout or default_limit(folder.points.spec),
                 progress=lambda news: count(news.done, news.jumps),
                 note=_note,
             )

@@ -74,7 +74,6 @@ class CentreOfMass(Task):
     rows = 3
 
     def motion(self, body: WholeBody, target: Target) -> Motion:
-        """See `Task.motion`."""
         return Motion(
             body.momentum_matrix[:3] / body.mass,
             body.momentum_bias[:3] / body.mass,
@@ -99,7 +98,6 @@ class AngularMomentum(Task):
         super().__init__((0.0, decay))
 
     def motion(self, body: WholeBody, target: Target) -> Motion:
-        """See `Task.motion`."""
         per_inertia = solved(body.inertia, _IDENTITY)
         return Motion(
             per_inertia.dot(body.momentum_matrix[3:]),
@@ -116,7 +114,6 @@ class BaseOrientation(Task):
     rows = 3
 
     def motion(self, body: WholeBody, target: Target) -> Motion:
-        """See `Task.motion`."""
         jacobian = np.zeros((3, body.velocities))
         # The base's own angular velocity, turned into the world; it turns with itself: no bias.
         jacobian[:, 3:6] = body.R_world_base
@@ -143,7 +140,6 @@ class FootOrientation(Task):
         self._foot = foot
 
     def motion(self, body: WholeBody, target: Target) -> Motion:
-        """See `Task.motion`."""
         i = self._foot
         heading, rate, acceleration = target.foot_heading[i]
         c, s = np.cos(heading), np.sin(heading)
@@ -168,7 +164,6 @@ class Posture(Task):
         self._bias = np.zeros(joints)
 
     def motion(self, body: WholeBody, target: Target) -> Motion:
-        """See `Task.motion`."""
         return Motion(
             self._jacobian,
             self._bias,
@@ -216,7 +211,6 @@ class SeekingFeet(Task):
         self._none = np.zeros(self.rows)
 
     def motion(self, body: WholeBody, target: Target) -> Motion:
-        """See `Task.motion`."""
         i = self._feet
         return Motion(
             body.foot_jacobian[i].reshape(self.rows, -1),
@@ -241,7 +235,6 @@ class StandingFeet(Task):
         self._none = np.zeros(self.rows)
 
     def motion(self, body: WholeBody, target: Target) -> Motion:
-        """See `Task.motion`."""
         i = self._points
         return Motion(
             body.contact_jacobian[i].reshape(self.rows, -1),

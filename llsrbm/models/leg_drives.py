@@ -30,7 +30,7 @@ from numpy.typing import NDArray
 
 from llsrbm.body.trunk_and_knees import knee_joint
 from llsrbm.robots.leg_fit import sampled_legs
-from llsrbm.robots.leg_maps import quadratic_features
+from llsrbm.robots.leg_maps import quadratic_features, quadratic_term_rates, quadratic_terms
 from llsrbm.robots.robot import Robot
 
 Array = NDArray[np.float64]
@@ -116,7 +116,6 @@ class KneeLeg(LegDrives):
     exact = True
 
     def __init__(self, **constants: Any) -> None:
-        """See `of`."""
         self._c = constants
 
     @staticmethod
@@ -164,7 +163,6 @@ class KneeLeg(LegDrives):
         )
 
     def numbers(self) -> dict[str, Any]:
-        """See `LegDrives.numbers`."""
         return {name: np.asarray(value).tolist() for name, value in self._c.items()}
 
     def _plane(self, x: Matrix) -> _Plane:
@@ -183,11 +181,9 @@ class KneeLeg(LegDrives):
         return _Plane(square, rho2, h, u, u2, (u2 + b2 - a2) / (2 * u2), area, cosine)
 
     def rates(self, x: Matrix, x_rate: Matrix) -> Matrix:
-        """See `LegDrives.rates`."""
         return self._motion(self._plane(x), x_rate, None)[0]
 
     def accelerations(self, x: Matrix, x_rate: Matrix, x_acceleration: Matrix) -> Matrix:
-        """See `LegDrives.accelerations`."""
         return self._motion(self._plane(x), x_rate, x_acceleration)[1]
 
     def _motion(self, p: _Plane, x_rate: Matrix, x_acceleration: Matrix | None) -> tuple[Any, Any]:
@@ -222,7 +218,6 @@ class KneeLeg(LegDrives):
         return rates, ca.vertcat(abduction_2, hip_2, knee_2)
 
     def knee(self, x: Matrix) -> Matrix:
-        """See `LegDrives.knee`."""
         c, a = self._c, ca.DM(self._c["axis"])
         p = self._plane(x)
         round_axis = ca.cross(a, p.square)
@@ -235,7 +230,6 @@ class KneeLeg(LegDrives):
         return along * a + away * e + c["knee_across"] * n - ca.DM(c["hip"])
 
     def holding_torque(self, x: Matrix, force: Matrix, moment: Matrix | None) -> Matrix:
-        """See `LegDrives.holding_torque`."""
         c, a = self._c, ca.DM(self._c["axis"])
         p = self._plane(x)
         round_axis = ca.cross(a, p.square)
@@ -328,44 +322,21 @@ class FittedLeg(LegDrives):
         return fitted
 
     def numbers(self) -> dict[str, Any]:
-        """See `LegDrives.numbers`."""
         knee = {} if self._knee is None else {"knee": str(self._knee)}
         return {"angles": str(self._angles), "jacobian": str(self._jacobian), **knee}
 
     def knee(self, x: Matrix) -> Matrix | None:
-        """See `LegDrives.knee`."""
-        return None if self._knee is None else ca.mtimes(self._knee, _features(x))
+        return None if self._knee is None else ca.mtimes(self._knee, quadratic_terms(x))
 
     def rates(self, x: Matrix, x_rate: Matrix) -> Matrix:
-        """See `LegDrives.rates`."""
-        return ca.mtimes(self._angles, _feature_rates(x, x_rate))
+        return ca.mtimes(self._angles, quadratic_term_rates(x, x_rate))
 
     def holding_torque(self, x: Matrix, force: Matrix, moment: Matrix | None) -> Matrix:
-        """See `LegDrives.holding_torque`."""
-        J = ca.reshape(ca.mtimes(self._jacobian, _features(x)), 6, self.joints)
+        J = ca.reshape(ca.mtimes(self._jacobian, quadratic_terms(x)), 6, self.joints)
         torque = ca.mtimes(J[:3, :].T, force)
         if moment is not None:
             torque = torque + ca.mtimes(J[3:, :].T, moment)
         return -torque
-
-
-def _features(x: Matrix) -> Matrix:
-    """As `robots.leg_maps.quadratic_features`."""
-    each = ca.vertsplit(x)
-    pairs = [(i, j) for i in range(len(each)) for j in range(i + 1, len(each))]
-    return ca.vertcat(1, *each, *(a * a for a in each), *(each[i] * each[j] for i, j in pairs))
-
-
-def _feature_rates(x: Matrix, x_rate: Matrix) -> Matrix:
-    """Their time derivative."""
-    a, v = ca.vertsplit(x), ca.vertsplit(x_rate)
-    pairs = [(i, j) for i in range(len(a)) for j in range(i + 1, len(a))]
-    return ca.vertcat(
-        0,
-        *v,
-        *(2 * b * u for b, u in zip(a, v, strict=True)),
-        *(a[i] * v[j] + v[i] * a[j] for i, j in pairs),
-    )
 
 
 @dataclass(frozen=True, eq=False)

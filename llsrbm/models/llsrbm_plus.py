@@ -2,32 +2,19 @@
 
 from __future__ import annotations
 
-from itertools import combinations
 from typing import Any
 
 import casadi as ca
 import numpy as np
 
 from llsrbm.models.base import CentroidalModel, no_lift, point_inertia
+from llsrbm.robots.leg_maps import quadratic_term_rates, quadratic_terms
 from llsrbm.robots.robot import Robot
 
 
 def _rows(row_major: Any) -> Any:
     """Three rows of what is given row by row."""
     return ca.reshape(row_major, -1, 3).T
-
-
-def _affine(x: Any) -> Any:
-    """As `robots.leg_maps.affine_features`."""
-    return ca.vertcat(1, x)
-
-
-def _quadratic(x: Any) -> Any:
-    """As `robots.leg_maps.quadratic_features`."""
-    each = ca.vertsplit(x)
-    squares = [a * a for a in each]
-    products = [a * b for a, b in combinations(each, 2)]
-    return ca.vertcat(1, *each, *squares, *products)
 
 
 class LLSRBMPlus(CentroidalModel):
@@ -66,14 +53,11 @@ class LLSRBMPlus(CentroidalModel):
 
     def leg_com(self, leg: int, foot_in_hip: Any) -> Any:
         """c(x_i), (3, 1) m."""
-        return ca.mtimes(self._com, _quadratic(foot_in_hip))
+        return ca.mtimes(self._com, quadratic_terms(foot_in_hip))
 
     def leg_com_rate(self, foot_in_hip: Any, foot_in_hip_rate: Any) -> Any:
         """(dc/dx) xdot_i, (3, 1) m/s."""
-        x, v = ca.vertsplit(foot_in_hip), ca.vertsplit(foot_in_hip_rate)
-        squares = [2 * a * u for a, u in zip(x, v, strict=True)]
-        products = [x[i] * v[j] + x[j] * v[i] for i, j in combinations(range(len(x)), 2)]
-        return ca.mtimes(self._com, ca.vertcat(0, *v, *squares, *products))
+        return ca.mtimes(self._com, quadratic_term_rates(foot_in_hip, foot_in_hip_rate))
 
     def leg_inertia(self, leg: int, foot_in_hip: Any) -> Any:
         """M_i I_c(x_i) M_i, (3, 3) kg m2, base axes, about the leg's CoM."""
@@ -89,7 +73,7 @@ class LLSRBMPlus(CentroidalModel):
     def _of_leg(self, coefficients: ca.DM, x: Any) -> Any:
         """The matrix of three rows that a fitted map gives."""
         affine = coefficients.shape[1] == 1 + self.coordinates
-        return _rows(ca.mtimes(coefficients, _affine(x) if affine else _quadratic(x)))
+        return _rows(ca.mtimes(coefficients, ca.vertcat(1, x) if affine else quadratic_terms(x)))
 
     def inertia(self, feet_in_hip: Any, offset: Any) -> Any:
         """I_T + m_T P(c_T + o) + sum [m_l P(a_i) + M_i I_c M_i], (3, 3) kg m2."""

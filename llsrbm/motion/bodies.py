@@ -17,7 +17,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from llsrbm.errors import InputError
-from llsrbm.mechanics import sign_continuous
+from llsrbm.mechanics import quaternions, sign_continuous
 from llsrbm.motion.whole_body import WholeBodyMotion, pinocchio_states
 from llsrbm.robots import Robot
 from llsrbm.robots.urdf import BASE_JOINT
@@ -113,7 +113,7 @@ def body_motion(motion: WholeBodyMotion, order: str) -> BodyMotion:
     return BodyMotion(
         order=chosen,
         position=position,
-        quat=sign_continuous(_quaternions(rotation)),
+        quat=sign_continuous(quaternions(rotation)),
         velocity=velocity,
         com_velocity=com_velocity,
         angular_velocity=angular,
@@ -170,11 +170,3 @@ def _breadth_first(moved: _Steps, root: str) -> Iterator[tuple[str, str]]:
         steps = [step for body in level for step in sorted(moved.get(body, ()))]
         yield from steps
         level = [child for _, child in steps]
-
-
-def _quaternions(rotation: Array) -> Array:
-    """Rotation matrices (..., 3, 3) as unit quaternions w, x, y, z (..., 4)."""
-    from scipy.spatial.transform import Rotation
-
-    flat = Rotation.from_matrix(rotation.reshape(-1, 3, 3)).as_quat(scalar_first=True)
-    return flat.reshape(*rotation.shape[:-2], 4)

@@ -8,9 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
-from llsrbm.mechanics import rotation_matrices, sign_continuous
+from llsrbm.mechanics import quaternions, rotation_matrices, sign_continuous
 from llsrbm.robots.robot import Robot
 
 Array = NDArray[np.float64]
@@ -53,7 +52,7 @@ def link_paths(
         parent = model.frames[model.frames[frame.parentFrame].parentFrame]
         R, p = _placed(frame, body_position, rotation)
         if parent.type != pin.FrameType.BODY:
-            yield LinkPath(frame.name, world, True, p, _quaternions(R))
+            yield LinkPath(frame.name, world, True, p, sign_continuous(quaternions(R)))
         elif parent.parentJoint == frame.parentJoint:
             seen = parent.placement.actInv(frame.placement)
             yield LinkPath(
@@ -61,7 +60,7 @@ def link_paths(
                 parent.name,
                 False,
                 seen.translation[None],
-                _quaternions(seen.rotation[None]),
+                quaternions(seen.rotation[None]),
             )
         else:
             R_parent, p_parent = _placed(parent, body_position, rotation)
@@ -71,7 +70,7 @@ def link_paths(
                 parent.name,
                 True,
                 np.einsum("kij,kj->ki", back, p - p_parent),
-                _quaternions(back @ R),
+                sign_continuous(quaternions(back @ R)),
             )
 
 
@@ -80,8 +79,3 @@ def _placed(frame: pin.Frame, position: Array, rotation: Array) -> tuple[Array, 
     body = frame.parentJoint - 1
     R = rotation[:, body]
     return R @ frame.placement.rotation, position[:, body] + R @ frame.placement.translation
-
-
-def _quaternions(rotation: Array) -> Array:
-    quat: Array = Rotation.from_matrix(rotation).as_quat(scalar_first=True)
-    return sign_continuous(quat)

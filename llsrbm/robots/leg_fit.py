@@ -76,10 +76,6 @@ def fit_legs(
     inertia, spin = inertia.reshape(len(x), -1), spin.reshape(len(x), -1)
     inertia_map, spin_map = _least_squares(features, inertia), _least_squares(features, spin)
     mass, fraction = _proportional(robot)
-
-    def slope_error(slopes: Array, weights: Array) -> float:
-        return _rms(com_slope - np.einsum("nfk,fc->nck", slopes, weights))
-
     trunk = robot.model.inertias[1]
     fit = LegFit(
         total_mass=robot.mass,
@@ -97,9 +93,9 @@ def fit_legs(
         proportional_fraction=fraction,
         residuals={
             "com_affine": _rms(com - one @ com_affine),
-            "com_affine_slope": slope_error(affine_slopes(x), com_affine),
+            "com_affine_slope": _slope_error(com_slope, affine_slopes(x), com_affine),
             "com_quadratic": _rms(com - two @ com_quadratic),
-            "com_quadratic_slope": slope_error(quadratic_slopes(x), com_quadratic),
+            "com_quadratic_slope": _slope_error(com_slope, quadratic_slopes(x), com_quadratic),
             "com_proportional": _rms(com - (1.0 - fraction) * x[:, :3]),
             "inertia": _rms(inertia - features @ inertia_map),
             "spin": _rms(spin - features @ spin_map),
@@ -229,6 +225,10 @@ def _proportional(robot: Robot) -> tuple[float, float]:
         masses.append(body.mass)
         fractions.append((body.lever - foot) @ up / (up @ up))
     return float(np.mean(masses)), float(np.mean(fractions))
+
+
+def _slope_error(derivative: Array, slopes: Array, weights: Array) -> float:
+    return _rms(derivative - np.einsum("nfk,fc->nck", slopes, weights))
 
 
 def _rms(error: Array) -> float:

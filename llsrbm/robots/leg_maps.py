@@ -18,7 +18,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import combinations
+from typing import Any
 
+import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
@@ -71,6 +73,21 @@ def quadratic_features(x: Array) -> Array:
     """(..., d) -> (..., 10 or 15): 1, x, y, z, xx, yy, zz, xy, xz, yz; likewise of four."""
     i, j = _pairs(x.shape[-1])
     return np.concatenate([affine_features(x), x * x, x[..., i] * x[..., j]], -1)
+
+
+def quadratic_terms(x: Any) -> Any:
+    """`quadratic_features` of a CasADi matrix (d, 1), as a column."""
+    each = ca.vertsplit(x)
+    products = [a * b for a, b in combinations(each, 2)]
+    return ca.vertcat(1, *each, *(a * a for a in each), *products)
+
+
+def quadratic_term_rates(x: Any, x_rate: Any) -> Any:
+    """Time derivative of `quadratic_terms`."""
+    x, v = ca.vertsplit(x), ca.vertsplit(x_rate)
+    squares = [2 * a * u for a, u in zip(x, v, strict=True)]
+    products = [x[i] * v[j] + x[j] * v[i] for i, j in combinations(range(len(x)), 2)]
+    return ca.vertcat(0, *v, *squares, *products)
 
 
 def affine_slopes(x: Array) -> Array:

@@ -72,7 +72,6 @@ class Truth(Estimator):
     name, summary = "truth", "the true position and attitude"
 
     def estimate(self, q: Array, v: Array, *, touching: bool) -> tuple[Array, Array]:
-        """See `Estimator.estimate`."""
         del touching
         return q, v
 
@@ -94,7 +93,6 @@ class Drift(Estimator):
     delay = DELAY
 
     def __init__(self, tick: float, seed: int) -> None:
-        """See `Estimator`."""
         self._rng = np.random.default_rng([seed, 3])  # apart from disturbance, noise and pushes
         self._tick = tick
         # An error of the velocity that is forgotten after this time drifts as stated once summed.
@@ -107,7 +105,6 @@ class Drift(Estimator):
         self._position = np.zeros(3)
 
     def estimate(self, q: Array, v: Array, *, touching: bool) -> tuple[Array, Array]:
-        """See `Estimator.estimate`."""
         R_true = pin.Quaternion(q[3:7]).toRotationMatrix()
         R_tilt: Array = pin.exp3(np.array([*self._tilt, 0.0]))
         turned = pin.Quaternion(pin.utils.rotate("z", self._yaw) @ R_true @ R_tilt).coeffs()

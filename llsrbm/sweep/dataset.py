@@ -87,7 +87,7 @@ def make_dataset(
     source: str = SOURCES[0],
     limit: int | None = None,
     fps: float | None = None,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Callable[[int, int], None] = lambda *_: None,
 ) -> Summary:
     """Write the strict jumps of a sweep.
 
@@ -108,12 +108,9 @@ def make_dataset(
         Error: it cannot be written, or nothing is strict any more.
     """
     require("data sets need pyarrow", "sweep", "pyarrow")
-    if source not in SOURCES:
-        raise InputError(f'source: expected {" or ".join(SOURCES)}, got "{source}"')
     if limit is not None and limit < 1:
         raise InputError(f"limit: expected 1 or more motions, got {limit}")
-    format_ = find_dataset_format(format_name, source)
-    options = _options(format_, fps)
+    format_, options = _format(format_name, source, fps)
     opened = _open(sweep)
     chosen = _strict(opened, robot, source)[:limit]
     _check(opened, chosen, format_)
@@ -133,8 +130,7 @@ def make_dataset(
             format_.write(trajectory, file, options)
             computed += 1
         kept.append((values, file))
-        if progress is not None:
-            progress(len(kept), len(chosen) - len(left_out))
+        progress(len(kept), len(chosen) - len(left_out))
     if not kept:
         raise Error(f"{sweep}: none of {len(chosen)} strict rows is strict when computed again")
     if format_.finish is not None and not whole:
@@ -144,9 +140,12 @@ def make_dataset(
     return Summary(len(kept), computed, tuple(left_out), index)
 
 
-def _options(format_: DatasetFormat, fps: float | None) -> Options:
+def _format(name: str, source: str, fps: float | None) -> tuple[DatasetFormat, Options]:
+    if source not in SOURCES:
+        raise InputError(f'source: expected {" or ".join(SOURCES)}, got "{source}"')
+    format_ = find_dataset_format(name, source)
     if fps is None:
-        return format_.defaults
+        return format_, format_.defaults
     if "fps" not in format_.options:
         raise InputError(f'fps: format "{format_.name}" has no rate; expected no --fps')
     from llsrbm.motion.sampling import check_rate
@@ -155,7 +154,7 @@ def _options(format_: DatasetFormat, fps: float | None) -> Options:
     options = replace(format_.defaults, fps=fps)
     if format_.check is not None:
         format_.check(options)
-    return options
+    return format_, options
 
 
 def _open(path: Path) -> _Sweep:
@@ -232,11 +231,7 @@ def _check(sweep: _Sweep, chosen: Sequence[dict[str, Any]], format_: DatasetForm
 
 
 def _begin(
-    out: Path,
-    sweep: _Sweep,
-    format_: DatasetFormat,
-    choice: dict[str, Any],
-    options: Options,
+    out: Path, sweep: _Sweep, format_: DatasetFormat, choice: dict[str, Any], options: Options
 ) -> None:
     """Write sweep, format and options, or compare."""
     used = {name: value for name, value in asdict(options).items() if name in format_.options}
@@ -249,13 +244,13 @@ def _begin(
         "licence": LICENCE,
         "package_version": package_version(),
     }
-    path = out / "dataset.json"
+    path, text = out / "dataset.json", json.dumps(stated, indent=2) + "\n"
     with disk_errors(out):
         if out.exists() and not out.is_dir():
             raise InputError(f"{out}: is a file; expected a folder")
         out.mkdir(parents=True, exist_ok=True)
         if path.is_file():
-            if path.read_text(encoding="utf-8") != _text(stated):
+            if path.read_text(encoding="utf-8") != text:
                 raise InputError(
                     f"{out}: holds another data set; expected the same sweep and options, or "
                     "another folder for --out"
@@ -265,11 +260,7 @@ def _begin(
         if others:
             raise InputError(f"{out}: holds {others[0]}, and no data set; expected an empty folder")
         with staged(path) as target:
-            target.write_text(_text(stated), encoding="utf-8")
-
-
-def _text(stated: dict[str, Any]) -> str:
-    return json.dumps(stated, indent=2) + "\n"
+            target.write_text(text, encoding="utf-8")
 
 
 def _file(out: Path, format_: DatasetFormat, values: dict[str, Any], source: str) -> Path:
@@ -279,7 +270,7 @@ def _file(out: Path, format_: DatasetFormat, values: dict[str, Any], source: str
 
 
 def _computed(values: dict[str, Any], spec: Spec, source: str) -> Trajectory | None:
-    """The motion of a row; None: it is not what the row says."""
+    """The motion of a row; None: it is not strict when computed again."""
     point = Point(
         number=values["jump"],
         jump=Jump(**{name: values[name] for name in _JUMP}),

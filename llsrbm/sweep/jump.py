@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from llsrbm.planning.solve.planner import Planner
     from llsrbm.robots.robot import Robot
 
-# Share of the robot's weight below which a contact's force says nothing about friction.
+# Share of the robot's weight below which a contact's force is no measure of friction.
 _LOADED = 0.02
 _LONGEST_MESSAGE = 500  # characters of a row's message
 _OUTCOMES = {column.name for column in rows.COLUMNS} - {"status"}
@@ -67,7 +67,7 @@ def prepare(points: Sequence[Point]) -> None:
         try:
             _planner(point)
         except Error:
-            continue  # a contradictory request: its row says so
+            continue  # a contradictory request: its row has the error
 
 
 def request_of(point: Point) -> Row:
@@ -134,7 +134,7 @@ def _planned(spec: Spec, point: Point) -> tuple[Row, Plan | None]:
         return {"status": rows.PLANNED, **_solve(plan), **_figures(plan, _robot(point))}, plan
     except NotConverged as error:
         return {**_stop(error, spec.diagnose), **_solve(error.plan)}, None
-    except Exception as error:  # noqa: BLE001  # a sweep goes on, and the row says why
+    except Exception as error:  # noqa: BLE001  # a sweep goes on, and the row has the error
         return _failure(error), None
 
 
@@ -197,11 +197,7 @@ def _stop(error: NotConverged, diagnosed: bool) -> Row:
 
 def _figures(plan: Plan, robot: Robot) -> Row:
     """Durations, margins and loads of a plan."""
-    from llsrbm.analysis.summaries import (
-        peak_yaw_rate,
-        planned_peak_load,
-        planned_torque_shares,
-    )
+    from llsrbm.analysis.summaries import peak_yaw_rate, planned_peak_load, planned_torque_shares
     from llsrbm.mechanics import final_yaw
 
     durations = np.diff(plan.phase_start)

@@ -119,22 +119,15 @@ _PLAN_TIMES = (
     Column("plan_time_s", NUMBER, "s", "from request to plan, likewise"),
 )
 # Names and types of outcomes are those of `Outcome`.
-_OUTCOME_UNITS = {
-    "final_yaw_error": "rad",
-    "final_position_error": "m",
-    "final_tilt": "rad",
-    "final_speed": "m/s",
-    "yaw_error_at_touchdown": "rad",
-    "foot_error_at_touchdown": "m",
-    "foot_error": "m",
-    "peak_tilt": "rad",
-    "takeoff_joint_speed": "rad/s",
-    "peak_torque_ratio": "1",
-    "peak_speed_ratio": "1",
-    "saturated_fraction": "1",
-    "real_time_factor": "1",
-    "control_rate_hz": "Hz",
+_OUTCOMES_OF_UNITS = {
+    "rad": ("final_yaw_error", "final_tilt", "yaw_error_at_touchdown", "peak_tilt"),
+    "m": ("final_position_error", "foot_error_at_touchdown", "foot_error"),
+    "m/s": ("final_speed",),
+    "rad/s": ("takeoff_joint_speed",),
+    "1": ("peak_torque_ratio", "peak_speed_ratio", "saturated_fraction", "real_time_factor"),
+    "Hz": ("control_rate_hz",),
 }
+_OUTCOME_UNITS = {name: unit for unit, names in _OUTCOMES_OF_UNITS.items() for name in names}
 _RENAMED = {"status": "landed", "reason": "fall"}
 _LEFT_OUT = ("foot_touchdown_s",)
 _KINDS = {"str": TEXT, "bool": FLAG, "int": WHOLE, "float": NUMBER}
@@ -214,14 +207,11 @@ def schema(spec: Spec) -> pa.Schema:
         NAMED: pa.map_(pa.string(), pa.float64()),
     }
     limits = [Column(LIMIT + name, NUMBER, "SI", f"the limit {name}") for name in spec.limits]
+    columns = (*COLUMNS, *limits, *(MOTION if spec.trajectories else ()))
     return pa.schema(
         [
             pa.field(name, types[kind], metadata={"unit": unit, "meaning": meaning})
-            for name, kind, unit, meaning in (
-                *COLUMNS,
-                *limits,
-                *(MOTION if spec.trajectories else ()),
-            )
+            for name, kind, unit, meaning in columns
         ]
     )
 

@@ -210,7 +210,7 @@ def run(
         Error: the scheduler is lost, a worker cannot run the sweep, or the disk is full; what is
             done is kept.
     """
-    work = _Work(folder, client, origin, limit, progress, note)
+    work = _Work(folder, client, dict(origin), limit, progress, note)
     try:
         work.prepare()
         work.run()
@@ -219,49 +219,46 @@ def run(
     return work.so_far
 
 
+@dataclass
 class _Work:
     """The tasks under way, and the rows that wait for those of earlier jumps."""
 
-    def __init__(
-        self,
-        folder: Folder,
-        client: distributed.Client,
-        origin: Mapping[str, str],
-        limit: float,
-        progress: Callable[[Progress], None],
-        note: Callable[[str], None],
-    ) -> None:
-        self._folder, self._client, self._origin = folder, client, dict(origin)
-        self._limit, self._progress, self._note = limit, progress, note
-        self._spec = folder.points.spec
-        self._missing = folder.missing()
+    folder: Folder
+    client: distributed.Client
+    origin: dict[str, str]
+    limit: float
+    progress: Callable[[Progress], None]
+    note: Callable[[str], None]
+
+    def __post_init__(self) -> None:
+        self._missing = self.folder.missing()
         self._flight: dict[distributed.Future, int] = {}
         self._ended: queue.SimpleQueue[distributed.Future] = queue.SimpleQueue()
         self._order: deque[int] = deque()  # jumps that were handed out and are not written
         self._held: dict[int, list[Row]] = {}
         self._counted = -math.inf
-        done = int(folder.done.sum())
-        self.so_far = Progress(folder.points.count, done, done)
+        done = int(self.folder.done.sum())
+        self.so_far = Progress(self.folder.points.count, done, done)
         self._start = time.perf_counter()
 
     def prepare(self) -> None:
         """Have one worker of each machine fill its cache, before all of them do the same."""
         self._count_workers()
         if self.so_far.workers == 0:
-            self._note("waiting for workers")
+            self.note("waiting for workers")
         while self.so_far.workers == 0:
             time.sleep(_LOOK_TIME)
             self._count_workers()
-        kinds = [*self._folder.points.kinds()]
-        hosts = {get_address_host(address): address for address in self._client.nthreads()}
+        kinds = [*self.folder.points.kinds()]
+        hosts = {get_address_host(address): address for address in self.client.nthreads()}
         futures = [
             # A worker that dies comes back with another address.
-            self._client.submit(
+            self.client.submit(
                 run_prepare, kinds, workers=[address], allow_other_workers=True, pure=False
             )
             for address in hosts.values()
         ]
-        self._note("loading the solvers; those that are built for the first time take a minute")
+        self.note("loading the solvers; those that are built for the first time take a minute")
         for future in futures:
             if isinstance(future.exception(), KilledWorker):
                 raise Error(
@@ -278,11 +275,11 @@ class _Work:
             self._take(self._next_ended())
             while self._order and self._order[0] in self._held:
                 jump = self._order.popleft()
-                self._folder.append(jump, self._held.pop(jump))
+                self.folder.append(jump, self._held.pop(jump))
             self._hand_out()
             self.so_far.seconds = time.perf_counter() - self._start
-            self._progress(self.so_far)
-        self._folder.flush()
+            self.progress(self.so_far)
+        self.folder.flush()
 
     def _hand_out(self) -> None:
         """Submit as many jumps as the workers can do with."""
@@ -292,8 +289,10 @@ class _Work:
             jump = next(self._missing, None)
             if jump is None:
                 return
-            point = self._folder.points[jump]
-            future = self._client.submit(run_jump, self._spec, point, self._limit, pure=False)
+            point = self.folder.points[jump]
+            future = self.client.submit(
+                run_jump, self.folder.points.spec, point, self.limit, pure=False
+            )
             self._flight[future] = jump
             self._order.append(jump)
             future.add_done_callback(self._ended.put)
@@ -311,21 +310,21 @@ class _Work:
     def _take(self, ended: list[distributed.Future]) -> None:
         """Hold the rows of jumps whose tasks have ended."""
         whole = [future for future in ended if future.status == "finished"]
-        results = dict(zip(whole, self._client.gather(whole), strict=True))
+        results = dict(zip(whole, self.client.gather(whole), strict=True))
         for future in ended:
             jump = self._flight.pop(future)
             if future in results:
                 future.release()
                 found = results[future]
             elif isinstance(future.exception(), KilledWorker):
-                self._note(f"jump {jump} kills workers; its rows say so")
+                self.note(f"jump {jump} kills workers; its rows say so")
                 message = f"{_DEATHS + 1} workers died while they computed it"
-                found = failed_rows(self._folder.points[jump], FAILED, message)
+                found = failed_rows(self.folder.points[jump], FAILED, message)
             else:
                 self._check(future)
             for row in found:
                 versions = {"llsrbm": row["version"], row["robot"]: row["robot_hash"]}
-                here = {name: self._origin.get(name, "") for name in versions}
+                here = {name: self.origin.get(name, "") for name in versions}
                 if other := difference(versions, here):
                     raise Error(f"a worker has {other}; expected the same everywhere; {GO_ON}")
             self._held[jump] = found
@@ -342,7 +341,7 @@ class _Work:
                 raise
             raise Error(
                 f"a worker cannot run the sweep ({type(error).__name__}: {error}); expected "
-                f"llsrbm {self._origin['llsrbm']} and the robots' files on every worker; {GO_ON}"
+                f"llsrbm {self.origin['llsrbm']} and the robots' files on every worker; {GO_ON}"
             ) from error
         finally:
             future.release()
@@ -351,4 +350,4 @@ class _Work:
         now = time.perf_counter()
         if now - self._counted > _COUNT_WORKERS or self.so_far.workers == 0:
             self._counted = now
-            self.so_far.workers = sum(self._client.nthreads().values())
+            self.so_far.workers = sum(self.client.nthreads().values())

@@ -28,7 +28,6 @@ class NormDetector(Detector):
         super().__init__(tick, uncertainty)
 
     def reset(self) -> None:
-        """See `Detector.reset`."""
         super().reset()
         self._norms: list[float] = []
 

@@ -65,7 +65,6 @@ class ResidualDetector(Detector):
         super().__init__(tick, uncertainty)
 
     def reset(self) -> None:
-        """See `Detector.reset`."""
         super().reset()
         self._ticks = 0
         # v + g t, L, trunk's h / m and l; oldest first.

@@ -33,7 +33,7 @@ class DatasetFormat:
         suffix: of those files, with the dot; "" where each is a folder.
         write: (trajectory, path, options) -> None, writes one motion at exactly that path, whole or
             not at all. Raises `InputError` if it cannot.
-        options: names of what it takes of `Options`; defaults: what it takes where nothing is said.
+        options: names of what it takes of `Options`; defaults: what it takes of others.
         check: raises `InputError` for options that it cannot take; None: it takes all.
         finish: (data set's folder, episodes, options) -> None, once all files are there: writes
             what is about all of them. The files may be gone after that. None: nothing is.

@@ -11,8 +11,8 @@ robot's order: `observation.state`: position of the root link, its attitude as a
 w, x, y, z without jumps of sign, joint positions; then velocity of the root link's origin, angular
 velocity in world axes, joint velocities. `observation.contact`: 1 for each foot that stands.
 `observation.torque`: of the joints. `action`: joint positions of the next frame, of the last frame
-its own: what a position controller is to reach. Frames are evenly spaced, 50 a second unless asked
-otherwise: LeRobot takes whole rates alone.
+its own: what a position controller is to reach. Frames are evenly spaced, 50 a second by
+default: LeRobot takes whole rates alone.
 """
 
 from __future__ import annotations

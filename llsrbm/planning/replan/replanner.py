@@ -269,15 +269,10 @@ class Replanner:
         plan, flying = self.plan, self._falls(state.phase)
         starts = plan.phase_start[state.phase :].copy()
         starts[0] = state.time
-        planned = np.diff(starts)
-        durations = planned.copy()
         landing = interpolated(plan.time, plan.com, starts[1])
-        if flying:
-            durations[0] = falling_time(state.com[2] - landing[2], state.com_velocity[2])
-        limits = np.array([task.times(p) for p in range(layout.phases)])
-        durations = np.clip(durations, *limits.T)
+        durations = self._durations(task, starts, landing, state)
         # Of the plan: a flight that takes longer is as far at the same share of it.
-        times = starts[layout.phase] + layout.progress * planned[layout.phase]
+        times = starts[layout.phase] + layout.progress * np.diff(starts)[layout.phase]
         since = layout.progress * durations[0]
         com, velocity, momentum, quat, omega, feet = (
             interpolated(plan.time, values, times)
@@ -304,8 +299,7 @@ class Replanner:
             speed = np.where(falls, state.com_velocity + t * fall, speed)
         assert task.motion is not None
         feet[0] = task.motion.feet
-        steps = np.concatenate([durations[p : p + 1] for p in layout.phase[:-1]])
-        steps = steps / np.array([role.intervals for role in layout.roles[:-1]])
+        steps = durations[layout.phase[:-1]] / [role.intervals for role in layout.roles[:-1]]
         rate = np.concatenate(
             [task.motion.feet_velocity[None], np.diff(feet, axis=0) / steps[:, None, None]]
         )
@@ -329,6 +323,13 @@ class Replanner:
             landing_force=force[first],
             shift=shift[:2],
         )
+
+    def _durations(self, task: Task, starts: Array, landing: Array, state: State) -> Array:
+        """(P,) s of the phases that begin and end at `starts` (P+1,), within the task's limits."""
+        durations = np.diff(starts)
+        if self._falls(state.phase):
+            durations[0] = falling_time(state.com[2] - landing[2], state.com_velocity[2])
+        return np.clip(durations, *np.array([task.times(p) for p in range(len(durations))]).T)
 
     def _falls(self, phase: int) -> bool:
         return self._task.schedule[phase].is_flight

@@ -97,7 +97,7 @@ def test_another_colour_and_other_axes(drawn):
     drawn.take(choice)
     sent = drawn.maps[-1]
     assert (sent["x"]["title"], sent["y"]["title"]) == ("Landing height", "Twist")
-    assert [name for _, name in sent["legend"]["keys"]] == ["nothing", "joint torque"]
+    assert [name for _, name in sent["legend"]["keys"]] == ["none (feasible)", "joint torque"]
     assert sent["count"] == [4] * 18
 
 

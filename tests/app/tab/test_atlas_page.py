@@ -74,9 +74,9 @@ def test_keys_choose_a_cell_and_enter_opens_it(atlas):
 
 
 def test_another_colour_is_explained_and_stays_with_another_robot(atlas):
-    choose(atlas, "Colour", "What stops it")
+    choose(atlas, "Colour", "Limiting constraint")
     legend = atlas.locator(".llsrbm-atlas .legend")
-    legend.get_by_text("nothing").wait_for()
+    legend.get_by_text("none (feasible)").wait_for()
     choose(atlas, "Robot", "SLIDER")
     wait_until(
         lambda: atlas.session.state.ready and atlas.session.design.jump.robot == "slider",

@@ -82,6 +82,7 @@ def test_figures_are_means_of_the_jumps_that_have_them(cloud):
     assert found.colour_of(float("nan")) is None
     assert found.colour_of(found.ends[0]) == SCALE[0]
     assert found.colour_of(found.ends[1]) == SCALE[-1]
+    assert of_share(0.5) == SCALE[2]
 
 
 def test_strict_is_of_the_plannable_alone(tmp_path):
@@ -107,9 +108,3 @@ def test_cells_without_a_jump_are_empty_and_make_no_border(tmp_path):
     assert found.jump[1, 1] == -1
     assert np.isnan(found.value[1, 1])
     assert found.border == ()
-
-
-def test_a_scale_of_colours_begins_and_ends_with_its_own():
-    assert of_share(-1) == of_share(0) == SCALE[0]
-    assert of_share(2) == of_share(1) == SCALE[-1]
-    assert of_share(0.5) == SCALE[2]

@@ -99,14 +99,6 @@ def test_the_phases_of_any_schedule_are_told(planner, capsys):
     ) in out
 
 
-def test_together_is_told_as_ever(planner, capsys):
-    planner.answers.append(synthetic_plan())
-    assert cli.main(["plan"]) == 0
-    out = capsys.readouterr().out
-    assert "llsrbm-plus: twist 0 deg, forward 0.00 m, lateral 0.00 m, height 0.00 m\n" in out
-    assert "1.50 s: take-off 0.50, flight 0.40, landing 0.60 s\n" in out
-
-
 def test_types_are_listed(capsys):
     assert cli.main(["types"]) == 0
     rows = dict(line.split(maxsplit=1) for line in capsys.readouterr().out.splitlines())
@@ -183,18 +175,12 @@ def test_what_did_not_converge_is_described_too(planner, capsys):
     assert "not-converged" in capsys.readouterr().out
 
 
-def test_out_is_what_the_planner_returned(planner, tmp_path, capsys):
-    plan = synthetic_plan()
-    planner.answers.append(plan)
-    assert cli.main(["plan", "--out", str(tmp_path / "p.npz")]) == 0
-    np.testing.assert_array_equal(load(tmp_path / "p.npz").com, plan.com)
-
-
 def test_summary_for_a_person(planner, capsys):
     planner.answers.append(synthetic_plan())
     assert cli.main(["plan", "--twist", "90"]) == 0
     out = capsys.readouterr().out
-    assert "twist 90 deg" in out
+    assert "llsrbm-plus: twist 90 deg, forward 0.00 m, lateral 0.00 m, height 0.00 m\n" in out
+    assert "1.50 s: take-off 0.50, flight 0.40, landing 0.60 s\n" in out
     assert "14 iterations" in out
     assert "is most loaded, " in out
     assert " of 40 Nm in " in out

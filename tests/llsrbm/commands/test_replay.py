@@ -48,9 +48,3 @@ def test_no_browser(saved, tmp_path, monkeypatch, capsys):
     assert main(["replay", str(saved), "--out", str(out)]) == 1
     assert "no browser was found" in capsys.readouterr().err
     assert out.exists()
-
-
-def test_a_file_that_is_none(tmp_path, capsys):
-    (tmp_path / "x.npz").write_text("no archive")
-    assert main(["replay", str(tmp_path / "x.npz")]) == 2
-    assert "Traceback" not in capsys.readouterr().err

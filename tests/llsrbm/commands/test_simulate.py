@@ -93,30 +93,18 @@ def test_what_makes_no_sense_is_refused_before_planning(planner, words, said, ca
 def test_every_field_of_a_scenario_is_an_option_with_its_meaning(capsys):
     assert cli.main(["simulate", "--help"]) == 0
     told = " ".join(capsys.readouterr().out.split())
-    for option in ("--board M", "--half-board / --whole-board", "--seed N", "--noise S"):
+    for option in (
+        *("--board M", "--half-board / --whole-board", "--seed N", "--noise S", "--detector"),
+        *("--landing", "--qp-solver", "--trunk-mass SHARE", "--push T,JX,JY,JZ[,MX,MY,MZ]"),
+        *("--random-push NS", "--estimator", "--replan / --no-replan"),
+    ):
         assert option in told
-    for option in ("--detector", "--landing", "--qp-solver", "--trunk-mass SHARE"):
-        assert option in told
-    for option in ("--push T,JX,JY,JZ[,MX,MY,MZ]", "--random-push NS", "--estimator"):
-        assert option in told
-    assert "--replan / --no-replan" in told
     for name, meaning in field_specs(Scenario).items():
         assert meaning.accepted in told, name
         assert meaning.help.split(";")[0].replace("mid-flight", "mid- flight") in told, name
 
 
-def test_the_bare_command_plans_the_default_jump(planner, simulator, capsys):
-    planner.answers.append(synthetic_plan())
-    simulator.answers.append(synthetic_rollout())
-    assert cli.main(["simulate"]) == 0
-    assert planner.requests[0][0] == llsrbm.Jump()
-
-
-@pytest.mark.parametrize(
-    "words",
-    ["--twist 30", "--model srbm", "--robot anymal", "--solver fatrop", "--height 0",
-     "--forward 0", "--lateral 0.0"],
-)  # fmt: skip
+@pytest.mark.parametrize("words", ["--twist 30", "--robot anymal", "--solver fatrop"])
 def test_a_file_and_a_jump_contradict_each_other(words, simulator, saved, capfd):
     """Even where the option says what is the default."""
     assert cli.main(["simulate", str(saved), *words.split()]) == 2

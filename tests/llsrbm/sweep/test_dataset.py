@@ -243,11 +243,6 @@ def test_bad_requests(sweep, tmp_path, asked, message):
     assert "\n" not in str(error.value)
 
 
-def test_no_sweep(tmp_path):
-    with pytest.raises(InputError, match="no sweep is there; expected a folder that llsrbm sweep"):
-        make_dataset(tmp_path, tmp_path / "out", "npz")
-
-
 def test_a_sweep_under_way(sweep, tmp_path):
     shutil.copytree(sweep, tmp_path / "sweep")
     (part,) = (tmp_path / "sweep" / "jumps.parquet").iterdir()

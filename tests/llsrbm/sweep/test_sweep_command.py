@@ -86,9 +86,6 @@ def test_an_estimate_counts_what_the_spec_asks():
     assert "on 2 workers" in plain.line(2)
 
 
-@pytest.mark.parametrize(
-    ("seconds", "words"),
-    [(40, "40 s"), (720, "12 min"), (12_600, "3.5 h"), (180_000, "50.0 h"), (200_000, "2.3 days")],
-)
-def test_durations_in_words(seconds, words):
-    assert duration(seconds) == (words if seconds != 180_000 else "2.1 days")
+def test_durations_in_words():
+    words = [duration(seconds) for seconds in (40, 720, 12_600, 180_000, 200_000)]
+    assert words == ["40 s", "12 min", "3.5 h", "2.1 days", "2.3 days"]

@@ -63,7 +63,6 @@ class BodyClearance(Constraint):
         return task.clears
 
     def checked(self, task: Task) -> bool:
-        """As `concerns`."""
         return task.clears
 
     def applies(self, role: Role) -> bool:

@@ -43,7 +43,6 @@ class GivenContacts(Constraint):
         return ca.vertcat(ca.vertcat(*feet) - ca.vertcat(*places), *misses)
 
     def bounds(self, task: Task, layout: Layout, knot: int) -> Bounds:
-        """Zero."""
         return (_edge_rows(layout, knot),) * 2
 
 
@@ -63,7 +62,6 @@ class FeetAtRest(Constraint):
         return ca.vertcat(ca.vec(stage.foot_velocity_at_knot), stage.foot_turn_at_knot)
 
     def bounds(self, task: Task, layout: Layout, knot: int) -> Bounds:
-        """Zero."""
         return (_edge_rows(layout, knot),) * 2
 
 

@@ -149,7 +149,6 @@ class TorqueAtSpeed(_DriveConstraint):
         return torques + ca.horzcat(speeds, *(speeds[:, i] for i in stage.role.settling))
 
     def top(self, task: Task) -> float:
-        """1."""
         return 1.0
 
     def excess(self, knots: Knots) -> Array:
@@ -162,7 +161,6 @@ class TorqueAtSpeed(_DriveConstraint):
         return excess
 
     def demand(self, knots: Knots) -> JointDemand | None:
-        """As of `JointTorque`."""
         return torque_demand(knots)
 
 

@@ -41,7 +41,6 @@ class MomentumBalance(Constraint):
         return stage.balance
 
     def bounds(self, task: Task, layout: Layout, knot: int) -> Bounds:
-        """Zero."""
         return np.zeros(3), np.zeros(3)
 
     def measured(self, rows: Array, task: Task) -> Array:
@@ -81,7 +80,6 @@ class FinalState(Constraint):
         )
 
     def bounds(self, task: Task, layout: Layout, knot: int) -> Bounds:
-        """Zero."""
         return (np.zeros(10 if layout.under_way else 12),) * 2
 
     def measured(self, rows: Array, task: Task) -> Array:
