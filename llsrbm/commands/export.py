@@ -106,7 +106,7 @@ def formats_command(
 
 def _facts(format_: Format) -> list[str]:
     """A format's title, conventions, options and uses, line by line."""
-    from llsrbm.formats.tables.csv_columns import quantity_rows
+    from llsrbm.formats.tables.csv_table import quantity_rows
 
     lines = [f"{format_.name}: {format_.title}{_needs(format_)}", ""]
     lines += format_.conventions.strip().splitlines()

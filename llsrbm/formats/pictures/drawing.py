@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
+from llsrbm.analysis.diagnosis import fall_in_words
 from llsrbm.analysis.inertia_ellipsoid import ellipsoid
 from llsrbm.errors import InputError
-from llsrbm.formats.pictures.wording import outcome_words, title
 from llsrbm.look import palette
 from llsrbm.look.palette import Rgb
 from llsrbm.look.timeline import Timeline, timeline
+from llsrbm.look.titles import title_of
 from llsrbm.look.viewpoint import viewpoint
 from llsrbm.look.visuals import LinkVisual, forward_kinematics, link_visuals
 from llsrbm.mechanics import rotation_matrices
@@ -23,6 +25,7 @@ from llsrbm.motion.rollout import Rollout
 from llsrbm.motion.sampling import evenly, resample, with_events
 from llsrbm.motion.trajectory import Trajectory
 from llsrbm.motion.whole_body import whole_body_motion
+from llsrbm.request.jump import Jump
 from llsrbm.request.scenario import Scenario
 from llsrbm.robots import Robot
 from llsrbm.simulation.surroundings import Surroundings, surroundings
@@ -256,3 +259,30 @@ def _means(ticks: Array, values: Array, time: Array, sampled: Array) -> Array:
     result = sampled.copy()
     result[:-1][within] = means.reshape(len(means), *values.shape[1:])[within]
     return result
+
+
+def title(trajectory: Trajectory) -> str:
+    """Robot, jump and model, whatever robot it is."""
+    jump = trajectory.jump
+    plan = trajectory if isinstance(trajectory, Plan) else trajectory.plan
+    task = title_of(
+        replace(jump, robot=Jump().robot),
+        plan.tuning,
+        None if isinstance(trajectory, Plan) else trajectory.scenario,
+    )
+    return f"{Path(jump.robot).stem}: {task}"
+
+
+def outcome_words(trajectory: Trajectory) -> str:
+    """The result in words, the most important thing first."""
+    if isinstance(trajectory, Plan):
+        if trajectory.solved:
+            return f"planned in {1e3 * trajectory.report.solve_time_s:.0f} ms"
+        return "not a feasible plan: the solver did not converge"
+    outcome = trajectory.outcome
+    if not trajectory.landed:
+        return f"fell {fall_in_words(trajectory)}"
+    yaw = math.degrees(outcome.final_yaw_error)
+    away = 1e3 * outcome.final_position_error
+    loosely = "" if outcome.strict else ", though not by the strict measure"
+    return f"landed, {abs(yaw):.1f}° and {away:.0f} mm from the plan at the end{loosely}"

@@ -22,8 +22,8 @@ import numpy as np
 
 from llsrbm.errors import InputError
 from llsrbm.formats.base import Extra, Format, Options
+from llsrbm.formats.pictures.drawing import title
 from llsrbm.formats.pictures.film import pictures
-from llsrbm.formats.pictures.wording import title
 from llsrbm.formats.sidecar import described
 from llsrbm.motion.trajectory import Trajectory
 

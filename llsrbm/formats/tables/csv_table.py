@@ -9,14 +9,118 @@ tick that a row falls into. 12 digits. A JSON file beside it has request, robot 
 from __future__ import annotations
 
 import csv
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
+from llsrbm.files.quantity import (
+    CONTACT,
+    JOINT,
+    LEG,
+    TENSOR,
+    TIME,
+    WXYZ,
+    XYZ,
+    Quantity,
+    derived,
+    quantities,
+)
 from llsrbm.formats.base import Format, Options
 from llsrbm.formats.sidecar import write_sidecar
-from llsrbm.formats.tables.csv_columns import columns
+from llsrbm.motion.plan import Plan
+from llsrbm.motion.rollout import Rollout
+from llsrbm.motion.sampling import resample, with_events
 from llsrbm.motion.trajectory import Trajectory
+
+Array = NDArray[np.float64]
+Column = tuple[str, Array]
+
+# Names of the parts of an array's last axis, and of what a symmetric matrix has.
+_PARTS = {XYZ: ("x", "y", "z"), WXYZ: ("w", "x", "y", "z")}
+_TENSOR = {"xx": (0, 0), "yy": (1, 1), "zz": (2, 2), "xy": (0, 1), "xz": (0, 2), "yz": (1, 2)}
+
+
+def columns(trajectory: Plan | Rollout, fps: float) -> Iterator[Column]:
+    """Rows 1/fps apart, and one exactly at each event (`llsrbm.motion.sampling.events`).
+
+    Forces and torques are those of the interval or control tick that a row falls into, not means
+    over a row.
+    """
+    sampled = resample(trajectory, with_events(trajectory, fps))
+    of = type(sampled)
+    for name, quantity in (quantities(of) | derived(of)).items():
+        values = getattr(sampled, name)
+        if quantity.listed and TIME in quantity.axes and values is not None:
+            yield from _columns(sampled, quantity.column or name, quantity, np.asarray(values))
+
+
+def _columns(
+    trajectory: Plan | Rollout, name: str, quantity: Quantity, values: Array
+) -> Iterator[Column]:
+    units = [quantity.unit or _codes(quantity.codes_of(trajectory))]
+    paths = [name]
+    if quantity.axes[-1] == TENSOR:
+        values = np.stack([values[:, i, j] for i, j in _TENSOR.values()], axis=1)
+    for axis in quantity.axes[1:]:
+        members = _members(trajectory, axis)
+        paths = [f"{path}/{member}" for path in paths for member in members]
+        if axis == JOINT:
+            sliding = trajectory.sliding_joints
+            units = [quantity.unit_of(joint, sliding) for joint in members]
+    units = units if len(units) == len(paths) else units * len(paths)
+    for path, unit, column in zip(paths, units, values.reshape(len(values), -1).T, strict=True):
+        yield f"{path} [{unit}]" if unit else path, column.astype(np.float64)
+
+
+def _codes(codes: Sequence[str]) -> str:
+    """Meanings of whole numbers: "0 take-off, 1 flight, 2 landing"."""
+    return ", ".join(f"{number} {meaning}" for number, meaning in enumerate(codes))
+
+
+def _members(trajectory: Plan | Rollout, axis: str) -> Sequence[str]:
+    """Names along an axis. Point feet's contacts are called as their legs, a sole's numbered."""
+    if axis == TENSOR:
+        return tuple(_TENSOR)
+    if axis in _PARTS:
+        return _PARTS[axis]
+    legs = trajectory.leg_names
+    if axis == LEG:
+        return legs
+    if axis == JOINT:
+        return trajectory.joint_names
+    assert axis == CONTACT
+    assert isinstance(trajectory, Plan)
+    count = trajectory.contact_force.shape[1]
+    if count == len(legs):
+        return legs
+    if count % len(legs):
+        return [f"contact{i}" for i in range(count)]
+    return [f"{leg}_{corner}" for leg in legs for corner in range(count // len(legs))]
+
+
+def quantity_rows() -> list[str]:
+    """The table of quantities as text, for people: what plans and rollouts hold."""
+    lines = []
+    for of in (Plan, Rollout):
+        rows = [
+            (
+                name,
+                ", ".join(map(str, quantity.shape)),
+                quantity.unit or _codes(quantity.codes),
+                quantity.frame,
+                quantity.meaning,
+            )
+            for name, quantity in quantities(of).items()
+        ]
+        widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+        lines += ["", f"{of.__name__}: name, shape, unit, frame, meaning"]
+        lines += [
+            "  ".join(f"{cell:{width}}" for cell, width in zip(row, widths, strict=True)).rstrip()
+            for row in rows
+        ]
+    return lines
 
 
 def write_csv(trajectory: Trajectory, path: Path, options: Options) -> None:

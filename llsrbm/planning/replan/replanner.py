@@ -290,8 +290,7 @@ class Replanner:
         position = com + fading * (state.com - com[0])
         speed = velocity + fading * (state.com_velocity - velocity[0])
         if flying:
-            fall = np.array([0.0, 0.0, -GRAVITY])
-            T = durations[0]
+            fall, T = np.array([0.0, 0.0, -GRAVITY]), durations[0]
             shift[:2] = (state.com + T * state.com_velocity - landing)[:2]
             t, falls = since[:, None], (layout.phase == 0)[:, None]
             parabola = state.com + t * state.com_velocity + t**2 / 2 * fall
@@ -306,9 +305,7 @@ class Replanner:
         quat = sign_continuous(quat / np.linalg.norm(quat, axis=1, keepdims=True))
         quat = quat * (np.sign(quat[0] @ task.start_quat) or 1.0)
         R = Rotation.from_quat(quat, scalar_first=True)
-        unit = task.mass * GRAVITY / layout.contacts
-        at = np.clip(np.searchsorted(plan.time, times + 1e-6) - 1, 0, len(plan.time) - 2)
-        force = plan.contact_force[at].reshape(len(times), layout.legs, layout.corners, 3) / unit
+        force = self._forces(layout, times) / (task.mass * GRAVITY / layout.contacts)
         first = layout.first_knots[1] if flying else 0
         return Sampled(
             durations=durations,
@@ -323,6 +320,12 @@ class Replanner:
             landing_force=force[first],
             shift=shift[:2],
         )
+
+    def _forces(self, layout: Layout, times: Array) -> Array:
+        """(K, L, c, 3) N, the plan's at times (K,) s."""
+        plan = self.plan
+        at = np.clip(np.searchsorted(plan.time, times + 1e-6) - 1, 0, len(plan.time) - 2)
+        return plan.contact_force[at].reshape(len(times), layout.legs, layout.corners, 3)
 
     def _durations(self, task: Task, starts: Array, landing: Array, state: State) -> Array:
         """(P,) s of the phases that begin and end at `starts` (P+1,), within the task's limits."""

@@ -14,7 +14,7 @@ import llsrbm
 from llsrbm import cli
 from llsrbm.files.quantity import JOINT, SIZES, TIME, Between, Kind, derived, quantities
 from llsrbm.formats import export
-from llsrbm.formats.tables.csv_columns import columns
+from llsrbm.formats.tables.csv_table import columns
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
 from tests.llsrbm.synthetic import synthetic_plan
