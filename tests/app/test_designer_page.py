@@ -14,6 +14,7 @@ from app.workers.pool import WorkerPool
 from tests.app import planners
 from tests.app.chromium import (
     COMPARE,
+    base_node,
     dark,
     fill,
     number,
@@ -47,7 +48,7 @@ def test_a_pinned_design_stays_as_a_second_robot_beside_the_next_one(page):
     both = "n => llsrbm.player.clip.strands.some(s => s.tracks.some(t => t.nodes.includes(n)))"
     wait_until(lambda: page.evaluate(both, "/pinned/1/base"), "a clip with both")
     paused_at(page, 1.25)
-    apart = np.subtract(pose(page, "/links/base"), pose(page, "/pinned/1/base"))
+    apart = np.subtract(pose(page, base_node(page)), pose(page, "/pinned/1/base"))
     assert apart == pytest.approx([0.4, 0, 0], abs=0.01)
     # A column for what is shown and one for what is pinned, in the colour of its ghost.
     table = page.locator("table").filter(has=page.locator('th[scope="col"]'))
