@@ -203,7 +203,7 @@ def test_with_the_real_planner(browser, tmp_path):
         page = opened(browser, designer.url)
         text = status(page, "Planned", timeout=90_000)
         session = designer.sessions[-1]
-        assert re.match(r"Planned in \d+ ms, \d+ iterations, largest violation ", text)
+        assert re.match(r"Planned\. Flight 0\.\d+ s, apex \+\d+ cm, peak torque \d+ %\.", text)
         fill(page, "Twist [deg]", 45)
         fill(page, "Forward [m]", 0.3)
         wait_until(lambda: session.plan.jump.forward == 0.3, "the plan")

@@ -82,6 +82,9 @@ def test_a_simulation_is_opened_saved_and_simulated_again(page, files, tmp_path,
     download.value.save_as(tmp_path / "out.zip")
     with zipfile.ZipFile(tmp_path / "out.zip") as archive:
         assert len(archive.namelist()) == 4  # npz, csv, what describes it, design
+    for name in ("csv", "design"):
+        page.get_by_label(name, exact=True).uncheck()
+        page.wait_for_timeout(PACE)
     press(page, "Simulate")
     page.get_by_role("status").filter(has_text="Landed yaw").wait_for()
 
