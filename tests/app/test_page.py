@@ -125,7 +125,8 @@ def choose_robot(page, session, title, robot):
 
 
 def extent(page):
-    """Width and height of what is nearly black, pixels."""
+    """Width and height of what is nearly black, pixels, once something is."""
+    wait_until(lambda: dark(picture(page)).sum() > 1000, "a robot")
     rows, columns = np.nonzero(dark(picture(page)))
     return np.ptp(columns), np.ptp(rows)
 
