@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.spatial.transform import Rotation
 
 Array = NDArray[np.float64]
 
@@ -138,3 +139,21 @@ def tilt(quat: Array) -> Array:
     # The half angle's sine is exact where the cosine of a small tilt has lost its digits.
     angle: Array = 2 * np.arcsin(np.minimum(np.hypot(x, y), 1.0))
     return angle
+
+
+_UPRIGHT = np.radians(45.0)  # tilt up to which a base has a heading
+
+
+def turned(actual: Array, planned: Array) -> Array:
+    """(T,) rad by which attitudes (T, 4) are turned about the vertical from the planned ones.
+
+    By their headings, and far from upright, where a heading means nothing, by the vertical part of
+    the turn between them.
+    """
+    turn = (yaw(actual) - yaw(planned) + np.pi) % (2 * np.pi) - np.pi
+    far = np.maximum(tilt(actual), tilt(planned)) > _UPRIGHT
+    if far.any():
+        between = Rotation.from_quat(actual[far], scalar_first=True)
+        between = between * Rotation.from_quat(planned[far], scalar_first=True).inv()
+        turn[far] = between.as_rotvec()[:, 2]
+    return np.asarray(turn)

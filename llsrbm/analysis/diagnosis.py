@@ -16,9 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from llsrbm.analysis.record import FLIGHT, Record, stretches
-from llsrbm.mechanics import rotation_matrices
+from llsrbm.mechanics import rotation_matrices, turned
+from llsrbm.motion.outcome import SATURATED
 from llsrbm.motion.rollout import Rollout
-from llsrbm.simulation.verdict import SATURATED, turned
 
 Array = NDArray[np.float64]
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+SATURATED = 0.99  # share of what a drive can give
+
 
 @dataclass(frozen=True)
 class Outcome:

@@ -26,8 +26,8 @@ from scipy.spatial.transform import Rotation
 from llsrbm.control.contact_schedule import Flight
 from llsrbm.control.controller import WholeBodyController
 from llsrbm.control.reference import com_at_rest
-from llsrbm.mechanics import tilt, yaw
-from llsrbm.motion.outcome import Outcome
+from llsrbm.mechanics import tilt, turned
+from llsrbm.motion.outcome import SATURATED, Outcome
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.replan import Replan
 from llsrbm.robots import Robot
@@ -47,8 +47,6 @@ _LOW = 0.7  # of the planned height of the CoM above its feet: below this a robo
 _LEANING = np.radians(15.0)
 _AT_REST = 0.2  # s before the end in which a robot should stand still
 _STILL = 0.1  # m/s of the CoM; a robot that stands sways at less
-SATURATED = 0.99  # share of what a drive can give
-UPRIGHT = np.radians(45.0)  # tilt up to which a base has a heading
 _UNDER_WAY = 0.3  # of the planned flight; contact before is a foot that leaves late
 
 
@@ -305,18 +303,3 @@ def _not_standing(
     if at_end["final_speed"] > _STILL:
         return Fall(end, f"it still moves at {at_end['final_speed']:.2f} m/s at the end")
     return None
-
-
-def turned(actual: Array, planned: Array) -> Array:
-    """(T,) rad by which attitudes (T, 4) are turned about the vertical from the planned ones.
-
-    By their headings, and far from upright, where a heading means nothing, by the vertical part of
-    the turn between them.
-    """
-    turn = (yaw(actual) - yaw(planned) + np.pi) % (2 * np.pi) - np.pi
-    far = np.maximum(tilt(actual), tilt(planned)) > UPRIGHT
-    if far.any():
-        between = Rotation.from_quat(actual[far], scalar_first=True)
-        between = between * Rotation.from_quat(planned[far], scalar_first=True).inv()
-        turn[far] = between.as_rotvec()[:, 2]
-    return np.asarray(turn)
