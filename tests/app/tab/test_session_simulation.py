@@ -42,7 +42,7 @@ def test_simulate_runs_and_says_how_it_ended(tab, session, script):
     assert session.rollout.jump == session.plan.jump
     assert session.rollout.scenario == llsrbm.Scenario()
     assert "Saturated ticks" in tab.text()
-    assert "detected +5.0 ms" in script.events["told"]
+    assert "detected +5.0 ms" in script.events["summary"]
 
 
 def test_the_plan_becomes_a_ghost_on_the_same_timeline(tab, session, script):
