@@ -165,7 +165,17 @@ def test_a_compiler_that_does_not_end_is_ended_with_all_it_runs(tmp_path, monkey
     with pytest.raises(OSError, match=r"not finished after 0\.3 s"):
         compile_job.run([command], str(tmp_path))
     state = Path("/proc", (tmp_path / "child").read_text().strip(), "stat")
-    assert not state.exists() or ") Z " in state.read_text()
+
+    def runs():
+        try:
+            return ") Z " not in state.read_text()
+        except OSError:  # it is gone
+            return False
+
+    deadline = time.monotonic() + 10.0  # a signal takes its time
+    while runs() and time.monotonic() < deadline:
+        time.sleep(0.01)
+    assert not runs()
 
 
 def test_a_cache_that_cannot_be_locked_is_reported(tmp_path, caplog):
