@@ -219,7 +219,7 @@ def played(browser, path):
 
     page = opened(browser, path.as_uri(), {"width": 640, "height": 420})
     page.on("console", lambda said: page.faults.append(said.text) if said.type == "error" else None)
-    page.wait_for_function("window.replay")
+    page.wait_for_function("window.replay.player")  # before, the element of that id
     return page
 
 
