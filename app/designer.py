@@ -49,27 +49,19 @@ class Designer:
 
     def __init__(
         self,
-        host: str = "127.0.0.1",
-        port: int = 8080,
+        host: str = "127.0.0.1",  # address or name of this machine to bind to
+        port: int = 8080,  # 1 to 65535, or 0 for any free one
         *,
+        # further names under which browsers may reach the page
         allowed_hosts: Collection[str] = (),
-        token: str | None = None,
-        limits: Limits | None = None,
+        token: str | None = None,  # needed to enter; "none": anybody may; None: one is generated
+        limits: Limits | None = None,  # of everything that visitors may do
+        # computes, and is closed with the server; None: one that uses the library
         pool: WorkerPool | None = None,
-        file: OpenedFile | None = None,
-        atlases: Atlases | None = None,
+        file: OpenedFile | None = None,  # with which every tab begins
+        atlases: Atlases | None = None,  # of sweeps to choose from; None: the one that ships
     ) -> None:
         """Bind and let tabs in.
-
-        Args:
-            host: address or name of this machine to bind to.
-            port: 1 to 65535, or 0 for any free one.
-            allowed_hosts: further names under which browsers may reach the page.
-            token: needed to enter; "none": anybody may; None: one is generated.
-            limits: of everything that visitors may do.
-            pool: computes, and is closed with the server; None: one that uses the library.
-            file: with which every tab begins.
-            atlases: of sweeps to choose from; None: the one that ships.
 
         Raises:
             InputError: the address cannot be bound, the port is in use, or no such token can be.
@@ -152,6 +144,7 @@ class Designer:
 
 
 def serve(
+    # host, port, allowed_hosts, token, pool, file, atlases: as in `Designer`
     host: str = "127.0.0.1",
     port: int = 8080,
     *,
@@ -160,13 +153,9 @@ def serve(
     pool: WorkerPool | None = None,
     file: OpenedFile | None = None,
     atlases: Atlases | None = None,
-    browser: bool = False,
+    browser: bool = False,  # open the page in one, where there is a display
 ) -> None:
     """Serve the page until SIGINT or SIGTERM; prints one line with its address, token included.
-
-    Args:
-        host, port, allowed_hosts, token, pool, file, atlases: as in `Designer`.
-        browser: open the page in one, where there is a display.
 
     Raises:
         InputError: the address cannot be bound, the port is in use, or no such token can be.
@@ -269,7 +258,6 @@ def _in_use(host: str, port: int) -> InputError:
 
 
 def _configure(server: viser.ViserServer) -> None:
-    """The look that all tabs share."""
     configure_theme(server.gui, dark=False)
     configure_world(server)
     server.gui.main_panel.dock_right()

@@ -31,21 +31,15 @@ _OVERDUE = 3.0  # s after which a clip that the page has not acknowledged counts
 
 @dataclass(frozen=True)
 class PageReady:
-    """The scripts run.
+    """The scripts run."""
 
-    Attributes:
-        software: the browser has no graphics processor.
-        missing: fields of viser's that they need and do not find.
-        tab: by which the page is known again when it comes back.
-        shared, kept: the design in the address, and the one in the browser's storage, as text.
-        time, playing: s, of the motion of a page that has lost its server and comes to another one.
-    """
-
-    software: bool
-    missing: tuple[str, ...] = ()
-    tab: str | None = None
+    software: bool  # the browser has no graphics processor
+    missing: tuple[str, ...] = ()  # fields of viser's that they need and do not find
+    tab: str | None = None  # by which the page is known again when it comes back
+    # shared, kept: the design in the address, and the one in the browser's storage, as text
     shared: str | None = None
     kept: str | None = None
+    # time, playing: s, of the motion of a page that has lost its server and comes to another one
     time: float = 0.0
     playing: bool = False
 
@@ -110,12 +104,7 @@ class PageLink:
     """
 
     def __init__(self, client: viser.ClientHandle, callback: Callable[[PageEvent], None]) -> None:
-        """Greet the page, which answers with `PageReady` when its scripts run.
-
-        Args:
-            client: the tab.
-            callback: called in other threads, must return at once.
-        """
+        """Greet the page, which answers with `PageReady`; `callback` is called in other threads."""
         self._client, self._callback = client, callback
         self._field = client.gui.add_text("", "", visible=False)
         self._number = 0  # of the clip that was sent last

@@ -50,14 +50,7 @@ class DesignerServer(viser.ViserServer):
     """A viser server that its guard protects, and that never opens a tunnel."""
 
     def __init__(self, host: str, port: int, guard: Guard, page: Callable[[bool], bytes]) -> None:
-        """Bind and serve.
-
-        Args:
-            host: address to bind to; must be bindable, or this hangs.
-            port: port to bind to; 0 takes any.
-            guard: decides about every request.
-            page: the page, compressed with gzip or not.
-        """
+        """Bind to a bindable address (another hangs), port 0 is any; `page`: gzipped or not."""
         self.guard = guard
         self.door = Door(guard, page, self._waiting, _is_bad_message)
         self._uploads = Uploads(guard.limits)
@@ -269,12 +262,7 @@ def silent() -> Iterator[None]:
 
 
 def run_javascript(client: viser.ClientHandle, source: str) -> None:
-    """Have one tab run a script, after everything that was sent to it before.
-
-    Args:
-        client: the tab.
-        source: the script; it must not contain text of a visitor.
-    """
+    """Have a tab run a script after all that was sent to it; it holds no text of a visitor."""
     client._websock_connection.queue_message(messages.RunJavascriptMessage(source))
 
 

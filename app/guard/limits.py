@@ -7,8 +7,7 @@ from collections import OrderedDict
 from collections.abc import Callable
 from dataclasses import dataclass
 
-UPLOAD_PART = 512 * 1024
-"""Bytes of an uploaded file that come at once, as viser's page sends them."""
+UPLOAD_PART = 512 * 1024  # Bytes of an uploaded file that come at once, as viser's page sends them
 
 MAX_UPLOAD = 40 * UPLOAD_PART
 """Bytes of an uploaded file; a simulation of some seconds takes a twentieth of it."""
@@ -38,8 +37,7 @@ class Limits:
     """Open at a time; each costs a thread and some megabytes. When all are open, the oldest that
     has sent nothing is closed."""
 
-    tabs_per_peer: int = 40
-    """A class of thirty behind one address; other peers find room even then."""
+    tabs_per_peer: int = 40  # A class of thirty behind one address; other peers find room even then
 
     first_message_s: float = 20.0
     """Until a tab sends its first message; a page does so when it is first drawn."""
@@ -52,8 +50,7 @@ class Limits:
     open_s: float = 30.0
     """Until a request is complete and answered: the page is 0.6 MB, over 0.2 Mbit/s 25 s."""
 
-    close_s: float = 3.0
-    """For a peer to agree to the end of a connection; then it is cut."""
+    close_s: float = 3.0  # For a peer to agree to the end of a connection; then it is cut
 
     handshakes: Rate = Rate(50.0, 150.0)
     """Tabs that are opened, in all. A tab that lost its connection tries about once a second."""
@@ -61,11 +58,9 @@ class Limits:
     handshakes_per_peer: Rate = Rate(20.0, 100.0)
     """Tabs that are opened by a peer: twice all tabs at once."""
 
-    pages: Rate = Rate(50.0, 150.0)
-    """Requests of the page, in all; one takes 1 ms and 0.6 MB."""
+    pages: Rate = Rate(50.0, 150.0)  # Requests of the page, in all; one takes 1 ms and 0.6 MB
 
-    pages_per_peer: Rate = Rate(20.0, 100.0)
-    """Requests of the page by a peer."""
+    pages_per_peer: Rate = Rate(20.0, 100.0)  # Requests of the page by a peer
 
     wrong_tokens: Rate = Rate(0.2, 10.0)
     """Wrong tokens by a peer: at this rate a chosen token of 16 letters is not found."""
@@ -74,8 +69,7 @@ class Limits:
     """Of which rates are remembered; the one that was silent longest is forgotten first."""
 
     # ---- messages of a tab
-    message_bytes: int = 1 << 20
-    """At once: a part of a file takes half of it."""
+    message_bytes: int = 1 << 20  # At once: a part of a file takes half of it
 
     value_bytes: int = 4 << 10
     """Of a control's value, and of any other message that is no part of a file."""
@@ -95,11 +89,9 @@ class Limits:
     controls: Rate = Rate(10.0, 100.0)
     """Pings and pongs of WebSocket itself; a browser only answers ours, three a minute."""
 
-    upload_bytes: int = 3 * MAX_UPLOAD
-    """Of unfinished files of all tabs together."""
+    upload_bytes: int = 3 * MAX_UPLOAD  # Of unfinished files of all tabs together
 
-    upload_idle_s: float = 10.0
-    """Between two parts of a file."""
+    upload_idle_s: float = 10.0  # Between two parts of a file
 
     # ---- messages to a tab
     backlog_bytes: int = 64 << 20
@@ -117,11 +109,9 @@ class Limits:
     first_lines: int = 20
     """Lines a minute about refusals of a new kind or a new peer; the others are counted."""
 
-    summary_s: float = 60.0
-    """Between two summaries of the refusals in the meantime."""
+    summary_s: float = 60.0  # Between two summaries of the refusals in the meantime
 
-    refusals: int = 500
-    """Peers and reasons that are counted apart, the others as one."""
+    refusals: int = 500  # Peers and reasons that are counted apart, the others as one
 
 
 class TokenBucket:

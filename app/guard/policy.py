@@ -79,19 +79,12 @@ _HEADERS = (
 
 @dataclass(frozen=True)
 class Request:
-    """The head of an HTTP request.
+    """The head of an HTTP request."""
 
-    Attributes:
-        method: GET, HEAD, ...
-        target: path and query as they were sent.
-        headers: name in lower case -> every value that came under it.
-        peer: address of the other side.
-    """
-
-    method: str
-    target: str
-    headers: Mapping[str, tuple[str, ...]]
-    peer: str
+    method: str  # GET, HEAD, ...
+    target: str  # path and query as they were sent
+    headers: Mapping[str, tuple[str, ...]]  # name in lower case -> every value that came under it
+    peer: str  # address of the other side
 
     @classmethod
     def of(cls, method: str, target: str, headers: Iterable[Header], peer: str) -> Request:
@@ -125,22 +118,15 @@ class Request:
 
 @dataclass(frozen=True)
 class Decision:
-    """The answer to a request.
+    """The answer to a request."""
 
-    Attributes:
-        status: 101 lets it in as a WebSocket, 200 with the page; all others are answered with
-            `body`.
-        reason: the kind of refusal, never made of the visitor's text; empty if there is none.
-        body: of the answer, unless it is the page or the WebSocket.
-        html: `body` is HTML instead of plain text.
-        headers: of this answer, besides those of all.
-    """
-
+    # 101 lets it in as a WebSocket, 200 with the page; all others are answered with `body`
     status: HTTPStatus
+    # the kind of refusal, never made of the visitor's text; empty if there is none
     reason: str = ""
-    body: str = ""
-    html: bool = False
-    headers: tuple[Header, ...] = ()
+    body: str = ""  # of the answer, unless it is the page or the WebSocket
+    html: bool = False  # `body` is HTML instead of plain text
+    headers: tuple[Header, ...] = ()  # of this answer, besides those of all
 
 
 class Guard:
@@ -148,22 +134,14 @@ class Guard:
 
     def __init__(
         self,
-        access: Access,
+        access: Access,  # the token, if one is needed
+        # names under which browsers may reach the page, besides plain addresses
         hosts: Collection[str],
         *,
-        loopback: bool,
-        limits: Limits | None = None,
-        now: Callable[[], float] = time.monotonic,
+        loopback: bool,  # only this machine can reach the server
+        limits: Limits | None = None,  # how much at a time
+        now: Callable[[], float] = time.monotonic,  # s, a clock that never goes back
     ) -> None:
-        """Nothing is let in by default.
-
-        Args:
-            access: the token, if one is needed.
-            hosts: names under which browsers may reach the page, besides plain addresses.
-            loopback: only this machine can reach the server.
-            limits: how much at a time.
-            now: s, a clock that never goes back.
-        """
         self.access = access
         self.limits = limits = limits or Limits()
         self.refusals = Refusals(limits, now)
@@ -175,12 +153,7 @@ class Guard:
         self._wrong = PeerRates(limits.wrong_tokens, peers, now)
 
     def decide(self, request: Request, tabs: int = 0, of_peer: int = 0) -> Decision:
-        """Decide about a request.
-
-        Args:
-            request: its head.
-            tabs: open ones that have sent something; of_peer: those of the same peer.
-        """
+        """The answer to a request, given the open tabs that have sent something, and its peer's."""
         return (
             self._foreign(request)
             or self._nowhere(request)
@@ -198,13 +171,7 @@ class Guard:
         return (("Content-Security-Policy", policy), *_HEADERS)
 
     def note(self, peer: str, reason: str, detail: str = "") -> bool:
-        """Record a refusal; true if it is the first of its kind.
-
-        Args:
-            peer: address of the other side.
-            reason: a kind, not made of the peer's text.
-            detail: may be made of it.
-        """
+        """Record a refusal; only `detail` may be of the peer's text. True: first of its kind."""
         return self.refusals.note(network(peer), reason, detail)
 
     # ---- one question each: a decision if it ends there
@@ -233,7 +200,6 @@ class Guard:
         return None
 
     def _nowhere(self, request: Request) -> Decision | None:
-        """Refuse everything but the page."""
         if request.target.partition("?")[0] not in PATHS:
             return _refused(HTTPStatus.NOT_FOUND, "nothing there")
         return None

@@ -11,11 +11,9 @@ from collections.abc import Callable, Iterable
 
 from llsrbm.errors import InputError
 
-NONE = "none"
-"""Given instead of a token: anybody may enter."""
+NONE = "none"  # Given instead of a token: anybody may enter
 
-COOKIE_LIFE = 7 * 24 * 3600
-"""s until the address with the token has to be opened again."""
+COOKIE_LIFE = 7 * 24 * 3600  # s until the address with the token has to be opened again
 
 _TOKEN = re.compile(r"[A-Za-z0-9_-]{16,256}")  # goes into an address as it is; 96 bits and more
 _BYTES = 32  # of a generated token
@@ -28,11 +26,6 @@ class Access:
 
     A cookie is an expiry and a code that only holders of the token can make. It is bound to the
     cookie's name and to the host it was given to; a server with another token does not accept it.
-
-    Attributes:
-        token: at least 16 URL-safe characters; None: none is needed.
-        port: part of the cookie's name: browsers keep those of all ports of a host together.
-        generated: the token has 256 random bits, so that it cannot be found by trying.
     """
 
     def __init__(
@@ -48,8 +41,10 @@ class Access:
                 "--token: expected 16 to 256 letters, digits, '-' or '_', or 'none' "
                 f"for no token at all; got {len(token)} characters"
             )
-        self.token = token
+        self.token = token  # at least 16 URL-safe characters; None: none is needed
+        # part of the cookie's name: browsers keep those of all ports of a host together
         self.port = port
+        # the token has 256 random bits, so that it cannot be found by trying
         self.generated = False
         self._now = now
 
@@ -85,12 +80,7 @@ class Access:
         )
 
     def accepts_cookie(self, headers: Iterable[str], host: str) -> bool:
-        """True if a request has a valid cookie of this token.
-
-        Args:
-            headers: the Cookie headers.
-            host: the Host header, in lower case.
-        """
+        """True if one of the Cookie headers of a request to `host` has a valid cookie."""
         if self.token is None:
             return False
         pairs = (pair.strip().partition("=") for header in headers for pair in header.split(";"))

@@ -144,30 +144,20 @@ class Connection(ServerConnection):
 
 
 class Door:
-    """All connections of a server; on its event loop alone.
-
-    Attributes:
-        tabs: WebSockets that were let in, the oldest first.
-        pending: connections that are no tab, or not yet, the oldest first.
-    """
+    """All connections of a server; on its event loop alone."""
 
     def __init__(
         self,
-        guard: Guard,
-        page: Callable[[bool], bytes],
+        guard: Guard,  # decides
+        page: Callable[[bool], bytes],  # the page, compressed with gzip or not
+        # bytes of messages that wait for a connection, about
         waiting: Callable[[ServerConnection], float],
+        # true for an error by an unreadable message, false for a defect
         is_bad_message: Callable[[Exception], bool],
     ) -> None:
-        """Guard a server that is about to be made.
-
-        Args:
-            guard: decides.
-            page: the page, compressed with gzip or not.
-            waiting: bytes of messages that wait for a connection, about.
-            is_bad_message: true for an error by an unreadable message, false for a defect.
-        """
         self.guard = guard
-        self.tabs: dict[Connection, None] = {}
+        self.tabs: dict[Connection, None] = {}  # WebSockets that were let in, the oldest first
+        # connections that are no tab, or not yet, the oldest first
         self.pending: dict[Connection, None] = {}
         self._page, self._waiting, self._is_bad_message = page, waiting, is_bad_message
 
@@ -319,7 +309,6 @@ class Door:
                 connection.cut(f"a tab sent nothing for {limits.first_message_s:g} s")
 
     def _defect(self, error: Exception) -> None:
-        """Log a defect of ours in full, once."""
         if self.guard.note("", f"the server ran into a defect ({type(error).__name__})"):
             _log.error("a connection ran into a defect", exc_info=error)
 

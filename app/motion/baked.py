@@ -28,18 +28,12 @@ ARROW_PER_SPEED = 2.0
 
 @dataclass(frozen=True, eq=False)
 class PlannedMotion:
-    """A plan, ready to be drawn.
+    """A plan, ready to be drawn."""
 
-    Attributes:
-        plan: where it comes from.
-        motion: the plan at the frames' instants.
-        frames: of the planned robot, with the model's inertia.
-        rigid_axes: (3,) m and rigid_wxyz: (F, 4): ellipsoid of the constant inertia that SRBM has.
-    """
-
-    plan: Plan
-    motion: WholeBodyMotion
-    frames: Frames
+    plan: Plan  # where it comes from
+    motion: WholeBodyMotion  # the plan at the frames' instants
+    frames: Frames  # of the planned robot, with the model's inertia
+    # (3,) m and rigid_wxyz: (F, 4): ellipsoid of the constant inertia that SRBM has
     rigid_axes: Array
     rigid_wxyz: Array
 
@@ -62,15 +56,10 @@ def bake_plan(plan: Plan, robot: Robot) -> PlannedMotion:
 
 @dataclass(frozen=True, eq=False)
 class SimulatedMotion:
-    """A rollout, ready to be drawn.
+    """A rollout, ready to be drawn."""
 
-    Attributes:
-        rollout: where it comes from.
-        frames: of the simulated robot, with the whole body's inertia; contact forces are means
-            over a frame.
-    """
-
-    rollout: Rollout
+    rollout: Rollout  # where it comes from
+    # of the simulated robot, with the whole body's inertia; contact forces are means over a frame
     frames: Frames
 
 
@@ -95,14 +84,10 @@ def means_from(values: Array, first: NDArray[np.int64]) -> Array:
 
 
 def frames_so_far(robot: Robot, time: Array, qpos: Array) -> Frames:
-    """Frames of a simulation that still runs: cheap enough for five a second.
+    """Frames of a simulation that still runs, at `time` (K,) s, K > 0: five a second are cheap.
 
-    Its contact forces are not known yet, and which feet stand follows from how they move.
-
-    Args:
-        robot: that is simulated.
-        time: (K,) s, one or more.
-        qpos: (K, 7 + J) in MuJoCo's convention, joints in `Robot.joint_names`' order.
+    Its contact forces are not known yet, and which feet stand follows from how they move. `qpos`
+    (K, 7 + J) is in MuJoCo's convention, joints in `Robot.joint_names`' order.
     """
     com, inertia, feet = _from_states(robot, qpos)
     rates = np.zeros((len(time), qpos.shape[1] - 7))
@@ -153,28 +138,16 @@ def _from_states(robot: Robot, qpos: Array) -> tuple[Array, Array, Array]:
 
 @dataclass(frozen=True, eq=False)
 class ForeignMotion:
-    """A motion, ready to be drawn.
+    """A motion, ready to be drawn."""
 
-    Attributes:
-        name: of its file.
-        motion: at the file's own instants.
-        frames: of the robot.
-        figures: its row in the comparison.
-    """
-
-    name: str
-    motion: WholeBodyMotion
-    frames: Frames
-    figures: DesignFigures
+    name: str  # of its file
+    motion: WholeBodyMotion  # at the file's own instants
+    frames: Frames  # of the robot
+    figures: DesignFigures  # its row in the comparison
 
 
 def bake_foreign(name: str, motion: WholeBodyMotion | Rollout) -> ForeignMotion:
-    """All frames of a motion.
-
-    Args:
-        name: of its file.
-        motion: of another tool, or a rollout whose file does not hold the plan that was followed.
-    """
+    """All frames of another tool's motion, or of a rollout whose plan is not known."""
     if isinstance(motion, Rollout):
         return ForeignMotion(
             name,

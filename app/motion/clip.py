@@ -17,32 +17,21 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Track:
-    """How some nodes of the scene move together, at the F instants of a channel.
+    """How some nodes of the scene move together, at the F instants of a channel."""
 
-    Attributes:
-        nodes: their names.
-        position: (F, 3) m.
-        wxyz: (F, 4) unit quaternions; None: they do not turn.
-        scale: (F, 3) factors of their size, zeros where they are not there; None: ones.
-    """
-
-    nodes: tuple[str, ...]
-    position: Array
-    wxyz: Array | None = None
+    nodes: tuple[str, ...]  # their names
+    position: Array  # (F, 3) m
+    wxyz: Array | None = None  # (F, 4) unit quaternions; None: they do not turn
+    # (F, 3) factors of their size, zeros where they are not there; None: ones
     scale: Array | None = None
 
 
 @dataclass(frozen=True, eq=False)
 class AnimationChannel:
-    """Tracks with the same instants: those of a plan, or of a simulation.
+    """Tracks with the same instants: those of a plan, or of a simulation."""
 
-    Attributes:
-        time: (F,) s, increasing; before and after, the first and the last instant hold.
-        tracks: what moves.
-    """
-
-    time: Array
-    tracks: tuple[Track, ...]
+    time: Array  # (F,) s, increasing; before and after, the first and the last instant hold
+    tracks: tuple[Track, ...]  # what moves
 
     def frame_at(self, time: float) -> int:
         """Index of the instant nearest to `time`, s."""
@@ -54,15 +43,12 @@ class AnimationChannel:
 
 @dataclass(frozen=True, eq=False)
 class CameraTarget:
-    """For a page's camera.
+    """For a page's camera."""
 
-    Attributes:
-        follow: name of the node that a camera follows: the base of the robot that is drawn solid.
-            Another node is another robot, and is looked at anew.
-        low, high: (3,) m, world frame: corners of a box around the robot in all of its motion.
-    """
-
+    # name of the node that a camera follows: the base of the robot that is drawn solid. Another
+    # node is another robot, and is looked at anew
     follow: str
+    # low, high: (3,) m, world frame: corners of a box around the robot in all of its motion
     low: Array
     high: Array
 
@@ -74,19 +60,13 @@ class CameraTarget:
 
 @dataclass(frozen=True, eq=False)
 class Clip:
-    """Everything that moves in a tab.
+    """Everything that moves in a tab."""
 
-    Attributes:
-        channels: that are shown together.
-        end: s, when the last of them ends.
-        request: of the motion, so that a page knows which one it draws.
-        camera_target: what a camera looks at; None: nothing.
-    """
-
-    channels: tuple[AnimationChannel, ...]
-    end: float
+    channels: tuple[AnimationChannel, ...]  # that are shown together
+    end: float  # s, when the last of them ends
+    # of the motion, so that a page knows which one it draws
     request: Mapping[str, Any] = field(default_factory=dict)
-    camera_target: CameraTarget | None = None
+    camera_target: CameraTarget | None = None  # what a camera looks at; None: nothing
 
     @cached_property
     def encoded(self) -> tuple[str, str]:

@@ -16,45 +16,29 @@ from llsrbm.request.schedule import Schedule
 
 Array = NDArray[np.float64]
 
-FRAME_RATE = 60.0
-"""Frames/s of motion; browsers mix neighbouring ones at lower speeds."""
+FRAME_RATE = 60.0  # Frames/s of motion; browsers mix neighbouring ones at lower speeds
 
 
 @dataclass(frozen=True, eq=False)
 class Frames:
-    """F instants of a robot in motion, world frame: B bodies, L feet with c contact points each.
+    """F instants of a robot in motion, world frame: B bodies, L feet with c contact points each."""
 
-    Attributes:
-        time: (F,) s.
-        com: (F, 3) m.
-        body_position: (F, B, 3) m and body_wxyz: (F, B, 4): pose of every moving body.
-        inertia_axes: (F, 3) m and inertia_wxyz: (F, 4): ellipsoid of the inertia about the CoM.
-        yaw_wxyz: (F, 4): the base's heading alone.
-        foot_position: (F, L, 3) m.
-        stands: (F, L) whether a foot is to stand: by the phase of the plan or of the controller.
-        foot_force: (F, L, 3) N: the sum over a foot's contacts.
-        pressed_at: (F, L, 3) m: where it acts, a sole's centre of pressure.
-        weight: of the robot, N.
-        contact: (F, L) whether a foot does stand.
-        contact_point: (F, L, c, 3) m: of a point foot, the foot.
-        angular_momentum: (F, 3) kg m2/s about the CoM.
-    """
-
-    time: Array
-    com: Array
-    body_position: Array
+    time: Array  # (F,) s
+    com: Array  # (F, 3) m
+    body_position: Array  # (F, B, 3) m and body_wxyz: (F, B, 4): pose of every moving body
     body_wxyz: Array
-    inertia_axes: Array
+    inertia_axes: Array  # (F, 3) m and inertia_wxyz: (F, 4): ellipsoid of the inertia about the CoM
     inertia_wxyz: Array
-    yaw_wxyz: Array
-    foot_position: Array
+    yaw_wxyz: Array  # (F, 4): the base's heading alone
+    foot_position: Array  # (F, L, 3) m
+    # (F, L) whether a foot is to stand: by the phase of the plan or of the controller
     stands: NDArray[np.bool_]
-    foot_force: Array
-    pressed_at: Array
-    weight: float
-    contact: NDArray[np.bool_]
-    contact_point: Array
-    angular_momentum: Array
+    foot_force: Array  # (F, L, 3) N: the sum over a foot's contacts
+    pressed_at: Array  # (F, L, 3) m: where it acts, a sole's centre of pressure
+    weight: float  # of the robot, N
+    contact: NDArray[np.bool_]  # (F, L) whether a foot does stand
+    contact_point: Array  # (F, L, c, 3) m: of a point foot, the foot
+    angular_momentum: Array  # (F, 3) kg m2/s about the CoM
 
     @property
     def flight(self) -> NDArray[np.bool_]:
@@ -68,12 +52,7 @@ class Frames:
 
 
 def make_frames(motion: WholeBodyMotion, schedule: Schedule | None = None) -> Frames:
-    """Frames at the instants of a motion, whatever it comes from.
-
-    Args:
-        motion: to be drawn.
-        schedule: that its phases are of; None: feet are to stand where they do.
-    """
+    """Frames at a motion's instants; without its `schedule` feet are to stand where they do."""
     robot = motion.robot
     body_position, body_wxyz = forward_kinematics(
         robot, motion.base_position, motion.base_quat, motion.joint_position

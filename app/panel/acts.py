@@ -16,14 +16,10 @@ import viser
 
 @dataclass(frozen=True)
 class Button:
-    """A button, placed by `add_buttons`; its feature in `app.tab` says when it can be pressed.
+    """A button, placed by `add_buttons`; its feature in `app.tab` says when it can be pressed."""
 
-    Attributes:
-        place: where in the panel, with others of the same place; label, hint: for people.
-    """
-
-    place: str
-    label: str
+    place: str  # where in the panel, with others of the same place
+    label: str  # label, hint: for people
     hint: str | None = None
 
 
@@ -70,8 +66,7 @@ class Act(Enum):
     FILES = "files"
 
 
-Put = Callable[[Act], None]
-"""Takes an act on viser's event loop; must return at once."""
+Put = Callable[[Act], None]  # Takes an act on viser's event loop; must return at once
 
 Buttons = dict[Act, viser.GuiButtonHandle]
 

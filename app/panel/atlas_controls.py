@@ -26,22 +26,15 @@ _MAP = '<div class="llsrbm-atlas"></div>'  # by which atlas.js finds its place
 
 @dataclass(frozen=True)
 class AtlasChoice:
-    """A map.
+    """A map."""
 
-    Attributes:
-        seen: whether the page has shown the atlas: before that nothing is read or drawn.
-        sweep: its name; "": the first that there is.
-        x, y: names of axes; where a sweep does not vary one, another stands in for it.
-        colour: name of one of `llsrbm.atlas.colours.COLOURS`.
-        projection: one of `llsrbm.atlas.map.PROJECTIONS`.
-    """
-
-    seen: bool = False
-    sweep: str = ""
+    seen: bool = False  # whether the page has shown the atlas: before that nothing is read or drawn
+    sweep: str = ""  # its name; "": the first that there is
+    # x, y: names of axes; where a sweep does not vary one, another stands in for it
     x: str = "twist"
     y: str = "forward"
-    colour: str = "plannable"
-    projection: str = NEAREST
+    colour: str = "plannable"  # name of one of `llsrbm.atlas.colours.COLOURS`
+    projection: str = NEAREST  # one of `llsrbm.atlas.map.PROJECTIONS`
 
     def axes(self, varied: tuple[Axis, ...]) -> tuple[Axis, Axis] | None:
         """The chosen ones of what a sweep varies, two different ones; None: it varies only one."""
@@ -57,13 +50,6 @@ class AtlasControls:
     """Dropdowns and the place of the map, in the container that is open."""
 
     def __init__(self, gui: viser.GuiApi, sweeps: Sequence[str], acted: Put) -> None:
-        """Show the first sweep.
-
-        Args:
-            gui: of the tab.
-            sweeps: names to choose from, one at least.
-            acted: called with `Act.ATLAS`.
-        """
         self._sweeps = tuple(sweeps)
         self._axes: dict[str, str] = {}  # title -> name
         self._map = gui.add_html(_MAP)
@@ -102,13 +88,7 @@ class AtlasControls:
         )
 
     def show(self, choice: AtlasChoice, varied: Sequence[Axis], remark: str) -> None:
-        """Put the controls where a choice has them.
-
-        Args:
-            choice: to show.
-            varied: axes to choose from; none: there is no map.
-            remark: on the map; "": none.
-        """
+        """Put the controls where a choice has them; without `varied` axes there is no map."""
         put(self._sweep, choice.sweep or self._sweeps[0])
         put(self._colour, COLOURS[choice.colour].title)
         names = {value: title for title, value in _PROJECTIONS.items()}

@@ -17,12 +17,7 @@ _DIGITS = 4  # of what is sent: more than the eye tells apart
 
 
 def as_sent(drawn: Map, sweep: str) -> dict[str, Any]:
-    """A map, cells row by row from the lowest one, numbers as they are shown.
-
-    Args:
-        drawn: the map.
-        sweep: its name; it comes back with a click, together with the number of the jump.
-    """
+    """A map, cells row by row from the lowest one; the sweep's name comes back with a click."""
     jumps, colour = drawn.jumps, drawn.colour
     numbers = np.where(drawn.jump >= 0, jumps.numbers[drawn.jump], -1)
     figures = {

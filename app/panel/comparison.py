@@ -20,19 +20,14 @@ _NONE = "nothing pinned"
 
 
 class ComparisonControls:
-    """Pins to choose from and their figures, in the container that is open.
-
-    Attributes:
-        buttons: to pin and unpin.
-    """
+    """Pins to choose from and their figures, in the container that is open."""
 
     def __init__(self, gui: viser.GuiApi, put_act: Put) -> None:
-        """Nothing is pinned."""
         gui.add_html('<div class="llsrbm-pair"></div>')
         self._empty = gui.add_html(
             note("Nothing pinned. Pin this design: it stays as a ghost beside the next ones.")
         )
-        self.buttons: Buttons = add_buttons(gui, "pin", put_act)
+        self.buttons: Buttons = add_buttons(gui, "pin", put_act)  # to pin and unpin
         self._table = gui.add_html("", visible=False)
         self._choice = gui.add_dropdown("Pinned", (_NONE,), visible=False)
         self._choice.on_update(callback(put_act, Act.PINNED))
@@ -62,19 +57,12 @@ class ComparisonControls:
 
 @dataclass(frozen=True)
 class Column:
-    """One design.
+    """One design."""
 
-    Attributes:
-        title: its name (`llsrbm.look.titles`).
-        colour: of its ghost in the picture and its curves in the plots.
-        figures: its row.
-        recovered: whether it landed by the strict measure but for the feet's place; None: it was
-            not pushed.
-    """
-
-    title: str
-    colour: Rgb
-    figures: DesignFigures
+    title: str  # its name (`llsrbm.look.titles`)
+    colour: Rgb  # of its ghost in the picture and its curves in the plots
+    figures: DesignFigures  # its row
+    # whether it landed by the strict measure but for the feet's place; None: it was not pushed
     recovered: bool | None = None
 
 

@@ -27,32 +27,21 @@ def _always(_: Any) -> bool:
 
 @dataclass(frozen=True, eq=False)
 class Field(Generic[V]):
-    """A control: a checkbox, or a menu if it has options, or for numbers if it has ends.
+    """A control: a checkbox, or a menu if it has options, or for numbers if it has ends."""
 
-    Attributes:
-        label, hint: for people; labels are part of the contract.
-        get: what the control shows of any value, in display units, unrounded.
-        put: the value with what the control shows.
-        ends: lowest and highest number, in display units; may depend on what `Fields` is about.
-        step: of the number, in display units; it is shown in whole steps.
-        slider: a slider rather than a field for a number.
-        options: of a menu.
-        there: whether a value has this number at all; else it is not read, and hidden.
-        stays: it is seen all the same, and keeps what was entered.
-        disabled: it cannot be changed.
-    """
-
-    label: str
+    label: str  # label, hint: for people; labels are part of the contract
     hint: str | None
-    get: Callable[[V], Any]
-    put: Callable[[V, Any], V]
+    get: Callable[[V], Any]  # what the control shows of any value, in display units, unrounded
+    put: Callable[[V, Any], V]  # the value with what the control shows
+    # lowest and highest number, in display units; may depend on what `Fields` is about
     ends: Ends | Callable[[Any], Ends] | None = None
-    step: float = 1.0
-    slider: bool = False
-    options: tuple[str, ...] = ()
+    step: float = 1.0  # of the number, in display units; it is shown in whole steps
+    slider: bool = False  # a slider rather than a field for a number
+    options: tuple[str, ...] = ()  # of a menu
+    # whether a value has this number at all; else it is not read, and hidden
     there: Callable[[V], bool] = _always
-    stays: bool = False
-    disabled: bool = False
+    stays: bool = False  # it is seen all the same, and keeps what was entered
+    disabled: bool = False  # it cannot be changed
 
     def ends_for(self, about: Any) -> Ends:
         """Lowest and highest number."""
@@ -71,13 +60,6 @@ class Fields(Generic[V]):
     """The controls of a table, for the session's thread; its acts say that they were moved."""
 
     def __init__(self, gui: viser.GuiApi, value: V, about: Any, put: Put, act: Act) -> None:
-        """No control yet.
-
-        Args:
-            gui: of the tab.
-            value: to begin with; about: what `Field.ends` depend on.
-            put: called with `act` when a visitor has moved a control.
-        """
         self._gui, self._value, self._about = gui, value, about
         self._moved = callback(put, act)
         self._handles: dict[Field[V], Any] = {}
@@ -96,10 +78,7 @@ class Fields(Generic[V]):
     def read(self, value: V, about: Any) -> tuple[V, list[str]]:
         """A value as the controls stand, and what had to be corrected in it.
 
-        Args:
-            value: that they were to show; a number that nobody touched stays as it is, however it
-                is rounded for show.
-            about: what `Field.ends` depend on.
+        A number of `value` that nobody touched stays as it is, however it is rounded for show.
         """
         complaints: list[str] = []
         for field, handle in self._handles.items():

@@ -28,26 +28,17 @@ _LONGEST_PAD = 10.0  # s
 
 @dataclass(frozen=True)
 class FileChoice:
-    """The choices of exports and of reading files; part of a tab's state.
+    """The choices of exports and of reading files; part of a tab's state."""
 
-    Attributes:
-        format: its name; also: names of further ones, which makes it a zip.
-        of: `SIMULATION`, if there is one, or `PLAN`.
-        fps: frames/s; pad: s of standing before and after; order: of bodies.
-        rate: frames/s of files that do not say their own.
-        simulated: there is a simulation to choose; `TabState.file_choice` says it.
-        rate_needed: a file came that does not say its rate.
-    """
-
-    format: str = next(iter(FORMATS))
-    also: tuple[str, ...] = ()
-    of: str = SIMULATION
-    fps: float = Options().fps
-    pad: float = Options().pad
-    order: str = Options().order
-    rate: float = 30.0
-    simulated: bool = False
-    rate_needed: bool = False
+    format: str = next(iter(FORMATS))  # its name
+    also: tuple[str, ...] = ()  # names of further ones, which makes it a zip
+    of: str = SIMULATION  # `SIMULATION`, if there is one, or `PLAN`
+    fps: float = Options().fps  # frames/s
+    pad: float = Options().pad  # s of standing before and after
+    order: str = Options().order  # of bodies
+    rate: float = 30.0  # frames/s of files that do not say their own
+    simulated: bool = False  # there is a simulation to choose; `TabState.file_choice` says it
+    rate_needed: bool = False  # a file came that does not say its rate
 
     @property
     def formats(self) -> tuple[str, ...]:
@@ -94,7 +85,6 @@ def _missing(format_: Format) -> bool:
 
 
 def _line(format_: Format) -> str:
-    """A format's title, and the packages that it lacks."""
     needs = f'; not installed: pip install "llsrbm[{format_.extra.name}]"' if format_.extra else ""
     return f"{format_.title}{needs if _missing(format_) else ''}"
 
@@ -152,28 +142,17 @@ ALSO = tuple(
 
 
 class FileControls:
-    """Above: format, export and open; in the tab Files, after `add_tab`, all the rest.
-
-    Attributes:
-        fields: of `FileChoice`; buttons: so far; open: the button that opens a file.
-    """
+    """Above: format, export and open; in the tab Files, after `add_tab`, all the rest."""
 
     def __init__(
         self,
-        client: viser.ClientHandle,
-        examples: Mapping[str, Design],
-        put_act: Put,
-        choose_example: Callable[[Design], None],
-        open_file: Callable[[str, bytes], None],
+        client: viser.ClientHandle,  # whose tab
+        examples: Mapping[str, Design],  # to choose from by their titles
+        put_act: Put,  # called with acts
+        choose_example: Callable[[Design], None],  # called with the one that was chosen
+        open_file: Callable[[str, bytes], None],  # called with a name and content, whatever it is
     ) -> None:
         """The controls that are always there.
-
-        Args:
-            client: whose tab.
-            examples: to choose from by their titles.
-            put_act: called with acts.
-            choose_example: called with the one that was chosen.
-            open_file: called with a name and content, whatever it is.
 
         The callbacks are called on viser's event loop and must return at once.
         """
@@ -181,11 +160,12 @@ class FileControls:
         self._put = put_act
         self._examples = {design.title: design for design in examples.values()}
         self._choose_example = choose_example
-        self.fields = Fields(gui, FileChoice(), FileChoice(), put_act, Act.FILES)
+        self.fields = Fields(gui, FileChoice(), FileChoice(), put_act, Act.FILES)  # of `FileChoice`
         self.fields.add([FORMAT])
-        self.buttons: Buttons = add_buttons(gui, "export", put_act)
+        self.buttons: Buttons = add_buttons(gui, "export", put_act)  # so far
         self._busy = gui.add_html("", visible=False)
         self.buttons |= add_buttons(gui, "stop", put_act)
+        # the button that opens a file
         self.open = gui.add_upload_button(
             "Open",
             mime_type=",".join(_suffixes()),

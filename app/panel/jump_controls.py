@@ -34,14 +34,9 @@ _MODEL_TITLES = {"srbm": "SRBM", "llsrbm": "LL-SRBM", "llsrbm-plus": "LL-SRBM+"}
 def _slider(
     label: str, hint: str, name: str, step: float, ends: Ends | None = None, scale: float = 1.0
 ) -> Field[Jump]:
-    """A slider of the request.
+    """A slider; without `ends` it has those of the robot's task, in every type of jump.
 
-    Args:
-        label, hint: for people.
-        name: of the field of `Jump`, and of `Task` if there are no `ends`.
-        step: in display units.
-        ends: in display units; None: those of the robot's task, and every type has the slider.
-        scale: display units per SI unit.
+    `step` and `ends` are in display units, of which `scale` are an SI unit.
     """
 
     def of_task(file: RobotFile) -> Ends:
@@ -91,14 +86,6 @@ class JumpControls:
     def __init__(
         self, gui: viser.GuiApi, jump: Jump, robots: Mapping[str, RobotFile], acted: Put
     ) -> None:
-        """Show a request and the ranges of its robot.
-
-        Args:
-            gui: of the tab.
-            jump: to begin with.
-            robots: name -> file of each robot to choose from.
-            acted: called with `Act.JUMP`.
-        """
         self._robots = robots
         self._robot_titles = {file.title: name for name, file in robots.items()}
         self._model_titles = {_MODEL_TITLES.get(name, name): name for name in models.names()}
@@ -131,11 +118,7 @@ class JumpControls:
         self._sliders.add(SLIDERS)
 
     def read(self, current: Jump) -> tuple[Jump, list[str]]:
-        """The request as the controls stand, and what had to be corrected in it.
-
-        Args:
-            current: what counts where a control holds nothing usable.
-        """
+        """The request as the controls stand, else `current`, and what had to be corrected."""
         jump, complaints = self._sliders.read(current, self._robots[current.robot])
         robot = _named("Robot", self._robot.value, self._robot_titles, current.robot, complaints)
         model = _named("Model", self._model.value, self._model_titles, current.model, complaints)

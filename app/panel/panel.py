@@ -34,44 +34,28 @@ _NO_RESIDUALS = "The largest violation of each constraint appears with the first
 
 
 class Panel:
-    """The controls of one tab; for the session's thread.
-
-    Attributes:
-        jump, scenario, tuning, view, comparison, files, atlas: groups of controls.
-        buttons: all of them, by their acts.
-        plots_tab: the container for the controls of the plots.
-    """
+    """The controls of one tab; for the session's thread."""
 
     def __init__(
         self,
-        client: viser.ClientHandle,
-        design: Design,
+        client: viser.ClientHandle,  # whose tab
+        design: Design,  # design, view: to start from
         view: View,
-        robots: Mapping[str, RobotFile],
-        examples: Mapping[str, Design],
-        sweeps: Sequence[str],
+        robots: Mapping[str, RobotFile],  # name -> file of each robot to choose from
+        examples: Mapping[str, Design],  # to choose from
+        sweeps: Sequence[str],  # names of the sweeps whose atlases can be chosen
         *,
-        put: Put,
-        choose_example: Callable[[Design], None],
-        open_file: Callable[[str, bytes], None],
+        put: Put,  # called with what the visitor did
+        choose_example: Callable[[Design], None],  # called with the one that was chosen
+        open_file: Callable[[str, bytes], None],  # called with the name and content of a file
     ) -> None:
         """Build the controls.
-
-        Args:
-            client: whose tab.
-            design, view: to start from.
-            robots: name -> file of each robot to choose from.
-            examples: to choose from.
-            sweeps: names of the sweeps whose atlases can be chosen.
-            put: called with what the visitor did.
-            choose_example: called with the one that was chosen.
-            open_file: called with the name and content of a file.
 
         The callbacks are called on viser's event loop, and must return at once.
         """
         gui = client.gui
         self._status = gui.add_html("")
-        self.buttons = add_buttons(gui, "top", put)
+        self.buttons = add_buttons(gui, "top", put)  # all of them, by their acts
         self.jump = JumpControls(gui, design.jump, robots, put)
         self.buttons |= add_buttons(gui, "main", put)
         self.files = FileControls(client, examples, put, choose_example, open_file)
@@ -87,7 +71,7 @@ class Panel:
             self._plan_figures = gui.add_html(html.note(_NO_PLAN))
             with gui.add_folder("Residuals", expand_by_default=False):
                 self._residuals = gui.add_html(html.note(_NO_RESIDUALS))
-        self.plots_tab = tabs.add_tab("Plots")
+        self.plots_tab = tabs.add_tab("Plots")  # the container for the controls of the plots
         with tabs.add_tab("Atlas"):
             self.atlas = AtlasControls(gui, sweeps, put)
         with tabs.add_tab("Limits"):

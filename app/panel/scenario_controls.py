@@ -139,17 +139,12 @@ DISTURBANCE: tuple[Field[Scenario], ...] = (
 
 
 class ScenarioControls:
-    """The table's controls with their buttons, and results of seeds; in the open container.
-
-    Attributes:
-        fields: of the table; buttons: between them.
-    """
+    """The table's controls with their buttons, and results of seeds; in the open container."""
 
     def __init__(self, gui: viser.GuiApi, file: RobotFile, put: Put) -> None:
-        """No board, nothing disturbed; boards that fit under the robot."""
-        self.fields = Fields(gui, Scenario(), file, put, Act.SCENARIO)
+        self.fields = Fields(gui, Scenario(), file, put, Act.SCENARIO)  # of the table
         self.fields.add((*BOARD, *PUSH))
-        self.buttons: Buttons = add_buttons(gui, "push", put)
+        self.buttons: Buttons = add_buttons(gui, "push", put)  # between them
         self.fields.add(DISTURBANCE)
         self.buttons |= add_buttons(gui, "seeds", put)
         self._results = gui.add_html(note(_NO_SEEDS))

@@ -29,18 +29,12 @@ _COLOURS = dict(zip(Verdict, (_GREY, _GREEN, _GREY, _GREEN, _RED, _RED, _AMBER),
 
 @dataclass(frozen=True)
 class Status:
-    """Progress or outcome of what is computed.
+    """Progress or outcome of what is computed."""
 
-    Attributes:
-        verdict: with which the line begins; rest: that follows it.
-        busy: whether there is something to cancel.
-        share: of it that is done, 0 to 1; None where that is not known.
-    """
-
-    verdict: Verdict
-    rest: str
-    busy: bool = False
-    share: float | None = None
+    verdict: Verdict  # with which the line begins
+    rest: str  # that follows it
+    busy: bool = False  # whether there is something to cancel
+    share: float | None = None  # of it that is done, 0 to 1; None where that is not known
 
     @property
     def html(self) -> str:

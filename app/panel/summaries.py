@@ -95,7 +95,6 @@ def simulated_line(rollout: Rollout) -> tuple[Verdict, str]:
 
 
 def _followed(rollout: Rollout) -> str:
-    """How many of the new plans were followed."""
     replans = rollout.replans
     return f"{sum(math.isfinite(replan.applied) for replan in replans)} of {len(replans)}"
 
@@ -113,12 +112,7 @@ def seeds_share(results: Sequence[SeedOutcome]) -> str:
 
 
 def seeds_table(results: Sequence[SeedOutcome], worst_seed: int | None = None) -> str:
-    """How each seed ended, as HTML; "" for none.
-
-    Args:
-        results: of those that are done.
-        worst_seed: is marked.
-    """
+    """How each seed ended, as HTML; "" for none."""
     if not results:
         return ""
     cells = "".join(_seed_cell(result, worst=result.seed == worst_seed) for result in results)

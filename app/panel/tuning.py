@@ -24,8 +24,7 @@ _LINE = "Defaults. Hover a name to see the effect of increasing it."
 _CHANGED = "{} from the defaults. Hover a name to see the effect of increasing it."
 _NO_ROBOT = "The weights and limits appear as soon as the robot is ready."
 
-Group = Literal["weights", "limits"]
-"""The fields of `Tuning`."""
+Group = Literal["weights", "limits"]  # The fields of `Tuning`
 
 _LARGEST_WEIGHT = 1e6  # a thousand times the largest default; the solver's numbers stay sound
 _TITLES: dict[Group, str] = {"weights": "Weights", "limits": "Limits"}
@@ -34,24 +33,15 @@ _POWERS = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 @dataclass(frozen=True)
 class Entry:
-    """One number of a robot's planner.
+    """One number of a robot's planner."""
 
-    Attributes:
-        group: the field of `Tuning` it belongs to.
-        name: in there.
-        default: the jump type's value, or the robot's own.
-        lowest: accepted; highest: accepted.
-        unit: of all of these; "1": none.
-        effect: what increasing it does.
-    """
-
-    group: Group
-    name: str
-    default: float
-    lowest: float
-    highest: float
-    unit: str
-    effect: str
+    group: Group  # the field of `Tuning` it belongs to
+    name: str  # in there
+    default: float  # the jump type's value, or the robot's own
+    lowest: float  # accepted
+    highest: float  # accepted
+    unit: str  # of all of these; "1": none
+    effect: str  # what increasing it does
 
     @property
     def title(self) -> str:
@@ -119,7 +109,6 @@ def _row(entry: Entry) -> str:
 
 
 def _unit(unit: str) -> str:
-    """As it is written: squares above the line."""
     if unit == "1":
         return ""
     base = "".join(
@@ -130,16 +119,11 @@ def _unit(unit: str) -> str:
 
 
 class TuningControls:
-    """The table of a robot's weights and limits, in the container that is open.
-
-    Attributes:
-        buttons: one takes every change back.
-    """
+    """The table of a robot's weights and limits, in the container that is open."""
 
     def __init__(self, gui: viser.GuiApi, put: Put) -> None:
-        """Empty until there is a robot."""
         self._line = gui.add_html(note(_NO_ROBOT))
-        self.buttons: Buttons = add_buttons(gui, "limits", put)
+        self.buttons: Buttons = add_buttons(gui, "limits", put)  # one takes every change back
         self._table = gui.add_html("", visible=False)
         self._of: tuple[Robot, str] | None = None
 

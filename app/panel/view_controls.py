@@ -18,15 +18,10 @@ BRAND = (38, 92, 150)
 
 @dataclass(frozen=True)
 class View:
-    """The overlays that are drawn, and in which light.
+    """The overlays that are drawn, and in which light."""
 
-    Attributes:
-        layers: names of overlays.
-        night: a dark page.
-    """
-
-    layers: frozenset[str] = AT_FIRST
-    night: bool = False
+    layers: frozenset[str] = AT_FIRST  # names of overlays
+    night: bool = False  # a dark page
 
 
 def _shows(name: str, view: View) -> bool:
@@ -50,16 +45,11 @@ SWITCHES: tuple[Field[View], ...] = (
 
 
 class ViewControls:
-    """A box to tick for each switch, and the legend, in the container that is open.
-
-    Attributes:
-        fields: the boxes.
-    """
+    """A box to tick for each switch, and the legend, in the container that is open."""
 
     def __init__(self, gui: viser.GuiApi, view: View, put: Put) -> None:
-        """Tick what is drawn."""
         gui.add_html('<div class="llsrbm-boxes"></div>')
-        self.fields = Fields(gui, view, None, put, Act.VIEW)
+        self.fields = Fields(gui, view, None, put, Act.VIEW)  # the boxes
         self.fields.add(SWITCHES)
         self._legend = gui.add_html("")
 

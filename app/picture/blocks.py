@@ -24,7 +24,6 @@ class Blocks(Drawing):
     parts = frozenset({"planned", "simulated", "blocks"})
 
     def __init__(self, scene: viser.SceneApi) -> None:
-        """Nothing is drawn."""
         super().__init__(scene)
         self._nodes: list[viser.BoxHandle] = []
         self._shown = 0
@@ -57,14 +56,7 @@ class Blocks(Drawing):
 
 
 def tops_under(blocks: Sequence[Block], points: Array, time: Array, ground: float) -> Array:
-    """(F,) m: heights of what lies below points (F, 3) m: the ground's, or a block's top.
-
-    Args:
-        blocks: what stands around.
-        points: (F, 3) m, at the instants `time` (F,) s.
-        time: s.
-        ground: m.
-    """
+    """(F,) m: heights below `points` (F, 3) m at `time` (F,) s: the ground's, or a block's top."""
     tops = np.full(len(points), ground)
     for block in blocks:
         c, s = math.cos(block.yaw), math.sin(block.yaw)

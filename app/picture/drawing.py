@@ -19,26 +19,19 @@ class Drawing(ABC):
 
     Making a node costs a browser far more than moving it (new buffers, perhaps a new shader), so
     nodes stay, and are only changed, moved and hidden.
-
-    Attributes:
-        parts: the fields of `Picture` that it is drawn from; while these stay it is left alone.
-        needs_motion: whether there is nothing to draw of a robot that only stands there.
     """
 
+    # the fields of `Picture` that it is drawn from; while these stay it is left alone
     parts: ClassVar[frozenset[str]] = frozenset({"robot", "planned", "simulated"})
+    # whether there is nothing to draw of a robot that only stands there
     needs_motion: ClassVar[bool] = True
 
     def __init__(self, scene: viser.SceneApi) -> None:
-        """Nothing is drawn of a tab's scene."""
         self.scene = scene
 
     @abstractmethod
     def draw(self, picture: Picture) -> Sequence[AnimationChannel]:
-        """Take along what does not move; returns how the rest moves.
-
-        Args:
-            picture: with a motion, if `needs_motion`.
-        """
+        """Take along what does not move; how the rest moves. See `needs_motion`."""
 
     @abstractmethod
     def show(self, *, visible: bool) -> None:
@@ -53,26 +46,18 @@ class Key(NamedTuple):
 
 
 class Overlay(Drawing):
-    """Drawn besides the robot if its box is ticked; its nodes hang below one node.
+    """Drawn besides the robot if its box is ticked; its nodes hang below one node."""
 
-    Attributes:
-        name: in `Picture.layers`.
-        title: label of its box; hint: its meaning in one sentence.
-        place: of its box among the others, a number.
-        at_first: whether its box is ticked when a page opens.
-        root: name of its node. viser labels nodes by their names, and tests find controls by label:
-            it differs from `title`.
-    """
-
-    name: ClassVar[str]
-    title: ClassVar[str]
-    hint: ClassVar[str]
-    place: ClassVar[int]
-    at_first: ClassVar[bool] = False
+    name: ClassVar[str]  # in `Picture.layers`
+    title: ClassVar[str]  # label of its box
+    hint: ClassVar[str]  # its meaning in one sentence
+    place: ClassVar[int]  # of its box among the others, a number
+    at_first: ClassVar[bool] = False  # whether its box is ticked when a page opens
+    # name of its node. viser labels nodes by their names, and tests find controls by label: it
+    # differs from `title`
     root: ClassVar[str] = ""
 
     def __init__(self, scene: viser.SceneApi) -> None:
-        """Nothing is drawn."""
         super().__init__(scene)
         self._root: viser.FrameHandle | None = None
         self._copies: dict[str, Copies] = {}
@@ -99,13 +84,7 @@ class Overlay(Drawing):
             self._root.visible = visible
 
     def nodes(self, glb: bytes, count: int, name: str = "") -> list[str]:
-        """Names of so many nodes that draw one mesh; others of that name are hidden.
-
-        Args:
-            glb: the mesh, as binary glTF; another one than before is drawn from now on.
-            count: of nodes.
-            name: of them below the root, a number follows.
-        """
+        """Names of so many nodes below the root that draw one mesh (glTF); others are hidden."""
         if self._root is None:
             self._root = self.scene.add_frame(self.root, show_axes=False)
         path = f"{self.root}/{name}" if name else self.root
@@ -127,7 +106,6 @@ class Copies:
     """Nodes that all draw one mesh: as many as are needed; the rest is hidden."""
 
     def __init__(self, scene: viser.SceneApi, name: str, glb: bytes) -> None:
-        """No node yet; their names are `name` and a number."""
         self._scene, self._name, self._glb = scene, name, glb
         self._nodes: list[viser.GlbHandle] = []
 

@@ -25,14 +25,7 @@ _AXIS = 0.06  # share of an axis' length that it is thick
 def solid(
     mesh: trimesh.Trimesh, colour: Rgb, opacity: float = 1.0, *, sharp: bool = False
 ) -> bytes:
-    """A mesh in one colour, seen from both sides.
-
-    Args:
-        mesh: to draw.
-        colour: as it looks in even light.
-        opacity: below 1: translucent.
-        sharp: every face has a normal of its own, so that edges are seen.
-    """
+    """A mesh in one colour, seen from both sides; `sharp`: its edges are seen."""
     import trimesh
     from trimesh.visual.material import PBRMaterial
 

@@ -20,24 +20,14 @@ _LINE = 3.0  # pixels
 
 @dataclass(frozen=True)
 class LandingDragged:
-    """Where the handle was dragged to.
+    """Where the handle was dragged to."""
 
-    Attributes:
-        x, y: m, world frame.
-        yaw: rad; the same up to whole turns.
-    """
-
-    x: float
+    x: float  # x, y: m, world frame
     y: float
-    yaw: float
+    yaw: float  # rad; the same up to whole turns
 
     def applied_to(self, jump: Jump, task: Task) -> Jump:
-        """The request with the landing place where the handle stands, within the robot's ranges.
-
-        Args:
-            jump: the request as it is; height, robot and model stay.
-            task: the robot's ranges.
-        """
+        """A request that lands where the handle stands, within the robot's ranges; height stays."""
         # The handle turns on beyond half a turn; of the angles that look alike, the nearest one.
         twist = jump.twist + math.remainder(self.yaw - jump.twist, 2 * math.pi)
         return replace(
@@ -52,13 +42,7 @@ class LandingHandle:
     """Arrows along x and y, and a ring to turn it; stands at the target unless it is held."""
 
     def __init__(self, client: viser.ClientHandle, moved: Callable[[LandingDragged], None]) -> None:
-        """Hidden.
-
-        Args:
-            client: whose scene.
-            moved: called from viser's thread with where the handle was dragged to; must return at
-                once.
-        """
+        """Hidden; `moved` is called from viser's thread and must return at once."""
         self._target: Jump | None = None
         self._robot: Robot | None = None
         self._held = False
@@ -80,13 +64,7 @@ class LandingHandle:
                 moved(dragged)
 
     def draw(self, target: Jump | None, robot: Robot | None, *, visible: bool) -> None:
-        """Stand where a jump shall land, unless it is being dragged.
-
-        Args:
-            target: the jump; None: hidden.
-            robot: its arrows reach out from under this one.
-            visible: whether it is shown at all.
-        """
+        """Stand where a jump shall land, unless it is being dragged; no jump or robot: hidden."""
         shown = visible and target is not None and robot is not None
         self._handle.visible = shown
         if target is None or robot is None:

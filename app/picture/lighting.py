@@ -17,32 +17,21 @@ from app.picture.picture import Picture
 
 @dataclass(frozen=True)
 class Look:
-    """Colours and strengths of one time of the day.
+    """Colours and strengths of one time of the day."""
 
-    Attributes:
-        sky, ground: colours of the light from above and from below; sky_light: its strength.
-        key, key_light: colour and strength of the lamp that gives the robot its shape.
-        fill_light: strength of the lamp that lightens the other side.
-        floor: colour of the tiles; floor_opacity: how much of the backdrop they hide, nearby.
-        joints, tiles: colours of the lines of 0.1 m and of 0.5 m.
-        lines: colour of the lines where there are no tiles.
-        backdrop: about what is behind the floor.
-        shadow: how dark a shadow is, 0 to 1.
-    """
-
-    sky: Rgb
+    sky: Rgb  # sky, ground: colours of the light from above and from below
     ground: Rgb
-    sky_light: float
-    key: Rgb
+    sky_light: float  # its strength
+    key: Rgb  # key, key_light: colour and strength of the lamp that gives the robot its shape
     key_light: float
-    fill_light: float
-    floor: Rgb
-    floor_opacity: float
-    joints: Rgb
+    fill_light: float  # strength of the lamp that lightens the other side
+    floor: Rgb  # colour of the tiles
+    floor_opacity: float  # how much of the backdrop they hide, nearby
+    joints: Rgb  # joints, tiles: colours of the lines of 0.1 m and of 0.5 m
     tiles: Rgb
-    lines: Rgb
-    backdrop: Rgb
-    shadow: float
+    lines: Rgb  # colour of the lines where there are no tiles
+    backdrop: Rgb  # about what is behind the floor
+    shadow: float  # how dark a shadow is, 0 to 1
 
 
 # The backdrop behind both is in static/camera.js; the floor fades into it.
@@ -110,7 +99,6 @@ class Lighting(Drawing):
     needs_motion = False
 
     def __init__(self, scene: viser.SceneApi) -> None:
-        """By day, without shadows."""
         super().__init__(scene)
         self._sky = scene.add_light_hemisphere(
             "/lamps/sky", sky_color=DAY.sky, ground_color=DAY.ground, intensity=DAY.sky_light

@@ -17,50 +17,31 @@ from llsrbm.simulation.surroundings import Block
 
 @dataclass(frozen=True, eq=False)
 class Ghost:
-    """A pinned motion, drawn translucent.
+    """A pinned motion, drawn translucent."""
 
-    Attributes:
-        robot: whose.
-        frames: of its motion.
-        colour: of the ghost.
-    """
-
-    robot: Robot
-    frames: Frames
-    colour: Rgb
+    robot: Robot  # whose
+    frames: Frames  # of its motion
+    colour: Rgb  # of the ghost
 
 
 @dataclass(frozen=True, eq=False)
 class Picture:
-    """Everything that the scene draws of a tab's state; parts that stay are the same objects.
+    """Everything that the scene draws of a tab's state; parts that stay are the same objects."""
 
-    Attributes:
-        robot: that is shown; None: none yet.
-        planned: its plan; None: it stands in its default posture.
-        simulated: frames of the robot that follows the plan, as far as they are computed; it is
-            drawn solid then, and the plan as a ghost.
-        rollout: the simulation, once it is complete.
-        pushes: of the simulation, as far as it is computed.
-        blocks: what stands around: of a plan alone, drawn as what it aims at.
-        ghosts: pinned motions.
-        layers: names of the overlays that are drawn.
-        target: where the landing handle stands.
-        night: a dark ground and dim light.
-        fine: with all triangles: the browser has a graphics processor.
-        prepared: the robot's meshes are there; else its collision shapes stand in for them.
-    """
-
-    robot: Robot | None = None
-    planned: PlannedMotion | None = None
+    robot: Robot | None = None  # that is shown; None: none yet
+    planned: PlannedMotion | None = None  # its plan; None: it stands in its default posture
+    # frames of the robot that follows the plan, as far as they are computed; it is drawn solid
+    # then, and the plan as a ghost
     simulated: Frames | None = None
-    rollout: Rollout | None = None
-    pushes: tuple[Push, ...] = ()
-    blocks: tuple[Block, ...] = ()
-    ghosts: tuple[Ghost, ...] = ()
-    layers: frozenset[str] = frozenset()
-    target: Jump | None = None
-    night: bool = False
-    fine: bool = False
+    rollout: Rollout | None = None  # the simulation, once it is complete
+    pushes: tuple[Push, ...] = ()  # of the simulation, as far as it is computed
+    blocks: tuple[Block, ...] = ()  # what stands around: of a plan alone, drawn as what it aims at
+    ghosts: tuple[Ghost, ...] = ()  # pinned motions
+    layers: frozenset[str] = frozenset()  # names of the overlays that are drawn
+    target: Jump | None = None  # where the landing handle stands
+    night: bool = False  # a dark ground and dim light
+    fine: bool = False  # with all triangles: the browser has a graphics processor
+    # the robot's meshes are there; else its collision shapes stand in for them
     prepared: bool = True
 
     @property

@@ -27,34 +27,21 @@ _TO_BEGIN = "drag to push"
 
 @dataclass(frozen=True)
 class PushDragged:
-    """Where the arrow's tip was dragged to.
+    """Where the arrow's tip was dragged to."""
 
-    Attributes:
-        time: s, the instant that was shown.
-        impulse: N s, world frame.
-        ended: whether it was let go of.
-    """
-
-    time: float
-    impulse: Vector
-    ended: bool
+    time: float  # s, the instant that was shown
+    impulse: Vector  # N s, world frame
+    ended: bool  # whether it was let go of
 
 
 @dataclass(frozen=True)
 class PushShown:
-    """The push at one instant.
+    """The push at one instant."""
 
-    Attributes:
-        time: s, the instant that is shown.
-        origin: m, world frame, of the trunk's CoM then.
-        impulse: N s, world frame; zeros: none begins at that instant.
-        metres_per_newton_second: the arrow's scale.
-    """
-
-    time: float
-    origin: Vector
-    impulse: Vector
-    metres_per_newton_second: float
+    time: float  # s, the instant that is shown
+    origin: Vector  # m, world frame, of the trunk's CoM then
+    impulse: Vector  # N s, world frame; zeros: none begins at that instant
+    metres_per_newton_second: float  # the arrow's scale
 
     @property
     def tip(self) -> Vector:
@@ -75,13 +62,7 @@ class PushHandle:
     """The arrow, the grip at its tip and its size in words; stays where it is held."""
 
     def __init__(self, client: viser.ClientHandle, moved: Callable[[PushDragged], None]) -> None:
-        """Hidden.
-
-        Args:
-            client: whose scene.
-            moved: called from viser's thread with where the tip was dragged to; must return at
-                once.
-        """
+        """Hidden; `moved` is called from viser's thread and must return at once."""
         self._shown: PushShown | None = None
         self._held: PushShown | None = None
         scene = client.scene
@@ -120,11 +101,7 @@ class PushHandle:
                 moved(PushDragged(shown.time, shown.impulse_to(tip), ended))
 
     def draw(self, shown: PushShown | None) -> bool:
-        """Show a push, or nothing; the grip is left where a hand holds it.
-
-        Returns:
-            whether anything is drawn that was not.
-        """
+        """Show a push, or nothing, but for a grip that is held; whether anything new is drawn."""
         if shown == self._shown:
             return False
         self._shown = shown

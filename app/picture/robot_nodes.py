@@ -28,8 +28,7 @@ from llsrbm.robots import Robot
 
 Array = NDArray[np.float64]
 
-KEPT = 4
-"""Hidden robots that a tab keeps, the ones shown last: some MB of memory each in a browser."""
+KEPT = 4  # Hidden robots that a tab keeps, the ones shown last: some MB of memory each in a browser
 
 _GHOST_OPACITY = 0.25
 
@@ -70,33 +69,20 @@ def meshes(
 
 
 class RobotNodes:
-    """One drawn robot, in its default posture until it is moved.
-
-    Attributes:
-        robot: that is drawn.
-        base: name of the node of its first body.
-    """
+    """One drawn robot, in its default posture until it is moved."""
 
     def __init__(
         self,
-        scene: viser.SceneApi,
-        robot: Robot,
-        name: str,
+        scene: viser.SceneApi,  # a tab's
+        robot: Robot,  # what to draw
+        name: str,  # of the node above the links
         *,
-        ghost: Rgb | None = None,
+        ghost: Rgb | None = None,  # translucent, in this colour
+        # with all triangles. A browser without a graphics processor draws the coarse ones in half
+        # the time, and every page opens sooner with them; ghosts never need more
         fine: bool = False,
     ) -> None:
-        """Visible.
-
-        Args:
-            scene: a tab's.
-            robot: what to draw.
-            name: of the node above the links.
-            ghost: translucent, in this colour.
-            fine: with all triangles. A browser without a graphics processor draws the coarse ones
-                in half the time, and every page opens sooner with them; ghosts never need more.
-        """
-        self.robot = robot
+        self.robot = robot  # that is drawn
         self._scene = scene
         self._name = name
         self._ghost = ghost
@@ -106,7 +92,7 @@ class RobotNodes:
         self._nodes: dict[str, viser.GlbHandle] = {}
         self._bodies: dict[str, int] = {}
         self._draw()
-        self.base = next(iter(self._nodes), name)
+        self.base = next(iter(self._nodes), name)  # name of the node of its first body
 
     def refine(self) -> None:
         """Draw all triangles from now on."""
@@ -184,12 +170,6 @@ class RobotShelf:
     """The robots of one kind that a tab has been sent: solid ones, or ghosts."""
 
     def __init__(self, scene: viser.SceneApi, names: Iterator[str]) -> None:
-        """None.
-
-        Args:
-            scene: a tab's.
-            names: of their nodes.
-        """
         self._scene = scene
         self._names = names
         # In the order in which they were taken last.
@@ -241,10 +221,7 @@ def extents(robot: Robot) -> tuple[tuple[int, ...], Array]:
 def around(robot: Robot, position: Array, wxyz: Array) -> tuple[Array, Array]:
     """Corners `low` and `high`, (3,) m, of a box around a robot in all of its poses.
 
-    Args:
-        robot: with at least one mesh, or its bodies' origins count.
-        position: (F, B, 3) m of its bodies.
-        wxyz: (F, B, 4).
+    Those are of its bodies, (F, B, 3) m and (F, B, 4). Without meshes their origins count.
     """
     bodies, corners = extents(robot)
     if not bodies:

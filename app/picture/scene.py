@@ -29,11 +29,6 @@ class Scene:
     # of nodes, so these avoid the words of the panel (a node "robot" would be found as "Robot").
 
     def __init__(self, client: viser.ClientHandle) -> None:
-        """An empty floor.
-
-        Args:
-            client: whose tab.
-        """
         self._client = client
         self._drawn = Picture()
         scene = client.scene
@@ -49,14 +44,7 @@ class Scene:
         self._outdated: set[Drawing] = set()
 
     def draw(self, picture: Picture) -> Clip | None:
-        """Draw this picture in place of the one before, as far as it differs.
-
-        Args:
-            picture: all of it; parts that are the same objects as before are left alone.
-
-        Returns:
-            how everything moves, if that has changed.
-        """
+        """Draw what differs from the picture before; how everything moves, if that has changed."""
         changed = changed_parts(self._drawn, picture)
         if not changed:
             return None
@@ -78,7 +66,6 @@ class Scene:
     def _update(
         self, drawing: Drawing, picture: Picture, changed: frozenset[str], *, wanted: bool
     ) -> None:
-        """Draw, or leave alone, or hide."""
         if drawing.parts & changed:
             self._outdated.add(drawing)
         visible = wanted and (picture.planned is not None or not drawing.needs_motion)

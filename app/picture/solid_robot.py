@@ -22,21 +22,17 @@ _SPREADS = 0.5  # a shadow is larger by that share of its height above the groun
 
 
 class SolidRobot(Drawing):
-    """Simulated, or planned, or in its default posture.
-
-    Attributes:
-        camera_target: what a camera looks at; None: there is no robot.
-    """
+    """Simulated, or planned, or in its default posture."""
 
     parts = frozenset({"robot", "planned", "simulated", "fine", "prepared"})
     needs_motion = False
 
     def __init__(self, scene: viser.SceneApi) -> None:
-        """Nothing is drawn."""
         super().__init__(scene)
         names = chain(["/links"], (f"/links-{number}" for number in count(2)))
         self._shelf = RobotShelf(scene, names)
         self._nodes: RobotNodes | None = None
+        # what a camera looks at; None: there is no robot
         self.camera_target: CameraTarget | None = None
 
     def draw(self, picture: Picture) -> Sequence[AnimationChannel]:
@@ -64,7 +60,6 @@ class ContactShadow(Drawing):
     parts = frozenset({"robot", "planned", "simulated", "blocks"})
 
     def __init__(self, scene: viser.SceneApi) -> None:
-        """Nothing is drawn."""
         super().__init__(scene)
         self._disc: viser.GlbHandle | None = None
 

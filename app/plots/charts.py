@@ -24,8 +24,7 @@ Array = NDArray[np.float64]
 LIMIT: Rgb = colours.FOOT
 
 SOLID: tuple[float, ...] = ()
-DASHED = (4.0, 4.0)
-"""Pixels drawn and left out, of limits and of second curves."""
+DASHED = (4.0, 4.0)  # Pixels drawn and left out, of limits and of second curves
 
 _COMPONENT_DASHES: tuple[tuple[float, ...], ...] = (
     SOLID,
@@ -43,21 +42,13 @@ Look = tuple[str, Rgb, tuple[float, ...]]  # name, colour, dashes
 
 @dataclass(frozen=True, eq=False)
 class Layer:
-    """A motion to be plotted: one line in each chart.
+    """A motion to be plotted: one line in each chart."""
 
-    Attributes:
-        title: its name in the legend.
-        colour: of its lines.
-        motion: a plan, or a motion from a file.
-        rollout: plotted instead of the plan, if there is one.
-        pinned: it is there for comparison: marks and time axis are the others'.
-    """
-
-    title: str
-    colour: Rgb
-    motion: PlannedMotion | ForeignMotion
-    rollout: Rollout | None
-    pinned: bool
+    title: str  # its name in the legend
+    colour: Rgb  # of its lines
+    motion: PlannedMotion | ForeignMotion  # a plan, or a motion from a file
+    rollout: Rollout | None  # plotted instead of the plan, if there is one
+    pinned: bool  # it is there for comparison: marks and time axis are the others'
 
     @cached_property
     def series(self) -> TimeSeries:
@@ -88,23 +79,15 @@ def shown_layers(planned: PlannedMotion, rollout: Rollout | None) -> tuple[Layer
 
 @dataclass(frozen=True, eq=False)
 class Line:
-    """One curve of a chart.
+    """One curve of a chart."""
 
-    Attributes:
-        title: the layer's, or that of a limit or mark.
-        component: of several that share the chart; "".
-        unit: of the values.
-        colour: of the line; dash: pixels drawn and left out, in turn.
-        time: (K,) s, increasing; values: (K,).
-    """
-
-    title: str
-    component: str
-    unit: str
-    colour: Rgb
-    dash: tuple[float, ...]
-    time: Array
-    values: Array
+    title: str  # the layer's, or that of a limit or mark
+    component: str  # of several that share the chart; ""
+    unit: str  # of the values
+    colour: Rgb  # of the line
+    dash: tuple[float, ...]  # pixels drawn and left out, in turn
+    time: Array  # (K,) s, increasing
+    values: Array  # (K,)
 
     @property
     def name(self) -> str:
@@ -119,18 +102,12 @@ class Line:
 
 @dataclass(frozen=True, eq=False)
 class Chart:
-    """One quantity, or one component of it, of all layers that have it.
+    """One quantity, or one component of it, of all layers that have it."""
 
-    Attributes:
-        title: quantity and component; unit: of its axis.
-        lines: drawn in this order.
-        least, most: as in `Signal`.
-    """
-
-    title: str
-    unit: str
-    lines: tuple[Line, ...]
-    least: float = 0.0
+    title: str  # quantity and component
+    unit: str  # of its axis
+    lines: tuple[Line, ...]  # drawn in this order
+    least: float = 0.0  # least, most: as in `Signal`
     most: float = np.inf
 
     @property
@@ -140,12 +117,7 @@ class Chart:
 
 
 def charts(choice: PlotChoice, layers: Sequence[Layer]) -> tuple[Chart, ...]:
-    """All chosen charts of signals that some layer has.
-
-    Args:
-        choice: an unknown signal is left out.
-        layers: in the order in which they are drawn.
-    """
+    """All chosen charts of signals that some layer has."""
     return tuple(
         chart
         for chosen in choice.charts
@@ -166,12 +138,7 @@ def name_of(chosen: ChartChoice) -> str:
 
 
 def components_offered(key: str, layers: Sequence[Layer]) -> tuple[str, ...]:
-    """Choices of a signal's components: all, a chart each, sets of them, single ones.
-
-    Args:
-        key: of the signal.
-        layers: the components are those of the first that has the signal.
-    """
+    """Choices of a signal's components, of the first layer that has it: all, each, sets, single."""
     sampled = (SIGNALS[key].of(layer.series) for layer in layers)
     components = next((s.components for s in sampled if s is not None), ())
     if len(components) <= 1:

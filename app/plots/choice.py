@@ -10,44 +10,29 @@ ALL = "all"
 EACH = "a chart each"
 
 OVERVIEW, TORQUES, LANDING = "Overview", "Joint torques and speeds", "Landing"
-OWN = "Own choice"
-"""Name of charts that are no preset."""
+OWN = "Own choice"  # Name of charts that are no preset
 
-MOST_CHARTS = 12
-"""Choices of charts in one tab; each may be as many charts as a robot has joints."""
+MOST_CHARTS = 12  # Choices of charts in one tab; each may be as many charts as a robot has joints
 
 
 @dataclass(frozen=True)
 class ChartChoice:
-    """A chart, or several.
+    """A chart, or several."""
 
-    Attributes:
-        signal: key of one of `app.plots.signals.SIGNALS`.
-        components: names or tags of its components that are drawn, such as "z", "LF", "KFE";
-            none: all of them.
-        each: each component has a chart of its own.
-    """
-
-    signal: str
+    signal: str  # key of one of `app.plots.signals.SIGNALS`
+    # names or tags of its components that are drawn, such as "z", "LF", "KFE"; none: all of them
     components: tuple[str, ...] = ()
-    each: bool = False
+    each: bool = False  # each component has a chart of its own
 
 
 @dataclass(frozen=True)
 class PlotChoice:
-    """The charts that are plotted.
+    """The charts that are plotted."""
 
-    Attributes:
-        charts: in their order, no two alike.
-        landing: the time axis shows the touchdown closely.
-        open: the area with the charts is.
-        offered: the chart that would be added next.
-    """
-
-    charts: tuple[ChartChoice, ...]
-    landing: bool = False
-    open: bool = True
-    offered: ChartChoice = ChartChoice("com")
+    charts: tuple[ChartChoice, ...]  # in their order, no two alike
+    landing: bool = False  # the time axis shows the touchdown closely
+    open: bool = True  # the area with the charts is
+    offered: ChartChoice = ChartChoice("com")  # the chart that would be added next
 
     @property
     def preset(self) -> str:

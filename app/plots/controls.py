@@ -30,29 +30,19 @@ Change = Callable[[PlotChoice], PlotChoice]
 
 
 class PlotControls:
-    """Dropdowns and buttons, in the container that is open when they are made.
-
-    Attributes:
-        open: by which the area is opened.
-        seen: hidden; the page's script sets it when the area is opened or minimised.
-        area_open: state of the area, as far as the server knows.
-        download: saves the lines that are shown.
-    """
+    """Dropdowns and buttons, in the container that is open when they are made."""
 
     def __init__(self, gui: viser.GuiApi, changed: Callable[[PlotChoice], None]) -> None:
-        """Show the default.
-
-        Args:
-            gui: of the tab.
-            changed: called on the event loop with the user's choice.
-        """
+        """`changed` is called on the event loop with the user's choice."""
         self._choice = DEFAULT
         self._changed = changed
+        # by which the area is opened
         self.open = gui.add_checkbox(
             "Plot area", True, hint="Charts over time below the picture, as wide as it"
         )
+        # hidden; the page's script sets it when the area is opened or minimised
         self.seen = gui.add_checkbox("", True, visible=False)
-        self.area_open = True
+        self.area_open = True  # state of the area, as far as the server knows
         self._preset = gui.add_dropdown("Preset", (*PRESETS, OWN), hint="Charts shown together")
         self._joints = gui.add_dropdown("Joints", (ALL_JOINTS,), visible=False)
         self._landing = gui.add_checkbox(
@@ -65,6 +55,7 @@ class PlotControls:
         self._add = gui.add_button("Add chart")
         self._chart = gui.add_dropdown("Chart", (_NONE,), hint="To be removed")
         self._remove = gui.add_button("Remove chart")
+        # saves the lines that are shown
         self.download = gui.add_button(
             "Download", disabled=True, hint="All lines that are shown, at their own instants, CSV"
         )
@@ -82,12 +73,7 @@ class PlotControls:
         self._remove.on_click(self._reported(self._removed))
 
     def show(self, choice: PlotChoice, layers: Sequence[Layer]) -> None:
-        """Show a choice.
-
-        Args:
-            choice: to show.
-            layers: that are plotted; the last one's robot has the joints and feet to choose from.
-        """
+        """Show a choice; the last layer's robot has the joints and feet to choose from."""
         self._choice = choice
         _set(self.open, choice.open)
         _set(self._preset, choice.preset)
@@ -160,7 +146,6 @@ def _component_name(chart: ChartChoice) -> str:
 
 
 def _set(handle: Any, value: str | bool) -> None:
-    """Set a control that shows something else."""
     if handle.value != value:
         put(handle, value)
 

@@ -32,7 +32,6 @@ class UplotChart:
     """Added to the page when it is first drawn; changed, not made anew, while its lines stay."""
 
     def __init__(self, gui: viser.GuiApi) -> None:
-        """Nothing in the page yet; the chart will be in the container that is open at `draw`."""
         self._gui = gui
         self._handle: viser.GuiUplotHandle | None = None
         self._looks: list[Look] = []

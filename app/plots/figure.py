@@ -26,29 +26,16 @@ _BEFORE, _AFTER, _LANDING_STEP = 0.1, 0.25, 0.05  # s around touchdowns
 
 @dataclass(frozen=True, eq=False)
 class Figure:
-    """Charts over the same P instants.
+    """Charts over the same P instants."""
 
-    Attributes:
-        grid: the instants.
-        flight: (P,) high where the design that is shown plans to fly.
-        marks: upright lines: a step at each.
-        charts: from top to bottom; their lines are sampled at the instants.
-    """
-
-    grid: TimeGrid
-    flight: Array
-    marks: tuple[Line, ...]
-    charts: tuple[Chart, ...]
+    grid: TimeGrid  # the instants
+    flight: Array  # (P,) high where the design that is shown plans to fly
+    marks: tuple[Line, ...]  # upright lines: a step at each
+    charts: tuple[Chart, ...]  # from top to bottom; their lines are sampled at the instants
 
 
 def figure(choice: PlotChoice, layers: Sequence[Layer], end: float) -> Figure:
-    """The chosen charts.
-
-    Args:
-        choice: of charts.
-        layers: drawn in this order; one of them at least is not pinned.
-        end: of the motion that is shown, s.
-    """
+    """The chosen charts up to `end`, s; one layer at least is not pinned."""
     shown = [layer for layer in layers if not layer.pinned]
     planned = shown[0].motion
     assert isinstance(planned, PlannedMotion)  # what is not pinned has a plan
@@ -90,14 +77,7 @@ _Mark = tuple[str, colours.Rgb, tuple[float, ...], float]  # title, colour, dash
 
 
 def _marks(shown: Sequence[Layer], flight: int, planned: float, choice: PlotChoice) -> list[_Mark]:
-    """A flight's touchdown: the simulator's; in detail the planned one and its detection as well.
-
-    Args:
-        shown: plan and simulation.
-        flight: its number, from 0 on.
-        planned: its planned end, s.
-        choice: of charts.
-    """
+    """The simulator's touchdown of a flight; in detail the planned one (s) and detection too."""
     marks: list[_Mark] = []
     if choice.landing:
         marks.append(("touch-down planned", shown[0].colour, SOLID, planned))
@@ -112,7 +92,6 @@ def _marks(shown: Sequence[Layer], flight: int, planned: float, choice: PlotChoi
 
 
 def _around(instants: Sequence[float]) -> tuple[float, float]:
-    """Start and end of a time axis that shows these closely, s."""
     step = _LANDING_STEP
     start = math.floor((min(instants) - _BEFORE) / step) * step
     return max(start, 0.0), math.ceil((max(instants) + _AFTER) / step) * step

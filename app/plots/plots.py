@@ -45,12 +45,7 @@ class Plots:
     """Draws a choice of charts of what is shown; keeps only handles and what was drawn last."""
 
     def __init__(self, client: viser.ClientHandle, chosen: Callable[[PlotChoice], None]) -> None:
-        """Controls where the container is that is open, and an empty area.
-
-        Args:
-            client: the tab.
-            chosen: called on viser's event loop with the user's choice; must return at once.
-        """
+        """`chosen` is called on viser's event loop with the user's choice; must return at once."""
         self._client = client
         self._controls = PlotControls(client.gui, chosen)
         self._controls.download.on_click(self._download)
@@ -71,14 +66,7 @@ class Plots:
     def draw(
         self, layers: Sequence[Layer], end: float, choice: PlotChoice, *, moving: bool
     ) -> None:
-        """Draw these, the later over the earlier ones and all over those that are pinned.
-
-        Args:
-            layers: one of them at least is not pinned; none: no charts.
-            end: of the motion that is shown, s.
-            choice: of charts.
-            moving: the next motion will follow soon: nothing is drawn.
-        """
+        """Draw layers up to `end`, s: the later over the earlier, all over the pinned."""
         if moving:
             return
         # Not pinned last; sorting keeps the order of equals.
@@ -106,7 +94,6 @@ class Plots:
         )
 
     def _show_open(self, open_: bool) -> None:
-        """Open or minimise the area, unless the page did."""
         if open_ != self._controls.area_open:
             self._controls.area_open = open_
             (self._panel.expand if open_ else self._panel.minimize)()

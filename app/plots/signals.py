@@ -36,16 +36,11 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Component:
-    """One number of a quantity.
+    """One number of a quantity."""
 
-    Attributes:
-        name: "x", "LF z", a joint's; "" of a quantity that is one number.
-        unit: SI, or degrees.
-        tags: names of sets that it belongs to, besides its own: "LF", "z", a kind of joints.
-    """
-
-    name: str
-    unit: str
+    name: str  # "x", "LF z", a joint's; "" of a quantity that is one number
+    unit: str  # SI, or degrees
+    # names of sets that it belongs to, besides its own: "LF", "z", a kind of joints
     tags: tuple[str, ...] = ()
 
     def is_one_of(self, names: tuple[str, ...]) -> bool:
@@ -64,26 +59,20 @@ class Samples:
 
 @dataclass(frozen=True)
 class Signal:
-    """One quantity of motions over time.
+    """One quantity of motions over time."""
 
-    Attributes:
-        key: by which choices name it.
-        title: in menus and above charts.
-        of: samples of a motion, or None if it has no such quantity.
-        least: values from -least to least are in view, however small the drawn ones are: a tenth
-            of a degree shall not look like a fall. 0: the drawn ones alone.
-        most: values beyond ±most are drawn there; files have them as they are.
-        level, level_title: value of a limit or threshold for one motion; its name in the legend.
-        also, also_title: a second curve of plans that are not pinned, drawn dashed; its name.
-    """
-
-    key: str
-    title: str
+    key: str  # by which choices name it
+    title: str  # in menus and above charts
+    # samples of a motion, or None if it has no such quantity
     of: Callable[[TimeSeries], Samples | None]
+    # values from -least to least are in view, however small the drawn ones are: a tenth of a degree
+    # shall not look like a fall. 0: the drawn ones alone
     least: float = 0.0
-    most: float = np.inf
+    most: float = np.inf  # values beyond ±most are drawn there; files have them as they are
+    # level, level_title: value of a limit or threshold for one motion; its name in the legend
     level: Callable[[TimeSeries], float | None] | None = None
     level_title: str = ""
+    # also, also_title: a second curve of plans that are not pinned, drawn dashed; its name
     also: Callable[[TimeSeries], Samples] | None = None
     also_title: str = ""
 

@@ -18,8 +18,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-POINTS = 384
-"""Evenly spaced instants, in pairs: one to two pixels each in a chart of the area."""
+POINTS = 384  # Evenly spaced instants, in pairs: one to two pixels each in a chart of the area
 
 ABOVE, BELOW = 2.0, -1.0
 """Values of steps, drawn on a scale from 0 to 1, so that only their upright part is in sight."""
@@ -27,17 +26,11 @@ ABOVE, BELOW = 2.0, -1.0
 
 @dataclass(frozen=True, eq=False)
 class TimeGrid:
-    """Instants that curves are brought to.
+    """Instants that curves are brought to."""
 
-    Attributes:
-        even: (POINTS,) s, evenly spaced.
-        marks: (M,) s.
-        time: (POINTS + 2 M,) s: all of them in order, marks twice.
-    """
-
-    even: Array
-    marks: Array
-    time: Array
+    even: Array  # (POINTS,) s, evenly spaced
+    marks: Array  # (M,) s
+    time: Array  # (POINTS + 2 M,) s: all of them in order, marks twice
 
     @classmethod
     def over(cls, start: float, end: float, marks: Iterable[float] = ()) -> TimeGrid:
@@ -52,12 +45,7 @@ class TimeGrid:
         return float(self.even[1] - self.even[0])
 
     def sample(self, time: Array, values: Array) -> Array:
-        """A curve at the instants, (P,); NaN where it has no value.
-
-        Args:
-            time: (K,) s, increasing.
-            values: (K,); what is not finite counts as absent.
-        """
+        """A curve (K,) over `time` (K,) s at the instants, (P,); NaN where it has no value."""
         finite = np.isfinite(values)
         time, values = time[finite], values[finite]
         if not len(time):

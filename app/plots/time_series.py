@@ -27,19 +27,13 @@ _RECORDED_AS = {"joint_torque": "torque", "joint_torque_limit": "torque_limit"} 
 
 @dataclass(frozen=True, eq=False)
 class TimeSeries:
-    """A motion's quantities at its K own instants; world frame, SI units.
+    """A motion's quantities at its K own instants; world frame, SI units."""
 
-    Attributes:
-        motion: the quantities that plans, simulations and files have in common.
-        recorded: all others: a plan or a rollout; None of a motion from another tool.
-        planned: the plan that a simulation followed; None of all else.
-        mass: of which the momenta are, kg.
-    """
-
-    motion: WholeBodyMotion
+    motion: WholeBodyMotion  # the quantities that plans, simulations and files have in common
+    # all others: a plan or a rollout; None of a motion from another tool
     recorded: Plan | Rollout | None
-    planned: WholeBodyMotion | None
-    mass: float
+    planned: WholeBodyMotion | None  # the plan that a simulation followed; None of all else
+    mass: float  # of which the momenta are, kg
 
     @classmethod
     def of_plan(cls, plan: Plan, motion: WholeBodyMotion) -> TimeSeries:
@@ -105,7 +99,6 @@ class TimeSeries:
 
     @cached_property
     def _sampled(self) -> Plan | Rollout | None:
-        """The recorded quantity, at this motion's instants."""
         if isinstance(self.recorded, Plan):
             return resample(self.recorded, self.recorded.time[0] + self.time)
         return self.recorded
@@ -117,24 +110,14 @@ def recorded_name(name: str) -> str:
 
 
 def principal_moments(robot: Robot, inertia: Array, base_quat: Array) -> Array:
-    """Principal moments of inertia, (K, 3) kg m2: those nearest to the base's x, y, z axes.
-
-    Args:
-        robot: whose mass it is.
-        inertia: (K, 3, 3) kg m2 about the CoM.
-        base_quat: (K, 4) w, x, y, z.
-    """
+    """Principal moments, (K, 3) kg m2, nearest to the base's axes, of `inertia` (K, 3, 3) kg m2."""
     axes, _ = ellipsoid(inertia, robot.mass, rotation_matrices(base_quat))
     squares: Array = axes**2
     return robot.mass / 5 * (squares.sum(axis=1, keepdims=True) - squares)
 
 
 def whole_body_inertia(motion: WholeBodyMotion) -> tuple[Array, Array, Array]:
-    """Inertia of the robot in its postures, by its whole-body model instead of a planner's.
-
-    Returns:
-        time (K,) s, inertia about the CoM (K, 3, 3) kg m2, base_quat (K, 4) w, x, y, z.
-    """
+    """By the whole-body model: time (K,) s, inertia (K, 3, 3) kg m2, base_quat (K, 4)."""
     robot = motion.robot
     kept = np.arange(0, len(motion.time), _WHOLE_BODY_EVERY)
     quat = motion.base_quat[kept]

@@ -33,14 +33,10 @@ _visible: dict[Act, Condition] = {}
 
 @dataclass(frozen=True)
 class Corrected:
-    """An event that was read from controls with values that had to be corrected.
+    """An event that was read from controls with values that had to be corrected."""
 
-    Attributes:
-        event: with the nearest values; complaints: sentences on them.
-    """
-
-    event: Any
-    complaints: tuple[str, ...]
+    event: Any  # with the nearest values
+    complaints: tuple[str, ...]  # sentences on them
 
 
 def on(
@@ -48,9 +44,8 @@ def on(
 ) -> Callable[[Handler], Handler]:
     """Have a function take events: `f(state)` those of an `Act`, else `f(state, event)`.
 
-    Args:
-        keys: acts, types of values, queues; or types of tasks: `f(state, report, task)`.
-        enabled, visible: when the button of an act can be pressed, and seen; None: always.
+    Keys are acts, types of values, queues; or types of tasks: `f(state, report, task)`. The button
+    of an act can be pressed if `enabled`, and is seen if `visible`; None: always.
     """
 
     def register(handler: Handler) -> Handler:

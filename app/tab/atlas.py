@@ -38,11 +38,7 @@ BUILT_IN = "Built-in sweep"
 
 
 class Atlases:
-    """Read when they are first needed, once for all tabs; from any thread.
-
-    Attributes:
-        names: to choose from, one at least.
-    """
+    """Read when they are first needed, once for all tabs; from any thread."""
 
     def __init__(self, folders: Sequence[Path] = ()) -> None:
         """Check and read the folders; the built-in one is read when it is needed.
@@ -63,7 +59,7 @@ class Atlases:
             if name in self._read:
                 raise InputError(f"--atlas: {folder} is given twice; expected each once")
             self._read[name] = atlas
-        self.names: tuple[str, ...] = (*self._read, BUILT_IN)
+        self.names: tuple[str, ...] = (*self._read, BUILT_IN)  # to choose from, one at least
 
     def named(self, name: str) -> Atlas | None:
         """The atlas with a name, "" the first one; None: there is none.
@@ -83,16 +79,11 @@ class Atlases:
 
 @dataclass(frozen=True)
 class JumpOpened:
-    """A jump of the atlas was chosen.
+    """A jump of the atlas was chosen."""
 
-    Attributes:
-        jump: the request; tuning: with the limits that its sweep varied.
-        other_drives: its sweep had stronger or weaker drives, which a page has not.
-    """
-
-    jump: Jump
-    tuning: Tuning
-    other_drives: bool = False
+    jump: Jump  # the request
+    tuning: Tuning  # with the limits that its sweep varied
+    other_drives: bool = False  # its sweep had stronger or weaker drives, which a page has not
 
 
 @on(JumpOpened)
@@ -130,11 +121,6 @@ class AtlasDrawing:
     """One tab's; for the session's thread. It knows what was sent last, and no other fact."""
 
     def __init__(self, controls: AtlasControls, link: PageLink, atlases: Atlases) -> None:
-        """Nothing is drawn yet.
-
-        Args:
-            controls: of the tab; link: to its page; atlases: to choose from.
-        """
         self._controls, self._link, self._atlases = controls, link, atlases
         self._made_of: tuple[Any, ...] = ()
         self._sent: dict[str, Any] | None = None
@@ -225,7 +211,6 @@ def placed(design: Design, robot: Robot, axes: Sequence[Axis]) -> dict[str, floa
 
 
 def _remarks(jumps: Jumps, jump: Jump) -> str:
-    """Sentences on a map, beside what it shows."""
     remarks = []
     if (jumps.model, jumps.type) != (jump.model, jump.type):
         remarks.append(f"The sweep's jumps are {title_of_type(jumps.type)}, {jumps.model}.")

@@ -16,8 +16,7 @@ from app.tab.state import Comparison, Pin, TabState, free_colour
 from llsrbm.request.design import Design
 from llsrbm.request.jump import Jump
 
-_SIMPLE = "srbm"
-"""The model that others are compared with; it is compared with the default one."""
+_SIMPLE = "srbm"  # The model that others are compared with; it is compared with the default one
 
 
 @dataclass(frozen=True)

@@ -26,28 +26,19 @@ _NEAR_SPEED = 0.3  # m/s, likewise
 
 @dataclass(frozen=True)
 class DragPlanning:
-    """One tab's request on its way.
+    """One tab's request on its way."""
 
-    Attributes:
-        requested: what was planned last, or is being planned; None: nothing that counts.
-        rests: whether it has its quick answer, and rests until it is planned from scratch.
-        rest: number of rests so far, so that one that was broken off is not taken for a later one.
-    """
-
+    # what was planned last, or is being planned; None: nothing that counts
     requested: tuple[Jump, Tuning] | None = None
+    # whether it has its quick answer, and rests until it is planned from scratch
     rests: bool = False
+    # number of rests so far, so that one that was broken off is not taken for a later one
     rest: int = 0
 
     def request(
         self, jump: Jump, tuning: Tuning, shown: Plan | None
     ) -> tuple[DragPlanning, PlanJump | None]:
-        """The request on its way, and what to plan for it: None if that is under way.
-
-        Args:
-            jump: what is wanted.
-            tuning: under which weights and limits.
-            shown: the plan that is shown, to start from if it is a near one.
-        """
+        """The request on its way, and what to plan for it, from the plan shown; None: under way."""
         if (jump, tuning) == self.requested:
             return self, None
         moved = replace(self, requested=(jump, tuning), rests=False)

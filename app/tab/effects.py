@@ -22,8 +22,7 @@ from llsrbm.look.visuals import needs_preparation
 from llsrbm.request.design import Design, dump_design
 from llsrbm.robots import Robot, load_robot
 
-MOST_NOTES = 4
-"""That stand at a time; more would cover the picture."""
+MOST_NOTES = 4  # That stand at a time; more would cover the picture
 
 
 class Queue(Enum):
@@ -40,17 +39,11 @@ class Queue(Enum):
 
 @dataclass(frozen=True, eq=False)
 class Reported:
-    """A job has something to report.
+    """A job has something to report."""
 
-    Attributes:
-        queue: in which it runs.
-        ticket: by which the state knows it.
-        report: the pool's.
-    """
-
-    queue: Queue
-    ticket: int
-    report: Report
+    queue: Queue  # in which it runs
+    ticket: int  # by which the state knows it
+    report: Report  # the pool's
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,17 +66,11 @@ class RobotMissing:
 
 
 class Outside:
-    """One tab's pool, page and browser; for the session's thread.
-
-    Attributes:
-        client: the tab; link: to the scripts in its page; pool: computes; inbox: takes what comes
-            of effects.
-    """
+    """One tab's pool, page and browser; for the session's thread."""
 
     def __init__(
         self, client: viser.ClientHandle, pool: WorkerPool, link: PageLink, inbox: Inbox
     ) -> None:
-        """Do nothing yet."""
         self.client, self.pool, self.link, self.inbox = client, pool, link, inbox
         self._notes: dict[tuple[str, str], viser.NotificationHandle] = {}  # the oldest first
 
@@ -105,13 +92,9 @@ class Outside:
 
 
 class Effect:
-    """Something to be done outside of the state.
+    """Something to be done outside of the state."""
 
-    Attributes:
-        after_drawing: it means what the page shows then, not what it showed before.
-    """
-
-    after_drawing = False
+    after_drawing = False  # it means what the page shows then, not what it showed before
 
     def do(self, outside: Outside) -> None:
         """Carry it out."""
@@ -120,15 +103,11 @@ class Effect:
 
 @dataclass(frozen=True, eq=False)
 class Submit(Effect):
-    """Have the pool compute something, in place of the queue's waiting job: see `Reported`.
+    """Have the pool compute something, in place of the queue's waiting job: see `Reported`."""
 
-    Attributes:
-        queue: which; ticket: by which the state knows the job; task: its work.
-    """
-
-    queue: Queue
-    ticket: int
-    task: Task
+    queue: Queue  # which
+    ticket: int  # by which the state knows the job
+    task: Task  # its work
 
     def do(self, outside: Outside) -> None:
         listener = partial(_report, outside.inbox, self.queue, self.ticket)

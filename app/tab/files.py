@@ -118,7 +118,6 @@ def _show_motion(
 def _pin(
     state: TabState, file: OpenedFile, motion: Rollout | WholeBodyMotion, design: Design | None
 ) -> Step:
-    """Keep a motion beside the one that is shown."""
     colour = free_colour(state.pins)
     if colour is None:
         body = f"{file.name}: unpin something first; all colours are taken"

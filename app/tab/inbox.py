@@ -27,7 +27,6 @@ class Inbox:
     """
 
     def __init__(self) -> None:
-        """Empty."""
         self._queue: queue.SimpleQueue[Any] = queue.SimpleQueue()
         self._held: list[Any] = []  # what came while the page was waited for
         self._due: dict[type, tuple[float, Any]] = {}  # kind -> s (monotonic clock), event

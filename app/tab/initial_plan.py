@@ -39,19 +39,12 @@ class InitialPlans:
 
     Files are read and written, and sources hashed, by the thread that calls `recall` or `keep`,
     never under the lock.
-
-    Attributes:
-        file: with which every tab begins; None: with the design that its browser kept, or with the
-            example.
     """
 
     def __init__(self, planned_by: str, file: OpenedFile | None = None) -> None:
-        """No plan is known yet.
-
-        Args:
-            planned_by: name of the planner; another one's plans are not recalled.
-            file: with which every tab shall begin.
-        """
+        """Other planners' plans than `planned_by`'s are not recalled; tabs begin with `file`."""
+        # with which every tab begins; None: with the design that its browser kept, or with the
+        # example
         self.file = file
         self._planned_by = planned_by
         self._plans: dict[str, Plan] = {}

@@ -32,23 +32,15 @@ def example_design(file: RobotFile) -> Design:
 
 @dataclass(frozen=True, eq=False)
 class TabOpened:
-    """The tab begins.
+    """The tab begins."""
 
-    Attributes:
-        design: which the browser kept, or a link holds; None: the example of the first robot.
-        plan: the example's, if it is known.
-        file: with which every tab of this server begins.
-        complaints: on the design that the browser kept.
-        time: s, where the page's motion was with another server; 0: it had none.
-        playing: whether it moved.
-    """
-
+    # which the browser kept, or a link holds; None: the example of the first robot
     design: Design | None = None
-    plan: Plan | None = None
-    file: OpenedFile | None = None
-    complaints: tuple[str, ...] = ()
-    time: float = 0.0
-    playing: bool = False
+    plan: Plan | None = None  # the example's, if it is known
+    file: OpenedFile | None = None  # with which every tab of this server begins
+    complaints: tuple[str, ...] = ()  # on the design that the browser kept
+    time: float = 0.0  # s, where the page's motion was with another server; 0: it had none
+    playing: bool = False  # whether it moved
 
 
 @on(TabOpened)
@@ -83,13 +75,7 @@ def left(state: TabState) -> TabState:
 
 
 def resume(state: TabState, page: PageReady, tickets: int = 0) -> Step:
-    """A tab that comes back: its running job is begun anew, its place on the timeline found.
-
-    Args:
-        state: that it left.
-        page: its greeting.
-        tickets: of jobs that were begun before the tab was known; they count for nothing.
-    """
+    """A tab comes back: its job begins anew, its place on the timeline is found."""
     if page.time > 0 or page.playing:  # it lost its connection only, and went on by itself
         playback = replace(state.playback, time=page.time, playing=page.playing)
         state = replace(state, playback=playback)

@@ -112,12 +112,7 @@ def _of_a_supported_type(state: TabState) -> TabState:
 def remember(state: TabState, design: Design, *, settled: bool = False) -> TabState:
     """The state with another design, and the one before to go back to.
 
-    Changes of the same numbers that follow each other are one step back.
-
-    Args:
-        state: with the design before.
-        design: the next one.
-        settled: it is one step, whatever comes next.
+    Changes of the same numbers that follow each other are one step back, unless it is `settled`.
     """
     if design == state.design:
         return state
@@ -136,7 +131,6 @@ def untitled(state: TabState, jump: Jump, tuning: Tuning) -> tuple[TabState, Des
 
 
 def _changes(one: Design, other: Design) -> tuple[str, ...]:
-    """Names of the numbers in which two designs differ."""
     pairs = ((one.jump, other.jump), (one.tuning, other.tuning), (one.scenario, other.scenario))
     return tuple(
         f"{type(a).__name__}.{field.name}"
@@ -281,7 +275,6 @@ def take_nearest(state: TabState) -> Step:
 
 
 def _ended(state: TabState, report: Report) -> Step:
-    """It has failed, or was cancelled."""
     state = without_so_far(state.without_sequel())
     if isinstance(report, Failed):
         return state.with_status(Verdict.FAILED, report.message), ()
@@ -373,12 +366,7 @@ def _show(state: TabState, report: Planned, ticket: int) -> Step:
 
 
 def show_given(state: TabState, given: Given) -> Step:
-    """Show a motion as if it had been planned just now, as soon as its robot can be drawn.
-
-    Args:
-        state: of a tab whose design is that of the motion.
-        given: the motion; the next plan may start from it.
-    """
+    """Show a motion of the design as if it was planned just now, once its robot can be drawn."""
     plan, robot = given.plan, state.robot
     if robot is None or robot.name != plan.jump.robot:
         return replace(state, given=given), (LoadRobot(plan.jump.robot),)

@@ -20,8 +20,7 @@ from app.workers.protocol import SimulateJump, SimulateSeeds
 from llsrbm.request.push import DURATION, LARGEST_IMPULSE, Push
 from llsrbm.request.scenario import Scenario
 
-USUAL_SPEED = 0.3
-"""m/s that a push gives the robot, to begin with: seen, and survived."""
+USUAL_SPEED = 0.3  # m/s that a push gives the robot, to begin with: seen, and survived
 
 _LEAST = 0.05  # N s; a smaller push is a click that nobody dragged
 _DECIMALS = 1  # of a dragged impulse, N s

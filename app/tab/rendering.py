@@ -42,34 +42,24 @@ class Rendering:
     """One tab's picture, panel and plots; for the session's thread.
 
     It holds handles and what was drawn last, and no other fact.
-
-    Attributes:
-        panel: the controls; atlas: its map.
     """
 
     def __init__(
         self,
-        client: viser.ClientHandle,
-        link: PageLink,
-        state: TabState,
-        examples: Mapping[str, Design],
+        client: viser.ClientHandle,  # the tab
+        link: PageLink,  # to the scripts in its page
+        state: TabState,  # to begin with; it is drawn by `draw`
+        examples: Mapping[str, Design],  # examples, atlases: to choose from
         atlases: Atlases,
         *,
+        # put, open_file: called on viser's event loop with what the visitor does; must return at
+        # once
         put: Callable[[Any], None],
         open_file: Callable[[str, bytes], None],
     ) -> None:
-        """Build what every tab has, whatever its state.
-
-        Args:
-            client: the tab.
-            link: to the scripts in its page.
-            state: to begin with; it is drawn by `draw`.
-            examples, atlases: to choose from.
-            put, open_file: called on viser's event loop with what the visitor does; must return at
-                once.
-        """
         self._client = client
         self._link = link
+        # the controls
         self.panel = Panel(
             client,
             state.design,
@@ -82,7 +72,7 @@ class Rendering:
             open_file=open_file,
         )
         link.arrange(self.panel.arrangement)
-        self.atlas = AtlasDrawing(self.panel.atlas, link, atlases)
+        self.atlas = AtlasDrawing(self.panel.atlas, link, atlases)  # its map
         with self.panel.plots_tab:
             self._plots = Plots(client, put)
         self._scene = Scene(client)

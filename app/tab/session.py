@@ -49,37 +49,21 @@ _log = logging.getLogger(__name__)
 
 
 class Session:
-    """A tab's state and its thread.
-
-    Attributes:
-        token: by which the page is known again when it comes back; None: unknown.
-        superseded: another session goes on with its state.
-        failed: a defect has ended it.
-    """
+    """A tab's state and its thread."""
 
     def __init__(
         self,
-        client: viser.ClientHandle,
-        pool: WorkerPool,
-        initial: InitialPlans,
-        robots: Mapping[str, RobotFile],
-        atlases: Atlases,
+        client: viser.ClientHandle,  # the tab
+        pool: WorkerPool,  # plans and simulates for all tabs
+        initial: InitialPlans,  # plans that are there from the beginning
+        robots: Mapping[str, RobotFile],  # name -> file of each robot to choose from
+        atlases: Atlases,  # of sweeps to choose from
         *,
+        # gives the state that a page with this token left; called by the session's thread
         take_kept: Callable[[str], TabState | None] = lambda _: None,
+        # called by the session's thread as the last thing it does
         ended: Callable[[Session], None] = lambda _: None,
     ) -> None:
-        """Nothing happens before `start`.
-
-        Args:
-            client: the tab.
-            pool: plans and simulates for all tabs.
-            initial: plans that are there from the beginning.
-            robots: name -> file of each robot to choose from.
-            atlases: of sweeps to choose from.
-            take_kept: gives the state that a page with this token left; called by the session's
-                thread.
-            ended: called by the session's thread as the last thing it does.
-        """
         self._client = client
         self._pool = pool
         self._initial = initial
@@ -90,9 +74,10 @@ class Session:
         self._thread = threading.Thread(
             target=self._run, name=f"session-{client.client_id}", daemon=True
         )
+        # by which the page is known again when it comes back; None: unknown
         self.token: str | None = None
-        self.superseded = False
-        self.failed = False
+        self.superseded = False  # another session goes on with its state
+        self.failed = False  # a defect has ended it
         self.state = first_state(robots)
         self._outside: Outside | None = None
         self._rendering: Rendering | None = None
@@ -197,7 +182,6 @@ class Session:
         return True
 
     def _begin(self, page: PageReady | None) -> None:
-        """Go on where the page was, or begin."""
         if page is None or not self._resume(page):
             self._take(update(self.state, self._opened(page)))
         if page is not None:
@@ -257,7 +241,6 @@ class Session:
         return True
 
     def _take(self, step: Step) -> None:
-        """Have a step's state, and draw it before what has to be done on what is drawn."""
         assert self._rendering is not None
         self.state, effects = step
         later = self._do_now(effects)
@@ -297,7 +280,6 @@ class Session:
         self._meet(page)
 
     def _open_shared(self, page: PageReady) -> None:
-        """Open the design in the page's address, if there is one."""
         if page.shared is not None:
             try:
                 design = uploaded_design("the link", page.shared.encode(errors="replace"))

@@ -28,21 +28,14 @@ from llsrbm.motion.rollout import Rollout
 from llsrbm.request.scenario import Scenario
 from llsrbm.simulation.surroundings import surroundings
 
-SEEDS = 20
-"""Disturbances that are tried together; the robustness benchmark's number."""
+SEEDS = 20  # Disturbances that are tried together; the robustness benchmark's number
 
-_AHEAD = 0.05
-"""s by which a simulation has to be ahead of a replay that begins before its end."""
+_AHEAD = 0.05  # s by which a simulation has to be ahead of a replay that begins before its end
 
 
 @on(Act.SIMULATE)
 def simulate(state: TabState, seeds: int = 0) -> Step:
-    """Simulate the plan that is shown, or the one that is awaited.
-
-    Args:
-        state: whose plan.
-        seeds: under so many disturbances; 0: once, in the design's scenario.
-    """
+    """Simulate the plan that is shown or awaited, with so many seeds; 0: once, as designed."""
     plan, scenario = state.plan, state.design.scenario
     if state.ready and state.planning:
         return state.with_work(simulate_next=seeds), ()
@@ -117,14 +110,7 @@ def show_worst(state: TabState) -> TabState:
 def show_rollout(
     state: TabState, rollout: Rollout, scenario: Scenario, source: str = ""
 ) -> TabState:
-    """The state that shows a simulation of the plan that is shown.
-
-    Args:
-        state: with that plan.
-        rollout: the simulation.
-        scenario: of the design, when it was asked for.
-        source: before its line.
-    """
+    """The state that shows a simulation of the shown plan, for which `scenario` was requested."""
     shown, robot = state.shown, state.robot
     if shown is None or robot is None:
         return state
@@ -175,7 +161,6 @@ def without_so_far(state: TabState) -> TabState:
 
 
 def _ended(state: TabState, report: Report) -> TabState:
-    """It has failed, or was cancelled."""
     state = without_so_far(state.without_sequel())
     if isinstance(report, Failed):
         return state.with_status(Verdict.FAILED, report.message)

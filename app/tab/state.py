@@ -38,22 +38,14 @@ from llsrbm.simulation.surroundings import Block
 
 @dataclass(frozen=True, eq=False)
 class Shown:
-    """The motion that is shown.
+    """The motion that is shown."""
 
-    Attributes:
-        planned: the plan, ready to be drawn.
-        simulated: the simulation that followed it; scenario: for which it was asked.
-        so_far: frames of the simulation that is running.
-        blocks: what stands around.
-        source: where it is from, in words, if not from this tab's own planning.
-    """
-
-    planned: PlannedMotion
-    simulated: SimulatedMotion | None = None
-    scenario: Scenario | None = None
-    so_far: Frames | None = None
-    blocks: tuple[Block, ...] = ()
-    source: str = ""
+    planned: PlannedMotion  # the plan, ready to be drawn
+    simulated: SimulatedMotion | None = None  # the simulation that followed it
+    scenario: Scenario | None = None  # for which it was asked
+    so_far: Frames | None = None  # frames of the simulation that is running
+    blocks: tuple[Block, ...] = ()  # what stands around
+    source: str = ""  # where it is from, in words, if not from this tab's own planning
 
     @property
     def plan(self) -> Plan:
@@ -73,35 +65,22 @@ class Shown:
 
 @dataclass(frozen=True, eq=False)
 class Given:
-    """A motion that is there already: it is shown when its robot can be drawn, without planning.
+    """A motion that is there already: it is shown when its robot can be drawn, without planning."""
 
-    Attributes:
-        plan: to show; rollout: that followed it.
-        source: where both are from, in words; "": the tab's own planning.
-        note: on the file that holds them.
-    """
-
-    plan: Plan
-    rollout: Rollout | None = None
-    source: str = ""
-    note: str = ""
+    plan: Plan  # to show
+    rollout: Rollout | None = None  # that followed it
+    source: str = ""  # where both are from, in words; "": the tab's own planning
+    note: str = ""  # on the file that holds them
 
 
 @dataclass(frozen=True, eq=False)
 class Pin:
-    """One design with its motion, or a motion from a file.
+    """One design with its motion, or a motion from a file."""
 
-    Attributes:
-        motion: its plan, or what a file holds.
-        simulated: the simulation that followed the plan, if there was one.
-        design: what was asked for; None where that is not known.
-        colour: of its ghost and curves.
-    """
-
-    motion: PlannedMotion | ForeignMotion
-    simulated: SimulatedMotion | None
-    design: Design | None
-    colour: Rgb
+    motion: PlannedMotion | ForeignMotion  # its plan, or what a file holds
+    simulated: SimulatedMotion | None  # the simulation that followed the plan, if there was one
+    design: Design | None  # what was asked for; None where that is not known
+    colour: Rgb  # of its ghost and curves
 
     @property
     def rollout(self) -> Rollout | None:
@@ -145,151 +124,98 @@ class Comparison:
 
 @dataclass(frozen=True, eq=False)
 class Work:
-    """The tab's jobs on its motion: of the newest everything counts, of older ones only plans.
+    """The tab's jobs on its motion: of the newest everything counts, of older ones only plans."""
 
-    Attributes:
-        newest: ticket of the newest job.
-        awaited: its task, until its outcome is there.
-        shown: ticket of the job whose plan is shown.
-        dropped: the job with this ticket and those before it are of no interest any more.
-        failure: why the newest request cannot be planned.
-        instead: the sentence that says that another jump type is planned; "": none is.
-        nearest: a jump that can be planned, on offer in place of one that cannot.
-        simulate_next: the plan that is awaited shall be simulated, with so many seeds (0: once).
-        dragging: the request on its way.
-        replay_from: s, from where the simulation that is awaited shall be played, as soon as there
-            is something to see; None: where the page stands.
-        compare: the design is simulated again so once it has been simulated; an event then.
-    """
-
-    newest: int = 0
-    awaited: Task | None = None
-    shown: int = 0
-    dropped: int = 0
-    failure: str = ""
-    instead: str = ""
+    newest: int = 0  # ticket of the newest job
+    awaited: Task | None = None  # its task, until its outcome is there
+    shown: int = 0  # ticket of the job whose plan is shown
+    dropped: int = 0  # the job with this ticket and those before it are of no interest any more
+    failure: str = ""  # why the newest request cannot be planned
+    instead: str = ""  # the sentence that says that another jump type is planned; "": none is
+    # a jump that can be planned, on offer in place of one that cannot
     nearest: Nearest | None = None
+    # the plan that is awaited shall be simulated, with so many seeds (0: once)
     simulate_next: int | None = None
-    dragging: DragPlanning = field(default_factory=DragPlanning)
+    dragging: DragPlanning = field(default_factory=DragPlanning)  # the request on its way
+    # s, from where the simulation that is awaited shall be played, as soon as there is something to
+    # see; None: where the page stands
     replay_from: float | None = None
+    # the design is simulated again so once it has been simulated; an event then
     compare: Comparison | None = None
 
 
 @dataclass(frozen=True, eq=False)
 class FileWork:
-    """Files that are being read and written, beside all else.
+    """Files that are being read and written, beside all else."""
 
-    Attributes:
-        opening: ticket of the file that is being read; 0: none.
-        opening_note: on its progress, once it takes its time.
-        saving: ticket of the file that is being written; 0: none.
-        saved: its formats; saving_note: on its progress.
-    """
-
-    opening: int = 0
-    opening_note: str = ""
-    saving: int = 0
-    saved: str = ""
-    saving_note: str = ""
+    opening: int = 0  # ticket of the file that is being read; 0: none
+    opening_note: str = ""  # on its progress, once it takes its time
+    saving: int = 0  # ticket of the file that is being written; 0: none
+    saved: str = ""  # its formats
+    saving_note: str = ""  # on its progress
 
 
 @dataclass(frozen=True, eq=False)
 class Seeds:
-    """The same plan under several disturbances.
+    """The same plan under several disturbances."""
 
-    Attributes:
-        plan: that is followed.
-        scenario: of the design, when they were begun.
-        count: of the seeds.
-        results: of those that are done.
-        worst: the rollout to look at first, when all are done.
-    """
-
-    plan: Plan
-    scenario: Scenario
-    count: int
-    results: tuple[SeedResult, ...] = ()
-    worst: Rollout | None = None
+    plan: Plan  # that is followed
+    scenario: Scenario  # of the design, when they were begun
+    count: int  # of the seeds
+    results: tuple[SeedResult, ...] = ()  # of those that are done
+    worst: Rollout | None = None  # the rollout to look at first, when all are done
 
 
 @dataclass(frozen=True)
 class Playback:
-    """How the motion is played, as the page reported last.
+    """How the motion is played, as the page reported last."""
 
-    Attributes:
-        time: s.
-        playing: whether it moves.
-        speed: seconds of motion a second.
-        loop: whether it starts again at the end.
-    """
-
-    time: float = 0.0
-    playing: bool = False
-    speed: float = 1.0
-    loop: bool = True
+    time: float = 0.0  # s
+    playing: bool = False  # whether it moves
+    speed: float = 1.0  # seconds of motion a second
+    loop: bool = True  # whether it starts again at the end
 
 
 @dataclass(frozen=True)
 class History:
-    """Designs to go back to, and forth again; the newest last.
+    """Designs to go back to, and forth again; the newest last."""
 
-    Attributes:
-        back: before the present one; forth: that were gone back from.
-        changing: names of the numbers that the last change changed; another change of the same
-            ones belongs to it.
-    """
-
-    back: tuple[Design, ...] = ()
-    forth: tuple[Design, ...] = ()
+    back: tuple[Design, ...] = ()  # before the present one
+    forth: tuple[Design, ...] = ()  # that were gone back from
+    # names of the numbers that the last change changed; another change of the same ones belongs to
+    # it
     changing: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
 class TabState:
-    """Everything that is known of one tab.
+    """Everything that is known of one tab."""
 
-    Attributes:
-        robots: name -> file of each robot that can be chosen.
-        design: of the visitor.
-        robot: that is drawn; the design's, once it can be drawn.
-        prepared: whether by its meshes; its collision shapes stand in for them until they are made.
-        shown: the motion that is shown; None: there is none yet.
-        given: the motion that is shown as soon as the robot is drawn.
-        status: one line on the progress.
-        work, files, seeds: what is being computed.
-        pins: what is compared; pin_chosen: number of the chosen one, -1: none.
-        playback, view, plots: how it is shown; fine: with all triangles, as the browser has a
-            graphics processor; atlas: which map of which sweep; export: in which formats.
-        noise: of the scenario when it was last disturbed.
-        history: of the design.
-        tickets: jobs so far; the next one gets the next number.
-        note: on what was opened or chosen, beside the examples.
-        page: the page's scripts have answered.
-    """
-
-    robots: Mapping[str, RobotFile]
-    design: Design
-    robot: Robot | None = None
+    robots: Mapping[str, RobotFile]  # name -> file of each robot that can be chosen
+    design: Design  # of the visitor
+    robot: Robot | None = None  # that is drawn; the design's, once it can be drawn
+    # whether by its meshes; its collision shapes stand in for them until they are made
     prepared: bool = True
-    shown: Shown | None = None
-    given: Given | None = None
+    shown: Shown | None = None  # the motion that is shown; None: there is none yet
+    given: Given | None = None  # the motion that is shown as soon as the robot is drawn
+    # one line on the progress
     status: Status = field(default_factory=lambda: Status(Verdict.PLANNING, ""))
-    work: Work = field(default_factory=Work)
+    work: Work = field(default_factory=Work)  # work, files, seeds: what is being computed
     files: FileWork = field(default_factory=FileWork)
     seeds: Seeds | None = None
-    pins: tuple[Pin, ...] = ()
-    pin_chosen: int = -1
-    playback: Playback = field(default_factory=Playback)
+    pins: tuple[Pin, ...] = ()  # what is compared
+    pin_chosen: int = -1  # number of the chosen one, -1: none
+    playback: Playback = field(default_factory=Playback)  # playback, view, plots: how it is shown
     view: View = field(default_factory=View)
-    fine: bool = False
+    fine: bool = False  # with all triangles, as the browser has a graphics processor
     plots: PlotChoice = DEFAULT
-    atlas: AtlasChoice = field(default_factory=AtlasChoice)
-    export: FileChoice = field(default_factory=FileChoice)
-    noise: float | None = None
-    history: History = field(default_factory=History)
-    tickets: int = 0
-    note: str = ""
-    page: bool = False
+    atlas: AtlasChoice = field(default_factory=AtlasChoice)  # which map of which sweep
+    export: FileChoice = field(default_factory=FileChoice)  # in which formats
+    noise: float | None = None  # of the scenario when it was last disturbed
+    history: History = field(default_factory=History)  # of the design
+    tickets: int = 0  # jobs so far; the next one gets the next number
+    note: str = ""  # on what was opened or chosen, beside the examples
+    page: bool = False  # the page's scripts have answered
 
     @property
     def plan(self) -> Plan | None:

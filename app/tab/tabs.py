@@ -19,8 +19,7 @@ from app.tab.state import TabState
 from app.workers.pool import WorkerPool
 from llsrbm.robots import RobotFile
 
-KEPT = 600.0
-"""s for which the state of a tab without a connection is kept."""
+KEPT = 600.0  # s for which the state of a tab without a connection is kept
 
 MOST_KEPT = Limits.tabs
 """States that are kept: of all tabs when the network fails; one takes some megabytes."""
@@ -37,21 +36,12 @@ class Tabs:
 
     def __init__(
         self,
-        pool: WorkerPool,
-        initial: InitialPlans,
-        robots: Mapping[str, RobotFile],
-        atlases: Atlases,
-        clock: Callable[[], float] = time.monotonic,
+        pool: WorkerPool,  # computes for all of them
+        initial: InitialPlans,  # plans with which they begin
+        robots: Mapping[str, RobotFile],  # name -> file of each robot to choose from
+        atlases: Atlases,  # of sweeps to choose from
+        clock: Callable[[], float] = time.monotonic,  # s
     ) -> None:
-        """No tab yet.
-
-        Args:
-            pool: computes for all of them.
-            initial: plans with which they begin.
-            robots: name -> file of each robot to choose from.
-            atlases: of sweeps to choose from.
-            clock: s.
-        """
         self._pool = pool
         self._initial = initial
         self._robots = robots

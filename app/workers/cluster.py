@@ -65,16 +65,11 @@ class CodeIdentity:
 
     A cluster's workers are asked for theirs before they get a job; messages are pickled, so that
     another version would misread them, or answer with another planner's jumps.
-
-    Attributes:
-        version: of the package.
-        key: hash of the sources of library and page, and of what robots and jump types are.
-        python: its version, as 3.11.
     """
 
-    version: str
-    key: str
-    python: str
+    version: str  # of the package
+    key: str  # hash of the sources of library and page, and of what robots and jump types are
+    python: str  # its version, as 3.11
 
     def __str__(self) -> str:
         return f"llsrbm {self.version} ({self.key[:_SHOWN]}) on Python {self.python}"
@@ -92,27 +87,16 @@ def code_identity() -> CodeIdentity:
 
 @dataclass(eq=False)
 class Place:
-    """A worker that has the same code.
+    """A worker that has the same code."""
 
-    Attributes:
-        address: of the worker.
-        threads: so many processes have room there.
-        gone: set when it is not there any more.
-        barred_until: nothing is started there before, s (monotonic clock).
-    """
-
-    address: str
-    threads: int
-    gone: asyncio.Event = field(default_factory=asyncio.Event)
-    barred_until: float = 0.0
+    address: str  # of the worker
+    threads: int  # so many processes have room there
+    gone: asyncio.Event = field(default_factory=asyncio.Event)  # set when it is not there any more
+    barred_until: float = 0.0  # nothing is started there before, s (monotonic clock)
 
 
 class Cluster:
-    """A connection to a scheduler, renewed when it is lost.
-
-    Attributes:
-        address: of the scheduler, as it was given.
-    """
+    """A connection to a scheduler, renewed when it is lost."""
 
     def __init__(self, address: str) -> None:
         """Connect, and see who is there.
@@ -120,7 +104,7 @@ class Cluster:
         Raises:
             InputError: nothing answers at this address.
         """
-        self.address = address
+        self.address = address  # of the scheduler, as it was given
         self._identity = code_identity()
         self._lock = threading.Lock()  # for the two below
         self._places: dict[str, Place] = {}
@@ -150,21 +134,11 @@ class Cluster:
     # ---- from any thread
 
     def processes(self, factory: PlannerFactory, most: int) -> tuple[ClusterProcess, ...]:
-        """At most so many processes, which may be started here as far as there are places.
-
-        Args:
-            factory: makes the planner inside them.
-            most: number of them.
-        """
+        """At most so many processes, which may be started here as far as there are places."""
         return tuple(ClusterProcess(self, factory, f"llsrbm-cluster-{i + 1}") for i in range(most))
 
     def watch(self, changed: Callable[[], object], remark: Callable[[str], object]) -> None:
-        """Have something called, by the cluster's thread, in place of what was called before.
-
-        Args:
-            changed: when a place may have become free.
-            remark: with a line when the cluster is lost or back, or a worker is not fit.
-        """
+        """Call `changed` when a place may be free, `remark` with lines; by the cluster's thread."""
         self._changed, self._remark = changed, remark
         changed()
 
@@ -316,7 +290,6 @@ class Cluster:
         self._changed()  # a worker may be barred no longer
 
     def _meet(self, fit: Mapping[str, int]) -> None:
-        """These workers are there, and have so many threads."""
         with self._lock:
             before = self._places
             self._places = {a: before.get(a) or Place(a, threads) for a, threads in fit.items()}
@@ -371,9 +344,8 @@ def _quieten() -> None:
 
 
 def _reason(error: object) -> str:
-    """In one line."""
     return " ".join(str(error).split())[:200] or type(error).__name__
 
 
 def _ignore() -> None:
-    """Nobody watches yet."""
+    pass

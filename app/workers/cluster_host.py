@@ -35,7 +35,6 @@ class Host:
     """
 
     def __init__(self, factory: PlannerFactory, name: str) -> None:
-        """Nothing runs before `start`."""
         self._factory, self._name = factory, name
 
     async def start(self) -> None:

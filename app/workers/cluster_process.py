@@ -28,28 +28,17 @@ _log = logging.getLogger(__name__)
 
 
 class ClusterProcess:
-    """See `app.workers.process.Process`: `run` requests the messages of a `Host`, again and again.
-
-    Attributes:
-        id: of the process, on its machine; None while that is not known.
-    """
+    """A `Process` whose `run` requests the messages of a `Host`, again and again."""
 
     start_patience = LocalProcess.start_patience + PLACE_PATIENCE
 
     def __init__(self, cluster: Cluster, factory: PlannerFactory, name: str) -> None:
-        """Nothing runs before `run`.
-
-        Args:
-            cluster: that it is to run on.
-            factory: makes the planner inside the process.
-            name: of the process.
-        """
         self._cluster, self._factory, self._name = cluster, factory, name
         self._host: Any = None  # dask's proxy of a `Host`
         self._starting: Future[Any] | None = None
         self._killed = False
         self._place: Place | None = None
-        self.id: int | None = None
+        self.id: int | None = None  # of the process, on its machine; None while that is not known
 
     @property
     def startable(self) -> bool:
@@ -126,7 +115,6 @@ class ClusterProcess:
         return self._cluster.run(_answer(place, getattr(self._host, method))).result()
 
     def _request(self, method: str, *arguments: object) -> None:
-        """Have a method of the host called; that it has gone is noticed by `run`."""
         host = self._host
         if host is not None:
             self._cluster.run(_quietly(getattr(host, method), arguments))

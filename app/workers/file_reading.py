@@ -35,8 +35,7 @@ LARGEST_UNPACKED = 32 * 1024**2
 LONGEST = 60.0  # s of motion
 MOST_INSTANTS = 20_000
 
-UNFORESEEN = "cannot be opened"
-"""In the message about a file with a fault that no check foresees."""
+UNFORESEEN = "cannot be opened"  # In the message about a file with a fault that no check foresees
 
 _SHORTEST_STEP = 1e-6  # s
 _LARGEST_VALUE = 1e7  # of any number that is drawn or plotted, in its SI unit
@@ -50,13 +49,7 @@ _log = logging.getLogger(__name__)
 
 
 def open_file(name: str, content: bytes, robot: str, fps: float | None = None) -> OpenedFile:
-    """Read a file that a visitor sent.
-
-    Args:
-        name: of the file, as the browser has it.
-        content: of the file.
-        robot: name of the robot, for files that do not name one.
-        fps: frames/s, likewise; None: the file has to state it.
+    """Read a visitor's file; `robot` and `fps` (frames/s) are for files without their own.
 
     Raises:
         llsrbm.errors.Error: one line that says why it cannot be opened.

@@ -48,12 +48,7 @@ class Jobs(ABC):
     """The queue, and the job of each process; all methods are called under the lock."""
 
     def __init__(self, members: Sequence[PoolMember], cancel_grace: float) -> None:
-        """No job waits, none runs.
-
-        Args:
-            members: the processes of the pool.
-            cancel_grace: how long a cancelled job may go on before its process is killed, s.
-        """
+        """`cancel_grace`: how long a cancelled job may go on before its process is killed, s."""
         self._workers = tuple(members)
         self._cancel_grace = cancel_grace
         self._lock = threading.RLock()
@@ -71,7 +66,6 @@ class Jobs(ABC):
         """Start those that are wanted."""
 
     def _receive(self, member: PoolMember, message: Ready | Report) -> None:
-        """Take a message of a process and report it to the job's tab."""
         if isinstance(message, Ready):
             member.ready = not member.ending
             self._hand_out()
@@ -98,7 +92,6 @@ class Jobs(ABC):
         self._hand_out()
 
     def _cancel_remains(self, entry: Entry) -> None:
-        """Cancel a job whose last parts made way for a newer one, once the first have ended."""
         running = any(member.working_on is entry for member in self._workers)
         if not (entry.over or running or self._waiting.get(entry.tab) is entry):
             self._report(entry, Cancelled(entry.number))
@@ -209,13 +202,7 @@ class Jobs(ABC):
         return [entries[number] for number in sorted(entries)]
 
     def _report(self, entry: Entry, report: Report, task: Task | None = None) -> None:
-        """Have the listener called, soon; the lock keeps the order of reports.
-
-        Args:
-            entry: the job.
-            report: on it, or on one of its parts.
-            task: that part.
-        """
+        """Have the listener called, soon, with a report on a job or on its part; in order."""
         reports = [report]
         if entry.batch is not None and isinstance(task, SimulateJump):
             reports = entry.batch.take(task, report)
@@ -238,7 +225,6 @@ class Jobs(ABC):
                 member.end_at = time.monotonic() + self._cancel_grace
 
     def _fail_all(self, message: str) -> None:
-        """Fail all jobs that a tab waits for."""
         for entry in self._waiting.clear():
             self._report(entry, Failed(entry.number, message))
         for member in self._workers:
@@ -252,7 +238,6 @@ class Jobs(ABC):
             self._asides.put(partial(self._warm_up_listener, Failed(0, message)))
 
     def _unsendable(self, member: PoolMember, entry: Entry, error: Exception) -> None:
-        """A task cannot be pickled."""
         with self._lock:
             self._note("job %d cannot be sent", entry.number, error=error)
             if member.working_on is entry:

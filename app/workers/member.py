@@ -16,32 +16,26 @@ class PoolMember(Member):
     """One computing process and its job.
 
     Attributes:
-        process: wherever it runs.
         running: whether its thread has started it and not yet seen it end.
         ending: it was killed on our order.
-        may_start: False once it could not, until the next request.
-        todo: tasks to load when there is nothing else to do.
-        stop_at, end_at: when to have the running job stop, and to kill the process, s.
         start_by: when it has to be ready, s.
         silent_by: when it has to have given a sign of life, s.
-        activity: the text of its job's last progress.
-        progress: the job's last progress, as long as its tab has not got it.
-        notify_at: when the tab may get the next, s.
     """
 
     def __init__(self, process: Process, *, reserved: bool, remote: bool = False) -> None:
-        """Nothing runs yet; it is started when there is something to do."""
         super().__init__(reserved, remote)
-        self.process = process
+        self.process = process  # wherever it runs
         self.running = self.ending = False
-        self.may_start = True
-        self.todo: list[Task] = []
+        self.may_start = True  # False once it could not, until the next request
+        self.todo: list[Task] = []  # tasks to load when there is nothing else to do
+        # stop_at, end_at: when to have the running job stop, and to kill the process, s
         self.stop_at: float | None = None
         self.end_at: float | None = None
         self.start_by = self.silent_by = 0.0
-        self.activity = ""
+        self.activity = ""  # the text of its job's last progress
+        # the job's last progress, as long as its tab has not got it
         self.progress: Progress | None = None
-        self.notify_at = 0.0
+        self.notify_at = 0.0  # when the tab may get the next, s
 
     @property
     def id(self) -> int | None:
@@ -87,13 +81,7 @@ class PoolMember(Member):
         self.loaded.clear()
 
     def supersede(self, newer: Task, now: float, grace: float) -> None:
-        """Have the running job stop in favour of a newer one of its tab, if it may take long.
-
-        Args:
-            newer: task.
-            now: s.
-            grace: how long a patient plan may go on, s.
-        """
+        """Have the job stop in favour of its tab's newer one, a patient plan after `grace`, s."""
         if self.task is None or self.stop_at is not None or self.stopping:
             return
         patient = isinstance(self.task, PlanJump) and self.task.patient

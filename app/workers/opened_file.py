@@ -22,15 +22,10 @@ from llsrbm.robots import load_robot, names
 
 @dataclass(frozen=True, eq=False)
 class States:
-    """A motion of another tool's file, as it goes from one process to another.
+    """A motion of another tool's file, as it goes from one process to another."""
 
-    Attributes:
-        robot: name of the robot that moves.
-        values: the other fields of `WholeBodyMotion`.
-    """
-
-    robot: str
-    values: Mapping[str, Any]
+    robot: str  # name of the robot that moves
+    values: Mapping[str, Any]  # the other fields of `WholeBodyMotion`
 
     @staticmethod
     def of(motion: WholeBodyMotion, robot: str) -> States:
@@ -45,17 +40,11 @@ class States:
 
 @dataclass(frozen=True, eq=False)
 class OpenedFile:
-    """A file that can be shown.
+    """A file that can be shown."""
 
-    Attributes:
-        name: of the file, in one printable line.
-        holds: what is in it.
-        remarks: sentences on what is not as one would expect.
-    """
-
-    name: str
-    holds: Design | Plan | Rollout | States
-    remarks: tuple[str, ...] = ()
+    name: str  # of the file, in one printable line
+    holds: Design | Plan | Rollout | States  # what is in it
+    remarks: tuple[str, ...] = ()  # sentences on what is not as one would expect
 
     @property
     def is_alone(self) -> bool:
@@ -70,10 +59,6 @@ class OpenedFile:
 
 def uploaded_design(name: str, content: bytes) -> Design:
     """The design in an uploaded file.
-
-    Args:
-        name: of the file, as the browser has it.
-        content: of the file.
 
     Raises:
         InputError: it is no design, or one of a robot, model or type that is not on the page.

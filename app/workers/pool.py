@@ -69,34 +69,24 @@ class WorkerPool(Jobs):
 
     A listener gets its job's reports in order, nothing after the outcome, from a thread of the
     pool's; it must return at once.
-
-    Attributes:
-        planner: name of the planner.
-        remarked: called with a line when something has happened to the cluster; may take its time.
     """
 
     def __init__(
         self,
-        factory: PlannerFactory = worker.LibraryPlanner,
+        factory: PlannerFactory = worker.LibraryPlanner,  # makes the planner inside a process
         *,
+        # how many of this machine; with more than one, the last takes nothing that lasts seconds
         processes: int = PROCESSES,
+        # how long a cancelled job may go on before its process is killed, s
         cancel_grace: float = CANCEL_GRACE,
+        # how long a patient plan may go on when its tab wants something newer, before it has to
+        # stop, s
         superseded_grace: float = SUPERSEDED_GRACE,
+        # whose processes compute too, as many as it offers at the time; closed with the pool
         cluster: Cluster | None = None,
     ) -> None:
-        """Start the first process; the others follow when it has planned something.
-
-        Args:
-            factory: makes the planner inside a process.
-            processes: how many of this machine; with more than one, the last takes nothing that
-                lasts seconds.
-            cancel_grace: how long a cancelled job may go on before its process is killed, s.
-            superseded_grace: how long a patient plan may go on when its tab wants something newer,
-                before it has to stop, s.
-            cluster: whose processes compute too, as many as it offers at the time; closed with
-                the pool.
-        """
-        self.planner = f"{factory.__module__}.{factory.__qualname__}"
+        self.planner = f"{factory.__module__}.{factory.__qualname__}"  # name of the planner
+        # called with a line when something has happened to the cluster; may take its time
         self.remarked: Callable[[str], object] = ignore
         self._superseded_grace = superseded_grace
         self._cluster = cluster
@@ -122,18 +112,10 @@ class WorkerPool(Jobs):
     # ---- called by tabs, from any thread
 
     def submit(self, tab: Hashable, task: Task, listener: Listener) -> int:
-        """Queue a task, in place of the tab's waiting one if there is one.
+        """Queue a task in place of the tab's waiting one; the job's number, larger than all before.
 
         The replaced one gets no report; a running one still does. A request that cannot be taken,
         because too many wait or the pool has ended, is answered with `Failed` before this returns.
-
-        Args:
-            tab: any name of it; a tab has one waiting job under each of its names.
-            task: the work.
-            listener: called with `Progress` while waiting, then once with the outcome.
-
-        Returns:
-            The job's number, larger than that of all jobs before.
         """
         now = time.monotonic()
         with self._lock:
@@ -172,10 +154,8 @@ class WorkerPool(Jobs):
     ) -> None:
         """Have every process load what is likely to be requested; called once.
 
-        Args:
-            tasks: in order; robots are prepared by the first process only, as that is for all.
-            listener: called with the reports of the first process; may take its time.
-            done: called when the first process is through; the others go on.
+        Robots are prepared by the first process only, as that is for all. `listener` gets its
+        reports, `done` is called when it is through; both may take their time.
         """
         with self._lock:
             self._warm_up_listener, self._warm_up_done = listener, done

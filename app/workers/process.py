@@ -88,12 +88,6 @@ class LocalProcess:
     start_patience = 60.0  # it imports for 1 s, on a busy machine for some more
 
     def __init__(self, factory: PlannerFactory, name: str) -> None:
-        """Nothing runs before `run`.
-
-        Args:
-            factory: makes the planner inside the process.
-            name: of the process.
-        """
         # A forked child would inherit the server's sockets and threads' locks.
         self._context = multiprocessing.get_context("spawn")
         self._factory, self._name = factory, name

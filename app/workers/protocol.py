@@ -35,13 +35,9 @@ _NUMBERS = {".npz", ".csv", ".json", ".pkl", SUFFIX}  # of files that hold nothi
 
 @dataclass(frozen=True)
 class Prepare(Task):
-    """Compute or load all that drawing a robot needs.
+    """Compute or load all that drawing a robot needs."""
 
-    Attributes:
-        robot: its name.
-    """
-
-    robot: str
+    robot: str  # its name
     kind = Kind.PLAN  # comes before its plan
     only_here = True
 
@@ -56,19 +52,13 @@ class Prepare(Task):
 
 @dataclass(frozen=True)
 class PlanJump(Task):
-    """Plan a jump.
+    """Plan a jump."""
 
-    Attributes:
-        jump: the request.
-        tuning: weights and limits in place of the robot's own.
-        near: a plan to start from, if it is of use for that: one of the same solver that converged.
-        patient: try all there is when the quick attempts fail.
-    """
-
-    jump: Jump
-    tuning: Tuning = field(default_factory=Tuning)
+    jump: Jump  # the request
+    tuning: Tuning = field(default_factory=Tuning)  # weights and limits in place of the robot's own
+    # a plan to start from, if it is of use for that: one of the same solver that converged
     near: Plan | None = None
-    patient: bool = True
+    patient: bool = True  # try all there is when the quick attempts fail
     kind = Kind.PLAN
 
     @property
@@ -81,15 +71,10 @@ class PlanJump(Task):
 
 @dataclass(frozen=True, eq=False)
 class SimulateJump(Task):
-    """Follow a plan with the whole robot.
+    """Follow a plan with the whole robot."""
 
-    Attributes:
-        plan: a solved one.
-        scenario: board and disturbance.
-    """
-
-    plan: Plan
-    scenario: Scenario
+    plan: Plan  # a solved one
+    scenario: Scenario  # board and disturbance
     kind = Kind.SIMULATE
 
     def work(self, planner: Any, job: int, talk: Talk) -> Outcome:  # noqa: D102
@@ -98,17 +83,11 @@ class SimulateJump(Task):
 
 @dataclass(frozen=True, eq=False)
 class SimulateSeeds(Task):
-    """Follow a plan once with each seed's disturbance, to see how many land.
+    """Follow a plan once with each seed's disturbance, to see how many land."""
 
-    Attributes:
-        plan: a solved one.
-        scenario: board and noise; its own seed does not matter.
-        seeds: different ones, in the order in which they are simulated.
-    """
-
-    plan: Plan
-    scenario: Scenario
-    seeds: tuple[int, ...]
+    plan: Plan  # a solved one
+    scenario: Scenario  # board and noise; its own seed does not matter
+    seeds: tuple[int, ...]  # different ones, in the order in which they are simulated
     kind = Kind.SIMULATE
 
     @property
@@ -121,15 +100,10 @@ class SimulateSeeds(Task):
 
 @dataclass(frozen=True)
 class FindNearest(Task):
-    """Find the nearest jump that can be planned.
+    """Find the nearest jump that can be planned."""
 
-    Attributes:
-        jump: a request that cannot be.
-        tuning: weights and limits in place of the robot's own.
-    """
-
-    jump: Jump
-    tuning: Tuning = field(default_factory=Tuning)
+    jump: Jump  # a request that cannot be
+    tuning: Tuning = field(default_factory=Tuning)  # weights and limits in place of the robot's own
     kind = Kind.SEARCH
 
     @property
@@ -142,19 +116,12 @@ class FindNearest(Task):
 
 @dataclass(frozen=True, eq=False)
 class OpenFile(Task):
-    """Read a visitor's file, and prepare its robot.
+    """Read a visitor's file, and prepare its robot."""
 
-    Attributes:
-        name: of the file, as the browser has it.
-        content: of the file.
-        robot: for files that do not name one.
-        fps: frames/s, likewise; None: the file has to state it.
-    """
-
-    name: str
-    content: bytes
-    robot: str
-    fps: float | None = None
+    name: str  # of the file, as the browser has it
+    content: bytes  # of the file
+    robot: str  # for files that do not name one
+    fps: float | None = None  # frames/s, likewise; None: the file has to state it
     kind = Kind.READ
     only_here = True
     one_at_a_time = True  # a hostile file keeps one process busy, not all of them
@@ -166,19 +133,12 @@ class OpenFile(Task):
 
 @dataclass(frozen=True, eq=False)
 class ExportMotion(Task):
-    """Write a plan or a rollout in other formats.
+    """Write a plan or a rollout in other formats."""
 
-    Attributes:
-        trajectory: to be written.
-        formats: their names.
-        zipped: into one zip, with a description; several are in any case.
-        options: as `llsrbm.export` takes them.
-    """
-
-    trajectory: Plan | Rollout
-    formats: tuple[str, ...]
-    zipped: bool = False
-    options: Mapping[str, Any] = field(default_factory=dict)
+    trajectory: Plan | Rollout  # to be written
+    formats: tuple[str, ...]  # their names
+    zipped: bool = False  # into one zip, with a description; several are in any case
+    options: Mapping[str, Any] = field(default_factory=dict)  # as `llsrbm.export` takes them
     only_here = True
 
     @property
@@ -229,22 +189,15 @@ class Ready:
 
 @dataclass(frozen=True)
 class Progress:
-    """A job is under way, or waits.
-
-    Attributes:
-        text: one line to show: the work in hand, or the reason for waiting.
-        share: done of this very job, 0 to 1; None where that is not known.
-        iteration: of the solver in this job's running attempt; None where there is none.
-        residual: the largest constraint violation there, in the solver's scaling.
-        waiting: it has not begun.
-    """
+    """A job is under way, or waits."""
 
     job: int
-    text: str
-    share: float | None = None
+    text: str  # one line to show: the work in hand, or the reason for waiting
+    share: float | None = None  # done of this very job, 0 to 1; None where that is not known
+    # of the solver in this job's running attempt; None where there is none
     iteration: int | None = None
-    residual: float | None = None
-    waiting: bool = False
+    residual: float | None = None  # the largest constraint violation there, in the solver's scaling
+    waiting: bool = False  # it has not begun
 
 
 @dataclass(frozen=True, eq=False)
@@ -252,38 +205,24 @@ class SimulatedSoFar:
     """The motion of a simulation that still runs, from its beginning: K instants at about 60 Hz.
 
     Each report holds everything so far, so that older ones may be dropped.
-
-    Attributes:
-        share: done of it, 0 to 1.
-        time: (K,) s from 0 on.
-        qpos: (K, 7 + J) in MuJoCo's convention, joints in `Robot.joint_names`' order.
     """
 
     job: int
-    share: float
-    time: Array
-    qpos: Array
+    share: float  # done of it, 0 to 1
+    time: Array  # (K,) s from 0 on
+    qpos: Array  # (K, 7 + J) in MuJoCo's convention, joints in `Robot.joint_names`' order
 
 
 @dataclass(frozen=True)
 class SeedResult:
-    """Outcome of the simulation of one seed.
+    """Outcome of the simulation of one seed."""
 
-    Attributes:
-        seed: of its disturbance.
-        landed: whether the robot stands at the end.
-        strict: whether it landed by the strict measure (`llsrbm.simulation.verdict`).
-        fell_at_s: when it fell; None if it landed.
-        foot_error: largest horizontal distance of a foot from the plan's at the end, m.
-        line: the same in words.
-    """
-
-    seed: int
-    landed: bool
-    strict: bool
-    fell_at_s: float | None
-    foot_error: float
-    line: str
+    seed: int  # of its disturbance
+    landed: bool  # whether the robot stands at the end
+    strict: bool  # whether it landed by the strict measure (`llsrbm.simulation.verdict`)
+    fell_at_s: float | None  # when it fell; None if it landed
+    foot_error: float  # largest horizontal distance of a foot from the plan's at the end, m
+    line: str  # the same in words
 
 
 @dataclass(frozen=True)
@@ -330,16 +269,11 @@ class Simulated:
 
 @dataclass(frozen=True, eq=False)
 class SimulatedSeeds:
-    """A plan was followed once with each seed.
-
-    Attributes:
-        results: in the order of the task's seeds.
-        worst: rollout of the seed that ended worst (`app.workers.seeds.badness`); its scenario has
-            the seed.
-    """
+    """A plan was followed once with each seed."""
 
     job: int
-    results: tuple[SeedResult, ...]
+    results: tuple[SeedResult, ...]  # in the order of the task's seeds
+    # rollout of the seed that ended worst (`app.workers.seeds.badness`); its scenario has the seed
     worst: Rollout
 
 

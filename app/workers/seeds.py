@@ -24,8 +24,7 @@ from app.workers.protocol import (
 from llsrbm.errors import InputError
 from llsrbm.motion.rollout import Rollout
 
-MOST_SEEDS = 100
-"""Of one request: some five minutes of one process."""
+MOST_SEEDS = 100  # Of one request: some five minutes of one process
 
 
 class Seeds:

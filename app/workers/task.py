@@ -58,16 +58,12 @@ class Talk(Protocol):
 
 
 class Task(ABC):
-    """Some work for a process.
+    """Some work for a process."""
 
-    Attributes:
-        only_here: it needs files of the server's machine: its meshes, a visitor's file, packages.
-        one_at_a_time: in the whole pool.
-        limit: time (s) that it may take; None: as long as it gives signs of life.
-    """
-
+    # it needs files of the server's machine: its meshes, a visitor's file, packages
     only_here: ClassVar[bool] = False
-    one_at_a_time: ClassVar[bool] = False
+    one_at_a_time: ClassVar[bool] = False  # in the whole pool
+    # time (s) that it may take; None: as long as it gives signs of life
     limit: ClassVar[float | None] = None
 
     @property

@@ -37,23 +37,16 @@ class Entry:
     """A job in the queue or on processes, and the tab that it is for.
 
     Attributes:
-        tab: any name of it that can be a key.
-        number: of the job.
-        task: the work.
-        listener: called with its reports.
-        notify_at: when its tab gets to know the reason for waiting, s (monotonic clock).
         parts: of the task, that no process has yet.
-        over: nothing more is reported: it has its outcome, or nobody waits for it.
-        batch: makes one outcome of those of the parts.
     """
 
-    tab: Hashable
-    number: int
-    task: Task
-    listener: Listener
-    notify_at: float = 0.0
-    over: bool = False
-    batch: Seeds | None = None
+    tab: Hashable  # any name of it that can be a key
+    number: int  # of the job
+    task: Task  # the work
+    listener: Listener  # called with its reports
+    notify_at: float = 0.0  # when its tab gets to know the reason for waiting, s (monotonic clock)
+    over: bool = False  # nothing more is reported: it has its outcome, or nobody waits for it
+    batch: Seeds | None = None  # makes one outcome of those of the parts
 
     def __post_init__(self) -> None:
         self.parts = deque(self.task.parts)
@@ -61,24 +54,16 @@ class Entry:
 
 @dataclass(eq=False)
 class Member:
-    """One process of the pool, as far as the order of jobs goes.
+    """One process of the pool, as far as the order of jobs goes."""
 
-    Attributes:
-        reserved: takes no job that lasts seconds.
-        remote: on another machine; takes no job that is about files of this one.
-        loaded: what is in its memory (`Task.needs`), each with a task that it has solved.
-        ready: it has started.
-        working_on: its job, if it has one; task: the part of it.
-        stopping: whether that job was requested to stop; it may go on for a while.
-    """
-
-    reserved: bool
-    remote: bool = False
+    reserved: bool  # takes no job that lasts seconds
+    remote: bool = False  # on another machine; takes no job that is about files of this one
+    # what is in its memory (`Task.needs`), each with a task that it has solved
     loaded: dict[Hashable, PlanJump] = field(default_factory=dict)
-    ready: bool = False
-    working_on: Entry | None = None
-    task: Task | None = None
-    stopping: bool = False
+    ready: bool = False  # it has started
+    working_on: Entry | None = None  # its job, if it has one
+    task: Task | None = None  # the part of it
+    stopping: bool = False  # whether that job was requested to stop; it may go on for a while
 
     @property
     def idle(self) -> bool:
@@ -97,7 +82,6 @@ class Waiting:
     """The jobs that wait."""
 
     def __init__(self) -> None:
-        """An empty queue; nothing is known to be built."""
         self._entries: dict[Hashable, Entry] = {}
         self._built: set[Hashable] = set()
 

@@ -38,8 +38,7 @@ from llsrbm.request.jump import Jump
 
 _log = logging.getLogger(__name__)
 
-ProgressListener = Callable[..., None]
-"""`app.workers.protocol.Talk.progress`."""
+ProgressListener = Callable[..., None]  # `app.workers.protocol.Talk.progress`
 
 
 class SharedNumber(Protocol):
@@ -56,7 +55,6 @@ class LibraryPlanner:
     """
 
     def __init__(self) -> None:
-        """Import what takes long, once, before the first job."""
         import llsrbm.api  # noqa: F401
 
         self._solvers: set[Solver] = set()
@@ -185,15 +183,10 @@ def exported(task: ExportMotion) -> tuple[str, bytes]:
 
 
 def main(connection: Connection, stop: SharedNumber, factory: PlannerFactory) -> None:
-    """Work until the server closes its end of the connection.
+    """Work on jobs of a connection until it is closed; `stop`: number of a job to be stopped.
 
     An exception that is no `llsrbm.errors.Error` is a defect: it ends the process with a traceback
     in the terminal, and the server reports that to the user.
-
-    Args:
-        connection: jobs come in, reports go out.
-        stop: number of the job whose result nobody needs any more.
-        factory: makes the planner.
     """
     # Ctrl-C reaches every process of the terminal; the server decides when this one ends.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
@@ -208,8 +201,6 @@ def main(connection: Connection, stop: SharedNumber, factory: PlannerFactory) ->
 
 
 class _Talk:
-    """See `app.workers.protocol.Talk`."""
-
     def __init__(self, job: int, connection: Connection, stop: SharedNumber) -> None:
         self._job, self._connection, self._stop = job, connection, stop
 

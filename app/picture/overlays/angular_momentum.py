@@ -14,8 +14,7 @@ from app.picture.drawing import Overlay
 from app.picture.picture import Picture
 from app.picture.turns import z_to
 
-METRES_PER_UNIT = 0.1
-"""Length of the arrow of 1 kg m2/s, m."""
+METRES_PER_UNIT = 0.1  # Length of the arrow of 1 kg m2/s, m
 
 _TURNING = 0.05  # kg m2/s; less is not drawn
 _WIDE = 1.5  # times as wide as a force's arrow

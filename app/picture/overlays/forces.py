@@ -14,8 +14,7 @@ from app.picture.drawing import Key, Overlay
 from app.picture.picture import Picture
 from app.picture.turns import z_to
 
-ARROW_PER_WEIGHT = 0.8
-"""Length of the arrow of a force as large as the robot's weight, m."""
+ARROW_PER_WEIGHT = 0.8  # Length of the arrow of a force as large as the robot's weight, m
 
 _PUSHING = 1.0  # N; smaller forces are not drawn
 

@@ -26,7 +26,6 @@ class Ghosts(Overlay):
     needs_motion = False
 
     def __init__(self, scene: viser.SceneApi) -> None:
-        """Nothing is drawn."""
         super().__init__(scene)
         names = chain(["/shade"], (f"/shade-{number}" for number in count(2)))
         self._plans = RobotShelf(scene, names)

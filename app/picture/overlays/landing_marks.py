@@ -39,7 +39,6 @@ class LandingMarks(Overlay):
     parts = frozenset({"robot", "planned", "simulated", "blocks"})
 
     def __init__(self, scene: viser.SceneApi) -> None:
-        """Nothing is drawn."""
         super().__init__(scene)
         self._robot: Robot | None = None
         self._marks: list[viser.CylinderHandle | viser.BoxHandle] = []
@@ -84,7 +83,6 @@ class LandingMarks(Overlay):
             step.visible = visible and index < self._stepping
 
     def _forget(self, robot: Robot) -> None:
-        """No marks yet, as this robot's feet may be others."""
         for mark in self._marks:
             mark.remove()
         self._marks = []

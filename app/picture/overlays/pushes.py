@@ -40,7 +40,6 @@ class Pushes(Overlay):
     parts = frozenset({"robot", "planned", "simulated", "pushes"})
 
     def __init__(self, scene: viser.SceneApi) -> None:
-        """Nothing is drawn."""
         super().__init__(scene)
         self._words: list[viser.LabelHandle] = []
 

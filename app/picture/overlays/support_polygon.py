@@ -59,14 +59,9 @@ class SupportPolygon(Overlay):
 
 
 def edges(points: Array, standing: NDArray[np.bool_]) -> NDArray[np.int64]:
-    """The hull's edges: of each point the next corner against the clock; -1: it is no corner.
+    """The hull's edges, (F, C): of each of the points that stand the next corner, or -1.
 
-    Args:
-        points: (F, C, 2) m, seen from above.
-        standing: (F, C) which of them count.
-
-    Returns:
-        (F, C) indices of points.
+    Against the clock, seen from above: `points` (F, C, 2) m, `standing` (F, C).
     """
     after = np.full(standing.shape, -1, dtype=np.int64)
     for frame, (places, counted) in enumerate(zip(points, standing, strict=True)):
