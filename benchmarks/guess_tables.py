@@ -41,7 +41,7 @@ def jumps(sweep: str, robot: str) -> list[Jump]:
     """A sweep's requests to a robot."""
     folder = Path(sweep)
     if (folder / "sweep.json").is_file():
-        spec = Spec.from_json(json.dumps(json.loads((folder / "sweep.json").read_text())["spec"]))
+        spec = Spec.from_table(json.loads((folder / "sweep.json").read_text())["spec"])
         table = pq.read_table(folder / "jumps.parquet", columns=["jump", "status"]).to_pylist()
         numbers = dict.fromkeys(row["jump"] for row in table if row["status"] == PLANNED)
         points = Points(spec)

@@ -39,28 +39,22 @@ class Stop:
     """A limiting constraint of a plan, and the limit in it that would have to change.
 
     Attributes:
-        constraint: its name (`llsrbm.planning.problem.constraints`).
-        phase: name of the schedule's phase; time: s; where it is worst.
         amount: by how much, in `unit`: the limit would have to change, or, where there is no
             limit, the constraint is violated.
         limit: its name (`llsrbm.planning.problem.limits`); None: no limit alone would help.
-        title: the limit in words.
-        value: of the limit, in `unit`; needed: the value it would have to have.
-        together: whether the other stops have to be removed as well; else any one does.
-        detail: the joint, where, and how much, of a limit of the drives; "" of all others.
     """
 
-    constraint: str
-    phase: str
-    time: float
+    constraint: str  # its name (`llsrbm.planning.problem.constraints`)
+    phase: str  # name of the schedule's phase
+    time: float  # s; where it is worst
     amount: float
     unit: str
     limit: str | None = None
-    title: str = ""
-    value: float = 0.0
-    needed: float = 0.0
-    together: bool = False
-    detail: str = ""
+    title: str = ""  # the limit in words
+    value: float = 0.0  # of the limit, in `unit`
+    needed: float = 0.0  # the value it would have to have
+    together: bool = False  # whether the other stops have to be removed as well; else any one does
+    detail: str = ""  # the joint, where, and how much, of a limit of the drives; "" of all others
 
     def __str__(self) -> str:
         if self.detail:

@@ -50,19 +50,14 @@ _TOO_FAST = 0.5  # share of a joint's largest torque limit below which it is its
 
 @dataclass(frozen=True)
 class Event:
-    """Something that went wrong.
+    """Something that went wrong."""
 
-    Attributes:
-        time: when it began, s.
-        what: its kind: "torque limit" or "speed limit" of joints; "contact lost", "lift-off",
-            "slip", "foothold" of feet; "touchdown", "ground", "detection", "false detection";
-            "lean", "turn" of the base, "shift", "sink", "rise" of the CoM, "spin" of the whole.
-        words: what happened, with names and sizes.
-    """
-
-    time: float
+    time: float  # when it began, s
+    # Its kind: "torque limit" or "speed limit" of joints; "contact lost", "lift-off", "slip",
+    # "foothold" of feet; "touchdown", "ground", "detection", "false detection"; "lean", "turn" of
+    # the base, "shift", "sink", "rise" of the CoM, "spin" of the whole.
     what: str
-    words: str
+    words: str  # what happened, with names and sizes
 
 
 def diagnose(rollout: Rollout) -> tuple[Event, ...]:

@@ -28,41 +28,27 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class DesignFigures:
-    """One row; None for what is not known.
+    """One row; None for what is not known."""
 
-    Attributes:
-        status: "planned" or "not converged"; with a simulation "landed" or "fell"; "motion" of one
-            that is neither.
-        duration_s: s, with all that a simulation stands at its end.
-        flight_time_s: s without any foot on the ground, of all flights together.
-        apex: of the CoM above where it starts, m.
-        final_yaw: of the base at the end, whole turns counted, rad.
-        peak_yaw_rate: largest |angular velocity about z| of the base, rad/s.
-        feet_radius: the feet's mean horizontal distance from the CoM, where it is smallest in
-            flight, m.
-        smallest_Izz: of the centroidal inertia about the vertical, in flight, kg m2.
-        peak_force: largest contact force on one foot, N.
-        peak_force_in_weights: the same in robots' weights.
-        planned_torque_ratio: largest share of the torque available at a joint's speed, in the plan.
-        peak_torque_ratio: largest share of a torque limit, in the simulation.
-        yaw_error_at_touchdown: of the base at its first contact, against the plan at its own, rad.
-        solve_time_s: wall time inside the solver, s.
-    """
-
+    # "planned" or "not converged"; with a simulation "landed" or "fell"; "motion" of one that is
+    # neither.
     status: str
-    duration_s: float
-    flight_time_s: float | None
-    apex: float
-    final_yaw: float
-    peak_yaw_rate: float
+    duration_s: float  # s, with all that a simulation stands at its end
+    flight_time_s: float | None  # s without any foot on the ground, of all flights together
+    apex: float  # of the CoM above where it starts, m
+    final_yaw: float  # of the base at the end, whole turns counted, rad
+    peak_yaw_rate: float  # largest |angular velocity about z| of the base, rad/s
+    # The feet's mean horizontal distance from the CoM, where it is smallest in flight, m.
     feet_radius: float | None
-    smallest_Izz: float | None
-    peak_force: float | None
-    peak_force_in_weights: float | None
+    smallest_Izz: float | None  # of the centroidal inertia about the vertical, in flight, kg m2
+    peak_force: float | None  # largest contact force on one foot, N
+    peak_force_in_weights: float | None  # the same in robots' weights
+    # Largest share of the torque available at a joint's speed, in the plan.
     planned_torque_ratio: float | None
-    peak_torque_ratio: float | None
+    peak_torque_ratio: float | None  # largest share of a torque limit, in the simulation
+    # Of the base at its first contact, against the plan at its own, rad.
     yaw_error_at_touchdown: float | None
-    solve_time_s: float | None
+    solve_time_s: float | None  # wall time inside the solver, s
 
     @property
     def valid(self) -> bool:
@@ -151,24 +137,17 @@ def figures_of_motion(motion: WholeBodyMotion) -> DesignFigures:
 
 @dataclass(frozen=True)
 class Figure:
-    """Title, unit and format of one of the figures.
+    """Title, unit and format of one of the figures."""
 
-    Attributes:
-        name: of `DesignFigures`.
-        title: in words; short: the same where there is little room.
-        unit: shown; scale: from SI to it; decimals: after the point.
-        smaller_is_better: False where neither is: a short flight is not better than a long one.
-        signed: whether it has a sign, and what is to be small is its size.
-    """
-
-    name: str
-    title: str
-    short: str
-    unit: str
-    scale: float
-    decimals: int
+    name: str  # of `DesignFigures`
+    title: str  # in words
+    short: str  # the same where there is little room
+    unit: str  # shown
+    scale: float  # from SI to it
+    decimals: int  # after the point
+    # False where neither is: a short flight is not better than a long one.
     smaller_is_better: bool = False
-    signed: bool = False
+    signed: bool = False  # whether it has a sign, and what is to be small is its size
 
     def value(self, figures: DesignFigures) -> float | None:
         """In SI units; None for what is not known or no number."""

@@ -21,24 +21,15 @@ _STEP = 1e-4  # of an interval
 
 @dataclass(frozen=True)
 class JointMargin:
-    """Margins of one joint to its limits; negative ones are violations.
+    """Margins of one joint to its limits; negative ones are violations."""
 
-    Attributes:
-        joint: its name; unit: "rad", or "m" of a sliding joint.
-        position_margin: rad or m, smallest distance to the URDF's limits.
-        position_time: s, when.
-        peak_speed: rad/s or m/s.
-        speed_margin: the robot file's joint speed minus the peak.
-        speed_time: s, when the peak is.
-    """
-
-    joint: str
-    unit: str
-    position_margin: float
-    position_time: float
-    peak_speed: float
-    speed_margin: float
-    speed_time: float
+    joint: str  # its name
+    unit: str  # "rad", or "m" of a sliding joint
+    position_margin: float  # rad or m, smallest distance to the URDF's limits
+    position_time: float  # s, when
+    peak_speed: float  # rad/s or m/s
+    speed_margin: float  # the robot file's joint speed minus the peak
+    speed_time: float  # s, when the peak is
 
 
 @dataclass(frozen=True)

@@ -32,18 +32,12 @@ _SEARCH = 15  # places along each axis at which a point inside is looked for
 
 @dataclass(frozen=True, eq=False)
 class Touchdown:
-    """The next touchdown, as expected.
+    """The next touchdown, as expected."""
 
-    Attributes:
-        time: s.
-        base_position: (3,) m; base_quat: (4,) w, x, y, z: of the root link.
-        ground: (L,) m, height of the ground under each foot.
-    """
-
-    time: float
-    base_position: Array
-    base_quat: Array
-    ground: Array
+    time: float  # s
+    base_position: Array  # (3,) m
+    base_quat: Array  # (4,) w, x, y, z: of the root link
+    ground: Array  # (L,) m, height of the ground under each foot
 
 
 def expected_touchdown(rollout: Rollout, plan: Plan, robot: Robot, time: float) -> Touchdown | None:

@@ -45,23 +45,15 @@ FREE: Rgb = (215, 226, 216)
 
 @dataclass(frozen=True)
 class Colour:
-    """A quantity that a map may show.
+    """A quantity that a map may show."""
 
-    Attributes:
-        name: in commands; title: for people; unit: of what they are shown, "" if there is none.
-        of: jumps -> (J,) SI; NaN of a jump that has none.
-        scale: shown units per SI unit.
-        ends: of its scale, SI; None where the values have them.
-        categorical: values are places in `Jumps.stops`.
-    """
-
-    name: str
-    title: str
-    unit: str
-    of: Callable[[Jumps], Array]
-    scale: float = 1.0
-    ends: tuple[float, float] | None = None
-    categorical: bool = False
+    name: str  # in commands
+    title: str  # for people
+    unit: str  # of what they are shown, "" if there is none
+    of: Callable[[Jumps], Array]  # jumps -> (J,) SI; NaN of a jump that has none
+    scale: float = 1.0  # shown units per SI unit
+    ends: tuple[float, float] | None = None  # of its scale, SI; None where the values have them
+    categorical: bool = False  # values are places in `Jumps.stops`
 
     @property
     def heading(self) -> str:

@@ -31,16 +31,13 @@ class Axis:
     """Something that a sweep varies.
 
     Attributes:
-        name: the column's.
-        title: for people; unit: of what they are shown, "" if there is none.
-        scale: shown units per SI unit.
         otherwise: the SI value of a design that does not say; None: the robot has its own.
     """
 
-    name: str
-    title: str
-    unit: str = ""
-    scale: float = 1.0
+    name: str  # the column's
+    title: str  # for people
+    unit: str = ""  # of what they are shown, "" if there is none
+    scale: float = 1.0  # shown units per SI unit
     otherwise: float | None = 0.0
 
     @property
@@ -78,32 +75,21 @@ def axis_of(name: str) -> Axis:
 
 @dataclass(frozen=True, eq=False)
 class Jumps:
-    """Jumps of one robot, model and type.
+    """Jumps of one robot, model and type."""
 
-    Attributes:
-        robot, model, type: of all of them.
-        numbers: (J,) in the sweep.
-        requested: axis name -> (J,) SI; limits begin with "limit_".
-        planned: (J,) 0 or 1: there is a plan.
-        landed, strict: (J,) share of the simulated seeds; NaN where nothing was simulated.
-        flight: (J,) s; torque_share: (J,); NaN where there is no plan.
-        stops: names of limiting constraints; stop: (J,) places therein.
-        robot_hash: of the robot's files.
-    """
-
-    robot: str
-    model: str
-    type: str
-    numbers: NDArray[np.int64]
-    requested: Mapping[str, Array]
-    planned: Array
-    landed: Array
-    strict: Array
-    flight: Array
-    torque_share: Array
-    stops: tuple[str, ...]
-    stop: NDArray[np.int64]
-    robot_hash: str
+    robot: str  # of all of them
+    model: str  # of all of them
+    type: str  # of all of them
+    numbers: NDArray[np.int64]  # (J,) in the sweep
+    requested: Mapping[str, Array]  # axis name -> (J,) SI; limits begin with "limit_"
+    planned: Array  # (J,) 0 or 1: there is a plan
+    landed: Array  # (J,) share of the simulated seeds; NaN where nothing was simulated
+    strict: Array  # (J,) share of the simulated seeds; NaN where nothing was simulated
+    flight: Array  # (J,) s
+    torque_share: Array  # (J,); NaN where there is no plan
+    stops: tuple[str, ...]  # names of limiting constraints
+    stop: NDArray[np.int64]  # (J,) places therein
+    robot_hash: str  # of the robot's files
 
     def __len__(self) -> int:
         return len(self.numbers)
@@ -135,15 +121,10 @@ class Jumps:
 
 @dataclass(frozen=True, eq=False)
 class Atlas:
-    """A sweep's jumps.
+    """A sweep's jumps."""
 
-    Attributes:
-        title: of the sweep.
-        groups: jumps of the same robot, model and type, as the sweep has them.
-    """
-
-    title: str
-    groups: tuple[Jumps, ...]
+    title: str  # of the sweep
+    groups: tuple[Jumps, ...]  # jumps of the same robot, model and type, as the sweep has them
 
     @property
     def robots(self) -> tuple[str, ...]:

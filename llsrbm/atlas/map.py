@@ -36,18 +36,12 @@ _A_CELL = 3  # jumps, of a drawn sweep, in a cell on average
 
 @dataclass(frozen=True, eq=False)
 class Scale:
-    """An axis of a map, in cells.
+    """An axis of a map, in cells."""
 
-    Attributes:
-        axis: which.
-        edges: (n+1,) of the cells, SI, increasing; centres: (n,) a grid's values.
-        listed: whether cells are the values of a grid.
-    """
-
-    axis: Axis
-    edges: Array
-    centres: Array
-    listed: bool
+    axis: Axis  # which
+    edges: Array  # (n+1,) of the cells, SI, increasing
+    centres: Array  # (n,) a grid's values
+    listed: bool  # whether cells are the values of a grid
 
     def cells(self, values: Array) -> NDArray[np.int64]:
         """(J,) numbers of the cells in which values lie."""
@@ -56,25 +50,18 @@ class Scale:
 
 @dataclass(frozen=True, eq=False)
 class Map:
-    """Jumps over two axes; arrays of (rows along y, columns along x).
+    """Jumps over two axes; arrays of (rows along y, columns along x)."""
 
-    Attributes:
-        jumps: of which.
-        x, y: axes; colour: what is shown; projection: one of `PROJECTIONS`.
-        jump: place in `jumps` of the jump that a cell opens, -1 where there is none.
-        count: jumps of a cell.
-        members: (K,) places in `jumps` of what is shown; cell: (K,) in which of all cells.
-    """
-
-    jumps: Jumps
-    x: Scale
-    y: Scale
-    colour: Colour
-    projection: str
+    jumps: Jumps  # of which
+    x: Scale  # axes
+    y: Scale  # axes
+    colour: Colour  # what is shown
+    projection: str  # one of `PROJECTIONS`
+    # Place in `jumps` of the jump that a cell opens, -1 where there is none.
     jump: NDArray[np.int64]
-    count: NDArray[np.int64]
-    members: NDArray[np.int64]
-    cell: NDArray[np.int64]
+    count: NDArray[np.int64]  # jumps of a cell
+    members: NDArray[np.int64]  # (K,) places in `jumps` of what is shown
+    cell: NDArray[np.int64]  # (K,) in which of all cells
 
     def of(self, colour: Colour) -> Array:
         """(rows, columns) A colour's value of each cell, SI; NaN where no jump has one."""

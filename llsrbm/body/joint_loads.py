@@ -40,40 +40,30 @@ _UPWARD_GRAVITY = np.array([0.0, 0.0, GRAVITY])  # m/s2
 
 @dataclass(frozen=True, eq=False)
 class JointLoads:
-    """Joint motion and torques in the middle of N intervals, J joints; SI units.
+    """Joint motion and torques in the middle of N intervals, J joints; SI units."""
 
-    Attributes:
-        time: (N,) s; phase: (N,) of the schedule; knot_time: (N+1,) s, where the intervals end.
-        schedule: which feet stand in a phase.
-        joint_names: (J,).
-        joint_position, joint_velocity, joint_acceleration: (N, J) rad or m, and per s, per s2.
-        joint_torque: (N, J) Nm or N.
-        torque_available: (N, J) Nm or N, what the drives can give at that speed in the direction of
-            the torque (`llsrbm.robots.drives`).
-        base_residual: (N, 6) N, Nm: force on the base and moment about its origin, base axes, that
-            the plan lacks; the force is the plan's own balance of linear momentum.
-        foot_residual: (N,) m: what inverse kinematics could not reach.
-        knot_position, knot_velocity: (N+1, J) at the knots.
-        standing_torque: (J,) Nm or N: at rest in the last knot's posture, with the smallest contact
-            forces that carry the robot; standing_limit: (J,) what the drives give at rest.
-    """
-
-    time: Array
-    knot_time: Array
-    schedule: Schedule
-    phase: NDArray[np.int64]
-    joint_names: tuple[str, ...]
-    joint_position: Array
-    joint_velocity: Array
-    joint_acceleration: Array
-    joint_torque: Array
+    time: Array  # (N,) s
+    knot_time: Array  # (N+1,) s, where the intervals end
+    schedule: Schedule  # which feet stand in a phase
+    phase: NDArray[np.int64]  # (N,) of the schedule
+    joint_names: tuple[str, ...]  # (J,)
+    joint_position: Array  # (N, J) rad or m, and per s, per s2
+    joint_velocity: Array  # (N, J) rad or m, and per s, per s2
+    joint_acceleration: Array  # (N, J) rad or m, and per s, per s2
+    joint_torque: Array  # (N, J) Nm or N
+    # (N, J) Nm or N, what the drives can give at that speed in the direction of the torque
+    # (`llsrbm.robots.drives`).
     torque_available: Array
+    # (N, 6) N, Nm: force on the base and moment about its origin, base axes, that the plan lacks;
+    # the force is the plan's own balance of linear momentum.
     base_residual: Array
-    foot_residual: Array
-    knot_position: Array
-    knot_velocity: Array
+    foot_residual: Array  # (N,) m: what inverse kinematics could not reach
+    knot_position: Array  # (N+1, J) at the knots
+    knot_velocity: Array  # (N+1, J) at the knots
+    # (J,) Nm or N: at rest in the last knot's posture, with the smallest contact forces that carry
+    # the robot.
     standing_torque: Array
-    standing_limit: Array
+    standing_limit: Array  # (J,) what the drives give at rest
 
     @property
     def contact(self) -> NDArray[np.bool_]:

@@ -29,15 +29,10 @@ _AT_REST = 1e-3  # m/s of the CoM: where a plan ends at rest, a solver is that f
 
 @dataclass(frozen=True, eq=False)
 class KnotMotion:
-    """A plan's motion at N + 1 knots; arrays as in `llsrbm.motion.plan.Plan`.
-
-    Attributes:
-        schedule: which feet stand in a phase.
-        joint_position: (N+1, J) postures at the knots; None to have them solved.
-    """
+    """A plan's motion at N + 1 knots; arrays as in `llsrbm.motion.plan.Plan`."""
 
     time: Array
-    schedule: Schedule
+    schedule: Schedule  # which feet stand in a phase
     phase: NDArray[np.int64]
     com: Array
     com_velocity: Array
@@ -46,7 +41,7 @@ class KnotMotion:
     foot_quat: Array
     contact_point: Array
     contact_force: Array
-    joint_position: Array | None = None
+    joint_position: Array | None = None  # (N+1, J) postures at the knots; None to have them solved
 
     @property
     def standing(self) -> NDArray[np.bool_]:
@@ -61,23 +56,16 @@ class KnotMotion:
 
 @dataclass(frozen=True, eq=False)
 class States:
-    """K instants, world frame.
+    """K instants, world frame."""
 
-    Attributes:
-        com, com_velocity: (K, 3) m, m/s.
-        base_quat: (K, 4); omega: (K, 3) rad/s, of the base.
-        foot, foot_velocity: (K, L, 3) m, m/s.
-        foot_quat: (K, L, 4); foot_omega: (K, L, 3) rad/s; None of points.
-    """
-
-    com: Array
-    com_velocity: Array
-    base_quat: Array
-    omega: Array
-    foot: Array
-    foot_velocity: Array
-    foot_quat: Array | None = None
-    foot_omega: Array | None = None
+    com: Array  # (K, 3) m, m/s
+    com_velocity: Array  # (K, 3) m, m/s
+    base_quat: Array  # (K, 4)
+    omega: Array  # (K, 3) rad/s, of the base
+    foot: Array  # (K, L, 3) m, m/s
+    foot_velocity: Array  # (K, L, 3) m, m/s
+    foot_quat: Array | None = None  # (K, L, 4)
+    foot_omega: Array | None = None  # (K, L, 3) rad/s; None of points
 
 
 def states(robot: Robot, motion: KnotMotion) -> tuple[States, States]:

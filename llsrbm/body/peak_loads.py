@@ -20,21 +20,14 @@ def torque_share(torque: Array, available: Array) -> Array:
 
 
 class PeakLoad(NamedTuple):
-    """The joint, and the interval, with the largest share of the torque that is available there.
+    """The joint, and the interval, with the largest share of the torque that is available there."""
 
-    Attributes:
-        joint: its name.
-        phase: name of the interval's; time: s, its middle; event: "lift-off" or "touchdown" where
-            it begins or ends with that of a foot, else "".
-        torque: Nm or N, with its sign; available: what the drive can give in that direction.
-    """
-
-    joint: str
-    phase: str
-    time: float
-    event: str
-    torque: float
-    available: float
+    joint: str  # its name
+    phase: str  # name of the interval's
+    time: float  # s, its middle
+    event: str  # "lift-off" or "touchdown" where it begins or ends with that of a foot, else ""
+    torque: float  # Nm or N, with its sign
+    available: float  # what the drive can give in that direction
 
     @property
     def ratio(self) -> float:

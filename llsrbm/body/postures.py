@@ -39,17 +39,12 @@ _SOLES_NEED = "{what} is missing: the feet of {robot} are not points; expected i
 
 @dataclass(frozen=True, eq=False)
 class Postures:
-    """The robot's posture at K knots.
+    """The robot's posture at K knots."""
 
-    Attributes:
-        joint_position: (K, J) rad or m, in the order of `Robot.joint_names`.
-        base_position: (K, 3) m, world frame: origin of the root link.
-        residual_m: (K,) m: largest distance of a foot from where it should be; a sole's wrong turn
-            counts as what it moves a point 0.1 m away.
-    """
-
-    joint_position: Array
-    base_position: Array
+    joint_position: Array  # (K, J) rad or m, in the order of `Robot.joint_names`
+    base_position: Array  # (K, 3) m, world frame: origin of the root link
+    # (K,) m: largest distance of a foot from where it should be; a sole's wrong turn counts as what
+    # it moves a point 0.1 m away.
     residual_m: Array
 
 
@@ -150,15 +145,10 @@ def joint_speeds(
 
 @dataclass(frozen=True, eq=False)
 class _Goal:
-    """Where K knots' feet shall be, base frame.
+    """Where K knots' feet shall be, base frame."""
 
-    Attributes:
-        beta: (K, L, 3) m, seen from the CoM.
-        rotation: (K, L, 3, 3) R_base_foot of soles, None for points.
-    """
-
-    beta: Array
-    rotation: Array | None
+    beta: Array  # (K, L, 3) m, seen from the CoM
+    rotation: Array | None  # (K, L, 3, 3) R_base_foot of soles, None for points
 
     def at(self, knot: int) -> _Goal:
         """One knot's, K = 1."""

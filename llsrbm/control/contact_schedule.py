@@ -45,19 +45,14 @@ _LEFT = 0.5  # of a swing while others stand: a foot that feels load before is o
 
 @dataclass
 class Flight:
-    """A flight as it was flown.
+    """A flight as it was flown."""
 
-    Attributes:
-        phase: its place in the schedule.
-        lift_off, touchdown: s: when it was planned to begin and to end, retimed by the touchdowns
-            before it.
-        detected: s: when its touchdown was detected; None before.
-    """
-
-    phase: int
+    phase: int  # its place in the schedule
+    # lift_off, touchdown: s: when it was planned to begin and to end, retimed by the touchdowns
+    # before it.
     lift_off: float
     touchdown: float
-    detected: float | None = None
+    detected: float | None = None  # s: when its touchdown was detected; None before
 
 
 class ContactSchedule:

@@ -31,40 +31,25 @@ _SINKING = -0.1  # m/s; a plan lands at least as fast
 
 @dataclass(frozen=True, eq=False)
 class Measurement:
-    """Everything that a controller knows of the world, at the beginning of a tick.
+    """Everything that a controller knows of the world, at the beginning of a tick."""
 
-    Attributes:
-        time: s since the plan's start.
-        q: (nq,) and v: (nv,), estimated, Pinocchio's conventions.
-        torque: (J,) Nm or N, measured, mean of the tick that ended.
-    """
-
-    time: float
-    q: Array
+    time: float  # s since the plan's start
+    q: Array  # (nq,) and v: (nv,), estimated, Pinocchio's conventions
     v: Array
-    torque: Array
+    torque: Array  # (J,) Nm or N, measured, mean of the tick that ended
 
 
 @dataclass(frozen=True, eq=False)
 class Tick:
-    """The controller's decision of one tick.
+    """The controller's decision of one tick."""
 
-    Attributes:
-        command: torques, accelerations and forces.
-        phase: index of the plan's phase, as the controller believes; mode: likewise.
-        target: what was tracked.
-        foot_target: (L, 3) m: where the feet's lowest points should be, world frame.
-        average_spatial_velocity_norm: ‖v_G‖.
-        detection_signal: the detector's.
-    """
-
-    command: Command
-    phase: int
-    mode: Mode
-    target: Target
-    foot_target: Array
-    average_spatial_velocity_norm: float
-    detection_signal: float
+    command: Command  # torques, accelerations and forces
+    phase: int  # index of the plan's phase, as the controller believes
+    mode: Mode  # likewise
+    target: Target  # what was tracked
+    foot_target: Array  # (L, 3) m: where the feet's lowest points should be, world frame
+    average_spatial_velocity_norm: float  # ‖v_G‖
+    detection_signal: float  # the detector's
 
 
 class WholeBodyController:

@@ -18,16 +18,11 @@ _SCALES = (0.2, 1.5)  # beyond these the measured momentum says that something e
 
 @dataclass(frozen=True)
 class LandingStrategy:
-    """One way to land.
+    """One way to land."""
 
-    Attributes:
-        description: one line.
-        follows_forces: whether a force phase follows touchdown.
-        force: (planned (C, 3) N, standing (C, 3) N, momentum met / planned) -> wanted (C, 3) N.
-    """
-
-    description: str
-    follows_forces: bool
+    description: str  # one line
+    follows_forces: bool  # whether a force phase follows touchdown
+    # (planned (C, 3) N, standing (C, 3) N, momentum met / planned) -> wanted (C, 3) N.
     force: Callable[[Array, Array, float], Array]
 
 

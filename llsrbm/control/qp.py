@@ -25,20 +25,15 @@ class Qp:
 
     The arrays are written in place by the caller, tick by tick; a solver keeps none of them.
     Limits may be ±inf.
-
-    Attributes:
-        H, g: (n, n) symmetric and positive definite, (n,).
-        A, b: (e, n), (e,) equalities.
-        C, lower, upper: (m, n), (m,), (m,) inequalities.
     """
 
-    H: Array
-    g: Array
-    A: Array
-    b: Array
-    C: Array
-    lower: Array
-    upper: Array
+    H: Array  # (n, n) symmetric and positive definite, (n,)
+    g: Array  # (n, n) symmetric and positive definite, (n,)
+    A: Array  # (e, n), (e,) equalities
+    b: Array  # (e, n), (e,) equalities
+    C: Array  # (m, n), (m,), (m,) inequalities
+    lower: Array  # (m, n), (m,), (m,) inequalities
+    upper: Array  # (m, n), (m,), (m,) inequalities
 
     @classmethod
     def zeros(cls, variables: int, equalities: int, inequalities: int) -> Qp:

@@ -27,34 +27,25 @@ BRAKING = 0.3  # s in which a robot that keeps some speed comes to rest after th
 
 @dataclass(frozen=True, eq=False)
 class Target:
-    """The motion wanted at one instant: L legs, C contact points, J joints; world frame, SI units.
+    """The motion wanted at one instant: L legs, C contacts, J joints; world frame, SI units."""
 
-    Attributes:
-        com, com_velocity, com_acceleration: (3,).
-        R_world_base: (3, 3); angular_velocity, angular_acceleration: (3,) of the base.
-        angular_momentum, angular_momentum_rate: (3,) about the CoM.
-        contact_force: (C, 3) N.
-        foot_from_com, foot_velocity_from_com, foot_acceleration_from_com: (L, 3): of the lowest
-            point of each foot, relative to the CoM, world axes.
-        foot_heading: (L, 3): heading of each foot, its rate and its acceleration.
-        joint_position, joint_velocity: (J,).
-    """
-
-    com: Array
-    com_velocity: Array
-    com_acceleration: Array
-    R_world_base: Array
-    angular_velocity: Array
-    angular_acceleration: Array
-    angular_momentum: Array
-    angular_momentum_rate: Array
-    contact_force: Array
+    com: Array  # (3,)
+    com_velocity: Array  # (3,)
+    com_acceleration: Array  # (3,)
+    R_world_base: Array  # (3, 3)
+    angular_velocity: Array  # (3,) of the base
+    angular_acceleration: Array  # (3,) of the base
+    angular_momentum: Array  # (3,) about the CoM
+    angular_momentum_rate: Array  # (3,) about the CoM
+    contact_force: Array  # (C, 3) N
+    # foot_from_com, foot_velocity_from_com, foot_acceleration_from_com: (L, 3): of the lowest point
+    # of each foot, relative to the CoM, world axes.
     foot_from_com: Array
     foot_velocity_from_com: Array
     foot_acceleration_from_com: Array
-    foot_heading: Array
-    joint_position: Array
-    joint_velocity: Array
+    foot_heading: Array  # (L, 3): heading of each foot, its rate and its acceleration
+    joint_position: Array  # (J,)
+    joint_velocity: Array  # (J,)
 
 
 class Reference:

@@ -22,16 +22,11 @@ class UnderWay:
     """Where a plan that was made under way begins: at one of its knots.
 
     What comes before that knot is another plan's, and no line is drawn from there.
-
-    Attributes:
-        time: s on the plan's clock.
-        foot_velocity_from_com: (L, 3) m/s, world axes.
-        foot_yaw_rate: (L,) rad/s.
     """
 
-    time: float
-    foot_velocity_from_com: Array
-    foot_yaw_rate: Array
+    time: float  # s on the plan's clock
+    foot_velocity_from_com: Array  # (L, 3) m/s, world axes
+    foot_yaw_rate: Array  # (L,) rad/s
 
 
 def swing_motion(

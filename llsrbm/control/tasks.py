@@ -24,21 +24,13 @@ _DOWNWARDS = np.array([0.0, 0.0, -0.5])
 
 
 class Motion(NamedTuple):
-    """Motion of m task coordinates x, for n velocities v of the robot.
+    """Motion of m task coordinates x, for n velocities v of the robot."""
 
-    Attributes:
-        jacobian: (m, n): the coordinates' rate is `jacobian @ v`.
-        bias: (m,) their acceleration at zero `dv/dt`.
-        error: (m,) wanted minus actual.
-        error_rate: (m,) wanted minus actual rate.
-        feedforward: (m,) wanted acceleration.
-    """
-
-    jacobian: Array
-    bias: Array
-    error: Array
-    error_rate: Array
-    feedforward: Array
+    jacobian: Array  # (m, n): the coordinates' rate is `jacobian @ v`
+    bias: Array  # (m,) their acceleration at zero `dv/dt`
+    error: Array  # (m,) wanted minus actual
+    error_rate: Array  # (m,) wanted minus actual rate
+    feedforward: Array  # (m,) wanted acceleration
 
 
 class Task(ABC):

@@ -54,15 +54,10 @@ def _sparse(matrix: Array) -> ca.DM:
 
 @dataclass(frozen=True, eq=False)
 class OffsetMap:
-    """o = constant + sum_i G_i y_i, y_i how foot i is given: beta_i or x_i.
+    """o = constant + sum_i G_i y_i, y_i how foot i is given: beta_i or x_i."""
 
-    Attributes:
-        constant: (3,) m.
-        maps: leg -> G_i, (3, d).
-    """
-
-    constant: Array
-    maps: dict[int, Array]
+    constant: Array  # (3,) m
+    maps: dict[int, Array]  # leg -> G_i, (3, d)
 
     def __call__(self, feet: dict[int, Matrix]) -> Matrix:
         """o, (3, 1) m, of feet (d, 1)."""
@@ -77,8 +72,6 @@ class CentroidalModel(ABC):
     """A robot's centroidal inertia and the legs' momentum as functions of where its feet are.
 
     Attributes:
-        name: as in `llsrbm.models.names()`.
-        summary: one line for lists.
         is_true: whether plans are held to what the whole body makes of them; else the model is
             there for comparison.
         mass: of the whole robot, kg.
@@ -89,8 +82,8 @@ class CentroidalModel(ABC):
         drives: what the legs' joints must do, the same in all models.
     """
 
-    name: ClassVar[str]
-    summary: ClassVar[str]
+    name: ClassVar[str]  # as in `llsrbm.models.names()`
+    summary: ClassVar[str]  # one line for lists
     is_true: ClassVar[bool] = False
 
     def __init__(

@@ -49,15 +49,10 @@ _SAMPLES, _SEED = 800, 0
 
 
 class LegDrives(ABC):
-    """Joint rates and torques of one leg of n joints, from the base outwards.
+    """Joint rates and torques of one leg of n joints, from the base outwards."""
 
-    Attributes:
-        joints: n.
-        exact: whether the expressions are closed forms, not fits.
-    """
-
-    joints: int
-    exact: bool
+    joints: int  # n
+    exact: bool  # whether the expressions are closed forms, not fits
 
     @abstractmethod
     def rates(self, x: Matrix, x_rate: Matrix) -> Matrix:
@@ -247,23 +242,16 @@ class KneeLeg(LegDrives):
 
 
 class _Plane(NamedTuple):
-    """A leg in its plane.
+    """A leg in its plane."""
 
-    Attributes:
-        square: (3, 1) m, w square to the axis; rho2: its square, m2; h: m.
-        u: (2, 1) m; u2: its square, m2.
-        A: share of u in the shank; area, cosine: thigh times shank times the sine and the cosine of
-            the angle between them, m2.
-    """
-
-    square: Matrix
-    rho2: Matrix
-    h: Matrix
-    u: Matrix
-    u2: Matrix
-    A: Matrix
-    area: Matrix
-    cosine: Matrix
+    square: Matrix  # (3, 1) m, w square to the axis
+    rho2: Matrix  # its square, m2
+    h: Matrix  # m
+    u: Matrix  # (2, 1) m
+    u2: Matrix  # its square, m2
+    A: Matrix  # share of u in the shank
+    area: Matrix  # thigh times shank times the sine and the cosine of the angle between them, m2
+    cosine: Matrix  # thigh times shank times the sine and the cosine of the angle between them, m2
 
 
 def _at_least(value: Matrix, floor: float) -> Matrix:
@@ -341,23 +329,17 @@ class FittedLeg(LegDrives):
 
 @dataclass(frozen=True, eq=False)
 class Drives:
-    """The legs' drives and what they move: L legs of n joints.
+    """The legs' drives and what they move: L legs of n joints."""
 
-    Attributes:
-        legs: (L) joint rates and torques.
-        torque_limit, speed_limit: (L, n) Nm or N, rad/s or m/s.
-        mass_matrix: (L, n, n) joint-space inertia of each leg in the default posture. What swinging
-            a leg takes is this times its joints' acceleration, within 6 % of the hip's torque limit
-            on ANYmal's jumps and 10 % of the abduction's: the legs' inertia changes with posture,
-            and the base gives way.
-        weight: (L, n, 3) kg m, kg: the torques that carry the leg in the default posture, per
-            specific force on the base, base axes.
-    """
-
-    legs: list[LegDrives]
-    torque_limit: Array
-    speed_limit: Array
+    legs: list[LegDrives]  # (L) joint rates and torques
+    torque_limit: Array  # (L, n) Nm or N, rad/s or m/s
+    speed_limit: Array  # (L, n) Nm or N, rad/s or m/s
+    # (L, n, n) joint-space inertia of each leg in the default posture. What swinging a leg takes is
+    # this times its joints' acceleration, within 6 % of the hip's torque limit on ANYmal's jumps
+    # and 10 % of the abduction's: the legs' inertia changes with posture, and the base gives way.
     mass_matrix: Array
+    # (L, n, 3) kg m, kg: the torques that carry the leg in the default posture, per specific force
+    # on the base, base axes.
     weight: Array
 
     @staticmethod

@@ -54,15 +54,10 @@ _RETRY_AFTER = 86_400.0
 
 @dataclass(frozen=True)
 class Compiler:
-    """A compiler of this machine.
+    """A compiler of this machine."""
 
-    Attributes:
-        command: with its options.
-        identity: all that its results depend on: its version, the processor, the options.
-    """
-
-    command: tuple[str, ...]
-    identity: str
+    command: tuple[str, ...]  # with its options
+    identity: str  # all that its results depend on: its version, the processor, the options
 
 
 def compiler() -> Compiler | None:
@@ -136,13 +131,9 @@ def packed(files: Mapping[str, str]) -> bytes:
 
 @dataclass(eq=False)
 class Library:
-    """A library of compiled functions, there or yet to come.
+    """A library of compiled functions, there or yet to come."""
 
-    Attributes:
-        path: where it is, or will be.
-    """
-
-    path: Path
+    path: Path  # where it is, or will be
     _job: subprocess.Popen[bytes] | None = None
 
     def load(self) -> Transcribed | None:

@@ -13,15 +13,10 @@ from llsrbm.ocp.lifting import Lifting
 
 
 class Row(NamedTuple):
-    """Path constraints of a stage that belong together.
+    """Path constraints of a stage that belong together."""
 
-    Attributes:
-        expression: SX, any shape.
-        equality: whether their lower bounds equal their upper ones.
-    """
-
-    expression: ca.SX
-    equality: bool = False
+    expression: ca.SX  # SX, any shape
+    equality: bool = False  # whether their lower bounds equal their upper ones
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,27 +24,18 @@ class StageExpressions:
     """One stage: symbols at an instant, and all that follows over the interval after it.
 
     Expressions may hold what `lift` has marked.
-
-    Attributes:
-        variables: (n, 1) SX symbols, states first.
-        states: how many of them are states.
-        shared: (p, 1) SX symbols, the parameters of the whole problem, the same in every stage.
-        local: (s, 1) SX symbols, parameters whose values are part of the shared ones, another
-            part in another run of stages.
-        cost: SX scalar.
-        rows: path constraints.
-        next_state: (m, 1) SX, the m states of the next stage; None at the end.
-        lift: collects the intermediates that derivatives run through.
     """
 
-    variables: ca.SX
-    states: int
-    shared: ca.SX
+    variables: ca.SX  # (n, 1) SX symbols, states first
+    states: int  # how many of them are states
+    shared: ca.SX  # (p, 1) SX symbols, the parameters of the whole problem, the same in every stage
+    # (s, 1) SX symbols, parameters whose values are part of the shared ones, another part in
+    # another run of stages.
     local: ca.SX
-    cost: ca.SX
-    rows: tuple[Row, ...]
-    next_state: ca.SX | None
-    lift: Lifting
+    cost: ca.SX  # SX scalar
+    rows: tuple[Row, ...]  # path constraints
+    next_state: ca.SX | None  # (m, 1) SX, the m states of the next stage; None at the end
+    lift: Lifting  # collects the intermediates that derivatives run through
 
     def as_text(self) -> str:
         """Every operation and number in it, as text that equal stages share."""
@@ -63,35 +49,24 @@ class StageExpressions:
 
 @dataclass(frozen=True, eq=False)
 class Run:
-    """Consecutive stages with the same expressions and the same values of local parameters.
+    """Consecutive stages with the same expressions and the same values of local parameters."""
 
-    Attributes:
-        family: equal for runs with the same expressions.
-        count: number of stages.
-        build: their expressions; called once for all runs of a family.
-        local: places of the local parameters in the shared ones, in their order.
-        own: of each stage, the place of the last of its local parameters, which it has for itself;
-            () where stages have none.
-    """
-
-    family: Hashable
-    count: int
-    build: Callable[[], StageExpressions]
+    family: Hashable  # equal for runs with the same expressions
+    count: int  # number of stages
+    build: Callable[[], StageExpressions]  # their expressions; called once for all runs of a family
+    # Places of the local parameters in the shared ones, in their order.
     local: tuple[slice, ...] = ()
+    # Of each stage, the place of the last of its local parameters, which it has for itself; ()
+    # where stages have none.
     own: tuple[slice, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
 class Horizon:
-    """All stages, in order; the last one has no next state.
+    """All stages, in order; the last one has no next state."""
 
-    Attributes:
-        runs: of stages.
-        parameters: number of shared parameters.
-    """
-
-    runs: tuple[Run, ...]
-    parameters: int
+    runs: tuple[Run, ...]  # of stages
+    parameters: int  # number of shared parameters
 
     def fingerprint(self) -> str:
         """A digest of every operation and number that makes the problem."""

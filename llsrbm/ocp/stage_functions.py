@@ -23,26 +23,19 @@ class StageFunctions:
     """Functions of (z, p, s) of one stage: its variables, shared and local parameters.
 
     g stacks -F(z), the next state, over the path rows.
-
-    Attributes:
-        cost: f; constraints: g; gradient: df/dz.
-        jacobian: g, and the non-zeros of dg/dz under the identity of the previous stage's gap.
-        hessian: of lam_f f + lam . g, arguments (z, p, s, lam_f, lam), non-zeros.
-        jacobian_pattern, hessian_pattern: their sparsities.
-        states: number of states; gap: rows of g that are the next state's gap.
-        equality: of each row of g, whether it is an equality.
     """
 
-    cost: ca.Function
-    constraints: ca.Function
-    gradient: ca.Function
+    cost: ca.Function  # f
+    constraints: ca.Function  # g
+    gradient: ca.Function  # df/dz
+    # g, and the non-zeros of dg/dz under the identity of the previous stage's gap.
     jacobian: ca.Function
-    hessian: ca.Function
-    jacobian_pattern: ca.Sparsity
-    hessian_pattern: ca.Sparsity
-    states: int
-    gap: int
-    equality: tuple[bool, ...]
+    hessian: ca.Function  # of lam_f f + lam . g, arguments (z, p, s, lam_f, lam), non-zeros.
+    jacobian_pattern: ca.Sparsity  # their sparsities
+    hessian_pattern: ca.Sparsity  # their sparsities
+    states: int  # number of states
+    gap: int  # rows of g that are the next state's gap
+    equality: tuple[bool, ...]  # of each row of g, whether it is an equality
 
     @property
     def width(self) -> int:

@@ -30,17 +30,12 @@ class _Stage(NamedTuple):
 
 @dataclass(frozen=True)
 class Structure:
-    """The sizes of an optimal control problem's stages, as Fatrop has to know them.
+    """The sizes of an optimal control problem's stages, as Fatrop has to know them."""
 
-    Attributes:
-        states, controls, rows: (N+1,) nx, nu and number of path rows of a stage.
-        equality: (rows of g,) whether a row of g is an equality.
-    """
-
-    states: list[int]
-    controls: list[int]
-    rows: list[int]
-    equality: list[bool]
+    states: list[int]  # (N+1,) nx, nu and number of path rows of a stage
+    controls: list[int]  # (N+1,) nx, nu and number of path rows of a stage
+    rows: list[int]  # (N+1,) nx, nu and number of path rows of a stage
+    equality: list[bool]  # (rows of g,) whether a row of g is an equality
 
     def as_lists(self) -> list[list[int]]:
         """All of it as whole numbers."""

@@ -49,21 +49,13 @@ _LARGEST_SEED = 2**53 - 1  # the largest whole number that every reader of JSON 
 
 @dataclass(frozen=True)
 class Design:
-    """Everything that was decided about one jump.
+    """Everything that was decided about one jump."""
 
-    Attributes:
-        jump: the request.
-        tuning: weights and limits in place of the robot's own.
-        scenario: to simulate it in.
-        title: to choose it by, in one line of at most 80 characters.
-        note: what to look at, at most 400 characters.
-    """
-
-    jump: Jump
-    tuning: Tuning = field(default_factory=Tuning)
-    scenario: Scenario = field(default_factory=Scenario)
-    title: str = ""
-    note: str = ""
+    jump: Jump  # the request
+    tuning: Tuning = field(default_factory=Tuning)  # weights and limits in place of the robot's own
+    scenario: Scenario = field(default_factory=Scenario)  # to simulate it in
+    title: str = ""  # to choose it by, in one line of at most 80 characters
+    note: str = ""  # what to look at, at most 400 characters
 
 
 def dump_design(design: Design) -> str:

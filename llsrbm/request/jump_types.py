@@ -66,36 +66,28 @@ class Legs(Protocol):
 
 
 class PhaseRow(Table):
-    """One phase as a file has it.
+    """One phase as a file has it."""
 
-    Attributes:
-        name: as on the timeline.
-        feet: "all", "none", "front", "hind", "left", "right", "pivot" or names of legs. The feet on
-            which a body that turns over stands last: hind in a back flip, front in a front flip.
-        time: a row of the robot file's [timing], or shortest and longest duration, s.
-        share: of the intervals that a whole phase gets.
-        each_hop: whether the phase, with its neighbours that say so too, comes again with every
-            further hop; a single hop has none of it.
-    """
-
+    # As on the timeline.
     name: Annotated[str, Field(min_length=1, max_length=LONGEST_NAME), OneLine]
+    # "all", "none", "front", "hind", "left", "right", "pivot" or names of legs. The feet on which a
+    # body that turns over stands last: hind in a back flip, front in a front flip.
     feet: Annotated[str | tuple[str, ...], Field(description=_FEET)]
+    # a row of the robot file's [timing], or shortest and longest duration, s.
     time: Annotated[str | tuple[float, float], Field(description=_TIME)]
-    share: float = 1.0
+    share: float = 1.0  # of the intervals that a whole phase gets
+    # Whether the phase, with its neighbours that say so too, comes again with every further hop; a
+    # single hop has none of it.
     each_hop: bool = False
 
 
 class Displacement(Table):
-    """Where one of several jumps leads, in place of the request's.
+    """Where one of several jumps leads, in place of the request's."""
 
-    Attributes:
-        twist: rad; forward, lateral, height: m.
-    """
-
-    twist: float | None = None
-    forward: float | None = None
-    lateral: float | None = None
-    height: float | None = None
+    twist: float | None = None  # rad
+    forward: float | None = None  # m
+    lateral: float | None = None  # m
+    height: float | None = None  # m
 
 
 class ObstacleRow(Table):
@@ -122,31 +114,27 @@ class JumpType(Table):
     """A jump type's file.
 
     Attributes:
-        title: name to show; summary: one line.
         parameters: fields of a request of this type beside where to land, of `TYPE_PARAMETERS`;
             "asks" in the file.
-        defaults: what it says if it is silent.
         weights, limits: cost or limit name -> value, in place of the robot's.
         displacement: of each jump of several; none: the request's for all.
-        obstacle: what is jumped over, if anything.
         clears_ground: whether trunk and knees have to be kept off the ground, as of robots that
             turn over.
-        phase: in order.
     """
 
-    title: Annotated[str, Field(min_length=1, max_length=LONGEST_NAME), OneLine]
-    summary: Annotated[str, Field(min_length=1, max_length=200), OneLine]
+    title: Annotated[str, Field(min_length=1, max_length=LONGEST_NAME), OneLine]  # name to show
+    summary: Annotated[str, Field(min_length=1, max_length=200), OneLine]  # one line
     parameters: Annotated[
         tuple[Literal["roll", "pitch", "speed", "end_speed", "hops"], ...],
         Field(alias="asks", description=f"some of {', '.join(TYPE_PARAMETERS)}"),
     ] = ()
-    defaults: dict[str, float | int] = Field(default_factory=dict)
+    defaults: dict[str, float | int] = Field(default_factory=dict)  # what it says if it is silent
     weights: dict[str, float] = Field(default_factory=dict)
     limits: dict[str, float] = Field(default_factory=dict)
     displacement: tuple[Displacement, ...] = ()
-    obstacle: ObstacleRow | None = None
+    obstacle: ObstacleRow | None = None  # what is jumped over, if anything
     clears_ground: bool = False
-    phase: Annotated[tuple[PhaseRow, ...], Field(min_length=1)]
+    phase: Annotated[tuple[PhaseRow, ...], Field(min_length=1)]  # in order
 
     @model_validator(mode="after")
     def _check_defaults(self) -> JumpType:

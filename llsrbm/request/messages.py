@@ -93,15 +93,10 @@ def duration(seconds: float) -> str:
 
 @dataclass(frozen=True)
 class FieldSpec(ABC):
-    """Meaning and check of a field.
+    """Meaning and check of a field."""
 
-    Attributes:
-        help: one sentence without its full stop.
-        symbol: stands for the value where a usage is shown, "M"; "": its type does.
-    """
-
-    help: str
-    symbol: str = ""
+    help: str  # one sentence without its full stop
+    symbol: str = ""  # stands for the value where a usage is shown, "M"; "": its type does
 
     @property
     def accepted(self) -> str:
@@ -123,16 +118,11 @@ class FieldSpec(ABC):
 
 @dataclass(frozen=True)
 class Number(FieldSpec):
-    """A real number in a range.
+    """A real number in a range."""
 
-    Attributes:
-        low, high: the range, both included.
-        unit: of the value and of the range.
-    """
-
-    low: float = -math.inf
-    high: float = math.inf
-    unit: str = ""
+    low: float = -math.inf  # the range, both included
+    high: float = math.inf  # the range, both included
+    unit: str = ""  # of the value and of the range
 
     @property
     def accepted(self) -> str:
@@ -156,14 +146,10 @@ class Number(FieldSpec):
 
 @dataclass(frozen=True)
 class Whole(FieldSpec):
-    """A whole number in a range.
+    """A whole number in a range."""
 
-    Attributes:
-        low, high: the range, both included; `high` None: no end.
-    """
-
-    low: int = 0
-    high: int | None = None
+    low: int = 0  # the range, both included; `high` None: no end
+    high: int | None = None  # the range, both included; `high` None: no end
 
     @property
     def accepted(self) -> str:
@@ -193,13 +179,9 @@ class Flag(FieldSpec):
 
 @dataclass(frozen=True)
 class Name(FieldSpec):
-    """A name, of the choices that are checked elsewhere.
+    """A name, of the choices that are checked elsewhere."""
 
-    Attributes:
-        longest: characters; a path may have more than a name in a list.
-    """
-
-    longest: int = _LONGEST_NAME
+    longest: int = _LONGEST_NAME  # characters; a path may have more than a name in a list
 
     def checked(self, name: str, value: Any) -> str:
         """Printable text."""

@@ -23,15 +23,14 @@ class Obstacle:
     """A hurdle or a gap in the world.
 
     Attributes:
-        near, far: m, where it begins and ends along the world's x axis.
         height: m above the ground at the start, of a hurdle; below zero: a gap, so deep.
 
     Raises:
         InputError: numbers that cannot be.
     """
 
-    near: float
-    far: float
+    near: float  # m, where it begins and ends along the world's x axis
+    far: float  # m, where it begins and ends along the world's x axis
     height: float
 
     def __post_init__(self) -> None:

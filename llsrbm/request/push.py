@@ -26,17 +26,13 @@ Vector = tuple[float, float, float]
 class Push:
     """A constant wrench on the trunk's CoM over `DURATION`.
 
-    Attributes:
-        time: s since the plan's start, when it begins.
-        impulse: N s, world frame: the integral of its force.
-        moment: N m s, world frame: the integral of its moment about the trunk's CoM.
-
     Raises:
         InputError: numbers that are not finite or too large, or a time before the start.
     """
 
-    time: float
-    impulse: Vector
+    time: float  # s since the plan's start, when it begins
+    impulse: Vector  # N s, world frame: the integral of its force
+    # N m s, world frame: the integral of its moment about the trunk's CoM.
     moment: Vector = (0.0, 0.0, 0.0)
 
     def __post_init__(self) -> None:

@@ -24,21 +24,14 @@ TIMINGS = ("takeoff", "flight", "landing")
 
 @dataclass(frozen=True)
 class Phase:
-    """A stretch of the motion in which the same feet stand.
+    """A stretch of the motion in which the same feet stand."""
 
-    Attributes:
-        name: as on the timeline, such as "take-off".
-        feet: names of the legs whose feet stand; () in flight.
-        time: shortest and longest duration, s, or the row of the robot file's [timing] that says.
-        place: where standing feet stand: 0 at the start, k after the k-th displacement.
-        share: of the intervals that a whole phase gets.
-    """
-
-    name: str
-    feet: tuple[str, ...]
+    name: str  # as on the timeline, such as "take-off"
+    feet: tuple[str, ...]  # names of the legs whose feet stand; () in flight
+    # Shortest and longest duration, s, or the row of the robot file's [timing] that says.
     time: str | tuple[float, float]
-    place: int = 0
-    share: float = 1.0
+    place: int = 0  # where standing feet stand: 0 at the start, k after the k-th displacement
+    share: float = 1.0  # of the intervals that a whole phase gets
 
     @property
     def is_flight(self) -> bool:
@@ -50,18 +43,15 @@ class Phase:
 class Schedule:
     """Phases in order, from standing on all feet to standing on all feet.
 
-    Attributes:
-        legs: names of all legs, in the robot's order.
-        phases: at least three; the first and the last on all feet, one of them a flight.
-        under_way: whether it is what is left of another one, which has begun; then any phases that
-            end on all feet.
-
     Raises:
         InputError: phases that cannot be; one line that says which, and what would be accepted.
     """
 
-    legs: tuple[str, ...]
+    legs: tuple[str, ...]  # names of all legs, in the robot's order
+    # At least three; the first and the last on all feet, one of them a flight.
     phases: tuple[Phase, ...]
+    # Whether it is what is left of another one, which has begun; then any phases that end on all
+    # feet.
     under_way: bool = False
 
     def __post_init__(self) -> None:

@@ -14,16 +14,14 @@ from llsrbm.request.messages import Number
 class Tuning:
     """Values in place of a robot's own; what is not named stays as the robot has it.
 
-    Attributes:
-        weights: cost name -> weight (`llsrbm.planning.problem.costs`).
-        limits: limit name -> value in its SI unit (`llsrbm.planning.problem.limits`).
-
     Raises:
         InputError: a value that is no finite number. Whether the names exist and the values are in
             range depends on the robot, and is said when something is planned.
     """
 
+    # Cost name -> weight (`llsrbm.planning.problem.costs`).
     weights: Mapping[str, float] = field(default_factory=dict)
+    # Limit name -> value in its SI unit (`llsrbm.planning.problem.limits`).
     limits: Mapping[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:

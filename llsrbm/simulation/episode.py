@@ -32,22 +32,14 @@ SO_FAR_RATE = 60.0  # instants/s in them: as browsers draw
 
 @dataclass(frozen=True, eq=False)
 class Situation:
-    """A tick's beginning, as hooks see it.
+    """A tick's beginning, as hooks see it."""
 
-    Attributes:
-        time: s since the plan's start.
-        measurement: what the controller will decide by; a hook that belongs to the robot knows no
-            more.
-        controller: which feet stand, what is tracked.
-        world: to push in; it has not advanced yet.
-        replans: to add to; they end up in the rollout.
-    """
-
-    time: float
+    time: float  # s since the plan's start
+    # What the controller will decide by; a hook that belongs to the robot knows no more.
     measurement: Measurement
-    controller: WholeBodyController
-    world: World
-    replans: list[Replan]
+    controller: WholeBodyController  # which feet stand, what is tracked
+    world: World  # to push in; it has not advanced yet
+    replans: list[Replan]  # to add to; they end up in the rollout
 
 
 class Hook:

@@ -45,21 +45,14 @@ _SHAPES = {
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """A compiled model and where things are in it: J joints.
+    """A compiled model and where things are in it: J joints."""
 
-    Attributes:
-        model: MuJoCo's; motors and sensors in the order of the robot's joints and legs.
-        q_order: (7 + J,) MuJoCo's qpos in the order of Pinocchio's q.
-        v_order: (6 + J,) the same for velocities; their base is in another frame as well.
-        surroundings: what stands around the robot.
-        block_ids: index of each of its blocks among the mocap bodies.
-    """
-
+    # MuJoCo's; motors and sensors in the order of the robot's joints and legs.
     model: mujoco.MjModel
-    q_order: Indices
-    v_order: Indices
-    surroundings: Surroundings
-    block_ids: tuple[int, ...]
+    q_order: Indices  # (7 + J,) MuJoCo's qpos in the order of Pinocchio's q
+    v_order: Indices  # (6 + J,) the same for velocities; their base is in another frame as well
+    surroundings: Surroundings  # what stands around the robot
+    block_ids: tuple[int, ...]  # index of each of its blocks among the mocap bodies
 
     def move_blocks(self, data: mujoco.MjData, time: float) -> None:
         """Put blocks where they are at `time`, s."""

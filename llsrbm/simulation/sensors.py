@@ -36,16 +36,11 @@ DELAY = 0.0025  # s; one period of an estimator that runs at 400 Hz
 
 
 class Estimator(ABC):
-    """Turns true states into estimates, tick by tick.
+    """Turns true states into estimates, tick by tick."""
 
-    Attributes:
-        name: under which it is found; summary: one line.
-        delay: s by which a whole measurement comes late.
-    """
-
-    name: ClassVar[str]
-    summary: ClassVar[str]
-    delay: ClassVar[float] = 0.0
+    name: ClassVar[str]  # under which it is found
+    summary: ClassVar[str]  # one line
+    delay: ClassVar[float] = 0.0  # s by which a whole measurement comes late
 
     def __init__(self, tick: float, seed: int) -> None:
         """Begin where the robot stands.

@@ -41,23 +41,15 @@ TO_SPARE = 0.01  # m between the planned feet and a board that slides in under t
 
 @dataclass(frozen=True, eq=False)
 class Block:
-    """A box that stands in the world for a while.
+    """A box that stands in the world for a while."""
 
-    Attributes:
-        name: of the box, unique.
-        centre: (3,) m, world frame; size: (3,) m, full lengths along its own axes.
-        yaw: rad, of its own axes about the vertical.
-        from_s, until_s: when it stands there, s.
-        untouched: whether a robot that touches it has failed.
-    """
-
-    name: str
-    centre: Array
-    size: Array
-    yaw: float
-    from_s: float = 0.0
-    until_s: float = math.inf
-    untouched: bool = False
+    name: str  # of the box, unique
+    centre: Array  # (3,) m, world frame
+    size: Array  # (3,) m, full lengths along its own axes
+    yaw: float  # rad, of its own axes about the vertical
+    from_s: float = 0.0  # when it stands there, s
+    until_s: float = math.inf  # when it stands there, s
+    untouched: bool = False  # whether a robot that touches it has failed
 
 
 @dataclass(frozen=True)
@@ -160,20 +152,13 @@ class _Rectangle:
 
 @dataclass(frozen=True, eq=False)
 class _Place:
-    """Where the robot stands: at the start, and after each flight.
+    """Where the robot stands: at the start, and after each flight."""
 
-    Attributes:
-        feet: indices of those that stand there.
-        by_foot: (feet, c, 3) m, their contact points.
-        height: m; heading: rad, of the edges of what stands there.
-        flight: the phase that leads there, 0 for the start.
-    """
-
-    feet: tuple[int, ...]
-    by_foot: Array
-    height: float
-    heading: float
-    flight: int
+    feet: tuple[int, ...]  # indices of those that stand there
+    by_foot: Array  # (feet, c, 3) m, their contact points
+    height: float  # m
+    heading: float  # rad, of the edges of what stands there
+    flight: int  # the phase that leads there, 0 for the start
 
     @property
     def points(self) -> Array:

@@ -132,21 +132,14 @@ def judge(
 
 @dataclass(frozen=True)
 class _Landing:
-    """The touchdowns of a simulation.
+    """The touchdowns of a simulation."""
 
-    Attributes:
-        feet: s, the first contact of each foot after the last flight; time: the earliest.
-        planned, detected: s, of the last flight.
-        false: how many flights' touchdowns were detected before they came.
-        rebounded_on_feet: whether each flight but the last ended on all feet that stand before the
-            next.
-    """
-
-    feet: list[float | None]
-    time: float | None
-    planned: float
-    detected: float | None
-    false: int
+    feet: list[float | None]  # s, the first contact of each foot after the last flight
+    time: float | None  # the earliest
+    planned: float  # s, of the last flight
+    detected: float | None  # s, of the last flight
+    false: int  # how many flights' touchdowns were detected before they came
+    # Whether each flight but the last ended on all feet that stand before the next.
     rebounded_on_feet: bool
 
     @classmethod

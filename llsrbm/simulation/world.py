@@ -41,26 +41,18 @@ class Diverged(Exception):
 
 @dataclass(frozen=True, eq=False)
 class TickResult:
-    """Contacts and torques of one tick: L legs, J joints.
+    """Contacts and torques of one tick: L legs, J joints."""
 
-    Attributes:
-        contact_force: (L, 3) N, mean of the tick, world frame: on the foot, sum of all it touches.
-        contact: (L,) whether the foot touched in any step of the tick.
-        first_contact: (L,) s: start of the first step in which it did; nan if none.
-        torque: (J,) Nm or N as applied, mean of the tick.
-        torque_limit: (J,) most that the drives could give at their speed, in the torque's
-            direction; mean of the tick.
-        trunk_contact: whether anything but the feet touched.
-        obstacle_contact: whether anything touched what is to be jumped over.
-    """
-
+    # (L, 3) N, mean of the tick, world frame: on the foot, sum of all it touches.
     contact_force: Array
-    contact: NDArray[np.bool_]
-    first_contact: Array
-    torque: Array
+    contact: NDArray[np.bool_]  # (L,) whether the foot touched in any step of the tick
+    first_contact: Array  # (L,) s: start of the first step in which it did; nan if none
+    torque: Array  # (J,) Nm or N as applied, mean of the tick
+    # (J,) most that the drives could give at their speed, in the torque's direction; mean of the
+    # tick.
     torque_limit: Array
-    trunk_contact: bool
-    obstacle_contact: bool
+    trunk_contact: bool  # whether anything but the feet touched
+    obstacle_contact: bool  # whether anything touched what is to be jumped over
 
     @classmethod
     def unknown(cls, legs: int, joints: int) -> TickResult:

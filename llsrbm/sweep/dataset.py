@@ -16,7 +16,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from llsrbm.errors import Error, InputError, require
 from llsrbm.files.atomic import staged
@@ -26,7 +26,7 @@ from llsrbm.formats.datasets.registry import find_dataset_format
 from llsrbm.installed import package_version
 from llsrbm.request.jump import Jump
 from llsrbm.sweep import rows as row
-from llsrbm.sweep.folder import TABLE, difference, disk_errors, stated_of
+from llsrbm.sweep.folder import TABLE, begin_folder, check_empty, difference, disk_errors, stated_of
 from llsrbm.sweep.jump import plan_of, rollout_of
 from llsrbm.sweep.points import Point
 from llsrbm.sweep.spec import Spec
@@ -53,13 +53,7 @@ _OUTCOMES = (
 
 @dataclass(frozen=True)
 class Summary:
-    """Result of making a data set.
-
-    Attributes:
-        motions: in it; of them `computed` were computed now.
-        left_out: numbers of rows that were strict in the sweep, and are not when computed again.
-        index: the table of motions.
-    """
+    """Motions of a data set, those computed now, its table, and rows that are strict no more."""
 
     motions: int
     computed: int
@@ -67,10 +61,7 @@ class Summary:
     index: Path
 
 
-@dataclass(frozen=True)
-class _Sweep:
-    """A sweep's folder: `spec`, the rows' `origin`, `table` without what names many numbers."""
-
+class _Sweep(NamedTuple):
     path: Path
     spec: Spec
     digest: str
@@ -89,11 +80,10 @@ def make_dataset(
     fps: float | None = None,
     progress: Callable[[int, int], None] = lambda *_: None,
 ) -> Summary:
-    """Write the strict jumps of a sweep.
+    """Write the strict jumps of a sweep that is done.
 
     Args:
-        sweep: the folder of a sweep that is done.
-        out: folder of the data set; one that was cut off goes on.
+        sweep: its folder; out: that of the data set; one that was cut off goes on.
         format_name: of `llsrbm formats`, or "lerobot".
         robot: of these alone.
         source: "rollout": the simulated motions, one a seed; "plan": the planned motions of jumps
@@ -163,7 +153,7 @@ def _open(path: Path) -> _Sweep:
 
     stated = stated_of(path)
     try:
-        spec = Spec.from_json(json.dumps(stated["spec"]))
+        spec = Spec.from_table(stated["spec"])
         plain = [
             *("index", "jump", *_REQUEST, "seed", "status", *_OF_PLANS, *_OUTCOMES),
             *("version", "robot_hash", *(row.LIMIT + name for name in spec.limits)),
@@ -201,9 +191,8 @@ def _strict(sweep: _Sweep, robot: str | None, source: str) -> list[dict[str, Any
         seeds = sweep.spec.rows_a_jump()
         counted = strict.group_by("jump").aggregate([("strict", "count")])
         every = counted.filter(pc.equal(counted["strict_count"], seeds))["jump"]
-        strict = strict.filter(pc.is_in(strict["jump"], every.combine_chunks()))
-        first = pc.multiply(strict["jump"], seeds)
-        strict = strict.filter(pc.equal(strict["index"], first))
+        first = pc.multiply(every.combine_chunks(), seeds)  # row of each of these jumps
+        strict = strict.filter(pc.is_in(strict["index"], first))
     if len(strict) == 0:
         of = "" if robot is None else f" of {robot}"
         raise InputError(
@@ -246,21 +235,16 @@ def _begin(
     }
     path, text = out / "dataset.json", json.dumps(stated, indent=2) + "\n"
     with disk_errors(out):
-        if out.exists() and not out.is_dir():
-            raise InputError(f"{out}: is a file; expected a folder")
-        out.mkdir(parents=True, exist_ok=True)
-        if path.is_file():
-            if path.read_text(encoding="utf-8") != text:
-                raise InputError(
-                    f"{out}: holds another data set; expected the same sweep and options, or "
-                    "another folder for --out"
-                )
-            return
-        others = [p.name for p in out.iterdir() if not p.name.startswith(".")]
-        if others:
-            raise InputError(f"{out}: holds {others[0]}, and no data set; expected an empty folder")
-        with staged(path) as target:
-            target.write_text(text, encoding="utf-8")
+        begin_folder(out)
+        if not path.is_file():
+            check_empty(out, "data set")
+            with staged(path) as target:
+                target.write_text(text, encoding="utf-8")
+        elif path.read_text(encoding="utf-8") != text:
+            raise InputError(
+                f"{out}: holds another data set; expected the same sweep and options, or another "
+                "folder for --out"
+            )
 
 
 def _file(out: Path, format_: DatasetFormat, values: dict[str, Any], source: str) -> Path:

@@ -15,19 +15,21 @@ import time
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import Any, Self, TextIO
+from typing import TYPE_CHECKING, Any, Self, TextIO
 
 import numpy as np
 from numpy.typing import NDArray
 
 from llsrbm.errors import Error, InputError
-from llsrbm.sweep.points import Points
 from llsrbm.sweep.rows import Row, schema, table_of
+
+if TYPE_CHECKING:
+    from llsrbm.sweep.points import Points
 
 TABLE, STATED = "jumps.parquet", "sweep.json"
 SCHEMA = "llsrbm.sweep/1"
 
-_LOCK, _UNFINISHED = "lock", ".unfinished"  # a name with a dot in front is no part of the table
+_LOCK, _UNFINISHED = ".lock", ".unfinished"  # a name with a dot in front is no part of the table
 _DIGITS = 12  # of a part's name, so that names sort as numbers
 _MOST_ROWS = 10_000  # of a part
 _PART_TIME = 30.0  # s of work that a process that is killed may lose
@@ -44,12 +46,7 @@ class Folder:
     """
 
     def __init__(self, path: Path, points: Points, origin: Mapping[str, str]) -> None:
-        """Open or make it.
-
-        Args:
-            path: of the folder.
-            points: the sweep.
-            origin: see `llsrbm.sweep.rows.origin`.
+        """Open or make it; `origin`: see `llsrbm.sweep.rows.origin`.
 
         Raises:
             InputError: it belongs to another sweep, is no folder, or another process works in it.
@@ -62,9 +59,7 @@ class Folder:
         self._first, self._next, self._rows = 0, 0, list[Row]()
         self._since = time.monotonic()
         with disk_errors(path):
-            if path.exists() and not path.is_dir():
-                raise InputError(f"{path}: is a file; expected a folder")
-            path.mkdir(parents=True, exist_ok=True)
+            begin_folder(path)
             self._lock = _locked(path)
             self._begin(origin)
             self.table.mkdir(exist_ok=True)
@@ -85,11 +80,9 @@ class Folder:
         return self.path / TABLE
 
     def append(self, jump: int, rows: list[Row]) -> None:
-        """Keep a jump's rows; they are on the disk after `flush`, or some seconds later.
+        """Keep a jump's rows, one a seed; `flush`, or some seconds, put them on the disk.
 
-        Args:
-            jump: its number; numbers increase from call to call, so that parts are in order.
-            rows: one a seed.
+        Jumps' numbers increase from call to call, so that parts are in order.
 
         Raises:
             Error: no room on the disk, or no right to write.
@@ -134,14 +127,10 @@ class Folder:
             "origin": dict(origin),
             "jumps": self.points.count,
             "rows": self.points.rows,
-            "spec": json.loads(spec.as_json()),
+            "spec": spec.as_table(),
         }
         if not path.exists():
-            if others := [p.name for p in self.path.iterdir() if p.name != _LOCK]:
-                raise InputError(
-                    f"{self.path}: holds {others[0]}, and no sweep; expected an empty folder, or "
-                    "one of this sweep"
-                )
+            check_empty(self.path, "sweep")
             unfinished = self.path / _UNFINISHED
             unfinished.write_text(json.dumps(stated, indent=2) + "\n", encoding="utf-8")
             unfinished.replace(path)
@@ -174,6 +163,22 @@ class Folder:
             path.unlink()
 
 
+def begin_folder(path: Path) -> None:
+    """Make a folder, where there is no file of that name."""
+    if path.exists() and not path.is_dir():
+        raise InputError(f"{path}: is a file; expected a folder")
+    path.mkdir(parents=True, exist_ok=True)
+
+
+def check_empty(path: Path, kind: str) -> None:
+    """Refuse to begin a sweep or a data set in a folder with other things than hidden files."""
+    if others := [other.name for other in path.iterdir() if not other.name.startswith(".")]:
+        raise InputError(
+            f"{path}: holds {others[0]}, and no {kind}; expected an empty folder, or one of this "
+            f"{kind}"
+        )
+
+
 def stated_of(path: Path) -> dict[str, Any]:
     """The content of a sweep's `sweep.json`.
 
@@ -183,12 +188,10 @@ def stated_of(path: Path) -> dict[str, Any]:
     file = path / STATED
     if not file.is_file():
         raise InputError(f"{path}: no sweep is there; expected a folder that llsrbm sweep made")
-    try:
+    with suppress(ValueError, OSError, AttributeError):
         stated: dict[str, Any] = json.loads(file.read_text(encoding="utf-8"))
         if {"title", "digest", "origin", "rows", "spec"} <= stated.keys():
             return stated
-    except (ValueError, OSError, AttributeError):
-        pass
     raise InputError(f"{file}: is damaged; expected another folder")
 
 
@@ -196,8 +199,8 @@ def difference(kept: Mapping[str, str], now: Mapping[str, str]) -> str:
     """The first version or robot that is not the same, in words; "" if all are."""
     for name, value in now.items():
         if kept.get(name) != value:
-            what = "llsrbm" if name == "llsrbm" else f"robot {name}"
-            return f"{what} {kept.get(name)}, here is {value}"
+            robot = "" if name == "llsrbm" else "robot "
+            return f"{robot}{name} {kept.get(name)}, here is {value}"
     return ""
 
 

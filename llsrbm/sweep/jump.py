@@ -165,14 +165,9 @@ def _one_line(error: Exception) -> str:
 
 def _solve(plan: Plan) -> Row:
     """Effort and result of a solve, whether it converged or not."""
-    report = plan.report
-    return {
-        "iterations": report.iterations,
-        "attempts": report.attempts,
-        "cost": report.cost,
-        "solve_time_s": report.solve_time_s,
-        "violation": max((each.amount for each in plan.violations.values()), default=None),
-    }
+    names = ("iterations", "attempts", "cost", "solve_time_s")
+    worst = max((each.amount for each in plan.violations.values()), default=None)
+    return {**{name: getattr(plan.report, name) for name in names}, "violation": worst}
 
 
 def _stop(error: NotConverged, diagnosed: bool) -> Row:

@@ -11,7 +11,7 @@ import hashlib
 import json
 import math
 from collections.abc import Iterator
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from functools import lru_cache
 from itertools import product
 from typing import Any
@@ -21,7 +21,9 @@ from numpy.typing import NDArray
 
 from llsrbm.errors import InputError
 from llsrbm.request.jump import Jump
+from llsrbm.request.jump_types import load_type, with_defaults
 from llsrbm.request.messages import choices
+from llsrbm.robots import load_robot
 from llsrbm.sweep.spec import COUNTED, ROBOT_RANGES, Ranges, Spec
 
 MOST_ROWS = 10**8
@@ -34,21 +36,17 @@ _ID_DIGITS = 16  # hexadecimal, of an id: two of 10^8 jumps are alike once in 4,
 
 @dataclass(frozen=True)
 class Point:
-    """One jump of a sweep.
+    """One jump of a sweep, by its number in it.
 
     Attributes:
-        number: its place in the sweep.
-        jump: the request.
-        limits: limit name -> value, in place of the robot's.
-        drive_torque, drive_speed: factors of the robot file's.
         seeds: of its simulations, one a row; None: undisturbed, or planned only.
     """
 
     number: int
     jump: Jump
-    limits: dict[str, float]
-    drive_torque: float
-    drive_speed: float
+    limits: dict[str, float]  # limit name -> value, in place of the robot's
+    drive_torque: float  # factors of the robot file's
+    drive_speed: float  # factors of the robot file's
     seeds: tuple[int | None, ...]
 
     @property
@@ -65,15 +63,10 @@ class Point:
 
 
 class Points:
-    """The jumps of a spec, by their number.
-
-    Attributes:
-        spec: of them.
-        count: of jumps; rows: of the table.
+    """The jumps of a spec by their number, `count` of them in `rows` rows of the table.
 
     Raises:
-        InputError: too many, or a robot, model, type or limit that there is not.
-        RobotFileError: a robot file is wrong.
+        InputError: too many jumps, an unknown robot, model, type or limit, or a wrong robot file.
     """
 
     def __init__(self, spec: Spec) -> None:
@@ -90,28 +83,18 @@ class Points:
                 f"the spec asks for {self.rows:.3g} rows; expected at most {MOST_ROWS:.0e}: fewer "
                 "values an axis, or a count with random sampling"
             )
+        from llsrbm.models import check_name
+
+        for model in spec.models:
+            check_name(model)
+        for kind in spec.types:
+            load_type(kind)
         self._ranges = {robot: _checked_ranges(robot, spec) for robot in spec.robots}
-        _check_names(spec)
 
     def __getitem__(self, number: int) -> Point:
         if not 0 <= number < self.count:
             raise IndexError(number)
-        group, place = divmod(number, self._of_group)
-        robot, model, kind = self._groups[group]
-        values = self._values(place, self._ranges[robot])
-        fields: dict[str, Any] = {n: v for (where, n), v in values.items() if where == "axes"}
-        if "hops" in fields:
-            fields["hops"] = int(fields["hops"])
-        jump = _of_type(Jump(robot=robot, model=model, type=kind), fields)
-        rows = range(number * self._seeds, (number + 1) * self._seeds)
-        return Point(
-            number=number,
-            jump=jump,
-            limits={name: v for (where, name), v in values.items() if where == "limits"},
-            drive_torque=values.get(("drives", "torque"), 1.0),
-            drive_speed=values.get(("drives", "speed"), 1.0),
-            seeds=tuple(self.spec.simulation_seed(row) for row in rows),
-        )
+        return self._point(number, self._values(number))
 
     def __iter__(self) -> Iterator[Point]:
         return (self[number] for number in range(self.count))
@@ -119,36 +102,41 @@ class Points:
     def kinds(self) -> Iterator[Point]:
         """A jump of everything that solvers are built for: robot, model, type, turns, drives."""
         listed = [
-            (dimension, [dimension.value(n, {}) for n in range(dimension.size)])
-            for dimension in self._dimensions
-            if dimension.where == "drives" or dimension.name in COUNTED
+            [((each.where, each.name), each.value(n, {})) for n in range(each.size)]
+            for each in self._dimensions
+            if each.where == "drives" or each.name in COUNTED
         ]
-        for group in range(len(self._groups)):
-            first = self[group * self._of_group]
-            for values in product(*(values for _, values in listed)):
-                fields: dict[str, Any] = {}
-                drives: dict[str, Any] = {}
-                for (dimension, _), value in zip(listed, values, strict=True):
-                    of = drives if dimension.where == "drives" else fields
-                    of[dimension.name] = int(value) if dimension.name == "hops" else value
-                yield replace(
-                    first,
-                    jump=replace(first.jump, **fields),
-                    drive_torque=drives.get("torque", 1.0),
-                    drive_speed=drives.get("speed", 1.0),
-                )
+        for first in range(0, self.count, self._of_group):
+            for values in product(*listed):
+                yield self._point(first, self._values(first) | dict(values))
 
-    def _values(self, place: int, ranges: Ranges) -> dict[tuple[str, str], float]:
+    def _point(self, number: int, values: dict[tuple[str, str], float]) -> Point:
+        robot, model, kind = self._groups[number // self._of_group]
+        fields: dict[str, Any] = {name: v for (where, name), v in values.items() if where == "axes"}
+        if "hops" in fields:
+            fields["hops"] = int(fields["hops"])
+        jump = Jump(robot=robot, model=model, type=kind, **fields)
+        rows = range(number * self._seeds, (number + 1) * self._seeds)
+        return Point(
+            number=number,
+            jump=with_defaults(jump, fields),
+            limits={name: v for (where, name), v in values.items() if where == "limits"},
+            drive_torque=values.get(("drives", "torque"), 1.0),
+            drive_speed=values.get(("drives", "speed"), 1.0),
+            seeds=tuple(self.spec.simulation_seed(row) for row in rows),
+        )
+
+    def _values(self, number: int) -> dict[tuple[str, str], float]:
         """Table and name of what varies -> value, SI."""
-        found = {}
+        group, place = divmod(number, self._of_group)
+        ranges = self._ranges[self._groups[group][0]]
         if self.spec.sampling != "grid":
-            shares = self._shares(place)
-            for dimension, share in zip(self._dimensions, shares, strict=True):
-                found[dimension.where, dimension.name] = dimension.drawn(float(share), ranges)
-            return found
+            shared = zip(self._dimensions, self._shares(place), strict=True)
+            return {(d.where, d.name): d.drawn(float(share), ranges) for d, share in shared}
+        found = {}
         for dimension in reversed(self._dimensions):
-            place, number = divmod(place, dimension.size)
-            found[dimension.where, dimension.name] = dimension.value(number, ranges)
+            place, value = divmod(place, dimension.size)
+            found[dimension.where, dimension.name] = dimension.value(value, ranges)
         return dict(reversed(found.items()))
 
     def _shares(self, place: int) -> NDArray[np.float64]:
@@ -174,39 +162,18 @@ def _sobol(dimensions: int, seed: int, block: int) -> NDArray[np.float64]:
     return points
 
 
-def _of_type(jump: Jump, fields: dict[str, Any]) -> Jump:
-    """The jump with these fields, of the others with its type's defaults."""
-    from llsrbm.request.jump_types import with_defaults
-
-    return with_defaults(replace(jump, **fields), fields)
-
-
 def _checked_ranges(robot: str, spec: Spec) -> Ranges:
-    """The ranges of the robot's file, once the names of limits have been checked."""
-    from llsrbm.planning.problem.placement import limits_of
-    from llsrbm.robots import load_robot
-
+    """The ranges of the robot's file, once limits and scenario have been checked."""
     loaded = load_robot(robot)
     if spec.limits:
+        from llsrbm.planning.problem.placement import limits_of
+
         known = limits_of(loaded)
         for name in spec.limits:
             if name not in known:
                 raise InputError(f'limits: {robot} has no limit "{name}"; {choices(name, known)}')
-    return {name: getattr(loaded.file.task, name) for name in ROBOT_RANGES}
-
-
-def _check_names(spec: Spec) -> None:
-    from llsrbm.models import check_name
-    from llsrbm.request.jump_types import load_type
-
-    for model in spec.models:
-        check_name(model)
-    for kind in spec.types:
-        load_type(kind)
-    scenario = spec.scenario()
-    if scenario is not None:
-        from llsrbm.robots import load_robot
+    if (scenario := spec.scenario()) is not None:
         from llsrbm.simulation.checks import check_scenario
 
-        for robot in spec.robots:
-            check_scenario(scenario, load_robot(robot))
+        check_scenario(scenario, loaded)
+    return {name: getattr(loaded.file.task, name) for name in ROBOT_RANGES}

@@ -13,6 +13,8 @@ from collections.abc import Callable, Sequence
 from multiprocessing.connection import Connection
 from typing import Any
 
+from threadpoolctl import threadpool_limits
+
 from llsrbm.errors import Error
 from llsrbm.sweep.jump import failed_rows, prepare, rows_of
 from llsrbm.sweep.points import Point
@@ -30,8 +32,6 @@ class ProcessDied(Exception):
 
 
 class _Process:
-    """One process, started at once."""
-
     def __init__(self) -> None:
         # Dask's nanny starts workers as daemons, which may have no children. This one ends when
         # its connection to the worker does.
@@ -42,25 +42,15 @@ class _Process:
         self._process.start()
         theirs.close()
 
-    def call(self, function: Callable[..., Any], *arguments: Any, limit: float | None) -> Any:
-        """The function's result, computed there.
-
-        Raises:
-            TimeoutError: it takes more than `limit` seconds.
-            ProcessDied: the process ended.
-            Error: the function raised that.
-        """
+    def call(self, function: Callable[..., Any], arguments: Any, limit: float | None) -> Any:
         try:
             self._connection.send((function, arguments))
             if not self._connection.poll(limit):
                 raise TimeoutError
-            result = self._connection.recv()
+            return self._connection.recv()
         except (EOFError, ConnectionError) as error:
             self._process.join(1.0)
             raise ProcessDied(f"exit status {self._process.exitcode}") from error
-        if isinstance(result, Error):
-            raise result
-        return result
 
     def end(self) -> None:
         self._process.kill()
@@ -93,29 +83,35 @@ def run_prepare(points: Sequence[Point]) -> None:
 
 
 def compute(function: Callable[..., Any], *arguments: Any, limit: float | None) -> Any:
-    """Have the worker's process call a function; see `_Process.call`."""
+    """A function's result, computed in the worker's process within `limit` seconds.
+
+    Raises:
+        TimeoutError: it takes longer.
+        ProcessDied: the process ended.
+        Error: the function raised something.
+    """
     global _running  # one a worker
     with _lock:
         _running = _running or _Process()
         try:
-            return _running.call(function, *arguments, limit=limit)
+            result = _running.call(function, arguments, limit)
         except (TimeoutError, ProcessDied):
             _running.end()
             _running = None
             raise
+    if isinstance(result, Error):
+        raise result
+    return result
 
 
 def _serve(connection: Connection) -> None:
     """Call functions until the worker has gone."""
-    from threadpoolctl import threadpool_limits
-
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # of the terminal: the command ends its workers
     with threadpool_limits(limits=1):  # a process a core: more threads would only wait
         while True:
             try:
                 function, arguments = connection.recv()
-                result = _answer(function, arguments)
-                connection.send(result)
+                connection.send(_answer(function, arguments))
             except (EOFError, ConnectionError):
                 return
 

@@ -13,7 +13,7 @@ Nothing is rounded. Another processor, or a machine without a compiler, may chan
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import fields
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -42,14 +42,7 @@ TEXTS = "texts"
 
 
 class Column(NamedTuple):
-    """One column.
-
-    Attributes:
-        name: lower case.
-        kind: type of its values; `NAMED`: name -> number.
-        unit: SI; "" without one.
-        meaning: one sentence without its full stop.
-    """
+    """One column; `kind` is the type of its values, `NAMED`: name -> number."""
 
     name: str
     kind: str
@@ -128,22 +121,20 @@ _OUTCOMES_OF_UNITS = {
     "Hz": ("control_rate_hz",),
 }
 _OUTCOME_UNITS = {name: unit for unit, names in _OUTCOMES_OF_UNITS.items() for name in names}
-_RENAMED = {"status": "landed", "reason": "fall"}
-_LEFT_OUT = ("foot_touchdown_s",)
 _KINDS = {"str": TEXT, "bool": FLAG, "int": WHOLE, "float": NUMBER}
-
-
-def _outcome_columns() -> tuple[Column, ...]:
-    columns = [Column("landed", FLAG, "", "whether the robot stands at the end")]
-    for field in fields(Outcome):
-        name = _RENAMED.get(field.name, field.name)
-        if name == "landed" or field.name in _LEFT_OUT:
-            continue
-        unit = "s" if name.endswith("_s") else _OUTCOME_UNITS.get(name, "")
-        kind = _KINDS[str(field.type).partition(" | ")[0]]
-        columns.append(Column(name, kind, unit, f"see Outcome.{field.name}"))
-    return tuple(columns)
-
+_OF_OUTCOME = (
+    Column("landed", FLAG, "", "whether the robot stands at the end"),
+    *(
+        Column(
+            "fall" if field.name == "reason" else field.name,
+            _KINDS[str(field.type).partition(" | ")[0]],
+            "s" if field.name.endswith("_s") else _OUTCOME_UNITS.get(field.name, ""),
+            f"see Outcome.{field.name}",
+        )
+        for field in fields(Outcome)
+        if field.name not in ("status", "foot_touchdown_s")
+    ),
+)
 
 _ORIGIN = (
     Column("simulation_time_s", NUMBER, "s", "wall time of the simulation"),
@@ -151,7 +142,7 @@ _ORIGIN = (
     Column("robot_hash", TEXT, "", "of the robot file and its URDF"),
 )
 
-COLUMNS = (*_REQUEST, *_PLAN, *_PLAN_TIMES, *_outcome_columns(), *_ORIGIN)
+COLUMNS = (*_REQUEST, *_PLAN, *_PLAN_TIMES, *_OF_OUTCOME, *_ORIGIN)
 
 _MOTION_PREFIX = "motion_"
 _MOTION_UNITS = {
@@ -227,12 +218,7 @@ def table_of(rows: Sequence[Row], wanted: pa.Schema) -> pa.Table:
     for row in rows:
         if unknown := row.keys() - {*wanted.names}:
             raise KeyError(f"no such columns: {sorted(unknown)}")
-    columns = {name: [_pairs(row.get(name)) for row in rows] for name in wanted.names}
-    return pa.table(columns, schema=wanted)
-
-
-def _pairs(value: Any) -> Any:
-    return list(value.items()) if isinstance(value, Mapping) else value
+    return pa.Table.from_pylist([*rows], schema=wanted)
 
 
 def motion_of(plan: Plan) -> Row:
@@ -252,8 +238,7 @@ def robot_hash(name_or_path: str) -> str:
     """Of a robot's file and its URDF, as they are now.
 
     Raises:
-        InputError: no such robot.
-        RobotFileError: its file is wrong.
+        InputError: no such robot, or a `RobotFileError`: its file is wrong.
     """
     from llsrbm.robots import load_robot
 

@@ -11,11 +11,11 @@ import logging
 import math
 import queue
 import time
-from collections import deque
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import CancelledError, ThreadPoolExecutor
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
+from itertools import takewhile
 from typing import Any
 
 import dask
@@ -54,13 +54,7 @@ _LIMIT, _LIMIT_A_ROW = 300.0, 30.0  # s that a jump may take, and its rows beyon
 
 @dataclass(frozen=True)
 class Estimate:
-    """Roughly how large a sweep is.
-
-    Attributes:
-        jumps, rows: exactly.
-        seconds: of one worker.
-        size: of the results, bytes.
-    """
+    """Jumps and rows of a sweep, and roughly its time (s) on one worker and its size (bytes)."""
 
     jumps: int
     rows: int
@@ -69,11 +63,9 @@ class Estimate:
 
     def line(self, workers: int | None) -> str:
         """One line; `workers`: their number, None: not known."""
-        if workers is None:
-            long = f"{duration(self.seconds)} of work for the cluster"
-        else:
-            many = f"{workers} worker{'s' if workers > 1 else ''}"
-            long = f"{duration(self.seconds / workers)} on {many}"
+        many = f" on {workers} worker{'s' if (workers or 0) > 1 else ''}"
+        long = duration(self.seconds / (workers or 1))
+        long += many if workers else " of work for the cluster"
         power = min(max(int(math.log10(self.size) // 3), 1), 4)
         size = f"about {self.size / 1e3**power:.1f} {' kMGT'[power]}B"
         return f"{self.jumps} jumps, {self.rows} rows; expected {long}, {size}"
@@ -95,21 +87,15 @@ def default_limit(spec: Spec) -> float:
 
 @dataclass
 class Progress:
-    """Progress of a sweep.
+    """Progress of a sweep."""
 
-    Attributes:
-        jumps: of the sweep; done: of them, also earlier; begun_at: `done` when this run began.
-        workers: at the moment.
-        seconds: of this run; planning, simulating: of its workers, summed.
-    """
-
-    jumps: int
-    done: int
-    begun_at: int
-    workers: int = 0
-    seconds: float = 0.0
-    planning: float = 0.0
-    simulating: float = 0.0
+    jumps: int  # of the sweep
+    done: int  # of them, also earlier
+    begun_at: int  # `done` when this run began
+    workers: int = 0  # at the moment
+    seconds: float = 0.0  # of this run
+    planning: float = 0.0  # of its workers, summed
+    simulating: float = 0.0  # of its workers, summed
 
     @property
     def rate(self) -> float:
@@ -125,11 +111,11 @@ class Progress:
 
 @contextmanager
 def connected(workers: int, scheduler: str | None) -> Iterator[distributed.Client]:
-    """A client of a scheduler: a local one with its workers, or one that runs already.
+    """A client of the scheduler at that address, "tcp://host:8786", or of a new local one.
 
     Args:
         workers: processes of a local cluster, a thread each.
-        scheduler: address of one that runs, "tcp://host:8786"; None: a local one is started.
+        scheduler: address; None: a local one is started.
 
     Raises:
         InputError: the scheduler does not answer.
@@ -147,19 +133,17 @@ def connected(workers: int, scheduler: str | None) -> Iterator[distributed.Clien
         logger.setLevel(logging.CRITICAL)
     try:
         with dask.config.set(settings):
-            if scheduler is not None:
-                with _existing(scheduler) as client:
-                    yield client
-                return
-            with (
-                distributed.LocalCluster(
+            cluster: Any = nullcontext()
+            if scheduler is None:
+                cluster = distributed.LocalCluster(
                     n_workers=workers,
                     threads_per_worker=1,
-                    processes=True,
                     dashboard_address="127.0.0.1:0",
                     silence_logs=logging.CRITICAL,
-                ) as cluster,
-                distributed.Client(cluster) as client,
+                )
+            with (
+                cluster,
+                _existing(scheduler) if scheduler else distributed.Client(cluster) as client,
             ):
                 yield client
     finally:
@@ -203,8 +187,7 @@ def run(
         client: of a scheduler with workers, or soon with some.
         origin: versions that workers must have, see `llsrbm.sweep.rows.origin`.
         limit: time (s) that a jump may take.
-        progress: called about every second.
-        note: called with a line when there is something else to report.
+        progress: called about every second; note: with a line of anything else to report.
 
     Raises:
         Error: the scheduler is lost, a worker cannot run the sweep, or the disk is full; what is
@@ -234,8 +217,8 @@ class _Work:
         self._missing = self.folder.missing()
         self._flight: dict[distributed.Future, int] = {}
         self._ended: queue.SimpleQueue[distributed.Future] = queue.SimpleQueue()
-        self._order: deque[int] = deque()  # jumps that were handed out and are not written
-        self._held: dict[int, list[Row]] = {}
+        # Jumps that were handed out and are not written, in order; None: under way.
+        self._held: dict[int, list[Row] | None] = {}
         self._counted = -math.inf
         done = int(self.folder.done.sum())
         self.so_far = Progress(self.folder.points.count, done, done)
@@ -273,9 +256,9 @@ class _Work:
         self._hand_out()
         while self._flight:
             self._take(self._next_ended())
-            while self._order and self._order[0] in self._held:
-                jump = self._order.popleft()
-                self.folder.append(jump, self._held.pop(jump))
+            for jump, rows in [*takewhile(lambda held: held[1] is not None, self._held.items())]:
+                self.folder.append(jump, rows or [])
+                del self._held[jump]
             self._hand_out()
             self.so_far.seconds = time.perf_counter() - self._start
             self.progress(self.so_far)
@@ -294,7 +277,7 @@ class _Work:
                 run_jump, self.folder.points.spec, point, self.limit, pure=False
             )
             self._flight[future] = jump
-            self._order.append(jump)
+            self._held[jump] = None
             future.add_done_callback(self._ended.put)
 
     def _next_ended(self) -> list[distributed.Future]:

@@ -1,23 +1,4 @@
-"""A sweep's spec: a TOML file that lists jumps of robots.
-
-    title = "ANYmal: twist and distance"
-    robots = ["anymal"]              # names or paths of robot files
-    models = ["llsrbm-plus"]         # if left out: this one
-    types = ["together"]             # likewise
-
-    [axes]                           # in SI units; angles in rad, or in degrees as twist_deg
-    twist_deg = { from = -180, to = 180, count = 25 }
-    forward = [0.0, 0.2, 0.4]
-    height = { range = "robot", count = 7 }      # the range of the robot's file
-
-    [limits]                         # limit name -> values, see `llsrbm tuning`
-    friction = [0.3, 0.5]
-
-    [drives]                         # times the values of the robot's file
-    torque = [0.8, 1.0, 1.2]
-
-    [simulate]                       # without: plan only
-    seeds = 3                        # of each jump, all different; a list: these for every jump
+"""A sweep's spec: a TOML file that lists jumps of robots; docs/cluster.md describes its keys.
 
 A grid has every value of every axis with every other. With `sampling = "random"` or `"sobol"` there
 are `count` jumps a robot, model and type, drawn by `seed`, and ranges have no `count`.
@@ -26,7 +7,6 @@ are `count` jumps a robot, model and type, drawn by `seed`, and ranges have no `
 from __future__ import annotations
 
 import hashlib
-import json
 import math
 import os
 from collections.abc import Iterator, Mapping
@@ -39,17 +19,9 @@ from pydantic import BeforeValidator, Field, model_validator
 from llsrbm.errors import InputError, printable
 from llsrbm.installed import assets_directory
 from llsrbm.request.jump import Jump
-from llsrbm.request.messages import choices
+from llsrbm.request.messages import look_up
 from llsrbm.request.scenario import Scenario
-from llsrbm.request.tables import (
-    OneLine,
-    Table,
-    fault,
-    parse_table,
-    read_table,
-    validated,
-    with_tuples,
-)
+from llsrbm.request.tables import OneLine, Table, fault, read_table, validated, with_tuples
 
 ROBOT_RANGES = ("twist", "forward", "lateral", "height")
 """Axes whose ranges a robot's file states."""
@@ -77,14 +49,7 @@ def _as_axis(given: Any) -> Any:
 
 
 class AxisTable(Table):
-    """One axis: listed values, or a range.
-
-    Attributes:
-        values: listed.
-        low, high: the ends of a range, both included; "from" and "to" in files.
-        range: "robot": the whole range of the robot's file.
-        count: of a grid's values in a range, evenly spaced.
-    """
+    """One axis: listed values, or a range, both ends included, of which a grid has `count`."""
 
     values: Annotated[tuple[float, ...], Field(min_length=1)] | None = None
     low: Annotated[float | None, Field(alias="from")] = None
@@ -94,10 +59,9 @@ class AxisTable(Table):
 
     @model_validator(mode="after")
     def _check(self) -> Self:
-        ends = (self.low is not None, self.high is not None)
-        if (self.values is not None, all(ends), self.range is not None).count(True) != 1 or (
-            any(ends) != all(ends)
-        ):
+        ends = {self.low is not None, self.high is not None}
+        given = [self.values is not None, *ends, self.range is not None]
+        if len(ends) == 2 or given.count(True) != 1:
             raise fault('expected a list, "from" and "to", or range = "robot"')
         if self.values is not None:
             if self.count is not None:
@@ -144,13 +108,7 @@ class DriveAxes(Table):
 
 @dataclass(frozen=True)
 class Dimension:
-    """One axis in SI units.
-
-    Attributes:
-        where: the spec's table, "axes", "limits" or "drives".
-        key: its name there; name: a `Jump`'s field, a limit or a property of drives.
-        axis: its values.
-    """
+    """One axis in SI units: `key` is its name in the table `where`: "axes", "limits", "drives"."""
 
     where: str
     key: str
@@ -158,7 +116,7 @@ class Dimension:
 
     @property
     def name(self) -> str:
-        """The key without its unit."""
+        """A `Jump`'s field, a limit or a property of drives: the key without its unit."""
         return self.key.removesuffix(_DEGREES)
 
     @property
@@ -178,8 +136,7 @@ class Dimension:
     def drawn(self, share: float, ranges: Ranges) -> float:
         """The value, SI, at a share, 0 to 1, of the range, or of the list."""
         if self.axis.values is not None:
-            count = len(self.axis.values)
-            return self._si(self.axis.values[min(int(share * count), count - 1)])
+            return self.value(min(int(share * self.size), self.size - 1), ranges)
         low, high = self._ends(ranges)
         return low + share * (high - low)
 
@@ -234,15 +191,10 @@ class Spec(Table):
     """A sweep's spec.
 
     Attributes:
-        title: one line.
-        robots, models, types: names or paths, as a `Jump` has them.
-        sampling: how axes are combined; count: jumps a robot, model and type of a drawn sweep.
+        count: jumps a robot, model and type of a drawn sweep.
         seed: draws jumps, and numbers the disturbances of simulations (`seeds`).
-        axes, limits, drives: what varies; what is not named is as the robot has it.
         simulate: fields of a `Scenario`, with `seeds`; None or false: plan only.
-        patient: plans are tried from other guesses where the analytic one fails.
         diagnose: the limit that stops a jump is looked for, which takes some seconds each.
-        trajectories: planned motions are kept, as list columns.
     """
 
     title: Annotated[str, Field(min_length=1, max_length=200), OneLine]
@@ -256,9 +208,9 @@ class Spec(Table):
     limits: dict[_Name, _Axis] = Field(default_factory=dict)
     drives: DriveAxes = DriveAxes()
     simulate: _Simulate = None
-    patient: bool = True
+    patient: bool = True  # plans are tried from other guesses where the analytic one fails
     diagnose: bool = False
-    trajectories: bool = False
+    trajectories: bool = False  # planned motions are kept, as list columns
 
     @model_validator(mode="after")
     def _check(self) -> Self:
@@ -287,9 +239,9 @@ class Spec(Table):
 
     def scenario(self) -> Scenario | None:
         """The scenario of simulations, seeds aside; None: plan only."""
-        if not self.simulated:
+        if not isinstance(self.simulate, dict):
             return None
-        table: dict[str, Any] = dict(self.simulate or {})
+        table = dict(self.simulate)
         seeds = table.pop("seeds", None)
         _check_seeds(seeds)
         if "seed" in table:
@@ -303,7 +255,7 @@ class Spec(Table):
     @property
     def simulated(self) -> bool:
         """True if plans are simulated, too."""
-        return self.simulate is not None and self.simulate is not False
+        return isinstance(self.simulate, dict)
 
     @property
     def _seeds(self) -> Any:
@@ -319,36 +271,30 @@ class Spec(Table):
             return int(self._seeds[row % len(self._seeds)])
         return None if self._seeds is None else self.seed + row
 
-    def as_json(self) -> str:
-        """The whole of it, to be sent or compared."""
-        return self.model_dump_json(by_alias=True, exclude_none=True)
+    def as_table(self) -> dict[str, Any]:
+        """The whole of it, for JSON."""
+        return self.model_dump(mode="json", by_alias=True, exclude_none=True)
 
     @classmethod
-    def from_json(cls, text: str) -> Spec:
-        """The spec that `as_json` wrote."""
-        return cls.model_validate(with_tuples(json.loads(text)))
+    def from_table(cls, table: dict[str, Any]) -> Spec:
+        """The spec of an `as_table`."""
+        return cls.model_validate(with_tuples(table))
 
     def digest(self) -> str:
         """The same for specs of the same jumps, whatever their comments, and for those alone."""
-        return hashlib.sha256(self.as_json().encode()).hexdigest()
+        text = self.model_dump_json(by_alias=True, exclude_none=True)
+        return hashlib.sha256(text.encode()).hexdigest()
 
 
 def _check_seeds(seeds: Any) -> None:
     """Refuse seeds that are neither None, a number of them, nor a list of different ones."""
-    listed = seeds if isinstance(seeds, tuple) else (seeds,)
-    whole = all(isinstance(seed, int) and not isinstance(seed, bool) for seed in listed)
-    if seeds is None or (
-        whole
-        and listed
-        and len(set(listed)) == len(listed)
-        and min(listed) >= (0 if listed is seeds else 1)
-        and max(listed) <= _LARGEST_SEED
-    ):
-        return
-    raise fault(
-        "simulate.seeds: expected how many of each jump, from 1 on, or a list of different seeds "
-        f"from 0 on, got {printable(repr(seeds))}"
-    )
+    listed, least = (seeds, 0) if isinstance(seeds, tuple) else ((seeds,), 1)
+    good = all(type(seed) is int and least <= seed <= _LARGEST_SEED for seed in listed)
+    if seeds is not None and not (good and listed and len(set(listed)) == len(listed)):
+        raise fault(
+            "simulate.seeds: expected how many of each jump, from 1 on, or a list of different "
+            f"seeds from 0 on, got {printable(repr(seeds))}"
+        )
 
 
 # ---- files
@@ -357,35 +303,14 @@ def _check_seeds(seeds: Any) -> None:
 def find_spec(name_or_path: str) -> Spec:
     """The spec of that name among those that come with the project, or in the file at that path.
 
-    A text that ends in ".toml" or contains a path separator is a path.
+    A text that ends in ".toml" or contains a path separator is a path. Robots and limits are
+    checked by `points`.
 
     Raises:
-        InputError: no such name, or as `read_spec`.
+        InputError: one line: no such name, or the file, the key, its value and the accepted ones.
     """
-    if name_or_path.endswith(".toml") or os.sep in name_or_path:
-        return read_spec(Path(name_or_path))
-    known = {path.stem: path for path in sorted((assets_directory() / "sweeps").glob("*.toml"))}
-    if name_or_path not in known:
-        raise InputError(
-            f'no sweep "{name_or_path}"; {choices(name_or_path, known)}, '
-            "or the path of a spec's file (.toml)"
-        )
-    return read_spec(known[name_or_path])
-
-
-def read_spec(path: Path) -> Spec:
-    """Read and check a spec; robots and limits are checked by `points`.
-
-    Raises:
-        InputError: one line: the file, the key, its value and the accepted ones.
-    """
+    path = Path(name_or_path)
+    if not name_or_path.endswith(".toml") and os.sep not in name_or_path:
+        known = {file.stem: file for file in sorted((assets_directory() / "sweeps").glob("*.toml"))}
+        path = look_up("sweep", name_or_path, known, "or the path of a spec's file (.toml)")
     return validated(Spec, read_table(path, "a sweep's spec"), str(path))
-
-
-def parse_spec(text: str, where: str) -> Spec:
-    """A spec from the text of its file, called `where` in messages.
-
-    Raises:
-        InputError: as `read_spec`.
-    """
-    return validated(Spec, parse_table(text, where), where)

@@ -13,8 +13,8 @@ from llsrbm.request import jump_types
 from llsrbm.request.tables import parse_table
 from llsrbm.robots import load_robot
 from llsrbm.robots.schema import RobotFile, robot_files
-from llsrbm.sweep.spec import parse_spec
 from tests.docs.pages import PAGES, ROOT, blocks, command_lines, name_of
+from tests.llsrbm.sweep.specs import parse_spec
 
 WITH_PYTHON = [page for page in PAGES if any(b.language == "python" for b in blocks(page))]
 WITH_SHELL = [page for page in PAGES if any(b.note == "run" for b in blocks(page))]

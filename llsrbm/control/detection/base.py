@@ -28,13 +28,9 @@ STATED = 2.0
 
 @dataclass(frozen=True)
 class ModelUncertainty:
-    """Standard deviations of the controller's numbers.
+    """Standard deviations of the controller's numbers."""
 
-    Attributes:
-        trunk_mass: of the trunk's mass, as a share of it.
-    """
-
-    trunk_mass: float
+    trunk_mass: float  # of the trunk's mass, as a share of it
 
 
 def model_uncertainty(file: RobotFile) -> ModelUncertainty:
@@ -44,22 +40,15 @@ def model_uncertainty(file: RobotFile) -> ModelUncertainty:
 
 @dataclass(frozen=True, eq=False)
 class CentroidalState:
-    """The measured motion of the whole robot in one control tick; world frame.
+    """The measured motion of the whole robot in one control tick; world frame."""
 
-    Attributes:
-        mass: kg.
-        com_velocity: (3,) m/s.
-        angular_momentum: (3,) kg m2/s about the CoM.
-        inertia: (3, 3) kg m2 of the whole robot about its CoM.
-        trunk_momentum: (6,) kg m/s, kg m2/s: linear and angular, about the CoM, of the trunk in
-            its motion relative to the CoM. A trunk heavier by a share e than believed has e times
-            this more of both (`WholeBody.trunk_momentum`).
-    """
-
-    mass: float
-    com_velocity: Array
-    angular_momentum: Array
-    inertia: Array
+    mass: float  # kg
+    com_velocity: Array  # (3,) m/s
+    angular_momentum: Array  # (3,) kg m2/s about the CoM
+    inertia: Array  # (3, 3) kg m2 of the whole robot about its CoM
+    # (6,) kg m/s, kg m2/s: linear and angular, about the CoM, of the trunk in its motion relative
+    # to the CoM. A trunk heavier by a share e than believed has e times this more of both
+    # (`WholeBody.trunk_momentum`).
     trunk_momentum: Array = field(default_factory=lambda: np.zeros(6))
 
     @cached_property
@@ -83,7 +72,6 @@ class Detector(ABC):
     """Detects contact in flight from the centroidal motion.
 
     Attributes:
-        threshold: what `signal` is compared with; constant.
         signal: its last value, for plots: a contact is reported when it is above the threshold,
             0 while the detector does not listen.
         tick: s between updates.
@@ -92,7 +80,7 @@ class Detector(ABC):
 
     name: ClassVar[str]
     summary: ClassVar[str]
-    threshold: float
+    threshold: float  # what `signal` is compared with; constant
     signal: float
 
     def __init__(self, tick: float, uncertainty: ModelUncertainty) -> None:

@@ -26,9 +26,6 @@ class SolveOptions:
     """Start and end of a solve from a guess.
 
     Attributes:
-        mu: complementarity at which it begins.
-        iterations: after so many it is given up.
-        tolerance: at which it has converged.
         push: how far it begins inside of the bounds it touches; None: Fatrop's own 0.01.
         within: size of rows, in their units of about 1, beyond which no step leads; None: anywhere.
         acceptable: where the cost is flat Fatrop creeps: the constraints are met, the cost changes
@@ -38,10 +35,10 @@ class SolveOptions:
     Ipopt ignores the last three.
     """
 
-    mu: float
-    iterations: int
+    mu: float  # complementarity at which it begins
+    iterations: int  # after so many it is given up
     # Fatrop's default of 1e-8 stalls; at 1e-4 the cost agrees to 0.1 %.
-    tolerance: float = 1e-4
+    tolerance: float = 1e-4  # at which it has converged
     push: float | None = None
     within: float | None = None
     acceptable: tuple[float, int] | None = None
@@ -63,15 +60,10 @@ HOPELESS = 100.0
 
 
 class Solver(ABC):
-    """Solves a transcription's problems with one of nlpsol's plugins, one solve at a time.
+    """Solves a transcription's problems with one of nlpsol's plugins, one solve at a time."""
 
-    Attributes:
-        name: to choose it by.
-        compiled: whether it takes compiled functions.
-    """
-
-    name: ClassVar[str]
-    compiled: ClassVar[bool] = False
+    name: ClassVar[str]  # to choose it by
+    compiled: ClassVar[bool] = False  # whether it takes compiled functions
 
     def __init__(self, transcribed: Transcribed) -> None:
         self._faster: Callable[[], Transcribed | None] | None = None

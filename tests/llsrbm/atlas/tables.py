@@ -9,7 +9,7 @@ import numpy as np
 import pyarrow.parquet as pq
 
 from llsrbm.sweep.rows import schema, table_of
-from llsrbm.sweep.spec import parse_spec
+from tests.llsrbm.sweep.specs import parse_spec
 
 TWISTS = np.radians(np.linspace(-180, 180, 9))
 FORWARDS = np.linspace(-0.3, 0.6, 4)

@@ -8,11 +8,12 @@ from contextlib import contextmanager
 import distributed
 import pyarrow.parquet as pq
 
+from llsrbm.request.tables import parse_table, validated
 from llsrbm.sweep import jump, process, run
 from llsrbm.sweep.folder import Folder
 from llsrbm.sweep.points import Points
 from llsrbm.sweep.rows import NOT_PLANNED, PLANNED, TIMES, origin
-from llsrbm.sweep.spec import parse_spec
+from llsrbm.sweep.spec import Spec
 
 GRID = """
 title = "a grid"
@@ -24,6 +25,11 @@ forward = [0.0, 0.2]
 friction = [0.3, 0.5]
 """
 """Of 40 jumps."""
+
+
+def parse_spec(text, where):
+    """The spec of a text, called `where` in messages."""
+    return validated(Spec, parse_table(text, where), where)
 
 
 def spec(text=GRID):

@@ -6,7 +6,7 @@ from llsrbm.installed import package_version
 from llsrbm.robots import load_robot
 from llsrbm.sweep import jump, rows
 from llsrbm.sweep.points import Points
-from llsrbm.sweep.spec import parse_spec
+from tests.llsrbm.sweep.specs import parse_spec
 
 SPEC = """
 title = "real plans"

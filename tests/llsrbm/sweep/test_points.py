@@ -9,8 +9,7 @@ from scipy.stats import qmc
 from llsrbm.errors import InputError
 from llsrbm.robots import load_robot
 from llsrbm.sweep.points import Points
-from llsrbm.sweep.spec import parse_spec
-from tests.llsrbm.sweep.specs import GRID, spec
+from tests.llsrbm.sweep.specs import GRID, parse_spec, spec
 
 HEAD = 'title = "x"\nrobots = ["anymal"]\n'
 DRAWN = """title = "x"
