@@ -1,7 +1,5 @@
 """One browser for the whole run, and which tests have to share a process."""
 
-from __future__ import annotations
-
 import os
 from functools import cache
 

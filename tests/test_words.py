@@ -1,7 +1,5 @@
 """Plain English for strangers: names and docstrings of the library, the page and the benchmarks."""
 
-from __future__ import annotations
-
 import ast
 import re
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The counts behind published tables, by outcomes made by hand."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

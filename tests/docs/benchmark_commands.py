@@ -4,8 +4,6 @@ With argparse `main` is called with a parser that stops once it has parsed; with
 is made as `typer.run` makes it, and parses alone.
 """
 
-from __future__ import annotations
-
 import argparse
 import sys
 from functools import cache

@@ -4,8 +4,6 @@ A comment directly before a block of code says what the tests do with it: `<!-- 
 block of shell commands, `<!-- not run: reason -->` leaves a block of Python alone.
 """
 
-from __future__ import annotations
-
 import re
 import shlex
 from collections import Counter

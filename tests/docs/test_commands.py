@@ -4,8 +4,6 @@ A figure stands beside the command that makes it, so a figure whose command has 
 Nothing is run, but for the commands that list names.
 """
 
-from __future__ import annotations
-
 import re
 import tomllib
 
@@ -21,7 +19,7 @@ from llsrbm.request import jump_types
 from llsrbm.request.design import find_design
 from llsrbm.robots import names as robot_names
 from tests.docs.benchmark_commands import check_benchmark, parse
-from tests.docs.pages import PAGES, ROOT, blocks, commands, inline_code, name_of
+from tests.docs.pages import PAGES, ROOT, blocks, commands
 
 ALL = [command for page in PAGES for command in commands(page)]
 LISTING = ("robots", "models", "types", "formats", "designs", "tuning")
@@ -136,14 +134,6 @@ class TestFigures:
     @pytest.mark.parametrize("name", ["jump_types.md", "maths.md", "replanning.md"])
     def test_of_tables_elsewhere(self, name):
         assert _sections_without(name, r"(?m)^\|[^a-z\n]*\d", COMMAND) == []
-
-    def test_commands_of_figures_are_among_those_checked(self):
-        """The checks above see what stands in tables too."""
-        page = ROOT / "README.md"
-        inside = [text for text, _ in inline_code(page) if text.startswith("python ")]
-        checked = [" ".join(c.words) for c in ALL if c.page == name_of(page)]
-        assert inside
-        assert [text for text in inside if text not in checked] == []
 
 
 def _sections_without(name, figure, command):

@@ -1,7 +1,5 @@
 """Code of the pages is run: Python, the shell commands that are marked, and TOML is read."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest
@@ -101,8 +99,3 @@ def test_a_robot_file_is_read(tmp_path):
             table[name] = table[name] | value if mixed else value
         RobotFile.model_validate(table)
     assert {"urdf", "legs", "reach", "limits", "control"} <= seen
-
-
-def test_examples_were_found():
-    assert {name_of(page) for page in WITH_PYTHON} >= {"README.md", "docs/first_jump.md"}
-    assert WITH_SHELL

@@ -1,7 +1,5 @@
 """What the site's hooks make of links to code and of formulas."""
 
-from __future__ import annotations
-
 import pytest
 
 from docs.hooks.formulas import on_page_content

@@ -1,7 +1,5 @@
 """Every link, anchor, picture and path of the pages leads somewhere."""
 
-from __future__ import annotations
-
 import re
 
 import pytest

@@ -1,7 +1,5 @@
 """The site builds, and without a warning: a page, a link or a docstring that is wrong is one."""
 
-from __future__ import annotations
-
 import re
 import subprocess
 import sys
@@ -52,7 +50,3 @@ def test_formulas_are_drawn_without_a_script(site):
 def test_pages_take_nothing_from_elsewhere(site):
     for path in site.rglob("*.html"):
         assert not ELSEWHERE.search(path.read_text("utf-8")), path
-
-
-def test_hooks_are_no_part_of_it(site):
-    assert not (site / "hooks").exists()

@@ -1,7 +1,5 @@
 """Damaged and hostile native files, by the thousand: each from a seed, by one kind of damage."""
 
-from __future__ import annotations
-
 import io
 import json
 import os

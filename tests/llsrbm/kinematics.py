@@ -1,7 +1,5 @@
 """Forward kinematics by Pinocchio alone, a posture at a time."""
 
-from __future__ import annotations
-
 import numpy as np
 import pinocchio as pin
 

@@ -1,7 +1,5 @@
 """Native files to damage, and what `load` says of them."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

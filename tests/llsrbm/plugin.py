@@ -1,7 +1,5 @@
 """A command as another package would register it."""
 
-from __future__ import annotations
-
 from typing import Annotated
 
 import typer

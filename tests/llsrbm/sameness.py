@@ -1,7 +1,5 @@
 """Whether two trajectories are the same, array by array."""
 
-from __future__ import annotations
-
 from dataclasses import fields, is_dataclass
 
 import numpy as np

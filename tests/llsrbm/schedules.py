@@ -1,7 +1,5 @@
 """Any schedules, and plans of some, made from plans of three phases: cut anew, or put in a row."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

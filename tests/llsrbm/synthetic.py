@@ -1,7 +1,5 @@
 """A plan made by hand: physics in closed form, no planner, no URDF."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 from typing import Any
 

@@ -1,7 +1,5 @@
 """A rollout made by hand to fit a plan: one jump in closed form at 400 Hz, no simulator, no QP."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -51,15 +51,6 @@ def test_a_directory_that_cannot_be_written_is_a_warning(own_cache, caplog):
     assert "cannot be written" in caplog.text
 
 
-def test_a_failed_write_leaves_nothing_behind(own_cache):
-    path = cache.cache_path("kind", b"key", ".bin")
-    cache.write_atomically(path, b"old")
-    with pytest.raises(TypeError):
-        cache.write_atomically(path, "not bytes")
-    assert path.read_bytes() == b"old"
-    assert list(path.parent.iterdir()) == [path]
-
-
 def test_a_key_tells_its_parts_apart(tmp_path):
     file = tmp_path / "file"
     file.write_bytes(b"content")
@@ -81,21 +72,3 @@ def test_of_each_kind_the_entries_used_last_are_kept(own_cache):
     assert cache.cache_path("kind", keys[0], ".bin").name in kept
     assert cache.cache_path("kind", keys[-1], ".bin").name in kept
     assert cache.cache_path("kind", keys[1], ".bin").name not in kept
-
-
-def test_a_cache_that_is_only_read_is_used(monkeypatch):
-    def refuse(*_):
-        raise PermissionError("read-only")
-
-    cache.cached_bytes("kind", b"key", ".bin", lambda: b"result")
-    monkeypatch.setattr(os, "utime", refuse)
-    assert cache.cached_bytes("kind", b"key", ".bin", lambda: b"again") == b"result"
-
-
-def test_an_entry_that_another_process_removes_meanwhile_is_no_error(own_cache, caplog):
-    path = cache.cache_path("kind", b"key", ".bin")
-    path.parent.mkdir(parents=True)
-    (path.parent / "gone.bin").symlink_to(own_cache / "nowhere")  # listed, but not there
-    cache.write_checked(path, b"data")
-    assert cache.read_checked(path) == b"data"
-    assert caplog.text == ""

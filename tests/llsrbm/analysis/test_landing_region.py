@@ -1,7 +1,5 @@
 """Where feet can still land: within the legs' reach, in the time that is left."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np
@@ -81,21 +79,6 @@ def test_with_all_the_time_the_reach_alone_limits_it():
         reached &= np.linalg.norm(local, axis=1) <= REACH.distance[1]
         size = reached.sum() * (side[1] - side[0]) ** 2
         assert 0.9 * size < area(outline) <= 1.01 * size  # corners are cut
-
-
-def test_it_shrinks_as_the_robot_falls():
-    expected, feet = touchdown(), np.array(ROBOT.feet)
-    sizes = [
-        sum(area(each) for each in landing_regions(ROBOT, REACH, SPEED, expected, feet, time))
-        for time in np.linspace(0.4, 0.69, 12)
-    ]
-    assert (np.diff(sizes) <= 1e-12).all()
-    assert sizes[-1] < 0.01 * sizes[0]
-
-
-def test_ground_that_is_too_far_below_is_no_place_to_land():
-    expected, feet = touchdown(ground=-2.0), np.array(ROBOT.feet)
-    assert landing_regions(ROBOT, REACH, SPEED, expected, feet, 0.0) == (None,) * 4
 
 
 def test_a_foot_that_cannot_come_back_in_time_lands_nowhere():

@@ -1,16 +1,13 @@
 """Figures of plans and rollouts as JSON can hold them."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import fields, replace
 
 import numpy as np
 import pytest
 
-from llsrbm.analysis.summaries import detection_latency, plan_summary, rollout_summary
+from llsrbm.analysis.summaries import detection_latency, rollout_summary
 from llsrbm.motion.outcome import Outcome
-from tests.llsrbm.synthetic import TWO_HOPS, TWO_HOPS_DURATIONS, synthetic_plan
 from tests.llsrbm.synthetic_rollout import synthetic_rollout
 
 # As the contract has them, in its order.
@@ -67,13 +64,3 @@ def test_detection_latency(rollout):
     for name in ("touchdown_true_s", "touchdown_detected_s"):
         outcome = replace(rollout.outcome, **{name: None})
         assert detection_latency(replace(rollout, outcome=outcome)) is None
-
-
-def test_phases_of_any_schedule():
-    plan = synthetic_plan(schedule=TWO_HOPS, durations=TWO_HOPS_DURATIONS)
-    summary = plan_summary(plan)
-    assert summary["phase_durations_s"] == pytest.approx(list(TWO_HOPS_DURATIONS))
-    assert [phase["name"] for phase in summary["phases"]] == list(TWO_HOPS.names)
-    assert [phase["feet"] for phase in summary["phases"][1:3]] == [["LH", "RH"], []]
-    assert [p["duration_s"] for p in summary["phases"]] == summary["phase_durations_s"]
-    assert summary["request"] == plan.jump.as_dict()

@@ -1,7 +1,5 @@
 """Made-up tables of sweeps whose borders are known."""
 
-from __future__ import annotations
-
 import math
 from itertools import product
 

@@ -1,11 +1,9 @@
-from __future__ import annotations
-
 import math
 
 import numpy as np
 import pytest
 
-from llsrbm.atlas.colours import COLOURS, FREE, SCALE, of_share
+from llsrbm.atlas.colours import COLOURS, FREE
 from llsrbm.atlas.jumps import axis_of
 from llsrbm.atlas.map import ALL, NEAREST, map_of
 from llsrbm.atlas.table import read_atlas
@@ -70,19 +68,6 @@ def test_a_drawn_sweeps_border_is_where_it_should_be(cloud):
     radius = np.hypot(*line.T)
     assert np.abs(radius - 0.25).max() < 0.4 * np.ptp(found.x.edges) / len(found.x.centres) * 2
     assert abs(radius.mean() - 0.25) < 0.02
-
-
-def test_figures_are_means_of_the_jumps_that_have_them(cloud):
-    found = made(cloud, "torque", axes=(FORWARD, LATERAL), projection=ALL)
-    cells = found.y.cells(cloud.requested["lateral"]), found.x.cells(cloud.requested["forward"])
-    for place, value in np.ndenumerate(found.value):
-        inside = (cells[0] == place[0]) & (cells[1] == place[1]) & (cloud.planned > 0)
-        expected = (1 + cloud.requested["forward"][inside]).mean() if inside.any() else np.nan
-        np.testing.assert_allclose(value, expected, rtol=1e-6)
-    assert found.colour_of(float("nan")) is None
-    assert found.colour_of(found.ends[0]) == SCALE[0]
-    assert found.colour_of(found.ends[1]) == SCALE[-1]
-    assert of_share(0.5) == SCALE[2]
 
 
 def test_strict_is_of_the_plannable_alone(tmp_path):

@@ -1,5 +1,3 @@
-from __future__ import annotations
-
 import subprocess
 import sys
 
@@ -38,12 +36,6 @@ def test_a_jump_is_found_by_its_number_with_its_request(tmp_path):
     assert [atlas.find(number) for number in (-1, 0, 5, 8)] == [None] * 4
 
 
-def test_a_limit_that_a_jump_does_not_state_is_the_robots_own(tmp_path):
-    atlas = read_atlas(write(tmp_path / "t.parquet", [row(0)], limits=("friction",)))
-    _, limits, drives = atlas.groups[0].request(0)
-    assert limits == drives == {}
-
-
 def test_seeds_come_together_whatever_their_order(tmp_path):
     falls = {"landed": False, "strict": False}
     rows = [
@@ -62,15 +54,6 @@ def test_seeds_come_together_whatever_their_order(tmp_path):
     assert [jumps.stops[k] for k in jumps.stop] == ["", FALLS, "joint_torque"]
 
 
-def test_models_and_types_are_told_apart(tmp_path):
-    rows = [row(0), row(1, model="srbm"), row(2, model="srbm", type="rear-last")]
-    atlas = read_atlas(write(tmp_path / "t.parquet", rows))
-    found = atlas.jumps_of("anymal", "srbm", "rear-last")
-    assert found.numbers.tolist() == [2]
-    assert atlas.jumps_of("anymal", "srbm", "together").numbers.tolist() == [1]
-    assert atlas.jumps_of("anymal", "llsrbm", "flip").numbers.tolist() == [0]
-
-
 @pytest.mark.parametrize("name", ["small.npz", "small.parquet"])
 def test_the_small_file_is_the_same_atlas(tmp_path, name):
     table = write(tmp_path / "jumps.parquet", [*grid(), row(72, limit_friction=0.2)], ("friction",))
@@ -84,18 +67,6 @@ def test_the_small_file_is_the_same_atlas(tmp_path, name):
     )
     np.testing.assert_allclose(one.torque_share, other.torque_share, rtol=1e-6)
     assert one.stops == other.stops
-
-
-def test_a_folder_of_parts_is_one_atlas(tmp_path):
-    rows = grid()
-    (tmp_path / "jumps.parquet").mkdir()
-    write(tmp_path / "jumps.parquet" / "0.parquet", rows[:20])
-    write(tmp_path / "jumps.parquet" / "1.parquet", rows[20:])
-    (tmp_path / "sweep.json").write_text('{"title": "in parts"}')
-    atlas = read_atlas(tmp_path)
-    assert atlas.title == "in parts"
-    whole = read_atlas(write(tmp_path / "whole.parquet", rows))
-    np.testing.assert_array_equal(atlas.groups[0].planned, whole.groups[0].planned)
 
 
 def test_the_shipped_one_is_read_without_pyarrow():

@@ -1,7 +1,5 @@
 """Loads of joints against statics, against differences of postures, and against energy."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Any
 
@@ -76,40 +74,6 @@ def test_at_rest_the_joints_carry_the_weight(robot):
     np.testing.assert_allclose(loads.joint_torque[2], expected[6:], atol=1e-5)
     # The moment is about the base's origin, in whose axes the robot stands level.
     np.testing.assert_allclose(loads.base_residual[2], expected[:6], atol=1e-5)
-
-
-def test_standing_torque_balances_the_base(robot):
-    """Gravity's torques less those of some contact forces that carry the whole weight."""
-    time = np.linspace(0.0, 0.3, 3)
-    quat = np.tile(Rotation.from_euler("z", 0.7).as_quat(scalar_first=True), (3, 1))
-    turn = Rotation.from_euler("z", 0.7).as_matrix()
-    motion = standing(robot, time, np.tile(robot.com, (3, 1)), np.tile([1.0, 0, 0, 0], (3, 1)))
-    heading = Rotation.from_euler("z", 0.7) * Rotation.from_quat(
-        motion.foot_quat[0], scalar_first=True
-    )
-    turned = replace(
-        motion,
-        base_quat=quat,
-        foot_position=motion.foot_position @ turn.T,
-        contact_point=motion.contact_point @ turn.T,
-        foot_quat=np.tile(heading.as_quat(scalar_first=True), (3, 1, 1)),
-    )
-    q = robot.posture
-    data = robot.model.createData()
-    gravity = pin.computeGeneralizedGravity(robot.model, data, q)
-    points = motion.contact_point[0]
-    maps = np.array(
-        [
-            generalised_force(robot, q, points, force.reshape(-1, 3))
-            for force in np.eye(3 * len(points))
-        ]
-    ).T
-    force = np.linalg.pinv(maps[:6]) @ gravity[:6]
-    expected = gravity - maps @ force
-    np.testing.assert_allclose(expected[:6], 0.0, atol=1e-9)
-    for stance in (motion, turned):
-        found = joint_loads(robot, stance).standing_torque
-        np.testing.assert_allclose(found, expected[6:], atol=1e-5)
 
 
 def test_a_smooth_motion_against_differences_of_postures(robot):
@@ -234,22 +198,6 @@ def test_a_plan_holds_its_loads(planned):
     np.testing.assert_allclose(plan.joint_velocity, loads.knot_velocity, atol=1e-9)
     np.testing.assert_array_equal(plan.joint_torque[-1], loads.standing_torque)
     np.testing.assert_array_equal(plan.joint_torque_limit[-1], robot.torque_limit)
-
-
-@pytest.mark.parametrize(("name", "request_"), [("anymal", "all"), ("slider", "box")])
-def test_a_planners_solution_has_the_loads_of_its_plan(name, request_):
-    found = solved("llsrbm-plus", request_, name)
-    loads = joint_loads(load_robot(name), KnotMotion.of_plan(found.plan))
-    np.testing.assert_allclose(found.knots.loads.joint_torque, loads.joint_torque, atol=0.05)
-    np.testing.assert_allclose(found.plan.joint_torque[:-1], loads.joint_torque, atol=0.05)
-    np.testing.assert_allclose(found.plan.joint_velocity, loads.knot_velocity, atol=1e-3)
-
-
-def test_without_postures_they_are_solved(planned):
-    plan, robot, loads = planned
-    again = joint_loads(robot, replace(KnotMotion.of_plan(plan), joint_position=None))
-    np.testing.assert_allclose(again.knot_position, plan.joint_position, atol=1e-5)
-    np.testing.assert_allclose(again.joint_torque, loads.joint_torque, atol=0.05)
 
 
 def test_nonsense_does_not_raise(planned):

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from llsrbm.analysis.summaries import planned_peak_load, planned_torque_shares
-from llsrbm.body.peak_loads import torque_share
 from tests.llsrbm.synthetic import JOINT_NAMES, TWO_HOPS, TWO_HOPS_DURATIONS, synthetic_plan
 
 
@@ -20,11 +19,6 @@ def loaded(plan, knot, joint, torque, limit=40.0):
     torques, limits = plan.joint_torque.copy(), plan.joint_torque_limit.copy()
     torques[knot, joint], limits[knot, joint] = torque, limit
     return replace(plan, joint_torque=torques, joint_torque_limit=limits)
-
-
-def test_shares():
-    shares = torque_share(np.array([[10.0, -30.0], [5.0, 0.0]]), np.array([[40.0, 40.0], [0, 0]]))
-    np.testing.assert_array_equal(shares, [[0.25, 0.75], [np.inf, 0.0]])
 
 
 @pytest.mark.parametrize(
@@ -63,10 +57,6 @@ def test_events_of_any_foot(knot, words):
     plan = replace(plan, joint_torque=np.ones_like(plan.joint_torque))
     peak = planned_peak_load(loaded(plan, knot, 2, -34.0))
     assert peak.in_words() == f"34 of 40 Nm {words} (85 %)"
-
-
-def test_standing_after_the_jump_does_not_count(plan):
-    assert planned_peak_load(loaded(plan, 15, 2, -34.0)).torque == 1.0
 
 
 def test_a_joint_that_is_too_fast_for_any_torque(plan):

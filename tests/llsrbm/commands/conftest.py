@@ -1,7 +1,5 @@
 """A planner and a simulator that answer at once, for the commands that call them."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

@@ -1,7 +1,5 @@
 """`llsrbm compare`: rows and columns, JSON, files that are none."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import asdict, replace
 
@@ -42,23 +40,6 @@ def test_a_line_a_file_below_a_head_of_names_and_units(files, capfd):
     assert " 90° + 30 cm forward llsrbm-plus " in lines[2]
     assert lines[3].startswith(files["fast"])
     assert " planned " in lines[3]
-
-
-def test_every_number_stands_below_its_unit(files, capfd):
-    _, units, *rows = compared(capfd, files["slow"], files["fast"]).splitlines()
-    ends = [
-        i for i in range(1, len(units) + 1) if units[i - 1] != " " and units[i:][:1] in ("", " ")
-    ]
-    ends = [i for i in ends if units[:i].rstrip().split()[-1] != "kg"]  # of "kg m²"
-    assert len(ends) == len(FIGURES)
-    for row, design in zip(rows, (SLOW, FAST)):
-        for end, figure in zip(ends, FIGURES):
-            assert row[:end].endswith(figure.shown(figures_of_plan(design)))
-
-
-def test_the_best_has_an_asterisk(files, capfd):
-    slow, fast = compared(capfd, files["slow"], files["fast"]).splitlines()[2:]
-    assert (slow[-2:], fast[-3:]) == ("80", "40*")
 
 
 def test_plans_and_simulations_are_not_ranked(files, capfd):

@@ -1,7 +1,5 @@
 """`llsrbm dataset`, as a user types it."""
 
-from __future__ import annotations
-
 import pytest
 
 from llsrbm.cli import main

@@ -1,7 +1,5 @@
 """`--design` and `llsrbm designs`: a file's values count unless an option says otherwise."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 
@@ -76,21 +74,6 @@ def test_options_override_a_designs_scenario(planner, simulator, file, capsys):
     words = "--board 0 --whole-board --noise 2 --detector norm --qp-solver quadprog"
     assert cli.main(["simulate", *words.split(), "--design", file]) == 0
     assert simulator.requests[0][1] == Scenario(seed=7, noise=2, detector="norm")
-
-
-def test_an_undisturbed_design_stays_so(planner, simulator, tmp_path, capsys):
-    planner.answers.append(synthetic_plan())
-    simulator.answers.append(synthetic_rollout())
-    path = tmp_path / "calm.json"
-    path.write_text(dump_design(Design(Jump())))
-    assert cli.main(["simulate", "--design", str(path)]) == 0
-    assert simulator.requests[0][1] == Scenario()
-
-
-def test_an_example_is_named(planner, capsys):
-    planner.answers.append(synthetic_plan())
-    assert cli.main(["plan", "--design", "anymal-half-turn"]) == 0
-    assert planner.requests[0][0] == Jump(twist=math.pi)
 
 
 @pytest.mark.parametrize(

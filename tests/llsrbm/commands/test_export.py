@@ -1,19 +1,12 @@
 """`llsrbm export` and `llsrbm formats`: what cannot be done is one line, and nothing is left."""
 
-from __future__ import annotations
-
-import json
-import pickle
-import zipfile
 from dataclasses import replace
 
-import numpy as np
 import pytest
 
 from llsrbm import cli
 from llsrbm.formats import FORMATS, Format
 from llsrbm.formats.base import Extra, Options
-from tests.llsrbm.commands.process import run
 from tests.llsrbm.synthetic_rollout import synthetic_rollout
 
 
@@ -58,46 +51,15 @@ def refused(capfd, folder, *arguments):
     return err
 
 
-def test_several_in_a_zip(saved, tmp_path, capfd):
-    out = tmp_path / "x.zip"
-    both = ("--format", "csv", "--format", "npz")
-    assert cli.main(["export", str(saved), "--out", str(out), *both]) == 0
-    with zipfile.ZipFile(out) as archive:
-        assert {name.rpartition(".")[2] for name in archive.namelist()} == {"csv", "npz", "json"}
-
-
-def test_an_unknown_format(saved, tmp_path, capfd):
-    said = refused(capfd, tmp_path, saved, "--out", tmp_path / "x", "--format", "bvh")
-    assert 'no format "bvh"; valid: npz, csv' in said
-
-
 def test_no_format_or_no_place(saved, tmp_path, capfd):
     assert "--format" in refused(capfd, tmp_path, saved, "--out", tmp_path / "x")
     assert "--out" in refused(capfd, tmp_path, saved, "--format", "csv")
-
-
-@pytest.mark.parametrize("format_", ["csv", "npz"])
-def test_a_path_that_cannot_be_written(saved, tmp_path, capfd, format_):
-    for out, why in (
-        (tmp_path / "none" / "x", "no such directory"),
-        (tmp_path, "it is a directory"),
-        ("/dev/full", "No space left"),
-        (tmp_path / ("x" * 300), "File name too long"),
-    ):
-        said = refused(capfd, tmp_path, saved, "--out", out, "--format", format_)
-        assert f"cannot write {out}: " in said
-        assert why in said
 
 
 def test_several_formats_in_one_file(saved, tmp_path, capfd):
     both = ("--format", "csv", "--format", "npz")
     said = refused(capfd, tmp_path, saved, "--out", tmp_path / "x.csv", *both)
     assert "2 formats do not fit into one file; expected a path that ends in .zip" in said
-
-
-def test_a_format_that_cannot_hold_it(rollout, picture, tmp_path, capfd):
-    said = refused(capfd, tmp_path, rollout, "--out", tmp_path / "x", "--format", "picture")
-    assert 'format "picture" cannot hold a rollout; expected a plan' in said
 
 
 def test_packages_that_are_missing(saved, picture, tmp_path, capfd, monkeypatch):
@@ -125,12 +87,6 @@ def test_a_rate_that_makes_no_sense(saved, tmp_path, capfd, fps):
     assert "fps" in said
 
 
-def test_an_order_that_makes_no_sense(saved, tmp_path, capfd):
-    out = tmp_path / "x.npz"
-    said = refused(capfd, tmp_path, saved, "--out", out, "--format", "motion-npz", "--order", "any")
-    assert "order: expected depth-first or breadth-first, got 'any'" in said
-
-
 @pytest.mark.parametrize(
     "given",
     [
@@ -151,50 +107,6 @@ def test_a_size_and_a_camera(saved, picture, tmp_path):
     assert picture == [Options(size=(64, 48), camera=(-90.0, 10.5, 2.0))]
     assert cli.main(arguments) == 0
     assert picture[1:] == [Options()]
-
-
-class TestFilesThatAreNone:
-    def said(self, capfd, path):
-        out = path.with_name("out.csv")
-        return refused(capfd, path.parent, path, "--out", out, "--format", "csv")
-
-    def test_newer(self, saved, tmp_path, capfd):
-        with np.load(saved) as archive:
-            arrays = dict(archive)
-        path = tmp_path / "x.npz"
-        meta = json.loads(str(arrays["meta"])) | {"package_version": "7.8.9"}
-        changes = {"schema": np.array("llsrbm.plan/99"), "meta": np.array(json.dumps(meta))}
-        np.savez(path, **arrays | changes)
-        assert "written by a newer llsrbm (7.8.9)" in self.said(capfd, path)
-
-    def test_cut_short(self, saved, tmp_path, capfd):
-        path = tmp_path / "x.npz"
-        path.write_bytes(saved.read_bytes()[:-100])
-        assert "cut short" in self.said(capfd, path)
-
-    def test_pickled(self, saved, tmp_path, capfd):
-        path = tmp_path / "x.npz"
-        path.write_bytes(pickle.dumps(3))
-        assert "a Python pickle, which is never opened" in self.said(capfd, path)
-        np.savez(path, schema=np.array("llsrbm.plan/2"), com=np.array([{}], dtype=object))
-        assert "a pickle of Python objects, which is never opened" in self.said(capfd, path)
-
-    def test_others(self, tmp_path, capfd):
-        assert "No such file" in self.said(capfd, tmp_path / "none.npz")
-        (tmp_path / "x.json").write_text('{"schema": "llsrbm.design/1"}')
-        assert "llsrbm plan --design" in self.said(capfd, tmp_path / "x.json")
-        (tmp_path / "folder").mkdir()
-        assert "it is a folder" in self.said(capfd, tmp_path / "folder")
-
-
-def test_in_a_process_of_its_own(saved, tmp_path):
-    """A pipe to somebody else, and the one line where a traceback might be."""
-    done = run("export", saved, "--out", tmp_path / "x.zip", "--format", "npz")
-    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
-    (tmp_path / "x.npz").write_bytes(b"PK" + bytes(100))
-    done = run("export", tmp_path / "x.npz", "--out", tmp_path / "y", "--format", "csv")
-    assert (done.returncode, done.stdout, done.stderr.count("\n")) == (2, "", 1)
-    assert "Traceback" not in done.stderr
 
 
 def test_formats_are_listed(capfd):

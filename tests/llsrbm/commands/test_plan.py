@@ -1,7 +1,5 @@
 """`llsrbm plan`: exit status, one line for what is wrong, one JSON object when asked."""
 
-from __future__ import annotations
-
 import json
 import math
 import os
@@ -15,7 +13,7 @@ from llsrbm import cli
 from llsrbm.errors import InputError, NotConverged
 from llsrbm.motion.trajectory import load
 from tests.llsrbm.commands.process import run
-from tests.llsrbm.synthetic import TWO_HOPS, TWO_HOPS_DURATIONS, synthetic_plan
+from tests.llsrbm.synthetic import synthetic_plan
 
 # As the contract has them, in its order.
 PLAN_KEYS = [
@@ -88,17 +86,6 @@ def test_a_turn_that_the_robot_does_not_do_is_bad_input_at_once(words, said, cap
     assert err.count("\n") == 1
 
 
-def test_the_phases_of_any_schedule_are_told(planner, capsys):
-    planner.answers.append(synthetic_plan(schedule=TWO_HOPS, durations=TWO_HOPS_DURATIONS))
-    assert cli.main(["plan", "--type", "hops", "--forward", "0.2"]) == 0
-    out = capsys.readouterr().out
-    assert "hops, twist 0 deg, forward 0.20 m, lateral 0.00 m, height 0.00 m, 2 hops\n" in out
-    assert (
-        "2.40 s: take-off 0.50, rear push on LH and RH 0.10, flight 0.30, rebound 0.40, flight "
-        "0.35, front first on LF and RF 0.15, landing 0.60 s"
-    ) in out
-
-
 def test_types_are_listed(capsys):
     assert cli.main(["types"]) == 0
     rows = dict(line.split(maxsplit=1) for line in capsys.readouterr().out.splitlines())
@@ -166,15 +153,6 @@ def test_not_converged_is_exit_1_with_the_plan(planner, capfd, tmp_path):
     assert not load(tmp_path / "p.npz").solved
 
 
-def test_what_did_not_converge_is_described_too(planner, capsys):
-    plan = synthetic_plan()
-    report = replace(plan.report, status="not-converged")
-    backwards = replace(plan, report=report, time=plan.time[::-1])
-    planner.answers.append(NotConverged("no plan found", backwards))
-    assert cli.main(["plan"]) == 1
-    assert "not-converged" in capsys.readouterr().out
-
-
 def test_summary_for_a_person(planner, capsys):
     planner.answers.append(synthetic_plan())
     assert cli.main(["plan", "--twist", "90"]) == 0
@@ -192,14 +170,6 @@ def test_the_planners_refusal_is_exit_2(planner, capsys):
     planner.answers.append(InputError("forward 50 m\nis out of range"))
     assert cli.main(["plan"]) == 2
     assert capsys.readouterr().err == "llsrbm: forward 50 m is out of range\n"
-
-
-def test_interrupt(monkeypatch):
-    def interrupted(*_args, **_kwargs):
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(llsrbm, "plan", interrupted)
-    assert cli.main(["plan"]) == 130
 
 
 def test_for_real(tmp_path):

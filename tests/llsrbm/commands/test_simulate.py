@@ -1,7 +1,5 @@
 """`llsrbm simulate`: a file or a jump, exit status, one JSON object when asked."""
 
-from __future__ import annotations
-
 import json
 import math
 from dataclasses import asdict, replace
@@ -13,10 +11,8 @@ import llsrbm
 from llsrbm import cli
 from llsrbm.analysis.diagnosis import diagnose
 from llsrbm.analysis.summaries import rollout_summary
-from llsrbm.errors import NotConverged
 from llsrbm.motion.replan import Replan
 from llsrbm.motion.trajectory import load
-from llsrbm.request.messages import field_specs
 from llsrbm.request.push import Push
 from llsrbm.request.scenario import Scenario
 from tests.llsrbm.commands.process import run
@@ -64,12 +60,6 @@ def test_without_a_file_the_jump_is_planned_first(planner, simulator, capsys):
     assert scenario == Scenario()
 
 
-def test_a_noise_alone_draws_with_seed_0(simulator, saved, capsys):
-    simulator.answers.append(synthetic_rollout())
-    assert cli.main(["simulate", str(saved), "--noise", "1"]) == 0
-    assert simulator.requests[0][1] == Scenario(seed=0, noise=1.0)
-
-
 @pytest.mark.parametrize(
     ("words", "said"),
     [
@@ -88,20 +78,6 @@ def test_what_makes_no_sense_is_refused_before_planning(planner, words, said, ca
     assert (out, err.count("\n")) == ("", 1)
     assert err.startswith(f"llsrbm: {said}")
     assert not planner.requests
-
-
-def test_every_field_of_a_scenario_is_an_option_with_its_meaning(capsys):
-    assert cli.main(["simulate", "--help"]) == 0
-    told = " ".join(capsys.readouterr().out.split())
-    for option in (
-        *("--board M", "--half-board / --whole-board", "--seed N", "--noise S", "--detector"),
-        *("--landing", "--qp-solver", "--trunk-mass SHARE", "--push T,JX,JY,JZ[,MX,MY,MZ]"),
-        *("--random-push NS", "--estimator", "--replan / --no-replan"),
-    ):
-        assert option in told
-    for name, meaning in field_specs(Scenario).items():
-        assert meaning.accepted in told, name
-        assert meaning.help.split(";")[0].replace("mid-flight", "mid- flight") in told, name
 
 
 @pytest.mark.parametrize("words", ["--twist 30", "--robot anymal", "--solver fatrop"])
@@ -149,16 +125,6 @@ def test_a_fall_is_exit_1_with_when_and_why(simulator, saved, capfd, tmp_path):
     assert not load(out_file).landed
 
 
-def test_no_plan_is_exit_1_and_nothing_is_simulated(planner, simulator, capfd):
-    said = "friction is violated by 3 N in landing"
-    planner.answers.append(NotConverged(said, synthetic_plan()))
-    assert cli.main(["simulate", "--json"]) == 1
-    out, err = capfd.readouterr()
-    assert out == ""
-    assert err.splitlines()[-1] == f"llsrbm: {said}"
-    assert not simulator.requests
-
-
 def test_summary_for_a_person(simulator, saved, capsys):
     scenario = Scenario(board=0.025, half_board=True, seed=7, trunk_mass=0.12)
     simulator.answers.append(replace(synthetic_rollout(), scenario=scenario))
@@ -194,48 +160,11 @@ def test_summary_of_pushes_and_replans(simulator, saved, capsys):
     assert "replans   2, 1 of them solved, 10.0 ms (p95 15.0 ms)\n" in out
 
 
-def test_summary_of_a_robot_that_never_came_down(simulator, saved, capsys):
-    rollout = synthetic_rollout(fell_at=0.7)
-    outcome = replace(
-        rollout.outcome,
-        touchdown_true_s=None,
-        touchdown_detected_s=None,
-        yaw_error_at_touchdown=None,
-    )
-    simulator.answers.append(replace(rollout, outcome=outcome))
-    assert cli.main(["simulate", str(saved)]) == 1
-    out = capsys.readouterr().out
-    assert "true never, detected never" in out
-    assert "fell at 0.70 s" in out
-
-
 def test_a_waiting_person_sees_how_far_it_is(simulator, saved, capsys, monkeypatch):
     monkeypatch.setattr("sys.stderr.isatty", lambda: True, raising=False)
     simulator.answers.append(synthetic_rollout())
     assert cli.main(["simulate", str(saved)]) == 0
     assert "simulating  50 %" in capsys.readouterr().err
-
-
-def test_which_landing_strategy_ran(simulator, saved, capsys):
-    rollout = synthetic_rollout()
-    simulator.answers.append(rollout)
-    assert cli.main(["simulate", str(saved)]) == 0
-    assert "landing strategy scaled, the QP was solved in every tick" in capsys.readouterr().out
-    outcome = replace(rollout.outcome, landing_strategy="tracking", unsolved_ticks=3)
-    simulator.answers[0] = replace(rollout, outcome=outcome)
-    assert cli.main(["simulate", str(saved)]) == 0
-    assert (
-        "landing strategy tracking (the robot file has no force phase), "
-        "the QP was unsolved in 3 of 1001 ticks"
-    ) in capsys.readouterr().out
-
-
-def test_a_strategy_that_is_not_for_the_robot_is_refused_before_planning(planner, capfd):
-    assert cli.main(["simulate", "--robot", "slider", "--landing", "planned"]) == 2
-    out, err = capfd.readouterr()
-    assert (out, err.count("\n")) == ("", 1)
-    assert 'landing: "planned" follows forces' in err
-    assert not planner.requests
 
 
 def test_for_real(tmp_path):

@@ -1,7 +1,5 @@
 """A robot in some state of motion, for tests of the controller."""
 
-from __future__ import annotations
-
 import numpy as np
 import pinocchio as pin
 

@@ -1,7 +1,5 @@
 """Feet that find the ground without a sound."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
@@ -79,12 +77,3 @@ def test_feet_put_down_gently_stand_within_40_ms(controller):
     assert not any(feet[2:].any() for feet in found.values())
     settled = min(time for time, feet in found.items() if feet[:2].all())
     assert 0.010 < settled <= 0.040
-
-
-def test_a_foot_that_comes_later_stands_when_it_stops(controller):
-    late = (False, False, False, True)
-    found = standing_over_time(*controller, [(0.10, late), (0.15, (False,) * 4)])
-    stood = [time for time, feet in found.items() if feet.all()]
-    assert 0.10 < min(stood) <= 0.11
-    # What stands stays.
-    assert all(feet.all() for time, feet in found.items() if time >= min(stood))

@@ -1,5 +1,3 @@
-from __future__ import annotations
-
 import numpy as np
 import pinocchio as pin
 import pytest
@@ -63,15 +61,6 @@ def test_measured_noise_is_no_contact():
     assert not any(robot.step().any() for _ in range(40))
 
 
-def test_reset_forgets():
-    robot = Falling(np.full((4, 3), 50.0))
-    for _ in range(6):
-        robot.step()
-    robot.estimate.reset()
-    assert not robot.estimate.vertical.any()
-    assert not robot.step().any()
-
-
 MASS, G = 30.0, np.array([0.0, 0.0, -9.81])
 
 
@@ -114,10 +103,3 @@ def test_noise_after_a_push_is_not_the_ground_and_the_ground_still_is():
     assert impulse.is_ground()
     impulse.reset()
     assert not impulse.pushed
-
-
-def test_a_flight_that_has_just_begun_trusts_the_detector():
-    impulse = MeasuredImpulse(MASS, TICK)
-    assert impulse.is_ground()
-    impulse.update(np.zeros(3), np.zeros(3))
-    assert impulse.is_ground()

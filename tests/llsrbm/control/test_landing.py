@@ -1,18 +1,11 @@
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
-from llsrbm.control.landing import check_name, landing_strategy, names, resolved
+from llsrbm.control.landing import check_name, landing_strategy, resolved
 from llsrbm.errors import InputError
 
 PLANNED = np.array([[10.0, -5.0, 160.0], [0.0, 0.0, 90.0]])
 STANDING = np.array([0.0, 0.0, 75.0])
-
-
-def test_names_are_described():
-    assert list(names()) == ["auto", "scaled", "planned", "tracking"]
-    assert all(names().values())
 
 
 def test_scaled_forces_brake_in_proportion_to_the_momentum():
@@ -34,18 +27,9 @@ def test_the_papers_landing_takes_the_plans_forces():
     np.testing.assert_array_equal(planned.force(PLANNED, STANDING, 0.3), PLANNED)
 
 
-def test_tracking_has_no_force_phase():
-    assert not landing_strategy("tracking").follows_forces
-
-
 def test_auto_is_what_the_robot_file_says():
     assert resolved("auto", 0.2) == "scaled"
     assert resolved("auto", 0.0) == "tracking"
-
-
-@pytest.mark.parametrize("name", ["scaled", "planned", "tracking"])
-def test_a_strategy_that_is_named_is_that_one(name):
-    assert resolved(name, 0.2) == name
 
 
 @pytest.mark.parametrize("name", ["scaled", "planned"])

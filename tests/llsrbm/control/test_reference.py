@@ -1,5 +1,3 @@
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np
@@ -39,12 +37,6 @@ def test_stands_still_after_the_end(plan, reference):
     assert not target.angular_velocity.any()
     assert not target.angular_momentum_rate.any()
     np.testing.assert_allclose(target.contact_force.sum(axis=0), [0, 0, WEIGHT])
-
-
-def test_no_forces_in_flight(reference):
-    assert not reference.at(0.7).contact_force.any()
-    assert reference.at(0.4).contact_force.any()
-    assert reference.at(1.0).contact_force.any()
 
 
 def test_attitude_turns_at_the_angular_velocity(reference):
@@ -135,13 +127,6 @@ def test_every_foot_swings_from_its_own_lift_off(plan, time, moving):
     assert moves.tolist() == [foot < moving for foot in range(4)]
 
 
-@pytest.mark.parametrize(("time", "feet"), [(0.3755, [0, 1]), (0.5005, [2, 3])])
-def test_feet_that_leave_others_start_at_rest(plan, time, feet):
-    target = Reference(rear_last(plan), WEIGHT).at(time)
-    velocity = (target.foot_velocity_from_com + target.com_velocity)[feet]
-    assert 0 < np.abs(velocity).max() < 0.25
-
-
 def test_feet_of_hops_swing_in_each_flight(plan):
     """In the rebound between them feet are held where the nearest swing has them."""
     joined = in_a_row(plan, plan)
@@ -155,19 +140,6 @@ def test_feet_of_hops_swing_in_each_flight(plan):
         late = reference.late(flight)
         assert not late.foot_velocity_from_com.any()
         np.testing.assert_allclose(late.foot_from_com, reference.at(end).foot_from_com, atol=5e-3)
-
-
-def test_a_run_up_starts_as_it_moves(plan):
-    rate = np.array([0.0, 0.3, 0.0])
-    plan = replace(
-        plan,
-        jump=replace(plan.jump, speed=0.5),
-        angular_velocity=plan.angular_velocity + rate,
-        com_velocity=plan.com_velocity + np.array([0.5, 0.0, 0.0]),
-    )
-    target = Reference(plan, WEIGHT).at(0.0)
-    np.testing.assert_allclose(target.angular_velocity, rate, atol=1e-9)
-    np.testing.assert_allclose(target.com_velocity, [0.5, 0, 0], atol=1e-9)
 
 
 def test_a_speed_at_the_end_is_braked_evenly(plan):

@@ -1,10 +1,7 @@
-from __future__ import annotations
-
 import numpy as np
 import pinocchio as pin
 import pytest
 
-from llsrbm.control.whole_body import WholeBody
 from llsrbm.robots import load_robot
 from llsrbm.robots.feet import foot_contacts
 from tests.llsrbm.control.bodies import ROBOTS, moved, state
@@ -68,29 +65,6 @@ def test_feet_move_as_their_jacobians_say(name):
     turn = (after.R_world_foot - before.R_world_foot) / (2 * dt)
     spin = np.cross(now.foot_angular_velocity[:, None], now.R_world_foot.transpose(0, 2, 1))
     np.testing.assert_allclose(turn, spin.transpose(0, 2, 1), atol=1e-5)
-
-
-def test_a_standing_soles_corners_are_on_the_ground():
-    robot = load_robot("slider")
-    body = WholeBody(robot)
-    body.update(robot.posture, np.zeros(robot.model.nv))
-    assert body.contacts == 8
-    np.testing.assert_allclose(body.foot[:, 2], 0.0, atol=1e-6)
-
-
-def test_numbers_of_a_tick_survive_the_next():
-    """Mass matrix and bias forces are fresh arrays: those of the tick before are still needed."""
-    body = moved(1, STILL, 0.0)
-    M, h = body.M, body.h
-    kept = M.copy(), h.copy()
-    body.update(*state(2))
-    np.testing.assert_array_equal(M, kept[0])
-    np.testing.assert_array_equal(h, kept[1])
-
-
-def test_believes_in_the_robots_own_mass():
-    robot = load_robot("anymal")
-    assert WholeBody(robot).mass == pytest.approx(robot.mass)
 
 
 @pytest.mark.parametrize("name", ROBOTS)

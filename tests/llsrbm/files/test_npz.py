@@ -1,16 +1,11 @@
 """Files from strangers: refused in a line or harmless, and nothing in them is run or believed."""
 
-from __future__ import annotations
-
-import io
 import json
 import os
 import struct
 import time
 import tracemalloc
 import zipfile
-from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -73,12 +68,6 @@ def test_damaged_designs():
     for number in range(300):
         content = damaged_design(np.random.default_rng([7, number]))
         assert outcome_of_design(content) in SOUND, number
-
-
-def test_the_sound_files_open(seeds, tmp_path):
-    for content in seeds.files:
-        (tmp_path / "x.npz").write_bytes(content)
-        load(tmp_path / "x.npz")
 
 
 HEADER = "{'descr': '<f8', 'fortran_order': False, 'shape': (10, 3), }\n"
@@ -187,24 +176,10 @@ class TestSizes:
             load_motion(path, "anymal")
         assert time.process_time() - began < 2.0
 
-    def test_ten_thousand_names_are_looked_up_quickly(self, plan, tmp_path):
-        """As long a directory as is listed."""
-        many = [(f"{i:x}/motion.npz", b"") for i in range(9000)]
-        (tmp_path / "x.zip").write_bytes(zipped([*many, ("a/motion.npz", packed(plan))]))
-        began = time.process_time()
-        assert not recognises(tmp_path / "x.zip")
-        assert time.process_time() - began < 2.0
-
     def test_pipes_are_not_waited_for(self, tmp_path):
         os.mkfifo(tmp_path / "pipe")
         with pytest.raises(FileFormatError, match="not a regular file"):
             load(tmp_path / "pipe")
-
-    def test_names_that_no_file_can_have(self):
-        with pytest.raises(FileFormatError, match="null"):
-            load("a\0b")
-        with pytest.raises(FileFormatError, match="cannot be read"):
-            load("x" * 5000)
 
     def test_a_key_that_is_there_twice(self, plan, tmp_path):
         members = members_of(packed(plan))
@@ -215,12 +190,6 @@ class TestSizes:
     @pytest.mark.parametrize("compression", [zipfile.ZIP_BZIP2, zipfile.ZIP_LZMA])
     def test_other_compression(self, plan, tmp_path, compression):
         assert "packed as NumPy" in said_of(zipped(members_of(packed(plan)), compression), tmp_path)
-
-    def test_what_is_no_array_is_left_alone(self, plan, tmp_path):
-        members = [*members_of(packed(plan)), ("../../readme.txt", b"hello")]
-        (tmp_path / "x.npz").write_bytes(zipped(members))
-        load(tmp_path / "x.npz")
-        assert [path.name for path in tmp_path.iterdir()] == ["x.npz"]
 
 
 class TestArraysThatDisagree:
@@ -267,12 +236,6 @@ class TestArraysThatDisagree:
         changed = {key: change(plan[key]) for key, change in changes.items()}
         assert said in said_of(packed(plan, **changed), tmp_path)
 
-    def test_of_a_rollout(self, rollout, tmp_path):
-        qpos = rollout["qpos"].copy()
-        qpos[4, 3:7] = 0
-        said = said_of(packed(rollout, qpos=qpos), tmp_path)
-        assert 'key "qpos": expected unit quaternions' in said
-
     def test_without_its_plan(self, rollout, tmp_path):
         alone = {key: value for key, value in rollout.items() if not key.startswith("plan/")}
         assert 'plan/: key "schema" is missing' in said_of(packed(alone), tmp_path)
@@ -303,22 +266,3 @@ def test_messages_show_little_of_a_file(plan, tmp_path):
     del plan["com"]
     said = said_of(packed({noise[:60_000]: np.zeros(1)} | plan), tmp_path)
     assert len(said) < 900
-
-
-def test_a_file_of_text_arrays_that_numpy_itself_reads(tmp_path):
-    """What stands in an archive beside a native file's keys may be anything that NumPy writes."""
-    buffer = io.BytesIO()
-    np.savez(buffer, text=np.array(["a", "bc"]), flags=np.array([True]), none=np.zeros((0, 3)))
-    path = Path(tmp_path / "x.npz")
-    path.write_bytes(buffer.getvalue())
-    arrays = npz.read_archive(path)
-    assert arrays["text"].tolist() == ["a", "bc"]
-    assert arrays["flags"].tolist() == [True]
-    assert arrays["none"].shape == (0, 3)
-
-
-def test_trajectories_of_files_can_be_changed(plan, tmp_path):
-    (tmp_path / "x.npz").write_bytes(packed(plan))
-    loaded = load(tmp_path / "x.npz")
-    loaded.com[0] = 1.0
-    replace(loaded, com=loaded.com).save(tmp_path / "y.npz")

@@ -1,9 +1,5 @@
 """The one table of quantities: all that plans and rollouts hold, and the units of joints."""
 
-from __future__ import annotations
-
-import csv
-import json
 from dataclasses import fields
 from typing import get_type_hints
 
@@ -13,14 +9,12 @@ import pytest
 import llsrbm
 from llsrbm import cli
 from llsrbm.files.quantity import JOINT, SIZES, TIME, Between, Kind, derived, quantities
-from llsrbm.formats import export
 from llsrbm.formats.tables.csv_table import columns
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
-from tests.llsrbm.synthetic import synthetic_plan
 from tests.llsrbm.synthetic_rollout import synthetic_rollout
 
-ROBOTS = ("anymal", "slider", "go2")
+ROBOTS = ("anymal", "slider")
 UNITS = ("", "s", "m", "m/s", "rad", "rad/s", "kg", "kg m/s", "kg m2/s", "kg m2", "N", "Nm")
 OTHER_UNITS = ("m, rad", "m/s, rad/s", "m/s and rad/s", "the detector's")  # of no single thing
 
@@ -51,16 +45,6 @@ def test_every_array_is_declared(of):
     assert arrays == set(quantities(of))
 
 
-def test_what_is_held_is_declared(rollout):
-    for trajectory in (synthetic_plan(), rollout):
-        held = {
-            field.name
-            for field in fields(trajectory)
-            if isinstance(getattr(trajectory, field.name), np.ndarray | float)
-        }
-        assert held | {"joint_names"} == set(quantities(type(trajectory)))
-
-
 @pytest.mark.parametrize(("of", "name", "quantity"), tables())
 def test_what_is_said_makes_sense(of, name, quantity):
     assert quantity.unit in UNITS + OTHER_UNITS
@@ -70,13 +54,6 @@ def test_what_is_said_makes_sense(of, name, quantity):
     assert TIME not in quantity.axes[1:]
     assert (quantity.between is Between.CONSTANT) == (TIME not in quantity.axes)
     assert (quantity.kind is Kind.WHOLE) == bool(quantity.codes or quantity.coded_by)
-
-
-def test_files_hold_what_is_declared(rollout, tmp_path):
-    for trajectory in (synthetic_plan(), rollout):
-        trajectory.save(tmp_path / "x.npz")
-        with np.load(tmp_path / "x.npz") as archive:
-            assert set(quantities(type(trajectory))) <= set(archive)
 
 
 def test_shapes_of_plans_are_those_of_their_axes(plan):
@@ -134,15 +111,6 @@ def test_columns_of_a_table_are_made_of_it(plan):
         assert f"joint_velocity/{joint} [{position}/s]" in named
         assert f"joint_torque/{joint} [{torque}]" in named
         assert f"joint_torque_limit/{joint} [{torque}]" in named
-
-
-def test_so_they_are_in_the_file(plan, tmp_path):
-    export(plan, tmp_path / "x.csv", format="csv", fps=20.0)
-    with (tmp_path / "x.csv").open(newline="") as file:
-        assert next(csv.reader(file)) == [name for name, _ in columns(plan, 20.0)]
-    said = json.loads((tmp_path / "x.csv.meta.json").read_text())
-    units = dict(zip(said["joints"], said["joint_units"], strict=True))
-    assert {joint for joint, unit in units.items() if unit == "m"} == plan.sliding_joints
 
 
 @pytest.mark.parametrize("name", ["npz", "csv"])

@@ -1,7 +1,5 @@
 """Jumps of real robots that tests of formats write and read, each made once a run."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import cache
 
@@ -16,7 +14,7 @@ from llsrbm.robots import load_robot
 from llsrbm.simulation.scene import build_scene
 from llsrbm.simulation.surroundings import Surroundings
 
-ROBOTS = ("anymal", "slider", "go2")
+ROBOTS = ("anymal", "slider")
 HALF_TURN = 3.1  # rad, nearly
 
 

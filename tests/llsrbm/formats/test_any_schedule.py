@@ -1,7 +1,5 @@
 """Every format writes a motion of any schedule."""
 
-from __future__ import annotations
-
 import json
 
 import mujoco
@@ -13,7 +11,7 @@ import llsrbm
 from llsrbm.formats import FORMATS
 from llsrbm.motion.trajectory import description
 from llsrbm.motion.whole_body import whole_body_motion
-from tests.llsrbm.formats.jumps import planned, relabelled
+from tests.llsrbm.formats.jumps import relabelled
 
 QUICK = [name for name in FORMATS if name not in ("mp4", "gif")]  # pictures are of the same motion
 
@@ -45,11 +43,6 @@ def test_contacts_are_a_foots_own(plan):
     np.testing.assert_array_equal(motion.contact, plan.schedule.stands[motion.phase])
     first = motion.phase == 2
     assert motion.contact[first].tolist() == [[True, False, False, False]] * first.sum()
-
-
-def test_together_they_stand_and_fly_together():
-    motion = whole_body_motion(planned("go2"), 50, events=True)
-    np.testing.assert_array_equal(motion.contact, (motion.phase != 1)[:, None].repeat(4, axis=1))
 
 
 def test_the_description_says_which_feet_stand(plan):

@@ -1,7 +1,5 @@
 """What a plan or a rollout was asked for, read back as a design."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

@@ -1,7 +1,5 @@
 """Every format that is registered keeps its promises, whatever it is."""
 
-from __future__ import annotations
-
 import json
 import zipfile
 from dataclasses import replace

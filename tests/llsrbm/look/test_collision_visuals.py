@@ -1,7 +1,5 @@
 """Stand-ins by collision shapes: quick, and where the robot is."""
 
-from __future__ import annotations
-
 from time import thread_time
 
 import numpy as np
@@ -12,9 +10,7 @@ from llsrbm.cache import ENVIRONMENT_VARIABLE
 from llsrbm.look.collision_visuals import collision_visuals, visuals_at_once
 from llsrbm.look.viewpoint import viewpoint
 from llsrbm.look.visuals import (
-    FACES,
     forward_kinematics,
-    link_visuals,
     link_visuals_at_hand,
     needs_preparation,
 )
@@ -56,21 +52,6 @@ def test_shapes_are_where_the_robot_stands(name):
         assert np.linalg.norm(points - foot, axis=1).min() < 0.09  # a sole: its corners
 
 
-@pytest.mark.parametrize("name", ["anymal", "go2"])
-def test_they_are_as_large_as_the_meshes(name):
-    robot = load_robot(name)
-    fine = standing(robot, link_visuals(robot, coarse=True))
-    rough = standing(robot, collision_visuals(robot))
-    for bound in ("min", "max"):
-        np.testing.assert_allclose(getattr(rough, bound)(0), getattr(fine, bound)(0), atol=0.12)
-
-
-@pytest.mark.parametrize("name", names())
-def test_they_are_lighter_than_a_robots_meshes_may_be(name):
-    visuals = collision_visuals(load_robot(name))
-    assert sum(len(visual.faces) for visual in visuals) < FACES
-
-
 @pytest.mark.usefixtures("empty_cache")
 @pytest.mark.parametrize("name", ["anymal", "go2"])
 def test_with_an_empty_cache_the_shapes_stand_in_at_once(name):
@@ -82,25 +63,6 @@ def test_with_an_empty_cache_the_shapes_stand_in_at_once(name):
     visuals = visuals_at_once(robot)
     assert thread_time() - began < 1.0  # s of this thread alone, on a machine that is busy, too
     assert visuals == collision_visuals(robot)
-
-
-@pytest.mark.usefixtures("empty_cache")
-def test_what_is_drawn_by_boxes_alone_needs_no_stand_in():
-    robot = load_robot("slider")
-    assert not needs_preparation(robot)
-    visuals = visuals_at_once(robot)
-    assert len(visuals) > len(collision_visuals(robot))
-    at_hand = link_visuals_at_hand(robot, coarse=True)
-    assert [visual.link for visual in at_hand] == [visual.link for visual in visuals]
-
-
-def test_meshes_that_were_prepared_are_at_hand():
-    robot = load_robot("anymal")
-    made = link_visuals(robot, coarse=True)
-    assert not needs_preparation(robot)
-    for visuals in (link_visuals_at_hand(robot, coarse=True), visuals_at_once(robot)):
-        for one, other in zip(visuals, made, strict=True):
-            assert np.array_equal(one.vertices, other.vertices)
 
 
 @pytest.mark.parametrize("name", names())

@@ -1,19 +1,17 @@
 """Strips and marks of the timeline: the phases of the schedule, each with its feet."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from llsrbm.look import palette
-from llsrbm.look.timeline import phase_at, timeline
+from llsrbm.look.timeline import timeline
 from llsrbm.motion.replan import Replan
 from llsrbm.request.push import Push
 from llsrbm.request.scenario import Scenario
 from tests.llsrbm.synthetic import TWO_HOPS, TWO_HOPS_DURATIONS, synthetic_plan
-from tests.llsrbm.synthetic_rollout import followed, synthetic_rollout
+from tests.llsrbm.synthetic_rollout import synthetic_rollout
 
 
 @pytest.fixture(scope="module")
@@ -67,16 +65,6 @@ def test_every_phase_of_several_jumps(hops):
     assert marks["touch-down planned 2"] == pytest.approx(1.65)
     assert marks["take-off"] <= marks["apex"] <= marks["touch-down planned"]
     assert marks["take-off 2"] <= marks["apex 2"] <= marks["touch-down planned 2"]
-
-
-def test_a_rollout_of_several_jumps(hops):
-    events = timeline(hops, followed(hops))
-    names = [piece.name for piece in events.rows[1].pieces]
-    assert names[: len(TWO_HOPS)] == list(TWO_HOPS.names)
-    assert "touch-down 0.900 s planned, 0.890 s simulated, detected +5.0 ms" in events.summary
-    assert "touch-down 2 1.650 s planned, 1.640 s simulated, detected +5.0 ms" in events.summary
-    for instant, name in ((0.55, "rear push"), (1.0, "rebound"), (1.7, "front first")):
-        assert phase_at(events, instant) == name
 
 
 def test_pushes_are_marks_by_their_size():

@@ -1,7 +1,5 @@
 """Random motions of a whole robot by Pinocchio, and as the models see them."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cache
 

@@ -18,7 +18,6 @@ from tests.llsrbm.models.postures import (
     evaluate_momentum,
     feet_in_reach,
     feet_of,
-    feet_rate_of,
     random_motions,
     rates,
     vectors,
@@ -91,18 +90,6 @@ def test_offset_from_feet_in_hip_and_from_com_are_one_map(robot, model, data):
 @every_model
 @quickly
 @given(data=st.data())
-def test_their_rates_too(robot, model, data):
-    xdot = data.draw(rates(robot=robot))
-    rate = model.base_offset_rate(dm(xdot))
-    beta_rate = padded(model, column(rate)) + full_mirrors(model) * xdot
-    rates_seen = dict(enumerate(ca.horzsplit(dm(beta_rate))))
-    from_com = model.offset_map(everyone(model)).rate(rates_seen)
-    np.testing.assert_allclose(column(from_com), column(rate), atol=1e-12)
-
-
-@every_model
-@quickly
-@given(data=st.data())
 def test_where_some_feet_stand_the_coms_definition_gives_the_offset(robot, model, data):
     """Solved numerically for o; standing feet are known from the CoM, the others from the hip."""
     x = data.draw(feet_in_reach(robot))
@@ -122,21 +109,6 @@ def test_where_some_feet_stand_the_coms_definition_gives_the_offset(robot, model
         column(some(dict(enumerate(map(ca.DM, given_))))), found.x, atol=1e-9
     )
     np.testing.assert_allclose(feet_of(model, given_[None], standing)[0], x, atol=1e-9)
-
-
-@every_model
-@quickly
-@given(data=st.data())
-def test_and_its_rate_where_some_feet_stand(robot, model, data):
-    xdot = data.draw(rates(robot=robot))
-    standing = np.array(data.draw(st.tuples(*[st.booleans()] * model.legs)))
-    rate = column(model.base_offset_rate(dm(xdot)))
-    seen = np.where(standing[:, None], padded(model, rate) + full_mirrors(model) * xdot, xdot)
-    some = model.offset_map(tuple(np.flatnonzero(standing)))
-    np.testing.assert_allclose(
-        column(some.rate(dict(enumerate(map(ca.DM, seen))))), rate, atol=1e-11
-    )
-    np.testing.assert_allclose(feet_rate_of(model, seen[None], standing)[0], xdot, atol=1e-11)
 
 
 @every_model
@@ -165,24 +137,6 @@ def test_momentum_is_inertia_times_rate_plus_the_legs(robot, model, data):
     np.testing.assert_allclose(column(whole), column(direct), atol=1e-12)
     np.testing.assert_allclose(
         evaluate_momentum(model, x[None], xdot[None], w[None])[0], column(direct), atol=1e-12
-    )
-
-
-@every_model
-@quickly
-@given(data=st.data())
-def test_the_legs_momentum_is_linear_in_their_speed(robot, model, data):
-    x = data.draw(feet_in_reach(robot))
-    one = data.draw(rates(robot=robot))
-    two = data.draw(rates(robot=robot))
-    a = data.draw(vectors(2.0))
-    offset = model.base_offset(dm(x))
-
-    def h(rate):
-        return column(model.legs_momentum(dm(x), dm(rate), offset))
-
-    np.testing.assert_allclose(
-        h(a[0] * one + a[1] * two), a[0] * h(one) + a[1] * h(two), atol=1e-11
     )
 
 

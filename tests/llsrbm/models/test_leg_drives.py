@@ -1,7 +1,5 @@
 """What joints must do, against Pinocchio's Jacobians and differences along a foot's path."""
 
-from __future__ import annotations
-
 import json
 from functools import cache
 
@@ -223,22 +221,3 @@ def test_knees_can_be_fitted():
     ]
     assert fitted[0].residuals["knee"] < 0.02
     assert np.sqrt(np.mean(np.square(errors))) < 1.5 * fitted[0].residuals["knee"]
-
-
-def test_a_leg_that_slides_has_no_knee():
-    leg = drives_of("slider")[0]
-    assert leg.knee(ca.DM([0, 0, -0.6, 0])) is None
-
-
-@pytest.mark.parametrize("name", ["anymal", "go2"])
-def test_out_of_reach_the_closed_forms_stay_finite(name):
-    """Straight legs, feet at the hip and beside the axis: solvers pass there on their way."""
-    leg, robot = drives_of(name)[0], load_robot(name)
-    length = robot.file.reach.distance[1]
-    x, rate = ca.SX.sym("x", 3), ca.SX.sym("rate", 3)
-    rates = ca.Function("rates", [x, rate], [leg.rates(x, rate)])
-    rng = np.random.default_rng(5)
-    somewhere = rng.uniform(-1.5, 1.5, (400, 3)) * length
-    for place in (*somewhere, *(somewhere[:50] * 1e-3), np.zeros(3)):
-        turning = number(rates(place, rng.uniform(-1, 1, 3)))
-        assert np.abs(turning).max() < 100 / length * 10

@@ -1,7 +1,6 @@
 """The paper's model against the paper's equations, written out in NumPy."""
 
 import numpy as np
-import pytest
 from hypothesis import given, settings
 
 from llsrbm.models.llsrbm import LLSRBM
@@ -64,12 +63,6 @@ def test_body_and_point_masses_make_the_inertia_and_the_com(x):
     np.testing.assert_allclose(inertia[0], expected, atol=1e-12)
     np.testing.assert_allclose(leg_com[0], points - com, atol=1e-13)
     assert np.linalg.eigvalsh(base_inertia).min() > 0
-
-
-def test_masses_and_fraction():
-    assert MODEL.leg_mass == pytest.approx(LEG_MASS)
-    assert MODEL.base_mass == pytest.approx(ROBOT.mass - LEGS * LEG_MASS)
-    assert 0 < FRACTION < 1
 
 
 def test_legs_carry_no_momentum():

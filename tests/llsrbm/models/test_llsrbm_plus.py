@@ -68,12 +68,6 @@ def test_momentum(motions):
     assert (momentum_error(MODEL, motions) < [0.05, 0.03, 0.02]).all()
 
 
-def test_momentum_is_far_nearer_than_without_the_legs_own(motions):
-    error = momentum_error(MODEL, motions)
-    for other in (SRBM(ROBOT), LLSRBM(ROBOT)):
-        assert (error < 0.5 * momentum_error(other, motions)).all()
-
-
 def test_sliding_legs_with_soles(slides):
     """Bounds about twice what is reached: Ly decides whether SLIDER's pelvis stays upright."""
     true = np.array([m.inertia for m in slides])
@@ -101,23 +95,6 @@ def test_leg_coms(motions):
     error = np.linalg.norm(evaluate(MODEL, seen_by(MODEL, motions)[0])[2] - true, axis=-1)
     assert np.sqrt(np.mean(error**2)) < 0.008
     assert error.max() < 0.03
-
-
-@settings(max_examples=40, deadline=None)
-@given(x=feet_in_reach())
-def test_a_legs_com_lies_about_its_thigh(x):
-    """Within the leg's length of the hip, and nearer to the hip than the foot is."""
-    for i, foot in enumerate(x):
-        com = np.array(MODEL.leg_com(i, ca.DM(foot))).ravel()
-        assert np.linalg.norm(com) < 0.35
-        assert com[2] > foot[2]
-
-
-def test_near_the_urdf_in_the_default_posture():
-    feet = feet_of(MODEL, (ROBOT.feet - ROBOT.com)[None])
-    offset, inertia, _ = evaluate(MODEL, feet)
-    assert offset[0] == pytest.approx(ROBOT.base_position - ROBOT.com, abs=3e-3)
-    assert np.diag(inertia[0]) == pytest.approx(np.diag(ROBOT.inertia), rel=0.01)
 
 
 @settings(max_examples=40, deadline=None)

@@ -1,12 +1,9 @@
 """Orders, poses and velocities of bodies, held against MuJoCo."""
 
-from __future__ import annotations
-
 import mujoco
 import numpy as np
 import pytest
 
-from llsrbm.errors import InputError
 from llsrbm.motion.bodies import body_motion, body_order
 from llsrbm.motion.whole_body import whole_body_motion
 from llsrbm.robots import load_robot
@@ -80,11 +77,6 @@ def test_links_welded_to_the_base_and_joints_in_any_order(tmp_path):
     breadth = body_order(robot, "breadth-first")
     assert breadth.bodies == ("base", "a", "m", "w", "z", "aa")
     assert breadth.joints == ("a1", "m1", "w1", "z1", "a2")
-
-
-def test_no_such_order():
-    with pytest.raises(InputError, match='"depth-first" or "breadth-first", got \'bfs\''):
-        body_order(load_robot("anymal"), "bfs")
 
 
 @pytest.mark.parametrize("order", ["depth-first", "breadth-first"])

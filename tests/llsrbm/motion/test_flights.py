@@ -1,7 +1,5 @@
 """The flights of a rollout, of one jump and of several."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np
@@ -42,19 +40,6 @@ def test_one_that_never_ended():
     (flight,) = flights(lost)
     assert flight.lift_off == pytest.approx(0.5)
     assert flight.touchdown is flight.detected is flight.duration is None
-
-
-def test_one_in_which_a_foot_stayed():
-    rollout = synthetic_rollout()
-    contact = rollout.contact.copy()
-    contact[:, 2] = 1
-    lost = replace(
-        rollout,
-        contact=contact,
-        outcome=replace(rollout.outcome, touchdown_true_s=None, touchdown_detected_s=None),
-    )
-    (flight,) = flights(lost)
-    assert flight.lift_off is flight.touchdown is None
 
 
 def test_two_flights(hops):

@@ -1,5 +1,3 @@
-from __future__ import annotations
-
 import numpy as np
 
 from llsrbm.motion.sampling import foothold_knots

@@ -1,7 +1,5 @@
 """Replans in a rollout's file: what goes in comes out, and anything else is one clear line."""
 
-from __future__ import annotations
-
 from dataclasses import fields, replace
 
 import numpy as np

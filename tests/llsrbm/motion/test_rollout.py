@@ -1,7 +1,5 @@
 """A rollout's native file: what goes in comes out, and anything else is one clear line."""
 
-from __future__ import annotations
-
 import json
 import math
 import string
@@ -123,11 +121,8 @@ def test_layout_is_the_contracts(rollout, saved):
         assert {key: archive[key].shape for key in expected} == expected
         assert archive["schema"] == "llsrbm.rollout/1"
         own = [key for key in archive if not key.startswith("plan/")]
-        assert {key for key in own if archive[key].dtype.kind == "i"} == {
-            "contact",
-            "mode",
-            "phase",
-        }
+        whole = {key for key in own if archive[key].dtype.kind == "i"}
+        assert whole == {"contact", "mode", "phase"}
         meta = json.loads(str(archive["meta"]), parse_constant=pytest.fail)
     assert meta["request"]["twist"] == rollout.jump.twist
     assert meta["model"] == "llsrbm-plus"
@@ -136,15 +131,6 @@ def test_layout_is_the_contracts(rollout, saved):
     assert meta["disturbance"]["friction"] == rollout.disturbance.friction
     assert meta["outcome"]["status"] == "landed"
     assert meta["package_version"]
-
-
-def test_contacts_that_are_booleans_are_stored_as_numbers(rollout, saved, tmp_path):
-    replace(rollout, contact=rollout.contact.astype(bool)).save(tmp_path / "b.npz")
-    assert_same(rollout, load(tmp_path / "b.npz"))
-
-
-def test_keys_added_by_later_versions_are_no_error(rollout, saved, tmp_path):
-    assert_same(rollout, load(rewritten(saved, tmp_path / "new.npz", novelty=np.zeros(3))))
 
 
 def test_a_rollout_that_is_not_finite_is_not_written(rollout, tmp_path):
@@ -161,17 +147,6 @@ class TestReading:
         assert isinstance(load(tmp_path / "plan.npz"), Plan)
         with pytest.raises(FileFormatError, match=r'"llsrbm.rollout/1"; expected "llsrbm.plan/2"'):
             load_plan(saved)
-
-    def test_a_plan_that_calls_itself_a_rollout(self, tmp_path):
-        synthetic_plan().save(tmp_path / "plan.npz")
-        schema = np.array("llsrbm.rollout/1")
-        path = rewritten(tmp_path / "plan.npz", tmp_path / "x.npz", schema=schema)
-        assert "scenario: Field required" in message(path)
-
-    def test_missing_keys(self, saved, tmp_path):
-        for key in ("schema", "meta", *LAYOUT):
-            path = rewritten(saved, tmp_path / "x.npz", **{key: None})
-            assert f'key "{key}" is missing' in message(path)
 
     def test_wrong_shapes(self, rollout, saved, tmp_path):
         for key in LAYOUT:

@@ -1,7 +1,5 @@
 """A rollout between its ticks."""
 
-from __future__ import annotations
-
 from dataclasses import fields, replace
 
 import numpy as np
@@ -10,7 +8,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from llsrbm.errors import InputError
 from llsrbm.motion.sampling import resample, with_events
 from tests.llsrbm.synthetic_rollout import RATE, synthetic_rollout
 
@@ -65,19 +62,6 @@ def test_a_flip_of_a_quaternions_sign_is_no_turn(rollout):
     np.testing.assert_allclose(got.qpos, expected.qpos, atol=1e-12)
 
 
-def test_outside_nothing_changes(rollout):
-    at = resample(rollout, [-1.0, 99.0])
-    np.testing.assert_array_equal(at.time, [-1.0, 99.0])
-    np.testing.assert_array_equal(at.com, rollout.com[[0, -1]])
-    np.testing.assert_array_equal(at.phase, rollout.phase[[0, -1]])
-
-
-def test_times_that_are_no_times(rollout):
-    for times in ([np.nan], [[0.0, 1.0]]):
-        with pytest.raises(InputError, match="finite numbers"):
-            resample(rollout, times)
-
-
 @pytest.mark.parametrize("fps", [7.0, 60.0, 400.0, 1000.0])
 def test_frames_and_events(rollout, fps):
     times = with_events(rollout, fps)
@@ -89,13 +73,3 @@ def test_frames_and_events(rollout, fps):
     outcome = rollout.outcome
     for event in (outcome.touchdown_true_s, outcome.touchdown_detected_s):
         assert np.abs(times - event).min() < 1e-9
-
-
-def test_at_the_control_rate_times_are_the_ticks(rollout):
-    np.testing.assert_allclose(with_events(rollout, RATE), rollout.time, rtol=0, atol=1e-9)
-
-
-@pytest.mark.parametrize("fps", [0, -1, np.nan, np.inf, 1e5])
-def test_frame_rates_that_make_no_sense(rollout, fps):
-    with pytest.raises(InputError, match="0 < fps <= 10000"):
-        with_events(rollout, fps)

@@ -1,8 +1,5 @@
 """Resampling against integration, SciPy's slerp and the geometry it promises."""
 
-from __future__ import annotations
-
-import time
 from dataclasses import replace
 
 import numpy as np
@@ -17,8 +14,6 @@ from llsrbm.motion.sampling import evenly, resample, with_events
 from tests.llsrbm.synthetic import (
     FLIGHT,
     GRAVITY,
-    LANDING,
-    TAKE_OFF,
     TWO_HOPS,
     TWO_HOPS_DURATIONS,
     synthetic_plan,
@@ -102,16 +97,6 @@ def test_continuous_across_knots_and_phases(plan):
         assert jump < 1e-4, name
 
 
-def test_feet_stand_still_in_stance(plan):
-    motion = resample(plan, random_times(plan))
-    for phase, knot in ((TAKE_OFF, 0), (LANDING, -1)):
-        stance = motion.phase == phase
-        assert stance.sum() > 20
-        for name in ("foot_position", "contact_point"):
-            at_rest = np.broadcast_to(getattr(plan, name)[knot], (stance.sum(), 4, 3))
-            np.testing.assert_allclose(getattr(motion, name)[stance], at_rest, atol=1e-12)
-
-
 def test_feet_in_flight_are_straight_seen_from_the_com_in_base_axes(plan):
     """The synthetic plan's feet are one straight line over the whole flight, by construction."""
     start, end = plan.phase_start[1:3]
@@ -151,16 +136,6 @@ def test_a_foot_stands_or_flies_on_its_own():
         np.testing.assert_array_equal(motion.contact[:, leg], stands)
         still = np.diff(motion.foot_position[:, leg], axis=0)[stands[1:] & stands[:-1]]
         np.testing.assert_allclose(still, 0.0, atol=1e-12)
-
-
-def test_contacts_change_exactly_at_the_edges_of_phases():
-    plan = synthetic_plan(schedule=TWO_HOPS, durations=TWO_HOPS_DURATIONS)
-    times = with_events(plan, 50)
-    assert set(plan.phase_start) <= set(times)
-    at = resample(plan, plan.phase_start[:-1])
-    np.testing.assert_array_equal(at.contact, TWO_HOPS.stands)
-    before = resample(plan, plan.phase_start[1:-1] - 1e-6)
-    np.testing.assert_array_equal(before.contact, TWO_HOPS.stands[:-1])
 
 
 def test_forces_are_held_and_zero_in_flight(plan):
@@ -222,34 +197,10 @@ def test_still_before_the_start_and_after_the_end(plan):
     np.testing.assert_array_equal(motion.time, [-1.0, plan.time[-1] + 1])
 
 
-def test_order_does_not_matter(plan):
-    times = random_times(plan)
-    shuffled = np.random.default_rng(2).permutation(len(times))
-    np.testing.assert_array_equal(
-        resample(plan, times[shuffled]).foot_position, resample(plan, times).foot_position[shuffled]
-    )
-
-
-def test_shortest_plan():
-    motion = resample(synthetic_plan(intervals=1), [0.1, 0.7, 1.4])
-    assert np.isfinite(motion.joint_position).all()
-
-
 @pytest.mark.parametrize("times", [[np.nan], [[0.0, 1.0]]])
 def test_times_that_are_no_list_of_numbers(plan, times):
     with pytest.raises(InputError, match="list of finite numbers"):
         resample(plan, times)
-
-
-def test_quick_enough_for_a_player(plan):
-    """A generous bound; a frame at 60 Hz is 17 ms and this is 100 of them at once."""
-    times = with_events(plan, 60.0)
-    best = np.inf
-    for _ in range(10):
-        begin = time.perf_counter()
-        resample(plan, times)
-        best = min(best, time.perf_counter() - begin)
-    assert best < 0.02
 
 
 @given(fps=st.floats(0.5, 1000), durations=st.tuples(*[st.floats(0.05, 1)] * 3))

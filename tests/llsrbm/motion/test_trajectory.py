@@ -1,7 +1,5 @@
 """Opening what is no native file of this version: a line that says what it seems to be."""
 
-from __future__ import annotations
-
 import json
 import pickle
 
@@ -12,7 +10,6 @@ from llsrbm.errors import FileFormatError
 from llsrbm.installed import package_version
 from llsrbm.motion.plan import SCHEMA as PLAN_SCHEMA
 from llsrbm.motion.plan import load_plan
-from llsrbm.motion.rollout import SCHEMA as ROLLOUT_SCHEMA
 from llsrbm.motion.trajectory import load
 from llsrbm.request.design import Design, dump_design
 from llsrbm.request.jump import Jump
@@ -64,15 +61,6 @@ def test_a_newer_plan(plan, tmp_path):
         assert "update llsrbm" in text
 
 
-def test_a_newer_rollout(rollout, tmp_path):
-    path = tmp_path / "x.npz"
-    schema = newer(rollout, path, ROLLOUT_SCHEMA, package_version="7.8.9")
-    text = said(path)
-    assert f'schema "{schema}", written by a newer llsrbm (7.8.9)' in text
-    assert ROLLOUT_SCHEMA in text
-    assert "update llsrbm" in text
-
-
 @pytest.mark.parametrize("meta", ["{", "[]", "3", "\x00", "[" * 100_000])
 def test_a_newer_file_that_does_not_say_who_wrote_it(plan, tmp_path, meta):
     path = tmp_path / "x.npz"
@@ -95,11 +83,6 @@ def test_schemas_that_are_not_newer(plan, tmp_path, schema):
     np.savez(path, **arrays | {"schema": np.array(schema)})
     text = said(path)
     assert f'schema "{schema}"; expected "{PLAN_SCHEMA}"' in text
-
-
-def test_a_plan_is_no_rollout(rollout, tmp_path):
-    rollout.save(tmp_path / "rollout.npz")
-    assert f'expected "{PLAN_SCHEMA}"' in said(tmp_path / "rollout.npz", load_plan)
 
 
 def test_what_it_seems_to_be(plan, tmp_path):

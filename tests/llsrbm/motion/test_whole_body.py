@@ -1,7 +1,5 @@
 """The one form of a robot's motion, held against Pinocchio and MuJoCo."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import mujoco
@@ -101,14 +99,6 @@ def test_momenta_inertia_and_feet_of_states_are_mujocos(name):
     np.testing.assert_allclose(of.inertia[: len(at)], rollout.inertia[at], atol=1e-5)
 
 
-def test_qvel_turns_in_the_base_and_moves_in_the_world():
-    motion = whole_body_motion(simulated("anymal"), fps=50)
-    k = len(motion.time) // 3
-    R = Rotation.from_quat(motion.base_quat[k], scalar_first=True)
-    np.testing.assert_allclose(R.apply(motion.qvel[k, 3:6]), motion.angular_velocity[k])
-    np.testing.assert_array_equal(motion.qvel[k, :3], motion.base_velocity[k])
-
-
 @pytest.mark.parametrize("made", [planned, simulated])
 def test_padding_stands_still(made):
     trajectory = made("anymal")
@@ -136,14 +126,6 @@ def test_attitudes_between_knots_turn_evenly():
         step = (knots[left].inv() * knots[left + 1]).as_rotvec()
         between = (knots[left] * Rotation.from_rotvec(share * step)).as_quat(scalar_first=True)
         same_attitude(motion.base_quat[k], between, atol=1e-12)
-
-
-def test_instants_of_events_are_there_and_nothing_is_even():
-    plan = planned("go2")
-    motion = whole_body_motion(plan, 50, events=True)
-    assert motion.fps is None
-    for instant in plan.phase_start:
-        assert np.abs(motion.time - instant).min() < 1e-9
 
 
 def test_another_robots_joints():

@@ -5,8 +5,6 @@ sum of w u^2 dt, where the weight w of the first half of the intervals and that 
 parameters of their own.
 """
 
-from __future__ import annotations
-
 import casadi as ca
 import numpy as np
 

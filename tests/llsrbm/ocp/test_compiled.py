@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from llsrbm.ocp import compile_job, compiled, solvers
+from llsrbm.ocp import compile_job, solvers
 from llsrbm.ocp.compile_job import failed
 from llsrbm.ocp.compiled import Compiler, Library, c_files, compiler, packed
 from llsrbm.ocp.solvers import SolveOptions
@@ -57,10 +57,6 @@ def test_numbers(library, name):
         np.testing.assert_allclose(b.nonzeros(), a.nonzeros(), rtol=1e-13, atol=1e-14)
 
 
-def test_structure(library):
-    assert library.load().structure == transcription().structure
-
-
 def test_solutions(library):
     kind = solvers.by_name("fatrop")
     plain, fast = kind(transcription()), kind(library.load())
@@ -86,31 +82,6 @@ def test_a_solver_takes_them_when_they_are_there(library):
     after = solver.solve(problem(1.0), GUESS)
     assert solver.function("nlp_g").is_a("External", True)
     np.testing.assert_allclose(after.variables, before.variables, atol=1e-8)
-
-
-def test_a_solver_that_settles_waits_for_them_and_changes_no_more(library):
-    there = []
-    waiting, late = (solvers.by_name("fatrop")(transcription()) for _ in range(2))
-    waiting.replace_by(lambda: library.load() if there else None, lambda: there.append(True))
-    waiting.settle()
-    assert waiting.function("nlp_g").is_a("External", True)
-    there.clear()
-    late.replace_by(lambda: library.load() if there else None)
-    late.settle()
-    there.append(True)
-    late.solve(problem(1.0), GUESS)
-    assert not late.function("nlp_g").is_a("External", True)
-
-
-def test_waiting_is_also_for_another_processs_job(tmp_path):
-    (tmp_path / "kind").mkdir()
-    mine, others = (Library(tmp_path / "kind" / "cart.so") for _ in range(2))
-    others.compile(compiler(), packed(c_files(transcription())))
-    while not (tmp_path / "kind" / "cart.so.lock").exists():
-        assert others._job.poll() is None
-        time.sleep(0.01)
-    mine.wait()
-    assert mine.load() is not None
 
 
 def test_two_jobs_at_once_make_one_library(tmp_path):
@@ -152,13 +123,6 @@ def test_a_compiler_that_fails_is_tried_again_the_next_day(tmp_path, caplog):
     assert attempt(tmp_path, "cc")
 
 
-def test_a_compiler_that_was_killed_is_tried_again(tmp_path, caplog):
-    for script in ("kill -9 $$", "echo Killed signal terminated program cc1 >&2; exit 1"):
-        assert attempt(tmp_path, program(tmp_path, script))
-        assert "going on without compiled functions" in caplog.text
-        assert not failed(tmp_path / "kind" / "cart.so").exists()
-
-
 def test_a_compiler_that_does_not_end_is_ended_with_all_it_runs(tmp_path, monkeypatch):
     monkeypatch.setattr(compile_job, "LONGEST", 0.3)
     command = program(tmp_path, "sleep 30 & echo $! > child; wait")
@@ -176,28 +140,6 @@ def test_a_compiler_that_does_not_end_is_ended_with_all_it_runs(tmp_path, monkey
     while runs() and time.monotonic() < deadline:
         time.sleep(0.01)
     assert not runs()
-
-
-def test_a_cache_that_cannot_be_locked_is_reported(tmp_path, caplog):
-    (tmp_path / "compiling.lock").mkdir()
-    assert attempt(tmp_path, "cc")
-    assert "compiling.lock" in caplog.text
-
-
-def test_a_compiler_that_answers_late_is_tried_again(tmp_path, monkeypatch):
-    monkeypatch.setenv("CC", program(tmp_path, "sleep 0.3; echo '#define A 1'"))
-    with monkeypatch.context() as patch:
-        patch.setattr(compiled, "_MACROS_WITHIN", 0.05)
-        assert compiler() is None
-    assert "#define A 1" in compiler().identity
-
-
-def test_what_only_its_user_may_change_is_loaded(library, monkeypatch):
-    def refuse(*_):
-        raise PermissionError("read-only")
-
-    monkeypatch.setattr(os, "utime", refuse)
-    assert library.load() is not None
 
 
 def test_what_is_no_library_is_reported(tmp_path, caplog):

@@ -71,20 +71,6 @@ def test_random_graphs(graph, point):
     )
 
 
-def test_nothing_marked():
-    z = ca.SX.sym("z", 3)
-    lift = Lifting(z)
-    H = lift.hessian(z[0] ** 2 * z[1] + z[2])
-    np.testing.assert_allclose(numbers(z, H, [1, 2, 3]), [[4, 2, 0], [2, 0, 0], [0, 0, 0]])
-
-
-def test_a_marked_expression_keeps_its_shape():
-    z = ca.SX.sym("z", 4)
-    lift = Lifting(z)
-    assert lift(ca.reshape(z, 2, 2)).shape == (2, 2)
-    assert lift(ca.DM([1.0, 0.0])).shape == (2, 1)
-
-
 def test_parameters_are_no_variables():
     z, p = ca.SX.sym("z", 2), ca.SX.sym("p")
     lift = Lifting(z)

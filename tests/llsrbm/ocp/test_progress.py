@@ -1,4 +1,3 @@
-import io
 import subprocess
 import sys
 import threading
@@ -37,15 +36,6 @@ def test_rows_are_read_wherever_the_pieces_end(cuts):
     assert table.last == ROWS[-1]
 
 
-def test_a_restoration_row_counts_and_nothing_else_does():
-    table = IterationTable()
-    table.read("  12r 1.0e+01 3.00e-02 1.0e+00   -2.0\n")
-    assert table.last == (12, 0.03)
-    table.read("total 3\n  13 unfinished 1.0e+01")
-    table.read("\n")
-    assert table.last == (12, 0.03)
-
-
 def test_only_this_threads_prints_are_taken(capsys):
     taken = []
     other = threading.Thread(target=print, args=("of another thread",))
@@ -56,19 +46,6 @@ def test_only_this_threads_prints_are_taken(capsys):
     print("after")
     assert "".join(taken) == "mine\n"
     assert capsys.readouterr().out == "of another thread\nafter\n"
-
-
-def test_output_that_is_redirected_meanwhile_stays_so(monkeypatch):
-    elsewhere = io.StringIO()
-    monkeypatch.setattr(sys, "stdout", sys.stdout)
-    with printed_into([].append):
-        tap = sys.stdout
-        sys.stdout = elsewhere
-    assert sys.stdout is elsewhere
-    print("seen")
-    assert elsewhere.getvalue() == "seen\n"
-    sys.stdout = tap  # put back by whoever redirected: it takes nothing any more
-    sys.stdout.write("")
 
 
 def test_results_and_errors_of_a_solve_come_through():
@@ -93,14 +70,6 @@ def test_reports_come_from_the_callers_thread_and_not_too_often(monkeypatch):
     assert {who for _, who in reported} == {threading.get_ident()}
 
 
-def test_nothing_is_reported_twice(monkeypatch):
-    monkeypatch.setattr(progress, "POLL_INTERVAL", 0.005)
-    monkeypatch.setattr(progress, "REPORT_INTERVAL", 0.0)
-    reported = []
-    attended(lambda: time.sleep(0.1), lambda: (3, 0.1), lambda *news: reported.append(news), None)
-    assert reported == [(3, 0.1)]
-
-
 def test_a_caller_that_cancels_does_not_wait_and_the_next_solve_does():
     at_once = []
     start = time.monotonic()
@@ -110,17 +79,6 @@ def test_a_caller_that_cancels_does_not_wait_and_the_next_solve_does():
     assert at_once[0] < 0.3
     assert attended(lambda: "next", lambda: None, None, None) == "next"
     assert time.monotonic() - start >= 0.6
-
-
-def test_a_solve_that_waits_can_be_cancelled_too():
-    release = threading.Event()
-    with pytest.raises(Cancelled):
-        attended(release.wait, lambda: None, None, lambda: True)
-    start = time.monotonic()
-    with pytest.raises(Cancelled):
-        attended(lambda: None, lambda: None, None, lambda: True)
-    assert time.monotonic() - start < 0.3
-    release.set()
 
 
 def test_when_idle_waits_for_an_abandoned_solve():

@@ -6,7 +6,6 @@ from functools import cache
 import numpy as np
 import pytest
 
-from llsrbm.errors import InputError
 from llsrbm.ocp import solvers
 from llsrbm.ocp.solvers import PATIENT, SolveOptions
 from llsrbm.ocp.solvers.base import TOO_FAR
@@ -104,20 +103,6 @@ def test_miss_is_the_largest_violation(name):
 
 
 @every_solver
-def test_patience(name):
-    task = problem(1.0, drag=2.0, push=1.6)
-    patient = solver(name).solve(task, GUESS)
-    assert patient.converged
-    hurried = solver(name).solve(task, GUESS, SolveOptions(mu=1e-3, iterations=2))
-    assert not hurried.converged
-    assert hurried.iterations <= 3 < patient.iterations  # Fatrop counts the first evaluation
-    rough = solver(name).solve(task, GUESS, replace(PATIENT, tolerance=1e-2))
-    assert rough.iterations <= patient.iterations
-    again = solver(name).solve(task, GUESS)
-    np.testing.assert_array_equal(again.variables, patient.variables)
-
-
-@every_solver
 def test_from_text_it_is_the_same(name):
     kind, here = solvers.by_name(name), solver(name)
     there = kind.deserialize(here.serialize())
@@ -142,9 +127,3 @@ def test_the_table_is_read_and_nothing_printed(capfd):
     fatrop.solve(problem(1.0), GUESS, SolveOptions(mu=3e-3, iterations=50))
     fatrop.follow(problem(1.01), fatrop.solve(problem(1.0), GUESS), acceptable=(5e-3, 1))
     assert capfd.readouterr() == ("", "")
-
-
-def test_names():
-    assert solvers.names() == ("fatrop", "ipopt")
-    with pytest.raises(InputError, match='no solver "snopt"; did you mean'):
-        solvers.by_name("snopt")

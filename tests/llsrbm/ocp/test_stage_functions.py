@@ -26,13 +26,3 @@ def test_agrees_with_one_stage_at_a_time(count):
     for k in range(count):
         for result, expected in zip(results, function(values[:, k], parameters), strict=True):
             np.testing.assert_allclose(result[:, k], np.array(expected).ravel(), rtol=1e-15)
-
-
-def test_an_output_without_elements():
-    z = ca.SX.sym("z", 2)
-    function = ca.Function("f", [z], [ca.SX(0, 1), z])
-    Z = ca.MX.sym("Z", 2, 8)
-    empty, same = batched(function, 8, Z)
-    assert empty.shape == (0, 8)
-    evaluated = ca.Function("e", [Z], [same])(np.arange(16.0).reshape(2, 8))
-    np.testing.assert_array_equal(np.array(evaluated), np.arange(16.0).reshape(2, 8))

@@ -20,15 +20,6 @@ def values(function, *arguments):
     return [np.array(out) for out in function.call(arguments)]
 
 
-def test_a_family_is_built_once():
-    built = []
-    Transcription(horizon(built))
-    assert built == ["first", "inner", "last"]
-    built.clear()
-    Transcription(horizon(built, fixed=False))  # its first stage has no gap before it
-    assert built == ["inner", "last"]
-
-
 def test_structure():
     structure = Transcription(horizon()).structure
     assert structure.states == [2] * (INTERVALS + 1)
@@ -96,19 +87,3 @@ def test_stages_that_do_not_fit_are_refused():
         ValueError, match=f"stage {INTERVALS - 1} leads to 2 states; the next has 1"
     ):
         Transcription(Horizon(runs, whole.parameters))
-
-
-def test_stages_without_parameters_of_their_own():
-    runs = tuple(
-        replace(run, local=(), build=lambda run=run: unweighted(run)) for run in horizon().runs
-    )
-    x = np.random.default_rng(2).normal(size=VARIABLES)
-    plain = Transcription(Horizon(runs, 4)).functions["nlp_f"](x, NUMBERS)
-    weighted = Transcription(horizon()).functions["nlp_f"](x, [*NUMBERS[:2], 1.0, 1.0])
-    assert float(plain) == pytest.approx(float(weighted), rel=1e-14)
-
-
-def unweighted(run):
-    stage = expressions(run.family, [])
-    cost = ca.substitute(stage.cost, stage.local, 1)
-    return replace(stage, local=ca.SX(0, 1), cost=cost)

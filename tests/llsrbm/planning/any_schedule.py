@@ -1,7 +1,5 @@
 """Tasks of any schedule, placed in the world by hand: the same displacement with every flight."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

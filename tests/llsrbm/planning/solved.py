@@ -1,7 +1,5 @@
 """Jumps that several tests look at, each planned once a run."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cache
 from typing import Any

@@ -1,7 +1,5 @@
 """Jump types: the presets on every robot, files of one's own, and what is said of wrong ones."""
 
-from __future__ import annotations
-
 import math
 import os
 
@@ -14,7 +12,6 @@ from llsrbm.request.jump_types import load_type, schedule_of, with_defaults
 from llsrbm.request.schedule import together
 from llsrbm.robots import load_robot
 from llsrbm.robots import names as robot_names
-from tests.llsrbm.synthetic import TWO_HOPS
 
 FLIP = """
 title = "Mine"
@@ -102,11 +99,6 @@ def test_hops_repeat_what_is_between_them(hops):
     assert [phase.place for phase in made if phase.feet] == list(range(hops + 1))
 
 
-def test_a_single_jump_has_no_hops():
-    with pytest.raises(InputError, match='hops: "All feet together" is one jump; expected 1'):
-        schedule_of(Jump(hops=2), load_robot("go2"))
-
-
 def test_a_file_is_read_again_when_it_has_changed(file):
     assert load_type(str(file)).title == "Mine"
     file.write_text(FLIP.replace("Mine", "Ours"))
@@ -169,12 +161,6 @@ def test_an_obstacle(file):
     assert kind.clears
 
 
-def test_what_has_to_be_cleared():
-    assert not load_type("together").clears
-    assert load_type("hurdle").clears
-    assert load_type("gap").obstacle.height < 0
-
-
 def test_the_ground_alone_can_be_cleared(file):
     file.write_text(FLIP.replace("asks", "clears_ground = true\nasks"))
     assert load_type(str(file)).clears
@@ -195,11 +181,6 @@ def test_the_ground_alone_can_be_cleared(file):
 def test_a_wrong_obstacle_is_one_line(file, old, new, said):
     file.write_text(HURDLE.replace(old, new, 1))
     assert refusal(file).startswith(said)
-
-
-def test_a_file_that_is_no_text(file):
-    file.write_bytes(b"\xff\xfe")
-    assert refusal(file) == "not a text file in UTF-8"
 
 
 @pytest.mark.parametrize(
@@ -243,7 +224,3 @@ class TestDefaults:
         flip = with_defaults(Jump(type="flip", height=0.1))
         hops = with_defaults(Jump(**flip.as_dict() | {"type": "hops"}))
         assert hops == Jump(type="hops", hops=2, height=0.1)
-
-
-def test_the_schedule_of_the_other_tests_is_one_that_files_can_have():
-    assert TWO_HOPS.from_dict(TWO_HOPS.as_dict()) == TWO_HOPS

@@ -1,16 +1,11 @@
 """`Push`: what may be asked for, from Python, files and the command line."""
 
-from __future__ import annotations
-
-import math
-
-import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from llsrbm.errors import InputError
-from llsrbm.request.push import LARGEST_IMPULSE, Push, parse_push
+from llsrbm.request.push import Push, parse_push
 
 
 def refused(call, *given) -> str:
@@ -64,16 +59,3 @@ def test_numbers_that_make_no_sense(text, said):
 )
 def test_an_impulse_is_three_numbers(impulse):
     assert refused(Push, 0.4, impulse).startswith("push: impulse: expected three finite numbers")
-
-
-def test_scalars_of_numpy_become_pythons_own():
-    push = Push(np.float32(0.5), np.array([1.0, 2.0, 3.0]))
-    assert push == Push(0.5, (1, 2, 3))
-    assert [type(value) for value in (push.time, *push.impulse)] == [float] * 4
-
-
-def test_the_size_counts_not_the_components():
-    Push(0.0, (LARGEST_IMPULSE, 0, 0))
-    side = 0.99 * LARGEST_IMPULSE
-    assert math.hypot(side, side) > LARGEST_IMPULSE
-    refused(Push, 0.0, (side, side, 0.0))

@@ -1,7 +1,5 @@
 """Schedules: what they say of their feet, and one line for each that cannot be."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import replace
 
@@ -35,12 +33,6 @@ def test_what_it_says_of_its_feet():
     np.testing.assert_array_equal(TWO_HOPS.lands(5), [True, True, False, False])
     assert not TWO_HOPS.lifts(0).any()
     assert not TWO_HOPS.lands(0).any()
-
-
-def test_a_foot_lands_as_often_as_it_lifts():
-    lifts = sum(TWO_HOPS.lifts(phase).astype(int) for phase in range(7))
-    lands = sum(TWO_HOPS.lands(phase).astype(int) for phase in range(7))
-    np.testing.assert_array_equal(lifts, lands)
 
 
 @pytest.mark.parametrize(
@@ -87,12 +79,6 @@ def test_one_that_cannot_be_is_a_line(phases, said):
         schedule(*phases)
     assert said in str(caught.value)
     assert str(caught.value).isprintable()
-
-
-@pytest.mark.parametrize("legs", [(), ("LF", "LF", "RF")])
-def test_legs_have_names_of_their_own(legs):
-    with pytest.raises(InputError, match="expected names, each once"):
-        schedule(replace(ALL, feet=legs), NONE, replace(LANDING, feet=legs), legs=legs)
 
 
 feet = st.lists(st.sampled_from([*LEGS, "tail"]), max_size=5).map(tuple)
@@ -150,12 +136,4 @@ def test_a_strangers_table_is_a_schedule_or_one_line(data):
 @pytest.mark.parametrize("table", [{}, {"legs": list(LEGS)}, [], None, 3])
 def test_no_table_of_a_schedule(table):
     with pytest.raises(InputError, match="not one that this version wrote"):
-        Schedule.from_dict(table)
-
-
-@pytest.mark.parametrize("place", [1.5, True, "1", None, 10**400, float("inf")])
-def test_places_are_whole_numbers(place):
-    table = together(LEGS).as_dict()
-    table["phases"][2]["place"] = place
-    with pytest.raises(InputError):
         Schedule.from_dict(table)

@@ -27,12 +27,6 @@ def test_kept_apart_from_what_it_was_made_of():
     assert tuning.limits["friction"] == 0.4
 
 
-def test_order_does_not_matter():
-    one, two = Tuning(limits={"a": 1, "b": 2}), Tuning(limits={"b": 2, "a": 1})
-    assert one == two
-    assert hash(one) == hash(two)
-
-
 @pytest.mark.parametrize(
     ("given", "message"),
     [

@@ -1,7 +1,5 @@
 """Held joints and added frames, against Pinocchio's own way to lock joints of the whole robot."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 
@@ -253,12 +251,6 @@ def test_a_mistake_is_one_clear_line(small, mistake):
     assert "\n" not in message
     for part in ["mine.toml", *expected]:
         assert part in message
-
-
-def test_a_joint_of_a_foot_that_is_an_added_frame_is_not_held_either(small):
-    frames = {"sole": AddedFrame(link="shank", xyz=(0.0, 0.0, -0.1))}
-    with pytest.raises(RobotFileError, match="moves the foot of leg leg"):
-        adapted(small, {"hip": 0.0}, frames, {"leg": "sole"})
 
 
 @pytest.mark.parametrize("text", ["", "<robot", SMALL.replace('xyz="0 0 1"', 'xyz="0 0 up"')])

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from llsrbm.robots import load_robot
-from llsrbm.robots.drives import torque_in_direction, torque_range, with_drives
+from llsrbm.robots.drives import torque_in_direction, with_drives
 
 ROBOT = load_robot("slider")
 LIMIT, SPEED = ROBOT.torque_limit, ROBOT.speed_limit
@@ -22,15 +22,6 @@ def test_driving_torque_falls_and_braking_torque_does_not(share, driving):
     np.testing.assert_allclose(
         torque_in_direction(ROBOT, speed, -torque), [LIMIT, driving * LIMIT], atol=1e-9
     )
-
-
-def test_many_instants_are_the_same_as_one_at_a_time():
-    rng = np.random.default_rng(5)
-    speed = rng.uniform(-1.5, 1.5, size=(4, 3, len(LIMIT))) * SPEED
-    lowest, highest = torque_range(ROBOT, speed)
-    for index in np.ndindex(4, 3):
-        one = torque_range(ROBOT, speed[index])
-        np.testing.assert_array_equal((lowest[index], highest[index]), one)
 
 
 def test_other_drives_give_more_and_the_rest_of_the_robot_is_the_same():

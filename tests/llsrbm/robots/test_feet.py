@@ -31,12 +31,6 @@ def test_the_sphere_of_each_foots_link(name):
         )
 
 
-def test_anymals_feet():
-    for contact in foot_contacts(load_robot("anymal")):
-        assert contact.radius == 0.031
-        assert contact.centres[0] == pytest.approx([0, 0, 0.02325], abs=1e-12)
-
-
 def test_of_several_spheres_on_a_leg_the_one_next_to_the_foot(tmp_path):
     for contact in foot_contacts(sliding_biped(tmp_path)):
         assert contact.radius == 0.04
@@ -80,25 +74,3 @@ def test_a_sole_without_spheres_rests_on_those_of_the_files_radius(tmp_path):
         assert contact.centres == pytest.approx(
             np.array([[0.08, 0.04, 0.01], [-0.08, -0.04, 0.01]])
         )
-
-
-def test_a_collision_mesh_that_is_missing_is_one_clear_line(tmp_path):
-    box = '<box size="0.2 0.3 0.2"/>'
-    robot = sliding_biped(tmp_path, URDF.replace(box, '<mesh filename="package://no/such.stl"/>'))
-    with pytest.raises(RobotFileError, match=r"sliding\.toml: urdf: .*such\.stl") as caught:
-        foot_contacts(robot)
-    assert "\n" not in str(caught.value)
-
-
-def test_the_feets_lowest_points_are_level(tmp_path):
-    """Standing, so that a robot's own spheres agree with its foot frames."""
-    import pinocchio as pin
-
-    for robot in (load_robot("anymal"), sliding_biped(tmp_path)):
-        data = robot.model.createData()
-        pin.framesForwardKinematics(robot.model, data, robot.posture)
-        lowest = [
-            data.oMf[leg.foot_frame_id].act(contact.centres[0])[2] - contact.radius
-            for leg, contact in zip(robot.legs, foot_contacts(robot), strict=True)
-        ]
-        assert np.ptp(lowest) < 1e-3

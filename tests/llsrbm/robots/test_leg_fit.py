@@ -38,17 +38,6 @@ def test_maps_are_true_of_sliding_legs_with_soles():
     assert found.base_offset < 0.008
 
 
-def test_a_soles_turn_is_the_foots_alone():
-    """SLIDER's yaw joint is below the slide: its column of S is the foot's Izz, of c nothing."""
-    robot = load_robot("slider")
-    fit = fit_legs(robot)
-    (x,) = quadratic_features(np.array([[0.05, 0.02, -0.6, 0.4]]))
-    spin = (x @ fit.spin_map).reshape(3, 4)
-    assert spin[:, 3] == pytest.approx([0, 0, 0.017], abs=5e-4)
-    slope = fit.com_quadratic.T @ quadratic_slopes(np.array([0.05, 0.02, -0.6, 0.4]))
-    assert np.abs(slope[:, 3]).max() < 2e-3
-
-
 def test_anymals_maps_beat_the_papers_rule():
     fit = fit_legs(load_robot("anymal"))
     error = fit.residuals
@@ -94,14 +83,6 @@ def test_the_same_seed_gives_the_same_fit():
     # Enough samples that their choice hardly matters.
     x = quadratic_features(np.array([0.05, 0.05, -0.4]))
     np.testing.assert_allclose(x @ one.com_quadratic, x @ other.com_quadratic, atol=2e-3)
-
-
-def test_progress_runs_from_nothing_to_all():
-    seen: list[float] = []
-    fit_legs(load_robot("anymal"), samples=400, progress=seen.append)
-    assert seen[0] == 0.0
-    assert seen[-1] == 1.0
-    assert seen == sorted(seen)
 
 
 def test_a_reach_box_the_legs_cannot_reach_is_refused(tmp_path):

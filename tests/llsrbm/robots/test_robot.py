@@ -30,10 +30,6 @@ def test_anymal_has_the_known_figures():
     assert anymal.hips[0] == pytest.approx([0.277 + 0.0635, 0.116 + 0.041, 0.0])
 
 
-def test_a_robot_is_loaded_once():
-    assert load_robot("anymal") is load_robot("anymal")
-
-
 def test_a_changed_file_is_read_again(tmp_path):
     path = tmp_path / "mine.toml"
     path.write_text(ANYMAL)
@@ -62,15 +58,6 @@ def test_a_changed_urdf_is_read_again(tmp_path):
     heavier = description.read_text().replace('<mass value="', '<mass value="1', 1)
     (tmp_path / "robot.urdf").write_text(heavier)
     assert load_robot(str(path)).mass > first.mass + 1
-
-
-def test_robots_are_forgotten_beyond_a_few(tmp_path):
-    paths = [str(tmp_path / f"{index}.toml") for index in range(18)]
-    for path in paths:
-        Path(path).write_text(ANYMAL)
-    loaded = [load_robot(path) for path in paths]
-    assert load_robot(paths[-1]) is loaded[-1]
-    assert load_robot(paths[0]) is not loaded[0]
 
 
 def test_the_default_posture_stands_on_the_ground_below_its_com(robot):
@@ -117,15 +104,6 @@ def test_the_default_posture_is_within_the_robots_own_reach(robot):
 def test_hind_legs_are_mirrored_only_if_they_bend_the_other_way(name, hind):
     robot = load_robot(name)
     assert robot.mirrors.tolist() == [[1, 1, 1], [1, -1, 1], [hind, 1, 1], [hind, -1, 1]]
-
-
-def test_parameters_are_plain_data(robot):
-    import json
-
-    read = json.loads(json.dumps(robot.parameters()))
-    assert read["name"] == robot.name
-    assert read["mass"] == robot.mass
-    assert np.array(read["inertia"]) == pytest.approx(robot.inertia)
 
 
 def test_names_are_listed_and_an_unknown_one_is_refused():
@@ -209,11 +187,6 @@ def beside(tmp_path: Path, urdf: str) -> Path:
     return path
 
 
-def test_a_urdf_beside_the_robot_file(tmp_path):
-    path = beside(tmp_path, load_robot("anymal").urdf_path.read_text())
-    assert load_robot(str(path)).mass == load_robot("anymal").mass
-
-
 @pytest.mark.parametrize(
     "text",
     ["", "not XML", "<robot name='x'><link/></robot>", "<robot name='x'><link name='a'/></robot>"],
@@ -250,9 +223,3 @@ def test_limits_that_the_file_leaves_out_are_the_urdfs(tmp_path):
     np.testing.assert_array_equal(robot.torque_limit, torque)
     np.testing.assert_array_equal(robot.speed_limit, speed)
     assert load_robot("anymal").torque_limit.tolist() == [40.0] * 12  # the file's, not the URDF's
-
-
-def test_plans_keep_a_share_of_the_drives_for_feedback(robot):
-    limits = robot.file.limits
-    assert (limits.torque_share, limits.speed_share) == (0.85, 0.9)
-    assert robot.file.reach.standing == 0.6

@@ -1,15 +1,12 @@
 """SLIDER's description against the figures that its makers published, written down here again."""
 
 import itertools
-import zlib
 
 import mujoco
 import numpy as np
 import pinocchio as pin
 import pytest
 
-from llsrbm.cache import ENVIRONMENT_VARIABLE
-from llsrbm.look.visuals import forward_kinematics, link_visuals
 from llsrbm.motion.rollout import Disturbance
 from llsrbm.robots import load_robot
 from llsrbm.robots.feet import foot_contacts
@@ -32,13 +29,6 @@ MIRRORED_JOINTS = np.array([-1.0, 1.0, 1.0, -1.0, 1.0, -1.0])
 @pytest.fixture(scope="module")
 def slider():
     return load_robot("slider")
-
-
-@pytest.fixture(scope="module")
-def visuals(slider, tmp_path_factory):
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setenv(ENVIRONMENT_VARIABLE, str(tmp_path_factory.mktemp("cache")))
-        return link_visuals(slider)
 
 
 def placed(robot, q):
@@ -74,13 +64,6 @@ def test_links_have_the_published_inertia(slider):
     assert np.diag(inertias[1].inertia) == pytest.approx(6.08 / 12 * np.array(even), abs=1e-5)
 
 
-def test_no_links_inertia_is_impossible(slider):
-    for body in slider.model.inertias[1:]:
-        small, middle, large = np.linalg.eigvalsh(body.inertia)
-        assert small > 0
-        assert large <= small + middle + 1e-12
-
-
 def test_joints_are_where_they_were_published(slider):
     data = placed(slider, pin.neutral(slider.model))
     for side, sign in (("left", 1), ("right", -1)):
@@ -113,29 +96,6 @@ def test_ranges_and_efforts(slider):
         assert model.upperEffortLimit[at.idx_v] == EFFORTS[name]
         assert slider.torque_limit[at.idx_v - 6] == EFFORTS[name]
         assert slider.speed_limit[at.idx_v - 6] == model.upperVelocityLimit[at.idx_v]
-
-
-def test_the_file_keeps_within_the_joints(slider):
-    file, model = slider.file, slider.model
-    yaw = model.joints[joint(slider, "left", "yaw")]
-    assert max(map(abs, file.foot.yaw)) <= model.upperPositionLimit[yaw.idx_q]
-    assert (slider.posture[7:] > model.lowerPositionLimit[7:]).all()
-    assert (slider.posture[7:] < model.upperPositionLimit[7:]).all()
-    shortest, longest = file.reach.distance
-    stretched = ANKLE_BELOW_HIP + SOLE_BELOW_ANKLE
-    assert stretched - RANGES["slide"] < shortest
-    assert longest < stretched + RANGES["slide"]
-    # Level soles at the corners of the box: ankles turn by what the leg leans.
-    for x, y in itertools.product(*zip(file.reach.lower[:2], file.reach.upper[:2], strict=True)):
-        drop = -file.reach.upper[2] - SOLE_BELOW_ANKLE
-        assert np.arctan2(abs(x), drop) < RANGES["ankle_pitch"]
-        assert np.arctan2(abs(y), drop) < RANGES["ankle_roll"]
-
-
-def test_feet_can_neither_cross_nor_touch(slider):
-    inward = slider.file.reach.lower[1]
-    assert slider.hips[0, 1] + inward > 0
-    assert slider.file.limits.feet_apart > 2 * np.hypot(*SOLE)
 
 
 def test_left_and_right_are_mirror_images(slider):
@@ -176,50 +136,6 @@ def test_it_stands_on_its_soles_below_its_com(slider):
     assert slider.com[2] == pytest.approx(0.60, abs=1e-3)
     slide = slider.posture[[leg.q_index[2] for leg in slider.legs]]
     assert slide == pytest.approx(0, abs=0.05)  # mid-stroke
-
-
-def test_what_is_drawn_is_1_2_m_high_and_light(slider, visuals):
-    position, quat = forward_kinematics(
-        slider, slider.base_position[None], [[1, 0, 0, 0]], slider.posture[None, 7:]
-    )
-    heights = {}
-    for visual in visuals:
-        w, x, y, z = quat[0, visual.joint_id - 1]
-        R = pin.Quaternion(w, x, y, z).matrix()
-        at = visual.vertices @ R.T + position[0, visual.joint_id - 1]
-        heights[visual.link] = at[:, 2].min(), at[:, 2].max()
-    assert set(heights) == {
-        "pelvis",
-        *(
-            f"{side}_{link}"
-            for side in ("left", "right")
-            for link in ("hip", "carriage", "leg", "shank", "cross", "foot")
-        ),
-    }
-    assert min(low for low, _ in heights.values()) == pytest.approx(0, abs=2e-3)
-    assert max(high for _, high in heights.values()) == pytest.approx(1.2, abs=0.005)
-    # The legs stand out above the pelvis, and still hold in the hips when they are let down.
-    assert heights["left_leg"][1] > heights["pelvis"][1] + 0.3
-    assert heights["left_leg"][1] - RANGES["slide"] > slider.base_position[2]
-    on_the_wire = [zlib.compress(visual.mesh().export(file_type="glb")) for visual in visuals]
-    assert sum(map(len, on_the_wire)) < 50e3
-
-
-def test_mujoco_weighs_and_moves_it_as_pinocchio_does(slider):
-    scene = build_scene(slider, Surroundings(ground=0.0, blocks=()), Disturbance(), 1e-3)
-    model, data = slider.model, slider.model.createData()
-    simulated = mujoco.MjData(scene.model)
-    rng = np.random.default_rng(3)
-    for _ in range(5):
-        q = pin.neutral(model)
-        q[7:] = rng.uniform(-0.35, 0.35, model.nq - 7)  # base level: the same base velocities
-        simulated.qpos[scene.q_order] = q
-        mujoco.mj_forward(scene.model, simulated)
-        M = np.zeros((model.nv, model.nv))
-        mujoco.mj_fullM(scene.model, simulated, M)
-        believed = pin.crba(model, data, q)
-        believed = np.triu(believed) + np.triu(believed, 1).T
-        assert M[np.ix_(scene.v_order, scene.v_order)] == pytest.approx(believed, abs=1e-9)
 
 
 def test_it_stands_in_mujoco_on_eight_corners(slider):

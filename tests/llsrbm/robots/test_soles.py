@@ -27,11 +27,6 @@ def leaning(angle):
     return [0.0, angle, 0.0, 0.0, -angle, 0.0]
 
 
-def test_rounded_angles_are_level(tmp_path):
-    robot = slider_standing(tmp_path, leaning(-0.021), leaning(-0.019))
-    assert robot.foot_yaw == pytest.approx([0, 0], abs=1e-12)
-
-
 def test_a_sole_on_its_edge(tmp_path):
     edge = leaning(-0.02)
     edge[4] += 0.1

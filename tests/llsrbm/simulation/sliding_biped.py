@@ -1,7 +1,5 @@
 """A robot by hand: two legs, each of a hip that turns and a slide; feet are spheres."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from llsrbm.robots import load_robot

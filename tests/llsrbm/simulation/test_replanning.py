@@ -1,15 +1,11 @@
 """Planning anew in the loop: when it is asked, when it is followed, and what it is worth."""
 
-from __future__ import annotations
-
-from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 import llsrbm
-from llsrbm.control.controller import WholeBodyController
 from llsrbm.errors import InputError
 from llsrbm.motion.trajectory import load
 from llsrbm.request.push import DURATION, Push
@@ -171,13 +167,6 @@ def test_where_nothing_is_found_the_old_plan_goes_on(takes, monkeypatch):
     assert lost.replans
     assert not any(replan.solved for replan in lost.replans)
     np.testing.assert_array_equal(lost.qpos, calm.qpos)
-
-
-def test_another_reference_is_followed_from_the_next_step_on():
-    controller = WholeBodyController(ROBOT, plan(), Scenario())
-    moved = plan().com + np.array([0.1, 0.0, 0.0])
-    controller.set_reference(controller.reference_of(replace(plan(), com=moved)))
-    assert controller.target(0.2).com[0] == pytest.approx(plan().com[0, 0] + 0.1, abs=0.05)
 
 
 @pytest.mark.parametrize("moment", ["lift-off", "mid-flight"])

@@ -18,7 +18,7 @@ from tests.llsrbm.simulation.sliding_biped import URDF, sliding_biped
 GROUND = Surroundings(ground=0.0, blocks=())
 
 
-@pytest.fixture(params=["anymal", "a1", "anymal_c", "go2", "sliding", "slider", "g1"])
+@pytest.fixture(params=["anymal", "go2", "sliding", "slider", "g1"])
 def robot(request, tmp_path):
     if request.param == "sliding":
         return sliding_biped(tmp_path)
@@ -62,23 +62,7 @@ def test_joints_are_in_the_places_that_their_names_say(robot):
     assert scene.model.nu == len(robot.joint_names)
 
 
-def test_the_mass_is_the_urdfs(robot):
-    assert scene_of(robot).model.body_mass.sum() == pytest.approx(robot.mass, rel=1e-9)
-
-
-def test_mass_matrix(robot):
-    scene, data = scene_of(robot), robot.model.createData()
-    for q, v, _ in random_states(robot):
-        simulated, turn, _ = in_mujoco(scene, q, v)
-        mujoco.mj_forward(scene.model, simulated)
-        M = np.zeros((robot.model.nv, robot.model.nv))
-        mujoco.mj_fullM(scene.model, simulated, M)
-        believed = pin.crba(robot.model, data, q)
-        believed = np.triu(believed) + np.triu(believed, 1).T
-        assert turn.T @ M @ turn == pytest.approx(believed, abs=1e-9)
-
-
-@pytest.mark.parametrize("robot", ["anymal", "a1", "sliding"], indirect=True)
+@pytest.mark.parametrize("robot", ["anymal", "sliding"], indirect=True)
 def test_inertias_are_those_that_mujoco_itself_reads(robot):
     """Its own reading of the URDF, which needs placeholders (1e-6 kg m2) without off-diagonals."""
     urdf = ET.parse(robot.urdf_path).getroot()
@@ -121,11 +105,12 @@ def test_accelerations(robot):
         assert simulated.qacc == pytest.approx(in_world, abs=1e-9 * np.abs(expected).max())
 
 
-def test_a_heavier_trunk_is_that_of_pinocchio(robot):
-    scene = scene_of(robot, trunk_mass_factor=1.08)
+@pytest.mark.parametrize("factor", [1.0, 1.08])
+def test_mass_matrix(robot, factor):
+    scene = scene_of(robot, trunk_mass_factor=factor)
     model = robot.model.copy()
     trunk = model.inertias[1]
-    model.inertias[1] = pin.Inertia(1.08 * trunk.mass, trunk.lever, 1.08 * trunk.inertia)
+    model.inertias[1] = pin.Inertia(factor * trunk.mass, trunk.lever, factor * trunk.inertia)
     data = model.createData()
     for q, v, _ in random_states(robot, 5):
         simulated, turn, _ = in_mujoco(scene, q, v)

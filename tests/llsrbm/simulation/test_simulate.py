@@ -1,10 +1,7 @@
 """The whole chain on real plans: planner, controller, MuJoCo."""
 
-from __future__ import annotations
-
 import itertools
 from dataclasses import fields, replace
-from time import perf_counter
 
 import numpy as np
 import pytest
@@ -16,7 +13,6 @@ from llsrbm.motion.rollout import Mode, Rollout
 from llsrbm.motion.trajectory import load
 from llsrbm.request.scenario import Scenario
 from llsrbm.robots import load_robot
-from llsrbm.simulation.recorder import Recorder
 from llsrbm.simulation.simulate import STANDING, simulate
 from llsrbm.simulation.world import Diverged, World
 from tests.llsrbm.planning.solved import solved
@@ -127,13 +123,6 @@ def test_the_same_seed_is_the_same_rollout(disturbed):
     assert replace(disturbed.outcome, **wall) == replace(again.outcome, **wall)
 
 
-def test_seeds_differ(disturbed, twist):
-    other = run(scenario=Scenario(seed=8))
-    assert disturbed.disturbance != other.disturbance
-    assert not np.array_equal(disturbed.torque[:100], other.torque[:100])
-    assert twist.disturbance.trunk_mass_factor == 1.0
-
-
 @pytest.mark.parametrize("landing", ["planned", "tracking"])
 def test_other_landings_stand_as_well(landing):
     rollout = run(scenario=Scenario(landing=landing))
@@ -180,22 +169,6 @@ def test_reports_the_motion_so_far_at_60_instants_a_second(monkeypatch, twist):
     np.testing.assert_allclose(qpos[:, 7:], twist.qpos[places, 7:][:, order], atol=1e-9)
 
 
-def test_reporting_the_motion_costs_next_to_nothing(monkeypatch):
-    spent, so_far = [], Recorder.so_far
-
-    def timed(*arguments):
-        began = perf_counter()
-        result = so_far(*arguments)
-        spent.append(perf_counter() - began)
-        return result
-
-    monkeypatch.setattr(Recorder, "so_far", timed)
-    began = perf_counter()
-    run(so_far=lambda *_: None)
-    assert spent
-    assert sum(spent) < 0.02 * (perf_counter() - began)
-
-
 def test_a_robot_that_slips_falls_and_says_why(monkeypatch):
     """On ice no controller lands a 30 cm jump."""
     from llsrbm.motion.rollout import Disturbance
@@ -209,7 +182,7 @@ def test_a_robot_that_slips_falls_and_says_why(monkeypatch):
     assert outcome.fell_at_s > 0.2
 
 
-@pytest.mark.parametrize("at", [0, 1, 2, 5])
+@pytest.mark.parametrize("at", [0, 5])
 def test_a_simulation_that_diverges_early_is_a_fall_that_can_be_saved(at, monkeypatch, tmp_path):
     advance = World.advance
 

@@ -1,7 +1,5 @@
 """The biped on soles: the same chain, another robot file."""
 
-from __future__ import annotations
-
 import math
 from functools import cache
 

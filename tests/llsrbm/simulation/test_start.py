@@ -19,7 +19,7 @@ from tests.app.synthetic_plan import synthetic_plan
 from tests.llsrbm.simulation.sliding_biped import sliding_biped
 
 
-@pytest.fixture(params=["anymal", "a1", "sliding"])
+@pytest.fixture(params=["anymal", "sliding"])
 def robot(request, tmp_path):
     if request.param == "sliding":
         return sliding_biped(tmp_path)
@@ -57,23 +57,6 @@ def test_no_foot_is_in_the_ground(robot):
     assert min(depths, default=0) > -1e-6
 
 
-def test_a_plan_that_starts_turned(robot):
-    """The same robot seen from another side stands the same."""
-    plan = plan_of(robot)
-    c, s = np.cos(0.4), np.sin(0.4)
-    R = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1.0]])
-    turned = dataclasses.replace(
-        plan,
-        com=plan.com @ R.T,
-        base_quat=np.tile([np.cos(0.2), 0, 0, np.sin(0.2)], (len(plan.time), 1)),
-        base_position=plan.base_position @ R.T,
-        foot_position=plan.foot_position @ R.T,
-    )
-    there, here = standing_state(robot, turned), standing_state(robot, plan)
-    assert there[7:] == pytest.approx(here[7:], abs=1e-6)
-    assert there[:3] == pytest.approx(R @ here[:3], abs=1e-6)
-
-
 def test_what_cannot_stand_is_refused():
     robot = load_robot("anymal")
     plan = plan_of(robot)
@@ -88,7 +71,7 @@ def test_a_plan_of_another_robot_is_refused(tmp_path):
         standing_state(load_robot("anymal"), plan)
 
 
-@pytest.mark.parametrize("name", ["anymal", "go2", "slider"])
+@pytest.mark.parametrize("name", ["anymal", "slider"])
 def test_a_run_up_moves_com_and_base_over_feet_at_rest(name):
     robot = load_robot(name)
     plan = synthetic_plan(Jump(robot=name, speed=0.5))
@@ -111,12 +94,6 @@ def test_a_run_up_moves_com_and_base_over_feet_at_rest(name):
             lowest = frame.rotation @ centre - [0, 0, contact.radius]
             at_the_ground = twist.linear + np.cross(twist.angular, lowest)
             assert at_the_ground == pytest.approx(0.0, abs=1e-6)
-
-
-def test_a_jump_from_rest_starts_at_rest():
-    robot = load_robot("anymal")
-    plan = plan_of(robot)
-    assert not starting_velocity(robot, plan, standing_state(robot, plan)).any()
 
 
 def test_a_speed_that_legs_do_not_allow_is_refused(tmp_path):

@@ -1,7 +1,5 @@
 """The verdict: each term of strict success by itself, just within its limit and just beyond."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from types import SimpleNamespace
 

@@ -18,7 +18,7 @@ from llsrbm.request.scenario import Scenario
 from llsrbm.robots import load_robot
 from llsrbm.robots.feet import foot_contacts
 from llsrbm.simulation.start import standing_state
-from llsrbm.simulation.world import Diverged, World
+from llsrbm.simulation.world import Diverged, Drives, World
 from tests.app.synthetic_plan import FLY, STAND, synthetic_plan
 from tests.llsrbm.simulation.sliding_biped import sliding_biped
 
@@ -52,21 +52,10 @@ def springs(world, goal, stiffness=300.0, damping=8.0):
 @given(
     arrays(float, 18, elements=st.floats(-1.5, 1.5)), arrays(float, 18, elements=st.floats(-9, 9))
 )
-def test_states_survive_the_round_trip(turn, v):
-    q = pin.integrate(ANYMAL.model, ANYMAL.posture, turn)
-    SHARED.reset(q, v)
-    got_q, got_v = SHARED.state()
-    assert got_q == pytest.approx(q, abs=1e-12)
-    assert got_v == pytest.approx(v, abs=1e-12)
-
-
-@settings(deadline=None)
-@given(
-    arrays(float, 18, elements=st.floats(-1.5, 1.5)), arrays(float, 18, elements=st.floats(-9, 9))
-)
 def test_mujocos_state_is_in_its_own_conventions(turn, v):
     q = pin.integrate(ANYMAL.model, ANYMAL.posture, turn)
     SHARED.reset(q, v)
+    assert np.concatenate(SHARED.state()) == pytest.approx(np.concatenate([q, v]), abs=1e-12)
     R = pin.Quaternion(q[3:7]).toRotationMatrix()
     qpos, qvel = SHARED.qpos, SHARED.qvel
     assert qpos[:3] == pytest.approx(q[:3])
@@ -75,12 +64,6 @@ def test_mujocos_state_is_in_its_own_conventions(turn, v):
     assert qvel[3:6] == pytest.approx(v[3:6])
     assert qpos[7:] == pytest.approx(q[7:][SHARED.joint_order])
     assert qvel[6:] == pytest.approx(v[6:][SHARED.joint_order])
-
-
-def test_the_simulators_joints_have_the_names_that_joint_order_gives():
-    model = SHARED.scene.model
-    names = [model.joint(1 + j).name for j in range(JOINTS)]
-    assert names == [ANYMAL.joint_names[j] for j in SHARED.joint_order]
 
 
 def test_what_is_handed_out_is_a_copy():
@@ -94,16 +77,6 @@ def test_what_is_handed_out_is_a_copy():
         assert array.tolist() == copy.tolist()
     assert result.contact_force.tolist() == force.tolist()
     assert result.torque.tolist() == torque.tolist()
-
-
-def test_time_counts_ticks():
-    world = world_of()
-    assert world.time == 0
-    for k in range(1, 9):
-        world.advance(np.zeros(JOINTS))
-        assert world.time == k * TICK
-    world.reset(*in_the_air())
-    assert world.time == 0
 
 
 def test_free_fall():
@@ -174,8 +147,7 @@ def lowest_points(robot, data):
     )
 
 
-@pytest.mark.parametrize("factor", [1.0, 0.92])
-@pytest.mark.parametrize("seed", [0, 1])
+@pytest.mark.parametrize(("factor", "seed"), [(1.0, 0), (0.92, 1)])
 def test_recorded_forces_explain_the_momenta(factor, seed):
     check_momenta(Pushed(ANYMAL, PLAN, factor, seed, ticks=300))
 
@@ -293,6 +265,20 @@ def test_torques_act_on_the_joints_of_their_names():
         assert world.state()[1][6:] == pytest.approx(TICK * a[6:], abs=0.02 * TICK * abs(a).max())
 
 
+@given(
+    arrays(float, JOINTS, elements=st.floats(-120, 120)),
+    arrays(float, JOINTS, elements=st.floats(-30, 30)),
+)
+def test_torques_are_limited_by_the_speed_that_they_drive(torque, speed):
+    most, fastest = ANYMAL.file.limits.torque, ANYMAL.file.limits.joint_speed
+    applied, limit = Drives(ANYMAL, 0).limited(torque, speed)
+    left = most * np.clip((fastest - np.abs(speed)) / (0.3 * fastest), 0, 1)
+    expected = np.where(torque * speed > 0, left, most)
+    assert limit[torque != 0] == pytest.approx(expected[torque != 0], abs=1e-9)
+    clipped = np.sign(torque) * np.minimum(np.abs(torque), expected)
+    assert applied == pytest.approx(clipped, abs=1e-9)
+
+
 def test_a_joint_is_not_driven_beyond_its_speed():
     """Each step counts the speed that it meets, not the tick's first."""
     world = world_of()
@@ -331,21 +317,6 @@ def test_a_simulation_that_diverges_says_so(tmp_path, monkeypatch, capfd):
     assert capfd.readouterr() == ("", "")
 
 
-def test_runs_are_repeatable():
-    runs = []
-    for _ in range(2):
-        world = world_of(friction=0.6, contact_time=0.01)
-        q = standing_state(ANYMAL, PLAN)
-        for _ in range(2):
-            world.reset(q, np.zeros(18))
-            for _ in range(40):
-                result = world.advance(springs(world, q))
-            runs.append((*world.state(), result.contact_force))
-    for run in runs[1:]:
-        for one, other in zip(run, runs[0], strict=True):
-            assert one.tolist() == other.tolist()
-
-
 def drop_at_landing(scenario, jump):
     """Where the feet come to rest, held stiff at the landing place from mid-flight on."""
     plan = synthetic_plan(jump)
@@ -373,8 +344,6 @@ def drop_at_landing(scenario, jump):
 @pytest.mark.parametrize(
     ("scenario", "jump", "expected"),
     [
-        (Scenario(), Jump(forward=0.2), [0, 0, 0, 0]),
-        (Scenario(board=0.025), Jump(forward=0.2), [0.025] * 4),
         (Scenario(board=0.025, half_board=True), Jump(), [0.025, 0.025, 0, 0]),
         (Scenario(), Jump(height=0.2, lateral=0.2), [0.2] * 4),
         (Scenario(), Jump(height=-0.15, lateral=0.2), [-0.15] * 4),
@@ -383,11 +352,6 @@ def drop_at_landing(scenario, jump):
 )
 def test_feet_land_on_what_is_there(scenario, jump, expected):
     assert drop_at_landing(scenario, jump) == pytest.approx(expected, abs=2e-3)
-
-
-def test_a_board_that_does_not_fit_is_refused():
-    with pytest.raises(InputError, match="board: expected 0 to"):
-        world_of(scenario=Scenario(board=1.0))
 
 
 def test_a_robot_that_would_stand_in_a_box_is_refused():
@@ -476,12 +440,3 @@ def test_a_push_lasts_one_tick():
         pin.centerOfMass(ANYMAL.model, data, *each.state())
         speeds.append(data.vcom[0].copy())
     assert speeds[0] - speeds[1] == pytest.approx([100 * TICK / ANYMAL.mass, 0, 0], abs=1e-4)
-
-
-def test_a_reset_forgets_a_push():
-    world, other = world_of(), world_of()
-    world.push(np.full(3, 100.0), np.full(3, 10.0))
-    for each in (world, other):
-        each.reset(*in_the_air())
-        each.advance(np.zeros(JOINTS))
-    assert world.state()[1].tolist() == other.state()[1].tolist()

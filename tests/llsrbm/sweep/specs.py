@@ -1,7 +1,5 @@
 """Specs for tests, and planning that takes no time."""
 
-from __future__ import annotations
-
 import math
 from contextlib import contextmanager
 

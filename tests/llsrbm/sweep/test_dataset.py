@@ -1,7 +1,5 @@
 """Data sets of strict jumps, opened by processes that do not know this project."""
 
-from __future__ import annotations
-
 import json
 import shutil
 import subprocess
@@ -90,25 +88,6 @@ print(json.dumps({name: csv[name].tolist() for name in names}))
     assert all(text.startswith("BSD-3-Clause") for text in index["licence"])
 
 
-def test_a_motion_is_the_plan_of_its_request(plans):
-    table = pq.read_table(plans / "index.parquet").to_pylist()[1]
-    jump = llsrbm.Jump(robot=table["robot"], twist=table["twist"], forward=table["forward"])
-    plan = llsrbm.plan(jump)
-    with np.load(plans / table["file"], allow_pickle=False) as file:
-        motion = dict(file)
-    assert motion["fps"] == [100.0]
-    assert table["duration_s"] == pytest.approx(plan.duration, abs=1e-2)
-    at = np.arange(len(motion["joint_pos"])) / 100
-    columns = [plan.joint_names.index(str(name)) for name in motion["joint_names"]]
-    for knot in (0, 16, 32, 48):
-        frame = int(np.argmin(np.abs(at - plan.time[knot])))
-        # 5 ms of a joint at 15 rad/s, of a base at 3 m/s
-        near = plan.joint_position[knot, columns]
-        np.testing.assert_allclose(motion["joint_pos"][frame], near, atol=0.1)
-        root = motion["body_pos_w"][frame, 0]
-        np.testing.assert_allclose(root, plan.base_position[knot], atol=0.02)
-
-
 def test_lerobot_by_pandas(lerobot, sweep):
     script = """
 import sys, json, glob, pandas
@@ -194,13 +173,6 @@ def test_goes_on_where_it_was(sweep, tmp_path, monkeypatch):
         assert (whole / name).read_bytes() == (out / name).read_bytes()
 
 
-def test_a_finished_lerobot_set_is_left_alone(sweep, lerobot):
-    before = (lerobot / "meta" / "info.json").stat().st_mtime_ns
-    assert make_dataset(sweep, lerobot, "lerobot").computed == 0
-    assert (lerobot / "meta" / "info.json").stat().st_mtime_ns == before
-    assert not (lerobot / "parts").exists()
-
-
 def test_what_is_not_strict_any_more_is_left_out(sweep, tmp_path, monkeypatch):
     rollout_of = dataset.rollout_of
 
@@ -249,12 +221,6 @@ def test_a_sweep_under_way(sweep, tmp_path):
     pq.write_table(pq.read_table(part).slice(0, 2), part)
     with pytest.raises(InputError, match=r"the sweep is not done: 2 of 4 rows"):
         make_dataset(tmp_path / "sweep", tmp_path / "out", "npz")
-
-
-def test_nothing_strict(sweep, tmp_path):
-    path = changed(sweep, tmp_path / "sweep", strict=[False, None, False, None])
-    with pytest.raises(InputError, match="none of 4 rows is strict"):
-        make_dataset(path, tmp_path / "out", "npz")
 
 
 def test_another_version(sweep, tmp_path):

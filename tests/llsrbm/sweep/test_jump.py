@@ -40,16 +40,6 @@ def forth(spec):
     return computed(spec, range(4))
 
 
-def test_rows_do_not_depend_on_what_was_planned_before(spec, forth):
-    # All came after a jump that fails; now the one that is planned comes after one refused.
-    other = computed(spec, [3, 2]).drop_columns([*rows.TIMES])
-    mine = forth.drop_columns([*rows.TIMES])
-    assert other.slice(2, 2).equals(mine.slice(4, 2))
-    assert other.slice(0, 2).equals(mine.slice(6, 2))
-    assert mine["status"].to_pylist()[0] == "not planned"
-    assert mine["status"].to_pylist()[4] == "planned"
-
-
 def test_a_row_says_what_became_of_its_jump(spec, forth):
     found = forth.to_pylist()
     assert [row["index"] for row in found] == [*range(8)]

@@ -76,32 +76,12 @@ def test_any_drawn_point_can_be_had_without_those_before_it(sampling):
     assert [p.jump.twist for p in forth[:50]] == [p.jump.twist for p in forth[50:]]
 
 
-def test_another_seed_draws_others():
-    one, other = (Points(spec(DRAWN.format("random").replace("4", s))) for s in "45")
-    assert one[0].jump != other[0].jump
-
-
 def test_sobol_is_scipys_sequence_beyond_a_block():
     text = 'title="x"\nrobots=["anymal"]\nsampling="sobol"\ncount=9000\nseed=2\n'
     points = Points(parse_spec(text + "[axes]\ntwist={from=0,to=1}\nforward={from=0,to=1}", "x"))
     sequence = qmc.Sobol(2, scramble=True, rng=np.random.default_rng(2)).random(2**14)
     for k in (0, 4095, 4096, 8999):
         assert (points[k].jump.twist, points[k].jump.forward) == pytest.approx(tuple(sequence[k]))
-
-
-def test_what_is_not_asked_for_is_as_the_type_says():
-    points = Points(parse_spec(HEAD.replace("anymal", "go2") + 'types = ["flip"]\n', "x"))
-    assert points[0].jump.pitch == pytest.approx(-2 * np.pi)
-
-
-def test_kinds_are_what_solvers_are_built_for():
-    points = Points(
-        parse_spec(
-            HEAD + 'types=["hops"]\n[axes]\nhops=[1,2]\ntwist=[0,1]\n[drives]\ntorque=[1,2]\n', "x"
-        )
-    )
-    kinds = [(p.jump.hops, p.drive_torque) for p in points.kinds()]
-    assert sorted(kinds) == [(1, 1.0), (1, 2.0), (2, 1.0), (2, 2.0)]
 
 
 @pytest.mark.parametrize(

@@ -1,10 +1,8 @@
-import asyncio
 import os
 import signal
 import socket
 import subprocess
 import sys
-from concurrent.futures import ThreadPoolExecutor
 
 import distributed
 import pytest
@@ -57,20 +55,6 @@ def test_a_sweep_that_was_cut_off_goes_on(tmp_path, client, monkeypatch):
         progress = work(folder, client)
     assert (progress.begun_at, progress.done) == (before, 40)
     assert rows_of(tmp_path / "cut").equals(rows_of(tmp_path / "whole"))
-
-
-def test_few_jumps_are_under_way(tmp_path, client, monkeypatch):
-    most = 0
-
-    def counted(self, hand_out=run._Work._hand_out):
-        nonlocal most
-        hand_out(self)
-        most = max(most, len(self._flight))
-
-    monkeypatch.setattr(run._Work, "_hand_out", counted)
-    with opened(tmp_path) as folder:
-        work(folder, client)
-    assert most == run._UNDER_WAY * 2
 
 
 def test_another_version_on_a_worker_ends_it(tmp_path, client, monkeypatch):
@@ -150,19 +134,6 @@ def scheduler(tmp_path):
     finally:
         process.kill()
         process.wait()
-
-
-def test_it_connects_where_an_event_loop_runs(scheduler, monkeypatch):
-    """As in a notebook, or beside Playwright."""
-    monkeypatch.setattr(run, "_ANSWER_TIME", 30.0)
-    _, address = scheduler
-
-    async def workers():
-        with run.connected(1, address) as client:
-            return len(client.scheduler_info()["workers"])
-
-    with ThreadPoolExecutor(1) as thread:  # this one may have a loop already, of Playwright
-        assert thread.submit(asyncio.run, workers()).result() == 0
 
 
 def test_a_scheduler_that_dies_is_one_line(tmp_path, scheduler, monkeypatch):

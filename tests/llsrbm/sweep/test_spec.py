@@ -1,5 +1,4 @@
 import json
-import math
 
 import pytest
 from hypothesis import given
@@ -90,12 +89,6 @@ def test_a_bad_spec_gets_one_line(text, said):
     assert said in str(error.value)
     assert str(error.value).startswith("x.toml: ")
     assert "\n" not in str(error.value)
-
-
-def test_degrees_are_radians():
-    degrees = Points(parse_spec(HEAD + "[axes]\ntwist_deg = [30, 90]", "x"))
-    radians = Points(parse_spec(HEAD + f"[axes]\ntwist = [{math.pi / 6}, {math.pi / 2}]", "x"))
-    assert [p.jump.twist for p in degrees] == pytest.approx([p.jump.twist for p in radians])
 
 
 def test_comments_do_not_make_another_spec_but_values_do():

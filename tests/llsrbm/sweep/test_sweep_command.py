@@ -4,11 +4,8 @@ import pyarrow.parquet as pq
 import pytest
 
 from llsrbm import cli
-from llsrbm.request.messages import duration
 from llsrbm.sweep import run
-from llsrbm.sweep.points import Points
-from llsrbm.sweep.run import estimate
-from tests.llsrbm.sweep.specs import GRID, in_this_process, spec, without_planning
+from tests.llsrbm.sweep.specs import GRID, in_this_process, without_planning
 
 
 @pytest.fixture
@@ -73,19 +70,3 @@ def test_interrupted_it_says_how_to_go_on(sweep, monkeypatch, capfd):
     monkeypatch.setattr(run, "run", interrupted)
     assert sweep() == 130
     assert "run the same command again to go on" in capfd.readouterr().err
-
-
-def test_an_estimate_counts_what_the_spec_asks():
-    plain = estimate(Points(spec()))
-    assert (plain.jumps, plain.rows) == (40, 40)
-    simulated = estimate(Points(spec(GRID + "[simulate]\nseeds = 3\n")))
-    assert (simulated.jumps, simulated.rows) == (40, 120)
-    assert simulated.seconds > 3 * plain.seconds
-    kept = estimate(Points(spec("trajectories = true\n" + GRID)))
-    assert kept.size > 10 * plain.size
-    assert "on 2 workers" in plain.line(2)
-
-
-def test_durations_in_words():
-    words = [duration(seconds) for seconds in (40, 720, 12_600, 180_000, 200_000)]
-    assert words == ["40 s", "12 min", "3.5 h", "2.1 days", "2.3 days"]

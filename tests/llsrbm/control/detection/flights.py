@@ -1,7 +1,5 @@
 """Flights as a detector sees them: free fall, a contact that begins, and noise; world frame."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Motions of real robots for the tests of logs, and what Pinocchio says about them."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import cache
 
@@ -12,7 +10,7 @@ import llsrbm
 from llsrbm.motion.sampling import resample
 from llsrbm.robots import load_robot
 
-ROBOTS = ("anymal", "slider", "go2")
+ROBOTS = ("anymal", "slider")
 BOARD = 0.03  # m
 HEAVIER = 0.1  # share of the trunk's mass
 

@@ -1,10 +1,8 @@
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from llsrbm.formats.logs.foxglove_messages import colours, nanoseconds, timestamp, turned_x_to
+from llsrbm.formats.logs.foxglove_messages import nanoseconds, timestamp, turned_x_to
 
 WAYS = [[0, 0, 2.0], [0, 0, -1], [3, 0, 0], [-1, 0, 0], [-1, 1e-7, 0], [0.3, -0.5, 0.8]]
 
@@ -18,18 +16,7 @@ def test_arrows_are_turned_where_they_point(way):
     np.testing.assert_allclose(drawn, way, atol=1e-6)
 
 
-def test_nothing_is_not_turned():
-    np.testing.assert_array_equal(turned_x_to(np.zeros((1, 3))), [[1, 0, 0, 0]])
-
-
 def test_instants_are_whole_nanoseconds():
     assert nanoseconds(np.array([0.0, 1.2345678904])) == [0, 1_234_567_890]
     stamp = timestamp(1_234_567_890)
     assert (stamp.sec, stamp.nsec) == (1, 234_567_890)
-
-
-def test_colours_that_are_the_same_are_made_once():
-    rgb = np.array([[255, 0, 0], [0, 51, 0], [255, 0, 0]], dtype=np.uint8)
-    red, green, again = colours(rgb)
-    assert red is again
-    assert red is not green

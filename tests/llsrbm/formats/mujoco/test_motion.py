@@ -1,10 +1,7 @@
 """Motions in MuJoCo's coordinates that come from elsewhere: read, or refused in one line."""
 
-from __future__ import annotations
-
 import zipfile
 
-import mujoco
 import numpy as np
 import pytest
 
@@ -12,15 +9,13 @@ import llsrbm
 from llsrbm.errors import FileFormatError
 from llsrbm.formats import FORMATS, export
 from llsrbm.formats.mujoco.motion import recognises
-from llsrbm.motion.rollout import Disturbance
 from llsrbm.motion.whole_body import whole_body_motion
 from llsrbm.robots import load_robot
-from llsrbm.simulation.scene import build_scene, joints_in_model_order
-from llsrbm.simulation.surroundings import Surroundings
+from llsrbm.simulation.scene import joints_in_model_order
 
 read = FORMATS["mujoco"].read
 FPS = 100.0
-ROBOTS = ("anymal", "slider", "go2")
+ROBOTS = ("anymal", "slider")
 
 
 @pytest.fixture(scope="module", params=ROBOTS)
@@ -72,12 +67,6 @@ def check(motion, robot, names, qpos, qvel, tolerance=1e-12):
     np.testing.assert_allclose(
         motion.joint_velocity, in_robots_order(robot, names, qvel, 6), atol=10 * tolerance
     )
-
-
-def test_depth_first_order_is_mujocos(robot):
-    model = build_scene(robot, Surroundings(0.0, ()), Disturbance(), 5e-4).model
-    compiled = [model.joint(i).name for i in range(1, model.njnt)]
-    assert list(joints_in_model_order(robot)) == compiled
 
 
 def test_without_names_joints_are_depth_first(robot, tmp_path):
@@ -203,19 +192,6 @@ def test_what_is_refused(anymal, tmp_path):
         assert str(path) in str(caught.value)
 
 
-def test_another_robots_motion(robot, tmp_path):
-    path = write(tmp_path / "x.npz", qpos=np.eye(30, 43), fps=50)
-    with pytest.raises(FileFormatError, match="columns, got"):
-        read(path, robot, None)
-
-
-def test_no_such_file(anymal, tmp_path):
-    for name in ("nothing.npz", "."):
-        with pytest.raises(FileFormatError, match="cannot be read"):
-            read(tmp_path / name, anymal, None)
-        assert not recognises(tmp_path / name)
-
-
 def test_what_is_not_of_this_kind_is_not_recognised(tmp_path):
     (tmp_path / "a.csv").write_text("1,2,3\n")
     write(tmp_path / "native.npz", qpos=np.zeros(3), schema="llsrbm.rollout/1")
@@ -224,15 +200,6 @@ def test_what_is_not_of_this_kind_is_not_recognised(tmp_path):
         archive.writestr("a/motion.npz", b"")
     for path in tmp_path.iterdir():
         assert not recognises(path)
-
-
-def test_a_model_in_the_folder_is_not_loaded(anymal, tmp_path, monkeypatch):
-    _, _, qpos, _ = motion_of(anymal)
-    write(tmp_path / "motion.npz", qpos=qpos, fps=FPS)
-    (tmp_path / "scene.xml").write_text("<mujoco><include file='/etc/passwd'/></mujoco>")
-    monkeypatch.setattr(mujoco.MjModel, "from_xml_path", None)
-    assert recognises(tmp_path)
-    assert len(read(tmp_path, anymal, None).time) == len(qpos)
 
 
 @pytest.mark.parametrize("kind", ["npz", "zip"])
@@ -247,7 +214,7 @@ def test_damaged_files_end_in_one_kind_of_error(anymal, tmp_path, kind):
     whole = path.read_bytes()
     rng = np.random.default_rng(5)
     refused = 0
-    for attempt in range(400):
+    for attempt in range(150):
         data = bytearray(whole)
         if attempt % 4 == 0:
             data = data[: rng.integers(len(data))]
@@ -261,4 +228,4 @@ def test_damaged_files_end_in_one_kind_of_error(anymal, tmp_path, kind):
         except FileFormatError as error:
             assert "\n" not in str(error)
             refused += 1
-    assert refused > 200
+    assert refused > 75

@@ -1,7 +1,5 @@
 """Motions to be shown: a plan of each robot, and what it became in the simulator."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from functools import cache
 

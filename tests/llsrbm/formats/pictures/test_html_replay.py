@@ -1,7 +1,5 @@
 """The replay page, unpacked as a browser would, and played in one."""
 
-from __future__ import annotations
-
 import base64
 import gzip
 import json
@@ -16,9 +14,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from llsrbm.errors import InputError
 from llsrbm.formats import export
-from llsrbm.formats.pictures.drawing import draw
 from llsrbm.motion.sampling import resample
 from llsrbm.motion.whole_body import whole_body_motion
 from llsrbm.robots import load_robot
@@ -46,7 +42,7 @@ class Page:
         return text
 
 
-@pytest.fixture(scope="module", params=["anymal", "slider", "go2"])
+@pytest.fixture(scope="module", params=["anymal", "slider"])
 def motion(request):
     """A plan and a rollout of a robot that turns half around."""
     return motion_of(request.param)
@@ -156,15 +152,6 @@ def test_the_ellipsoid_has_the_inertia(motion, page):
     np.testing.assert_allclose(inertia, sampled.inertia, atol=1e-4 * sampled.inertia.max())
 
 
-def test_a_heavier_trunk_has_its_own_ellipsoid(motion, tmp_path):
-    """The uniform solid of what was simulated, and not of what the controller believed."""
-    rollout, robot = motion.rollout, load_robot(motion.rollout.jump.robot)
-    heavier = replace(rollout, disturbance=replace(rollout.disturbance, trunk_mass_factor=1.5))
-    axes = [draw(each, 30.0).axes for each in (rollout, heavier)]
-    trunk = robot.model.inertias[1].mass
-    np.testing.assert_allclose(axes[0] / axes[1], np.sqrt(1 + 0.5 * trunk / robot.mass), rtol=1e-9)
-
-
 def test_phases_and_events(motion, page):
     outcome = motion.rollout.outcome
     marks = {mark["name"]: mark["time"] for mark in page.facts["timeline"]["marks"]}
@@ -173,19 +160,6 @@ def test_phases_and_events(motion, page):
     assert marks["first contact"] == outcome.touchdown_true_s
     assert marks["detected"] == outcome.touchdown_detected_s
     assert page.facts["description"]["request"] == motion.plan.jump.as_dict()
-
-
-def test_the_same_motion_gives_the_same_page(motion, tmp_path):
-    for name in ("a.html", "b.html"):
-        export(motion.plan, tmp_path / name, format="html", fps=30)
-    assert (tmp_path / "a.html").read_bytes() == (tmp_path / "b.html").read_bytes()
-
-
-def test_a_camera_that_makes_no_sense(motion, tmp_path):
-    for camera in ((0, 100, 1), (0, 0, 0), (0, float("nan"), 1)):
-        with pytest.raises(InputError, match="camera: expected azimuth"):
-            export(motion.plan, tmp_path / "x.html", format="html", camera=camera)
-    assert not list(tmp_path.iterdir())
 
 
 @pytest.fixture(scope="module")

@@ -1,7 +1,5 @@
 """Videos and moving pictures, decoded again: how many pictures, how long, what is to be seen."""
 
-from __future__ import annotations
-
 import json
 import math
 import subprocess
@@ -20,7 +18,6 @@ from llsrbm.formats.base import Options
 from llsrbm.formats.pictures.drawing import draw, view_of
 from llsrbm.formats.pictures.film import pictures
 from llsrbm.formats.pictures.gif import durations
-from llsrbm.robots import load_robot
 from tests.llsrbm.formats.pictures.shown import motion_of
 
 av = pytest.importorskip("av")
@@ -97,9 +94,6 @@ class TestVideo:
         assert moving[-1].sum() < 10
         assert (np.abs(frames[-1] - frames[0]).max(axis=2) > 40).sum() > 60
 
-    def test_nothing_stands_beside_it(self, video):
-        assert [file.name for file in video.parent.iterdir()] == ["x.mp4"]
-
 
 @needs_opengl
 class TestAnimation:
@@ -113,12 +107,6 @@ class TestAnimation:
         assert 0.5 * count < len(shown) <= count
         assert sum(shown) == pytest.approx(1000 * count / FPS, abs=10)
         assert animation.stat().st_size < 5e6
-
-    def test_the_same_as_the_video(self, animation, video):
-        with Image.open(animation) as image:
-            image.seek(3)
-            seen = np.asarray(image.convert("RGB")).astype(int)
-        assert np.abs(seen - decoded(video)[3]).mean() < 12
 
     def test_it_says_what_it_is(self, animation, motion):
         with Image.open(animation) as image:
@@ -134,7 +122,7 @@ def test_hundredths_of_a_second_do_not_drift():
 
 
 @needs_opengl
-@pytest.mark.parametrize("name", ["anymal", "slider", "go2"])
+@pytest.mark.parametrize("name", ["anymal", "slider"])
 def test_robots_have_their_colours(name):
     """Of the pictures of a standing robot, where it is, none is plain ground."""
     plan = motion_of(name).plan
@@ -157,7 +145,7 @@ def seen_at(view, points, size):
 
 
 @pytest.mark.parametrize("camera", [None, (-40.0, 20.0, 3.0)])
-@pytest.mark.parametrize("name", ["anymal", "slider", "go2"])
+@pytest.mark.parametrize("name", ["anymal", "slider"])
 def test_the_robot_is_in_the_picture_all_the_time(name, camera):
     drawing = draw(motion_of(name).rollout, 20.0)
     view = view_of(drawing, 16 / 9, camera)
@@ -233,10 +221,6 @@ class TestMistakes:
         monkeypatch.setenv("PYTHONHOME", str(tmp_path))
         with pytest.raises(Error, match="drawing pictures failed"):
             export(motion.plan, tmp_path / "x.gif", format="gif", fps=1.0, size=SIZE)
-
-
-def test_the_robot_is_the_one_that_was_asked_for():
-    assert draw(motion_of("slider").plan, 5.0).robot is load_robot("slider")
 
 
 def test_a_motion_that_is_none(motion, tmp_path):

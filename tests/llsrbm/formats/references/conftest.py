@@ -1,7 +1,5 @@
 """What the tests of reference motions share."""
 
-from __future__ import annotations
-
 import pytest
 
 from tests.llsrbm.formats.jumps import ROBOTS

@@ -1,7 +1,5 @@
 """Clips of motion_imitation, read as its loader reads them."""
 
-from __future__ import annotations
-
 import json
 
 import numpy as np
@@ -60,11 +58,6 @@ def test_the_quaternion_ends_with_w_is_one_and_does_not_jump(frames):
     np.testing.assert_allclose(np.linalg.norm(quat, axis=1), 1, atol=1e-8)
     assert (np.sum(quat[1:] * quat[:-1], axis=1) > 0.9).all()
     assert 2 * np.arctan2(quat[-1, 2], quat[-1, 3]) == pytest.approx(HALF_TURN, abs=0.1)
-
-
-def test_meta(name, content):
-    assert content["Meta"]["request"]["robot"] == name
-    assert content["Meta"]["format"] == "motion-imitation-json"
 
 
 def test_60_frames_a_second_and_padding(tmp_path):

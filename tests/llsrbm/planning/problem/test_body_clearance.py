@@ -1,7 +1,5 @@
 """Trunk, knees and feet over hurdles and gaps, against differences and Pinocchio."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import cache
 from types import SimpleNamespace
@@ -15,7 +13,6 @@ from llsrbm.body.trunk_and_knees import knee_joint, trunk_box
 from llsrbm.errors import InputError
 from llsrbm.models import make_model
 from llsrbm.planning.problem.clearance_profile import (
-    CLEARANCE_PARAMETERS,
     RAMP,
     clearance_parameters,
     foot_reach,
@@ -23,7 +20,7 @@ from llsrbm.planning.problem.clearance_profile import (
 )
 from llsrbm.planning.problem.constraints.body_clearance import BodyClearance, body_points
 from llsrbm.planning.problem.knots import unpack
-from llsrbm.planning.problem.parameters import parameter_sizes, parameter_symbols, parameters
+from llsrbm.planning.problem.parameters import parameter_symbols, parameters
 from llsrbm.planning.problem.placement import make_task, place_task
 from llsrbm.planning.problem.stage import Stage
 from llsrbm.planning.solve.guess import analytic_guess
@@ -179,23 +176,6 @@ def test_the_ground_is_something_to_clear():
             assert found.max() == pytest.approx(max(beyond, 0.0))
 
 
-def test_the_margin_is_a_limit_of_jumps_over_something():
-    robot = load_robot("go2")
-    jump = Jump("go2", **HURDLE)
-    assert make_task(jump, robot, limits={"body_margin": 0.02}).body_margin == 0.02
-    with pytest.raises(InputError, match="unknown limit 'body_margin'"):
-        make_task(Jump("go2"), robot, limits={"body_margin": 0.02})
-
-
-def test_types_without_an_obstacle_have_no_rows():
-    robot = load_robot("anymal")
-    layout = layout_of(Jump(), robot)
-    assert not layout.clears
-    assert not any(BodyClearance().applies(role) for role in layout.roles)
-    assert not set(CLEARANCE_PARAMETERS) & set(parameter_sizes(layout))
-    assert set(parameters(layout, place_task(Jump(), robot))) == set(parameter_sizes(layout))
-
-
 class TestFooting:
     def test_on_a_hurdle(self):
         with pytest.raises(InputError, match=r"obstacle: after jump 1 the LF foot would stand at"):
@@ -240,11 +220,3 @@ def test_the_search_for_a_nearer_jump_skips_those_that_land_on_it():
     assert not tried
     search.found(Jump(type="hurdle", forward=0.4))
     assert len(tried) == 1
-
-
-def test_all_knots_clear_it_but_those_whose_postures_are_given():
-    layout = layout_of(Jump(**HURDLE), load_robot("anymal"))
-    assert [role.clears for role in layout.roles] == [False, *[True] * (layout.total - 1), False]
-    plain = layout_of(Jump(), load_robot("anymal"))
-    assert replace(layout, clears=False) == plain
-    assert layout.name == plain.name + "-clears"

@@ -285,16 +285,6 @@ def test_feet_leave_the_ground_and_meet_it_at_rest(model, robot):
         np.testing.assert_allclose(found, rate, atol=1e-3)
 
 
-def test_feet_speed_up_and_slow_down_within_the_first_and_last_intervals():
-    """From rest: a foot is still slow in the first interval, and slow again in the last."""
-    for model in models.names():
-        knots = solved(model, "all").knots
-        moved = np.diff(knots.foot_position[FIRST : LAST + 1], axis=0)
-        speed = np.linalg.norm(moved, axis=-1) / knots.dt[FIRST:LAST, None]
-        assert speed[0].max() < 0.65 * speed.max()
-        assert speed[-1].max() < 0.65 * speed.max()
-
-
 def test_feet_that_swing_while_others_stand_are_held_to_what_swinging_is():
     """Of ANYmal that pushes last with its hind feet; two feet have these rows, two have not."""
     s = solved("llsrbm-plus", "rear-last")
@@ -313,15 +303,3 @@ def test_feet_that_swing_while_others_stand_are_held_to_what_swinging_is():
     heights = s.knots.foot_position[lift + 1 : away + 1, :, 2]
     assert (heights[:, :2] > 1e-4).all()
     np.testing.assert_allclose(heights[:, 2:], 0.0, atol=1e-6)
-
-
-def test_phases_and_roles():
-    layout = solved("srbm", "twist").planner.layout
-    for k, role in enumerate(layout.roles):
-        applies = {c.name for c in CONSTRAINTS if c.applies(role)}
-        assert ("friction_pyramid" in applies) == role.in_contact
-        assert ("final_state" in applies) == (k == layout.knots - 1)
-        assert ("given_contacts" in applies) == ("feet_at_rest" in applies) == (k in (FIRST, LAST))
-        moving = 0 < k < layout.knots - 1  # at first the robot stands, and has no joint to choose
-        assert ("joint_torque" in applies) == ("torque_at_speed" in applies) == moving
-        assert ("joint_speed" in applies) == (FIRST - 1 <= k <= LAST)

@@ -81,15 +81,3 @@ def test_speeds_are_those_of_the_postures(which):
     # Fitted legs' rates are slopes of polynomials.
     assert np.sqrt(np.mean(error**2)) < (0.03 if which == BOX else 0.02)
     assert np.abs(loads[list(rows)]).max() > 0.2
-
-
-def test_a_share_of_the_torque_is_kept_by_the_whole_body():
-    """What the check allows beyond the share is a tenth of the limit; 40 Nm at every joint."""
-    free = solved("llsrbm-plus", "forward")
-    planner = free.planner
-    peak = np.abs(free.knots.loads.joint_torque).max()
-    planner.plan(free.task.jump, limits={"torque_share": 0.5})
-    torque = np.abs(planner.last_knots().loads.joint_torque)
-    assert peak > 0.62 * 40.0
-    assert torque.max() < 0.60 * 40.0
-    assert np.quantile(torque.max(axis=1), 0.9) < 0.53 * 40.0

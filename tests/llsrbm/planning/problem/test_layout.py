@@ -70,17 +70,6 @@ def test_every_scalar_has_one_place(layout):
     assert (taken == 1).all()
 
 
-def test_only_what_a_phase_needs_is_a_variable():
-    for role in LAYOUT.roles:
-        names = (*LAYOUT.states(role), *LAYOUT.controls(role))
-        assert ("force" in names) == role.in_contact
-        assert ("feet_step" in names) == (role.phase == 1)
-        assert ("feet_stop" in names) == (role.phase == 1 and role.last)
-        assert ("rotation_rate" in names) != role.terminal
-    assert "position" not in LAYOUT.variables(0)
-    assert LAYOUT.states(LAYOUT.roles[-1]) == ("position", "quat", "velocity", "momentum")
-
-
 @given(layout=layouts)
 def test_feet_are_variables_in_the_air_and_forces_on_the_ground(layout):
     """By the schedule's own word on each foot at each knot and before it."""
@@ -125,17 +114,6 @@ def test_blocks_are_runs_of_one_role(layout):
         assert all(layout.roles[k] == role for k in knots)
         covered += knots
     assert covered == list(range(layout.knots))
-
-
-def test_knots():
-    assert LAYOUT.knots == 13
-    assert LAYOUT.total == 12
-    np.testing.assert_array_equal(LAYOUT.first_knots, [0, 3, 7, 12])
-
-
-def test_progress_restarts_with_each_phase():
-    thirds, quarters, fifths = np.arange(3) / 3, np.arange(4) / 4, np.arange(5) / 5
-    np.testing.assert_allclose(LAYOUT.progress, [*thirds, *quarters, *fifths, 1.0])
 
 
 # ---- swings

@@ -4,8 +4,6 @@ Random postures and velocities by Pinocchio, the hind feet at rest on the ground
 microsecond is an instant: what the stage has in its middle is what it is told of its beginning.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cache
 

@@ -84,14 +84,6 @@ def test_out_of_range(request_, message):
     assert str(caught.value) == message
 
 
-def test_both_ends_of_a_range_are_in_it():
-    for name in PARTS:
-        for end in getattr(ASKED, name):
-            make_task(Jump(**{name: end}), ROBOT)
-    make_task(Jump(twist=np.pi), ROBOT)
-    make_task(Jump(twist=-np.pi), ROBOT)
-
-
 def test_weights_replace_the_defaults():
     task = make_task(Jump(), ROBOT, {"time": 3.0})
     assert task.weights == default_weights() | {"time": 3.0}

@@ -12,7 +12,6 @@ from llsrbm.planning.problem.constraints import CONSTRAINTS
 from llsrbm.planning.problem.horizon import constraints_of, make_horizon, row_bounds
 from llsrbm.planning.problem.layout import Layout
 from llsrbm.planning.problem.placement import make_task
-from llsrbm.planning.solve.guess import analytic_guess
 from llsrbm.planning.solve.planner import layout_of
 from llsrbm.request.jump import Jump
 from llsrbm.robots import load_robot
@@ -109,17 +108,6 @@ def transcription():
     return Transcription(make_horizon(MODEL, LAYOUT))
 
 
-def test_sizes(transcription):
-    structure = transcription.structure
-    assert sum(structure.states) + sum(structure.controls) == LAYOUT.size_total
-    assert structure.states == [LAYOUT.state_size(role) for role in LAYOUT.roles]
-    gaps = sum(structure.states[1:])
-    assert len(structure.equality) == gaps + sum(structure.rows)
-    nlp = transcription.functions["nlp"]
-    assert nlp.size1_in(0) == LAYOUT.size_total
-    assert nlp.size1_out(1) == len(structure.equality)
-
-
 def test_equalities_are_the_rows_whose_bounds_meet(transcription):
     task = solved("srbm", "all").task
     lower, upper = row_bounds(LAYOUT, task)
@@ -131,22 +119,6 @@ def test_rows_of_a_role_in_the_order_of_the_list():
         names = [c.name for c in constraints_of(role)]
         assert names == [c.name for c in CONSTRAINTS if c.name in names]
         assert ("final_state" in names) == role.terminal
-
-
-def test_fewer_intervals_share_the_same_derivatives(transcription):
-    s = solved("srbm", "all")
-    rng = np.random.default_rng(2)
-    w = analytic_guess(s.task, LAYOUT, MODEL)
-    w += rng.normal(scale=0.02, size=w.size)
-    v, p, step = rng.normal(size=w.size), parameters(LAYOUT, s.task), 1e-6
-    lam = rng.normal(size=len(transcription.structure.equality))
-    slopes = [
-        np.array(transcription.functions["nlp_grad"](w + sign * step * v, p, 0.3, lam)[2]).ravel()
-        for sign in (1, -1)
-    ]
-    H = np.array(transcription.functions["nlp_hess_l"](w, p, 0.3, lam)[1])
-    Hv = (slopes[0] - slopes[1]) / (2 * step)
-    np.testing.assert_allclose(H @ v, Hv, atol=1e-5 * np.abs(Hv).max())
 
 
 @pytest.mark.parametrize(("robot", "kind"), [("anymal", "hops"), ("slider", "together")])

@@ -1,7 +1,5 @@
 """How far a body that has turned over may lean as it lands, against rotations of known tilt."""
 
-from __future__ import annotations
-
 from functools import cache
 from types import SimpleNamespace
 
@@ -98,9 +96,3 @@ def test_every_flip_lands_upright_and_nothing_else_has_to(turn):
     _, layout, _, _ = case(**turn)
     applies = [UprightLanding().applies(role) for role in layout.roles]
     assert np.flatnonzero(applies).tolist() == list(landing(layout))
-
-
-@pytest.mark.parametrize("jump", [{}, {"type": "hops"}, {"type": "rear-last"}, {"twist": 1.5}])
-def test_jumps_that_do_not_turn_over_are_kept_upright_by_their_costs(jump):
-    layout = layout_of(Jump("go2", **jump), load_robot("go2"), 12)
-    assert not any(UprightLanding().applies(role) for role in layout.roles)

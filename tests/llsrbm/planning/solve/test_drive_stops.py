@@ -8,9 +8,8 @@ import numpy as np
 import pytest
 
 import llsrbm
-from llsrbm.errors import NotConverged, Stop
+from llsrbm.errors import NotConverged
 from llsrbm.planning.problem.constraints.drives import (
-    TORQUE_ALLOWANCE,
     JointSpeed,
     JointTorque,
     TorqueAtSpeed,
@@ -56,15 +55,6 @@ def test_the_error_names_joint_place_and_amount_in_one_line():
     # A plan is possible with what it says would be needed.
     planner = planner_for("anymal", "srbm")
     assert planner.plan(HOP, limits={"torque_share": stop.needed}).solved
-
-
-def test_the_nearest_jump_that_the_drives_can_do():
-    high, limits = replace(HOP, height=0.3), {"torque_share": 0.4}
-    nearest = llsrbm.nearest(high, limits=limits)
-    assert nearest.plan.solved
-    assert 0 < nearest.jump.height < high.height
-    share = np.abs(nearest.plan.joint_torque) / ANYMAL.torque_limit
-    assert share.max() <= 0.4 + TORQUE_ALLOWANCE + 1e-3
 
 
 def test_a_jump_that_no_drive_limit_alone_allows_names_the_joints_first():
@@ -163,16 +153,3 @@ def test_numbers_that_are_none_name_no_joint():
         knots.loads, joint_torque=np.full_like(knots.loads.joint_torque, np.nan)
     )
     assert JointTorque().demand(knots) is None
-
-
-def test_loads_are_not_computed_again_under_other_limits():
-    knots = solved("srbm", "twist").knots
-    loads = knots.loads
-    other = under(knots, torque_share=0.5)
-    assert other.loads is loads
-    assert other.task.limits.torque_share == 0.5
-
-
-def test_stops_without_a_joint_are_as_before():
-    plain = Stop("reach", "flight", 0.62, 0.02, "m", "reach_max", "longest leg", 0.52, 0.54)
-    assert str(plain).startswith("longest leg (reach_max) would have to be 0.54 m")

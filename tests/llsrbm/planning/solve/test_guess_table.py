@@ -1,7 +1,5 @@
 """Plans that begin from solutions nearby: the same plans, sooner; and where there are none."""
 
-from __future__ import annotations
-
 import logging
 from dataclasses import replace
 
@@ -152,14 +150,6 @@ def test_what_is_linear_in_the_request_is_met():
     np.testing.assert_allclose(share @ of.variables[near], linear(x), atol=0.02)
 
 
-def test_neighbours_on_a_line_do():
-    requests = np.zeros((20, 4))
-    requests[:, 0] = np.linspace(-1, 1, 20)
-    of = plain_table(requests, lambda x: x[:2])
-    near, share = of._shares(np.array([0.13, 0.0, 0.0, 0.0]))
-    assert share @ of.variables[near, 0] == pytest.approx(0.13, abs=5e-3)
-
-
 # ---- files
 
 
@@ -262,14 +252,6 @@ def test_a_damaged_table_is_none(elsewhere, refused, damage):
     else:
         elsewhere.unlink()
     assert ("damaged" in refused()) == (damage != "gone")
-
-
-@pytest.mark.parametrize(
-    "asked",
-    [{"speed": 0.3}, {"end_speed": 0.2}, {"type": "rear-last"}, {"type": "hops", "hops": 2}],
-)
-def test_other_requests_begin_elsewhere(asked):
-    assert Guesses(planner().formulation).start(task(**asked)) is None
 
 
 def test_other_limits_and_weights_begin_elsewhere():

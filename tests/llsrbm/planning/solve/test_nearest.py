@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import llsrbm
-from llsrbm.errors import Cancelled, Error, InputError, NotConverged, Stop
+from llsrbm.errors import Cancelled, InputError, NotConverged, Stop
 from llsrbm.planning.problem.placement import make_task
 from llsrbm.planning.problem.violations import TOLERANCE
 from llsrbm.planning.solve.explanation import explain, in_words
@@ -136,12 +136,6 @@ def test_the_named_limit_is_the_one():
     half = {"torque_share": 0.44 + 0.5 * stop.amount, "friction": 0.45}
     with pytest.raises(NotConverged):
         planner.plan(HIGH, limits=half, patient=False)
-
-
-def test_when_nothing_can_be_planned_the_error_names_the_limit():
-    with pytest.raises(Error, match=r"not even a jump on the spot .* \(reach_max\)") as caught:
-        llsrbm.nearest(Jump(model="srbm", twist=1.0), limits={"reach_max": 0.4})
-    assert "the limit is 0.4 m" in str(caught.value)
 
 
 def test_stops_in_words():

@@ -50,10 +50,3 @@ def test_soles_replayed(request_name):
     assert drift(states, "momentum", s.plan.angular_momentum) < 1e-6
     # The light pelvis turns faster within an interval than a quadruped's trunk.
     assert turned(states, s.plan).max() < 0.2
-
-
-def test_the_integrators_own_error_is_beyond_notice():
-    s = solved("llsrbm-plus", "twist")
-    coarse, fine = (replay(s.plan, s.planner.model, step)[-1] for step in (4e-3, 2e-3))
-    assert angle_between(coarse.quat, fine.quat) < 1e-5
-    np.testing.assert_allclose(coarse.momentum, fine.momentum, atol=1e-10)
