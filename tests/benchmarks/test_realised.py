@@ -38,7 +38,6 @@ def test_those_of_the_simpler_models_are_not(twists):
 
 TURNING = {
     "rear-last": TYPES["rear-last"] | {"twist": np.pi / 2},
-    "run-up": TYPES["run-up"] | {"twist": np.pi / 2},
     "hops": TYPES["hops"] | {"twist": np.pi / 4},
 }
 

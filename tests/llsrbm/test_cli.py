@@ -9,7 +9,6 @@ import pytest
 
 from llsrbm import cli
 from tests.llsrbm.commands.process import run
-from tests.llsrbm.synthetic import synthetic_plan
 
 
 def assert_one_line(process, status):
@@ -17,13 +16,6 @@ def assert_one_line(process, status):
     assert process.stdout == ""
     assert process.stderr.count("\n") == 1, process.stderr
     assert process.stderr.startswith("llsrbm: ")
-
-
-@pytest.fixture
-def saved(tmp_path):
-    path = tmp_path / "plan.npz"
-    synthetic_plan().save(path)
-    return path
 
 
 class TestBadInput:

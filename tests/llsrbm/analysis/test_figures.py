@@ -157,14 +157,6 @@ def test_values_are_shown_in_their_unit(name, value, shown):
     assert FIGURE[name].shown(replace(ROW, **{name: value})) == shown
 
 
-def test_differences_have_sign_and_unit():
-    slower = replace(ROW, solve_time_s=0.2, peak_force=230.2)
-    assert FIGURE["solve_time_s"].difference(slower, ROW) == "+80 ms"
-    assert FIGURE["solve_time_s"].difference(ROW, slower) == "-80 ms"
-    assert FIGURE["peak_force"].difference(ROW, slower) == "+0 N"
-    assert FIGURE["peak_torque_ratio"].difference(slower, ROW) == ""
-
-
 def best(name, *values, status="landed"):
     return FIGURE[name].best([replace(ROW, status=status, **{name: value}) for value in values])
 

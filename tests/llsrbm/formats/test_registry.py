@@ -17,6 +17,7 @@ from tests.llsrbm.synthetic_rollout import synthetic_rollout
 
 # What keeps formats that take long short, given to those that take it.
 QUICK = {"fps": 10.0, "size": (64, 48)}
+PICTURES = ("mp4", "gif", "html")
 
 
 @pytest.fixture(scope="module")
@@ -86,9 +87,9 @@ def test_it_writes_what_it_holds_and_nothing_else(format_, trajectory, tmp_path)
         if each.name.endswith("meta.json"):
             said = json.loads(each.read_text(), parse_constant=pytest.fail)
             assert said["request"] == trajectory.jump.as_dict()
-    # Once more, over what is there.
-    export(trajectory, path, format=format_.name, **quick(format_))
-    assert sorted(tmp_path.iterdir()) == sorted([path, *left])
+    if format_.name not in PICTURES:  # once more, over what is there
+        export(trajectory, path, format=format_.name, **quick(format_))
+        assert sorted(tmp_path.iterdir()) == sorted([path, *left])
 
 
 def test_any_name_will_do(format_, plan, tmp_path):
@@ -106,22 +107,22 @@ def test_any_name_will_do(format_, plan, tmp_path):
         assert (tmp_path / name).exists()
 
 
-def test_a_place_that_is_none(format_, trajectory, tmp_path):
-    if not holds(format_, trajectory):
+def test_a_place_that_is_none(format_, plan, tmp_path):
+    if not holds(format_, plan):
         pytest.skip("does not hold it")
     with pytest.raises(InputError) as caught:
-        export(trajectory, tmp_path / "none" / "x", format=format_.name, **quick(format_))
+        export(plan, tmp_path / "none" / "x", format=format_.name, **quick(format_))
     assert "\n" not in str(caught.value)
     assert not list(tmp_path.iterdir())
 
 
-@pytest.mark.parametrize("fps", [0.0, -1.0, float("nan"), float("inf"), 1e9])
-def test_a_rate_that_makes_no_sense(format_, plan, tmp_path, fps):
+def test_a_rate_that_makes_no_sense(format_, plan, tmp_path):
     if "fps" not in format_.options or not holds(format_, plan):
         pytest.skip("has no rate")
-    with pytest.raises(InputError) as caught:
-        export(plan, tmp_path / "x", format=format_.name, **(quick(format_) | {"fps": fps}))
-    assert "\n" not in str(caught.value)
+    for fps in (0.0, -1.0, float("nan"), float("inf"), 1e9):
+        with pytest.raises(InputError) as caught:
+            export(plan, tmp_path / "x", format=format_.name, **(quick(format_) | {"fps": fps}))
+        assert "\n" not in str(caught.value)
     assert not list(tmp_path.iterdir())
 
 
@@ -134,13 +135,13 @@ def test_options_that_it_does_not_take(format_, plan, tmp_path):
     assert not list(tmp_path.iterdir())
 
 
-def test_robots_that_are_gone(format_, trajectory, tmp_path):
+def test_robots_that_are_gone(format_, plan, tmp_path):
     """Formats that need the robot say so; others do without."""
-    if not holds(format_, trajectory):
+    if not holds(format_, plan):
         pytest.skip("does not hold it")
-    parameters = {**trajectory.robot_parameters, "name": "a robot that there was"}
-    jump = replace(trajectory.jump, robot="a robot that there was")
-    gone = replace(trajectory, jump=jump, robot_parameters=parameters)
+    parameters = {**plan.robot_parameters, "name": "a robot that there was"}
+    jump = replace(plan.jump, robot="a robot that there was")
+    gone = replace(plan, jump=jump, robot_parameters=parameters)
     try:
         export(gone, tmp_path / f"x{format_.suffix}", format=format_.name, **quick(format_))
     except InputError as error:
@@ -148,22 +149,22 @@ def test_robots_that_are_gone(format_, trajectory, tmp_path):
         assert not list(tmp_path.iterdir())
 
 
-def test_all_at_once_in_a_zip(trajectory, tmp_path):
+def test_all_at_once_in_a_zip(rollout, tmp_path):
     formats = [
         each
         for each in FORMATS.values()
-        if holds(each, trajectory) and not (each.extra is not None and each.extra.missing)
+        if holds(each, rollout) and not (each.extra is not None and each.extra.missing)
     ]
     names = [each.name for each in formats]
-    path = tmp_path / file_name(trajectory, names)
-    export(trajectory, path, format=names, **quick(*formats))
+    path = tmp_path / file_name(rollout, names)
+    export(rollout, path, format=names, **quick(*formats))
     assert [each.name for each in tmp_path.iterdir()] == [path.name]
     with zipfile.ZipFile(path) as archive:
         assert archive.testzip() is None
         inside = archive.namelist()
         native = next(name for name in inside if name == f"{path.stem}-npz.npz")
         (tmp_path / "x.npz").write_bytes(archive.read(native))
-    assert load(tmp_path / "x.npz").jump == trajectory.jump
+    assert load(tmp_path / "x.npz").jump == rollout.jump
     for each in formats:
         start = f"{path.stem}-{each.name}{each.suffix}"
         assert any(name == start or name.startswith(f"{start}/") for name in inside), each.name

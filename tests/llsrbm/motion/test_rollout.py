@@ -62,14 +62,6 @@ def test_round_trip_of_another_schedule(tmp_path):
         assert 'key "phase": expected 0 (take-off), 1 (rear push), 2 (flight), ' in message(path)
 
 
-def test_round_trip_of_a_robot_that_fell(tmp_path):
-    rollout = synthetic_rollout(fell_at=1.0)
-    outcome = replace(rollout.outcome, touchdown_true_s=None, foot_touchdown_s=(None, 0.9, 1, None))
-    rollout = replace(rollout, outcome=outcome)
-    rollout.save(tmp_path / "fell.npz")
-    assert_same(rollout, load(tmp_path / "fell.npz"))
-
-
 @settings(max_examples=25, deadline=None)
 @given(
     board=st.floats(0, 0.1),

@@ -11,10 +11,8 @@ from hypothesis import strategies as st
 
 from llsrbm import cache
 from llsrbm.errors import RobotFileError
-from llsrbm.robots import load_robot
 from llsrbm.robots.adapted_urdf import adapted_urdf
 from llsrbm.robots.schema import robot_files
-from llsrbm.robots.urdf import package_share
 from llsrbm.robots.urdf_table import AddedFrame, UrdfSource
 
 ROBOT_FILE = Path("mine.toml")
@@ -71,11 +69,6 @@ def small(tmp_path_factory):
     path = tmp_path_factory.mktemp("urdf") / "small.urdf"
     path.write_text(SMALL)
     return path
-
-
-def humanoid():
-    share = package_share("example-robot-data", ROBOT_FILE)
-    return share / "example-robot-data/robots/g1_description/urdf/g1_29dof_rev_1_0.urdf"
 
 
 def adapted(urdf, held=None, frames=None, feet=FEET, dirs=()):
@@ -135,24 +128,6 @@ def test_held_joints_are_as_pinocchio_locks_them(small, held, legs, others):
     compare(ours, theirs, q[7:], "shank")
 
 
-def test_a_humanoids_arms_and_waist_are_as_pinocchio_locks_them():
-    urdf = humanoid()
-    whole = free(urdf)
-    rng = np.random.default_rng(0)
-    for _ in range(3):
-        held = {
-            name: float(rng.uniform(whole.lowerPositionLimit[at], whole.upperPositionLimit[at]))
-            for name in whole.names[2:]
-            if not any(part in name for part in ("hip", "knee", "ankle"))
-            for at in [whole.joints[whole.getJointId(name)].idx_q]
-        }
-        assert len(held) == 17
-        path, _ = adapted(urdf, held, feet={"left": "left_ankle_roll_link"})
-        theirs = locked(urdf, held)
-        q = rng.uniform(theirs.lowerPositionLimit[7:], theirs.upperPositionLimit[7:])
-        compare(free(path), theirs, q, "right_ankle_roll_link")
-
-
 @settings(max_examples=30)
 @given(
     xyz=st.tuples(*[st.floats(-1, 1)] * 3),
@@ -198,14 +173,6 @@ def test_nothing_of_this_machine_is_in_the_file_and_meshes_are_found(small):
     assert 'filename="package://../meshes/trunk.stl"' in text  # seen from a folder of packages
     assert 'filename="package://small/thigh.stl"' in text
     assert dirs == (small.parent, Path("packages"))
-
-
-def test_a_cache_that_cannot_be_written_is_done_without(small, tmp_path, monkeypatch):
-    blocked = tmp_path / "file"
-    blocked.write_text("")
-    monkeypatch.setenv(cache.ENVIRONMENT_VARIABLE, str(blocked / "cache"))
-    path, _ = adapted(small, {"waist": 0.3})
-    assert free(path).nq == 7 + 4
 
 
 WRONG = {
@@ -259,18 +226,3 @@ def test_what_is_no_urdf_is_one_clear_line(tmp_path, text):
     path.write_text(text)
     with pytest.raises(RobotFileError, match=r"mine\.toml: urdf: .*none\.urdf is not a URDF"):
         adapted(path, {"waist": 0.1})
-
-
-def test_a_robot_is_read_again_when_the_urdf_that_it_is_made_of_changes(tmp_path):
-    source = load_robot("g1").urdf_source
-    path, urdf = tmp_path / "mine.toml", tmp_path / "mine.urdf"
-    lines = robot_files()["g1"].read_text().splitlines()
-    where = lines.index('package = "example-robot-data"')
-    path.write_text("\n".join([*lines[:where], 'file = "mine.urdf"', *lines[where + 2 :]]))
-    urdf.write_text(source.read_text())
-    first = load_robot(str(path))
-    assert first.urdf_path != first.urdf_source == urdf
-    assert first.mass == pytest.approx(load_robot("g1").mass)
-    assert load_robot(str(path)) is first
-    urdf.write_text(source.read_text().replace('<mass value="3.813"/>', '<mass value="4.813"/>'))
-    assert load_robot(str(path)).mass == pytest.approx(first.mass + 1.0)

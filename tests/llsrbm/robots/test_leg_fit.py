@@ -75,16 +75,6 @@ def test_slopes_are_the_features_derivatives(coordinates):
     np.testing.assert_array_equal(affine_slopes(x)[3, 1:], np.eye(coordinates))
 
 
-def test_the_same_seed_gives_the_same_fit():
-    robot = load_robot("anymal")
-    one, two, other = fit_legs(robot), fit_legs(robot), fit_legs(robot, seed=1)
-    np.testing.assert_array_equal(one.com_quadratic, two.com_quadratic)
-    assert not np.array_equal(one.com_quadratic, other.com_quadratic)
-    # Enough samples that their choice hardly matters.
-    x = quadratic_features(np.array([0.05, 0.05, -0.4]))
-    np.testing.assert_allclose(x @ one.com_quadratic, x @ other.com_quadratic, atol=2e-3)
-
-
 def test_a_reach_box_the_legs_cannot_reach_is_refused(tmp_path):
     path = tmp_path / "giant.toml"
     text = ANYMAL.replace("distance = [0.26, 0.52]", "distance = [1.0, 1.2]")

@@ -9,7 +9,7 @@ from hypothesis.extra.numpy import arrays
 
 from llsrbm.mechanics import parallel_axis, turns_about_z
 from llsrbm.robots import load_robot
-from llsrbm.robots.legs import LegChains, solve_legs
+from llsrbm.robots.legs import solve_legs
 
 STEP = 1e-6
 
@@ -79,26 +79,6 @@ def test_jacobians_and_masses(name):
         check(robot.chains, angles)
     together = robot.chains.motion(postures)
     np.testing.assert_array_equal(together.foot[1], robot.chains.motion(postures[1]).foot)
-
-
-def test_sliding_joints_between_turning_ones():
-    model = pin.Model()
-    root = model.addJoint(0, pin.JointModelFreeFlyer(), pin.SE3.Identity(), "root")
-    model.appendBodyToJoint(root, pin.Inertia.Random(), pin.SE3.Identity())
-    rng = np.random.default_rng(3)
-    joints, parent = [], root
-    slide = pin.JointModelPrismaticUnaligned(0.6, 0.0, -0.8)
-    for i, kind in enumerate((pin.JointModelRX(), slide, pin.JointModelRY())):
-        placement = pin.SE3(pin.exp3(rng.normal(size=3)), rng.normal(size=3))
-        parent = model.addJoint(parent, kind, placement, f"joint {i}")
-        body = pin.Inertia(1.0 + i, rng.normal(size=3), np.eye(3))
-        model.appendBodyToJoint(parent, body, pin.SE3.Identity())
-        joints.append(parent)
-    placement = pin.SE3(pin.exp3(rng.normal(size=3)), rng.normal(size=3))
-    foot = model.addFrame(pin.Frame("foot", parent, 0, placement, pin.FrameType.OP_FRAME))
-    chains = LegChains(model, np.array([joints]), (foot,))
-    assert chains.prismatic.tolist() == [False, True, False]
-    check(chains, np.array([[0.4, 0.3, -0.7]]))
 
 
 @settings(deadline=None, max_examples=30)

@@ -16,7 +16,6 @@ from llsrbm.simulation.simulate import simulate
 from tests.llsrbm.planning.solved import solved
 
 ROBOT = load_robot("anymal")
-GRAVITY = np.array([0.0, 0.0, -9.81])
 
 
 def plan():

@@ -1,12 +1,9 @@
 """The MuJoCo model against Pinocchio's: masses, mass matrix, accelerations, what collides."""
 
-import xml.etree.ElementTree as ET
-
 import mujoco
 import numpy as np
 import pinocchio as pin
 import pytest
-import trimesh
 
 from llsrbm.errors import RobotFileError
 from llsrbm.motion.rollout import Disturbance
@@ -62,32 +59,6 @@ def test_joints_are_in_the_places_that_their_names_say(robot):
     assert scene.model.nu == len(robot.joint_names)
 
 
-@pytest.mark.parametrize("robot", ["anymal", "sliding"], indirect=True)
-def test_inertias_are_those_that_mujoco_itself_reads(robot):
-    """Its own reading of the URDF, which needs placeholders (1e-6 kg m2) without off-diagonals."""
-    urdf = ET.parse(robot.urdf_path).getroot()
-    for link in urdf.iter("link"):
-        for shape in [*link.findall("visual"), *link.findall("collision")]:
-            link.remove(shape)
-        if (
-            link.find("inertial") is not None
-            and float(link.find("inertial/mass").get("value")) < 1e-4
-        ):
-            for key in ("ixy", "ixz", "iyz"):
-                link.find("inertial/inertia").set(key, "0")
-    spec = mujoco.MjSpec.from_string(ET.tostring(urdf, encoding="unicode"))
-    spec.worldbody.first_body().add_freejoint()
-    read, ours = spec.compile(), scene_of(robot).model
-    matrices = []
-    for model in (read, ours):
-        data = mujoco.MjData(model)
-        data.qpos[7:] = np.linspace(-0.5, 0.5, model.nq - 7)
-        mujoco.mj_forward(model, data)
-        matrices.append(np.zeros((model.nv, model.nv)))
-        mujoco.mj_fullM(model, data, matrices[-1])
-    assert matrices[1] == pytest.approx(matrices[0], abs=3e-6)
-
-
 def test_accelerations(robot):
     """Forward dynamics with torques and gravity, away from joint limits and contacts."""
     scene, data = scene_of(robot), robot.model.createData()
@@ -135,59 +106,6 @@ def test_feet_and_trunk_meet_the_world_and_never_one_another(robot):
                 or model.geom_contype[b] & model.geom_conaffinity[a]
             )
             assert meet == (first.startswith("world/") != second.startswith("world/"))
-
-
-def test_feet_are_where_the_urdf_has_them():
-    """ANYmal's, by its sphere: 23.25 mm above the foot frame, 31 mm in radius."""
-    robot = load_robot("anymal")
-    scene, data = scene_of(robot), robot.model.createData()
-    for q, v, _ in random_states(robot, 3):
-        simulated, _, _ = in_mujoco(scene, q, v)
-        mujoco.mj_forward(scene.model, simulated)
-        pin.framesForwardKinematics(robot.model, data, q)
-        for leg in robot.legs:
-            geom = simulated.geom(f"foot/{leg.name}/0")
-            expected = data.oMf[leg.foot_frame_id].act(np.array([0, 0, 0.02325]))
-            assert geom.xpos == pytest.approx(expected, abs=1e-9)
-            assert scene.model.geom(f"foot/{leg.name}/0").size[0] == 0.031
-
-
-def test_the_trunk_is_as_large_as_its_primitives():
-    robot = load_robot("anymal")
-    model = scene_of(robot).model
-    box = model.geom("trunk/base_0")
-    assert 2 * box.size == pytest.approx([0.531, 0.27, 0.24])
-    assert box.pos == pytest.approx([0, 0, 0.08])
-    cylinder = model.geom("trunk/base_1")
-    assert cylinder.size[:2] == pytest.approx([0.05, 0.05])
-    axis = np.zeros(3)
-    mujoco.mju_rotVecQuat(axis, np.array([0, 0, 1.0]), cylinder.quat)
-    assert np.abs(axis) == pytest.approx([1, 0, 0], abs=1e-9)
-
-
-def test_a_trunk_of_meshes_is_their_hull():
-    """Go2's trunk: its lowest point, of whatever attitude, is the mesh's."""
-    robot = load_robot("go2")
-    scene = scene_of(robot)
-    mesh = trimesh.load_mesh(next(robot.urdf_path.parents[1].glob("collisions/base_convex.stl")))
-    vertices = np.asarray(mesh.vertices)
-    for q, v, _ in random_states(robot, 5):
-        simulated, _, R = in_mujoco(scene, q, v)
-        lowest = (q[:3] + vertices @ R.T)[:, 2].min()
-        simulated.qpos[2] -= lowest - 1e-6  # by a hair above the ground
-        mujoco.mj_forward(scene.model, simulated)
-        assert not touched_by_the_trunk(scene.model, simulated)
-        simulated.qpos[2] -= 2e-6
-        mujoco.mj_forward(scene.model, simulated)
-        assert touched_by_the_trunk(scene.model, simulated)
-
-
-def touched_by_the_trunk(model, data):
-    return any(
-        model.geom(geom).name.startswith("trunk/")
-        for contact in data.contact
-        for geom in (contact.geom1, contact.geom2)
-    )
 
 
 def test_friction_and_stiffness_are_the_disturbances(robot):

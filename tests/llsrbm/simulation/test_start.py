@@ -2,19 +2,15 @@
 
 import dataclasses
 
-import mujoco
 import numpy as np
 import pinocchio as pin
 import pytest
 
 from llsrbm.errors import InputError
-from llsrbm.motion.rollout import Disturbance
 from llsrbm.request.jump import Jump
 from llsrbm.robots import load_robot
 from llsrbm.robots.feet import foot_contacts
-from llsrbm.simulation.scene import build_scene
 from llsrbm.simulation.start import standing_state, starting_velocity
-from llsrbm.simulation.surroundings import Surroundings
 from tests.app.synthetic_plan import synthetic_plan
 from tests.llsrbm.simulation.sliding_biped import sliding_biped
 
@@ -45,16 +41,6 @@ def test_com_attitude_and_feet_are_the_plans(robot):
     lower, upper = robot.model.lowerPositionLimit[7:], robot.model.upperPositionLimit[7:]
     assert (q[7:] >= lower).all()
     assert (q[7:] <= upper).all()
-
-
-def test_no_foot_is_in_the_ground(robot):
-    q = standing_state(robot, plan_of(robot))
-    scene = build_scene(robot, Surroundings(0.0, ()), Disturbance(), 5e-4)
-    data = mujoco.MjData(scene.model)
-    data.qpos[scene.q_order] = q
-    mujoco.mj_forward(scene.model, data)
-    depths = [contact.dist for contact in data.contact]
-    assert min(depths, default=0) > -1e-6
 
 
 def test_what_cannot_stand_is_refused():

@@ -138,14 +138,6 @@ def test_half_a_board_lies_under_the_front_feet_alone(height):
     assert (inside[2:] < -0.2).all()
 
 
-def test_a_board_on_a_box_is_as_large_as_the_box():
-    _, world = around(Scenario(board=0.02), height=0.2, forward=1.2)
-    box, board = world.blocks
-    assert board.size[:2] == pytest.approx(box.size[:2])
-    assert board.centre[:2] == pytest.approx(box.centre[:2])
-    assert top(board) == pytest.approx(0.22)
-
-
 @pytest.mark.parametrize("height", [0.0, 0.15, -0.15])
 def test_the_thickest_board_passes_under_the_feet(height):
     plan = synthetic_plan(Jump(height=height))
@@ -185,13 +177,6 @@ def test_hops_up_stairs_have_a_box_under_each_place():
     assert overhang(second, stood_on(plan, 2)).min() > 0
 
 
-def test_hops_that_are_near_have_a_box_under_each_foot():
-    plan = hops(0.2, 0.0)
-    names = [block.name for block in surroundings(ANYMAL, plan, Scenario()).blocks]
-    # Of the same height: the robot on one place may stand on the other's.
-    assert names == [f"box{k} {leg}" for k in (" 1", "") for leg in LEGS]
-
-
 def test_hops_far_apart_have_boxes_that_stand_all_the_time():
     plan = hops(0.2, -0.2, forward=2.0, twist=0.7)
     (box,) = surroundings(ANYMAL, plan, Scenario()).blocks
@@ -200,15 +185,6 @@ def test_hops_far_apart_have_boxes_that_stand_all_the_time():
     assert overhang(box, stood_on(plan, 1)).min() == pytest.approx(0.25)
     for place in (0, 2):
         assert overhang(box, stood_on(plan, place), -RADIUS).max() < 0
-
-
-def test_hops_down_start_on_a_block_and_go_on_on_the_next():
-    plan = hops(-0.1, -0.15, forward=1.2)
-    world = surroundings(ANYMAL, plan, Scenario())
-    assert world.ground == pytest.approx(-0.25)
-    assert {block.name: top(block) for block in world.blocks} == pytest.approx(
-        {"block": 0.0, "box 1": -0.1}
-    )
 
 
 def test_the_board_of_hops_lies_under_the_last_landing_alone():
@@ -263,9 +239,3 @@ class TestObstacles:
         start, landing = world.blocks
         assert world.ground == pytest.approx(-0.5)
         assert [top(start), top(landing)] == pytest.approx([0, height])
-
-    def test_beyond_a_hurdle_a_box(self):
-        _, world = self.over(Obstacle(0.45, 0.55, 0.3), forward=1.0, height=0.2)
-        assert {block.name: top(block) for block in world.blocks} == pytest.approx(
-            {"hurdle": 0.3, "box": 0.2}
-        )

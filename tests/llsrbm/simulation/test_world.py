@@ -66,19 +66,6 @@ def test_mujocos_state_is_in_its_own_conventions(turn, v):
     assert qvel[6:] == pytest.approx(v[6:][SHARED.joint_order])
 
 
-def test_what_is_handed_out_is_a_copy():
-    world = world_of()
-    before = [*world.state(), world.qpos, world.qvel]
-    kept = [array.copy() for array in before]
-    result = world.advance(np.ones(JOINTS))
-    force, torque = result.contact_force.copy(), result.torque.copy()
-    world.advance(-np.ones(JOINTS))
-    for array, copy in zip(before, kept, strict=True):
-        assert array.tolist() == copy.tolist()
-    assert result.contact_force.tolist() == force.tolist()
-    assert result.torque.tolist() == torque.tolist()
-
-
 def test_free_fall():
     world = world_of()
     q, v = in_the_air()
@@ -373,15 +360,6 @@ def test_mujocos_warnings_are_others_business():
     finally:
         mujoco.set_mju_user_warning(None)
     assert heard == ["mine"]
-
-
-def test_ticks_need_not_be_multiples_of_the_step():
-    world = World(ANYMAL, PLAN, Scenario(), Disturbance(), 1 / 333)
-    world.reset(*in_the_air(10.0))
-    for _ in range(333):
-        world.advance(np.zeros(JOINTS))
-    assert world.time == pytest.approx(1.0)
-    assert world.state()[0][2] == pytest.approx(in_the_air(10.0)[0][2] - 9.81 / 2, abs=4e-3)
 
 
 def momenta(robot, factor, world):

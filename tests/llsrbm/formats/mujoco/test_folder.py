@@ -297,16 +297,6 @@ def test_again_zipped_and_over_something_else(anymal, tmp_path):
     assert [file.name for file in other.iterdir()] == ["thesis.tex"]
 
 
-def test_still_before_and_after(anymal, tmp_path):
-    export(anymal, tmp_path / "out", "mujoco", fps=100, pad=0.25)
-    motion = np.load(tmp_path / "out" / "motion.npz")
-    assert (motion["qvel"][:25] == 0).all()
-    assert (motion["qvel"][-25:] == 0).all()
-    assert (motion["qpos"][:25] == motion["qpos"][25]).all()
-    assert (motion["qpos"][-25:] == motion["qpos"][-25]).all()
-    assert len(motion["time"]) == np.ceil(anymal.duration * 100 - 1e-6) + 51
-
-
 def blocks_in(folder):
     model = mujoco.MjModel.from_xml_path(str(folder / "scene.xml"))
     with np.load(folder / "motion.npz") as motion:

@@ -210,6 +210,7 @@ def pose_of(tab, name):
 
 @pytest.mark.browser
 @needs_chromium
+@pytest.mark.parametrize("motion", ["slider"], indirect=True)
 def test_a_browser_draws_what_was_recorded(browser, replay, motion):
     tab = played(browser, replay)
     rollout, base = motion.rollout, f"/robot/{Page(replay).facts['bodies'][0]}"

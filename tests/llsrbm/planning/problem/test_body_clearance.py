@@ -9,7 +9,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from llsrbm.body.trunk_and_knees import knee_joint, trunk_box
+from llsrbm.body.trunk_and_knees import trunk_box
 from llsrbm.errors import InputError
 from llsrbm.models import make_model
 from llsrbm.planning.problem.clearance_profile import (
@@ -21,7 +21,7 @@ from llsrbm.planning.problem.clearance_profile import (
 from llsrbm.planning.problem.constraints.body_clearance import BodyClearance, body_points
 from llsrbm.planning.problem.knots import unpack
 from llsrbm.planning.problem.parameters import parameter_symbols, parameters
-from llsrbm.planning.problem.placement import make_task, place_task
+from llsrbm.planning.problem.placement import make_task
 from llsrbm.planning.problem.stage import Stage
 from llsrbm.planning.solve.guess import analytic_guess
 from llsrbm.planning.solve.nearest import _Reductions
@@ -200,15 +200,6 @@ def test_soles_are_longer_than_points():
     assert heel > task.obstacle.far + 0.01 + RAMP
     with pytest.raises(InputError, match=r"would stand at 0.430 m, but the hurdle goes from"):
         make_task(replace(jump, forward=0.43), load_robot("slider"))
-
-
-def test_a_biped_has_no_knees_to_clear():
-    robot = load_robot("slider")
-    assert knee_joint(robot) is None
-    jump = Jump("slider", type="hurdle", forward=0.0)
-    layout = layout_of(jump, robot, 12)
-    task = place_task(jump, robot)
-    assert len(BodyClearance().bounds(task, layout, 2)[0]) == 12
 
 
 def test_the_search_for_a_nearer_jump_skips_those_that_land_on_it():

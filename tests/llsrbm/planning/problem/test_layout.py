@@ -9,7 +9,7 @@ from llsrbm.models import make_model
 from llsrbm.planning.problem.layout import LEAST_INTERVALS, Layout, split
 from llsrbm.planning.problem.parameters import parameter_sizes
 from llsrbm.planning.problem.stage import Stage
-from llsrbm.request.schedule import Phase, Schedule, together
+from llsrbm.request.schedule import together
 from llsrbm.robots import load_robot
 from tests.llsrbm.schedules import schedules
 from tests.llsrbm.synthetic import LEGS
@@ -183,13 +183,3 @@ def test_names_of_files_say_which_feet_stand_when():
     assert LAYOUT.name == "1111-0000-1111"
     assert REAR_LAST.name == "1111-0011-0000-1111"
     assert replace(LAYOUT, turns=True).name == "1111-0000-1111-turns"
-
-
-def test_of_a_schedule():
-    rebound = Phase("rebound", LEGS, (0.3, 1.0), place=1, share=1.5)
-    away, landing = Phase("flight", (), "flight", 1), Phase("landing", LEGS, "landing", 2)
-    hops = Schedule(LEGS, (*together(LEGS).phases[:2], rebound, away, landing))
-    layout = Layout.of(hops, contacts=16, intervals=50, foot_coordinates=4)
-    assert layout.stands == (ALL, NONE, ALL, NONE, ALL)
-    assert layout.intervals == (16, 18, 24, 16, 16)
-    assert (layout.legs, layout.phases, layout.corners) == (4, 5, 4)

@@ -1,6 +1,7 @@
 """Limits: what there is, what is refused, and that a changed one holds in the plan."""
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -219,14 +220,22 @@ BINDING = {
 }
 
 
+def planned(motion, weights, limits):
+    return planner_for("anymal", "llsrbm-plus").plan(Jump(**motion), weights=weights, limits=limits)
+
+
+@cache
+def plan_of(*, weight=None, **motion):
+    """Under the robot's own limits."""
+    return planned(motion, {} if weight is None else {"time": weight}, {})
+
+
 @pytest.mark.parametrize("name", BINDING)
 def test_a_limit_binds_in_the_plan(name):
     """Measured in the plan's arrays: what was beyond the limit is at it, in the checks as well."""
     motion, weights, value, measured, tolerance = BINDING[name]
-    planner = planner_for("anymal", "llsrbm-plus")
-    jump = Jump(model="llsrbm-plus", **motion)
-    free = planner.plan(jump, weights=weights)
-    bound = planner.plan(jump, weights=weights, limits={name: value})
+    free = plan_of(**motion, weight=weights.get("time"))
+    bound = planned(motion, weights, {name: value})
     limit = limits_of(ANYMAL)[name][0]
     side = -1 if limit.lower_bound else 1
     assert side * (measured(free) - value) > 2 * tolerance

@@ -211,7 +211,6 @@ def test_the_balance_is_that_of_the_body():
 def test_torques_are_those_of_the_body():
     """Standing legs hold the forces, swinging legs accelerate, in a base that accelerates."""
     error = evaluated()["torque"].transpose(0, 2, 1) - of_body("torque")
-    print(np.sqrt(np.mean(error**2, axis=0)), rms(of_body("torque")))
     for legs in (FRONT, HIND):
         assert rms(error[:, list(legs)]) < 0.06
     assert rms(of_body("torque")[:, list(HIND)]) > 0.4

@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 from llsrbm.errors import InputError
 from llsrbm.planning.problem.costs import default_weights
 from llsrbm.planning.problem.layout import Layout
-from llsrbm.planning.problem.parameters import parameter_sizes, parameters
+from llsrbm.planning.problem.parameters import parameters
 from llsrbm.planning.problem.placement import make_task
 from llsrbm.request.jump import Jump
 from llsrbm.robots import load_robot
@@ -54,18 +54,6 @@ def test_twists_beyond_half_a_turn_go_the_long_way():
     quat = make_task(Jump(twist=4.0), replace(ROBOT, file=wide)).goal_quat
     np.testing.assert_allclose(quat, [np.cos(2.0), 0, 0, np.sin(2.0)])
     assert quat[0] < 0
-
-
-@settings(max_examples=30, deadline=None)
-@given(jump=requests)
-def test_parameters_fill_the_solvers_places(jump):
-    task = make_task(jump, ROBOT)
-    layout = Layout.of(task.schedule, 4, 48, 3)
-    values, sizes = parameters(layout, task), parameter_sizes(layout)
-    assert list(values) == list(sizes)
-    for name, value in values.items():
-        assert value.shape == (sizes[name],)
-        assert np.isfinite(value).all()
 
 
 @pytest.mark.parametrize(

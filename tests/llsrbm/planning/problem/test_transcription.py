@@ -7,10 +7,7 @@ import numpy as np
 import pytest
 
 from llsrbm import models
-from llsrbm.ocp.transcription import Transcription
-from llsrbm.planning.problem.constraints import CONSTRAINTS
-from llsrbm.planning.problem.horizon import constraints_of, make_horizon, row_bounds
-from llsrbm.planning.problem.layout import Layout
+from llsrbm.planning.problem.horizon import constraints_of, row_bounds
 from llsrbm.planning.problem.placement import make_task
 from llsrbm.planning.solve.planner import layout_of
 from llsrbm.request.jump import Jump
@@ -97,28 +94,6 @@ def test_a_plan_lies_within_the_rows_bounds(model):
     # 1e-4 is the solvers' tolerance.
     assert (g >= lower - 1e-4).all()
     assert (g <= upper + 1e-4).all()
-
-
-LAYOUT = Layout(4, ((True,) * 4, (False,) * 4, (True,) * 4), (3, 4, 3))
-MODEL = models.make_model("srbm", load_robot("anymal"))
-
-
-@pytest.fixture(scope="module")
-def transcription():
-    return Transcription(make_horizon(MODEL, LAYOUT))
-
-
-def test_equalities_are_the_rows_whose_bounds_meet(transcription):
-    task = solved("srbm", "all").task
-    lower, upper = row_bounds(LAYOUT, task)
-    np.testing.assert_array_equal(lower == upper, transcription.structure.equality)
-
-
-def test_rows_of_a_role_in_the_order_of_the_list():
-    for role in LAYOUT.roles:
-        names = [c.name for c in constraints_of(role)]
-        assert names == [c.name for c in CONSTRAINTS if c.name in names]
-        assert ("final_state" in names) == role.terminal
 
 
 @pytest.mark.parametrize(("robot", "kind"), [("anymal", "hops"), ("slider", "together")])

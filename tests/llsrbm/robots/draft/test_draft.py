@@ -14,9 +14,6 @@ from llsrbm.robots.feet import foot_contacts
 PACKAGE = "example-robot-data"
 QUADRUPEDS = {
     "a1": "a1_description/urdf/a1.urdf",
-    "b1": "b1_description/urdf/b1.urdf",
-    "go1": "go1_description/urdf/go1.urdf",
-    "laikago": "laikago_description/urdf/laikago.urdf",
     "hyq": "hyq_description/robots/hyq_no_sensors.urdf",
     "anymal_c": "anymal_c_simple_description/urdf/anymal.urdf",
     "solo12": "solo_description/robots/solo12.urdf",
