@@ -11,13 +11,12 @@ import math
 import re
 import threading
 from collections.abc import Callable, Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import Any, Literal
 
 import viser
 
 from app.guard.limits import LONGEST_TEXT
-from app.motion import colours
 from app.motion.clip import Clip
 from app.viser_private import run_javascript, uuid_of
 from llsrbm.look.timeline import Timeline
@@ -194,7 +193,7 @@ class PageLink:
         if events is None:
             self._call("transport.clear")
         else:
-            self._call("transport.show", json.dumps(_plain(events)))
+            self._call("transport.show", json.dumps(events.plain()))
         self._call("player.load", header, json.dumps(blob), str(self._number))
 
     def _command(self, function: str, *arguments: str) -> None:
@@ -266,14 +265,3 @@ def _is_time(time: float) -> bool:
 
 def _text(value: object) -> str | None:
     return value if isinstance(value, str) and value else None
-
-
-def _plain(events: Timeline) -> dict[str, Any]:
-    """For JSON; colours as style sheets have them."""
-    plain = asdict(events)
-    for row in plain["rows"]:
-        for piece in row["pieces"]:
-            piece["colour"] = colours.css(piece["colour"])
-    for mark in plain["marks"]:
-        mark["colour"] = colours.css(mark["colour"])
-    return plain

@@ -19,8 +19,7 @@ from numpy.typing import NDArray
 
 from app.workers.opened_file import OpenedFile, States, check_offered, uploaded_design
 from llsrbm.errors import Error, FileFormatError, printable
-from llsrbm.formats import load_motion, readable
-from llsrbm.formats.reading import is_native
+from llsrbm.formats import is_native, load_motion, readable
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
 from llsrbm.motion.trajectory import load
@@ -82,7 +81,7 @@ def _is_design(name: str, path: Path) -> bool:
     if name.lower().endswith(SUFFIX) or b'"llsrbm.design' in head:
         return True
     may_be = not head.startswith(b"PK") and Path(name).suffix.lower() in (".json", "")
-    return may_be and not any(each.recognises and each.recognises(path) for each in readable())
+    return may_be and not any(each.recognises(path) for each in readable())
 
 
 def _opened(path: Path, shown: str, robot: str, fps: float | None) -> OpenedFile:

@@ -171,7 +171,7 @@ def exported(task: ExportMotion) -> tuple[str, bytes]:
     Raises:
         llsrbm.errors.Error: as `llsrbm.export`.
     """
-    from llsrbm.formats.exporting import file_name, stem
+    from llsrbm.formats import file_name, stem
 
     name = (
         f"{stem(task.trajectory)}.zip" if task.zipped else file_name(task.trajectory, task.formats)

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 
 import llsrbm
 from llsrbm.formats.base import Options
-from llsrbm.formats.pictures.film import pictures
+from llsrbm.formats.pictures.video import pictures
 
 STYLE = {"llsrbm-plus": "-", "llsrbm": "-.", "srbm": "--"}
 TITLE = {"llsrbm-plus": "LL-SRBM+", "llsrbm": "LL-SRBM", "srbm": "SRBM"}

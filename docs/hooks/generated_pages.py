@@ -22,7 +22,7 @@ sys.path.insert(0, str(ROOT))  # the declarations of this very checkout
 
 from llsrbm.errors import InputError  # noqa: E402
 from llsrbm.formats import FORMATS, Format  # noqa: E402
-from llsrbm.formats.tables.csv_table import quantity_rows  # noqa: E402
+from llsrbm.formats.table import quantity_rows  # noqa: E402
 from llsrbm.installed import assets_directory  # noqa: E402
 from llsrbm.planning.problem.placement import limits_of, make_task  # noqa: E402
 from llsrbm.request import jump_types  # noqa: E402
@@ -95,7 +95,7 @@ def _format(each: Format) -> Iterable[str]:
         ("", ""),
         [
             ("name ends in", f"`{each.suffix}`" if each.suffix else "(a folder)"),
-            ("holds", ", ".join(each.holds)),
+            ("holds", "plan, rollout"),
             ("options", ", ".join(taken) or "none"),
             ("can be opened", opens),
             (

@@ -42,7 +42,7 @@ def compare_command(
     column has an asterisk; what fell or did not converge has none.
     """
     with console.result_stream(as_json=as_json) as stdout:
-        from llsrbm.formats.reading import load_any
+        from llsrbm.formats import load_any
         from llsrbm.motion.trajectory import json_value
 
         motions = [load_any(file, robot, fps) for file in files]

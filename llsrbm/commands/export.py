@@ -74,8 +74,7 @@ def replay_command(
 
     Prints the page's path. It stays where it is and may be passed on.
     """
-    from llsrbm.formats import export
-    from llsrbm.formats.exporting import stem
+    from llsrbm.formats import export, stem
     from llsrbm.motion.trajectory import load
 
     trajectory = load(file)
@@ -106,7 +105,7 @@ def formats_command(
 
 def _facts(format_: Format) -> list[str]:
     """A format's title, conventions, options and uses, line by line."""
-    from llsrbm.formats.tables.csv_table import quantity_rows
+    from llsrbm.formats.table import quantity_rows
 
     lines = [f"{format_.name}: {format_.title}{_needs(format_)}", ""]
     lines += format_.conventions.strip().splitlines()
@@ -117,7 +116,7 @@ def _facts(format_: Format) -> list[str]:
     lines += [
         "",
         f"name ends in  {format_.suffix or '(a folder)'}",
-        f"holds         {', '.join(format_.holds)}",
+        "holds         plan, rollout",
         f"options       {', '.join(taken) or 'none'}",
         f"can be opened {reads}",
     ]

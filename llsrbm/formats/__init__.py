@@ -1,20 +1,214 @@
-"""Files that other tools read, one module a format, and foreign files that can be looked at."""
+"""Files that other tools read, and foreign files that can be looked at: open and write any of them.
+
+Adding a format is one declaration and one line in `FORMATS`.
+"""
 
 from __future__ import annotations
 
-from llsrbm.formats.base import ORDERS, Format, Options
-from llsrbm.formats.exporting import export, file_name
-from llsrbm.formats.reading import load_motion, readable
-from llsrbm.formats.registry import FORMATS, find
+import tempfile
+import zipfile
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
 
-__all__ = [
-    "FORMATS",
-    "ORDERS",
-    "Format",
-    "Options",
-    "export",
-    "file_name",
-    "find",
-    "load_motion",
-    "readable",
-]
+from llsrbm.errors import FileFormatError, InputError
+from llsrbm.files.atomic import staged
+from llsrbm.files.npz import keys
+from llsrbm.formats.base import ORDERS, Format, Options
+from llsrbm.formats.logs import MCAP, RRD
+from llsrbm.formats.motion_npz import MOTION_NPZ
+from llsrbm.formats.mujoco.folder import MUJOCO
+from llsrbm.formats.native import DESIGN, NPZ
+from llsrbm.formats.pictures.html_replay import HTML
+from llsrbm.formats.pictures.video import GIF, MP4
+from llsrbm.formats.table import CSV
+from llsrbm.formats.trainers import GMR_PKL, MIMICKIT_PKL, MOTION_IMITATION_JSON
+from llsrbm.formats.unitree_csv import UNITREE_CSV
+from llsrbm.motion.plan import Plan
+from llsrbm.motion.trajectory import Trajectory, load
+from llsrbm.motion.whole_body import WholeBodyMotion
+from llsrbm.request.messages import look_up
+from llsrbm.robots import load_robot
+
+__all__ = ["FORMATS", "ORDERS", "Format", "Options", "export", "file_name", "find", "is_native"]
+__all__ += ["load_any", "load_motion", "readable", "stem"]
+
+# In the order in which they are listed and offered.
+FORMATS: dict[str, Format] = {
+    format_.name: format_
+    for format_ in (
+        *(NPZ, CSV, UNITREE_CSV, MOTION_NPZ, MIMICKIT_PKL, GMR_PKL, MOTION_IMITATION_JSON),
+        *(MUJOCO, MCAP, RRD, HTML, MP4, GIF, DESIGN),
+    )
+}
+
+
+def find(name: str) -> Format:
+    """The format of that name; raises `InputError` if there is none."""
+    return look_up("format", name, FORMATS)
+
+
+# ---- opening
+
+
+def load_motion(
+    path: str | Path,
+    robot: str = "anymal",
+    format: str | None = None,  # noqa: A002  # the word of the public interface
+    fps: float | None = None,
+) -> WholeBodyMotion:
+    """Open a file that holds a robot's motion, this project's or another tool's.
+
+    Args:
+        path: a native file of a plan or a rollout, or a file in a format that can be opened.
+        robot: name or robot file of what moves; a native file knows its own.
+        format: its name in `llsrbm formats`; None: as the file looks.
+        fps: frames/s of a file without a rate of its own; of a native file, at which it is sampled
+            (None: 60).
+
+    Raises:
+        FileFormatError: no such file, a damaged one, or one that no format recognises.
+        InputError: no such format, or none that can be opened.
+        RobotFileError: no such robot, or a wrong robot file.
+    """
+    path = Path(path)
+    chosen = _recognised(path) if format is None else find(format)
+    if chosen.read is None:
+        raise InputError(
+            f'format "{chosen.name}" is written and not opened; expected {_openable()}'
+        )
+    return chosen.read(path, load_robot(robot), fps)
+
+
+def load_any(
+    path: str | Path, robot: str = "anymal", fps: float | None = None
+) -> Trajectory | WholeBodyMotion:
+    """A plan or a rollout of this project's, or the motion in another tool's file.
+
+    Arguments and errors as of `load_motion`.
+    """
+    return load(path) if is_native(path) else load_motion(path, robot, fps=fps)
+
+
+def is_native(path: str | Path) -> bool:
+    """True if a file is of this project's kind, damaged or not."""
+    held = keys(path)
+    # `load` says best what is wrong with an archive that cannot be listed.
+    return "schema" in held or (not held and Path(path).suffix.lower() == ".npz")
+
+
+def readable() -> tuple[Format, ...]:
+    """The formats that can be opened."""
+    return tuple(each for each in FORMATS.values() if each.read is not None)
+
+
+def _recognised(path: Path) -> Format:
+    try:
+        if not path.is_dir():
+            path.open("rb").close()
+    except OSError as error:
+        raise FileFormatError(
+            f"{path}: cannot be read: {error.strerror or error}; expected {_openable()}"
+        ) from error
+    for each in readable():
+        if each.recognises(path):
+            return each
+    raise FileFormatError(
+        f"{path}: damaged, or of no format that can be opened; expected {_openable()}"
+    )
+
+
+def _openable() -> str:
+    *first, last = (f"{each.name} ({each.suffix or 'a folder'})" for each in readable())
+    return f"{', '.join(first)} or {last}"
+
+
+# ---- writing: nobody ever sees half a file
+
+
+def export(
+    trajectory: Trajectory,
+    path: str | Path,
+    format: str | Sequence[str] = "npz",  # noqa: A002  # the word of the public interface
+    **options: Any,
+) -> None:
+    """Write a trajectory to a file, or in several formats into a zip.
+
+    Args:
+        trajectory: what `llsrbm.plan`, `llsrbm.simulate` or `llsrbm.load` returned.
+        path: the file, or the folder of a format that is one; replaced when all has been written.
+            A path that ends in ".zip" gets an archive of all that is written.
+        format: a name, or several, of `llsrbm formats`.
+        options: of `llsrbm.formats.Options`, as far as the formats take them: `fps`, `pad`,
+            `order`, `size`, `camera`.
+
+    Raises:
+        InputError: no such format, or one whose packages are missing or that takes no such option;
+            a value that makes no sense; a file that cannot be written. Nothing is left behind.
+    """
+    names = [format] if isinstance(format, str) else list(dict.fromkeys(format))
+    if not names:
+        raise InputError("no format is named; expected one or more of `llsrbm formats`")
+    formats = [find(name) for name in names]
+    chosen = [(each, _options(each, options)) for each in formats]
+    for each in formats:
+        each.check_installed()
+    _check_used(formats, options)
+    path = Path(path)
+    zipped = path.suffix.lower() == ".zip"
+    if len(formats) > 1 and not zipped:
+        raise InputError(
+            f"{path}: {len(formats)} formats do not fit into one file; expected a path that ends "
+            "in .zip"
+        )
+    with staged(path) as target:
+        if zipped:
+            _write_zip(trajectory, chosen, target)
+        else:
+            chosen[0][0].write(trajectory, target, chosen[0][1])
+
+
+def stem(trajectory: Trajectory) -> str:
+    """A name for files of a trajectory: robot, model, plan or rollout."""
+    kind = "plan" if isinstance(trajectory, Plan) else "rollout"
+    return f"{Path(trajectory.jump.robot).stem}-{trajectory.jump.model}-{kind}"
+
+
+def file_name(trajectory: Trajectory, names: Sequence[str]) -> str:
+    """Under which an export can be offered as one file."""
+    formats = [find(name) for name in names]
+    return stem(trajectory) + ((formats[0].suffix if len(formats) == 1 else "") or ".zip")
+
+
+def _write_zip(
+    trajectory: Trajectory, chosen: Sequence[tuple[Format, Options]], target: Path
+) -> None:
+    with tempfile.TemporaryDirectory() as folder:
+        for format_, options in chosen:
+            own = f"-{format_.name}" if len(chosen) > 1 else ""
+            path = Path(folder) / f"{stem(trajectory)}{own}{format_.suffix}"
+            format_.write(trajectory, path, options)
+        with zipfile.ZipFile(target, "w", zipfile.ZIP_DEFLATED) as archive:
+            for file in sorted(Path(folder).rglob("*")):
+                if file.is_file():
+                    archive.write(file, file.relative_to(folder))
+
+
+def _options(format_: Format, given: dict[str, Any]) -> Options:
+    """The format's own defaults, changed by what was given and is for it."""
+    known = Options.__dataclass_fields__
+    for name in given:
+        if name not in known:
+            raise InputError(f"no option {name} of an export; expected {', '.join(known)}")
+    return replace(format_.defaults, **{n: v for n, v in given.items() if n in format_.options})
+
+
+def _check_used(formats: Sequence[Format], given: dict[str, Any]) -> None:
+    """An option that none of the formats takes would be ignored in silence."""
+    for name in given:
+        if not any(name in each.options for each in formats):
+            taken = sorted({option for each in formats for option in each.options})
+            listed = f"its options are {', '.join(taken)}" if taken else "it has no options"
+            names = ", ".join(each.name for each in formats)
+            raise InputError(f'{name}: is not for format "{names}"; {listed}')

@@ -1,7 +1,8 @@
-"""A file format, its options, and packages that it needs."""
+"""A file format: its options, the packages that it needs, and the JSON that stands beside files."""
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from importlib.util import find_spec
@@ -9,13 +10,16 @@ from math import isfinite
 from pathlib import Path
 from typing import Any
 
-from llsrbm.errors import InputError
-from llsrbm.motion.trajectory import Trajectory
+from llsrbm.errors import FileFormatError, InputError
+from llsrbm.motion.trajectory import Trajectory, description
 from llsrbm.motion.whole_body import WholeBodyMotion
 from llsrbm.robots import Robot
 
 ORDERS = ("depth-first", "breadth-first")
+_STATED = ("fps", "pad", "order")  # options that a description has
 _SMALLEST, _LARGEST = 32, 4096  # pixels
+_BESIDE = ".meta.json"  # after the whole name of the file that it is of
+_LARGEST_JSON = 4 * 1024**2  # bytes; ours have some ten thousand
 
 
 @dataclass(frozen=True)
@@ -31,7 +35,7 @@ class Options:
             as the page does.
 
     Raises:
-        InputError: an order, a size or a camera that makes no sense.
+        InputError: an order, a size or a camera that makes no sense; rates are checked where used.
     """
 
     fps: float = 60.0
@@ -41,35 +45,25 @@ class Options:
     camera: tuple[float, float, float] | None = None
 
     def __post_init__(self) -> None:
-        """Check what is the same for every format; rates are checked where they are used."""
         if self.order not in ORDERS:
             raise InputError(f"order: expected {' or '.join(ORDERS)}, got {self.order!r}")
-        if not _numbers(self.size, 2, int) or not all(
-            _SMALLEST <= n <= _LARGEST for n in self.size
-        ):
+        size, camera = self.size, self.camera
+        if not _numbers(size, 2, int) or not all(_SMALLEST <= n <= _LARGEST for n in size):
             raise InputError(
-                f"size: expected width and height, {_SMALLEST} to {_LARGEST} pixels, got "
-                f"{self.size!r}"
+                f"size: expected width and height, {_SMALLEST} to {_LARGEST} pixels, got {size!r}"
             )
-        if self.camera is not None and (
-            not _numbers(self.camera, 3, float | int)
-            or not -90 <= self.camera[1] <= 90
-            or not self.camera[2] > 0
+        if camera is not None and not (
+            _numbers(camera, 3, float | int) and -90 <= camera[1] <= 90 and camera[2] > 0
         ):
             raise InputError(
                 "camera: expected azimuth and elevation (-90 to 90) in deg and a distance > 0 in "
-                f"m, got {self.camera!r}"
+                f"m, got {camera!r}"
             )
 
 
 @dataclass(frozen=True)
 class Extra:
-    """Packages that a format needs and a plain installation does not have.
-
-    Attributes:
-        name: as in `pip install "llsrbm[name]"`.
-        modules: what must be importable.
-    """
+    """Modules that must be importable; `pip install "llsrbm[name]"` installs them."""
 
     name: str
     modules: tuple[str, ...]
@@ -85,21 +79,17 @@ class Format:
     """One file format.
 
     Attributes:
-        name: as on the command line.
-        title: one line.
+        name: as on the command line; title: one line.
         suffix: of file names, with the dot; "" of a folder.
         write: (trajectory, path, options) -> None, writes the file or folder at exactly that path,
             and further files beside it under names that begin with its name. Raises `InputError`
             if it cannot. Nobody sees the path before everything has been written.
-        conventions: frames, units and orders, in a few lines: the module's docstring.
-        options: names of what it takes of `Options`; defaults: what it takes where nothing is said.
-        holds: of "plan" and "rollout", what it can hold.
+        conventions: frames, units and orders, in a few lines.
+        options: names of what it takes of `Options`; defaults: theirs.
         extra: packages that it needs; None: none.
         read: (path, robot, frames/s) -> motion, for formats that can be opened for looking; raises
-            `FileFormatError`. The rate is for files that do not say theirs; what the file says
-            counts.
-        recognises: path -> whether a file looks like one that `read` opens, by its name and a
-            glance at its content; raises nothing. Every format with `read` has it.
+            `FileFormatError`. The rate is for files without one of their own.
+        recognises: path -> whether a file looks like one that `read` opens; raises nothing.
     """
 
     name: str
@@ -109,10 +99,9 @@ class Format:
     conventions: str
     options: tuple[str, ...] = ()
     defaults: Options = field(default_factory=Options)
-    holds: tuple[str, ...] = ("plan", "rollout")
     extra: Extra | None = None
     read: Callable[[Path, Robot, float | None], WholeBodyMotion] | None = None
-    recognises: Callable[[Path], bool] | None = None
+    recognises: Callable[[Path], bool] = lambda _: False
 
     def check_installed(self) -> None:
         """Raise `InputError` if packages that it needs are missing."""
@@ -121,6 +110,47 @@ class Format:
                 f'format "{self.name}" needs packages that are not installed; expected '
                 f'pip install "llsrbm[{self.extra.name}]"'
             )
+
+    def described(self, trajectory: Trajectory, options: Options, **own: Any) -> dict[str, Any]:
+        """Description of an exported trajectory as plain data; `own`: orders, columns and so on."""
+        taken = {name: getattr(options, name) for name in self.options if name in _STATED}
+        return {"format": self.name, **taken, **own, **description(trajectory)}
+
+    def described_json(self, trajectory: Trajectory, options: Options, **own: Any) -> str:
+        """The same as JSON."""
+        return json.dumps(self.described(trajectory, options, **own), allow_nan=False)
+
+    def write_beside(
+        self, path: Path, trajectory: Trajectory, options: Options, **own: Any
+    ) -> None:
+        """Write `described` beside `path`, under its name and `.meta.json`."""
+        text = json.dumps(self.described(trajectory, options, **own), indent=1, allow_nan=False)
+        path.with_name(path.name + _BESIDE).write_text(text + "\n", encoding="utf-8")
+
+
+def read_beside(path: Path) -> dict[str, Any]:
+    """The JSON beside a file; nothing where there is none.
+
+    Raises:
+        FileFormatError: there is one, and it is unreadable or no JSON object.
+    """
+    beside = path.with_name(path.name + _BESIDE)
+    try:
+        with beside.open("rb") as file:
+            content = file.read(_LARGEST_JSON + 1)
+    except FileNotFoundError:
+        return {}
+    except OSError as error:
+        raise FileFormatError(f"{beside}: cannot be read: {error.strerror or error}") from error
+    if len(content) > _LARGEST_JSON:
+        raise FileFormatError(f"{beside}: more than {_LARGEST_JSON} bytes; expected what is beside")
+    try:
+        table = json.loads(content)
+    except (ValueError, RecursionError) as error:
+        raise FileFormatError(f"{beside}: damaged: expected a JSON object") from error
+    if not isinstance(table, dict):
+        raise FileFormatError(f"{beside}: expected a JSON object")
+    return table
 
 
 def _numbers(values: Any, count: int, kind: Any) -> bool:

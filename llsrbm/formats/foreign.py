@@ -22,11 +22,7 @@ _UNIT_QUATERNION = 1e-2  # by which a norm may miss 1: single precision, and rou
 
 
 def checked_rate(value: Any, where: str) -> float:
-    """Frames/s.
-
-    Raises:
-        FileFormatError: it is no positive number up to 10000.
-    """
+    """Frames/s; raises `FileFormatError` unless a positive number up to 10000."""
     if isinstance(value, np.ndarray):
         value = value.reshape(-1)[0] if value.size == 1 else f"{value.size} values"
     number = isinstance(value, int | float | np.integer | np.floating)
@@ -38,11 +34,7 @@ def checked_rate(value: Any, where: str) -> float:
 
 
 def joint_columns(names: Sequence[str], robot: Robot, where: str) -> list[int]:
-    """Where each of `Robot.joint_names` is among the file's.
-
-    Raises:
-        FileFormatError: they are not the robot's joints.
-    """
+    """Where each of `Robot.joint_names` is among the file's; `FileFormatError` for others."""
     if sorted(names) != sorted(robot.joint_names):
         listed = " ".join(", ".join(names).split()) or "none"  # one line, whatever the names are
         raise FileFormatError(
@@ -63,9 +55,7 @@ def checked_motion(
     """The motion of which a file has K states, in MuJoCo's convention, joints in the robot's order.
 
     Args:
-        robot: that moves.
-        origin: the name of the format.
-        where: the file, for messages.
+        robot, origin, where: the robot, the name of the format, the file (for messages).
         time: frames/s, or (K,) s from 0 on, increasing, of frames that are not evenly spaced.
         qpos: (K, 7 + J); quaternions of either sign.
         qvel: (K, 6 + J); None: by differences (`llsrbm.motion.states.velocities`).
@@ -86,9 +76,9 @@ def checked_motion(
                 f"{values[frame, column]} in frame {frame}"
             )
     norm = np.linalg.norm(qpos[:, 3:7], axis=1)
-    off = np.abs(norm - 1) > _UNIT_QUATERNION
-    if off.any():
-        frame = int(np.argmax(off))
+    off = np.abs(norm - 1)
+    if off.max() > _UNIT_QUATERNION:
+        frame = int(np.argmax(off > _UNIT_QUATERNION))
         raise FileFormatError(
             f"{where}: expected unit quaternions, got one of norm {norm[frame]:.4g} in frame "
             f"{frame}"

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
@@ -83,6 +84,13 @@ class Timeline:
     summary: str
     end: float
     bars: tuple[Bar, ...] = ()
+
+    def plain(self) -> dict[str, Any]:
+        """For JSON; colours as style sheets have them."""
+        plain = asdict(self)
+        for each in (*(piece for row in plain["rows"] for piece in row["pieces"]), *plain["marks"]):
+            each["colour"] = palette.css(each["colour"])
+        return plain
 
 
 def timeline(plan: Plan, rollout: Rollout | None = None) -> Timeline:

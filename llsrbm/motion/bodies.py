@@ -17,7 +17,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from llsrbm.errors import InputError
-from llsrbm.mechanics import quaternions, sign_continuous
+from llsrbm.mechanics import quaternions, rotation_matrices, sign_continuous
 from llsrbm.motion.whole_body import WholeBodyMotion, pinocchio_states
 from llsrbm.robots import Robot
 from llsrbm.robots.urdf import BASE_JOINT
@@ -170,3 +170,55 @@ def _breadth_first(moved: _Steps, root: str) -> Iterator[tuple[str, str]]:
         steps = [step for body in level for step in sorted(moved.get(body, ()))]
         yield from steps
         level = [child for _, child in steps]
+
+
+@dataclass(frozen=True, eq=False)
+class LinkPath:
+    """Where one link is over K instants, seen from its parent.
+
+    Attributes:
+        link, parent: names in the URDF; the root link's parent is "world".
+        moves: whether it does: a link behind a fixed joint does not.
+        position: (K, 3) m and quat: (K, 4) w, x, y, z without jumps of sign, in the parent's frame;
+            K = 1 for what does not move.
+    """
+
+    link: str
+    parent: str
+    moves: bool
+    position: Array
+    quat: Array
+
+
+def link_paths(robot: Robot, body_position: Array, body_quat: Array) -> Iterator[LinkPath]:
+    """Every link of the URDF, parents first, by which viewers of robots are moved.
+
+    Positions (K, B, 3) m and attitudes (K, B, 4) w, x, y, z of the moving bodies are those of
+    `llsrbm.look.visuals.forward_kinematics`.
+    """
+    model = robot.model
+    rotation = rotation_matrices(body_quat)
+    for frame in model.frames:
+        if frame.type != pin.FrameType.BODY:
+            continue
+        parent = model.frames[model.frames[frame.parentFrame].parentFrame]
+        R, p = _placed(frame, body_position, rotation)
+        if parent.type != pin.FrameType.BODY:
+            yield LinkPath(frame.name, "world", True, p, sign_continuous(quaternions(R)))
+        elif parent.parentJoint == frame.parentJoint:
+            seen = parent.placement.actInv(frame.placement)
+            place, quat = seen.translation[None], quaternions(seen.rotation[None])
+            yield LinkPath(frame.name, parent.name, False, place, quat)
+        else:
+            R_parent, p_parent = _placed(parent, body_position, rotation)
+            back = np.swapaxes(R_parent, -1, -2)
+            place = np.einsum("kij,kj->ki", back, p - p_parent)
+            quat = sign_continuous(quaternions(back @ R))
+            yield LinkPath(frame.name, parent.name, True, place, quat)
+
+
+def _placed(frame: pin.Frame, position: Array, rotation: Array) -> tuple[Array, Array]:
+    """Attitudes (K, 3, 3) and origins (K, 3) of a frame in the world."""
+    body = frame.parentJoint - 1
+    R = rotation[:, body]
+    return R @ frame.placement.rotation, position[:, body] + R @ frame.placement.translation

@@ -21,8 +21,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from llsrbm.errors import Error, InputError, require
 from llsrbm.files.atomic import staged
 from llsrbm.formats.base import Options
+from llsrbm.formats.datasets import find_dataset_format
 from llsrbm.formats.datasets.base import DatasetFormat, Episode
-from llsrbm.formats.datasets.registry import find_dataset_format
 from llsrbm.installed import package_version
 from llsrbm.request.jump import Jump
 from llsrbm.sweep import rows as row
@@ -133,7 +133,7 @@ def make_dataset(
 def _format(name: str, source: str, fps: float | None) -> tuple[DatasetFormat, Options]:
     if source not in SOURCES:
         raise InputError(f'source: expected {" or ".join(SOURCES)}, got "{source}"')
-    format_ = find_dataset_format(name, source)
+    format_ = find_dataset_format(name)
     if fps is None:
         return format_, format_.defaults
     if "fps" not in format_.options:

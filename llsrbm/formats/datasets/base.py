@@ -5,19 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import NamedTuple
 
 from llsrbm.formats.base import Options
 from llsrbm.motion.trajectory import Trajectory
 
 
-@dataclass(frozen=True)
-class Episode:
-    """One motion of a data set.
-
-    Attributes:
-        file: where it was written, see `DatasetFormat.write`.
-        task: what it does, in words: the same words for the same request.
-    """
+class Episode(NamedTuple):
+    """The file of one motion, and its task in words: the same words for the same request."""
 
     file: Path
     task: str

@@ -21,9 +21,11 @@ import json
 import shutil
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
 from llsrbm.errors import InputError
@@ -33,9 +35,6 @@ from llsrbm.formats.datasets.base import DatasetFormat, Episode
 from llsrbm.motion.trajectory import Trajectory
 from llsrbm.motion.whole_body import WholeBodyMotion, whole_body_motion
 
-if TYPE_CHECKING:
-    import pyarrow as pa
-
 VERSION = "v3.0"
 
 _PARTS = "parts"  # files of single motions, until all are there
@@ -43,30 +42,22 @@ _CHUNK, _DATA_MB, _VIDEO_MB = 1000, 100, 500  # LeRobot's own: files a folder, s
 _DATA = "data/chunk-{chunk_index:03d}/file-{file_index:03d}.parquet"
 _EPISODES = "meta/episodes/chunk-{chunk_index:03d}/file-{file_index:03d}.parquet"
 _INFO = "meta/info.json"
-_COUNTED = {
-    "timestamp": "float32",
-    "frame_index": "int64",
-    "episode_index": "int64",
-    "index": "int64",
-    "task_index": "int64",
-}
-"""Columns that every such data set has, and their types."""
+# Columns that every such data set has, and their types.
+_COUNTED = {"timestamp": "float32"}
+_COUNTED |= dict.fromkeys(("frame_index", "episode_index", "index", "task_index"), "int64")
 
 _NAMES, _ROBOT = b"llsrbm.names", b"llsrbm.robot"  # a part's names and robot in its schema
 _QUANTILES = (0.01, 0.1, 0.5, 0.9, 0.99)  # those that LeRobot computes
 
 
-def check_options(options: Options) -> None:
+def _check_options(options: Options) -> None:
     """Raise `InputError` if the rate is no whole number."""
     if options.fps != int(options.fps):
         raise InputError(f"fps: LeRobot takes whole rates, got {options.fps:g}")
 
 
-def write_part(trajectory: Trajectory, path: Path, options: Options) -> None:
+def _write_part(trajectory: Trajectory, path: Path, options: Options) -> None:
     """Write the frames of one motion."""
-    import pyarrow as pa
-    import pyarrow.parquet as pq
-
     motion = whole_body_motion(trajectory, options.fps, options.pad)
     features = _features(motion)
     columns = {name: _fixed(values) for name, (values, _) in features.items()}
@@ -100,14 +91,8 @@ def _features(motion: WholeBodyMotion) -> dict[str, tuple[NDArray[np.float32], l
     return {name: (np.asarray(v, dtype=np.float32), labels) for name, (v, labels) in values.items()}
 
 
-def finish(folder: Path, episodes: Sequence[Episode], options: Options) -> None:
-    """Make the data set of its parts, which are then removed; `meta/info.json` comes last.
-
-    Raises:
-        InputError: the motions are of several robots, or it cannot be written.
-    """
-    import pyarrow.parquet as pq
-
+def _finish(folder: Path, episodes: Sequence[Episode], options: Options) -> None:
+    """Make the data set of its parts, which are then removed; `meta/info.json` comes last."""
     # Checked before anything is written: features differ from robot to robot.
     schemas = [pq.read_schema(episode.file) for episode in episodes]
     robots = {schema.metadata[_ROBOT].decode() for schema in schemas}
@@ -222,19 +207,9 @@ class _Writer:
 def _stats(values: NDArray[Any]) -> dict[str, list[float]]:
     """Of (K, n) values, n of each; how many there are, once."""
     wide = values.astype(np.float64)
-    found = {
-        "min": wide.min(axis=0),
-        "max": wide.max(axis=0),
-        "mean": wide.mean(axis=0),
-        "std": wide.std(axis=0),
-        **dict(
-            zip(
-                (f"q{round(100 * q):02d}" for q in _QUANTILES),
-                np.quantile(wide, _QUANTILES, axis=0),
-                strict=True,
-            )
-        ),
-    }
+    found = {name: getattr(wide, name)(axis=0) for name in ("min", "max", "mean", "std")}
+    quantiles = np.quantile(wide, _QUANTILES, axis=0)
+    found |= {f"q{round(100 * q):02d}": row for q, row in zip(_QUANTILES, quantiles, strict=True)}
     stats: dict[str, list[Any]] = {name: value.tolist() for name, value in found.items()}
     return stats | {"count": [len(values)]}
 
@@ -251,15 +226,11 @@ def _described(names: dict[str, list[str]]) -> dict[str, Any]:
 
 def _fixed(values: NDArray[np.float32]) -> pa.Array:
     """(K, n) as lists of fixed length."""
-    import pyarrow as pa
-
     return pa.FixedSizeListArray.from_arrays(pa.array(values.ravel()), values.shape[1])
 
 
 def _dense(column: pa.ChunkedArray) -> NDArray[Any]:
     """(K, n) of a column; n = 1 of plain numbers."""
-    import pyarrow as pa
-
     array = column.combine_chunks()
     if pa.types.is_fixed_size_list(array.type):
         return np.asarray(array.flatten()).reshape(-1, array.type.list_size)
@@ -268,16 +239,10 @@ def _dense(column: pa.ChunkedArray) -> NDArray[Any]:
 
 def _write_tasks(path: Path, tasks: dict[str, int]) -> None:
     """As pandas would write a frame of task_index whose index is the task."""
-    import pyarrow as pa
 
     def column(name: str, kind: str, numpy: str) -> dict[str, Any]:
-        return {
-            "name": name,
-            "field_name": name,
-            "pandas_type": kind,
-            "numpy_type": numpy,
-            "metadata": None,
-        }
+        types = {"pandas_type": kind, "numpy_type": numpy}
+        return {"name": name, "field_name": name, **types, "metadata": None}
 
     pandas = {
         "index_columns": ["task"],
@@ -292,8 +257,6 @@ def _write_tasks(path: Path, tasks: dict[str, int]) -> None:
 
 def _write_table(path: Path, tables: Sequence[pa.Table]) -> None:
     """Each as a group of rows, so that readers can take one episode alone."""
-    import pyarrow.parquet as pq
-
     path.parent.mkdir(parents=True, exist_ok=True)
     with pq.ParquetWriter(path, tables[0].schema, compression="snappy") as writer:
         for table in tables:
@@ -310,11 +273,11 @@ LEROBOT = DatasetFormat(
     name="lerobot",
     folder=_PARTS,
     suffix=".parquet",
-    write=write_part,
+    write=_write_part,
     options=("fps", "pad"),
     defaults=Options(fps=50.0),
-    check=check_options,
-    finish=finish,
+    check=_check_options,
+    finish=_finish,
     one_robot=True,
     finished=_INFO,
 )

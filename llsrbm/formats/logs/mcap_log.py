@@ -1,99 +1,57 @@
-"""A log for Foxglove, rerun and other viewers of MCAP: Foxglove's protobuf schemas.
-
-Log time is ns from 0 at the motion's first instant; messages are 1/fps apart, and there are some
-exactly at each lift-off and touchdown (of a rollout: at each change of contact, phase or mode).
-Topics, of a rollout for the simulated robot, under /plan/ for the plan that it followed:
-  /joint_states       foxglove.JointStates by name: rad or m, per s, effort = torque in Nm or N
-  /tf, /tf_static     foxglove.FrameTransforms from link to link as in the URDF, "world" above the
-                      root link, so a URDF layer moves; the plan's frames begin with "plan/", which
-                      is the layer's frame prefix then
-  /robot              foxglove.SceneUpdate once: the links' meshes, for viewers without the URDF
-  /base, /com         foxglove.PoseInFrame in "world"; the CoM's turns with the inertia's axes
-  /inertia            foxglove.SceneUpdate: the uniform solid of the same mass and inertia
-  /contact_forces     foxglove.SceneUpdate: arrows, 0.8 m as large as the weight
-  /state              JSON with a schema, to plot: CoM, momenta, principal moments, base, contacts,
-                      forces, joints, torques as shares of their limits; com.x, foot_force.LF.z, ...
-  /scene              foxglove.SceneUpdate: ground, box, board, as they come and go
-  /reference          JSON, of a rollout: what the controller tracked
-rerun draws /tf, /base and /com of it and keeps the rest as it is; format "rrd" has everything.
-World frame, SI units; Foxglove's quaternions are x, y, z, w by name, without jumps of sign. Doubles
-all through, meshes' too. Everything beside the numbers is the attachment llsrbm.json, and in parts
-the metadata record "llsrbm".
-"""
+"""The log that Foxglove, rerun and other viewers of MCAP read: `llsrbm.formats.logs.MCAP`."""
 
 from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from foxglove import Channel, Context, channels, open_mcap
+from foxglove import messages as fm
 from numpy.typing import NDArray
 
-from llsrbm.analysis.inertia_ellipsoid import ellipsoid
-from llsrbm.formats.base import Extra, Format, Options
-from llsrbm.formats.logs.foxglove_messages import (
-    colour,
-    colours,
-    nanoseconds,
-    points,
-    pose,
-    quaternion,
-    timestamp,
-    turned_x_to,
-    vector,
-)
-from llsrbm.formats.logs.logged import (
+from llsrbm.formats.logs.series import (
     GHOST,
     GROUND_SIZE,
     Logged,
     Series,
-    ellipsoid_reference,
     logged,
     logged_plan,
     reference_series,
-    standing_around,
 )
-from llsrbm.formats.sidecar import described
+from llsrbm.formats.shown import surroundings_of
 from llsrbm.look.palette import BLOCK, COM, FORCE, GROUND, PLANNED, Rgb
 from llsrbm.look.visuals import link_visuals
-from llsrbm.motion.link_paths import link_paths
+from llsrbm.motion.bodies import link_paths
 from llsrbm.motion.rollout import Rollout
 from llsrbm.motion.trajectory import Trajectory
 from llsrbm.simulation.surroundings import Surroundings
 
-if TYPE_CHECKING:
-    from foxglove import Context
-
 Array = NDArray[np.float64]
 _Entry = tuple[int, Any, Any]  # ns, channel, message
 
-WORLD = "world"
-PLAN = "plan"
-DESCRIPTION = "llsrbm.json"
+WORLD, PLAN, DESCRIPTION = "world", "plan", "llsrbm.json"
 _SHAFT, _HEAD = 0.016, 0.04  # m, diameters of an arrow
 _HEAD_SHARE = 0.2  # of an arrow's length
 _LEVEL = (1.0, 0.0, 0.0, 0.0)
 
 
-def write_mcap(trajectory: Trajectory, path: Path, options: Options) -> None:
-    """Write the log."""
-    import foxglove
-
-    motion = logged(trajectory, options.fps)
-    plan = logged_plan(trajectory, options.fps)
+def write(trajectory: Trajectory, path: Path, fps: float, about: dict[str, Any]) -> None:
+    """Write the log; `about` is its description."""
+    motion = logged(trajectory, fps)
+    plan = logged_plan(trajectory, fps)
     # Channels and file belong to a context of their own: nothing reaches a server of the caller's.
-    context = foxglove.Context()
-    with foxglove.open_mcap(path, context=context) as writer:
-        entries = list(_scene(context, standing_around(trajectory, motion.robot)))
+    context = Context()
+    with open_mcap(path, context=context) as writer:
+        entries = list(_scene(context, surroundings_of(trajectory, motion.robot)))
         entries += _robot(context, motion, "", None)
         if plan is not None:
             entries += _robot(context, plan, PLAN, PLANNED)
         if isinstance(trajectory, Rollout):
             series = reference_series(trajectory, motion)
             entries += _numbers(context, "/reference", motion.time, series)
-        about = described(trajectory, MCAP.name, fps=options.fps, quaternion_order="xyzw")
         writer.write_metadata("llsrbm", _flat(about))
         writer.attach(
             log_time=0,
@@ -125,15 +83,12 @@ def _robot(context: Context, motion: Logged, name: str, ghost: Rgb | None) -> It
 
 
 def _transforms(context: Context, motion: Logged, top: str, frames: str) -> Iterator[_Entry]:
-    from foxglove import channels
-    from foxglove.messages import FrameTransform, FrameTransforms
+    paths = list(link_paths(motion.robot, motion.bodies.position, motion.bodies.quat))
 
-    paths = list(link_paths(motion.robot, motion.body_position, motion.body_quat, WORLD))
-
-    def message(k: int, time: int, *, moving: bool) -> FrameTransforms:
-        return FrameTransforms(
+    def message(k: int, time: int, *, moving: bool) -> fm.FrameTransforms:
+        return fm.FrameTransforms(
             transforms=[
-                FrameTransform(
+                fm.FrameTransform(
                     timestamp=timestamp(time),
                     parent_frame_id=path.parent if path.parent == WORLD else frames + path.parent,
                     child_frame_id=frames + path.link,
@@ -155,18 +110,15 @@ def _transforms(context: Context, motion: Logged, top: str, frames: str) -> Iter
 def _meshes(
     context: Context, motion: Logged, top: str, frames: str, ghost: Rgb | None
 ) -> Iterator[_Entry]:
-    from foxglove import channels
-    from foxglove.messages import SceneEntity, SceneUpdate, TriangleListPrimitive
-
     channel = channels.SceneUpdateChannel(f"{top}/robot", context=context)
     entities = [
-        SceneEntity(
+        fm.SceneEntity(
             timestamp=timestamp(0),
             frame_id=frames + visual.link,
             id=visual.link,
             frame_locked=True,
             triangles=[
-                TriangleListPrimitive(
+                fm.TriangleListPrimitive(
                     pose=pose((0.0, 0.0, 0.0), _LEVEL),
                     points=points(visual.vertices.astype(np.float64)),
                     indices=visual.faces.ravel().tolist(),
@@ -177,13 +129,10 @@ def _meshes(
         )
         for visual in link_visuals(motion.robot, coarse=True)
     ]
-    yield 0, channel, SceneUpdate(entities=entities)
+    yield 0, channel, fm.SceneUpdate(entities=entities)
 
 
 def _joint_states(context: Context, motion: Logged, top: str) -> Iterator[_Entry]:
-    from foxglove import channels
-    from foxglove.messages import JointState, JointStates
-
     channel = channels.JointStatesChannel(f"{top}/joint_states", context=context)
     names, whole = motion.robot.joint_names, motion.motion
     position, velocity = whole.joint_position.tolist(), whole.joint_velocity.tolist()
@@ -191,48 +140,36 @@ def _joint_states(context: Context, motion: Logged, top: str) -> Iterator[_Entry
     torque = none if whole.joint_torque is None else whole.joint_torque.tolist()
     for k, time in enumerate(nanoseconds(motion.time)):
         joints = [
-            JointState(name=name, position=q, velocity=v, effort=tau)
+            fm.JointState(name=name, position=q, velocity=v, effort=tau)
             for name, q, v, tau in zip(names, position[k], velocity[k], torque[k], strict=True)
         ]
-        yield time, channel, JointStates(timestamp=timestamp(time), joints=joints)
+        yield time, channel, fm.JointStates(timestamp=timestamp(time), joints=joints)
 
 
 def _poses(context: Context, motion: Logged, top: str) -> Iterator[_Entry]:
-    from foxglove import channels
-    from foxglove.messages import PoseInFrame
-
     whole = motion.motion
-    _, turned = _ellipsoid(motion)
-    for name, position, quat in (
-        ("base", whole.base_position, whole.base_quat),
-        ("com", whole.com, turned),
-    ):
+    base, com = (whole.base_position, whole.base_quat), (whole.com, motion.ellipsoid[1])
+    for name, (position, quat) in {"base": base, "com": com}.items():
         channel = channels.PoseInFrameChannel(f"{top}/{name}", context=context)
         for k, time in enumerate(nanoseconds(motion.time)):
             placed = pose(position[k], quat[k])
-            message = PoseInFrame(timestamp=timestamp(time), frame_id=WORLD, pose=placed)
+            message = fm.PoseInFrame(timestamp=timestamp(time), frame_id=WORLD, pose=placed)
             yield time, channel, message
 
 
 def _inertia(context: Context, motion: Logged, top: str) -> Iterator[_Entry]:
-    from foxglove import channels
-    from foxglove.messages import SceneEntity, SceneUpdate, SpherePrimitive
-
     channel = channels.SceneUpdateChannel(f"{top}/inertia", context=context)
-    axes, quat = _ellipsoid(motion)
+    axes, quat = motion.ellipsoid
     com, look = motion.motion.com, colour(COM, GHOST)
     for k, time in enumerate(nanoseconds(motion.time)):
-        solid = SpherePrimitive(pose=pose(com[k], quat[k]), size=vector(2 * axes[k]), color=look)
-        entity = SceneEntity(
+        solid = fm.SpherePrimitive(pose=pose(com[k], quat[k]), size=vector(2 * axes[k]), color=look)
+        entity = fm.SceneEntity(
             timestamp=timestamp(time), frame_id=WORLD, id="inertia", spheres=[solid]
         )
-        yield time, channel, SceneUpdate(entities=[entity])
+        yield time, channel, fm.SceneUpdate(entities=[entity])
 
 
 def _forces(context: Context, motion: Logged, top: str) -> Iterator[_Entry]:
-    from foxglove import channels
-    from foxglove.messages import ArrowPrimitive, SceneEntity, SceneUpdate
-
     pressed_at = motion.motion.pressed_at
     if pressed_at is None:
         return
@@ -241,7 +178,7 @@ def _forces(context: Context, motion: Logged, top: str) -> Iterator[_Entry]:
     length, quat = np.linalg.norm(arrows, axis=2), turned_x_to(arrows)
     for k, time in enumerate(nanoseconds(motion.time)):
         drawn = [
-            ArrowPrimitive(
+            fm.ArrowPrimitive(
                 pose=pose(pressed_at[k, i], quat[k, i]),
                 shaft_length=float((1 - _HEAD_SHARE) * length[k, i]),
                 shaft_diameter=_SHAFT,
@@ -252,29 +189,23 @@ def _forces(context: Context, motion: Logged, top: str) -> Iterator[_Entry]:
             for i in np.flatnonzero(length[k])
         ]
         # Without arrows it takes away those of the message before.
-        entity = SceneEntity(timestamp=timestamp(time), frame_id=WORLD, id="forces", arrows=drawn)
-        yield time, channel, SceneUpdate(entities=[entity])
+        entity = fm.SceneEntity(
+            timestamp=timestamp(time), frame_id=WORLD, id="forces", arrows=drawn
+        )
+        yield time, channel, fm.SceneUpdate(entities=[entity])
 
 
 def _scene(context: Context, around: Surroundings) -> Iterator[_Entry]:
     """A message at the beginning and one whenever something comes or goes, each with everything:
     who jumps to an instant in a viewer gets the last one before it, no more.
     """
-    from foxglove import channels
-    from foxglove.messages import (
-        CubePrimitive,
-        SceneEntity,
-        SceneEntityDeletion,
-        SceneEntityDeletionType,
-        SceneUpdate,
-    )
 
     def entity(
         time: int, name: str, centre: Array, size: Array, yaw: float, rgb: Rgb
-    ) -> SceneEntity:
+    ) -> fm.SceneEntity:
         turned = (np.cos(yaw / 2), 0.0, 0.0, np.sin(yaw / 2))
-        cube = CubePrimitive(pose=pose(centre, turned), size=vector(size), color=colour(rgb))
-        return SceneEntity(timestamp=timestamp(time), frame_id=WORLD, id=name, cubes=[cube])
+        cube = fm.CubePrimitive(pose=pose(centre, turned), size=vector(size), color=colour(rgb))
+        return fm.SceneEntity(timestamp=timestamp(time), frame_id=WORLD, id=name, cubes=[cube])
 
     channel = channels.SceneUpdateChannel("/scene", context=context)
     floor = np.array([0.0, 0.0, around.ground - GROUND_SIZE[2] / 2])
@@ -282,10 +213,10 @@ def _scene(context: Context, around: Surroundings) -> Iterator[_Entry]:
     for seconds in sorted(changes - {np.inf}):
         (time,) = nanoseconds(np.array([seconds]))
         there = [b for b in around.blocks if b.from_s <= seconds < b.until_s]
-        kind = SceneEntityDeletionType.MatchingId
-        message = SceneUpdate(
+        kind = fm.SceneEntityDeletionType.MatchingId
+        message = fm.SceneUpdate(
             deletions=[
-                SceneEntityDeletion(timestamp=timestamp(time), type=kind, id=block.name)
+                fm.SceneEntityDeletion(timestamp=timestamp(time), type=kind, id=block.name)
                 for block in around.blocks
                 if block not in there
             ],
@@ -301,8 +232,6 @@ def _numbers(
     context: Context, topic: str, times: Array, series: Sequence[Series]
 ) -> Iterator[_Entry]:
     """Named numbers as JSON, which plotters address as com.x."""
-    from foxglove import Channel
-
     schema = {"title": topic.strip("/"), **_schema(_tree((each.name, each) for each in series))}
     schema["properties"]["time"] = {"type": "number", "description": "s"}
     channel = Channel(topic, schema=schema, message_encoding="json", context=context)
@@ -331,18 +260,64 @@ def _schema(node: Series | dict[str, Any]) -> dict[str, Any]:
     return {"type": "object", "properties": {name: _schema(part) for name, part in node.items()}}
 
 
-def _ellipsoid(motion: Logged) -> tuple[Array, Array]:
-    whole = motion.motion
-    return ellipsoid(whole.inertia, motion.mass, ellipsoid_reference(whole))
+# ---- numbers as the parts that messages are made of
 
 
-MCAP = Format(
-    name="mcap",
-    title="a log for Foxglove and other viewers: joint states, transforms, forces, numbers to plot",
-    suffix=".mcap",
-    write=write_mcap,
-    conventions=__doc__,
-    options=("fps",),
-    defaults=Options(fps=200.0),
-    extra=Extra("mcap", ("foxglove",)),
-)
+def nanoseconds(seconds: Array) -> list[int]:
+    """Instants (K,) s as logs count them."""
+    times: list[int] = np.round(seconds * 1e9).astype(np.int64).tolist()
+    return times
+
+
+def timestamp(time: int) -> fm.Timestamp:
+    """An instant, ns."""
+    return fm.Timestamp(*divmod(time, 1_000_000_000))
+
+
+def vector(xyz: Iterable[float]) -> fm.Vector3:
+    """(3,) of anything."""
+    x, y, z = map(float, xyz)
+    return fm.Vector3(x=x, y=y, z=z)
+
+
+def points(xyz: Array) -> list[fm.Point3]:
+    """(V, 3) m."""
+    return [fm.Point3(x=x, y=y, z=z) for x, y, z in xyz.tolist()]
+
+
+def quaternion(wxyz: Iterable[float]) -> fm.Quaternion:
+    """(4,) w, x, y, z."""
+    w, x, y, z = map(float, wxyz)
+    return fm.Quaternion(x=x, y=y, z=z, w=w)
+
+
+def pose(xyz: Iterable[float], wxyz: Iterable[float]) -> fm.Pose:
+    """A place (3,) m and an attitude (4,) w, x, y, z."""
+    return fm.Pose(position=vector(xyz), orientation=quaternion(wxyz))
+
+
+def colour(rgb: Iterable[int], opacity: float = 1.0) -> fm.Color:
+    """Of 0 to 255."""
+    r, g, b = (float(part) / 255 for part in rgb)
+    return fm.Color(r=r, g=g, b=b, a=opacity)
+
+
+def colours(rgb: NDArray[np.uint8]) -> list[fm.Color]:
+    """(V, 3) of 0 to 255; few of a mesh's differ."""
+    distinct, which = np.unique(rgb, axis=0, return_inverse=True)
+    palette = [colour(each) for each in distinct.tolist()]
+    return [palette[i] for i in which.ravel().tolist()]
+
+
+def turned_x_to(along: Array) -> Array:
+    """Quaternions (..., 4) w, x, y, z that turn x to `along` (..., 3), as arrows want it.
+
+    The short way; none where there is no length.
+    """
+    length = np.linalg.norm(along, axis=-1, keepdims=True)
+    x = np.where(length > 0, along / np.where(length > 0, length, 1.0), [1.0, 0.0, 0.0])
+    wxyz = np.stack([1 + x[..., 0], np.zeros(x.shape[:-1]), -x[..., 2], x[..., 1]], axis=-1)
+    # Straight back, any half turn about an axis across.
+    wxyz[x[..., 0] < -1 + 1e-9] = [0.0, 0.0, 0.0, 1.0]
+    unit: Array = wxyz / np.linalg.norm(wxyz, axis=-1, keepdims=True)
+    return unit

@@ -1,22 +1,4 @@
-"""A recording for the rerun viewer, with a layout: the robot in 3D, and plots beside it.
-
-Timeline "time", s from 0 at the motion's first instant; rows are 1/fps apart, and there are some
-exactly at each lift-off and touchdown (of a rollout: at each change of contact, phase or mode).
-  /world/robot/LINK   Transform3D of each moving body in the world, its mesh with vertex colours
-  /world/plan/LINK    the plan that a rollout followed, where it is known: a translucent ghost
-  /world/ground, /world/blocks/NAME, /world/com, /world/inertia (the uniform solid of the same mass
-                      and inertia), /world/forces/LEG (arrows, 0.8 m as large as the weight),
-                      /world/trails/com and /world/trails/LEG
-  /plots/NAME         Scalars: com, momenta, principal_moments, base, contact, foot_force/LEG,
-                      joints, torque_share (of the drives' limits); names of the parts and, in
-                      their AnyValues, the unit
-  /planned/NAME       the same of the plan, /tracked/NAME of what a rollout's controller tracked
-  /description        who asked what of whom, to read; /description/json: all of it
-World frame, x forward, z up; SI units. Scalars are doubles; rerun stores poses, meshes and arrows
-as floats, so the base's pose and the joints are under /plots as well. Quaternions are x, y, z, w in
-Transform3D and w, x, y, z in /plots, without jumps of sign. There are meshes in place of the URDF:
-it names files of packages that other machines may not have.
-"""
+"""The recording that the rerun viewer reads: `llsrbm.formats.logs.RRD`."""
 
 from __future__ import annotations
 
@@ -25,35 +7,31 @@ import tempfile
 from collections.abc import Iterable
 from functools import lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 from uuid import uuid4
 
 import numpy as np
+import rerun as rr
+import rerun.blueprint as rrb
+import rerun_bindings
 from numpy.typing import NDArray
 
-from llsrbm.analysis.inertia_ellipsoid import ellipsoid
 from llsrbm.errors import InputError
-from llsrbm.formats.base import Extra, Format, Options
-from llsrbm.formats.logs.logged import (
+from llsrbm.formats.logs.series import (
     GHOST,
     GROUND_SIZE,
     Logged,
     Series,
-    ellipsoid_reference,
     logged,
     logged_plan,
     reference_series,
-    standing_around,
 )
-from llsrbm.formats.sidecar import described
+from llsrbm.formats.shown import surroundings_of
 from llsrbm.look.palette import BLOCK, COM, FOOT, FORCE, GROUND, PLANNED, Rgb
 from llsrbm.look.visuals import link_visuals
 from llsrbm.motion.rollout import Rollout
 from llsrbm.motion.trajectory import Trajectory
 from llsrbm.simulation.surroundings import Surroundings
-
-if TYPE_CHECKING:
-    import rerun as rr
 
 Array = NDArray[np.float64]
 
@@ -81,14 +59,10 @@ _MANY = _PLOTS[1]
 _CAMERA = np.array([2.6, -3.4, 1.6])  # from the base, in heights of it
 
 
-def write_rrd(trajectory: Trajectory, path: Path, options: Options) -> None:
-    """Write the recording."""
-    import rerun as rr
-    import rerun_bindings
-
-    motion = logged(trajectory, options.fps)
-    plan = logged_plan(trajectory, options.fps)
-    about = described(trajectory, RRD.name, fps=options.fps, timeline=TIMELINE)
+def write(trajectory: Trajectory, path: Path, fps: float, about: dict[str, Any]) -> None:
+    """Write the recording; `about` is its description."""
+    motion = logged(trajectory, fps)
+    plan = logged_plan(trajectory, fps)
     # One of its own: the caller may be recording something else.
     recording = rr.RecordingStream(APPLICATION, recording_id=uuid4(), send_properties=False)
     if not rr.is_enabled(recording):
@@ -101,7 +75,7 @@ def write_rrd(trajectory: Trajectory, path: Path, options: Options) -> None:
         recording.send_recording_name(f"{about['robot'].get('name', '')} {about['kind']}")
         recording.log("world", rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True, strict=True)
         _log_description(recording, about)
-        _log_surroundings(recording, standing_around(trajectory, motion.robot))
+        _log_surroundings(recording, surroundings_of(trajectory, motion.robot))
         _log_robot(recording, "world/robot", motion, None)
         _log_with_robot(recording, motion)
         _log_series(recording, _OWN, motion.time, motion.series)
@@ -120,8 +94,6 @@ def write_rrd(trajectory: Trajectory, path: Path, options: Options) -> None:
 
 
 def _log_description(recording: rr.RecordingStream, about: dict[str, Any]) -> None:
-    import rerun as rr
-
     text = json.dumps(about, indent=1, allow_nan=False)
     request = ", ".join(f"{name} {value}" for name, value in about["request"].items())
     lines = [
@@ -146,8 +118,6 @@ def _status(part: dict[str, Any]) -> str:
 
 
 def _log_surroundings(recording: rr.RecordingStream, around: Surroundings) -> None:
-    import rerun as rr
-
     floor = rr.Boxes3D(
         centers=[[0.0, 0.0, around.ground - GROUND_SIZE[2] / 2]],
         sizes=[GROUND_SIZE],
@@ -165,20 +135,14 @@ def _log_surroundings(recording: rr.RecordingStream, around: Surroundings) -> No
         )
         comes_and_goes = np.array([block.from_s, block.until_s])
         there = np.isfinite(comes_and_goes)
-        _send(
-            recording,
-            f"world/blocks/{block.name}",
-            comes_and_goes[there],
-            columns.partition(np.array([1, 0])[there]),
-        )
+        shown = columns.partition(np.array([1, 0])[there])
+        _send(recording, f"world/blocks/{block.name}", comes_and_goes[there], shown)
 
 
 def _log_robot(
     recording: rr.RecordingStream, entity: str, motion: Logged, ghost: Rgb | None
 ) -> None:
     """Meshes where the bodies are; translucent in the colour `ghost`, with fewer faces then."""
-    import rerun as rr
-
     for visual in link_visuals(motion.robot, coarse=ghost is not None):
         if ghost is None:
             look: dict[str, Any] = {"vertex_colors": visual.rgb}
@@ -191,31 +155,25 @@ def _log_robot(
             **look,
         )
         recording.log(f"{entity}/{visual.link}", mesh, static=True, strict=True)
-        position, quat = motion.body_of(visual)
-        _send(
-            recording,
-            f"{entity}/{visual.link}",
-            motion.time,
-            rr.Transform3D.columns(translation=position, quaternion=_xyzw(quat)),
-        )
+        poses = motion.bodies.poses([visual])[:, 0]
+        columns = rr.Transform3D.columns(translation=poses[:, :3], quaternion=_xyzw(poses[:, 3:]))
+        _send(recording, f"{entity}/{visual.link}", motion.time, columns)
 
 
 def _log_with_robot(recording: rr.RecordingStream, motion: Logged) -> None:
     """CoM, ellipsoid, forces and trails."""
-    import rerun as rr
-
     whole, time = motion.motion, motion.time
     point = rr.Points3D([[0.0, 0.0, 0.0]], colors=[COM], radii=[_COM_RADIUS])
     recording.log("world/com", point, static=True, strict=True)
     _send(recording, "world/com", time, rr.Points3D.columns(positions=whole.com))
 
-    axes, quat = ellipsoid(whole.inertia, motion.mass, ellipsoid_reference(whole))
+    axes, quat = motion.ellipsoid
     look = rr.Ellipsoids3D.from_fields(colors=[PLANNED if whole.origin == "plan" else COM])
     recording.log("world/inertia", look, static=True, strict=True)
     columns = rr.Ellipsoids3D.columns(half_sizes=axes, centers=whole.com, quaternions=_xyzw(quat))
     _send(recording, "world/inertia", time, columns)
 
-    legs = [leg.name for leg in motion.robot.legs]
+    legs = motion.robot.leg_names
     if whole.foot_force is not None and whole.pressed_at is not None:
         arrows = motion.arrows
         for i, leg in enumerate(legs):
@@ -238,8 +196,6 @@ def _log_with_robot(recording: rr.RecordingStream, motion: Logged) -> None:
 def _log_series(
     recording: rr.RecordingStream, top: str, time: Array, series: Iterable[Series]
 ) -> None:
-    import rerun as rr
-
     suffix = "" if top == _OWN else f" {top}"
     palette = [
         tuple(round(c + _LIGHTER[top] * (255 - c)) for c in colour) for colour in _LINE_COLOURS
@@ -264,7 +220,6 @@ def _layout(shown: frozenset[str], height: float) -> bytes:
         shown: first words of the series' names.
         height: of the robot's base, m: tells how far the camera stands.
     """
-    import rerun.blueprint as rrb
 
     def plot(name: str) -> rrb.TimeSeriesView:
         # Where there is a line a leg or joint, a legend would hide them; the mouse tells names.
@@ -294,8 +249,6 @@ def _layout(shown: frozenset[str], height: float) -> bytes:
 def _send(
     recording: rr.RecordingStream, entity: str, time: Array, columns: Iterable[rr.ComponentColumn]
 ) -> None:
-    import rerun as rr
-
     recording.send_columns(
         entity, indexes=[rr.TimeColumn(TIMELINE, duration=_ns(time))], columns=columns, strict=True
     )
@@ -307,15 +260,3 @@ def _ns(time: Array) -> NDArray[np.timedelta64]:
 
 def _xyzw(quat: Array) -> Array:
     return quat[..., [1, 2, 3, 0]]
-
-
-RRD = Format(
-    name="rrd",
-    title="a recording for rerun: the robot in 3D with forces and trails, and plots beside it",
-    suffix=".rrd",
-    write=write_rrd,
-    conventions=__doc__,
-    options=("fps",),
-    defaults=Options(fps=200.0),
-    extra=Extra("rerun", ("rerun",)),
-)

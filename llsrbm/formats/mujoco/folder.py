@@ -33,7 +33,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -44,19 +44,17 @@ from llsrbm.files.atomic import MARK
 from llsrbm.files.npz import write_archive
 from llsrbm.formats.base import Format, Options
 from llsrbm.formats.mujoco.motion import read_motion, recognises
-from llsrbm.formats.sidecar import described
+from llsrbm.formats.shown import surroundings_of
 from llsrbm.motion.flights import flights
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Disturbance, Rollout
 from llsrbm.motion.states import motion_of_states
 from llsrbm.motion.trajectory import Trajectory
 from llsrbm.motion.whole_body import WholeBodyMotion, whole_body_motion
-from llsrbm.request.scenario import Scenario
-from llsrbm.robots import Robot
+from llsrbm.simulation.surroundings import Surroundings
 
 if TYPE_CHECKING:
     from llsrbm.formats.mujoco.scene import Keyframe
-    from llsrbm.simulation.surroundings import Surroundings
 
 Array = NDArray[np.float64]
 
@@ -98,13 +96,7 @@ _TORQUES = {
 }
 
 
-def write_mujoco(trajectory: Trajectory, path: Path, options: Options) -> None:
-    """Write the folder.
-
-    Raises:
-        InputError: a rate or a pad that makes no sense.
-        RobotFileError: the robot cannot be simulated.
-    """
+def _write(trajectory: Trajectory, path: Path, options: Options) -> None:
     # MuJoCo takes its time to import.
     from llsrbm.formats.mujoco.scene import exported_name, write_scene
     from llsrbm.simulation.scene import block_body, block_places, joints_in_model_order
@@ -114,27 +106,23 @@ def write_mujoco(trajectory: Trajectory, path: Path, options: Options) -> None:
     robot = motion.robot
     around = _surroundings(trajectory, motion)
     names = joints_in_model_order(robot)
-    order = _Order(robot, names)
+    states = _States.of(motion, names)
     start, end = (float(trajectory.time[i]) for i in (0, -1))
     own_time = start + motion.time - np.ceil(options.pad * options.fps - 1e-9) / options.fps
     places = [block_places(around, float(t)) for t in np.clip(own_time, start, end)]
-    keyframes = list(_keyframes(trajectory, order, around))
+    keyframes = list(_keyframes(trajectory, names, around))
     tick = 1.0 / robot.file.control.rate
     timestep = tick / steps_in(tick)
 
     path.mkdir()
-    write_scene(
-        path / SCENE, robot, around, _disturbance(trajectory), timestep, keyframes, _seen(motion)
-    )
-    ctrl = order.torques(motion)
+    drawn = trajectory.disturbance if isinstance(trajectory, Rollout) else Disturbance()
+    write_scene(path / SCENE, robot, around, drawn, timestep, keyframes, _seen(motion))
     write_archive(
         path / MOTION,
         {
             "time": motion.time,
             "fps": np.float64(options.fps),
-            "qpos": order.of(motion.qpos, 7),
-            "qvel": order.of(motion.qvel, 6),
-            **({} if ctrl is None else {"ctrl": ctrl}),
+            **{name: array for name, array in vars(states).items() if array is not None},
             "joint_names": np.array(names, dtype=np.str_),
             "mocap_pos": np.array(places),
             "mocap_names": np.array(
@@ -165,10 +153,9 @@ def _write_words(
         ),
         encoding="utf-8",
     )
-    meta = described(
+    meta = MUJOCO.described(
         trajectory,
-        MUJOCO.name,
-        fps=options.fps,
+        options,
         pad_s=options.pad,
         quaternion_order="wxyz",
         joint_order=list(names),
@@ -178,31 +165,32 @@ def _write_words(
     (path / MARK).write_text(text + "\n", encoding="utf-8")
 
 
-class _Order:
-    """From the robot's order of joints to the model's."""
+@dataclass(frozen=True, eq=False)
+class _States:
+    """`motion`, its joints in the model's order; ctrl: (K, J) torques, if they are known."""
 
-    def __init__(self, robot: Robot, names: tuple[str, ...]) -> None:
-        self._joints = [robot.joint_names.index(name) for name in names]
+    qpos: Array
+    qvel: Array
+    ctrl: Array | None
 
-    def of(self, values: Array, before: int) -> Array:
-        """(K, before + J): columns before those of the joints stay where they are."""
-        return np.hstack([values[:, :before], values[:, before:][:, self._joints]])
-
-    def torques(self, motion: WholeBodyMotion) -> Array | None:
-        """(K, J), if they are known."""
-        return None if motion.joint_torque is None else self.of(motion.joint_torque, 0)
+    @staticmethod
+    def of(motion: WholeBodyMotion, names: tuple[str, ...]) -> _States:
+        joints = np.array([motion.robot.joint_names.index(name) for name in names])
+        torque = motion.joint_torque
+        return _States(
+            motion.qpos[:, [*range(7), *(7 + joints)]],
+            motion.qvel[:, [*range(6), *(6 + joints)]],
+            None if torque is None else torque[:, joints],
+        )
 
 
 def _surroundings(trajectory: Trajectory, motion: WholeBodyMotion) -> Surroundings:
-    from llsrbm.simulation.surroundings import Surroundings, surroundings
-
-    robot = motion.robot
-    if isinstance(trajectory, Plan):
-        around = surroundings(robot, trajectory, Scenario())
-        room = _below_feet(motion)
-        lower = [replace(b, centre=b.centre - [0.0, 0.0, room]) for b in around.blocks]
-        return Surroundings(around.ground - room, tuple(lower))
-    return surroundings(robot, trajectory.plan, trajectory.scenario)
+    around = surroundings_of(trajectory, motion.robot)
+    if isinstance(trajectory, Rollout):
+        return around
+    room = _below_feet(motion)
+    lower = [replace(b, centre=b.centre - [0.0, 0.0, room]) for b in around.blocks]
+    return Surroundings(around.ground - room, tuple(lower))
 
 
 def _below_feet(motion: WholeBodyMotion) -> float:
@@ -213,67 +201,56 @@ def _below_feet(motion: WholeBodyMotion) -> float:
     return float((motion.foot_position[0] - first.foot_position[0])[:, 2].max())
 
 
-def _disturbance(trajectory: Trajectory) -> Disturbance:
-    return trajectory.disturbance if isinstance(trajectory, Rollout) else Disturbance()
-
-
 def _seen(motion: WholeBodyMotion) -> tuple[Array, float]:
     low, high = motion.base_position.min(axis=0), motion.base_position.max(axis=0)
     return (low + high) / 2, float(np.linalg.norm(high - low)) + 2 * _ROOM
 
 
-def _keyframes(trajectory: Trajectory, order: _Order, around: Surroundings) -> Iterator[Keyframe]:
+def _keyframes(
+    trajectory: Trajectory, names: tuple[str, ...], around: Surroundings
+) -> Iterator[Keyframe]:
     from llsrbm.formats.mujoco.scene import Keyframe
     from llsrbm.simulation.scene import block_places
 
     # At a rate at which a plan's knots that count are there as events, and a rollout's ticks all.
     tick = float(trajectory.time[1] - trajectory.time[0])
     rate = 1.0 if isinstance(trajectory, Plan) else 1.0 / tick
-    states = whole_body_motion(trajectory, rate, events=True)
-    start = float(trajectory.time[0])
-    qpos, qvel = order.of(states.qpos, 7), order.of(states.qvel, 6)
-    torques = order.torques(states)
+    motion = whole_body_motion(trajectory, rate, events=True)
+    states, start = _States.of(motion, names), float(trajectory.time[0])
     for name, instant in _instants(trajectory).items():
-        k = int(np.searchsorted(states.time, instant - start + _SAME_INSTANT, side="right")) - 1
-        time = start + float(states.time[k])
+        k = int(np.searchsorted(motion.time, instant - start + _SAME_INSTANT, side="right")) - 1
+        time = start + float(motion.time[k])
         yield Keyframe(
             name=name,
             time=time,
-            qpos=qpos[k],
-            qvel=qvel[k],
-            ctrl=None if torques is None else torques[k],
+            qpos=states.qpos[k],
+            qvel=states.qvel[k],
+            ctrl=None if states.ctrl is None else states.ctrl[k],
             mocap_pos=block_places(around, time),
         )
 
 
 def _instants(trajectory: Trajectory) -> dict[str, float]:
-    """When what a keyframe is called after happens, s; a rollout's touchdown within its tick.
-
-    The second flight's are called "lift-off-2" and "touchdown-2".
-    """
-    found = {"start": float(trajectory.time[0])}
-    for number, (lift_off, touchdown) in enumerate(_flights(trajectory), start=1):
-        suffix = "" if number == 1 else f"-{number}"
-        if lift_off is not None:
-            found[f"lift-off{suffix}"] = lift_off
-        if touchdown is not None:
-            found[f"touchdown{suffix}"] = touchdown
-    return found | {"end": float(trajectory.time[-1])}
-
-
-def _flights(trajectory: Trajectory) -> list[tuple[float | None, float | None]]:
-    """Lift-off and touchdown, s, of each flight."""
+    """When what a keyframe is called after happens, s; a rollout's touchdown within its tick."""
     if isinstance(trajectory, Plan):
         starts = trajectory.phase_start.tolist()
-        return [(starts[phase], starts[phase + 1]) for phase in trajectory.schedule.flights]
-    return [(flight.lift_off, flight.touchdown) for flight in flights(trajectory)]
+        flown = [(starts[phase], starts[phase + 1]) for phase in trajectory.schedule.flights]
+    else:
+        flown = [(flight.lift_off, flight.touchdown) for flight in flights(trajectory)]
+    found = {"start": float(trajectory.time[0])}
+    for number, instants in enumerate(flown, start=1):
+        suffix = "" if number == 1 else f"-{number}"
+        for name, instant in zip(("lift-off", "touchdown"), instants, strict=True):
+            if instant is not None:
+                found[name + suffix] = instant
+    return found | {"end": float(trajectory.time[-1])}
 
 
 MUJOCO = Format(
     name="mujoco",
     title="a folder for MuJoCo: the scene as MJCF with meshes, keyframes, and qpos, qvel, torques",
     suffix="",
-    write=write_mujoco,
+    write=_write,
     conventions=__doc__,
     options=("fps", "pad"),
     defaults=Options(fps=500.0),

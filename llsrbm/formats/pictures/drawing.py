@@ -11,24 +11,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from llsrbm.analysis.diagnosis import fall_in_words
-from llsrbm.analysis.inertia_ellipsoid import ellipsoid
 from llsrbm.errors import InputError
+from llsrbm.formats.shown import Bodies, ellipsoid_of, mass_of, surroundings_of
 from llsrbm.look import palette
 from llsrbm.look.palette import Rgb
 from llsrbm.look.timeline import Timeline, timeline
 from llsrbm.look.titles import title_of
 from llsrbm.look.viewpoint import viewpoint
-from llsrbm.look.visuals import LinkVisual, forward_kinematics, link_visuals
+from llsrbm.look.visuals import LinkVisual, link_visuals
 from llsrbm.mechanics import rotation_matrices
 from llsrbm.motion.plan import Plan
-from llsrbm.motion.rollout import Rollout
 from llsrbm.motion.sampling import evenly, resample, with_events
 from llsrbm.motion.trajectory import Trajectory
-from llsrbm.motion.whole_body import whole_body_motion
+from llsrbm.motion.whole_body import WholeBodyMotion, whole_body_motion
 from llsrbm.request.jump import Jump
-from llsrbm.request.scenario import Scenario
 from llsrbm.robots import Robot
-from llsrbm.simulation.surroundings import Surroundings, surroundings
+from llsrbm.simulation.surroundings import Surroundings
 
 Array = NDArray[np.float64]
 
@@ -38,48 +36,27 @@ _ROOM = 1.06  # a little more than what the robot needs
 
 
 @dataclass(frozen=True, eq=False)
-class Bodies:
-    """Where a robot's moving bodies are, in Pinocchio's order of joints.
-
-    Attributes:
-        position: (K, B, 3) m, world frame.
-        quat: (K, B, 4) w, x, y, z.
-        com: (K, 3) m.
-    """
-
-    position: Array
-    quat: Array
-    com: Array
-
-
-@dataclass(frozen=True, eq=False)
 class Drawing:
-    """A motion to be drawn at K instants, world frame: B bodies, L legs.
+    """A motion to be drawn at K instants, world frame: L legs.
 
     Attributes:
-        robot: that is drawn.
+        motion: at these instants; time: (K,) s of the motion's own time.
         title: the request, in words; outcome: the result, in words.
-        time: (K,) s of the motion's own time.
-        solid: the robot that moves; ghost: the plan that it followed, if that is another motion
-            and known.
+        solid: the robot that moves; ghost: the plan that it followed, if that is another motion.
         axes: (K, 3) m and axes_quat: (K, 4): ellipsoid of the inertia about the CoM.
-        foot: (K, L, 3) m; flight: (K,) whether in flight.
         force: (K, L, 3) N and pressed_at: (K, L, 3) m; of a rollout means from frame to frame.
-        surroundings: ground and blocks, as far as they are known.
-        timeline: phases and events.
+        surroundings, timeline: ground and blocks; phases and events.
         colour: of the solid one.
     """
 
-    robot: Robot
+    motion: WholeBodyMotion
+    time: Array
     title: str
     outcome: str
-    time: Array
     solid: Bodies
     ghost: Bodies | None
     axes: Array
     axes_quat: Array
-    foot: Array
-    flight: NDArray[np.bool_]
     force: Array
     pressed_at: Array
     surroundings: Surroundings
@@ -87,14 +64,19 @@ class Drawing:
     colour: Rgb
 
     @property
+    def robot(self) -> Robot:
+        """That is drawn."""
+        return self.motion.robot
+
+    @property
+    def flight(self) -> NDArray[np.bool_]:
+        """(K,) whether no foot stands."""
+        return np.asarray(~self.motion.contact.any(axis=1))
+
+    @property
     def visuals(self) -> tuple[LinkVisual, ...]:
         """The robot's meshes."""
         return link_visuals(self.robot)
-
-    @property
-    def coarse_visuals(self) -> tuple[LinkVisual, ...]:
-        """The same with fewer faces."""
-        return link_visuals(self.robot, coarse=True)
 
     @property
     def arrow_per_newton(self) -> float:
@@ -106,28 +88,24 @@ class Drawing:
     def spheres(self) -> tuple[Array, Array]:
         """(n, 3) m and (n,) m: spheres that hold all the places where the robot gets."""
         centres, radii = [], []
-        for bodies in (self.solid, self.ghost):
-            for visual in self.visuals if bodies is not None else ():
-                assert bodies is not None
+        for bodies in filter(None, (self.solid, self.ghost)):
+            for visual in self.visuals:
                 low, high = visual.vertices.min(axis=0), visual.vertices.max(axis=0)
                 body = visual.joint_id - 1
                 R = rotation_matrices(bodies.quat[:, body])
                 centres.append(bodies.position[:, body] + R @ ((low + high) / 2))
                 radii.append(np.full(len(R), np.linalg.norm(high - low) / 2))
         if not centres:  # a robot without meshes
-            return self.solid.com, np.full(len(self.time), float(self.robot.com[2]))
+            return self.motion.com, np.full(len(self.time), float(self.robot.com[2]))
         return np.concatenate(centres), np.concatenate(radii)
 
 
 @dataclass(frozen=True)
 class View:
-    """A camera.
+    """A camera at a distance (m) from the (3,) m `target` that it looks at.
 
-    Attributes:
-        target: (3,) m, what it looks at.
-        azimuth: where it stands as seen from there, deg: 0 ahead (x), 90 to the left (y).
-        elevation: how high it stands above the target's horizon, deg.
-        distance: m.
+    As seen from there it stands at `azimuth`, deg: 0 ahead (x), 90 to the left (y), and
+    `elevation`, deg, above the horizon.
     """
 
     target: Array
@@ -152,45 +130,42 @@ def draw(
 
     Args:
         trajectory: what is drawn.
-        fps: instants/s.
-        pad: s of standing still before and after.
+        fps: instants/s; pad: s of standing still before and after.
         with_instants: have those as well at which contacts change; nothing is padded then.
 
     Raises:
         InputError: as `whole_body_motion` does, or the motion has numbers that are none.
         RobotFileError: the robot is not there.
     """
-    _check_finite(trajectory)
+    for name in ("time", "com", "base_position", "base_quat", "joint_position", "inertia"):
+        if not np.isfinite(getattr(trajectory, name)).all():  # a solver may have diverged
+            raise InputError(f"{name} is not finite everywhere; expected a motion to be drawn")
     motion = whole_body_motion(trajectory, fps, pad, events=with_instants)
     time = with_events(trajectory, fps) if with_instants else evenly(trajectory, fps, pad)
     robot = motion.robot
-    rollout = trajectory if isinstance(trajectory, Rollout) else None
+    rollout = None if isinstance(trajectory, Plan) else trajectory
     plan = trajectory if isinstance(trajectory, Plan) else trajectory.plan
-    position, quat = forward_kinematics(
-        robot, motion.base_position, motion.base_quat, motion.joint_position
-    )
-    reference = rotation_matrices(motion.base_quat)
-    mass = robot.mass if rollout is None else rollout.disturbance.mass(robot)
-    axes, axes_quat = ellipsoid(motion.inertia, mass, reference)
+    axes, axes_quat = ellipsoid_of(motion, mass_of(trajectory, robot))
     assert motion.foot_force is not None  # plans and rollouts have them
     assert motion.pressed_at is not None
-    force = motion.foot_force
+    force, ghost = motion.foot_force, None
     if rollout is not None:
         force = _means(rollout.time, rollout.contact_force, time, force)
+        sampled = resample(plan, time)
+        order = [plan.joint_names.index(name) for name in robot.joint_names]
+        ghost = Bodies.of(robot, sampled, sampled.joint_position[:, order])
     return Drawing(
-        robot=robot,
+        motion=motion,
+        time=time,
         title=title(trajectory),
         outcome=outcome_words(trajectory),
-        time=time,
-        solid=Bodies(position, quat, motion.com),
-        ghost=None if rollout is None else _ghost(plan, robot, time),
+        solid=Bodies.of(robot, motion, motion.joint_position),
+        ghost=ghost,
         axes=axes,
         axes_quat=axes_quat,
-        foot=motion.foot_position,
-        flight=np.asarray(~motion.contact.any(axis=1)),
         force=force,
         pressed_at=motion.pressed_at,
-        surroundings=surroundings(robot, plan, Scenario() if rollout is None else rollout.scenario),
+        surroundings=surroundings_of(trajectory, robot),
         timeline=timeline(plan, rollout),
         colour=palette.PLANNED if rollout is None else palette.SIMULATED,
     )
@@ -230,22 +205,6 @@ def view_of(
     return View(axes @ [*middle, depth], *turned, distance if camera is None else float(camera[2]))
 
 
-def _check_finite(trajectory: Trajectory) -> None:
-    """A solver that diverged may leave anything."""
-    for name in ("time", "com", "base_position", "base_quat", "joint_position", "inertia"):
-        if not np.isfinite(getattr(trajectory, name)).all():
-            raise InputError(f"{name} is not finite everywhere; expected a motion to be drawn")
-
-
-def _ghost(plan: Plan, robot: Robot, time: Array) -> Bodies:
-    sampled = resample(plan, time)
-    order = [plan.joint_names.index(name) for name in robot.joint_names]
-    position, quat = forward_kinematics(
-        robot, sampled.base_position, sampled.base_quat, sampled.joint_position[:, order]
-    )
-    return Bodies(position, quat, sampled.com)
-
-
 def _means(ticks: Array, values: Array, time: Array, sampled: Array) -> Array:
     """Of `values` (T, ...), held from tick to tick, from each of `time` (K,) to the next.
 
@@ -264,12 +223,11 @@ def _means(ticks: Array, values: Array, time: Array, sampled: Array) -> Array:
 def title(trajectory: Trajectory) -> str:
     """Robot, jump and model, whatever robot it is."""
     jump = trajectory.jump
-    plan = trajectory if isinstance(trajectory, Plan) else trajectory.plan
-    task = title_of(
-        replace(jump, robot=Jump().robot),
-        plan.tuning,
-        None if isinstance(trajectory, Plan) else trajectory.scenario,
-    )
+    plain = replace(jump, robot=Jump().robot)
+    if isinstance(trajectory, Plan):
+        task = title_of(plain, trajectory.tuning)
+    else:
+        task = title_of(plain, trajectory.plan.tuning, trajectory.scenario)
     return f"{Path(jump.robot).stem}: {task}"
 
 

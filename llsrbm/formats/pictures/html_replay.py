@@ -34,7 +34,6 @@ from llsrbm.formats.base import Format, Options
 from llsrbm.formats.pictures.drawing import (
     FIELD_OF_VIEW,
     LEAST_FORCE,
-    Bodies,
     Drawing,
     draw,
     view_of,
@@ -42,8 +41,7 @@ from llsrbm.formats.pictures.drawing import (
 from llsrbm.installed import package_version
 from llsrbm.look import palette
 from llsrbm.look.palette import Rgb, css
-from llsrbm.look.timeline import Timeline
-from llsrbm.look.visuals import LinkVisual
+from llsrbm.look.visuals import link_visuals
 from llsrbm.mechanics import sign_continuous
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.trajectory import Trajectory, description
@@ -62,8 +60,7 @@ _POLICY = (
 )
 
 
-def write_html(trajectory: Trajectory, path: Path, options: Options) -> None:
-    """Write the page."""
+def _write(trajectory: Trajectory, path: Path, options: Options) -> None:
     drawing = draw(trajectory, options.fps, with_instants=True)
     nodes, exported = _exported_scene(drawing)
     numbers, listed = _packed(_arrays(drawing))
@@ -112,16 +109,10 @@ def _add_nodes(scene: viser.SceneApi, drawing: Drawing) -> Iterator[str]:
         name = f"/robot/{visual.link}"
         scene.add_glb(name, visual.mesh().export(file_type="glb"))
         yield name
-    for visual in drawing.coarse_visuals if drawing.ghost is not None else ():
+    pale: dict[str, Any] = {"color": palette.PLANNED, "opacity": 0.3, "cast_shadow": False}
+    for visual in link_visuals(drawing.robot, coarse=True) if drawing.ghost is not None else ():
         name = f"/ghost/{visual.link}"
-        scene.add_mesh_simple(
-            name,
-            visual.vertices,
-            visual.faces,
-            color=palette.PLANNED,
-            opacity=0.3,
-            cast_shadow=False,
-        )
+        scene.add_mesh_simple(name, visual.vertices, visual.faces, **pale)
         yield name
     yield from _add_ellipsoid(scene, drawing.colour)
     rod = trimesh.creation.cylinder(radius=1.0, height=1.0, sections=20)
@@ -136,12 +127,9 @@ def _add_nodes(scene: viser.SceneApi, drawing: Drawing) -> Iterator[str]:
     for name, points, colour, width in _trails(drawing):
         segments = np.stack([points[:-1], points[1:]], axis=1).astype(np.float32)
         for part, tint in (("to_come", palette.paler(colour, _PALER)), ("past", colour)):
+            tints, trail = np.array(tint, dtype=np.uint8), f"/trails/{name}_{part}"
             scene.add_line_segments(
-                f"/trails/{name}_{part}",
-                segments,
-                np.array(tint, dtype=np.uint8),
-                thickness=width,
-                thickness_units="screen",
+                trail, segments, tints, thickness=width, thickness_units="screen"
             )
         yield f"/trails/{name}_past"
     size = 0.026 * float(drawing.robot.com[2])
@@ -150,38 +138,26 @@ def _add_nodes(scene: viser.SceneApi, drawing: Drawing) -> Iterator[str]:
     for i, block in enumerate(drawing.surroundings.blocks):
         turn = (math.cos(block.yaw / 2), 0.0, 0.0, math.sin(block.yaw / 2))
         for part, opacity in (("there", None), ("to_come", 0.16)):
-            scene.add_box(
-                f"/blocks/{i}/{part}",
-                palette.BLOCK,
-                block.size,
-                opacity=opacity,
-                position=block.centre,
-                wxyz=turn,
-            )
-        yield from (f"/blocks/{i}/there", f"/blocks/{i}/to_come")
+            look: dict[str, Any] = {"opacity": opacity, "position": block.centre, "wxyz": turn}
+            name = f"/blocks/{i}/{part}"
+            scene.add_box(name, palette.BLOCK, block.size, **look)
+            yield name
 
 
 def _add_ellipsoid(scene: viser.SceneApi, colour: Rgb) -> Iterator[str]:
     scene.add_frame("/ellipsoid", show_axes=False)
     yield "/ellipsoid"
     scene.add_icosphere("/ellipsoid/surface", 1.0, colour, opacity=0.27, cast_shadow=False)
-    scene.add_icosphere(
-        "/ellipsoid/wires",
-        1.004,
-        colour,
-        subdivisions=2,
-        wireframe=True,
-        opacity=0.35,
-        cast_shadow=False,
-    )
+    wires: dict[str, Any] = {"subdivisions": 2, "wireframe": True, "opacity": 0.35}
+    scene.add_icosphere("/ellipsoid/wires", 1.004, colour, cast_shadow=False, **wires)
 
 
 def _trails(drawing: Drawing) -> Iterator[tuple[str, NDArray[Any], Rgb, float]]:
     """Name, points, colour and pixels: the CoM over the whole motion, the feet in flight."""
-    yield "com", drawing.solid.com, palette.COM, 2.6
+    yield "com", drawing.motion.com, palette.COM, 2.6
     if drawing.flight.sum() > 1:
         for i, leg in enumerate(drawing.robot.legs):
-            yield leg.name, drawing.foot[drawing.flight, i], palette.FOOT, 1.8
+            yield leg.name, drawing.motion.foot_position[drawing.flight, i], palette.FOOT, 1.8
 
 
 # ---- numbers and words
@@ -204,11 +180,8 @@ def _facts(
         "legs": [leg.name for leg in drawing.robot.legs],
         "bodies": [visual.link for visual in drawing.visuals],
         "blocks": [
-            {
-                "from": block.from_s,
-                "until": block.until_s if math.isfinite(block.until_s) else None,
-            }
-            for block in drawing.surroundings.blocks
+            {"from": b.from_s, "until": b.until_s if math.isfinite(b.until_s) else None}
+            for b in drawing.surroundings.blocks
         ],
         "trails": [
             {"name": f"/trails/{name}_past", "times": times[1:].round(4).tolist()}
@@ -231,72 +204,31 @@ def _facts(
             "force": css(palette.FORCE),
             "com": css(palette.COM),
         },
-        "timeline": _timeline(drawing.timeline),
+        "timeline": drawing.timeline.plain(),
         "description": description(trajectory),
     }
 
 
-def _timeline(events: Timeline) -> dict[str, Any]:
-    return {
-        "events": events.summary,
-        "rows": [
-            {
-                "name": row.name,
-                "pieces": [
-                    {
-                        "name": piece.name,
-                        "start": piece.start,
-                        "end": piece.end,
-                        "colour": css(piece.colour),
-                        "low": piece.low,
-                        "feet": piece.feet,
-                    }
-                    for piece in row.pieces
-                ],
-            }
-            for row in events.rows
-        ],
-        "marks": [
-            {
-                "name": mark.name,
-                "time": mark.time,
-                "colour": css(mark.colour),
-                "simulated": mark.colour != palette.PLANNED,
-            }
-            for mark in events.marks
-        ],
-    }
-
-
-def _arrays(drawing: Drawing) -> dict[str, NDArray[np.float32]]:
+def _arrays(drawing: Drawing) -> dict[str, NDArray[Any]]:
     """The motion of the nodes."""
-    axes = np.hstack([drawing.axes, sign_continuous(drawing.axes_quat)])
     arrays = {
         "time": drawing.time,
-        "solid": _poses(drawing.solid, drawing.visuals),
-        "com": drawing.solid.com,
-        "ellipsoid": axes,
+        "solid": drawing.solid.poses(drawing.visuals),
+        "com": drawing.motion.com,
+        "ellipsoid": np.hstack([drawing.axes, sign_continuous(drawing.axes_quat)]),
         "force": np.concatenate([drawing.pressed_at, drawing.force], axis=2),
     }
     if drawing.ghost is not None:
-        arrays["ghost"] = _poses(drawing.ghost, drawing.visuals)
-    return {name: array.astype(np.float32) for name, array in arrays.items()}
+        arrays["ghost"] = drawing.ghost.poses(drawing.visuals)
+    return arrays
 
 
-def _poses(bodies: Bodies, visuals: tuple[LinkVisual, ...]) -> NDArray[np.float64]:
-    """(K, bodies with meshes, 7): position and quaternion, signs so that they can be mixed."""
-    index = [visual.joint_id - 1 for visual in visuals]
-    quat = np.stack([sign_continuous(bodies.quat[:, body]) for body in index], axis=1)
-    return np.concatenate([bodies.position[:, index], quat], axis=2)
-
-
-def _packed(arrays: dict[str, NDArray[np.float32]]) -> tuple[str, dict[str, Any]]:
-    """Base64 of a gzip of the arrays' bytes, and where in them each array is."""
-    listed, start = {}, 0
+def _packed(arrays: dict[str, NDArray[Any]]) -> tuple[str, dict[str, Any]]:
+    """Base64 of a gzip of the arrays as floats, and where in its bytes each array is."""
+    listed, content = {}, b""
     for name, array in arrays.items():
-        listed[name] = {"kind": "<f4", "start": start, "length": array.size}
-        start += array.nbytes
-    content = b"".join(array.astype("<f4").tobytes() for array in arrays.values())
+        listed[name] = {"start": len(content), "length": array.size}
+        content += array.astype("<f4").tobytes()
     # No time in the head: the same motion gives the same file.
     return base64.b64encode(gzip.compress(content, 9, mtime=0)).decode("ascii"), listed
 
@@ -315,7 +247,7 @@ HTML = Format(
     name="html",
     title="one page that plays the motion in any browser, without a server or a network",
     suffix=".html",
-    write=write_html,
+    write=_write,
     conventions=__doc__,
     options=("fps", "camera"),
     defaults=Options(fps=120.0),

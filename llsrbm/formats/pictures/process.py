@@ -1,17 +1,17 @@
 """A process that draws pictures with MuJoCo's renderer, without a screen.
 
-    python -m llsrbm.formats.pictures.process FILM.npz
+    python -m llsrbm.formats.pictures.process FILM
 
 A process of its own, because how MuJoCo reaches OpenGL is settled when it is first imported, and an
 OpenGL driver that crashes takes its process along. Pictures go to stdout, one after the other.
-`llsrbm.formats.pictures.film` starts it and says what a film is.
+`llsrbm.formats.pictures.video` starts it and says what a film is.
 """
 
 from __future__ import annotations
 
+import pickle
 import sys
-
-import numpy as np
+from pathlib import Path
 
 NO_OPENGL = 3  # exit status
 
@@ -26,8 +26,7 @@ def main(path: str) -> int:
         return NO_OPENGL
     from llsrbm.formats.pictures.rendering import draw_film
 
-    with np.load(path, allow_pickle=False) as stored:
-        film = {name: stored[name] for name in stored.files}
+    film = pickle.loads(Path(path).read_bytes())  # noqa: S301  our parent process wrote it
     draw_film(film, drawn_by, sys.stdout.buffer.write)
     sys.stdout.buffer.flush()
     return 0

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable
 from typing import Any
 
@@ -28,97 +27,69 @@ def draw_film(film: dict[str, Any], drawn_by: str, write: Callable[[bytes], obje
     """Draw a film, picture after picture: rows of red, green, blue from the top.
 
     Args:
-        film: as `llsrbm.formats.pictures.film` makes it.
+        film: as `llsrbm.formats.pictures.video` makes it.
         drawn_by: what OpenGL calls what it draws with.
         write: takes each picture.
     """
-    facts = json.loads(str(film["facts"]))
-    width, height = facts["size"]
+    width, height = film["size"]
     smooth = width * height <= _FEW_PIXELS or not drawn_by.startswith(_PROCESSORS)
-    model = _model(film, facts, _SAMPLES if smooth else 0)
+    model = _model(film, _SAMPLES if smooth else 0)
     with mujoco.Renderer(model, height, width, max_geom=3000) as renderer:
-        _draw(renderer, film, facts, write)
+        data, camera = mujoco.MjData(model), mujoco.MjvCamera()
+        camera.lookat, camera.distance = film["target"], film["distance"]
+        # MuJoCo's angles are those of where a camera looks.
+        camera.azimuth, camera.elevation = film["azimuth"] + 180.0, -film["elevation"]
+        for k in range(len(film["time"])):
+            _place_bodies(data, film, k)
+            mujoco.mj_kinematics(model, data)
+            mujoco.mj_camlight(model, data)
+            renderer.update_scene(data, camera)
+            for geom in renderer.scene.geoms[: renderer.scene.ngeom]:
+                if geom.rgba[3] < 1:
+                    geom.category = _NO_SHADOW
+            _Overlays(renderer.scene, film).add(k)
+            for flag in (mujoco.mjtRndFlag.mjRND_HAZE, mujoco.mjtRndFlag.mjRND_SHADOW):
+                renderer.scene.flags[flag] = True
+            write(renderer.render().tobytes())
 
 
-def _draw(
-    renderer: mujoco.Renderer,
-    film: dict[str, Any],
-    facts: dict[str, Any],
-    write: Callable[[bytes], object],
-) -> None:
-    data = mujoco.MjData(renderer.model)
-    camera = mujoco.MjvCamera()
-    camera.lookat = facts["target"]
-    camera.distance = facts["distance"]
-    # MuJoCo's angles are those of where a camera looks.
-    camera.azimuth, camera.elevation = facts["azimuth"] + 180.0, -facts["elevation"]
-    bodies = film["solid"].shape[1]
-    eye = np.asarray(facts["eye"])
-    for k in range(len(film["time"])):
-        data.mocap_pos[:bodies] = film["solid"][k, :, :3]
-        data.mocap_quat[:bodies] = film["solid"][k, :, 3:]
-        if "ghost" in film:
-            away = film["ghost"][k, :, :3] - eye
-            away *= _BEHIND / np.linalg.norm(away, axis=1, keepdims=True)
-            data.mocap_pos[bodies:] = film["ghost"][k, :, :3] + away
-            data.mocap_quat[bodies:] = film["ghost"][k, :, 3:]
-        mujoco.mj_kinematics(renderer.model, data)
-        mujoco.mj_camlight(renderer.model, data)
-        renderer.update_scene(data, camera)
-        for geom in renderer.scene.geoms[: renderer.scene.ngeom]:
-            if geom.rgba[3] < 1:
-                geom.category = _NO_SHADOW
-        _Overlays(renderer.scene, film, facts, k).add()
-        for flag in (mujoco.mjtRndFlag.mjRND_HAZE, mujoco.mjtRndFlag.mjRND_SHADOW):
-            renderer.scene.flags[flag] = True
-        write(renderer.render().tobytes())
+def _place_bodies(data: mujoco.MjData, film: dict[str, Any], k: int) -> None:
+    poses = film["solid"][k]
+    if film["ghost"] is not None:
+        ghost = film["ghost"][k].copy()
+        away = ghost[:, :3] - film["eye"]
+        ghost[:, :3] += away * (_BEHIND / np.linalg.norm(away, axis=1, keepdims=True))
+        poses = np.vstack([poses, ghost])
+    data.mocap_pos[:], data.mocap_quat[:] = poses[:, :3], poses[:, 3:]
 
 
 class _Overlays:
-    """Everything but the robot in picture `k`."""
+    """Everything but the robot."""
 
-    def __init__(
-        self, scene: mujoco.MjvScene, film: dict[str, Any], facts: dict[str, Any], k: int
-    ) -> None:
-        self._scene, self._film, self._facts, self._k = scene, film, facts, k
+    def __init__(self, scene: mujoco.MjvScene, film: dict[str, Any]) -> None:
+        self._scene, self._film = scene, film
 
-    def add(self) -> None:
-        """Add all to the scene."""
-        film, facts, k = self._film, self._facts, self._k
-        colours = facts["colours"]
-        for centre, size, yaw, start, end in facts["blocks"]:
-            if start <= film["time"][k] < end:
-                c, s = np.cos(yaw), np.sin(yaw)
-                turn = np.array([c, -s, 0.0, s, c, 0.0, 0.0, 0.0, 1.0])
-                self._shape(
-                    mujoco.mjtGeom.mjGEOM_BOX,
-                    np.asarray(size) / 2,
-                    centre,
-                    turn,
-                    [*colours["block"], 1.0],
-                    mujoco.mjtCatBit.mjCAT_STATIC,
-                )
-        length = np.linalg.norm(film["force"][k], axis=1) * facts["arrow_per_newton"]
-        for start, force, long in zip(film["pressed_at"][k], film["force"][k], length, strict=True):
-            if long > facts["least_force"] * facts["arrow_per_newton"]:
-                end = start + force * facts["arrow_per_newton"]
-                self._line(
-                    mujoco.mjtGeom.mjGEOM_ARROW,
-                    facts["thickness"],
-                    start,
-                    end,
-                    [*colours["force"], 1.0],
-                )
-        self._trails(k, [*colours["com"], 0.9], [*colours["foot"], 0.8])
-        turn = np.empty(9)
+    def add(self, k: int) -> None:
+        """Add all of picture `k` to the scene."""
+        film, kinds, turn = self._film, mujoco.mjtGeom, np.empty(9)
+        rgb = film["colours"]
+        for block in film["blocks"]:
+            if block["from_s"] <= film["time"][k] < block["until_s"]:
+                c, s = np.cos(block["yaw"]), np.sin(block["yaw"])
+                about_z = np.array([c, -s, 0.0, s, c, 0.0, 0.0, 0.0, 1.0])
+                half, category = block["size"] / 2, mujoco.mjtCatBit.mjCAT_STATIC
+                look = [*rgb["block"], 1.0]
+                self._shape(kinds.mjGEOM_BOX, half, block["centre"], about_z, look, category)
+        arrows = film["force"][k] * film["arrow_per_newton"]
+        least = film["least_force"] * film["arrow_per_newton"]
+        for start, arrow in zip(film["pressed_at"][k], arrows, strict=True):
+            if np.linalg.norm(arrow) > least:
+                end, look = start + arrow, [*rgb["force"], 1.0]
+                self._line(kinds.mjGEOM_ARROW, film["thickness"], start, end, look)
+        self._trails(k, [*rgb["com"], 0.9], [*rgb["foot"], 0.8])
         mujoco.mju_quat2Mat(turn, film["axes_quat"][k])
-        self._shape(
-            mujoco.mjtGeom.mjGEOM_ELLIPSOID,
-            film["axes"][k],
-            film["com"][k],
-            turn,
-            [*colours["ellipsoid"], _ELLIPSOID],
-        )
+        look = [*rgb["ellipsoid"], _ELLIPSOID]
+        self._shape(kinds.mjGEOM_ELLIPSOID, film["axes"][k], film["com"][k], turn, look)
 
     def _trails(self, k: int, com: list[float], foot: list[float]) -> None:
         """As far as the robot has come."""
@@ -135,16 +106,14 @@ class _Overlays:
     def _shape(
         self,
         kind: Any,
-        size: Any,
-        place: Any,
+        size: Array,
+        place: Array,
         turn: Array,
         rgba: list[float],
         category: Any = _NO_SHADOW,
     ) -> None:
         if (geom := self._next()) is not None:
-            mujoco.mjv_initGeom(
-                geom, kind, np.asarray(size, float), np.asarray(place, float), turn, rgba
-            )
+            mujoco.mjv_initGeom(geom, kind, size, place, turn, rgba)
             geom.specular, geom.shininess = 0.2, 0.3
             geom.category = category
 
@@ -161,21 +130,19 @@ class _Overlays:
         return self._scene.geoms[self._scene.ngeom - 1]
 
 
-def _model(film: dict[str, Any], facts: dict[str, Any], samples: int) -> mujoco.MjModel:
+def _model(film: dict[str, Any], samples: int) -> mujoco.MjModel:
     """Bodies that are put where they are, ground, light; nothing that could move by itself."""
     spec = mujoco.MjSpec()
-    spec.visual.global_.offwidth, spec.visual.global_.offheight = facts["size"]
-    spec.visual.global_.fovy = facts["field_of_view"]
-    spec.visual.quality.offsamples, spec.visual.quality.shadowsize = samples, _SHADOW
-    spec.visual.headlight.ambient = [0.42] * 3
-    spec.visual.headlight.diffuse = [0.32] * 3
-    spec.visual.headlight.specular = [0.05] * 3
-    spec.visual.rgba.haze = _HORIZON
-    spec.visual.map.haze = 0.45
-    spec.visual.map.znear = 0.02
-    spec.visual.map.zfar = 40.0
-    spec.visual.map.shadowclip = 1.0
-    spec.stat.extent, spec.stat.center = facts["extent"], facts["target"]
+    visual, light = spec.visual, spec.visual.headlight
+    visual.global_.offwidth, visual.global_.offheight = film["size"]
+    visual.global_.fovy = film["field_of_view"]
+    visual.quality.offsamples, visual.quality.shadowsize = samples, _SHADOW
+    light.ambient, light.diffuse, light.specular = [0.42] * 3, [0.32] * 3, [0.05] * 3
+    visual.rgba.haze = _HORIZON
+    visual.map.haze, visual.map.shadowclip = 0.45, 1.0
+    visual.map.znear, visual.map.zfar = 0.02, 40.0
+    target, extent = film["target"], film["extent"]
+    spec.stat.extent, spec.stat.center = extent, target
     spec.add_texture(
         name="sky",
         type=mujoco.mjtTexture.mjTEXTURE_SKYBOX,
@@ -185,7 +152,6 @@ def _model(film: dict[str, Any], facts: dict[str, Any], samples: int) -> mujoco.
         width=16,
         height=96,
     )
-    target, extent = np.asarray(facts["target"]), facts["extent"]
     to_light = np.array([0.35, -0.55, 1.0])
     spec.worldbody.add_light(
         type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL,
@@ -195,25 +161,19 @@ def _model(film: dict[str, Any], facts: dict[str, Any], samples: int) -> mujoco.
         specular=[0.15] * 3,
         castshadow=True,
     )
-    _add_ground(spec, facts["ground"])
-    for layer in ("solid", "ghost"):
-        for i in range(facts["meshes"] if layer in film else 0):
-            if layer == "solid":
-                _add_painted_mesh(spec, film, i)
-            else:
-                _add_mesh(spec, film, f"coarse{i}")
-            body = spec.worldbody.add_body(mocap=True)
-            look: dict[str, Any] = {"meshname": f"mesh{i}", "material": f"paint{i}"}
-            if layer == "ghost":
-                colour = [*facts["colours"]["planned"], _GHOST]
-                look = {"meshname": f"coarse{i}", "rgba": colour}
-            body.add_geom(
-                type=mujoco.mjtGeom.mjGEOM_MESH,
-                contype=0,
-                conaffinity=0,
-                **look,
-            )
+    _add_ground(spec, film["ground"])
+    for i, mesh in enumerate(film["meshes"]):
+        _add_painted_mesh(spec, mesh, i)
+        _add_body(spec, meshname=f"mesh{i}", material=f"paint{i}")
+    for i, mesh in enumerate(film["coarse"]):
+        _add_mesh(spec, mesh, f"coarse{i}")
+        _add_body(spec, meshname=f"coarse{i}", rgba=[*film["colours"]["planned"], _GHOST])
     return spec.compile()
+
+
+def _add_body(spec: mujoco.MjSpec, **look: Any) -> None:
+    body = spec.worldbody.add_body(mocap=True)
+    body.add_geom(type=mujoco.mjtGeom.mjGEOM_MESH, contype=0, conaffinity=0, **look)
 
 
 def _add_ground(spec: mujoco.MjSpec, height: float) -> None:
@@ -226,37 +186,33 @@ def _add_ground(spec: mujoco.MjSpec, height: float) -> None:
     material = _add_material(spec, "grid", tile)
     material.texuniform, material.texrepeat = True, [1 / _TILE, 1 / _TILE]
     material.specular = 0.0
-    spec.worldbody.add_geom(
-        type=mujoco.mjtGeom.mjGEOM_PLANE,
-        size=[0, 0, 0.05],
-        pos=[0, 0, height],
-        material="grid",
-    )
+    plane = mujoco.mjtGeom.mjGEOM_PLANE
+    spec.worldbody.add_geom(type=plane, size=[0, 0, 0.05], pos=[0, 0, height], material="grid")
 
 
-def _add_mesh(spec: mujoco.MjSpec, film: dict[str, Any], name: str) -> mujoco.MjsMesh:
-    faces = film[f"{name}_faces"].ravel().astype(np.int32)
+def _add_mesh(spec: mujoco.MjSpec, mesh: dict[str, Any], name: str) -> mujoco.MjsMesh:
+    faces = mesh["faces"].ravel().astype(np.int32)
     return spec.add_mesh(
         name=name,
-        uservert=film[f"{name}_vertices"].ravel(),
+        uservert=mesh["vertices"].ravel(),
         userface=faces,
-        usernormal=film[f"{name}_normals"].ravel(),
+        usernormal=mesh["normals"].ravel(),
         userfacenormal=faces,
         inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL,  # of any form
     )
 
 
-def _add_painted_mesh(spec: mujoco.MjSpec, film: dict[str, Any], i: int) -> None:
+def _add_painted_mesh(spec: mujoco.MjSpec, visual: dict[str, Any], i: int) -> None:
     """A mesh and its paint: a texture of colours, of which each face has that of its vertices."""
-    faces, rgb = film[f"mesh{i}_faces"], film[f"mesh{i}_rgb"]
-    of_faces = rgb[faces].astype(float).mean(axis=1).round().astype(np.uint8)
+    of_vertices = visual["rgb"][visual["faces"]].astype(float)
+    of_faces = of_vertices.mean(axis=1).round().astype(np.uint8)
     colours, index = np.unique(of_faces, axis=0, return_inverse=True)
     rows = -(-len(colours) // _PALETTE_ROW)
     texture = np.zeros((rows * _PALETTE_ROW, 3))
     texture[: len(colours)] = colours / 255
     at = np.arange(len(colours))
     places = (np.column_stack([at % _PALETTE_ROW, at // _PALETTE_ROW]) + 0.5) / (_PALETTE_ROW, rows)
-    mesh = _add_mesh(spec, film, f"mesh{i}")
+    mesh = _add_mesh(spec, visual, f"mesh{i}")
     mesh.usertexcoord = places.ravel()
     mesh.userfacetexcoord = np.repeat(np.ravel(index), 3).astype(np.int32)
     material = _add_material(spec, f"paint{i}", texture.reshape(rows, _PALETTE_ROW, 3))

@@ -4,7 +4,6 @@
 const SPEEDS = [0.1, 0.25, 0.5, 1, 2];
 const REST = 0.6; // s at the end before it begins again
 const FAR = 10; // frames that an arrow key moves with Shift
-const KINDS = { "<f4": Float32Array };
 
 const facts = JSON.parse(document.getElementById("facts").textContent);
 const find = (selector) => document.querySelector(selector);
@@ -25,8 +24,8 @@ async function unpacked() {
   const packed = Uint8Array.from(text, (letter) => letter.charCodeAt(0));
   const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"));
   const bytes = await new Response(stream).arrayBuffer();
-  return Object.fromEntries(Object.entries(facts.arrays).map(([name, { kind, start, length }]) =>
-    [name, new KINDS[kind](bytes, start, length)]));
+  return Object.fromEntries(Object.entries(facts.arrays).map(([name, { start, length }]) =>
+    [name, new Float32Array(bytes, start, length)]));
 }
 
 // ---- time
@@ -270,7 +269,7 @@ function controls(player, picture) {
     pressed("Begin again at the end (L)", "Loop", player, "loop"),
     pressed("Move along with the robot (F)", "Follow", picture, "follow"),
     button("Look from where it began (double-click)", "Reset view", () => picture.reset()),
-    element("span", { class: "events", title: facts.timeline.events }, facts.timeline.events));
+    element("span", { class: "events", title: facts.timeline.summary }, facts.timeline.summary));
   return () => {
     if (toggle.dataset.sign !== String(player.playing)) {
       toggle.replaceChildren(sign(player.playing ? "pause" : "play"));
@@ -317,7 +316,7 @@ function track(player) {
   }));
   const shown = marks.filter(({ time }) => share(time) <= 1.0001 && share(time) >= 0);
   for (const simulated of [false, true]) {
-    const line = shown.filter((mark) => mark.simulated === simulated);
+    const line = shown.filter((mark) => (mark.colour !== facts.colours.planned) === simulated);
     line.forEach(({ name, time, colour }, i) => {
       const mark = element("div", { class: "mark" }, element("span", {}, name));
       const near = i + 1 < line.length && share(line[i + 1].time) - share(time) < 0.12;

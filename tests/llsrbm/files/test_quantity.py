@@ -9,7 +9,7 @@ import pytest
 import llsrbm
 from llsrbm import cli
 from llsrbm.files.quantity import JOINT, SIZES, TIME, Between, Kind, derived, quantities
-from llsrbm.formats.tables.csv_table import columns
+from llsrbm.formats.table import columns
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
 from tests.llsrbm.synthetic_rollout import synthetic_rollout

@@ -8,8 +8,7 @@ import pytest
 
 from llsrbm import cli
 from llsrbm.analysis.figures import figures_of_motion, figures_of_plan
-from llsrbm.formats import export
-from llsrbm.formats.reading import load_any
+from llsrbm.formats import export, load_any
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
 from llsrbm.motion.whole_body import WholeBodyMotion

@@ -7,7 +7,7 @@ import pytest
 
 import llsrbm
 from llsrbm.errors import Error, FileFormatError, InputError
-from llsrbm.formats import FORMATS, export, readable
+from llsrbm.formats import export, readable
 from llsrbm.motion.whole_body import whole_body_motion
 from tests.llsrbm.formats.jumps import planned, simulated
 
@@ -28,8 +28,6 @@ def _few(name):
 
 def test_formats_that_can_be_opened():
     assert {"npz", *FOREIGN} <= {each.name for each in readable()}
-    for each in FORMATS.values():
-        assert (each.read is None) == (each.recognises is None)
 
 
 @pytest.mark.parametrize("made", [planned, simulated])

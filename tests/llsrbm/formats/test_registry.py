@@ -8,7 +8,6 @@ import pytest
 
 from llsrbm.errors import InputError
 from llsrbm.formats import FORMATS, Options, export, file_name, find
-from llsrbm.motion.plan import Plan
 from llsrbm.motion.sampling import resample
 from llsrbm.motion.trajectory import load
 from llsrbm.robots import load_robot
@@ -57,10 +56,6 @@ def quick(*formats):
     return {name: value for name, value in QUICK.items() if any(name in f.options for f in formats)}
 
 
-def holds(format_, trajectory):
-    return ("plan" if isinstance(trajectory, Plan) else "rollout") in format_.holds
-
-
 def test_its_description(format_):
     assert FORMATS[format_.name] is format_
     assert format_.title
@@ -68,17 +63,10 @@ def test_its_description(format_):
     assert format_.conventions.strip()
     assert format_.suffix == "" or format_.suffix.startswith(".")
     assert set(format_.options) <= set(Options.__dataclass_fields__)
-    assert format_.holds
-    assert set(format_.holds) <= {"plan", "rollout"}
 
 
 def test_it_writes_what_it_holds_and_nothing_else(format_, trajectory, tmp_path):
     path = tmp_path / f"x{format_.suffix}"
-    if not holds(format_, trajectory):
-        with pytest.raises(InputError, match=f'"{format_.name}" cannot hold a '):
-            export(trajectory, path, format=format_.name)
-        assert not list(tmp_path.iterdir())
-        return
     export(trajectory, path, format=format_.name, **quick(format_))
     assert path.is_dir() if format_.suffix == "" else path.is_file()
     left = [each for each in tmp_path.iterdir() if each != path]
@@ -94,8 +82,6 @@ def test_it_writes_what_it_holds_and_nothing_else(format_, trajectory, tmp_path)
 
 def test_any_name_will_do(format_, plan, tmp_path):
     """Formats must not depend on what the file is called."""
-    if not holds(format_, plan):
-        pytest.skip("holds no plan")
     name = f"é {format_.name}"
     try:
         export(plan, tmp_path / name, format=format_.name, **quick(format_))
@@ -108,8 +94,6 @@ def test_any_name_will_do(format_, plan, tmp_path):
 
 
 def test_a_place_that_is_none(format_, plan, tmp_path):
-    if not holds(format_, plan):
-        pytest.skip("does not hold it")
     with pytest.raises(InputError) as caught:
         export(plan, tmp_path / "none" / "x", format=format_.name, **quick(format_))
     assert "\n" not in str(caught.value)
@@ -117,7 +101,7 @@ def test_a_place_that_is_none(format_, plan, tmp_path):
 
 
 def test_a_rate_that_makes_no_sense(format_, plan, tmp_path):
-    if "fps" not in format_.options or not holds(format_, plan):
+    if "fps" not in format_.options:
         pytest.skip("has no rate")
     for fps in (0.0, -1.0, float("nan"), float("inf"), 1e9):
         with pytest.raises(InputError) as caught:
@@ -129,7 +113,7 @@ def test_a_rate_that_makes_no_sense(format_, plan, tmp_path):
 def test_options_that_it_does_not_take(format_, plan, tmp_path):
     given = {"fps": 10.0, "pad": 0.5, "order": "breadth-first", "size": (64, 48)}
     for name, value in given.items():
-        if name not in format_.options and holds(format_, plan):
+        if name not in format_.options:
             with pytest.raises(InputError, match=f"{name}: is not for format"):
                 export(plan, tmp_path / "x", format=format_.name, **{name: value})
     assert not list(tmp_path.iterdir())
@@ -137,8 +121,6 @@ def test_options_that_it_does_not_take(format_, plan, tmp_path):
 
 def test_robots_that_are_gone(format_, plan, tmp_path):
     """Formats that need the robot say so; others do without."""
-    if not holds(format_, plan):
-        pytest.skip("does not hold it")
     parameters = {**plan.robot_parameters, "name": "a robot that there was"}
     jump = replace(plan.jump, robot="a robot that there was")
     gone = replace(plan, jump=jump, robot_parameters=parameters)
@@ -151,9 +133,7 @@ def test_robots_that_are_gone(format_, plan, tmp_path):
 
 def test_all_at_once_in_a_zip(rollout, tmp_path):
     formats = [
-        each
-        for each in FORMATS.values()
-        if holds(each, rollout) and not (each.extra is not None and each.extra.missing)
+        each for each in FORMATS.values() if not (each.extra is not None and each.extra.missing)
     ]
     names = [each.name for each in formats]
     path = tmp_path / file_name(rollout, names)

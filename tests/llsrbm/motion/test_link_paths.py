@@ -3,7 +3,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from llsrbm.look.visuals import forward_kinematics
-from llsrbm.motion.link_paths import link_paths
+from llsrbm.motion.bodies import link_paths
 from llsrbm.robots import load_robot
 
 

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from llsrbm.formats.logs.foxglove_messages import nanoseconds, timestamp, turned_x_to
+from llsrbm.formats.logs.mcap_log import nanoseconds, timestamp, turned_x_to
 
 WAYS = [[0, 0, 2.0], [0, 0, -1], [3, 0, 0], [-1, 0, 0], [-1, 1e-7, 0], [0.3, -0.5, 0.8]]
 

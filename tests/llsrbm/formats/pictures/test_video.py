@@ -16,8 +16,7 @@ from llsrbm.errors import Error, InputError
 from llsrbm.formats import export
 from llsrbm.formats.base import Options
 from llsrbm.formats.pictures.drawing import draw, view_of
-from llsrbm.formats.pictures.film import pictures
-from llsrbm.formats.pictures.gif import durations
+from llsrbm.formats.pictures.video import durations, pictures
 from tests.llsrbm.formats.pictures.shown import motion_of
 
 av = pytest.importorskip("av")
@@ -154,7 +153,9 @@ def test_the_robot_is_in_the_picture_all_the_time(name, camera):
         assert (at > 0).all()
         assert (at < [160, 90]).all()
     if camera is None:
-        at = seen_at(view, np.vstack([*drawing.solid.position, *drawing.foot]), (160, 90))
+        at = seen_at(
+            view, np.vstack([*drawing.solid.position, *drawing.motion.foot_position]), (160, 90)
+        )
         assert np.ptp(at, axis=0).max() > 40  # not small either
 
 

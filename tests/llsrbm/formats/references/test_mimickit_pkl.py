@@ -10,7 +10,7 @@ import pytest
 import llsrbm
 from llsrbm.errors import InputError
 from llsrbm.formats import export
-from llsrbm.formats.references.mimickit_pkl import exponential_map
+from llsrbm.formats.trainers import exponential_map
 from tests.llsrbm.formats.jumps import (
     HALF_TURN,
     by_name,

@@ -25,21 +25,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from llsrbm.errors import FileFormatError
-from llsrbm.formats.base import Format, Options
-from llsrbm.formats.foreign import (
-    MOST_FRAMES,
-    checked_motion,
-    checked_rate,
-    joint_columns,
-)
-from llsrbm.formats.sidecar import read_sidecar, write_sidecar
+from llsrbm.formats.base import Format, Options, read_beside
+from llsrbm.formats.foreign import MOST_FRAMES, checked_motion, checked_rate, joint_columns
 from llsrbm.motion.trajectory import Trajectory
 from llsrbm.motion.whole_body import WholeBodyMotion, whole_body_motion
 from llsrbm.robots import Robot
 
 Array = NDArray[np.float64]
 
-_ROOT = ("x", "y", "z", "qx", "qy", "qz", "qw")
 _XYZW = [1, 2, 3, 0]
 _WXYZ = [3, 0, 1, 2]
 _EXPECTED = (
@@ -49,42 +42,24 @@ _EXPECTED = (
 _LARGEST = 32 * 1024**2  # bytes
 
 
-def write_unitree_csv(trajectory: Trajectory, path: Path, options: Options) -> None:
-    """Write the table, and what it does not say beside it."""
+def _write(trajectory: Trajectory, path: Path, options: Options) -> None:
     motion = whole_body_motion(trajectory, options.fps, options.pad)
     rows = np.hstack([motion.base_position, motion.base_quat[:, _XYZW], motion.joint_position])
     np.savetxt(path, rows, fmt="%.9f", delimiter=",")
-    joints = motion.robot.joint_names
-    sliding = motion.robot.sliding_joints
-    write_sidecar(
+    joints, sliding = motion.robot.joint_names, motion.robot.sliding_joints
+    UNITREE_CSV.write_beside(
         path,
         trajectory,
-        UNITREE_CSV.name,
-        fps=options.fps,
-        pad=options.pad,
+        options,
         quaternion_order="xyzw",
         joint_order=list(joints),
-        columns=[*_ROOT, *joints],
-        column_units=[
-            *["m"] * 3,
-            *["1"] * 4,
-            *("m" if name in sliding else "rad" for name in joints),
-        ],
+        columns=["x", "y", "z", "qx", "qy", "qz", "qw", *joints],
+        column_units=[*"mmm1111", *("m" if name in sliding else "rad" for name in joints)],
     )
 
 
-def read_unitree_csv(path: Path, robot: Robot, fps: float | None) -> WholeBodyMotion:
-    """Open a table for looking.
-
-    Args:
-        path: the file.
-        robot: that moves.
-        fps: frames/s of a file that has none beside it.
-
-    Raises:
-        FileFormatError: it is no such table, or nothing says its rate.
-    """
-    beside = read_sidecar(path)
+def _read(path: Path, robot: Robot, fps: float | None) -> WholeBodyMotion:
+    beside = read_beside(path)
     rows = _rows(path, 7 + len(robot.joint_names), robot)
     rate = beside.get("fps", fps)
     if rate is None:
@@ -112,7 +87,6 @@ def _joints(beside: dict[str, Any], robot: Robot, path: Path) -> list[int]:
 
 
 def _rows(path: Path, width: int, robot: Robot) -> Array:
-    """(K, width) numbers."""
     lines = [line for line in _text(path).splitlines() if line.strip()]
     if len(lines) > MOST_FRAMES:
         raise FileFormatError(f"{path}: {len(lines)} rows; at most {MOST_FRAMES} are read")
@@ -155,18 +129,14 @@ def _text(path: Path) -> str:
         raise FileFormatError(f"{path}: not a text file; {_EXPECTED}") from error
 
 
-def _looks_so(path: Path) -> bool:
-    return path.suffix.lower() == ".csv"
-
-
 UNITREE_CSV = Format(
     name="unitree-csv",
     title="motion reference: rows of root position, quaternion x y z w and joints, no header",
     suffix=".csv",
-    write=write_unitree_csv,
+    write=_write,
     conventions=__doc__,
     options=("fps", "pad"),
     defaults=Options(fps=30.0),
-    read=read_unitree_csv,
-    recognises=_looks_so,
+    read=_read,
+    recognises=lambda path: path.suffix.lower() == ".csv",
 )

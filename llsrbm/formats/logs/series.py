@@ -4,29 +4,25 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
-from llsrbm.look.visuals import LinkVisual, forward_kinematics
-from llsrbm.motion.plan import Plan
+from llsrbm.formats.shown import Bodies, ellipsoid_of, mass_of
 from llsrbm.motion.rollout import Rollout
 from llsrbm.motion.sampling import resample
 from llsrbm.motion.trajectory import Trajectory
 from llsrbm.motion.whole_body import WholeBodyMotion, whole_body_motion
-from llsrbm.request.scenario import Scenario
 from llsrbm.robots import Robot
-from llsrbm.simulation.surroundings import Surroundings, surroundings
 
 Array = NDArray[np.float64]
 
 GHOST = 0.3  # opacity of a plan beside what was made of it
-
 GROUND_SIZE = (4.0, 4.0, 0.01)  # m; its top is the ground
-ARROW_PER_WEIGHT = 0.8  # m, length of the arrow of a force as large as the robot's weight
+_ARROW_PER_WEIGHT = 0.8  # m, length of the arrow of a force as large as the robot's weight
 _PUSHING = 1.0  # N; smaller forces have no arrow
-_XYZ = ("x", "y", "z")
+_XYZ, _WXYZ = ("x", "y", "z"), ("w", "x", "y", "z")
 _LEAST_LIMIT = 1e-6  # Nm or N; a drive beyond its speed can give nothing
 
 
@@ -37,8 +33,7 @@ class Series:
     Attributes:
         name: what they are; a slash makes a tree of names.
         unit: of all of them, "" for none.
-        parts: (n,) a name each.
-        values: (K, n).
+        parts: (n,) a name each; values: (K, n).
     """
 
     name: str
@@ -49,20 +44,18 @@ class Series:
 
 @dataclass(frozen=True, eq=False)
 class Logged:
-    """One robot's motion as viewers show it: K instants, B bodies, L legs.
+    """One robot's motion as viewers show it: K instants, L legs.
 
     Attributes:
-        motion: where it is sampled.
+        motion: where it is sampled; bodies: where they are then.
         time: (K,) s from the beginning of the file.
-        body_position: (K, B, 3) m, body_quat: (K, B, 4) w, x, y, z: every moving body.
         series: what is plotted.
-        mass: kg, of what moved: a simulated trunk may be heavier than the robot's.
+        mass: kg, of what moved.
     """
 
     motion: WholeBodyMotion
+    bodies: Bodies
     time: Array
-    body_position: Array
-    body_quat: Array
     series: tuple[Series, ...]
     mass: float
 
@@ -71,34 +64,49 @@ class Logged:
         """That moves."""
         return self.motion.robot
 
+    @cached_property
+    def ellipsoid(self) -> tuple[Array, Array]:
+        """(K, 3) m and (K, 4): see `ellipsoid_of`."""
+        return ellipsoid_of(self.motion, self.mass)
+
     @property
     def arrows(self) -> Array:
         """(K, L, 3) m: contact forces as arrows, without a length where a foot hardly pushes."""
         assert self.motion.foot_force is not None
         weight = self.mass * float(np.linalg.norm(self.robot.model.gravity.linear))
         pushing = np.linalg.norm(self.motion.foot_force, axis=2, keepdims=True) > _PUSHING
-        return np.where(pushing, self.motion.foot_force * (ARROW_PER_WEIGHT / weight), 0.0)
-
-    def body_of(self, visual: LinkVisual) -> tuple[Array, Array]:
-        """(K, 3) m and (K, 4): where a mesh is."""
-        body = visual.joint_id - 1
-        return self.body_position[:, body], self.body_quat[:, body]
+        return np.where(pushing, self.motion.foot_force * (_ARROW_PER_WEIGHT / weight), 0.0)
 
 
-def logged(trajectory: Trajectory, fps: float) -> Logged:
+def logged(trajectory: Trajectory, fps: float, start: float | None = None) -> Logged:
     """The motion of a plan or a rollout, with the instants of its events.
+
+    Args:
+        trajectory: of which.
+        fps: instants/s.
+        start: s of its time at which the file begins; None: with the motion.
 
     Raises:
         InputError: a rate that makes no sense, or a robot that has other joints by now.
         RobotFileError: the robot is not there.
     """
-    return _logged(trajectory, fps, float(trajectory.time[0]))
+    motion = whole_body_motion(trajectory, fps, events=True)
+    own = float(trajectory.time[0])
+    mass = mass_of(trajectory, motion.robot)
+    return Logged(
+        motion=motion,
+        bodies=Bodies.of(motion.robot, motion, motion.joint_position),
+        time=motion.time + (own - (own if start is None else start)),
+        series=tuple(_series(motion, mass)),
+        mass=mass,
+    )
 
 
 def logged_plan(trajectory: Trajectory, fps: float) -> Logged | None:
     """The plan that a rollout followed, on the rollout's time; None of a plan."""
-    plan = trajectory.plan if isinstance(trajectory, Rollout) else None
-    return None if plan is None else _logged(plan, fps, float(trajectory.time[0]))
+    if isinstance(trajectory, Rollout):
+        return logged(trajectory.plan, fps, float(trajectory.time[0]))
+    return None
 
 
 def reference_series(rollout: Rollout, motion: Logged) -> tuple[Series, ...]:
@@ -109,47 +117,17 @@ def reference_series(rollout: Rollout, motion: Logged) -> tuple[Series, ...]:
     sampled = resample(rollout, motion.time + rollout.time[0])
     return (
         Series("com", "m", _XYZ, sampled.reference_com),
-        Series("base_quat", "", ("w", *_XYZ), sampled.reference_base_quat),
+        Series("base_quat", "", _WXYZ, sampled.reference_base_quat),
         *(
-            Series(f"foot_position/{leg.name}", "m", _XYZ, sampled.reference_foot_position[:, i])
-            for i, leg in enumerate(motion.robot.legs)
+            Series(f"foot_position/{leg}", "m", _XYZ, sampled.reference_foot_position[:, i])
+            for i, leg in enumerate(motion.robot.leg_names)
         ),
         Series("angular_momentum", "kg m2/s", _XYZ, sampled.reference_angular_momentum),
     )
 
 
-def standing_around(trajectory: Trajectory, robot: Robot) -> Surroundings:
-    """The surroundings of the robot."""
-    if isinstance(trajectory, Plan):
-        return surroundings(robot, trajectory, Scenario())
-    return surroundings(robot, trajectory.plan, trajectory.scenario)
-
-
-def _logged(trajectory: Trajectory, fps: float, start: float) -> Logged:
-    motion = whole_body_motion(trajectory, fps, events=True)
-    robot = motion.robot
-    body_position, body_quat = forward_kinematics(
-        robot, motion.base_position, motion.base_quat, motion.joint_position
-    )
-    mass = _mass(trajectory, robot)
-    return Logged(
-        motion=motion,
-        time=motion.time + (float(trajectory.time[0]) - start),
-        body_position=body_position,
-        body_quat=body_quat,
-        series=tuple(_series(motion, mass)),
-        mass=mass,
-    )
-
-
-def _mass(trajectory: Trajectory, robot: Robot) -> float:
-    """Of what moved, kg: that of the simulated trunk may be off."""
-    return robot.mass if isinstance(trajectory, Plan) else trajectory.disturbance.mass(robot)
-
-
 def _series(motion: WholeBodyMotion, mass: float) -> Iterator[Series]:
-    legs = [leg.name for leg in motion.robot.legs]
-    joints = motion.robot.joint_names
+    legs, joints = motion.robot.leg_names, motion.robot.joint_names
     yield Series("com", "m", _XYZ, motion.com)
     yield Series("com_velocity", "m/s", _XYZ, motion.linear_momentum / mass)
     yield Series("linear_momentum", "kg m/s", _XYZ, motion.linear_momentum)
@@ -157,12 +135,12 @@ def _series(motion: WholeBodyMotion, mass: float) -> Iterator[Series]:
     moments: Array = np.linalg.eigvalsh(motion.inertia).astype(np.float64)
     yield Series("principal_moments", "kg m2", ("smallest", "middle", "largest"), moments)
     yield Series("base_position", "m", _XYZ, motion.base_position)
-    yield Series("base_quat", "", ("w", *_XYZ), motion.base_quat)
+    yield Series("base_quat", "", _WXYZ, motion.base_quat)
     yield Series("base_velocity", "m/s", _XYZ, motion.base_velocity)
     yield Series("angular_velocity", "rad/s", _XYZ, motion.angular_velocity)
     for i, leg in enumerate(legs):
         yield Series(f"foot_position/{leg}", "m", _XYZ, motion.foot_position[:, i])
-    yield Series("contact", "", tuple(legs), motion.contact.astype(np.float64))
+    yield Series("contact", "", legs, motion.contact.astype(np.float64))
     if motion.phase is not None:
         yield Series("phase", "", ("phase",), motion.phase[:, None].astype(np.float64))
     if motion.foot_force is not None:
@@ -175,9 +153,3 @@ def _series(motion: WholeBodyMotion, mass: float) -> Iterator[Series]:
         if motion.joint_torque_limit is not None:
             limit = np.maximum(motion.joint_torque_limit, _LEAST_LIMIT)
             yield Series("torque_share", "", joints, motion.joint_torque / limit)
-
-
-def ellipsoid_reference(motion: WholeBodyMotion) -> Array:
-    """(K, 3, 3): the base's attitude, by which the axes of the inertia's ellipsoid are named."""
-    reference: Array = Rotation.from_quat(motion.base_quat, scalar_first=True).as_matrix()
-    return reference

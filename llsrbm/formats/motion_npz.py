@@ -26,7 +26,6 @@ the states, and which feet stand is told from how they move.
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 import numpy as np
@@ -37,7 +36,6 @@ from llsrbm.files.npz import Arrays, checked, keys, read_archive, text, write_ar
 from llsrbm.files.quantity import BODY, JOINT, TIME, WXYZ, XYZ, Kind, Quantity
 from llsrbm.formats.base import ORDERS, Format, Options
 from llsrbm.formats.foreign import checked_motion, checked_rate, joint_columns
-from llsrbm.formats.sidecar import described
 from llsrbm.mechanics import rotation_matrices
 from llsrbm.motion.bodies import body_motion, body_order, root_com
 from llsrbm.motion.trajectory import Trajectory
@@ -46,8 +44,7 @@ from llsrbm.robots import Robot
 
 Array = NDArray[np.float64]
 
-DEPTH_FIRST, BREADTH_FIRST = ORDERS
-_POINT = {DEPTH_FIRST: "origin of the link", BREADTH_FIRST: "centre of mass of the body"}
+_BREADTH_FIRST = ORDERS[1]
 _LAYOUT = {
     "joint_pos": Quantity((TIME, JOINT), "rad", "joints"),
     "joint_vel": Quantity((TIME, JOINT), "rad/s", "their velocities"),
@@ -60,20 +57,16 @@ _LAYOUT = {
 _EXPECTED = "expected a motion-tracking npz file (mjlab, BeyondMimic)"
 
 
-def write_motion_npz(trajectory: Trajectory, path: Path, options: Options) -> None:
-    """Write the arrays in the order that the options name."""
+def _write(trajectory: Trajectory, path: Path, options: Options) -> None:
     motion = whole_body_motion(trajectory, options.fps, options.pad)
     bodies = body_motion(motion, options.order)
     joints = list(bodies.order.joint_index)
-    breadth_first = options.order == BREADTH_FIRST
-    meta = described(
+    of_com = options.order == _BREADTH_FIRST
+    meta = MOTION_NPZ.described_json(
         trajectory,
-        MOTION_NPZ.name,
-        fps=options.fps,
-        pad=options.pad,
-        order=options.order,
+        options,
         quaternion_order="wxyz",
-        linear_velocity_of=_POINT[options.order],
+        linear_velocity_of="centre of mass of the body" if of_com else "origin of the link",
     )
     arrays = {
         "fps": np.array([options.fps]),
@@ -81,27 +74,17 @@ def write_motion_npz(trajectory: Trajectory, path: Path, options: Options) -> No
         "joint_vel": motion.joint_velocity[:, joints],
         "body_pos_w": bodies.position,
         "body_quat_w": bodies.quat,
-        "body_lin_vel_w": bodies.com_velocity if breadth_first else bodies.velocity,
+        "body_lin_vel_w": bodies.com_velocity if of_com else bodies.velocity,
         "body_ang_vel_w": bodies.angular_velocity,
         "joint_names": np.array(bodies.order.joints),
         "body_names": np.array(bodies.order.bodies),
         "order": np.array(options.order),
-        "meta": np.array(json.dumps(meta, allow_nan=False)),
+        "meta": np.array(meta),
     }
     write_archive(path, arrays)
 
 
-def read_motion_npz(path: Path, robot: Robot, fps: float | None) -> WholeBodyMotion:
-    """Open such a file for looking.
-
-    Args:
-        path: the file.
-        robot: that moves.
-        fps: frames/s of a file that does not have it.
-
-    Raises:
-        FileFormatError: it is no such file, of another robot, or does not name its joints.
-    """
+def _read(path: Path, robot: Robot, fps: float | None) -> WholeBodyMotion:
     arrays = read_archive(path, expected=_EXPECTED)
     if "joint_names" not in arrays:
         raise FileFormatError(
@@ -116,12 +99,16 @@ def read_motion_npz(path: Path, robot: Robot, fps: float | None) -> WholeBodyMot
     R_world_base = rotation_matrices(quat / np.linalg.norm(quat, axis=1, keepdims=True))
     angular_velocity = np.einsum("kji,kj->ki", R_world_base, values["body_ang_vel_w"][:, 0])
     velocity = values["body_lin_vel_w"][:, 0]
-    if _order(arrays, names, robot, path) == BREADTH_FIRST:
+    if _order(arrays, names, robot, path) == _BREADTH_FIRST:
         arm = np.cross(angular_velocity, root_com(robot))
         velocity = velocity - np.einsum("kij,kj->ki", R_world_base, arm)
     qpos = np.hstack([values["body_pos_w"][:, 0], quat, values["joint_pos"][:, columns]])
     qvel = np.hstack([velocity, angular_velocity, values["joint_vel"][:, columns]])
-    rate = _rate(arrays, fps, path)
+    if "fps" in arrays:
+        fps = checked_rate(arrays["fps"], f'{path}: key "fps"')
+    elif fps is None:
+        raise FileFormatError(f'{path}: key "fps" is missing; expected frames per second')
+    rate = checked_rate(fps, f"{path}: fps")
     return checked_motion(robot, MOTION_NPZ.name, str(path), rate, qpos, qvel)
 
 
@@ -144,27 +131,14 @@ def _order(arrays: Arrays, names: list[str], robot: Robot, path: Path) -> str:
     )
 
 
-def _rate(arrays: Arrays, fps: float | None, path: Path) -> float:
-    where = f'{path}: key "fps"'
-    if "fps" in arrays:
-        return checked_rate(arrays["fps"], where)
-    if fps is None:
-        raise FileFormatError(f"{where} is missing; expected frames per second")
-    return checked_rate(fps, f"{path}: fps")
-
-
-def _looks_so(path: Path) -> bool:
-    return {"joint_pos", "body_pos_w"} <= keys(path)
-
-
 MOTION_NPZ = Format(
     name="motion-npz",
     title="motion reference for mjlab or BeyondMimic: joints and bodies with exact velocities",
     suffix=".npz",
-    write=write_motion_npz,
+    write=_write,
     conventions=__doc__,
     options=("fps", "pad", "order"),
     defaults=Options(fps=50.0),
-    read=read_motion_npz,
-    recognises=_looks_so,
+    read=_read,
+    recognises=lambda path: {"joint_pos", "body_pos_w"} <= keys(path),
 )

@@ -16,7 +16,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from llsrbm.files.quantity import (
-    CONTACT,
     JOINT,
     LEG,
     TENSOR,
@@ -28,7 +27,6 @@ from llsrbm.files.quantity import (
     quantities,
 )
 from llsrbm.formats.base import Format, Options
-from llsrbm.formats.sidecar import write_sidecar
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
 from llsrbm.motion.sampling import resample, with_events
@@ -43,11 +41,7 @@ _TENSOR = {"xx": (0, 0), "yy": (1, 1), "zz": (2, 2), "xy": (0, 1), "xz": (0, 2),
 
 
 def columns(trajectory: Plan | Rollout, fps: float) -> Iterator[Column]:
-    """Rows 1/fps apart, and one exactly at each event (`llsrbm.motion.sampling.events`).
-
-    Forces and torques are those of the interval or control tick that a row falls into, not means
-    over a row.
-    """
+    """Rows 1/fps apart, and one exactly at each event (`llsrbm.motion.sampling.events`)."""
     sampled = resample(trajectory, with_events(trajectory, fps))
     of = type(sampled)
     for name, quantity in (quantities(of) | derived(of)).items():
@@ -86,12 +80,10 @@ def _members(trajectory: Plan | Rollout, axis: str) -> Sequence[str]:
     if axis in _PARTS:
         return _PARTS[axis]
     legs = trajectory.leg_names
-    if axis == LEG:
-        return legs
     if axis == JOINT:
         return trajectory.joint_names
-    assert axis == CONTACT
-    assert isinstance(trajectory, Plan)
+    if axis == LEG or not isinstance(trajectory, Plan):
+        return legs
     count = trajectory.contact_force.shape[1]
     if count == len(legs):
         return legs
@@ -105,14 +97,8 @@ def quantity_rows() -> list[str]:
     lines = []
     for of in (Plan, Rollout):
         rows = [
-            (
-                name,
-                ", ".join(map(str, quantity.shape)),
-                quantity.unit or _codes(quantity.codes),
-                quantity.frame,
-                quantity.meaning,
-            )
-            for name, quantity in quantities(of).items()
+            (name, ", ".join(map(str, q.shape)), q.unit or _codes(q.codes), q.frame, q.meaning)
+            for name, q in quantities(of).items()
         ]
         widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
         lines += ["", f"{of.__name__}: name, shape, unit, frame, meaning"]
@@ -123,8 +109,7 @@ def quantity_rows() -> list[str]:
     return lines
 
 
-def write_csv(trajectory: Trajectory, path: Path, options: Options) -> None:
-    """Write the table and what stands beside it."""
+def _write(trajectory: Trajectory, path: Path, options: Options) -> None:
     listed = list(columns(trajectory, options.fps))
     with path.open("w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
@@ -132,14 +117,14 @@ def write_csv(trajectory: Trajectory, path: Path, options: Options) -> None:
         for row in np.column_stack([values for _, values in listed]):
             # 12 digits keep rows that are a rounding apart distinct and the file readable.
             writer.writerow(f"{value:.12g}" for value in row)
-    write_sidecar(path, trajectory, CSV.name, fps=options.fps, quaternion_order="wxyz")
+    CSV.write_beside(path, trajectory, options, quaternion_order="wxyz")
 
 
 CSV = Format(
     name="csv",
     title="a table for a person: time first, names with units, rows at lift-off and touchdown",
     suffix=".csv",
-    write=write_csv,
+    write=_write,
     conventions=__doc__,
     options=("fps",),
 )

@@ -1,1 +1,0 @@
-"""Reference motions, as trainers and retargeters read them."""

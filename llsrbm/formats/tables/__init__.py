@@ -1,1 +1,0 @@
-"""Tables of a motion: CSV and npz."""
