@@ -27,12 +27,9 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class BodyOrder:
-    """Bodies and joints in an order.
+    """Names of the 1 + J bodies, the root link first, and of the J joints that move the others.
 
-    Attributes:
-        bodies: names of the 1 + J bodies, the root link first.
-        joints: names of the J joints; each moves the body of the same place after the root.
-        joint_index: where each of these is among `Robot.joint_names`.
+    `joint_index`: where each of these joints is among `Robot.joint_names`.
     """
 
     bodies: tuple[str, ...]
@@ -45,9 +42,7 @@ class BodyMotion:
     """B = 1 + J bodies at K instants; world frame.
 
     Attributes:
-        order: of the bodies.
-        position: (K, B, 3) m of the links' origins.
-        quat: (K, B, 4) w, x, y, z without jumps of sign.
+        position: (K, B, 3) m of the links' origins; quat: (K, B, 4) w, x, y, z, no jumps of sign.
         velocity: (K, B, 3) m/s of the links' origins; com_velocity: of the bodies' CoMs.
         angular_velocity: (K, B, 3) rad/s.
     """
@@ -64,14 +59,9 @@ class BodyMotion:
 def body_order(robot: Robot, order: str) -> BodyOrder:
     """The bodies as tools have them that read the robot's URDF.
 
-    Args:
-        robot: whose.
-        order: "depth-first": leg after leg, siblings as their joints stand in the URDF, as MuJoCo,
-            PyBullet and MimicKit have them; "breadth-first": level after level, siblings by the
-            names of their joints, as Isaac Lab has them.
-
-    Raises:
-        InputError: no such order.
+    "depth-first": leg after leg, siblings as their joints stand in the URDF, as MuJoCo, PyBullet
+    and MimicKit have them; "breadth-first": level after level, siblings by the names of their
+    joints, as Isaac Lab has them. Raises `InputError` for another order.
     """
     root, moved = _tree(robot)
     if order == "depth-first":
@@ -89,11 +79,7 @@ def body_order(robot: Robot, order: str) -> BodyOrder:
 
 
 def body_motion(motion: WholeBodyMotion, order: str) -> BodyMotion:
-    """Where the bodies are and how they move: Pinocchio's, from the motion's own velocities.
-
-    Raises:
-        InputError: no such order.
-    """
+    """Where the bodies are and how they move: Pinocchio's, from the motion's own velocities."""
     robot = motion.robot
     model, data = robot.model, robot.model.createData()
     chosen = body_order(robot, order)
@@ -174,13 +160,11 @@ def _breadth_first(moved: _Steps, root: str) -> Iterator[tuple[str, str]]:
 
 @dataclass(frozen=True, eq=False)
 class LinkPath:
-    """Where one link is over K instants, seen from its parent.
+    """Where one link is over K instants, seen from its parent; the root link's parent is "world".
 
     Attributes:
-        link, parent: names in the URDF; the root link's parent is "world".
-        moves: whether it does: a link behind a fixed joint does not.
-        position: (K, 3) m and quat: (K, 4) w, x, y, z without jumps of sign, in the parent's frame;
-            K = 1 for what does not move.
+        moves: whether it does: a link behind a fixed joint does not, and has K = 1.
+        position: (K, 3) m and quat: (K, 4) w, x, y, z without jumps of sign, in the parent's frame.
     """
 
     link: str

@@ -18,8 +18,8 @@ class Flight:
 
     Attributes:
         lift_off: s, the end of the last tick with a contact; None if a foot never left.
-        touchdown: s, when the first contact begins; None if there was none.
-        detected: s, when the controller took it for over; None if it never did.
+        touchdown: s, when the first contact begins; detected: s, when the controller took it for
+            over; None if never.
     """
 
     lift_off: float | None
@@ -94,11 +94,9 @@ def _first_contact(rollout: Rollout, inside: NDArray[np.int64]) -> float | None:
 
 
 def _in_contact(rollout: Rollout) -> NDArray[np.bool_]:
-    """(T,) whether any foot touches anything."""
     return np.asarray(rollout.contact.astype(bool).any(axis=1))
 
 
 def _ends(rollout: Rollout) -> NDArray[np.float64]:
-    """(T,) s: the ends of the ticks."""
     ends: NDArray[np.float64] = rollout.time + 1.0 / rollout.outcome.control_rate_hz
     return ends

@@ -15,23 +15,19 @@ class Outcome:
     flights it is the last one's that counts, and there is none where the robot did not get there.
 
     Attributes:
-        status: "landed" or "fell".
-        reason: of a fall; "" when it landed.
-        fell_at_s: when; None when it landed.
+        status: "landed" or "fell"; reason, fell_at_s: of a fall.
         strict: whether it landed by the strict measure: see `llsrbm.simulation.verdict`.
         final_yaw_error, final_position_error, final_tilt: at the end, against the plan's last knot,
             or where the CoM comes to rest after it: rad, m (CoM, horizontal), rad.
         final_speed: largest speed of the CoM in the last 0.2 s, m/s.
         touchdown_planned_s: the plan's, retimed by the touchdowns before it.
-        touchdown_true_s: the simulator's first contact; None if there was none.
-        touchdown_detected_s: None if it was never detected.
-        foot_touchdown_s: the simulator's, a foot.
+        touchdown_true_s, touchdown_detected_s: the simulator's first contact, and when the
+            controller detected it; None: never. foot_touchdown_s: the simulator's, a foot.
         false_touchdowns: detections while no foot touched the ground, of all flights.
         yaw_error_at_touchdown: yaw of the base at the true touchdown minus the plan's at its own;
             of a base far from upright, the vertical part of the turn between the two.
         foot_error_at_touchdown: largest horizontal distance of a foot, at its first contact, from
-            where the plan lands it, m.
-        foot_error: largest horizontal distance of a foot from the plan's at the end, m.
+            where the plan lands it, m; foot_error: at the end.
         peak_tilt: largest after touchdown; of a body that turned over, from the planned attitude.
         second_flight_s: time without any foot in contact, from the true touchdown on.
         trunk_touched: whether anything but the feet touched the ground.
@@ -46,8 +42,7 @@ class Outcome:
         landing_strategy: the one that ran.
         recovered: whether it landed by the strict measure but for the feet's place, which pushes
             and replanning move.
-        replans: how often was planned anew, with or without success.
-        replan_median_s, replan_p95_s: the processor's time for that; None without any.
+        replans: how often was planned anew; replan_median_s, replan_p95_s: the processor's time.
     """
 
     status: str

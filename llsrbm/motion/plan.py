@@ -52,10 +52,8 @@ class Violation:
     """By how much one named constraint is violated, recomputed from the result.
 
     Attributes:
-        amount: largest violation, in `unit`; 0 when satisfied.
-        unit: SI unit of the amount.
-        phase: name of the schedule's phase in which it is largest.
-        time: when, s.
+        amount: largest violation, in `unit` (SI); 0 when satisfied.
+        phase, time: name of the schedule's phase in which it is largest, and when, s.
     """
 
     amount: float
@@ -66,18 +64,16 @@ class Violation:
 
 @dataclass(frozen=True)
 class SolveReport:
-    """Status, effort and times of a solve.
+    """Status, effort and wall times (s) of a solve.
 
     Attributes:
-        status: "solved" or "not-converged".
-        solver: name of the solver ("fatrop", "ipopt").
-        iterations: interior-point iterations of the attempt that is returned.
+        status: "solved" or "not-converged"; solver: "fatrop" or "ipopt".
+        iterations, guess: interior-point iterations of the attempt that is returned, and the origin
+            of its initial guess, in words.
         attempts: initial guesses tried, 1 when the analytic one was enough.
-        solve_time_s: wall time inside the solver, all attempts.
-        total_time_s: wall time from request to `Plan`, solver already built.
-        build_time_s: wall time to build or load the solver for this request, 0 when it was at hand.
+        solve_time_s: inside the solver, all attempts; total_time_s: from request to `Plan`, solver
+            already built; build_time_s: to build or load the solver, 0 when it was at hand.
         cost: value of the objective.
-        guess: origin of the initial guess of the attempt that is returned, in words.
     """
 
     status: str
@@ -98,14 +94,10 @@ class Plan:
     The meaning of each array stands beside it; see `llsrbm.files.quantity`.
 
     Attributes:
-        jump: the request.
         robot_parameters: the numbers of the robot that were used, as plain data.
-        report: solver status and times.
         violations: constraint name -> largest violation, recomputed with NumPy.
-        schedule: the phases and which feet stand in them.
         tuning: weights and limits that were requested in place of the robot's.
         solution: of the solver, for plans that start from this one; None of a plan that failed.
-        obstacle: to jump over, if any.
 
     Velocities and torques of the joints are None in a plan that failed so badly that its motion has
     none.
@@ -392,9 +384,5 @@ def sliding_joints(robot_parameters: dict[str, Any]) -> frozenset[str]:
 
 
 def load_plan(path: str | Path) -> Plan:
-    """Read a plan's file; `llsrbm.load` reads rollouts as well.
-
-    Raises:
-        FileFormatError: unreadable, damaged, of another schema, or not a plan.
-    """
+    """Read a plan's file (`llsrbm.load` reads rollouts as well); raises `FileFormatError`."""
     return Plan.from_arrays(read_archive(path), path)

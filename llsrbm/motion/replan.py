@@ -22,11 +22,11 @@ DEADLINE = 0.02
 
 @dataclass(frozen=True, eq=False)
 class Replan:
-    """One answer of the replanner: K knots, L legs; world frame.
+    """One answer of the replanner: K knots, L legs; world frame. No knots where nothing was found.
 
     Attributes:
-        measured: s since the first plan's start, when the state was measured.
-        applied: s, when the controller took it over; nan: it came too late, or not at all.
+        measured, applied: s since the first plan's start, when the state was measured and when the
+            controller took it over; nan: it came too late, or not at all.
         computing_time: s of the processor's time.
         solved: whether a motion was found that satisfies every constraint.
         iterations: of the solver.
@@ -34,8 +34,6 @@ class Replan:
         time: (K,) s since the first plan's start.
         com: (K, 3) m; base_quat: (K, 4) w, x, y, z.
         foot_position: (K, L, 3) m; foot_quat: (K, L, 4) w, x, y, z.
-
-    Arrays have no knots where nothing was found.
     """
 
     measured: float
@@ -105,23 +103,13 @@ def replan_arrays(replans: Sequence[Replan]) -> Arrays:
 
 
 def _number(replan: Replan, key: str) -> float:
-    """The value of one of `_EACH`."""
     if key == "knots":
         return len(replan.time)
     return float(getattr(replan, "measured" if key == "asked" else key))
 
 
 def replans_from_arrays(arrays: Arrays, legs: int, path: str | Path) -> tuple[Replan, ...]:
-    """The replans in a rollout's archive.
-
-    Args:
-        arrays: the archive's.
-        legs: of the rollout.
-        path: for messages.
-
-    Raises:
-        FileFormatError: a key is missing or holds something else.
-    """
+    """The replans in a rollout's archive, of `legs` feet; raises `FileFormatError` naming `path`."""
     own = part_of(arrays, _PREFIX)
     if not own:
         return ()

@@ -66,9 +66,9 @@ class Disturbance:
         friction: coefficient between feet and ground.
         contact_time: MuJoCo's time constant of a contact, s.
         torque_delay_ticks: control ticks by which torques arrive late.
-        base_velocity_noise: standard deviation of the measured base velocity, m/s and rad/s.
-        joint_velocity_noise: standard deviation of the measured joint velocities, rad/s.
-        random_push: the push that was drawn, if one was asked for.
+        base_velocity_noise, joint_velocity_noise: standard deviations of what is measured, m/s and
+            rad/s.
+        random_push: the push that was drawn, if any.
     """
 
     trunk_mass_factor: float = 1.0
@@ -94,11 +94,9 @@ class Rollout:
     `llsrbm.files.quantity`.
 
     Attributes:
-        jump: the plan's request.
         robot_parameters: the numbers of the robot that was simulated, as plain data.
-        scenario, disturbance: what was asked, and what was drawn for it.
-        outcome: how it ended.
-        plan: that was followed.
+        scenario, disturbance: the conditions, and what was drawn for them.
+        plan: that was followed, the request in it as well.
         control_parameters: the controller's numbers that ran, as plain data: the robot file's
             [control] and [uncertainty] with their defaults.
         replans: in the order in which they were requested.

@@ -37,9 +37,8 @@ _Trajectory = TypeVar("_Trajectory", bound=Plan | Rollout)
 def events(trajectory: Plan | Rollout) -> Array:
     """First and last instant, and those between at which something changes at once, s.
 
-    Of a plan the edges of its phases, at which feet leave the ground or meet it; of a rollout the
-    ticks at which the controller changes phase or mode, and those in which a foot leaves the ground
-    or meets it.
+    Of a plan the edges of its phases; of a rollout the ticks at which the controller changes phase
+    or mode, and those in which a foot leaves the ground or meets it.
     """
     if isinstance(trajectory, Plan):
         return trajectory.phase_start
@@ -68,10 +67,7 @@ def with_events(trajectory: Plan | Rollout, fps: float) -> Array:
 def evenly(trajectory: Plan | Rollout, fps: float, pad: float = 0.0) -> Array:
     """Instants exactly 1/fps apart that hold the whole motion, s of the motion's own time.
 
-    Args:
-        trajectory: what is sampled.
-        fps: instants/s.
-        pad: s of standing still before the motion and after it, rounded up to whole frames.
+    `pad`: s of standing still before and after, rounded up to whole frames.
 
     Raises:
         InputError: `fps` is not a positive number up to 10000, or `pad` not one from 0 to 60 s.
@@ -95,8 +91,8 @@ def check_rate(fps: float) -> None:
 def foothold_knots(plan: Plan) -> NDArray[np.int64]:
     """(K + 1, L) knots at which `foot_position` and `contact_point` hold the footholds of places.
 
-    Place 0 is read where the plan starts, the others where their feet have stood longest, which is
-    where the plan ends for the last. -1 where a foot never stands in a place.
+    Place 0 is read where the plan starts, the others where their feet have stood longest. -1 where
+    a foot never stands in a place.
     """
     schedule = plan.schedule
     ends = np.searchsorted(plan.time, plan.phase_start[1:] - 1e-9)
@@ -111,8 +107,7 @@ def resample(trajectory: _Trajectory, times: Any) -> _Trajectory:
     """The trajectory with instants `times` (K,) s, in any order, in place of its knots or ticks.
 
     Before its start and after its end it stands still. At an instant where the phase changes, the
-    phase that begins there counts. Forces and torques are those of the interval, or of the tick,
-    that holds the instant. Velocities of the joints are always there afterwards.
+    phase that begins there counts. Velocities of the joints are always there afterwards.
 
     Raises:
         InputError: a time is not finite.
@@ -175,7 +170,6 @@ class _Instants:
 
     @staticmethod
     def of(knots: Array, times: Array) -> _Instants:
-        """Where `times` (K,) s are among `knots` (N,) s."""
         inside = np.clip(times, knots[0], knots[-1])
         at = np.searchsorted(knots, inside + _SAME_INSTANT, side="right") - 1
         left = np.minimum(at, len(knots) - 2)
@@ -191,18 +185,15 @@ class _Instants:
         return product
 
     def linear(self, values: Array) -> Array:
-        """Straight from knot to knot."""
         a, b = values[self.left], values[self.left + 1]
         return a + self.weighted(self.share, b - a)
 
     def turning(self, quat: Array) -> Array:
-        """Slerp of attitudes (N, ..., 4)."""
         quat = sign_continuous(quat)
         share = self.share.reshape(-1, *[1] * (quat.ndim - 2))
         return slerp(quat[self.left], quat[self.left + 1], share)
 
     def pose(self, qpos: Array) -> Array:
-        """MuJoCo's coordinates (N, 7 + J)."""
         mixed = self.linear(qpos)
         mixed[:, 3:7] = self.turning(qpos[:, 3:7])
         return mixed
@@ -325,6 +316,5 @@ class _BetweenKnots:
 
 
 def _moment(points: Array, com: Array, forces: Array) -> Array:
-    """Of contact forces about the CoM, (K, 3) Nm."""
     total: Array = np.cross(points - com[:, None], forces).sum(axis=1)
     return total

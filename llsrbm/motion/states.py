@@ -33,11 +33,9 @@ def motion_of_states(
     Which feet stand follows from how they move: see `standing`.
 
     Args:
-        robot: that moves.
-        origin: the format of the file.
-        time: (K,) s from 0 on.
+        robot, origin: that moves, and the format of the file.
+        time: (K,) s from 0 on; fps: of evenly spaced instants.
         qpos, qvel: (K, 7 + J), (K, 6 + J) in MuJoCo's convention, joints in the robot's order.
-        fps: of evenly spaced instants.
     """
     qpos = np.hstack([qpos[:, :3], sign_continuous(qpos[:, 3:7]), qpos[:, 7:]])
     model, data = robot.model, robot.model.createData()
@@ -90,14 +88,10 @@ def _feet(robot: Robot, data: pin.Data) -> tuple[Array, Array]:
 
 
 def velocities(time: Array, qpos: Array) -> Array:
-    """(K, 6 + J) of states (K, 7 + J), both in MuJoCo's convention, K of 2 or more.
+    """(K, 6 + J) of states (K, 7 + J) at times (K,) s, both in MuJoCo's convention, K of 2 or more.
 
     Differences over the two intervals around an instant, exact for constant accelerations however
     long the intervals are. What changes at once, at an impact, is smeared over these two.
-
-    Args:
-        time: (K,) s, increasing.
-        qpos: position, unit quaternion w, x, y, z of either sign, joints.
     """
     dt = np.diff(time)[:, None]
     attitude = Rotation.from_quat(qpos[:, 3:7], scalar_first=True)
@@ -112,16 +106,11 @@ def velocities(time: Array, qpos: Array) -> Array:
 
 
 def standing(time: Array, speed: Array, height: Array) -> NDArray[np.bool_]:
-    """(K, L) whether feet stand, from their motion alone.
+    """(K, L) whether feet stand, from their contact points' speed (K, L) m/s and height (K, L) m.
 
     A foot that hardly moves for a tenth of a second stands, wherever: on the ground or on a box.
     That gives the heights at which it stands. It also stands at instants at which it is as high as
     at the nearest of those times and not fast.
-
-    Args:
-        time: (K,) s.
-        speed: (K, L) m/s of the feet's contact points.
-        height: (K, L) m of them.
     """
     stands = np.zeros(speed.shape, dtype=np.bool_)
     for foot in range(speed.shape[1]):
@@ -140,6 +129,5 @@ def standing(time: Array, speed: Array, height: Array) -> NDArray[np.bool_]:
 
 
 def _runs(flags: NDArray[np.bool_]) -> list[tuple[int, int]]:
-    """First and last index of each stretch of true ones."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], flags, [False]]).astype(np.int8)))
     return [(int(first), int(end) - 1) for first, end in edges.reshape(-1, 2)]

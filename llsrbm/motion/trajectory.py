@@ -31,11 +31,7 @@ def load(path: str | Path, *, largest: int = LARGEST) -> Trajectory:
     """Read a native file (`Plan.save`, `Rollout.save`).
 
     A stranger's file may be opened: nothing in it is run, no other file is read that it names, and
-    the memory that it may take is limited.
-
-    Args:
-        path: of the file.
-        largest: bytes, of the file and of its arrays together.
+    it and its arrays may have at most `largest` bytes.
 
     Raises:
         FileFormatError: unreadable, damaged, or of no schema this version knows.

@@ -28,22 +28,19 @@ class WholeBodyMotion:
     """A robot's motion at K instants: L legs, J joints in `Robot.joint_names`' order; world frame.
 
     Attributes:
-        robot: that moves.
         origin: what it was made from: "plan", "rollout", or the name of a file's format.
-        time: (K,) s from 0 on.
-        fps: instants/s of evenly spaced ones; None where events have instants of their own.
+        time: (K,) s from 0 on; fps: None where events have instants of their own.
         base_position: (K, 3) m, base_quat: (K, 4) w, x, y, z without jumps of sign: root link.
-        base_velocity: (K, 3) m/s of the root link's origin; angular_velocity: (K, 3) rad/s of it;
-            both in world axes.
+        base_velocity: (K, 3) m/s of the root link's origin; angular_velocity: (K, 3) rad/s of it.
         joint_position, joint_velocity: (K, J) rad or m, and per s.
         com: (K, 3) m; linear_momentum, angular_momentum: (K, 3) kg m/s, kg m2/s about the CoM.
         inertia: (K, 3, 3) kg m2 about the CoM: the model's of a plan, otherwise the whole body's.
         foot_position: (K, L, 3) m: contact point of a point foot, middle of a sole.
         contact: (K, L) whether a foot stands.
-        foot_force: (K, L, 3) N, the sum over a foot; None where nothing tells.
-        pressed_at: (K, L, 3) m: where it acts, a sole's centre of pressure if that is known.
-        joint_torque, joint_torque_limit: (K, J) Nm or N; None where nothing tells.
-        phase: (K,) index into the schedule's phases; None where nothing tells.
+        foot_force: (K, L, 3) N, the sum over a foot; pressed_at: (K, L, 3) m: where it acts, a
+            sole's centre of pressure if that is known.
+        joint_torque, joint_torque_limit: (K, J) Nm or N.
+        phase: (K,) index into the schedule's phases.
     """
 
     robot: Robot
@@ -84,13 +81,9 @@ class WholeBodyMotion:
 def whole_body_motion(
     trajectory: Plan | Rollout, fps: float, pad: float = 0.0, *, events: bool = False
 ) -> WholeBodyMotion:
-    """Sample a plan or a rollout, evenly.
+    """Sample a plan or a rollout evenly, with `pad` s of standing still before and after.
 
-    Args:
-        trajectory: to sample.
-        fps: instants/s.
-        pad: s of standing still before and after.
-        events: have the instants at which contacts change as well; nothing is padded then.
+    `events`: have the instants at which contacts change as well; nothing is padded then.
 
     Raises:
         InputError: a rate or a pad that makes no sense, or a robot that has other joints by now.
@@ -212,12 +205,9 @@ def pinocchio_states(qpos: Array, qvel: Array) -> tuple[Array, Array]:
 
 
 def resultants(points: Array, forces: Array, feet: int) -> tuple[Array, Array]:
-    """Forces on feet, (K, L, 3) N, and where they act, (K, L, 3) m: the centres of pressure.
+    """Forces on L feet, (K, L, 3) N, and the centres of pressure, (K, L, 3) m.
 
-    Args:
-        points: (K, C, 3) m, feet x contacts of a foot.
-        forces: (K, C, 3) N, at the points.
-        feet: L.
+    Of forces (K, C, 3) N at points (K, C, 3) m, feet x contacts of a foot.
     """
     points, forces = (values.reshape(len(values), feet, -1, 3) for values in (points, forces))
     total = forces.sum(axis=2)

@@ -61,7 +61,6 @@ def _urdfs(robot: Robot) -> tuple[Path, Path]:
 
 
 def _stamp(*paths: Path) -> _Stamp:
-    """A mark that changes with a file: time of change, size and inode of each; zeros for none."""
     return tuple(_state(path) for path in paths)
 
 

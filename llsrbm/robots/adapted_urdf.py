@@ -41,8 +41,8 @@ def adapted_urdf(
     """The URDF to read, and where its `package://` names are looked up.
 
     Args:
-        urdf: as it is; package_dirs: where its `package://` names are looked up.
-        source: what is held and added; without either the arguments come back.
+        urdf, package_dirs: as they are; without changes in `source` they come back.
+        source: what is held and added.
         feet: leg -> frame of its foot; joints that move one cannot be held.
         path: of the robot file, for messages.
 
@@ -151,7 +151,6 @@ def _check_no_foot_is_held(
 
 
 def _keep_meshes_findable(robot: ET.Element) -> None:
-    """Names relative to the URDF become names relative to one of its folders of packages."""
     for tag in ("mesh", "texture"):
         for part in robot.iter(tag):
             name = part.attrib.get("filename", "")
@@ -160,7 +159,6 @@ def _keep_meshes_findable(robot: ET.Element) -> None:
 
 
 def _movable(robot: ET.Element) -> dict[str, ET.Element]:
-    """Joints of one angle or length, by name."""
     return {
         joint.attrib.get("name", ""): joint
         for joint in robot.findall("joint")
@@ -169,7 +167,6 @@ def _movable(robot: ET.Element) -> dict[str, ET.Element]:
 
 
 def _link(joint: ET.Element, end: str) -> str:
-    """Name of a joint's parent or child."""
     part = joint.find(end)
     return "" if part is None else part.attrib.get("link", "")
 

@@ -9,10 +9,8 @@ class Gains(Table):
     """Feedback of the whole-body controller's tasks: (stiffness 1/s2, damping 1/s).
 
     Attributes:
-        com: of the CoM.
-        orientation: of the base's attitude.
-        swing: of feet in the air.
-        posture: of the joints, where no other task wants them.
+        com, orientation, swing, posture: of the CoM, of the base's attitude, of feet in the air, of
+            the joints where no other task wants them.
         angular_momentum: decay of its error, 1/s.
         standing: damping of feet on the ground, 1/s: brings feet back that bounce.
     """

@@ -20,13 +20,10 @@ _ZERO = np.zeros(())  # an array: a float takes NumPy longer to look at than to 
 
 
 def torque_range(robot: Robot, speed: Array) -> tuple[Array, Array]:
-    """Lowest and highest torque, (..., J) each, Nm or N.
+    """Lowest and highest torque, (..., J) each, Nm or N, at speeds (..., J) rad/s or m/s.
 
     Driving torque falls in a straight line to zero at the speed limit; braking torque does not.
-
-    Args:
-        robot: whose file states the limits.
-        speed: (..., J) rad/s or m/s, in the order of `Robot.joint_names`.
+    Joints are in the order of `Robot.joint_names`.
     """
     torque, at_rest, slope = _lines(robot)
     drop = slope * speed
@@ -38,13 +35,9 @@ def torque_range(robot: Robot, speed: Array) -> tuple[Array, Array]:
 
 
 def torque_in_direction(robot: Robot, speed: Array, torque: Array) -> Array:
-    """Largest torque at a speed in the direction of `torque`, (..., J) Nm or N.
+    """Largest torque (..., J) Nm or N at a speed in the direction, the sign, of `torque` (..., J).
 
     Called in every step of a simulation.
-
-    Args:
-        robot, speed: as in `torque_range`.
-        torque: (..., J); only its sign counts.
     """
     limit, at_rest, slope = _lines(robot)
     falling = at_rest - np.copysign(slope, torque) * speed
@@ -54,12 +47,7 @@ def torque_in_direction(robot: Robot, speed: Array, torque: Array) -> Array:
 
 @lru_cache(maxsize=32)
 def with_drives(robot: Robot, torque: float = 1.0, speed: float = 1.0) -> Robot:
-    """The robot with stronger or faster drives, or weaker ones; the same object each time.
-
-    Args:
-        robot: whose drives.
-        torque, speed: times what its file, or its URDF, says.
-    """
+    """The robot with `torque` and `speed` times its drives' limits; the same object each time."""
     if torque == 1.0 and speed == 1.0:
         return robot
     index = robot.leg_joint_index[0]

@@ -22,12 +22,10 @@ _LEVEL = 0.01  # rad by which soles may lean: joint angles in a file are rounded
 
 @dataclass(frozen=True, eq=False)
 class FootContact:
-    """A foot's spheres, all alike: c contact points.
+    """A foot's spheres, all alike, of a radius (m) at c contact points.
 
-    Attributes:
-        centres: (c, 3) m, in the frame that the robot file names as the leg's foot, in the order of
-            the file's corners.
-        radius: m.
+    `centres`: (c, 3) m, in the frame that the robot file names as the leg's foot, in the order of
+    the file's corners.
     """
 
     centres: Array
@@ -49,11 +47,7 @@ def foot_contacts(robot: Robot) -> tuple[FootContact, ...]:
 
 
 def collision_shapes(robot: Robot) -> list[pin.GeometryObject]:
-    """The URDF's collision geometry, placed in the frames of `robot.model`'s joints.
-
-    Raises:
-        RobotFileError: it cannot be read, for instance for a mesh that is missing.
-    """
+    """The URDF's collision geometry, placed in the frames of `robot.model`'s joints."""
     return collision_geometry(robot.model, robot.urdf_path, robot.package_dirs, robot.path)
 
 
@@ -82,11 +76,7 @@ def _foot_contact(robot: Robot, leg: Leg, shapes: list[pin.GeometryObject]) -> F
 
 
 def check_soles(robot: Robot) -> None:
-    """The default posture stands on its soles.
-
-    Raises:
-        RobotFileError: a sole leans, or the robot would tip over.
-    """
+    """Raise `RobotFileError` unless the default posture stands on its soles, level and balanced."""
     rotation = robot.foot_rotation
     for leg, upward in zip(robot.legs, rotation[..., 2], strict=True):
         lean = np.arctan2(np.hypot(upward[0], upward[1]), upward[2])

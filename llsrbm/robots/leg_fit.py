@@ -54,11 +54,7 @@ def fit_legs(
 ) -> LegFit:
     """Fit the leg maps to about `samples` postures of the robot's legs within its reach.
 
-    Args:
-        robot: what to fit.
-        samples: foot positions, shared among the legs.
-        seed: of their random choice.
-        progress: called with the fraction done, 0 to 1.
+    `samples` foot positions are shared among the legs; `progress` gets the fraction done, 0 to 1.
 
     Raises:
         RobotFileError: too few places in the reach box can be reached by the legs.

@@ -32,18 +32,16 @@ class LegFit:
     """Mass properties and leg maps of a robot with L legs; SI units.
 
     Attributes:
-        total_mass: kg; leg_mass: kg, mean over the legs; trunk_mass: kg, what is not leg.
-        trunk_com: (3,) m, base frame.
-        trunk_inertia: (3, 3) kg m2 about the trunk's CoM, base axes.
-        hips: (L, 3) m, base frame.
-        mirrors: (L, 3) of +1 or -1, the diagonals of M.
+        total_mass, leg_mass, trunk_mass: kg: all, mean over the legs, what is not leg.
+        trunk_com: (3,) m, base frame; trunk_inertia: (3, 3) kg m2 about it, base axes.
+        hips: (L, 3) m, base frame; mirrors: (L, 3) of +1 or -1, the diagonals of M.
         com_affine: (1 + d, 3): [1, x] -> c, m.
         com_quadratic: (10 or 15, 3): [1, x, squares, products] -> c, m.
         inertia_map: (f, 9): features -> I_c row by row, kg m2, symmetric; the features are affine,
             f = 1 + d, or quadratic.
         spin_map: (f, 3 d): features -> S row by row, kg m, a yaw's column kg m2.
-        proportional_mass: kg: the paper's point mass, the links from the hip joint outwards.
-        proportional_fraction: where the paper's rule puts it, as a fraction of foot -> hip.
+        proportional_mass, proportional_fraction: kg: the paper's point mass, the links from the hip
+            joint outwards; and where its rule puts it, as a fraction of foot -> hip.
         residuals: RMS error of each map over the samples, by the map's name, in its unit; names
             ending in "_slope" are the error of a map's derivative.
     """

@@ -166,16 +166,10 @@ class LegChains:
 def read_postures(
     model: pin.Model, q: Array, read: Callable[[pin.Data], Sequence[Array | Callable[[], Array]]]
 ) -> list[Array]:
-    """Arrays of Pinocchio's data in each of K postures: kinematics, `ccrba` and frames.
+    """Arrays (K, ...) of Pinocchio's data in K postures q (K, nq): kinematics, `ccrba`, frames.
 
-    Args:
-        model: of the robot.
-        q: (K, nq).
-        read: the wanted arrays of a data object, of shapes (...). They are views of its memory, so
-            that reading one costs a copy and no more; or functions where there is no view.
-
-    Returns:
-        (K, ...) each.
+    `read` gives the wanted arrays of a data object: views of its memory, so that reading one costs
+    a copy and no more; or functions where there is no view.
     """
     data, rest = model.createData(), np.zeros(model.nv)
     views = read(data)
@@ -199,8 +193,7 @@ def foot_task(
 
     Args:
         motion: the legs, with rotations where they matter.
-        foot: (..., L, 3) m.
-        foot_rotation: (..., L, 3, 3) R_base_foot, where it matters.
+        foot: (..., L, 3) m; foot_rotation: (..., L, 3, 3) R_base_foot, where it matters.
 
     Returns:
         error (..., L, r) m, rotations by TURN_ARM below; its Jacobian (..., L, r, n), sign changed.
@@ -228,13 +221,7 @@ def solve_legs(
     """Inverse kinematics of each leg alone: feet at `foot` (..., L, 3) m, base frame.
 
     Starts at q (..., L, n) and moves each foot along a straight line, so that a leg stays on the
-    side of its singularities on which it started.
-
-    Args:
-        chains, foot, q: see above.
-        foot_rotation: (..., L, 3, 3) R_base_foot, where it matters.
-        tolerance: m, when to stop.
-        iterations: when to give up.
+    side of its singularities on which it started. `foot_rotation`: as in `foot_task`.
 
     Returns:
         q (..., L, n) and the remaining error (..., L) m (a rotation's times TURN_ARM).

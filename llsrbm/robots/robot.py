@@ -31,7 +31,6 @@ class Leg:
     """One leg, base outwards: n joints.
 
     Attributes:
-        name: as in the robot file.
         foot_frame, foot_frame_id: the contact point's frame, and its index in `Robot.model`.
         joints, joint_ids: names of the joints, and their indices in `Robot.model`.
         q_index, v_index: (n,) where they stand in Pinocchio's q and v.
@@ -64,14 +63,10 @@ class Robot:
         package_dirs: where `package://` names in it are looked up.
         model: Pinocchio model with a free flyer at the root link. Do not change it.
         chains: the legs' kinematics, the base at rest.
-        legs: in the order of the file.
         joint_names: (J,) Pinocchio's order, without the root.
         posture: (nq,) default posture, Pinocchio's convention (quaternion x, y, z, w).
-        mass: kg.
-        com: (3,) m, world frame, default posture; also inertia, feet, base_position.
-        inertia: (3, 3) kg m2 about the CoM.
-        feet: (L, 3) m.
-        base_position: (3,) m: origin of the root link.
+        mass, com, inertia: kg, (3,) m, (3, 3) kg m2 about the CoM; world frame, default posture.
+        feet: (L, 3) m; base_position: (3,) m: origin of the root link.
         load_fit: fits the leg maps, or takes them from the cache.
         turns_over: whether it is as the file's [turning] has it.
     """

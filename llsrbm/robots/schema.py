@@ -29,11 +29,9 @@ from llsrbm.robots.urdf_table import UrdfSource
 
 
 class LegFrames(Table):
-    """Names, in the URDF, that make a leg.
+    """Names in the URDF: the frame of a leg's contact point; the joint about which it swings.
 
-    Attributes:
-        foot: frame of the contact point.
-        hip: joint about which the leg swings; reach is measured from its origin.
+    Reach is measured from the hip's origin.
     """
 
     foot: str
@@ -46,8 +44,8 @@ class Foot(Table):
     Attributes:
         corners: x forward, y left of the contact points in the frame of the foot, m: one for a
             point foot, four for a sole. In the world the sole is level.
-        yaw: how far a foot may turn against the base, rad, outwards positive; not for points.
-        turn_speed: the largest speed of that turn, rad/s; not for points.
+        yaw: how far a foot may turn against the base, rad, outwards positive; turn_speed: its
+            largest speed, rad/s; not for points.
         radius: of the sphere that is simulated at each corner, m; where the URDF has spheres
             there, theirs count.
     """
@@ -67,8 +65,7 @@ class Reach(Table):
     """Where a foot may be, in the leg's mirrored hip frame, m.
 
     Attributes:
-        distance: shortest and longest distance from hip to foot.
-        lower, upper: corners of the box.
+        distance: shortest and longest from hip to foot; lower, upper: corners of the box.
         standing: lowest height of the hips above standing feet, a share of that in the default
             posture: the trunk must clear the ground also when a landing goes deeper than planned.
         about_standing: share of the samples for the leg maps that lie about the standing feet,
@@ -123,12 +120,8 @@ class Timing(Table):
 
 
 class Task(Table):
-    """Range of requests of the robot: lowest and highest value of each part of a request.
-
-    Attributes:
-        twist: rad, positive to the left.
-        forward, lateral: m.
-        height: of the landing surface above the ground at the start, m.
+    """Range of requests: twist (rad, positive to the left), displacement (m), landing height (m)
+    above the ground at the start.
     """
 
     twist: Interval
@@ -145,7 +138,6 @@ class Turning(Table):
     Attributes:
         axes: of the body, about which such jumps have been found: pitch of flips, roll of barrel
             rolls. Requests about another one are refused, and the page offers none.
-        reach, timing: in place of the robot's.
         torque_share, speed_share: shares of the drives, in place of those of `Limits`.
     """
 
@@ -157,12 +149,7 @@ class Turning(Table):
 
 
 class Example(Table):
-    """The jump that a page shows first: one that shows the robot well, within `Task`.
-
-    Attributes:
-        twist: rad, positive to the left.
-        forward, lateral, height: m.
-    """
+    """The jump that a page shows first: one that shows the robot well, within `Task`."""
 
     twist: float = 0.0
     forward: float = 0.0
@@ -185,13 +172,10 @@ class RobotFile(Table):
     """A robot file's content.
 
     Attributes:
-        name: short name, lower case.
-        title: name to show.
-        urdf: where its URDF is.
+        name: short name, lower case; title: name to show.
         legs: leg name -> frames, in the order used everywhere.
         posture: leg name -> joint angles of the default posture, rad, from the base outwards.
-        foot, reach, limits, timing, task, example, control, uncertainty: see there.
-        turning: likewise; a robot without it does no flips.
+        turning: a robot without it does no flips.
         planning: cost name -> weight, where this robot wants another one than
             `llsrbm.planning.problem.costs` has.
     """

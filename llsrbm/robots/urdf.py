@@ -15,11 +15,7 @@ BASE_JOINT = 1  # Pinocchio's index of the free flyer; 0 is the universe.
 
 
 def find_urdf(file: RobotFile, path: Path) -> tuple[Path, tuple[Path, ...]]:
-    """The URDF a robot file names, and where its `package://` names are looked up.
-
-    Raises:
-        RobotFileError: it is not there.
-    """
+    """The URDF a robot file names, and where its `package://` names are looked up."""
     source = file.urdf
     if source.file is not None:
         urdf = path.parent / source.file
@@ -39,11 +35,7 @@ def find_urdf(file: RobotFile, path: Path) -> tuple[Path, tuple[Path, ...]]:
 
 
 def package_share(package: str, robot_file: Path) -> Path:
-    """The folder `share` of an installed package of robot data; `robots` lies in `share/<package>`.
-
-    Raises:
-        RobotFileError: the package is not installed.
-    """
+    """The folder `share` of an installed package of robot data; robots are in `share/<package>`."""
     roots = [Path(entry) for entry in sys.path if entry]
     roots = [*(root / "cmeel.prefix" for root in roots), Path(sys.prefix)]
     for root in roots:
@@ -56,11 +48,7 @@ def package_share(package: str, robot_file: Path) -> Path:
 
 
 def load_model(urdf_path: Path, path: Path) -> pin.Model:
-    """Pinocchio's model of a URDF, on a free flyer.
-
-    Raises:
-        RobotFileError: it is not a URDF, or not of a robot with legs.
-    """
+    """Pinocchio's model of a URDF, on a free flyer."""
     try:
         model = pin.buildModelFromUrdf(str(urdf_path), pin.JointModelFreeFlyer())
     except (ValueError, RuntimeError) as error:
@@ -82,11 +70,7 @@ def frame_id(model: pin.Model, name: str) -> int:
 
 
 def joint_chain(model: pin.Model, file: RobotFile, path: Path, leg: str) -> list[int]:
-    """Joint indices of a leg, from the base outwards.
-
-    Raises:
-        RobotFileError: a frame or joint of the file is not in the URDF, or does not fit the leg.
-    """
+    """Joint indices of a leg, base outwards; raises `RobotFileError` where the file does not fit."""
     spec = file.legs[leg]
     if not any(frame.name == spec.foot for frame in model.frames):
         # The first two are the world and the free flyer, which Pinocchio adds to the URDF.
@@ -136,11 +120,7 @@ def joint_chain(model: pin.Model, file: RobotFile, path: Path, leg: str) -> list
 def check_joints(
     model: pin.Model, file: RobotFile, path: Path, chains: dict[str, list[int]]
 ) -> None:
-    """Every joint belongs to exactly one leg, and all legs are built alike.
-
-    Raises:
-        RobotFileError: it is not so.
-    """
+    """Raise `RobotFileError` unless every joint belongs to one leg and all legs are alike."""
     owner: dict[int, str] = {}
     for leg, chain in chains.items():
         for joint in chain:
@@ -173,11 +153,7 @@ def check_joints(
 def collision_geometry(
     model: pin.Model, urdf_path: Path, package_dirs: tuple[Path, ...], path: Path
 ) -> list[pin.GeometryObject]:
-    """A URDF's collision geometry, placed in the frames of the model's joints.
-
-    Raises:
-        RobotFileError: it cannot be read, for instance for a mesh that is missing.
-    """
+    """A URDF's collision geometry, placed in the frames of the model's joints."""
     try:
         geometry = pin.buildGeomFromUrdf(
             model,

@@ -14,8 +14,7 @@ class AddedFrame(Table):
 
     Attributes:
         link: of the URDF, which carries it.
-        xyz: its origin in that link's frame, m.
-        rpy: its roll, pitch and yaw against that link, rad, as in a URDF.
+        xyz, rpy: its origin, m, and its roll, pitch and yaw, rad, in that link's frame.
     """
 
     link: str
@@ -26,11 +25,9 @@ class AddedFrame(Table):
 class UrdfSource(Table):
     """Where the URDF is, and what is changed in it before anything reads it.
 
-    It lies in an installed package's data, or beside the robot file.
-
     Attributes:
-        package: name of the package, for example "example-robot-data".
-        path: the URDF inside that package's robots folder.
+        package, path: name of the package, for example "example-robot-data", and the URDF inside
+            its robots folder.
         file: the URDF relative to the robot file; instead of the other two.
         held: joint name -> angle, rad (sliding: m), at which the joint is fixed: arms, a waist, a
             neck. What it carries becomes part of the body that it hangs on.

@@ -69,11 +69,7 @@ class Anatomy:
 
 
 def read_anatomy(urdf: Path, package_dirs: tuple[Path, ...]) -> Anatomy:
-    """Find the legs of a URDF.
-
-    Args:
-        urdf: the file.
-        package_dirs: where its `package://` names are looked up.
+    """Find the legs of a URDF, whose `package://` names are looked up in `package_dirs`.
 
     Raises:
         RobotFileError: it is no URDF, or none of a robot with legs of their own joints.
@@ -134,7 +130,6 @@ def _adapted(
 
 
 def _at_zero(model: pin.Model) -> pin.Data:
-    """Where joints and frames are when all joints are at zero."""
     data = model.createData()
     pin.framesForwardKinematics(model, data, pin.neutral(model))
     return data

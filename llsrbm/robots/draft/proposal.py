@@ -38,23 +38,14 @@ _MIRRORED = 1e-3  # m by which places of masses tell a mirrored leg from one lik
 
 @dataclass(frozen=True, eq=False)
 class Proposal:
-    """Content of a robot file, rounded, and its keys that are guesses.
-
-    Attributes:
-        values: key, with dots -> value.
-        guessed: key -> what the guess was made from.
-    """
+    """Content of a robot file, rounded: key, with dots -> value; guesses: key -> made from what."""
 
     values: dict[str, Any]
     guessed: dict[str, str]
 
 
 def propose(anatomy: Anatomy) -> Proposal:
-    """Posture, reach, limits, timing, range and gains of a robot.
-
-    Raises:
-        RobotFileError: no posture stands.
-    """
+    """Posture, reach, limits, timing, range and gains of a robot; `RobotFileError`: none stands."""
     shortest, length = _distances(anatomy)
     near, standing, far = _NEAREST * length, _STANDING * length, _FARTHEST * length
     basis = f"{length:.3f} m of leg"

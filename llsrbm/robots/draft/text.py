@@ -23,12 +23,7 @@ _COMMENTS = {
 
 
 def robot_file_text(name: str, urdf: dict[str, str], anatomy: Anatomy, proposal: Proposal) -> str:
-    """A robot file.
-
-    Args:
-        name: of the robot, short; urdf: its table [urdf].
-        anatomy: of the URDF; proposal: for it.
-    """
+    """A robot file of that short name, table [urdf] and proposal."""
     title = name.replace("_", " ").replace("-", " ").title()
     lines = [
         f"# {title}, {anatomy.mass:.4g} kg. Written by `llsrbm robot new` from the URDF alone:",
