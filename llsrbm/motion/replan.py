@@ -109,7 +109,7 @@ def _number(replan: Replan, key: str) -> float:
 
 
 def replans_from_arrays(arrays: Arrays, legs: int, path: str | Path) -> tuple[Replan, ...]:
-    """The replans in a rollout's archive, of `legs` feet; raises `FileFormatError` naming `path`."""
+    """The replans of `legs` feet in a rollout's archive; raises `FileFormatError` naming `path`."""
     own = part_of(arrays, _PREFIX)
     if not own:
         return ()

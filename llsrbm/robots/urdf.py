@@ -70,7 +70,7 @@ def frame_id(model: pin.Model, name: str) -> int:
 
 
 def joint_chain(model: pin.Model, file: RobotFile, path: Path, leg: str) -> list[int]:
-    """Joint indices of a leg, base outwards; raises `RobotFileError` where the file does not fit."""
+    """Joint indices of a leg, base outwards; `RobotFileError` where the file does not fit."""
     spec = file.legs[leg]
     if not any(frame.name == spec.foot for frame in model.frames):
         # The first two are the world and the free flyer, which Pinocchio adds to the URDF.
