@@ -33,7 +33,6 @@ def picture(monkeypatch):
         write=write,
         conventions="None.",
         options=("size", "camera"),
-        holds=("plan",),
     )
     monkeypatch.setitem(FORMATS, "picture", format_)
     return asked
