@@ -8,14 +8,18 @@ entries used last are kept; a kind is of one robot, if entries are of robots.
 from __future__ import annotations
 
 import hashlib
+import io
 import logging
 import os
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import platformdirs
+from numpy.typing import NDArray
 
 ENVIRONMENT_VARIABLE = "LLSRBM_CACHE"
 
@@ -104,6 +108,22 @@ def write_checked(path: Path, data: bytes) -> None:
         _log.warning("cache entry %s cannot be written (%s); it is not kept", path, error)
     else:
         forget_old(path)
+
+
+def read_arrays(path: Path) -> dict[str, NDArray[Any]] | None:
+    """Arrays written by `write_arrays`, or None as of `read_checked`."""
+    data = read_checked(path)
+    if data is None:
+        return None
+    with np.load(io.BytesIO(data), allow_pickle=False) as stored:
+        return dict(stored)
+
+
+def write_arrays(path: Path, arrays: Mapping[str, Any]) -> None:
+    """Store arrays as `write_checked` does."""
+    buffer = io.BytesIO()
+    np.savez(buffer, **arrays)
+    write_checked(path, buffer.getvalue())
 
 
 def forget_old(path: Path) -> None:

@@ -111,8 +111,7 @@ def result_stream(*, as_json: bool) -> AbstractContextManager[TextIO]:
 def _stdout_kept_for_result() -> Iterator[TextIO]:
     """Send everything that is printed, compiled libraries' banners included, to stderr.
 
-    Yields:
-        The real stdout.
+    Yields the real stdout.
     """
     sys.stdout.flush()
     kept = os.dup(1)

@@ -6,7 +6,6 @@ import math
 from typing import TYPE_CHECKING
 
 from llsrbm.commands import console, options
-from llsrbm.commands.field_options import is_angle
 
 if TYPE_CHECKING:
     from llsrbm.request.jump_types import JumpType
@@ -46,7 +45,7 @@ def _own_options(kind: JumpType) -> str:
     taken = []
     for name in kind.parameters:
         value = kind.defaults.get(name)
-        if value is not None and is_angle(name):
+        if value is not None and options.is_angle(name):
             value = math.degrees(value)
         taken.append(options.option(name) + ("" if value is None else f" {value:g}"))
     return f" ({', '.join(taken)})" if taken else ""

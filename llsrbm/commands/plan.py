@@ -10,23 +10,17 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 from llsrbm.commands import console, options
-from llsrbm.commands.field_options import (
-    DesignOption,
-    in_words,
-    requested_design,
-    with_jump_options,
-)
 from llsrbm.errors import NotConverged
 
 if TYPE_CHECKING:
     from llsrbm.motion.plan import Plan
 
 
-@with_jump_options
+@options.with_jump_options
 def plan_command(
     context: typer.Context,
     requested: Mapping[str, Any],
-    design: DesignOption = None,
+    design: options.DesignOption = None,
     solver: options.Planner = "fatrop",
     weight: options.Weights = None,
     limit: options.Limits = None,
@@ -42,7 +36,7 @@ def plan_command(
         import llsrbm
         from llsrbm.analysis.summaries import plan_summary
 
-        request = requested_design(design, requested)
+        request = options.requested_design(design, requested)
         tuning = options.requested_tuning(request.tuning, weight, limit)
         status, failure = console.DONE, None
         try:
@@ -73,7 +67,7 @@ def _description(plan: Plan) -> dict[str, str]:
     iterations = f"{report.iterations} iterations {report.guess}".rstrip()
     turn = final_yaw(plan.time, plan.base_quat, plan.angular_velocity[:, 2])
     return {
-        "request": in_words(plan.jump),
+        "request": options.in_words(plan.jump),
         "solver": f"{report.status} by {report.solver} in {iterations}, "
         f"{1e3 * report.solve_time_s:.0f} ms ({1e3 * report.total_time_s:.0f} ms from request to "
         f"plan, {report.build_time_s:.2f} s to build the solver)",

@@ -10,13 +10,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from llsrbm.commands import console, options
-from llsrbm.commands.field_options import (
-    DesignOption,
-    in_words,
-    requested_design,
-    with_jump_options,
-    with_scenario_options,
-)
 from llsrbm.errors import InputError
 from llsrbm.request.push import Push
 from llsrbm.request.scenario import Scenario
@@ -26,8 +19,8 @@ if TYPE_CHECKING:
     from llsrbm.motion.rollout import Rollout
 
 
-@with_scenario_options
-@with_jump_options
+@options.with_scenario_options
+@options.with_jump_options
 def simulate_command(
     context: typer.Context,
     conditions: Mapping[str, Any],
@@ -35,7 +28,7 @@ def simulate_command(
     file: Annotated[
         Path | None, typer.Argument(metavar="PLAN.npz", help="A plan; without: plan first.")
     ] = None,
-    design: DesignOption = None,
+    design: options.DesignOption = None,
     solver: options.Planner = "fatrop",
     weight: options.Weights = None,
     limit: options.Limits = None,
@@ -60,7 +53,7 @@ def simulate_command(
                 f"{options.option(given[0])}: is for planning, but {file} is planned already; "
                 "expected a plan's file or options of a jump, not both"
             )
-        request = requested_design(design, requested)
+        request = options.requested_design(design, requested)
         tuning = options.requested_tuning(request.tuning, weight, limit)
         scenario = request.scenario.but(**conditions)
         if file is not None:
@@ -104,7 +97,7 @@ def _fall(rollout: Rollout) -> str:
 def _description(rollout: Rollout) -> dict[str, str]:
     """A rollout in a few lines for a person: degrees, millimetres, milliseconds."""
     outcome, scenario = rollout.outcome, rollout.scenario
-    lines = {"request": in_words(rollout.jump)}
+    lines = {"request": options.in_words(rollout.jump)}
     board = ""
     if scenario.board:
         half = "half " if scenario.half_board else ""

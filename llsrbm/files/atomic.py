@@ -14,8 +14,7 @@ import shutil
 import stat
 import tempfile
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
-from errno import EEXIST, ENOTEMPTY
+from contextlib import contextmanager
 from pathlib import Path
 
 from llsrbm.errors import InputError
@@ -23,7 +22,7 @@ from llsrbm.errors import InputError
 MARK = "meta.json"  # the file by which a folder of ours is known: JSON with "package_version"
 
 _PREFIX = ".llsrbm-"  # of hidden folders
-_ATTEMPTS = 20  # to take a folder's place while others do the same
+_OTHERS = "it is a folder with other things in it, which would be lost"
 _LARGEST_MARK = 10_000_000  # bytes
 
 
@@ -32,8 +31,8 @@ def staged(path: str | Path) -> Iterator[Path]:
     """A path of the same name to write a file or a folder to, with others beside it if need be.
 
     All of them take their places when the block ends well, what the path names last; otherwise
-    nothing is left. They get the permissions that any new file or folder would. A symbolic link is
-    followed. What is not a regular file (a pipe, /dev/stdout) gets the bytes of the one file.
+    nothing is left. They get the permissions of any new file. A symbolic link is followed. What is
+    not a regular file (a pipe, /dev/stdout) gets the bytes of the one file.
 
     Raises:
         InputError: the path cannot be written, or names a folder that was not written by this.
@@ -101,49 +100,24 @@ def _take_places(folder: Path, target: Path) -> None:
             raise IsADirectoryError(0, "it is a directory")
         if part.is_dir() and place.is_file():
             raise NotADirectoryError(0, "it is a file, and a folder would be written")
-        if part.is_dir():
-            _check_ours(place)
+        if part.is_dir() and not _is_ours(place):
+            raise FileExistsError(0, _OTHERS)
         for file in [part] if part.is_file() else [p for p in part.rglob("*") if p.is_file()]:
             with file.open("rb") as opened:
                 os.fsync(opened.fileno())
     aside = Path(tempfile.mkdtemp(dir=folder))
     for part in parts:
-        if part.is_file():
-            part.replace(target.with_name(part.name))
-        else:
-            _swap_folder(part, target.with_name(part.name), aside)
-
-
-def _swap_folder(part: Path, place: Path, aside: Path) -> None:
-    """Put a folder where there is none, an empty one, or one of ours, which is moved aside."""
-    for attempt in range(_ATTEMPTS):
-        try:
-            part.replace(place)
-        except OSError as error:
-            if error.errno not in (ENOTEMPTY, EEXIST):
-                raise
-        else:
-            return
-        old = aside / str(attempt)
-        with suppress(FileNotFoundError):
-            place.replace(old)
-            try:
-                _check_ours(old)  # somebody may have put another there since it was checked
-            except FileExistsError:
+        place = target.with_name(part.name)
+        if part.is_dir() and place.exists():
+            old = place.replace(aside / part.name)
+            if not _is_ours(old):  # somebody has put another there since it was checked
                 old.replace(place)
-                raise
-    raise OSError(ENOTEMPTY, "others go on writing the same folder")
-
-
-def _check_ours(folder: Path) -> None:
-    """Raise `FileExistsError` unless a folder is absent, empty or marked as an export's."""
-    for _ in range(_ATTEMPTS):  # one that others replace meanwhile is looked at again
-        if _is_ours(folder):
-            return
-    raise FileExistsError(0, "it is a folder with other things in it, which would be lost")
+                raise FileExistsError(0, _OTHERS)
+        part.replace(place)
 
 
 def _is_ours(folder: Path) -> bool:
+    """True if a folder is absent, empty or marked as an export's."""
     mark = folder / MARK
     try:
         if not any(folder.iterdir()):

@@ -39,7 +39,6 @@ _Vector = Annotated[list[float], Field(min_length=3, max_length=3)]
 
 
 def _first(error: ValidationError) -> str:
-    """The first fault, and where."""
     first = error.errors()[0]
     place = printable(".".join(str(part) for part in first["loc"])) or "JSON"
     return f"{place}: {printable(first['msg'].removeprefix('Value error, '), 200)}"
@@ -85,8 +84,7 @@ def native_arrays(
 ) -> Arrays:
     """A trajectory's file: schema, `meta`, and the attributes in `layout` that are not None.
 
-    Raises:
-        Error: the trajectory holds numbers that are not finite.
+    Raises `Error` for numbers that are not finite.
     """
     arrays: Arrays = {"schema": np.array(schema), "meta": np.array(meta.model_dump_json())}
     for key, quantity in layout.items():
@@ -109,11 +107,7 @@ def part_of(arrays: Arrays, prefix: str) -> Arrays:
 
 
 def check_schema(arrays: Arrays, path: str | Path, *known: str) -> str:
-    """The schema of an archive, which is one of `known`.
-
-    Raises:
-        FileFormatError: it is another, perhaps one of a newer version.
-    """
+    """The schema of an archive, which is one of `known`; else raises `FileFormatError`."""
     schema = text(arrays, "schema", path)
     if schema in known:
         return schema
@@ -140,11 +134,7 @@ def _version(arrays: Arrays, path: str | Path) -> str:
 
 
 def read_meta(kind: type[_MetaType], arrays: Arrays, path: str | Path) -> _MetaType:
-    """The JSON that an archive has at `meta`.
-
-    Raises:
-        FileFormatError: missing, no JSON, or not what `kind` describes.
-    """
+    """The JSON that an archive has at `meta`; `FileFormatError` unless as `kind` describes."""
     content = text(arrays, "meta", path)
     where = f'{path}: key "meta"'
     try:

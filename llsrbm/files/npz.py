@@ -123,12 +123,9 @@ class Archive:
 def open_archive(
     path: str | Path, expected: str = NATIVE, largest: int = LARGEST
 ) -> Iterator[Archive]:
-    """Open a zip or npz file.
+    """Open a zip or npz file of at most `largest` bytes, also those of its members together.
 
-    Args:
-        path: of the file.
-        expected: what the file should be, for messages.
-        largest: bytes, of the file and of its members together.
+    `expected`: what the file should be, for messages.
 
     Raises:
         FileFormatError: unreadable, no archive, damaged, too large or too long a list of members;
@@ -174,11 +171,7 @@ def read_archive(
 
 
 def write_archive(path: str | Path, arrays: Mapping[str, Any]) -> None:
-    """Write an npz file at exactly that path, atomically and without pickle.
-
-    Raises:
-        InputError: the file cannot be written.
-    """
+    """Write an npz file at exactly that path, atomically, without pickle; raises `InputError`."""
     with staged(path) as draft, draft.open("wb") as file:
         np.savez_compressed(file, allow_pickle=False, **arrays)
 
@@ -237,11 +230,7 @@ def _array(content: bytes, where: str) -> NDArray[Any]:
 
 
 def text(arrays: Arrays, key: str, path: str | Path) -> str:
-    """The scalar text at `key`.
-
-    Raises:
-        FileFormatError: missing, or something else.
-    """
+    """The scalar text at `key`; raises `FileFormatError`."""
     value = _entry(arrays, key, path)
     if value.shape != () or value.dtype.kind != "U":
         raise FileFormatError(f'{path}: key "{key}": expected one text, got {_shape_of(value)}')

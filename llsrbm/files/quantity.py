@@ -89,7 +89,6 @@ class Quantity:
         meaning: a phrase that says what it is, for people.
         between: what it is between two instants.
         frame: whose axes its components are along; "" where it has none.
-        kind: of its numbers.
         codes: what its whole numbers 0, 1, ... stand for; coded_by: the trajectory's attribute that
             says it where it is not always the same.
         rate: whether it vanishes at rest: it is zero before the motion and after it.

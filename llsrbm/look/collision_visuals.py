@@ -10,12 +10,7 @@ import coal
 import numpy as np
 from numpy.typing import NDArray
 
-from llsrbm.look.visuals import (
-    LinkVisual,
-    link_name,
-    link_visuals,
-    needs_preparation,
-)
+from llsrbm.look.visuals import LinkVisual, link_visual, link_visuals, needs_preparation
 from llsrbm.robots.feet import collision_shapes
 from llsrbm.robots.robot import Robot
 
@@ -34,10 +29,7 @@ def visuals_at_once(robot: Robot) -> tuple[LinkVisual, ...]:
     """Something to draw the robot by, within some tenths of a second.
 
     Its light meshes if they were prepared before, or need no preparation because the URDF's visuals
-    are boxes and the like; otherwise its collision shapes, as long as it `needs_preparation`.
-
-    Raises:
-        RobotFileError: the URDF's geometry cannot be read.
+    are boxes and the like; otherwise its collision shapes. Raises `RobotFileError`.
     """
     if needs_preparation(robot):
         return collision_visuals(robot)
@@ -46,33 +38,15 @@ def visuals_at_once(robot: Robot) -> tuple[LinkVisual, ...]:
 
 @lru_cache(maxsize=8)
 def collision_visuals(robot: Robot) -> tuple[LinkVisual, ...]:
-    """The URDF's collision shapes, one grey mesh a moving body that has any.
-
-    Raises:
-        RobotFileError: they cannot be read.
-    """
-    import trimesh
-
+    """The URDF's collision shapes, one grey mesh a moving body that has any; `RobotFileError`."""
     shapes: dict[int, list[trimesh.Trimesh]] = defaultdict(list)
     for shape in collision_shapes(robot):
         mesh = _mesh(shape)
         if mesh is not None:
             shapes[shape.parentJoint].append(mesh)
-    visuals = []
-    for joint, meshes in sorted(shapes.items()):
-        body = trimesh.util.concatenate(meshes)
-        count = len(body.vertices)
-        visuals.append(
-            LinkVisual(
-                link=link_name(robot.model, joint),
-                joint_id=joint,
-                vertices=np.asarray(body.vertices, dtype=np.float32),
-                normals=np.asarray(body.vertex_normals, dtype=np.float32),
-                faces=np.asarray(body.faces, dtype=np.uint32),
-                rgb=np.tile(np.array(_GREY, dtype=np.uint8), (count, 1)),
-            )
-        )
-    return tuple(visuals)
+    return tuple(
+        link_visual(robot.model, joint, pieces) for joint, pieces in sorted(shapes.items())
+    )
 
 
 def _mesh(shape: pin.GeometryObject) -> trimesh.Trimesh | None:
@@ -95,7 +69,10 @@ def _mesh(shape: pin.GeometryObject) -> trimesh.Trimesh | None:
             return None
     mesh = trimesh.graph.smooth_shade(mesh, angle=_CREASE, facet_minarea=None)
     normals = np.asarray(mesh.vertex_normals)
-    moved = trimesh.Trimesh(mesh.vertices, mesh.faces, vertex_normals=normals, process=False)
+    grey = np.tile(np.array(_GREY, dtype=np.uint8), (len(mesh.vertices), 1))
+    moved = trimesh.Trimesh(
+        mesh.vertices, mesh.faces, vertex_normals=normals, vertex_colors=grey, process=False
+    )
     moved.apply_transform(shape.placement.homogeneous)
     return moved
 

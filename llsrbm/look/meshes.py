@@ -41,10 +41,7 @@ def face_shares(parts: list[trimesh.Trimesh], total: int) -> list[int]:
 def simplified(part: trimesh.Trimesh, faces: int, size: float) -> trimesh.Trimesh:
     """A part with about that many faces, creased where it is sharp, coloured as it was.
 
-    Args:
-        part: mesh with vertex colours.
-        faces: to aim at.
-        size: m, of the robot: what is tiny against it (screws, threads, fillets) goes first.
+    What is tiny against the robot's `size`, m (screws, threads, fillets) goes first.
     """
     import fast_simplification
     import trimesh
@@ -75,12 +72,7 @@ def simplified(part: trimesh.Trimesh, faces: int, size: float) -> trimesh.Trimes
 
 
 def coarser(part: trimesh.Trimesh, size: float) -> trimesh.Trimesh:
-    """The surface with about a third of the faces, coloured as it was nearby.
-
-    Args:
-        part: mesh with vertex colours, whatever colours lie side by side in it.
-        size: m, of the robot.
-    """
+    """The surface with about a third of the faces, coloured as it was nearby; `size`: m."""
     import trimesh
     from scipy.spatial import cKDTree
 

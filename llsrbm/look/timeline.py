@@ -73,8 +73,7 @@ class Timeline:
 
     Attributes:
         rows: strips, the last one is of what is drawn solid.
-        marks: in order of time.
-        summary: the events in one line.
+        marks: in order of time; summary: the events in one line.
         end: s.
         bars: computing times of what was planned anew.
     """

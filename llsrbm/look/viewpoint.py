@@ -23,11 +23,7 @@ def viewpoint(robot: Robot, *, at_once: bool = False) -> tuple[Array, Array]:
     """Where the camera is and where it looks at, (3,) m, for a robot in its default posture.
 
     The robot fills the same part of the picture whatever its size, with room for a jump.
-
-    Args:
-        robot: to look at.
-        at_once: do not wait for meshes that have to be prepared; the collision shapes are as large,
-            to some centimetres.
+    `at_once`: by collision shapes rather than waiting for meshes that have to be prepared.
     """
     visuals = visuals_at_once(robot) if at_once else link_visuals(robot)
     position, wxyz = forward_kinematics(

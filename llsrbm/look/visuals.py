@@ -7,13 +7,12 @@ textures become vertex colours. The result is cached.
 
 from __future__ import annotations
 
-import io
 import logging
 import re
 import tempfile
 from collections import defaultdict
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -21,7 +20,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
-from llsrbm.cache import cache_path, content_key, read_checked, write_checked
+from llsrbm.cache import cache_path, content_key, read_arrays, write_arrays
 from llsrbm.errors import RobotFileError
 from llsrbm.look.meshes import coarser, face_shares, readable, simplified
 from llsrbm.robots.robot import Robot
@@ -42,6 +41,8 @@ browsers without a graphics processor."""
 _VERTEX_STEP = 2.0**-13  # m
 _NORMAL_STEP = 2.0**-6
 
+_ARRAYS = ("vertices", "normals", "faces", "rgb")
+
 _log = logging.getLogger(__name__)
 
 
@@ -52,10 +53,7 @@ class LinkVisual:
     Attributes:
         link: name of the body's first link in the URDF.
         joint_id: Pinocchio's index of the joint; 1 is the base.
-        vertices: (V, 3) m, in the joint's frame.
-        normals: (V, 3) unit normals.
-        faces: (F, 3) indices.
-        rgb: (V, 3) colours, 0 to 255.
+        vertices: (V, 3) m; normals: (V, 3); faces: (F, 3) indices; rgb: (V, 3), 0 to 255.
     """
 
     link: str
@@ -78,50 +76,27 @@ class LinkVisual:
         )
 
 
-def link_visuals(
-    robot: Robot,
-    faces: int = FACES,
-    progress: Callable[[float], None] | None = None,
-    *,
-    coarse: bool = False,
-) -> tuple[LinkVisual, ...]:
+def link_visuals(robot: Robot, *, coarse: bool = False) -> tuple[LinkVisual, ...]:
     """A mesh for each moving body that has one, from the cache if made before.
 
-    Args:
-        robot: the robot.
-        faces: about how many faces the whole robot shall have.
-        progress: called with the fraction done, 0 to 1.
-        coarse: made of these with fewer faces, see `COARSE_FACES`.
+    `coarse`: with fewer faces, see `COARSE_FACES`.
 
     Raises:
         RobotFileError: the URDF names a mesh that is missing or cannot be read.
     """
-    report = progress or _silent
-    report(0.0)
-    path = _entry(robot, faces, coarse=coarse)
-    stored = read_checked(path)
+    path = _entry(robot, coarse=coarse)
+    stored = read_arrays(path)
     if stored is not None:
-        visuals = _decode(stored)
-    else:
-        _log.info("preparing the meshes of %s", robot.name)
-        if coarse:
-            visuals = _coarser(link_visuals(robot, faces, report), robot)
-        else:
-            visuals = _prepare(robot, faces, report)
-        write_checked(path, _encode(visuals))
-    report(1.0)
+        return _decode(stored)
+    _log.info("preparing the meshes of %s", robot.name)
+    visuals = _coarser(link_visuals(robot), robot) if coarse else _prepare(robot)
+    write_arrays(path, _encode(visuals))
     return visuals
-
-
-def link_visuals_at_hand(robot: Robot, *, coarse: bool = False) -> tuple[LinkVisual, ...] | None:
-    """As `link_visuals`, but None if they would have to be made first, which takes seconds."""
-    stored = read_checked(_entry(robot, FACES, coarse=coarse))
-    return None if stored is None else _decode(stored)
 
 
 def needs_preparation(robot: Robot) -> bool:
     """True if `link_visuals` would take seconds: meshes that were not prepared on this machine."""
-    return bool(mesh_files(robot)) and not _entry(robot, FACES, coarse=True).exists()
+    return bool(mesh_files(robot)) and not _entry(robot, coarse=True).exists()
 
 
 def mesh_files(robot: Robot) -> list[str]:
@@ -135,9 +110,7 @@ def forward_kinematics(
 ) -> tuple[Array, Array]:
     """Where every moving body is, for K moments at once; bodies in Pinocchio's joint order.
 
-    Args:
-        robot: the robot.
-        base_position: (K, 3) m; base_quat: (K, 4) w, x, y, z; joint_position: (K, J).
+    Of base_position (K, 3) m, base_quat (K, 4) w, x, y, z and joint_position (K, J).
 
     Returns:
         position (K, 1 + J, 3) m and quaternion (K, 1 + J, 4) w, x, y, z in the world frame: the
@@ -154,53 +127,43 @@ def forward_kinematics(
     return poses[..., :3], poses[..., [6, 3, 4, 5]]
 
 
-def _prepare(robot: Robot, faces: int, report: Callable[[float], None]) -> tuple[LinkVisual, ...]:
+def _prepare(robot: Robot) -> tuple[LinkVisual, ...]:
     parts = _coloured_parts(robot)
-    report(0.3)
-    shares = face_shares(list(parts.values()), faces)
+    shares = face_shares(list(parts.values()), FACES)
     size = _size(robot)
     pieces: dict[int, list[trimesh.Trimesh]] = defaultdict(list)
-    for done, ((joint, _), part, share) in enumerate(
-        zip(parts, parts.values(), shares, strict=True), start=1
-    ):
+    for ((joint, _), part), share in zip(parts.items(), shares, strict=True):
         pieces[joint].append(simplified(part, share, size))
-        report(0.3 + 0.7 * done / len(parts))
-    visuals = []
-    for joint in sorted(pieces):
-        body = pieces[joint]
-        first = np.cumsum([0, *(len(piece.vertices) for piece in body)])
-        visuals.append(
-            LinkVisual(
-                link=link_name(robot.model, joint),
-                joint_id=joint,
-                vertices=_rounded([piece.vertices for piece in body], _VERTEX_STEP),
-                normals=_rounded([piece.vertex_normals for piece in body], _NORMAL_STEP),
-                faces=np.vstack(
-                    [piece.faces + start for piece, start in zip(body, first, strict=False)]
-                ).astype(np.uint32),
-                rgb=np.vstack([piece.visual.vertex_colors[:, :3] for piece in body]),
-            )
-        )
-    return tuple(visuals)
+    return tuple(link_visual(robot.model, joint, pieces[joint]) for joint in sorted(pieces))
 
 
 def _coarser(visuals: tuple[LinkVisual, ...], robot: Robot) -> tuple[LinkVisual, ...]:
     """The same bodies with fewer faces, if they have many."""
     if sum(len(visual.faces) for visual in visuals) <= COARSE_FACES:
         return visuals
-    coarse = []
-    for visual in visuals:
-        mesh = coarser(visual.mesh(), _size(robot))
-        coarse.append(
-            replace(
-                visual,
-                vertices=_rounded([mesh.vertices], _VERTEX_STEP),
-                normals=_rounded([mesh.vertex_normals], _NORMAL_STEP),
-                faces=np.asarray(mesh.faces, dtype=np.uint32),
-                rgb=mesh.visual.vertex_colors[:, :3],
-            )
-        )
-    return tuple(coarse)
+    size = _size(robot)
+    return tuple(
+        link_visual(robot.model, visual.joint_id, [coarser(visual.mesh(), size)])
+        for visual in visuals
+    )
+
+
+def link_visual(model: pin.Model, joint: int, pieces: Sequence[trimesh.Trimesh]) -> LinkVisual:
+    """One mesh of a body's pieces, which have vertex colours and lie in the joint's frame."""
+    first = np.cumsum([0, *(len(piece.vertices) for piece in pieces[:-1])])
+    faces = [piece.faces + start for piece, start in zip(pieces, first, strict=True)]
+    return LinkVisual(
+        link=next(
+            frame.name  # of the first body of the URDF that the joint moves
+            for frame in model.frames
+            if frame.type == pin.FrameType.BODY and frame.parentJoint == joint
+        ),
+        joint_id=joint,
+        vertices=_rounded([piece.vertices for piece in pieces], _VERTEX_STEP),
+        normals=_rounded([piece.vertex_normals for piece in pieces], _NORMAL_STEP),
+        faces=np.vstack(faces).astype(np.uint32),
+        rgb=np.vstack([piece.visual.vertex_colors[:, :3] for piece in pieces]),
+    )
 
 
 def _size(robot: Robot) -> float:
@@ -270,18 +233,17 @@ def _load_scene(robot: Robot) -> trimesh.Scene:
 
 
 def _mesh_path(robot: Robot, name: str) -> Path | None:
-    """File of a mesh as a URDF names it, or None if there is none."""
     relative = name.removeprefix("package://").removeprefix("file://")
     candidates = [robot.urdf_path.parent / relative]
     candidates += [directory / relative for directory in robot.package_dirs]
     return next((candidate for candidate in candidates if candidate.is_file()), None)
 
 
-def _entry(robot: Robot, faces: int, *, coarse: bool) -> Path:
+def _entry(robot: Robot, *, coarse: bool) -> Path:
     """Where the cache has the meshes, if it has them."""
     kind = "coarse" if coarse else "visuals"
     urdf = robot.urdf_path.read_text(encoding="utf-8")
-    key = content_key(kind, VISUALS_VERSION, urdf, str(faces), *_mesh_stamps(robot))
+    key = content_key(kind, VISUALS_VERSION, urdf, str(FACES), *_mesh_stamps(robot))
     return cache_path(f"{kind}-{robot.name}", key, ".npz")
 
 
@@ -309,44 +271,19 @@ def _vertex_colours(mesh: trimesh.Trimesh) -> NDArray[np.uint8]:
     return np.asarray(visual.vertex_colors, dtype=np.uint8)[:, :3]
 
 
-def link_name(model: pin.Model, joint: int) -> str:
-    """First body of the URDF that the joint moves."""
-    return next(
-        frame.name
-        for frame in model.frames
-        if frame.type == pin.FrameType.BODY and frame.parentJoint == joint
-    )
-
-
-def _encode(visuals: tuple[LinkVisual, ...]) -> bytes:
+def _encode(visuals: tuple[LinkVisual, ...]) -> dict[str, Any]:
     arrays: dict[str, Any] = {
         "links": np.array([visual.link for visual in visuals], dtype=np.str_),
         "joint_ids": np.array([visual.joint_id for visual in visuals], dtype=np.int64),
     }
     for i, visual in enumerate(visuals):
-        for name in ("vertices", "normals", "faces", "rgb"):
-            arrays[f"{name}_{i}"] = getattr(visual, name)
-    buffer = io.BytesIO()
-    np.savez(buffer, **arrays)
-    return buffer.getvalue()
+        arrays |= {f"{name}_{i}": getattr(visual, name) for name in _ARRAYS}
+    return arrays
 
 
-def _decode(data: bytes) -> tuple[LinkVisual, ...]:
-    with np.load(io.BytesIO(data), allow_pickle=False) as stored:
-        return tuple(
-            LinkVisual(
-                link=str(link),
-                joint_id=int(joint),
-                vertices=stored[f"vertices_{i}"],
-                normals=stored[f"normals_{i}"],
-                faces=stored[f"faces_{i}"],
-                rgb=stored[f"rgb_{i}"],
-            )
-            for i, (link, joint) in enumerate(
-                zip(stored["links"], stored["joint_ids"], strict=True)
-            )
-        )
-
-
-def _silent(_: float) -> None:
-    pass
+def _decode(stored: dict[str, Any]) -> tuple[LinkVisual, ...]:
+    bodies = zip(stored["links"], stored["joint_ids"], strict=True)
+    return tuple(
+        LinkVisual(str(link), int(joint), **{name: stored[f"{name}_{i}"] for name in _ARRAYS})
+        for i, (link, joint) in enumerate(bodies)
+    )

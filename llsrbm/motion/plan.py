@@ -87,8 +87,33 @@ class SolveReport:
     guess: str = ""
 
 
+class OfRobot:
+    """Names in a plan or a rollout, of the robot as it was."""
+
+    robot_parameters: dict[str, Any]
+    foot_position: Any
+    schedule: Any
+
+    @property
+    def sliding_joints(self) -> frozenset[str]:
+        """Names of the joints whose position is in metres."""
+        return frozenset(self.robot_parameters.get("sliding_joints", ()))
+
+    @property
+    def leg_names(self) -> tuple[str, ...]:
+        """As in the robot file, where the robot's numbers hold them."""
+        legs, count = tuple(self.robot_parameters.get("legs", ())), self.foot_position.shape[1]
+        return legs if len(legs) == count else tuple(f"leg{i}" for i in range(count))
+
+    @property
+    def phase_names(self) -> tuple[str, ...]:
+        """(P,) what the numbers of `phase` stand for."""
+        names: tuple[str, ...] = self.schedule.names
+        return names
+
+
 @dataclass(frozen=True, eq=False)
-class Plan:
+class Plan(OfRobot):
     """A planned jump at N + 1 knots: T = N + 1, L legs, C contacts, J joints.
 
     The meaning of each array stands beside it; see `llsrbm.files.quantity`.
@@ -218,26 +243,11 @@ class Plan:
         """Length of the motion, s."""
         return float(self.time[-1])
 
-    @property
-    def sliding_joints(self) -> frozenset[str]:
-        """Names of the joints whose position is in metres."""
-        return sliding_joints(self.robot_parameters)
-
-    @property
-    def leg_names(self) -> tuple[str, ...]:
-        """As in the robot file, when the plan says which robot it is of."""
-        return leg_names(self.robot_parameters, len(self.leg_mass))
-
     @cached_property
     def phase_start(self) -> Array:
         """(P + 1,) s: start of each of the schedule's phases, and the end."""
         first = [int(np.argmax(self.phase == p)) for p in range(len(self.schedule))]
         return np.append(self.time[first], self.time[-1])
-
-    @property
-    def phase_names(self) -> tuple[str, ...]:
-        """(P,) what the numbers of `phase` stand for."""
-        return self.schedule.names
 
     @property
     def contact(
@@ -274,16 +284,8 @@ class Plan:
 
     def arrays(self) -> Arrays:
         """The content of the plan's file; raises `Error` for numbers that are not finite."""
-        meta = _Meta(
-            request=self.jump,
-            model=self.jump.model,
-            robot_parameters=self.robot_parameters,
-            report=self.report,
-            violations=self.violations,
-            tuning=self.tuning,
-            schedule=self.schedule,
-            obstacle=self.obstacle,
-        )
+        stated = {name: getattr(self, name) for name in _STATED}
+        meta = _Meta(request=self.jump, model=self.jump.model, **stated)
         arrays = native_arrays(SCHEMA, meta, self, quantities(Plan))
         if self.solution is not None:
             arrays |= {key: getattr(self.solution, name) for name, key in _SOLUTION.items()}
@@ -309,21 +311,14 @@ class Plan:
         if any(key in arrays for key in _SOLUTION_LAYOUT):
             found = checked(arrays, _SOLUTION_LAYOUT, path)
             solution = Iterate(**{name: found[key] for name, key in _SOLUTION.items()})
-        return Plan(
-            jump=meta.request,
-            robot_parameters=meta.robot_parameters,
-            report=meta.report,
-            violations=meta.violations,
-            tuning=meta.tuning,
-            solution=solution,
-            schedule=meta.schedule,
-            obstacle=meta.obstacle,
-            **values,
-        )
+        stated = {name: getattr(meta, name) for name in _STATED}
+        return Plan(jump=meta.request, solution=solution, **stated, **values)
 
 
 SCHEMA = "llsrbm.plan/2"
 
+# What stands at `meta` under its own name.
+_STATED = ("robot_parameters", "report", "violations", "tuning", "schedule", "obstacle")
 _LOADS = ("joint_velocity", "joint_torque", "joint_torque_limit")
 _SOLUTION = {"variables": "solution_variables", "multipliers": "solution_multipliers"}
 _SOLUTION_LAYOUT = {
@@ -370,17 +365,6 @@ def _check(values: Arrays, schedule: Schedule, path: str | Path) -> None:
     steps = np.diff(phase[:-1], prepend=-1)
     if not np.isin(steps, (0, 1)).all() or steps[0] != 1 or (phase[-2:] != last).any():
         check_phases(phase, schedule.names, path, ", each of them with an interval, in that order")
-
-
-def leg_names(robot_parameters: dict[str, Any], count: int) -> tuple[str, ...]:
-    """As in the robot file, where a trajectory's numbers of the robot hold them."""
-    legs = tuple(robot_parameters.get("legs", ()))
-    return legs if len(legs) == count else tuple(f"leg{i}" for i in range(count))
-
-
-def sliding_joints(robot_parameters: dict[str, Any]) -> frozenset[str]:
-    """Names of a trajectory's joints whose position is in metres."""
-    return frozenset(robot_parameters.get("sliding_joints", ()))
 
 
 def load_plan(path: str | Path) -> Plan:

@@ -41,7 +41,7 @@ from llsrbm.files.quantity import (
 )
 from llsrbm.mechanics import rotation_matrices
 from llsrbm.motion.outcome import Outcome
-from llsrbm.motion.plan import Plan, leg_names, sliding_joints
+from llsrbm.motion.plan import OfRobot, Plan
 from llsrbm.motion.replan import Replan, replan_arrays, replans_from_arrays
 from llsrbm.request.jump import Jump
 from llsrbm.request.push import Push
@@ -86,7 +86,7 @@ class Disturbance:
 
 
 @dataclass(frozen=True, eq=False)
-class Rollout:
+class Rollout(OfRobot):
     """A simulated jump at T control ticks: L legs, J joints.
 
     States are those at the beginning of a tick, torques and forces those of the tick that begins:
@@ -243,24 +243,9 @@ class Rollout:
         return self.qvel[:, 6:]
 
     @property
-    def sliding_joints(self) -> frozenset[str]:
-        """Names of the joints whose position is in metres."""
-        return sliding_joints(self.robot_parameters)
-
-    @property
-    def leg_names(self) -> tuple[str, ...]:
-        """As in the robot file, when the rollout says which robot it is of."""
-        return leg_names(self.robot_parameters, self.foot_position.shape[1])
-
-    @property
     def schedule(self) -> Schedule:
         """The plan's."""
         return self.plan.schedule
-
-    @property
-    def phase_names(self) -> tuple[str, ...]:
-        """(P,) what the numbers of `phase` stand for."""
-        return self.schedule.names
 
     @property
     def duration(self) -> float:
@@ -279,15 +264,8 @@ class Rollout:
             InputError: the file cannot be written.
             Error: the rollout holds numbers that are not finite.
         """
-        meta = _Meta(
-            request=self.jump,
-            model=self.jump.model,
-            robot_parameters=self.robot_parameters,
-            control_parameters=self.control_parameters,
-            scenario=self.scenario,
-            disturbance=self.disturbance,
-            outcome=self.outcome,
-        )
+        stated = {name: getattr(self, name) for name in _STATED}
+        meta = _Meta(request=self.jump, model=self.jump.model, **stated)
         arrays = native_arrays(SCHEMA, meta, self, quantities(Rollout))
         arrays |= replan_arrays(self.replans)
         arrays |= {_PLAN + key: value for key, value in self.plan.arrays().items()}
@@ -322,20 +300,14 @@ class Rollout:
         check_phases(values["phase"], plan.phase_names, path)
         values["detection_threshold"] = float(values["detection_threshold"])
         values["joint_names"] = tuple(str(name) for name in values["joint_names"])
-        return Rollout(
-            jump=meta.request,
-            robot_parameters=meta.robot_parameters,
-            control_parameters=meta.control_parameters,
-            scenario=meta.scenario,
-            disturbance=meta.disturbance,
-            outcome=meta.outcome,
-            plan=plan,
-            replans=replans_from_arrays(arrays, legs, path),
-            **values,
-        )
+        stated = {name: getattr(meta, name) for name in _STATED}
+        replans = replans_from_arrays(arrays, legs, path)
+        return Rollout(jump=meta.request, plan=plan, replans=replans, **stated, **values)
 
 
 SCHEMA = "llsrbm.rollout/1"
+# What stands at `meta` under its own name.
+_STATED = ("robot_parameters", "control_parameters", "scenario", "disturbance", "outcome")
 _PLAN = "plan/"  # begins the keys of the plan that was followed
 
 

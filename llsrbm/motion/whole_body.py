@@ -130,6 +130,13 @@ def _robot_and_order(trajectory: Plan | Rollout) -> tuple[Robot, list[int]]:
     return robot, [trajectory.joint_names.index(name) for name in robot.joint_names]
 
 
+_ALIKE = (
+    *("base_position", "angular_velocity", "com", "linear_momentum", "angular_momentum"),
+    *("inertia", "foot_position", "phase"),
+)
+"""What plans, rollouts and whole-body motions have under the same names."""
+
+
 def _of_plan(
     plan: Plan, robot: Robot, times: Array, order: list[int], fps: float | None
 ) -> WholeBodyMotion:
@@ -147,23 +154,16 @@ def _of_plan(
         origin="plan",
         time=times - times[0],
         fps=fps,
-        base_position=sampled.base_position,
         base_quat=sampled.base_quat,
         base_velocity=_base_velocity(robot, sampled, joint_position, joint_velocity),
-        angular_velocity=sampled.angular_velocity,
         joint_position=joint_position,
         joint_velocity=joint_velocity,
-        com=sampled.com,
-        linear_momentum=sampled.linear_momentum,
-        angular_momentum=sampled.angular_momentum,
-        inertia=sampled.inertia,
-        foot_position=sampled.foot_position,
         contact=sampled.contact,
         foot_force=foot_force,
         pressed_at=pressed_at,
         joint_torque=_ordered(sampled.joint_torque, order),
         joint_torque_limit=_ordered(sampled.joint_torque_limit, order),
-        phase=sampled.phase,
+        **{name: getattr(sampled, name) for name in _ALIKE},
     )
 
 
@@ -175,24 +175,17 @@ def _of_rollout(
         origin="rollout",
         time=times - times[0],
         fps=fps,
-        base_position=sampled.base_position,
         base_quat=sign_continuous(sampled.base_quat),
         base_velocity=sampled.base_velocity,
-        angular_velocity=sampled.angular_velocity,
         joint_position=sampled.joint_position[:, order],
         joint_velocity=sampled.joint_velocity[:, order],
-        com=sampled.com,
-        linear_momentum=sampled.linear_momentum,
-        angular_momentum=sampled.angular_momentum,
-        inertia=sampled.inertia,
-        foot_position=sampled.foot_position,
         contact=sampled.contact.astype(bool),
         foot_force=sampled.contact_force,
         # Where in a sole it acts is not recorded.
         pressed_at=sampled.foot_position,
-        joint_torque=_ordered(sampled.torque, order),
-        joint_torque_limit=_ordered(sampled.torque_limit, order),
-        phase=sampled.phase,
+        joint_torque=sampled.torque[:, order],
+        joint_torque_limit=sampled.torque_limit[:, order],
+        **{name: getattr(sampled, name) for name in _ALIKE},
     )
 
 

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from llsrbm.cache import cache_path, content_key, write_atomically
 from llsrbm.errors import RobotFileError
 from llsrbm.request.messages import choices
-from llsrbm.robots.urdf_table import AddedFrame, UrdfSource
+from llsrbm.robots.schema import AddedFrame, UrdfSource
 
 Array = NDArray[np.float64]
 

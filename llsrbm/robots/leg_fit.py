@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-import io
 import json
 import logging
-from collections.abc import Callable
-from dataclasses import fields
 from typing import Any
 
 import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from llsrbm.cache import cache_path, content_key, read_checked, write_checked
+from llsrbm.cache import cache_path, content_key, read_arrays, write_arrays
 from llsrbm.errors import RobotFileError
 from llsrbm.mechanics import turns_about_z
 from llsrbm.robots.leg_maps import (
@@ -46,23 +43,15 @@ _FEWEST_SAMPLES = 200
 _log = logging.getLogger(__name__)
 
 
-def fit_legs(
-    robot: Robot,
-    samples: int = 1600,
-    seed: int = 0,
-    progress: Callable[[float], None] | None = None,
-) -> LegFit:
+def fit_legs(robot: Robot, samples: int = 1600, seed: int = 0) -> LegFit:
     """Fit the leg maps to about `samples` postures of the robot's legs within its reach.
 
-    `samples` foot positions are shared among the legs; `progress` gets the fraction done, 0 to 1.
+    `samples` foot positions are shared among the legs.
 
     Raises:
         RobotFileError: too few places in the reach box can be reached by the legs.
     """
-    report = progress or _silent
-    report(0.0)
     x, com, com_slope, inertia, spin = _sample(robot, samples, seed)
-    report(0.8)
     one, two = affine_features(x), quadratic_features(x)
     com_affine = _fit_with_slopes(one, affine_slopes(x), com, com_slope)
     com_quadratic = _fit_with_slopes(two, quadratic_slopes(x), com, com_slope)
@@ -73,7 +62,7 @@ def fit_legs(
     inertia_map, spin_map = _least_squares(features, inertia), _least_squares(features, spin)
     mass, fraction = _proportional(robot)
     trunk = robot.model.inertias[1]
-    fit = LegFit(
+    return LegFit(
         total_mass=robot.mass,
         leg_mass=float(robot.chains.mass.mean()),
         trunk_mass=float(trunk.mass),
@@ -97,21 +86,19 @@ def fit_legs(
             "spin": _rms(spin - features @ spin_map),
         },
     )
-    report(1.0)
-    return fit
 
 
-def load_or_fit(robot: Robot, progress: Callable[[float], None] | None = None) -> LegFit:
+def load_or_fit(robot: Robot) -> LegFit:
     """The robot's leg maps from the user's cache, or fitted and put there."""
     tables = robot.file.model_dump_json(exclude=_NOT_OF_LEGS)
     key = content_key("leg fit", FIT_VERSION, robot.urdf_path, tables)
     path = cache_path(f"leg-fits-{robot.name}", key, ".npz")
-    stored = read_checked(path)
+    stored = read_arrays(path)
     if stored is not None:
         return _decode(stored)
     _log.info("fitting the legs of %s", robot.name)
-    fit = fit_legs(robot, progress=progress)
-    write_checked(path, _encode(fit))
+    fit = fit_legs(robot)
+    write_arrays(path, _encode(fit))
     return fit
 
 
@@ -232,24 +219,11 @@ def _rms(error: Array) -> float:
     return float(np.sqrt(np.mean(np.sum(error.reshape(len(error), -1) ** 2, axis=1))))
 
 
-def _silent(_: float) -> None:
-    pass
+def _encode(fit: LegFit) -> dict[str, Any]:
+    return {**vars(fit), "residuals": np.array(json.dumps(fit.residuals))}
 
 
-def _encode(fit: LegFit) -> bytes:
-    values = {f.name: getattr(fit, f.name) for f in fields(fit)}
-    values["residuals"] = np.array(json.dumps(fit.residuals))
-    buffer = io.BytesIO()
-    np.savez(buffer, **values)
-    return buffer.getvalue()
-
-
-def _decode(data: bytes) -> LegFit:
-    with np.load(io.BytesIO(data), allow_pickle=False) as stored:
-        values: dict[str, Any] = {f.name: stored[f.name] for f in fields(LegFit)}
-    for name, value in values.items():
-        if name == "residuals":
-            values[name] = json.loads(str(value))
-        elif value.ndim == 0:
-            values[name] = float(value)
-    return LegFit(**values)
+def _decode(stored: dict[str, Any]) -> LegFit:
+    residuals = json.loads(str(stored.pop("residuals")))
+    values = {name: value if value.ndim else float(value) for name, value in stored.items()}
+    return LegFit(**values, residuals=residuals)

@@ -6,9 +6,9 @@ Mass properties and leg maps are not in it; they are computed from the URDF.
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field, model_validator
+from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
 
 from llsrbm.errors import RobotFileError
 from llsrbm.installed import assets_directory
@@ -24,8 +24,64 @@ from llsrbm.request.tables import (
     read_table,
     validated,
 )
-from llsrbm.robots.control_table import Control
-from llsrbm.robots.urdf_table import UrdfSource
+
+
+class AddedFrame(Table):
+    """A massless link that is added to the URDF, such as the middle of a sole on the ground.
+
+    Attributes:
+        link: of the URDF, which carries it.
+        xyz, rpy: its origin, m, and its roll, pitch and yaw, rad, in that link's frame.
+    """
+
+    link: str
+    xyz: Vector
+    rpy: Vector = (0.0, 0.0, 0.0)
+
+
+class UrdfSource(Table):
+    """Where the URDF is, and what is changed in it before anything reads it.
+
+    Attributes:
+        package, path: name of the package, for example "example-robot-data", and the URDF inside
+            its robots folder.
+        file: the URDF relative to the robot file; instead of the other two.
+        held: joint name -> angle, rad (sliding: m), at which the joint is fixed: arms, a waist, a
+            neck. What it carries becomes part of the body that it hangs on.
+        frames: name -> frame that is added to a link.
+    """
+
+    package: str | None = None
+    path: str | None = None
+    file: str | None = None
+    held: dict[str, float] = Field(default_factory=dict)
+    frames: dict[str, AddedFrame] = Field(default_factory=dict)
+
+    @model_serializer(mode="wrap")
+    def _without_empty_tables(self, serialise: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """Files without `held` and `frames` are written as before there were such keys.
+
+        Cached leg maps and plan files are known by this.
+        """
+        table: dict[str, Any] = serialise(self)
+        return {
+            key: value
+            for key, value in table.items()
+            if key not in ("held", "frames") or value != {}
+        }
+
+    @model_validator(mode="after")
+    def _one_source(self) -> Self:
+        given = (self.package is not None, self.path is not None, self.file is not None)
+        if given not in ((True, True, False), (False, False, True)):
+            raise fault('expected either "package" and "path", or "file"')
+        return self
+
+    def installed(self) -> tuple[str, str]:
+        """Package and path; only where `file` is None."""
+        if self.package is None or self.path is None:
+            raise ValueError("the URDF lies beside the robot file")
+        return self.package, self.path
 
 
 class LegFrames(Table):
@@ -155,6 +211,73 @@ class Example(Table):
     forward: float = 0.0
     lateral: float = 0.0
     height: float = 0.0
+
+
+class Gains(Table):
+    """Feedback of the whole-body controller's tasks: (stiffness 1/s2, damping 1/s).
+
+    Attributes:
+        com, orientation, swing, posture: of the CoM, of the base's attitude, of feet in the air, of
+            the joints where no other task wants them.
+        angular_momentum: decay of its error, 1/s.
+        standing: damping of feet on the ground, 1/s: brings feet back that bounce.
+    """
+
+    com: tuple[Length, Length] = (300.0, 35.0)
+    orientation: tuple[Length, Length] = (150.0, 20.0)
+    swing: tuple[Length, Length] = (500.0, 40.0)
+    posture: tuple[Length, Length] = (100.0, 20.0)
+    angular_momentum: Length = 40.0
+    standing: Length = 20.0
+
+
+class Weights(Table):
+    """Weights of the whole-body controller's tasks: 1 over (the task's unit squared).
+
+    Attributes:
+        com, orientation, angular_momentum, swing, contact, posture: of squared accelerations (of
+            the angular momentum, its rate).
+        swing_orientation: of soles in the air.
+        orientation_in_takeoff, angular_momentum_in_takeoff: there the momenta decide where a flight
+            leads; a light base between heavy legs must give way to them.
+        orientation_in_flight: momentum is conserved there, so the feet come first.
+        force: of squared contact force errors while a trajectory is tracked, 1/N2: only chooses
+            among forces that do the same.
+        force_in_landing: in the force phase, where CoM and angular momentum cost nothing.
+    """
+
+    com: Length = 100.0
+    orientation: Length = 10.0
+    orientation_in_takeoff: Length = 0.1
+    orientation_in_flight: Length = 10.0
+    angular_momentum: Length = 1.0
+    angular_momentum_in_takeoff: Length = 300.0
+    swing: Length = 100.0
+    swing_orientation: Length = 10.0
+    contact: Length = 1e4
+    posture: Length = 1e-4
+    force: Length = 1e-4
+    force_in_landing: Length = 1e-2
+
+
+class Control(Table):
+    """Parameters of the whole-body controller on this robot.
+
+    Attributes:
+        rate: of the controller, Hz.
+        friction: coefficient that the controller believes in: not above the ground's.
+        force_phase: how long forces are followed after touchdown, s.
+        replan_latency: s from a measurement until a plan made from it is followed, by what 95 % of
+            them take to compute; if left out 20 ms with four legs or more, 30 ms with fewer.
+        gains, weights: see there.
+    """
+
+    rate: Positive = 400.0
+    friction: Positive = 0.5
+    force_phase: Length = 0.1
+    replan_latency: Positive | None = None
+    gains: Gains = Gains()
+    weights: Weights = Weights()
 
 
 class Uncertainty(Table):

@@ -1,9 +1,9 @@
 """The table's columns: one row a jump and seed; SI units, radians.
 
 `COLUMNS` is the schema of jumps.parquet. After its columns come the limits that the spec varies, as
-`limit_<name>`, and with `trajectories = true` those of `MOTION`. Where a figure does not apply, it
-is null: durations of a jump that was not planned, outcomes of one that was not simulated. Names are
-those of `plan --json` and `simulate --json`.
+`limit_<name>`, and with `trajectories = true` those of `motion_columns`. Where a figure does not
+apply, it is null: durations of a jump that was not planned, outcomes of one that was not simulated.
+Names are those of `plan --json` and `simulate --json`.
 
 Rows are the same whatever the number of workers and the order in which they work, columns of
 `TIMES` and rows that timed out aside; with `diagnose`, which gives up after some seconds, also
@@ -145,6 +145,70 @@ _ORIGIN = (
 COLUMNS = (*_REQUEST, *_PLAN, *_PLAN_TIMES, *_OF_OUTCOME, *_ORIGIN)
 
 _MOTION_PREFIX = "motion_"
+_MOTION = (
+    *("time", "phase", "com", "com_velocity", "base_position", "base_quat", "angular_velocity"),
+    *("angular_momentum", "foot_position", "contact_force"),
+    *("joint_position", "joint_velocity", "joint_torque"),
+)
+
+
+def motion_columns() -> tuple[Column, ...]:
+    """The planned motion, in the first row of each planned jump.
+
+    `numpy.reshape(value, (knots, -1))` has a row a knot.
+    """
+    from llsrbm.files.quantity import quantities
+    from llsrbm.motion.plan import Plan
+
+    known = quantities(Plan)
+    return (
+        *(
+            Column(_MOTION_PREFIX + n, NUMBERS, known[n].unit, f"`{n}` of plan.npz, knot by knot")
+            for n in _MOTION
+        ),
+        Column(_MOTION_PREFIX + "joint_names", TEXTS, "", "order of the joints above"),
+        Column(_MOTION_PREFIX + "leg_names", TEXTS, "", "legs, likewise"),
+    )
+
+
+TIMES = (
+    Column("solve_time_s", NUMBER, "s", "inside the solver, the same in all rows of a jump"),
+    Column("plan_time_s", NUMBER, "s", "from request to plan, likewise"),
+)
+# Names and types of outcomes are those of `Outcome`.
+_OUTCOMES_OF_UNITS = {
+    "rad": ("final_yaw_error", "final_tilt", "yaw_error_at_touchdown", "peak_tilt"),
+    "m": ("final_position_error", "foot_error_at_touchdown", "foot_error"),
+    "m/s": ("final_speed",),
+    "rad/s": ("takeoff_joint_speed",),
+    "1": ("peak_torque_ratio", "peak_speed_ratio", "saturated_fraction", "real_time_factor"),
+    "Hz": ("control_rate_hz",),
+}
+_OUTCOME_UNITS = {name: unit for unit, names in _OUTCOMES_OF_UNITS.items() for name in names}
+_KINDS = {"str": TEXT, "bool": FLAG, "int": WHOLE, "float": NUMBER}
+_OF_OUTCOME = (
+    Column("landed", FLAG, "", "whether the robot stands at the end"),
+    *(
+        Column(
+            "fall" if field.name == "reason" else field.name,
+            _KINDS[str(field.type).partition(" | ")[0]],
+            "s" if field.name.endswith("_s") else _OUTCOME_UNITS.get(field.name, ""),
+            f"see Outcome.{field.name}",
+        )
+        for field in fields(Outcome)
+        if field.name not in ("status", "foot_touchdown_s")
+    ),
+)
+
+_ORIGIN = (
+    Column("simulation_time_s", NUMBER, "s", "wall time of the simulation"),
+    Column("version", TEXT, "", "of llsrbm"),
+    Column("robot_hash", TEXT, "", "of the robot file and its URDF"),
+)
+
+COLUMNS = (*_REQUEST, *_PLAN, *_PLAN_TIMES, *_OF_OUTCOME, *_ORIGIN)
+
+_MOTION_PREFIX = "motion_"
 _MOTION_UNITS = {
     "time": "s",
     "phase": "",
@@ -198,7 +262,7 @@ def schema(spec: Spec) -> pa.Schema:
         NAMED: pa.map_(pa.string(), pa.float64()),
     }
     limits = [Column(LIMIT + name, NUMBER, "SI", f"the limit {name}") for name in spec.limits]
-    columns = (*COLUMNS, *limits, *(MOTION if spec.trajectories else ()))
+    columns = (*COLUMNS, *limits, *(motion_columns() if spec.trajectories else ()))
     return pa.schema(
         [
             pa.field(name, types[kind], metadata={"unit": unit, "meaning": meaning})
@@ -222,8 +286,8 @@ def table_of(rows: Sequence[Row], wanted: pa.Schema) -> pa.Table:
 
 
 def motion_of(plan: Plan) -> Row:
-    """The columns of `MOTION`."""
-    arrays = {name: getattr(plan, name) for name in _MOTION_UNITS}
+    """The columns of `motion_columns`."""
+    arrays = {name: getattr(plan, name) for name in _MOTION}
     row = {n: None if a is None else a.astype(float).ravel() for n, a in arrays.items()}
     row |= {name: list(getattr(plan, name)) for name in ("joint_names", "leg_names")}
     return {_MOTION_PREFIX + name: value for name, value in row.items()}

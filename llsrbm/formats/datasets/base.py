@@ -29,9 +29,9 @@ class DatasetFormat:
         write: (trajectory, path, options) -> None, writes one motion at exactly that path, whole or
             not at all. Raises `InputError` if it cannot.
         options: names of what it takes of `Options`; defaults: what it takes of others.
-        check: raises `InputError` for options that it cannot take; None: it takes all.
+        check: raises `InputError` for options that it cannot take.
         finish: (data set's folder, episodes, options) -> None, once all files are there: writes
-            what is about all of them. The files may be gone after that. None: nothing is.
+            what is about all of them. The files may be gone after that.
         one_robot: whether all motions must be of the same robot.
         finished: of the data set, the file that is there once `finish` is through.
     """

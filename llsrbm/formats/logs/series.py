@@ -81,10 +81,7 @@ class Logged:
 def logged(trajectory: Trajectory, fps: float, start: float | None = None) -> Logged:
     """The motion of a plan or a rollout, with the instants of its events.
 
-    Args:
-        trajectory: of which.
-        fps: instants/s.
-        start: s of its time at which the file begins; None: with the motion.
+    `start`: s of its time at which the file begins; None: with the motion.
 
     Raises:
         InputError: a rate that makes no sense, or a robot that has other joints by now.

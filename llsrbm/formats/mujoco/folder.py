@@ -141,7 +141,6 @@ def _write_words(
     names: tuple[str, ...],
     keyframes: list[Keyframe],
 ) -> None:
-    """The README and the JSON beside the motion."""
     ctrl = motion.joint_torque
     (path / README).write_text(
         _README.format(

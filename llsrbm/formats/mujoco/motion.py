@@ -50,17 +50,7 @@ def recognises(path: Path) -> bool:
 
 
 def read_motion(path: Path, robot: Robot, fps: float | None) -> WholeBodyMotion:
-    """A motion out of such a folder, its zip, or an npz file with `qpos`.
-
-    Args:
-        path: of the file or folder.
-        robot: whose motion it is.
-        fps: frames/s, for files that do not say so.
-
-    Raises:
-        FileFormatError: damaged, not such a file, of another robot, of several motions, or without
-            a rate.
-    """
+    """A motion out of such a folder, its zip, or an npz with `qpos`; raises `FileFormatError`."""
     arrays, where = _arrays(path)
     if "qpos" not in arrays:
         raise FileFormatError(f'{where}: key "qpos" is missing; {_EXPECTED}')
@@ -86,7 +76,6 @@ def read_motion(path: Path, robot: Robot, fps: float | None) -> WholeBodyMotion:
 
 
 def _arrays(path: Path) -> tuple[Arrays, str]:
-    """The arrays of a file or folder, and its name for messages."""
     if path.is_dir():
         inner = path / _MOTION
         return read_archive(inner, only=_KEYS, expected=_EXPECTED), str(inner)
@@ -98,7 +87,6 @@ def _arrays(path: Path) -> tuple[Arrays, str]:
 
 
 def _motions(names: Mapping[str, object]) -> list[str]:
-    """Motions in the folders that a zip has."""
     return [
         name
         for name in names

@@ -32,12 +32,9 @@ _STL_TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("at
 
 @dataclass(frozen=True, eq=False)
 class Keyframe:
-    """A state under a name.
+    """A state under a name, such as "touchdown", at a time, s; arrays as in the model.
 
-    Attributes:
-        name: "touchdown", say.
-        time: s.
-        qpos, qvel, ctrl, mocap_pos: as in the model; `ctrl` None: not known.
+    `ctrl` None: not known.
     """
 
     name: str
@@ -60,14 +57,7 @@ def write_scene(
     """Write the MJCF at `path` and the robot's meshes in the folder `MESHES` beside it.
 
     Motors are in the order of the joints. Blocks are mocap bodies, put where the last keyframe has
-    them.
-
-    Args:
-        path: of the MJCF, whose folder exists.
-        robot, surroundings, disturbance: what is written.
-        timestep: s.
-        keyframes: one or more.
-        seen: centre (3,) m and size, m, of what a viewer shows at first.
+    them. `timestep`: s; `seen`: centre (3,) m and size, m, of what a viewer shows at first.
 
     Raises:
         RobotFileError: the robot cannot be simulated, or has no meshes where its URDF names them.
@@ -111,24 +101,12 @@ def _dress_world(spec: mujoco.MjSpec, centre: Array, size: float) -> None:
     spec.stat.center, spec.stat.extent = centre, size
     light = spec.visual.headlight
     light.ambient, light.diffuse, light.specular = [0.4] * 3, [0.6] * 3, [0.1] * 3
-    spec.add_texture(
-        name="sky",
-        type=mujoco.mjtTexture.mjTEXTURE_SKYBOX,
-        builtin=mujoco.mjtBuiltin.mjBUILTIN_GRADIENT,
-        rgb1=[0.85, 0.9, 0.95],
-        rgb2=[0.55, 0.65, 0.75],
-        width=64,
-        height=384,
-    )
-    spec.add_texture(
-        name="ground",
-        type=mujoco.mjtTexture.mjTEXTURE_2D,
-        builtin=mujoco.mjtBuiltin.mjBUILTIN_CHECKER,
-        rgb1=[0.75, 0.75, 0.75],
-        rgb2=[0.65, 0.65, 0.65],
-        width=256,
-        height=256,
-    )
+    kinds, made = mujoco.mjtTexture, mujoco.mjtBuiltin
+    sky = {"type": kinds.mjTEXTURE_SKYBOX, "builtin": made.mjBUILTIN_GRADIENT, "width": 64}
+    blue, pale = [0.55, 0.65, 0.75], [0.85, 0.9, 0.95]
+    spec.add_texture(name="sky", rgb1=pale, rgb2=blue, height=384, **sky)
+    tiles = {"type": kinds.mjTEXTURE_2D, "builtin": made.mjBUILTIN_CHECKER, "width": 256}
+    spec.add_texture(name="ground", rgb1=[0.75] * 3, rgb2=[0.65] * 3, height=256, **tiles)
     ground = spec.add_material(name="ground", texrepeat=[2, 2], texuniform=True)
     ground.textures[mujoco.mjtTextureRole.mjTEXROLE_RGB] = "ground"
     for geom in spec.geoms:

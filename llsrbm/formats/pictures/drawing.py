@@ -128,10 +128,7 @@ def draw(
 ) -> Drawing:
     """Everything that is drawn of a plan or a rollout.
 
-    Args:
-        trajectory: what is drawn.
-        fps: instants/s; pad: s of standing still before and after.
-        with_instants: have those as well at which contacts change; nothing is padded then.
+    `with_instants`: have those as well at which contacts change; nothing is padded then.
 
     Raises:
         InputError: as `whole_body_motion` does, or the motion has numbers that are none.
@@ -176,11 +173,8 @@ def view_of(
 ) -> View:
     """A camera that does not move and sees the robot all the time, as large as that allows.
 
-    Args:
-        drawing: what is looked at.
-        aspect: width / height of the picture.
-        camera: azimuth and elevation, deg, and distance, m; None: from where the page looks, as far
-            away as it takes.
+    `aspect`: width / height of the picture; `camera`: azimuth and elevation, deg, and distance, m;
+    None: from where the page looks, as far away as it takes.
     """
     centres, radii = drawing.spheres
     if camera is None:

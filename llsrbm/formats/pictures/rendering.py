@@ -24,12 +24,10 @@ _PIECE = 1 / 30  # s, of a trail
 
 
 def draw_film(film: dict[str, Any], drawn_by: str, write: Callable[[bytes], object]) -> None:
-    """Draw a film, picture after picture: rows of red, green, blue from the top.
+    """Draw a film of `llsrbm.formats.pictures.video`, picture after picture.
 
-    Args:
-        film: as `llsrbm.formats.pictures.video` makes it.
-        drawn_by: what OpenGL calls what it draws with.
-        write: takes each picture.
+    `drawn_by`: what OpenGL calls what it draws with; `write` takes each picture: rows of red,
+    green, blue from the top.
     """
     width, height = film["size"]
     smooth = width * height <= _FEW_PIXELS or not drawn_by.startswith(_PROCESSORS)

