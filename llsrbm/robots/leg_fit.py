@@ -225,5 +225,5 @@ def _encode(fit: LegFit) -> dict[str, Any]:
 
 def _decode(stored: dict[str, Any]) -> LegFit:
     residuals = json.loads(str(stored.pop("residuals")))
-    values = {name: value if value.ndim else float(value) for name, value in stored.items()}
+    values: dict[str, Any] = {n: a if a.ndim else float(a) for n, a in stored.items()}
     return LegFit(**values, residuals=residuals)

@@ -161,79 +161,17 @@ def motion_columns() -> tuple[Column, ...]:
     from llsrbm.motion.plan import Plan
 
     known = quantities(Plan)
+    numbers = (
+        Column(_MOTION_PREFIX + n, NUMBERS, known[n].unit, f"`{n}` of plan.npz, knot after knot")
+        for n in _MOTION
+    )
+    names = "joints, in the order of the columns above"
     return (
-        *(
-            Column(_MOTION_PREFIX + n, NUMBERS, known[n].unit, f"`{n}` of plan.npz, knot by knot")
-            for n in _MOTION
-        ),
-        Column(_MOTION_PREFIX + "joint_names", TEXTS, "", "order of the joints above"),
+        *numbers,
+        Column(_MOTION_PREFIX + "joint_names", TEXTS, "", names),
         Column(_MOTION_PREFIX + "leg_names", TEXTS, "", "legs, likewise"),
     )
 
-
-TIMES = (
-    Column("solve_time_s", NUMBER, "s", "inside the solver, the same in all rows of a jump"),
-    Column("plan_time_s", NUMBER, "s", "from request to plan, likewise"),
-)
-# Names and types of outcomes are those of `Outcome`.
-_OUTCOMES_OF_UNITS = {
-    "rad": ("final_yaw_error", "final_tilt", "yaw_error_at_touchdown", "peak_tilt"),
-    "m": ("final_position_error", "foot_error_at_touchdown", "foot_error"),
-    "m/s": ("final_speed",),
-    "rad/s": ("takeoff_joint_speed",),
-    "1": ("peak_torque_ratio", "peak_speed_ratio", "saturated_fraction", "real_time_factor"),
-    "Hz": ("control_rate_hz",),
-}
-_OUTCOME_UNITS = {name: unit for unit, names in _OUTCOMES_OF_UNITS.items() for name in names}
-_KINDS = {"str": TEXT, "bool": FLAG, "int": WHOLE, "float": NUMBER}
-_OF_OUTCOME = (
-    Column("landed", FLAG, "", "whether the robot stands at the end"),
-    *(
-        Column(
-            "fall" if field.name == "reason" else field.name,
-            _KINDS[str(field.type).partition(" | ")[0]],
-            "s" if field.name.endswith("_s") else _OUTCOME_UNITS.get(field.name, ""),
-            f"see Outcome.{field.name}",
-        )
-        for field in fields(Outcome)
-        if field.name not in ("status", "foot_touchdown_s")
-    ),
-)
-
-_ORIGIN = (
-    Column("simulation_time_s", NUMBER, "s", "wall time of the simulation"),
-    Column("version", TEXT, "", "of llsrbm"),
-    Column("robot_hash", TEXT, "", "of the robot file and its URDF"),
-)
-
-COLUMNS = (*_REQUEST, *_PLAN, *_PLAN_TIMES, *_OF_OUTCOME, *_ORIGIN)
-
-_MOTION_PREFIX = "motion_"
-_MOTION_UNITS = {
-    "time": "s",
-    "phase": "",
-    "com": "m",
-    "com_velocity": "m/s",
-    "base_position": "m",
-    "base_quat": "",
-    "angular_velocity": "rad/s",
-    "angular_momentum": "kg m2/s",
-    "foot_position": "m",
-    "contact_force": "N",
-    "joint_position": "rad",
-    "joint_velocity": "rad/s",
-    "joint_torque": "Nm",
-}
-MOTION = (
-    *(
-        Column(_MOTION_PREFIX + name, NUMBERS, unit, f"`{name}` of plan.npz, knot after knot")
-        for name, unit in _MOTION_UNITS.items()
-    ),
-    Column(_MOTION_PREFIX + "joint_names", TEXTS, "", "joints, in the order of the columns above"),
-    Column(_MOTION_PREFIX + "leg_names", TEXTS, "", "legs, likewise"),
-)
-"""The planned motion, in the first row of each planned jump: `numpy.reshape(value, (knots, -1))`
-has a row a knot."""
 
 TIMES = (
     *("solve_time_s", "plan_time_s", "simulation_time_s"),
