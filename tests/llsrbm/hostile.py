@@ -100,67 +100,20 @@ def flipped(seeds, rng):
     return bytes(content)
 
 
-def flipped_directory(seeds, rng):
-    """Bytes of local headers, of the directory at the end, or of what leads to it."""
-    content = bytearray(seeds.file(rng))
-    signature = pick(rng, [b"PK\3\4", b"PK\1\2", b"PK\5\6"])
-    places, at = [], content.find(signature)
-    while at >= 0:
-        places.append(at)
-        at = content.find(signature, at + 1)
-    for _ in range(rng.integers(1, 4)):
-        at = pick(rng, places) + int(rng.integers(4, 60))
-        if at < len(content):
-            content[at] = pick(rng, [0, 1, 255, int(rng.integers(256))])
-    return bytes(content)
-
-
 def cut(seeds, rng):
     """Shorter: an end, a beginning or a piece in the middle is missing; or something is added."""
     content = seeds.file(rng)
     a, b = sorted(rng.integers(0, len(content), 2))
-    return pick(
-        rng,
-        [
-            content[:a],
-            content[a:],
-            content[:a] + content[b:],
-            content + rng.bytes(30),
-            content[:64],
-        ],
-    )
-
-
-def spliced(seeds, rng):
-    """Two files in one."""
-    one, other = seeds.file(rng), seeds.file(rng)
-    at = int(rng.integers(len(one)))
-    return one[:at] + pick(rng, [other, other[min(at, len(other)) :]])
+    whole = content + rng.bytes(30)
+    return pick(rng, [content[:a], content[a:], content[:a] + content[b:], whole, content[:64]])
 
 
 _PIECES = (
-    *(
-        "(",
-        ")",
-        "'",
-        '"',
-        "'''",
-        "\\",
-        "\\x",
-        "\n",
-        "\t",
-        "#",
-        "{",
-        "}",
-        "[",
-        ",",
-        "0x",
-        "1e9",
-        "-1",
-    ),
-    *("0o", "07", "1_0", "99999999999999999999", "True", "None", "L", "u''", "b'x'", "\0", "\x0c"),
-    *("__import__('os')", "[" * 300, "(" * 3000, "-" * 500, "9" * 5000, "  \n ", "|O", "<M8[ns]"),
-    *("'<f8', 'extra': 1", "<U0", "<U999999999", "<f16", ">f8", "|V8", "[('a', '<f8')]", "é", "\r"),
+    "[('a', '<f8')]",
+    *"()'\"\\#{}[,L\n\t\r\0\x0cé",
+    *("'''", "\\x", "0x", "1e9", "-1", "0o", "07", "1_0", "True", "None", "u''", "b'x'"),
+    *("[" * 300, "(" * 3000, "-" * 500, "9" * 5000, "9" * 20, "  \n ", "<M8[ns]"),
+    *("|O", "|V8", "<f16", ">f8", "__import__('os')", "'<f8', 'extra': 1", "<U0", "<U999999999"),
 )
 
 
@@ -234,51 +187,12 @@ def other_arrays(seeds, rng):
                 axis = int(rng.integers(value.ndim))
                 value = np.repeat(value, pick(rng, [0, 2, 3]), axis=axis)
             else:
-                value = pick(
-                    rng,
-                    [
-                        np.array(1.0),
-                        np.zeros(0),
-                        np.zeros((0, 7)),
-                        np.zeros(3, [("a", "f8"), ("b", "i4")]),
-                        np.array("text"),
-                        np.array(["\ud800"]),
-                        np.zeros((1,) * 9),
-                        np.full(value.shape, "a" * 40),
-                    ],
-                )
+                numbers = [np.array(1.0), np.zeros(0), np.zeros((0, 7)), np.zeros((1,) * 9)]
+                texts = [np.array("text"), np.array(["\ud800"]), np.full(value.shape, "a" * 40)]
+                value = pick(rng, [*numbers, *texts, np.zeros(3, [("a", "f8"), ("b", "i4")])])
         arrays[key] = value
     if rng.random() < 0.1:
         arrays.pop(pick(rng, list(arrays)))
-    return packed(arrays)
-
-
-def other_sizes(seeds, rng):
-    """Every array that has legs, contacts, joints or times has another number of them."""
-    arrays = seeds.some(rng)
-    sizes = {}
-    for key, value in arrays.items():
-        for n in value.shape:
-            if n not in (3, 4):
-                sizes[n] = sizes.get(n) or pick(rng, [n, n, 1, 2, n + 1, 2 * n, 0, 1001])
-        wanted = [sizes.get(n, n) for n in value.shape]
-        for axis, n in enumerate(wanted):
-            if value.shape[axis]:
-                value = np.take(value, np.arange(n) % value.shape[axis], axis=axis)
-        arrays[key] = value
-    arrays["time"] = np.linspace(0, pick(rng, [1, 1e-8, 99, 101, 1e9]), len(arrays["time"]))
-    if rng.random() < 0.7:
-        names = len(arrays["joint_names"])
-        arrays["joint_names"] = np.array([f"joint{i}" for i in range(names)] or ["x"])[:names]
-    if "foot_position" in arrays and rng.random() < 0.6:
-        legs = int(rng.integers(1, 6))
-        for key, value in arrays.items():
-            if value.ndim > 1 and value.shape[1] == 4 and key not in ("base_quat",):
-                arrays[key] = np.take(value, np.arange(legs) % 4, axis=1)
-        if "leg_mass" in arrays:
-            arrays["leg_mass"] = np.ones(legs)
-    if "phase" in arrays:
-        arrays["phase"] = np.sort(arrays["phase"])
     return packed(arrays)
 
 
@@ -290,35 +204,16 @@ def cast(value, kind):
 
 
 JSON_VALUES = (
+    *("null", "true", "-1", "0", "1e400", "1e-320", "NaN", "-Infinity", "[]", "{}", "[[]]"),
+    *("9" * 400, "9" * 5000, '"text"', '"' + "x" * 3000 + '"', '"\\ud800"', '"NaN"'),
+    *('"\\u0000\\n\\u001b[2J"', "[" * 100 + "]" * 100, "[" * 3000 + "]" * 3000, "[1, 2]"),
     *(
-        "null",
-        "true",
-        "-1",
-        "0",
-        "1e400",
-        "NaN",
-        "-Infinity",
-        "9" * 400,
-        "9" * 5000,
-        '"text"',
-        "[]",
-    ),
-    *(
-        '"' + "x" * 3000 + '"',
-        '"\\ud800"',
-        '"\\u0000\\n\\u001b[2J"',
-        "{}",
-        "[[]]",
-        "[1, 2]",
-        "1e-320",
-    ),
-    *(
-        "[" * 100 + "]" * 100,
-        "[" * 3000 + "]" * 3000,
         '{"a": ' * 150 + "1" + "}" * 150,
+        '{"a": 1, "a": 2}',
         '"/etc/passwd"',
+        '"/dev/zero"',
+        f"{2**64 + 1}",
     ),
-    *('"../../x.toml"', '"/dev/zero"', '"NaN"', '{"a": 1, "a": 2}', "18446744073709551617"),
 )
 
 
@@ -412,15 +307,7 @@ def archives(seeds, rng):
         bomb[place : place + 4] = struct.pack("<L", 200)
         return bytes(bomb)
     if choice == 4:
-        strange = [
-            "../x.npy",
-            "/etc/x.npy",
-            "a\\b.npy",
-            "x" * 60000 + ".npy",
-            "é\n.npy",
-            "x.txt",
-            "x/",
-        ]
+        strange = ["../x.npy", "/etc/x.npy", "a\\b.npy", "x" * 60000 + ".npy", "é\n.npy", "x/"]
         return zipped([*members, (pick(rng, strange), pick(rng, [array, b"", content]))])
     if choice == 5:
         return zipped([("plan.npz", content)])
@@ -437,32 +324,9 @@ def archives(seeds, rng):
     return zipped([(n, huge if n == name else c) for n, c in members])
 
 
-def strangers(seeds, rng):
-    """Files of other kinds."""
-    return pick(
-        rng,
-        [
-            b"",
-            rng.bytes(int(rng.integers(1, 3000))),
-            b"PK\5\6" + bytes(18),
-            b"PK\3\4" + bytes(40) + b"PK\5\6" + bytes(18),
-            b"time [s],com/x [m]\n0,1\n",
-            b'{"schema": "llsrbm.design/1", "jump": {"robot": "anymal", "model": "srbm"}}',
-            b'name = "x"\n[urdf]\n',
-            npy(np.zeros(3)),
-            "päck".encode() * 300,
-            zipped([("readme.txt", b"hello")]),
-            packed({"fps": np.array([50.0]), "joint_pos": np.zeros((3, 12))}),
-        ],
-    )
-
-
 DAMAGE: dict[str, Callable[[Seeds, Rng], bytes]] = {
     each.__name__: each
-    for each in (
-        *(flipped, flipped_directory, cut, spliced, header_text, other_arrays, other_sizes),
-        *(other_meta, pickled, archives, strangers),
-    )
+    for each in (*(flipped, cut, header_text, other_arrays), *(other_meta, pickled, archives))
 }
 
 

@@ -6,12 +6,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from llsrbm.analysis.landing_region import (
-    SIDES,
-    Touchdown,
-    expected_touchdown,
-    landing_regions,
-)
+from llsrbm.analysis.landing_region import SIDES, Touchdown, expected_touchdown, landing_regions
 from llsrbm.motion.replan import Replan, followed
 from llsrbm.request.jump import Jump
 from llsrbm.robots import load_robot

@@ -9,12 +9,11 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import llsrbm
-from llsrbm.body.joint_loads import JointLoads, joint_loads
+from llsrbm.body.joint_loads import joint_loads
 from llsrbm.body.knot_motion import KnotMotion
 from llsrbm.body.postures import solve_postures
 from llsrbm.request.schedule import together
 from llsrbm.robots import load_robot
-from tests.llsrbm.planning.solved import solved
 
 ROBOTS = ("anymal", "go2", "slider")
 WEIGHT = np.array([0.0, 0.0, 9.81])
@@ -155,22 +154,6 @@ def test_what_the_drives_give_is_the_gain_in_energy(planned):
     assert power @ dt == pytest.approx(gain, abs=0.02 * np.abs(power) @ dt)
 
 
-def test_of_a_run_up_the_drives_give_the_gain_in_speed_too():
-    plan = solved("llsrbm-plus", "run-up").plan
-    loads = joint_loads(load_robot("anymal"), KnotMotion.of_plan(plan))
-    power, mass = loads.power.sum(axis=1), load_robot("anymal").mass
-    speeds = np.linalg.norm(plan.com_velocity[[0, -1]], axis=1)
-    gain = mass * np.diff(speeds**2)[0] / 2
-    assert power @ np.diff(plan.time) == pytest.approx(
-        gain, abs=0.02 * np.abs(power) @ np.diff(plan.time)
-    )
-    # Standing feet, moving body: joints turn at both ends as the postures there do.
-    for end, beside in ((0, 1), (-1, -2)):
-        step = plan.time[end] - plan.time[beside]
-        speed = (plan.joint_position[end] - plan.joint_position[beside]) / step
-        np.testing.assert_allclose(plan.joint_velocity[end], speed, atol=0.5)
-
-
 def test_speeds_at_the_knots_are_those_of_the_postures(planned):
     """Differences of the plan's own postures, within the phases."""
     plan, robot, loads = planned
@@ -203,37 +186,3 @@ def test_nonsense_does_not_raise(planned):
     time[3] = time[2]
     loads = joint_loads(robot, replace(KnotMotion.of_plan(plan), time=time))
     assert loads.joint_torque.shape == (len(time) - 1, len(robot.joint_names))
-
-
-def _loads(torque, available):
-    torque, available = np.array(torque), np.array(available)
-    still = np.zeros_like(torque)
-    count, joints = torque.shape
-    return JointLoads(
-        time=0.1 * np.arange(count) + 0.05,
-        knot_time=0.1 * np.arange(count + 1),
-        schedule=together(("left", "right")),
-        phase=np.arange(count),
-        joint_names=("hip", "knee")[:joints],
-        joint_position=still,
-        joint_velocity=still + 2.0,
-        joint_acceleration=still,
-        joint_torque=torque,
-        torque_available=available,
-        base_residual=np.tile([3.0, 4.0, 0.0, 0.0, 0.0, 2.0], (count, 1)),
-        foot_residual=np.zeros(count),
-        knot_position=np.zeros((count + 1, joints)),
-        knot_velocity=np.zeros((count + 1, joints)),
-        standing_torque=np.full(joints, 3.0),
-        standing_limit=np.full(joints, 40.0),
-    )
-
-
-def test_shares_of_what_is_available():
-    loads = _loads([[10.0, -30.0], [5.0, 0.0]], [[40.0, 40.0], [40.0, 0.0]])
-    np.testing.assert_allclose(loads.torque_ratio, [[0.25, 0.75], [0.125, 0.0]])
-    worst = loads.worst()
-    assert (worst.joint, worst.phase, worst.time) == ("knee", "take-off", 0.05)
-    assert (worst.torque, worst.available, worst.ratio) == (-30.0, 40.0, 0.75)
-    np.testing.assert_allclose(loads.power, [[20.0, -60.0], [10.0, 0.0]])
-    assert loads.residual_rms == pytest.approx((5.0, 2.0))

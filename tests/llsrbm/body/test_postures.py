@@ -3,8 +3,6 @@
 import numpy as np
 import pinocchio as pin
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 from llsrbm.body.postures import joint_speeds, solve_postures
 from llsrbm.errors import InputError
@@ -95,25 +93,6 @@ def test_standing_gives_the_default_posture(name):
     postures = solve_postures(robot, robot.com[None], [[1, 0, 0, 0]], robot.feet[None], level)
     np.testing.assert_allclose(postures.joint_position[0], robot.posture[7:], atol=1e-6)
     np.testing.assert_allclose(postures.base_position[0], robot.base_position, atol=1e-6)
-
-
-@settings(deadline=None, max_examples=25)
-@given(
-    yaw=st.floats(-3.14, 3.14),
-    forward=st.floats(-0.5, 1.0),
-    tuck=st.floats(0, 0.4),
-    shuffle=st.randoms(use_true_random=False),
-)
-def test_knots_do_not_depend_on_their_neighbours(yaw, forward, tuck, shuffle):
-    """The branch of the kinematics is that of the standing posture, whatever comes before."""
-    robot = load_robot("anymal")
-    com, quat, feet = Motion(robot, yaw, forward, tuck).sample(np.linspace(0, 1, 9))
-    order = list(range(9))
-    shuffle.shuffle(order)
-    once = solve_postures(robot, com, quat, feet)
-    again = solve_postures(robot, com[order], quat[order], feet[order])
-    assert once.residual_m.max() < 1e-6
-    np.testing.assert_allclose(once.joint_position[order], again.joint_position, atol=1e-5)
 
 
 def test_a_foot_out_of_reach_is_reported_and_spoils_nothing_else():

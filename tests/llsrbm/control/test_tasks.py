@@ -140,9 +140,7 @@ def test_standing_foot_rolls():
     dt = 1e-4
     # v_touching = v_centre + omega x (-r z) stays constant.
     np.testing.assert_allclose(
-        moved(SEED, a, dt).contact_velocity[3],
-        moved(SEED, a, -dt).contact_velocity[3],
-        atol=2e-6,
+        moved(SEED, a, dt).contact_velocity[3], moved(SEED, a, -dt).contact_velocity[3], atol=2e-6
     )
 
 

@@ -81,18 +81,12 @@ HEADER = "{'descr': '<f8', 'fortran_order': False, 'shape': (10, 3), }\n"
         "(" * 5000,  # MemoryError or RecursionError of Python's parser
         "-" * 9999 + "1",
         HEADER.replace("(10, 3)", "(10, 3) if 1 else 2"),
-        HEADER.replace("(10, 3)", "(-10, -3)"),
         HEADER.replace("(10, 3)", "(99999999999, 99999999999)"),
-        HEADER.replace("(10, 3)", "(0, 99999999999)"),
         HEADER.replace("(10, 3)", "(10, 4)"),
-        HEADER.replace("(10, 3)", "(10, 3, 0)"),
         HEADER.replace("(10, 3)", "(1, 1, 1, 1, 1, 1, 1, 10, 3)"),
         HEADER.replace("'<f8'", "'|O'"),
-        HEADER.replace("'<f8'", "'<f16'"),
-        HEADER.replace("'<f8'", "'<U0'"),
         HEADER.replace("'<f8'", "'<U999999999'"),
         HEADER.replace("'<f8'", "'<M8[ns]'"),
-        HEADER.replace("'<f8'", "'<q8'"),
         HEADER.replace("'<f8'", "[('a', '<f8')]"),
         "\x00" * 80,
         "",
@@ -112,25 +106,6 @@ def test_text_of_numbers_that_are_no_letters(plan, tmp_path, key, letter):
     letters[1] = letter
     text = letters.view(plan[key].dtype).reshape(plan[key].shape)
     assert f'key "{key}": holds what is no text' in said_of(packed(plan, **{key: text}), tmp_path)
-
-
-def test_numbers_of_other_machines_are_read(plan, tmp_path):
-    """Big-endian, in columns, single precision."""
-    (tmp_path / "a.npz").write_bytes(packed(plan))
-    changed = {
-        "com": plan["com"].astype(">f8"),
-        "joint_names": plan["joint_names"].astype(plan["joint_names"].dtype.newbyteorder(">")),
-        "contact_force": np.asfortranarray(plan["contact_force"]),
-        "phase": plan["phase"].astype("i1"),
-        "leg_mass": plan["leg_mass"].astype("f4"),
-    }
-    (tmp_path / "b.npz").write_bytes(packed(plan, **changed))
-    a, b = load(tmp_path / "a.npz"), load(tmp_path / "b.npz")
-    assert a.joint_names == b.joint_names
-    for key in ("com", "contact_force", "phase", "leg_mass"):
-        np.testing.assert_array_equal(getattr(a, key), getattr(b, key))
-        assert getattr(b, key).dtype.isnative
-        assert getattr(b, key).flags.writeable
 
 
 class TestSizes:
@@ -196,7 +171,6 @@ class TestArraysThatDisagree:
             ({"joint_names": lambda v: np.array(["", *v[1:]])}, "each of them once"),
             ({"joint_names": lambda v: np.array(["a\x1b[2J", *v[1:]])}, "each of them once"),
             ({"joint_names": lambda v: np.array(["\ud800", *v[1:]])}, "no text"),
-            ({"joint_names": lambda v: np.array(["a" * 201, *v[1:]])}, "texts of 201 letters"),
             ({"base_mass": lambda v: 0 * v}, "expected masses"),
             ({"leg_mass": lambda v: -v}, "expected masses"),
             ({"time": lambda v: 1e-12 * v}, "strictly increasing"),
@@ -209,14 +183,6 @@ class TestArraysThatDisagree:
                     "contact_force": lambda v: np.repeat(v, 2, axis=1)[:, :7],
                 },
                 "as many contacts for each of 4 legs, got 7",
-            ),
-            (
-                dict.fromkeys(
-                    ("joint_position", "joint_velocity", "joint_torque", "joint_torque_limit"),
-                    lambda v: v[:, :0],
-                )
-                | {"joint_names": lambda v: v[:0]},
-                "at least 1 of each",
             ),
             (
                 dict.fromkeys(

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 import llsrbm
-from llsrbm import cli
 from llsrbm.files.quantity import JOINT, SIZES, TIME, Between, Kind, derived, quantities
 from llsrbm.formats.table import columns
 from llsrbm.motion.plan import Plan
@@ -111,17 +110,3 @@ def test_columns_of_a_table_are_made_of_it(plan):
         assert f"joint_velocity/{joint} [{position}/s]" in named
         assert f"joint_torque/{joint} [{torque}]" in named
         assert f"joint_torque_limit/{joint} [{torque}]" in named
-
-
-@pytest.mark.parametrize("name", ["npz", "csv"])
-def test_formats_tell_them_all(capfd, name):
-    assert cli.main(["formats", "--format", name]) == 0
-    lines = capfd.readouterr().out.splitlines()
-    for of in (Plan, Rollout):
-        start = lines.index(f"{of.__name__}: name, shape, unit, frame, meaning") + 1
-        rows = lines[start : start + len(quantities(of))]
-        for row, (key, quantity) in zip(rows, quantities(of).items(), strict=True):
-            assert row.split()[0] == key
-            assert ", ".join(map(str, quantity.shape)) in row
-            assert quantity.meaning in row
-            assert quantity.frame in row

@@ -9,9 +9,6 @@ import pytest
 from llsrbm import cli
 from llsrbm.analysis.figures import figures_of_motion, figures_of_plan
 from llsrbm.formats import export, load_any
-from llsrbm.motion.plan import Plan
-from llsrbm.motion.rollout import Rollout
-from llsrbm.motion.whole_body import WholeBodyMotion
 from tests.llsrbm.formats.jumps import planned, simulated
 
 
@@ -24,19 +21,6 @@ def folder(tmp_path_factory):
     export(planned("anymal"), made / "tracking.npz", format="motion-npz", fps=100)
     (made / "cut.npz").write_bytes((made / "plan.npz").read_bytes()[:1000])
     return made
-
-
-@pytest.mark.parametrize(
-    ("name", "kind"),
-    [
-        ("plan.npz", Plan),
-        ("run.npz", Rollout),
-        ("unitree.csv", WholeBodyMotion),
-        ("tracking.npz", WholeBodyMotion),
-    ],
-)
-def test_each_is_opened_as_what_it_is(folder, name, kind):
-    assert isinstance(load_any(folder / name), kind)
 
 
 @pytest.mark.parametrize("name", ["unitree.csv", "tracking.npz"])

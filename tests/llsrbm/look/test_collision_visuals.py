@@ -9,10 +9,7 @@ import pytest
 from llsrbm.cache import ENVIRONMENT_VARIABLE
 from llsrbm.look.collision_visuals import collision_visuals, visuals_at_once
 from llsrbm.look.viewpoint import viewpoint
-from llsrbm.look.visuals import (
-    forward_kinematics,
-    needs_preparation,
-)
+from llsrbm.look.visuals import forward_kinematics, needs_preparation
 from llsrbm.robots import load_robot, names
 
 

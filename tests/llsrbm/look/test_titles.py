@@ -16,22 +16,15 @@ PUSH = Push(0.4, (0, 12, 0))
     ("title", "decisions"),
     [
         ("90° llsrbm-plus", (TWIST,)),
-        ("on the spot llsrbm-plus", (Jump(),)),
         (
             "-45° + 30 cm back + 12.5 cm right + 10 cm down srbm",
             (Jump("anymal", "srbm", -math.pi / 4, -0.3, -0.125, -0.1),),
         ),
-        ("slider 35 cm up llsrbm", (Jump("slider", "llsrbm", height=0.35),)),
         ("my 20 cm forward srbm", (Jump("/some/where/my.toml", "srbm", forward=0.2),)),
-        (
-            "90° llsrbm-plus, swing 2, foot clearance 0.1",
-            (TWIST, Tuning({"swing": 2}, {"foot_clearance": 0.1})),
-        ),
         (
             "90° llsrbm-plus, seed 7, half board 25 mm",
             (TWIST, Tuning(), Scenario(board=0.025, half_board=True, seed=7)),
         ),
-        ("90° llsrbm-plus", (TWIST, Tuning(), Scenario())),
         (
             "90° llsrbm-plus, seed 0, noise 2, norm, trunk +12 %",
             (TWIST, Tuning(), Scenario(noise=2.0, detector="norm", trunk_mass=0.12)),
@@ -56,13 +49,7 @@ PUSH = Push(0.4, (0, 12, 0))
             "2 x front flip + 90° llsrbm-plus",
             (Jump(type="flip", pitch=2 * math.tau, twist=math.pi / 2),),
         ),
-        (
-            "roll to the left + 10 cm left llsrbm-plus",
-            (Jump(type="flip", roll=-math.tau, lateral=0.1),),
-        ),
-        ("flip on the spot llsrbm-plus", (Jump(type="flip"),)),
         ("2 hops of 20 cm forward llsrbm-plus", (Jump(type="hops", forward=0.2, hops=2),)),
-        ("3 hops on the spot llsrbm-plus", (Jump(type="hops", hops=3),)),
         (
             "rear-last 90° + 30 cm forward llsrbm-plus",
             (Jump(type="rear-last", twist=math.pi / 2, forward=0.3),),
@@ -70,10 +57,6 @@ PUSH = Push(0.4, (0, 12, 0))
         (
             "run-up 30 cm forward from 0.5 m/s to 0.25 m/s llsrbm-plus",
             (Jump(type="run-up", forward=0.3, speed=0.5, end_speed=0.25),),
-        ),
-        (
-            "mine back flip llsrbm-plus",
-            (Jump(type="/some/where/mine.toml", pitch=-math.tau),),
         ),
     ],
 )

@@ -135,11 +135,6 @@ def _of_legs(robot, axes):
     )
 
 
-def vectors(top: float = 3.0):
-    """Hypothesis: (3,)."""
-    return st.tuples(*[st.floats(-top, top)] * 3).map(np.array)
-
-
 @cache
 def _functions(model, standing: tuple[int, ...]) -> dict[str, ca.Function]:
     """The model's expressions as functions, of feet of which `standing` are seen from the CoM."""

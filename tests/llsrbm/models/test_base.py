@@ -15,12 +15,10 @@ from tests.llsrbm.models.postures import (
     ROBOT,
     SLIDER,
     evaluate,
-    evaluate_momentum,
     feet_in_reach,
     feet_of,
     random_motions,
     rates,
-    vectors,
 )
 
 MODELS = {
@@ -41,13 +39,6 @@ def column(matrix) -> np.ndarray:
 
 def dm(feet) -> ca.DM:
     return ca.DM(feet.T)
-
-
-def some_feet(robot, count, rng) -> np.ndarray:
-    """(count, L, d), mirrored hip frame, anywhere in the reach box."""
-    reach, yaw, d = robot.file.reach, robot.file.foot.yaw, robot.foot_coordinates
-    lower, upper = [*reach.lower, yaw[0]][:d], [*reach.upper, yaw[1]][:d]
-    return rng.uniform(lower, upper, size=(count, len(robot.legs), d))
 
 
 def full_mirrors(model) -> np.ndarray:
@@ -120,56 +111,6 @@ def test_rate_is_the_slope_of_the_offset(robot, model, data):
     step = 1e-3  # exact: the map is affine
     slope = (model.base_offset(dm(x + step * xdot)) - model.base_offset(dm(x))) / step
     np.testing.assert_allclose(column(model.base_offset_rate(dm(xdot))), column(slope), atol=1e-10)
-
-
-@every_model
-@quickly
-@given(data=st.data())
-def test_momentum_is_inertia_times_rate_plus_the_legs(robot, model, data):
-    x = data.draw(feet_in_reach(robot))
-    xdot = data.draw(rates(robot=robot))
-    w = data.draw(vectors())
-    offset = model.base_offset(dm(x))
-    direct = ca.mtimes(model.inertia(dm(x), offset), ca.DM(w)) + model.legs_momentum(
-        dm(x), dm(xdot), offset
-    )
-    whole = model.angular_momentum(dm(x), dm(xdot), ca.DM(w), offset)
-    np.testing.assert_allclose(column(whole), column(direct), atol=1e-12)
-    np.testing.assert_allclose(
-        evaluate_momentum(model, x[None], xdot[None], w[None])[0], column(direct), atol=1e-12
-    )
-
-
-@every_model
-@quickly
-@given(data=st.data())
-def test_inertia_is_a_bodys(robot, model, data):
-    """Symmetric, positive, and no axis heavier than the two others together."""
-    x = data.draw(feet_in_reach(robot))
-    inertia = np.array(ca.DM(model.inertia(dm(x), model.base_offset(dm(x)))))
-    np.testing.assert_allclose(inertia, inertia.T, atol=1e-12)
-    moments = np.linalg.eigvalsh(inertia)
-    assert moments[0] > 0
-    assert moments[0] + moments[1] >= moments[2]
-
-
-@every_model
-def test_mirror_images_mirror(robot, model):
-    """Left and right exchanged: inertia and momentum are those of the robot in the mirror."""
-    rng = np.random.default_rng(4)
-    x = some_feet(robot, 20, rng)
-    xdot, w = rng.normal(size=x.shape), rng.normal(size=(20, 3))
-    swap, flip = [1, 0, 3, 2][: model.legs], np.diag([1.0, -1.0, 1.0])
-    offset, inertia, leg_com = evaluate(model, x)
-    swapped = evaluate(model, x[:, swap])
-    # The URDF itself is symmetric only to within a few grams and millimetres.
-    np.testing.assert_allclose(swapped[0], offset @ flip, atol=3e-3)
-    np.testing.assert_allclose(swapped[1], flip @ inertia @ flip, atol=0.03)
-    np.testing.assert_allclose(swapped[2], (leg_com @ flip)[:, swap], atol=3e-3)
-    momentum = evaluate_momentum(model, x, xdot, w)
-    # Angular velocity and momentum are pseudovectors.
-    there = evaluate_momentum(model, x[:, swap], xdot[:, swap], -w @ flip)
-    np.testing.assert_allclose(there, -momentum @ flip, atol=0.1)
 
 
 @every_model

@@ -7,9 +7,7 @@ import casadi as ca
 import numpy as np
 import pytest
 from hypothesis import given, settings
-from hypothesis import strategies as st
 
-from benchmarks.leg_fit import plus_inertia_and_momentum
 from llsrbm.models.llsrbm import LLSRBM
 from llsrbm.models.llsrbm_plus import LLSRBMPlus
 from llsrbm.models.srbm import SRBM
@@ -107,27 +105,6 @@ def test_the_com_moves_as_its_map_says(x, xdot):
         )
         rate = np.array(MODEL.leg_com_rate(ca.DM(foot), ca.DM(speed)))
         np.testing.assert_allclose(rate, (ahead - behind) / (2 * step), atol=1e-8)
-
-
-@pytest.mark.parametrize("model", [MODEL, SLIDING], ids=["anymal", "slider"])
-@settings(max_examples=40, deadline=None)
-@given(data=st.data())
-def test_the_same_in_numpy(model, data):
-    """The benchmark's formulas, written from the feet seen from the CoM."""
-    robot = ROBOT if model is MODEL else SLIDER
-    x, xdot = data.draw(feet_in_reach(robot)), data.draw(rates(robot=robot))
-    offset = evaluate(model, x[None])[0]
-    offset_rate = np.array(ca.DM(model.base_offset_rate(ca.DM(xdot.T)))).T
-    yaw, yaw_rate = (model.mirrors.prod(axis=1)[:, None] * a[:, 3:] for a in (x, xdot))
-    beta = np.hstack([offset[0] + model.hips + model.mirrors * x[:, :3], yaw])
-    beta_rate = np.hstack([offset_rate[0] + model.mirrors * xdot[:, :3], yaw_rate])
-    inertia, h, o = plus_inertia_and_momentum(robot.fit, beta, beta_rate)
-    np.testing.assert_allclose(offset[0], o, atol=1e-12)
-    np.testing.assert_allclose(evaluate(model, x[None])[1][0], inertia, atol=1e-12)
-    still = np.zeros((1, 3))
-    np.testing.assert_allclose(
-        evaluate_momentum(model, x[None], xdot[None], still)[0], h, atol=1e-12
-    )
 
 
 @settings(max_examples=40, deadline=None)

@@ -1,22 +1,16 @@
 """A rollout's native file: what goes in comes out, and anything else is one clear line."""
 
 import json
-import math
-import string
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 from llsrbm.errors import Error, FileFormatError
 from llsrbm.files.quantity import quantities
 from llsrbm.motion.plan import Plan, load_plan
-from llsrbm.motion.rollout import Disturbance, Rollout
+from llsrbm.motion.rollout import Rollout
 from llsrbm.motion.trajectory import load
-from llsrbm.request.push import Push
-from llsrbm.request.scenario import Scenario
 from tests.llsrbm.native_files import message, rewritten
 from tests.llsrbm.sameness import assert_same
 from tests.llsrbm.synthetic import TWO_HOPS, TWO_HOPS_DURATIONS, synthetic_plan
@@ -60,41 +54,6 @@ def test_round_trip_of_another_schedule(tmp_path):
             tmp_path / "hops.npz", tmp_path / "x.npz", phase=np.full(len(rollout.time), phase)
         )
         assert 'key "phase": expected 0 (take-off), 1 (rear push), 2 (flight), ' in message(path)
-
-
-@settings(max_examples=25, deadline=None)
-@given(
-    board=st.floats(0, 0.1),
-    half=st.booleans(),
-    seed=st.none() | st.integers(0, 2**63),
-    words=st.text(max_size=20),
-    name=st.text(string.ascii_letters + "-_ é跳", min_size=1, max_size=20),
-    impulse=st.tuples(*[st.floats(-99, 99)] * 3),
-    figure=st.floats(),
-)
-def test_round_trip_of_whatever_is_said_about_it(
-    rollout, tmp_path_factory, board, half, seed, words, name, impulse, figure
-):
-    said = replace(
-        rollout,
-        scenario=Scenario(
-            board=board,
-            half_board=half and board > 0,
-            seed=seed,
-            detector=name,
-            pushes=(Push(board, impulse), Push(1.0, (0, 0, 0), (impulse[0] / 2, 0, 0)))[: 1 + half],
-            replan=half,
-        ),
-        disturbance=Disturbance(trunk_mass_factor=board, torque_delay_ticks=1),
-        outcome=replace(rollout.outcome, reason=words, foot_error=figure),
-    )
-    path = tmp_path_factory.mktemp("any") / "rollout.npz"
-    said.save(path)
-    back = load(path)
-    assert back.outcome.foot_error == figure or math.isnan(back.outcome.foot_error + figure)
-    outcome = replace(back.outcome, foot_error=rollout.outcome.foot_error)
-    known = replace(said, outcome=replace(said.outcome, foot_error=rollout.outcome.foot_error))
-    assert_same(known, replace(back, outcome=outcome))
 
 
 def test_layout_is_the_contracts(rollout, saved):

@@ -84,18 +84,6 @@ def test_a_solver_takes_them_when_they_are_there(library):
     np.testing.assert_allclose(after.variables, before.variables, atol=1e-8)
 
 
-def test_two_jobs_at_once_make_one_library(tmp_path):
-    (tmp_path / "kind").mkdir()
-    source = packed(c_files(transcription()))
-    both = [Library(tmp_path / "kind" / "cart.so") for _ in range(2)]
-    for library in both:
-        library.compile(compiler(), source)
-    for library in both:
-        library.wait()
-    assert all(library.load() is not None for library in both)
-    assert [path.name for path in (tmp_path / "kind").iterdir()] == ["cart.so"]
-
-
 def program(tmp_path, text):
     """A compiler that does what a shell script says."""
     path = tmp_path / "cc"

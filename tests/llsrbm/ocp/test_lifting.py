@@ -22,10 +22,7 @@ VARIABLES = 6
 # Each step combines two earlier vectors and may be marked.
 graphs = st.lists(
     st.tuples(
-        st.sampled_from(sorted(OPERATIONS)),
-        st.integers(0, 100),
-        st.integers(0, 100),
-        st.booleans(),
+        st.sampled_from(sorted(OPERATIONS)), st.integers(0, 100), st.integers(0, 100), st.booleans()
     ),
     min_size=1,
     max_size=7,

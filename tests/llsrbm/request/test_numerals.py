@@ -1,4 +1,3 @@
-import math
 import re
 
 import pytest
@@ -31,22 +30,3 @@ def test_what_is_shown_is_the_number(value, places, signed):
     rounded = float(text)
     assert text.startswith("-") == (rounded < 0)
     assert text.startswith("+") == (signed and rounded >= 0)
-
-
-@pytest.mark.parametrize(
-    ("text", "expected"),
-    [
-        (decimal(-0.0004, 3), "0.000"),
-        (decimal(0.2421, 3), "0.242"),
-        (decimal(2.94, 1, signed=True), "+2.9"),
-        (decimal(-2.94, 1, signed=True), "-2.9"),
-        (percent(0.126), "13%"),
-        (percent(-0.0004, 1, signed=True), "+0.0%"),
-        (power(2.84e-7), "2.8e-07"),
-        (short(-0.0), "0"),
-        (short(0.35), "0.35"),
-        (decimal(math.inf, 1), "inf"),
-    ],
-)
-def test_examples(text, expected):
-    assert text == expected

@@ -2,7 +2,6 @@
 
 import xml.etree.ElementTree as ET
 
-import numpy as np
 import pytest
 import trimesh
 
@@ -10,7 +9,7 @@ from llsrbm.errors import RobotFileError
 from llsrbm.robots import load_robot
 from llsrbm.robots.feet import foot_contacts
 from llsrbm.robots.schema import robot_files
-from tests.llsrbm.simulation.sliding_biped import URDF, sliding_biped
+from tests.llsrbm.simulation.sliding_biped import sliding_biped
 
 
 @pytest.mark.parametrize("name", ["anymal", "a1", "anymal_c"])
@@ -57,20 +56,3 @@ def test_feet_of_meshes_become_balls_of_the_files_radius():
         assert contact.centres.tolist() == [[0, 0, 0]]
     mesh = next(load_robot("go2").urdf_path.parents[1].glob("collisions/foot_convex.stl"))
     assert -trimesh.load_mesh(mesh).bounds[0][2] == pytest.approx(0.022, abs=2e-3)
-
-
-def test_a_sole_without_spheres_rests_on_those_of_the_files_radius(tmp_path):
-    shape = '<collision><origin xyz="0 0 0.03"/><geometry><sphere radius="0.04"/></geometry>'
-    shin = '<collision><origin xyz="0 0 -0.1"/><geometry><sphere radius="0.05"/></geometry>'
-    assert shape in URDF
-    assert shin in URDF
-    text = URDF.replace(shape + "</collision>", "").replace(shin + "</collision>", "")
-    bare = sliding_biped(tmp_path, text)
-    corners = "corners = [[0.08, 0.04], [-0.08, -0.04]]\nradius = 0.01\n"
-    path = tmp_path / "soles.toml"
-    path.write_text(bare.path.read_text().replace("[reach]", f"[foot]\n{corners}[reach]"))
-    for contact in foot_contacts(load_robot(str(path))):
-        assert contact.radius == 0.01
-        assert contact.centres == pytest.approx(
-            np.array([[0.08, 0.04, 0.01], [-0.08, -0.04, 0.01]])
-        )

@@ -58,11 +58,7 @@ MISTAKES = {
         "FL = [-0.1,",
         ["posture.FL", "no such leg", "LF, RF, LH, RH"],
     ),
-    "posture of a leg missing": (
-        "LF = [-0.1, 0.7, -1.0]\n",
-        "",
-        ["posture.LF: missing"],
-    ),
+    "posture of a leg missing": ("LF = [-0.1, 0.7, -1.0]\n", "", ["posture.LF: missing"]),
     "example out of the task": (
         "[example]",
         "[example]\nheight = 0.4",

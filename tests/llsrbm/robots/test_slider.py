@@ -2,16 +2,12 @@
 
 import itertools
 
-import mujoco
 import numpy as np
 import pinocchio as pin
 import pytest
 
-from llsrbm.motion.rollout import Disturbance
 from llsrbm.robots import load_robot
 from llsrbm.robots.feet import foot_contacts
-from llsrbm.simulation.scene import build_scene
-from llsrbm.simulation.surroundings import Surroundings
 
 ROLL_AXIS = (-0.065, 0.100)  # x, y from the pelvis' origin
 LEG_OUT_OF_ROLL = 0.115  # along y
@@ -21,9 +17,7 @@ MASSES = {"roll": 2.367, "pitch": 1.145, "slide": 0.966, "ankle_pitch": 0.014, "
 RANGES = {"roll": 0.785, "pitch": 1.57, "slide": 0.40, "ankle_pitch": 0.785, "ankle_roll": 0.785}
 EFFORTS = {"roll": 700, "pitch": 300, "slide": 600, "yaw": 60, "ankle_pitch": 50, "ankle_roll": 50}
 ORDER = ("roll", "pitch", "slide", "yaw", "ankle_pitch", "ankle_roll")
-MIRROR = np.diag([1.0, -1.0, 1.0])
 # Joints about x and z turn the other way on the other side.
-MIRRORED_JOINTS = np.array([-1.0, 1.0, 1.0, -1.0, 1.0, -1.0])
 
 
 @pytest.fixture(scope="module")
@@ -98,28 +92,6 @@ def test_ranges_and_efforts(slider):
         assert slider.speed_limit[at.idx_v - 6] == model.upperVelocityLimit[at.idx_v]
 
 
-def test_left_and_right_are_mirror_images(slider):
-    """Mirrored posture and velocity: the same mass matrix, link by link."""
-    model, data = slider.model, slider.model.createData()
-    rng = np.random.default_rng(2)
-    left, right = (leg.v_index for leg in slider.legs)
-    turn = np.zeros((model.nv, model.nv))
-    turn[:3, :3], turn[3:6, 3:6] = MIRROR, -MIRROR  # angular velocity is a pseudovector
-    turn[np.ix_(left, right)] = turn[np.ix_(right, left)] = np.diag(MIRRORED_JOINTS)
-    for _ in range(5):
-        q = pin.neutral(model)
-        q[7:] = rng.uniform(-0.4, 0.4, model.nq - 7)
-        q_mirrored = q.copy()
-        q_mirrored[right + 1] = MIRRORED_JOINTS * q[left + 1]
-        q_mirrored[left + 1] = MIRRORED_JOINTS * q[right + 1]
-        M = pin.crba(model, data, q).copy()
-        M = np.triu(M) + np.triu(M, 1).T
-        M_mirrored = pin.crba(model, data, q_mirrored).copy()
-        M_mirrored = np.triu(M_mirrored) + np.triu(M_mirrored, 1).T
-        assert turn.T @ M_mirrored @ turn == pytest.approx(M, abs=1e-12)
-    assert slider.mirrors.tolist() == [[1, 1, 1], [1, -1, 1]]
-
-
 def test_it_stands_on_its_soles_below_its_com(slider):
     data = placed(slider, slider.posture)
     for leg, contact in zip(slider.legs, foot_contacts(slider), strict=True):
@@ -136,25 +108,3 @@ def test_it_stands_on_its_soles_below_its_com(slider):
     assert slider.com[2] == pytest.approx(0.60, abs=1e-3)
     slide = slider.posture[[leg.q_index[2] for leg in slider.legs]]
     assert slide == pytest.approx(0, abs=0.05)  # mid-stroke
-
-
-def test_it_stands_in_mujoco_on_eight_corners(slider):
-    """Held at its joints for half a second, it stays where it was put."""
-    scene = build_scene(slider, Surroundings(ground=0.0, blocks=()), Disturbance(), 1e-3)
-    data = mujoco.MjData(scene.model)
-    data.qpos[scene.q_order] = slider.posture
-    target = slider.posture[7:]
-    slides = np.isin(np.arange(len(target)), [leg.q_index[2] - 7 for leg in slider.legs])
-    stiffness, damping = np.where(slides, 2e4, 300.0), np.where(slides, 300.0, 3.0)
-    for _ in range(500):
-        q, v = data.qpos[scene.q_order][7:], data.qvel[scene.v_order][6:]
-        data.ctrl[:] = stiffness * (target - q) - damping * v
-        mujoco.mj_step(scene.model, data)
-    touching = {
-        geom
-        for contact in data.contact
-        for geom in (scene.model.geom(contact.geom1).name, scene.model.geom(contact.geom2).name)
-        if geom.startswith("foot/")
-    }
-    assert len(touching) == 8
-    assert data.qpos[:3] == pytest.approx(slider.posture[:3], abs=0.01)

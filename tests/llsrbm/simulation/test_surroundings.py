@@ -177,16 +177,6 @@ def test_hops_up_stairs_have_a_box_under_each_place():
     assert overhang(second, stood_on(plan, 2)).min() > 0
 
 
-def test_hops_far_apart_have_boxes_that_stand_all_the_time():
-    plan = hops(0.2, -0.2, forward=2.0, twist=0.7)
-    (box,) = surroundings(ANYMAL, plan, Scenario()).blocks
-    assert (box.name, box.from_s, box.until_s) == ("box 1", 0, math.inf)
-    assert box.yaw == pytest.approx(0.7)
-    assert overhang(box, stood_on(plan, 1)).min() == pytest.approx(0.25)
-    for place in (0, 2):
-        assert overhang(box, stood_on(plan, place), -RADIUS).max() < 0
-
-
 def test_the_board_of_hops_lies_under_the_last_landing_alone():
     plan = hops(0.1, 0.1)
     *_, board = surroundings(ANYMAL, plan, Scenario(board=0.02)).blocks

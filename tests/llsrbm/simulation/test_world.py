@@ -2,7 +2,6 @@
 
 from dataclasses import replace
 
-import mujoco
 import numpy as np
 import pinocchio as pin
 import pytest
@@ -10,7 +9,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from llsrbm.errors import InputError
 from llsrbm.motion.rollout import Disturbance
 from llsrbm.request.jump import Jump
 from llsrbm.request.obstacle import Obstacle
@@ -339,27 +337,6 @@ def drop_at_landing(scenario, jump):
 )
 def test_feet_land_on_what_is_there(scenario, jump, expected):
     assert drop_at_landing(scenario, jump) == pytest.approx(expected, abs=2e-3)
-
-
-def test_a_robot_that_would_stand_in_a_box_is_refused():
-    with pytest.raises(InputError, match="landing height: the robot would stand in the block"):
-        world_of(synthetic_plan(Jump(height=0.2)))
-
-
-def test_mujocos_warnings_are_others_business():
-    """The handler of the program around is there before, between and after ticks."""
-    heard = []
-    mujoco.set_mju_user_warning(heard.append)
-    try:
-        world = World(ANYMAL, PLAN, Scenario(), Disturbance(), 1 / 400)
-        world.reset(*in_the_air(10.0))
-        world._qvel[:] = 1e12
-        with pytest.raises(Diverged):
-            world.advance(np.zeros(JOINTS))
-        mujoco.get_mju_user_warning()("mine")
-    finally:
-        mujoco.set_mju_user_warning(None)
-    assert heard == ["mine"]
 
 
 def momenta(robot, factor, world):

@@ -1,10 +1,8 @@
 from itertools import product
 
-import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from scipy.stats import qmc
 
 from llsrbm.errors import InputError
 from llsrbm.robots import load_robot
@@ -74,14 +72,6 @@ def test_any_drawn_point_can_be_had_without_those_before_it(sampling):
     assert {p.jump.forward for p in forth} == {0.0, 0.1, 0.2}
     # Both robots are asked the same.
     assert [p.jump.twist for p in forth[:50]] == [p.jump.twist for p in forth[50:]]
-
-
-def test_sobol_is_scipys_sequence_beyond_a_block():
-    text = 'title="x"\nrobots=["anymal"]\nsampling="sobol"\ncount=9000\nseed=2\n'
-    points = Points(parse_spec(text + "[axes]\ntwist={from=0,to=1}\nforward={from=0,to=1}", "x"))
-    sequence = qmc.Sobol(2, scramble=True, rng=np.random.default_rng(2)).random(2**14)
-    for k in (0, 4095, 4096, 8999):
-        assert (points[k].jump.twist, points[k].jump.forward) == pytest.approx(tuple(sequence[k]))
 
 
 @pytest.mark.parametrize(

@@ -159,26 +159,6 @@ def test_the_robot_is_in_the_picture_all_the_time(name, camera):
         assert np.ptp(at, axis=0).max() > 40  # not small either
 
 
-@needs_opengl
-def test_the_plan_is_seen_through(motion):
-    """A ghost a robot's length away from the simulated one."""
-    plan = motion.plan
-    aside = np.array([0.0, 0.5, 0.0])
-    away = replace(
-        plan,
-        com=plan.com + aside,
-        base_position=plan.base_position + aside,
-        foot_position=plan.foot_position + aside,
-        contact_point=plan.contact_point + aside,
-    )
-    with_ghost = replace(motion.rollout, plan=away)
-    options = Options(fps=1.0, size=SIZE, camera=(-90.0, 60.0, 3.0))
-    picture = next(iter(pictures(with_ghost, options))).astype(int)
-    alone = next(iter(pictures(motion.rollout, options))).astype(int)  # the plan within the robot
-    red, _, blue = np.moveaxis(picture, 2, 0)
-    assert ((blue > red + 25).sum()) > ((alone[..., 2] > alone[..., 0] + 25).sum()) + 80
-
-
 class TestMistakes:
     @pytest.mark.parametrize(
         ("name", "options", "said"),

@@ -67,17 +67,6 @@ def rows_at(name, knot):
     return here, at
 
 
-@pytest.mark.parametrize("name", ROBOTS)
-@pytest.mark.parametrize("knot", [2, 5, 6, 9])
-def test_slopes_are_those_of_differences(name, knot):
-    variables, at = rows_at(name, knot)
-    slope, step = at(variables)[1], 1e-6
-    for i in range(len(variables)):
-        moved = np.eye(len(variables))[i] * step
-        difference = (at(variables + moved)[0] - at(variables - moved)[0]) / (2 * step)
-        np.testing.assert_allclose(slope[:, i], difference[:, 0], atol=2e-5)
-
-
 def over(point, of, room, heights=None):
     heights = of["obstacle_heights"] if heights is None else heights
     return point[2] - float(profile(point[0], of["obstacle"], heights, room))

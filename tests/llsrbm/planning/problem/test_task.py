@@ -37,10 +37,7 @@ def test_the_goal_is_the_standing_robot_moved(jump):
     assert np.linalg.norm(task.goal_quat) == pytest.approx(1.0)
 
 
-@given(
-    twist=st.floats(ASKED.twist[0], ASKED.twist[1] - 1e-3),
-    step=st.floats(1e-6, 1e-3),
-)
+@given(twist=st.floats(ASKED.twist[0], ASKED.twist[1] - 1e-3), step=st.floats(1e-6, 1e-3))
 @settings(max_examples=60, deadline=None)
 def test_the_goal_quaternion_never_jumps(twist, step):
     one, two = (make_task(Jump(twist=t), ROBOT).goal_quat for t in (twist, twist + step))

@@ -44,25 +44,6 @@ def differentiated(model):
 
 
 @every_model
-def test_first_derivatives(model):
-    s, w, p, lam_f, lam, directions = near_a_solution(model)
-    f, g = (np.array(out).ravel() for out in function(s.planner, "nlp")(w, p))
-    assert float(function(s.planner, "nlp_f")(w, p)) == pytest.approx(f[0], rel=1e-12)
-    np.testing.assert_allclose(np.array(function(s.planner, "nlp_g")(w, p)).ravel(), g, atol=1e-12)
-    again, J = function(s.planner, "nlp_jac_g")(w, p)
-    np.testing.assert_allclose(np.array(again).ravel(), g, atol=1e-12)
-    grad_f = np.array(function(s.planner, "nlp_grad_f")(w, p)).ravel()
-    for v in directions:
-        gradient, slope, Jv, _ = (
-            np.array(out).ravel() for out in differentiated(model)(w, p, lam_f, lam, v)
-        )
-        np.testing.assert_allclose(grad_f, gradient, atol=1e-9)
-        np.testing.assert_allclose(np.array(ca.mtimes(J, v)).ravel(), Jv, atol=1e-9)
-    all_at_once = function(s.planner, "nlp_grad")(w, p, lam_f, lam)
-    np.testing.assert_allclose(np.array(all_at_once[2]).ravel(), slope, atol=1e-8)
-
-
-@every_model
 def test_second_derivatives(model):
     s, w, p, lam_f, lam, directions = near_a_solution(model)
     _, H = function(s.planner, "nlp_hess_l")(w, p, lam_f, lam)

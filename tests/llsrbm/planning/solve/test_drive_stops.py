@@ -9,11 +9,7 @@ import pytest
 
 import llsrbm
 from llsrbm.errors import NotConverged
-from llsrbm.planning.problem.constraints.drives import (
-    JointSpeed,
-    JointTorque,
-    TorqueAtSpeed,
-)
+from llsrbm.planning.problem.constraints.drives import JointSpeed, JointTorque, TorqueAtSpeed
 from llsrbm.planning.problem.placement import make_task
 from llsrbm.planning.problem.violations import describe_worst, stops, violations
 from llsrbm.planning.solve.explanation import explain, in_words
@@ -84,23 +80,6 @@ def test_the_demand_is_the_largest_excess_of_torque(constraint):
     assert constraint.demand(under(knots, torque_share=3.0)) is None
 
 
-def test_torque_that_is_lost_to_speed_is_told_as_such():
-    knots = solved("srbm", "twist").knots
-    loads = knots.loads
-    k, j = 20, 2
-    torque, available = loads.joint_torque.copy(), loads.torque_available.copy()
-    velocity = loads.joint_velocity.copy()
-    torque[k, j], available[k, j], velocity[k, j] = -35.0, 25.0, -12.0
-    fast = replace(loads, joint_torque=torque, torque_available=available, joint_velocity=velocity)
-    knots = under(knots)
-    vars(knots)["loads"] = fast
-    words = TorqueAtSpeed().demand(knots).words
-    assert "would need 35 Nm" in words
-    assert words.endswith(
-        "its drive has 25 Nm left at 12 rad/s; plans may use 85 % of that (torque_share)"
-    )
-
-
 def test_the_demand_of_speed():
     knots = under(solved("srbm", "forward").knots, speed_share=0.2)
     speed = np.abs(knots.loads.joint_velocity) / ANYMAL.speed_limit
@@ -145,11 +124,3 @@ def test_what_a_motion_violates_is_told_with_the_joint():
         assert stop.time == knots.time[demand.interval]
     (limited,) = [stop for stop in found if stop.limit is not None]
     assert 0.3 < limited.needed < 0.9
-
-
-def test_numbers_that_are_none_name_no_joint():
-    knots = under(solved("srbm", "twist").knots, torque_share=0.3)
-    vars(knots)["loads"] = replace(
-        knots.loads, joint_torque=np.full_like(knots.loads.joint_torque, np.nan)
-    )
-    assert JointTorque().demand(knots) is None

@@ -46,19 +46,6 @@ def test_a_hop_from_start_to_goal(model, request_):
     assert not knots.force[..., :2].any()
 
 
-def test_flight_is_ballistic_and_continuous():
-    task = make_task(Jump(twist=1.0, forward=0.4, height=0.2), ROBOT)
-    made = models.make_model("srbm", ROBOT)
-    knots = unpack(analytic_guess(task, LAYOUT, made), LAYOUT, task, made)
-    flying = np.flatnonzero(knots.phase == 1)
-    dt = knots.dt[flying]
-    fall = np.diff(knots.velocity[flying[0] : flying[-1] + 2], axis=0) / dt[:, None]
-    np.testing.assert_allclose(fall, np.tile([0, 0, -9.81], (len(dt), 1)), atol=1e-9)
-    steps = np.linalg.norm(np.diff(knots.position, axis=0), axis=1)
-    fastest = np.linalg.norm(knots.velocity, axis=1).max()
-    assert (steps <= 1.5 * fastest * knots.dt + 1e-9).all()
-
-
 @pytest.mark.parametrize(("asked", "taken"), [(0.45, 0.45), (0.1, 0.3), (5.0, 0.6)])
 def test_flight_time_as_asked_within_the_robots_range(asked, taken):
     task = make_task(Jump(), ROBOT)

@@ -14,7 +14,6 @@ from llsrbm.planning.solve import guess_table
 from llsrbm.planning.solve.guess_table import (
     REQUEST,
     Guesses,
-    GuessTable,
     make_table,
     read_table,
     table_path,
@@ -118,36 +117,6 @@ def test_a_guess_turns_the_way_it_is_asked_to(degrees):
 
 
 # ---- between solutions
-
-
-def plain_table(requests, of):
-    """Of variables and multipliers that are functions of the request."""
-    values = np.array([of(x) for x in requests])
-    return GuessTable(
-        requests=requests,
-        scale=np.array([3.0, 0.5, 0.3, 0.2]),
-        variables=values,
-        multipliers=values,
-        rows=np.arange(values.shape[1]) + 1,
-        all_rows=values.shape[1] + 2,
-        costs=np.ones(len(requests)),
-    )
-
-
-def test_what_is_linear_in_the_request_is_met():
-    rng = np.random.default_rng(0)
-    scale = np.array([3.0, 0.5, 0.3, 0.2])
-    requests = rng.uniform(-1, 1, (300, 4)) * scale
-    slopes = rng.normal(size=(7, 4))
-
-    def linear(x):
-        return 5.0 + slopes @ (x / scale)
-
-    x = np.array([0.4, 0.1, -0.1, 0.05])
-    of = plain_table(requests, linear)
-    near, share = of._shares(x)
-    assert share.sum() == pytest.approx(1.0)
-    np.testing.assert_allclose(share @ of.variables[near], linear(x), atol=0.02)
 
 
 # ---- files
