@@ -19,7 +19,7 @@ import typer
 import llsrbm
 from benchmarks.counting import count, seeds_of
 from benchmarks.robustness import FORWARD, Cell, one
-from llsrbm.simulation.sensors import estimator_names
+from llsrbm.simulation.sensors import ESTIMATORS
 
 FLAT, HALF = 0.025, {"board": 0.025, "half_board": True}
 QUADRUPED = (
@@ -46,7 +46,7 @@ def table(results: list[dict[str, Any]]) -> Iterator[str]:
     columns = f"{'strict':>8}{'recovered':>11}{'landed':>8}{'feet':>7}{'yaw':>7}"
     yield f"{'cell':22}{'estimator':11}{columns}"
     for cell in dict.fromkeys(result["cell"] for result in results):
-        for estimator in estimator_names():
+        for estimator in ESTIMATORS:
             rows = [r for r in results if (r["cell"], r["estimator"]) == (cell, estimator)]
             counts = count(rows)
             feet = 1e3 * np.median([row["foot_error"] for row in rows])
@@ -66,7 +66,7 @@ def main(
     work = [
         (cell, robot, "llsrbm-plus", seed, llsrbm.Scenario(noise=1.0, estimator=estimator))
         for cell in CELLS.get(robot, QUADRUPED)
-        for estimator in estimator_names()
+        for estimator in ESTIMATORS
         for seed in seeds_of(seeds)
     ]
     with ProcessPoolExecutor(jobs, mp_context=get_context("spawn")) as pool:

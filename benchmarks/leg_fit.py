@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 import pinocchio as pin
 
-from llsrbm.mechanics import parallel_axis, turns_about_z
+from llsrbm.mechanics import skew, turns_about_z
 from llsrbm.robots import Robot, load_robot, names
 from llsrbm.robots.leg_fit import fit_legs
 from llsrbm.robots.leg_maps import LegFit, affine_features, quadratic_features, quadratic_slopes
@@ -43,6 +43,11 @@ class Truth:
     momentum: np.ndarray
     momentum_worst: np.ndarray
     base_offset: float
+
+
+def parallel_axis(d):
+    """Inertia of a unit mass at d."""
+    return skew(d) @ skew(d).T
 
 
 def plus_inertia_and_momentum(fit: LegFit, beta, beta_rate):

@@ -28,7 +28,7 @@ import numpy as np
 import typer
 
 import llsrbm
-from llsrbm.request.push import DURATION, LARGEST_IMPULSE
+from llsrbm.request.scenario import DURATION, LARGEST_IMPULSE
 from llsrbm.robots import load_robot
 
 JUMPS = {

@@ -68,7 +68,7 @@ def parts(plan_path: str) -> dict[str, float]:
     """Mean times of a tick's parts, s, inner ones taken off the outer."""
     from llsrbm.control.contact_schedule import ContactSchedule
     from llsrbm.control.controller import WholeBodyController
-    from llsrbm.control.detection.residual import ResidualDetector
+    from llsrbm.control.detection import ResidualDetector
     from llsrbm.control.inverse_dynamics import InverseDynamics
     from llsrbm.control.qp import Qp
     from llsrbm.control.whole_body import WholeBody

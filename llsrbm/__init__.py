@@ -23,8 +23,7 @@ from llsrbm.errors import (
     Stop,
 )
 from llsrbm.request.jump import Jump
-from llsrbm.request.push import Push
-from llsrbm.request.scenario import Scenario
+from llsrbm.request.scenario import Push, Scenario
 from llsrbm.request.tuning import Tuning
 
 if TYPE_CHECKING:
@@ -38,18 +37,17 @@ if TYPE_CHECKING:
 
 # CasADi and Pinocchio take most of a second to import: only when they are used.
 _LATER = {
-    "plan": "llsrbm.api",
-    "nearest": "llsrbm.api",
-    "simulate": "llsrbm.api",
-    "Design": "llsrbm.request.design",
-    "dump_design": "llsrbm.request.design",
-    "load_design": "llsrbm.request.design",
-    "export": "llsrbm.formats",
-    "load": "llsrbm.motion.trajectory",
-    "load_motion": "llsrbm.formats",
-    "Nearest": "llsrbm.planning.solve.nearest",
-    "Plan": "llsrbm.motion.plan",
-    "Rollout": "llsrbm.motion.rollout",
+    name: module
+    for module, names in {
+        "llsrbm.api": ("plan", "nearest", "simulate"),
+        "llsrbm.request.design": ("Design", "dump_design", "load_design"),
+        "llsrbm.formats": ("export", "load_motion"),
+        "llsrbm.motion.trajectory": ("load",),
+        "llsrbm.planning.solve.nearest": ("Nearest",),
+        "llsrbm.motion.plan": ("Plan",),
+        "llsrbm.motion.rollout": ("Rollout",),
+    }.items()
+    for name in names
 }
 
 __all__ = [

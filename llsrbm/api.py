@@ -44,13 +44,10 @@ def plan(
         intervals: N, shared evenly by the three phases.
         weights: cost name -> weight, in place of the defaults (`llsrbm.planning.problem.costs`).
         limits: limit name -> value, in place of the robot's (`llsrbm.planning.problem.limits`).
-        near: a plan to start from, of another request to the same robot and model. A few degrees
-            or centimetres away that is faster (docs/figures.md).
-        guesses: begin from solutions nearby that come with the project, where there are some: with
-            its robots as they are, the default model and the default type. That is faster
-            (docs/figures.md).
-        patient: try all there is; otherwise only from `near`, from solutions nearby and from the
-            analytic guess.
+        near: a plan of another request to the same robot and model to start from, which is faster
+            a few degrees or centimetres away.
+        guesses: begin from solutions nearby that come with the project, where there are some.
+        patient: try all there is; otherwise only `near`, solutions nearby and the analytic guess.
         cancelled: asked before and during every attempt; True ends with `Cancelled` within 0.1 s.
         progress: told what is being tried, and iteration and residual at most every 0.1 s.
 

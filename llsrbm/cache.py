@@ -37,10 +37,8 @@ def cache_directory() -> Path:
 
 
 def content_key(*parts: bytes | str | Path) -> bytes:
-    """One key out of several parts; a `Path` stands for its file's content.
-
-    Raises:
-        OSError: a file cannot be read.
+    """One key out of several parts; a `Path` stands for its file's content. Raises `OSError`: a
+    file cannot be read.
     """
     digest = hashlib.sha256()
     for part in parts:
@@ -59,9 +57,7 @@ def cache_path(kind: str, key: bytes, suffix: str) -> Path:
 
 def write_atomically(path: Path, data: bytes) -> None:
     """Write a file so that a reader sees either none of it or all of it; makes its directory.
-
-    Raises:
-        OSError: the file cannot be written.
+    Raises `OSError`: the file cannot be written.
     """
     path.parent.mkdir(parents=True, exist_ok=True)
     handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=path.name, suffix=".tmp")

@@ -95,10 +95,8 @@ app.command("dataset")(dataset_command)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run one command line and return its exit status.
-
-    Args:
-        arguments: without the program's name; default: the process's own.
+    """Run one command line and return its exit status. `arguments`: without the program's name;
+    default: the process's own.
     """
     command = typer.main.get_command(app)
     try:

@@ -36,20 +36,16 @@ class FileFormatError(InputError):
 
 @dataclass(frozen=True)
 class Stop:
-    """A limiting constraint of a plan, and the limit in it that would have to change.
-
-    Attributes:
-        amount: by how much, in `unit`: the limit would have to change, or, where there is no
-            limit, the constraint is violated.
-        limit: its name (`llsrbm.planning.problem.limits`); None: no limit alone would help.
-    """
+    """A limiting constraint of a plan, and the limit in it that would have to change."""
 
     constraint: str  # its name (`llsrbm.planning.problem.constraints`)
     phase: str  # name of the schedule's phase
     time: float  # s; where it is worst
+    # By how much, in `unit`: the limit would have to change, or, where there is no limit, the
+    # constraint is violated.
     amount: float
     unit: str
-    limit: str | None = None
+    limit: str | None = None  # name (`llsrbm.planning.problem.limits`); None: none alone would help
     title: str = ""  # the limit in words
     value: float = 0.0  # of the limit, in `unit`
     needed: float = 0.0  # the value it would have to have
@@ -76,12 +72,9 @@ def printable(text: str, longest: int = 60) -> str:
 
 
 def require(purpose: str, extra: str, *modules: str) -> None:
-    """Raise `InputError` unless all modules are installed.
+    """Raise `InputError` unless all modules, of an `extra` of this package, are installed.
 
-    Args:
-        purpose: begins the message, for example "sweeps need Dask".
-        extra: of this package, with which they are installed.
-        modules: importable names.
+    `purpose` begins the message, for example "sweeps need Dask".
     """
     if any(find_spec(module) is None for module in modules):
         raise InputError(f"{purpose}: pip install 'llsrbm[{extra}]'")
@@ -90,9 +83,8 @@ def require(purpose: str, extra: str, *modules: str) -> None:
 class NotConverged(Error):
     """The planner stopped without satisfying every constraint.
 
-    Attributes:
-        plan: the last iterate, a `Plan` with its violations.
-        stops: the constraints and limits that stop it, the worst first.
+    `plan` is the last iterate with its violations; `stops` are the constraints and limits that
+    stop it, the worst first.
     """
 
     def __init__(self, message: str, plan: Any, stops: tuple[Stop, ...] = ()) -> None:

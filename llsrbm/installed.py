@@ -20,10 +20,8 @@ def package_version() -> str:
 
 @cache
 def assets_directory() -> Path:
-    """The project's assets: inside the package when installed, beside it in a checkout.
-
-    Raises:
-        Error: neither is there.
+    """The project's assets: inside the package when installed, beside it in a checkout. Raises
+    `Error`: neither is there.
     """
     package = Path(__file__).resolve().parent
     candidates = (package / "assets", package.parent / "assets")

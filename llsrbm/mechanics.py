@@ -36,11 +36,6 @@ def skew(a: Array) -> Array:
     return rows.reshape(*a.shape, 3)
 
 
-def parallel_axis(d: Array) -> Array:
-    """P(d) = |d|^2 1 - d d^T, the inertia of a unit mass at d; (..., 3) -> (..., 3, 3)."""
-    return np.sum(d * d, axis=-1)[..., None, None] * np.eye(3) - d[..., :, None] * d[..., None, :]
-
-
 def apply(matrix: Array, vector: Array) -> Array:
     """Matrix times vector over leading dimensions: (..., r, k), (..., k) -> (..., r)."""
     return (matrix @ vector[..., None])[..., 0]
@@ -70,8 +65,6 @@ def rotation_matrices(quat: ArrayLike) -> Array:
 
 def quaternions(rotation: Array) -> Array:
     """Rotation matrices (..., 3, 3) as unit quaternions w, x, y, z (..., 4)."""
-    from scipy.spatial.transform import Rotation
-
     flat = Rotation.from_matrix(rotation.reshape(-1, 3, 3)).as_quat(scalar_first=True)
     return flat.reshape(*rotation.shape[:-2], 4)
 
@@ -107,10 +100,7 @@ def slerp(start: Array, end: Array, share: Array) -> Array:
 
 
 def yaw(quat: Array) -> Array:
-    """Heading of a body's x axis seen from above, (K, 4) -> (K,) rad, continuous over time.
-
-    Continuous, so that a half turn keeps its sign.
-    """
+    """Heading of a body's x axis seen from above, (K, 4) -> (K,) rad, continuous over time."""
     w, x, y, z = np.moveaxis(quat, -1, 0)
     heading: Array = np.unwrap(np.arctan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z)))
     return heading
@@ -120,11 +110,8 @@ def final_yaw(time: Array, quat: Array, yaw_rate: Array) -> float:
     """Heading at the end, rad, whole turns counted, of a body that may turn over on its way.
 
     While its x axis is upright a body has no heading, so of one that turns over the number of whole
-    turns is that of its rate about the vertical.
-
-    Args:
-        time: (K,) s; quat: (K, 4).
-        yaw_rate: (K,) rad/s, angular velocity about the world's z.
+    turns is that of its rate about the vertical. `time`: (K,) s; quat: (K, 4); `yaw_rate`: (K,)
+    rad/s, angular velocity about the world's z.
     """
     heading = yaw(quat)
     if tilt(quat).max() < np.pi / 2:

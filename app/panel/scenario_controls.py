@@ -15,8 +15,7 @@ from app.panel import summaries
 from app.panel.acts import Act, Buttons, Put, add_buttons
 from app.panel.fields import Ends, Field, Fields
 from app.panel.html import note
-from llsrbm.request.push import LARGEST_IMPULSE, Push
-from llsrbm.request.scenario import Scenario
+from llsrbm.request.scenario import LARGEST_IMPULSE, Push, Scenario
 from llsrbm.robots import RobotFile
 from llsrbm.simulation.surroundings import TO_SPARE
 

@@ -10,7 +10,7 @@ from app.motion.colours import Rgb
 from app.motion.frames import Frames
 from llsrbm.motion.rollout import Rollout
 from llsrbm.request.jump import Jump
-from llsrbm.request.push import Push
+from llsrbm.request.scenario import Push
 from llsrbm.robots import Robot
 from llsrbm.simulation.surroundings import Block
 

@@ -17,8 +17,7 @@ from app.tab.planning import remember
 from app.tab.simulating import simulate
 from app.tab.state import TabState
 from app.workers.protocol import SimulateJump, SimulateSeeds
-from llsrbm.request.push import DURATION, LARGEST_IMPULSE, Push
-from llsrbm.request.scenario import Scenario
+from llsrbm.request.scenario import DURATION, LARGEST_IMPULSE, Push, Scenario
 
 USUAL_SPEED = 0.3  # m/s that a push gives the robot, to begin with: seen, and survived
 

@@ -11,7 +11,7 @@ import llsrbm
 from benchmarks.paper.drawing import TITLE
 from benchmarks.paper.result import AGREES, NOT, PARTLY, Result, Table
 from benchmarks.solve_child import wait_for_library
-from llsrbm.ocp.problem import Solution
+from llsrbm.ocp.horizon import Solution
 from llsrbm.ocp.solvers import PATIENT
 from llsrbm.planning.problem.placement import make_task
 from llsrbm.planning.solve.planner import planner_for

@@ -1,9 +1,7 @@
 """A design in one row of figures, to be compared with others.
 
-A plan has planned figures; with the rollout that followed it, also the outcome. A rollout
-alone has the same figures of the simulated whole body: its flight is that without any
-contact, its forces hold impacts, and the time to solve it is not known. Any other motion has the
-figures that follow from how it moves.
+A rollout alone has a plan's figures of the simulated whole body: its flight is that without any
+contact, its forces hold impacts, and the time to solve it is not known.
 """
 
 from __future__ import annotations
@@ -11,11 +9,12 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from llsrbm.analysis.summaries import peak_yaw_rate, planned_peak_load
+from llsrbm.analysis.summaries import planned_peak_load
 from llsrbm.mechanics import GRAVITY, final_yaw, rotation_matrices
 from llsrbm.motion.flights import flights, without_contact
 from llsrbm.motion.plan import Plan
@@ -44,11 +43,11 @@ class DesignFigures:
     peak_force: float | None  # largest contact force on one foot, N
     peak_force_in_weights: float | None  # the same in robots' weights
     # Largest share of the torque available at a joint's speed, in the plan.
-    planned_torque_ratio: float | None
-    peak_torque_ratio: float | None  # largest share of a torque limit, in the simulation
+    planned_torque_ratio: float | None = None
+    peak_torque_ratio: float | None = None  # largest share of a torque limit, in the simulation
     # Of the base at its first contact, against the plan at its own, rad.
-    yaw_error_at_touchdown: float | None
-    solve_time_s: float | None  # wall time inside the solver, s
+    yaw_error_at_touchdown: float | None = None
+    solve_time_s: float | None = None  # wall time inside the solver, s
 
     @property
     def valid(self) -> bool:
@@ -58,25 +57,22 @@ class DesignFigures:
 
 def figures_of_plan(plan: Plan, rollout: Rollout | None = None) -> DesignFigures:
     """A plan's figures, with those of a simulation that followed it."""
-    flight = np.asarray(~plan.contact.any(axis=1))
     feet = plan.foot_position.shape[1]
-    # Of a sole's corners, the sum.
-    force = plan.contact_force.reshape(len(plan.time), feet, -1, 3).sum(axis=2)
-    weight = (plan.base_mass + float(plan.leg_mass.sum())) * GRAVITY
     outcome = None if rollout is None else rollout.outcome
     load = planned_peak_load(plan)
     status = "planned" if plan.solved else "not converged"
     return DesignFigures(
         status=status if outcome is None else outcome.status,
         duration_s=plan.duration,
-        apex=_apex(plan.com),
-        final_yaw=final_yaw(plan.time, plan.base_quat, plan.angular_velocity[:, 2]),
         flight_time_s=float(np.diff(plan.phase_start)[list(plan.schedule.flights)].sum()),
-        peak_yaw_rate=peak_yaw_rate(plan),
-        feet_radius=_feet_radius(plan.com, plan.foot_position, flight),
-        smallest_Izz=_smallest_Izz(plan.inertia, flight),
-        peak_force=_peak(force),
-        peak_force_in_weights=_peak(force) / weight,
+        **_moving(
+            plan,
+            plan.angular_velocity[:, 2],
+            np.asarray(~plan.contact.any(axis=1)),
+            # Of a sole's corners, the sum.
+            plan.contact_force.reshape(len(plan.time), feet, -1, 3).sum(axis=2),
+            plan.base_mass + float(plan.leg_mass.sum()),
+        ),
         planned_torque_ratio=None if load is None else load.ratio,
         peak_torque_ratio=None if outcome is None else outcome.peak_torque_ratio,
         yaw_error_at_touchdown=None if outcome is None else outcome.yaw_error_at_touchdown,
@@ -90,49 +86,55 @@ def figures_of_rollout(rollout: Rollout) -> DesignFigures:
     end = math.inf if outcome.fell_at_s is None else outcome.fell_at_s
     count = max(1, int(np.searchsorted(rollout.time, end, side="right")))
     flight_time, flight = _flight(rollout)
-    flight = flight[:count]
     up = rotation_matrices(rollout.base_quat[:count])[:, 2]  # the world's z in the base's axes
     yaw_rate = (up * rollout.qvel[:count, 3:6]).sum(axis=1)
-    force = _peak(rollout.contact_force[:count])
     mass = rollout.robot_parameters.get("mass")
     return DesignFigures(
         status=outcome.status,
         duration_s=rollout.duration,
-        apex=_apex(rollout.com[:count]),
-        final_yaw=final_yaw(rollout.time[:count], rollout.base_quat[:count], yaw_rate),
         flight_time_s=flight_time,
-        peak_yaw_rate=float(np.abs(yaw_rate).max()),
-        feet_radius=_feet_radius(rollout.com[:count], rollout.foot_position[:count], flight),
-        smallest_Izz=_smallest_Izz(rollout.inertia[:count], flight),
-        peak_force=force,
-        peak_force_in_weights=force / (mass * GRAVITY) if isinstance(mass, float | int) else None,
-        planned_torque_ratio=None,
+        **_moving(rollout, yaw_rate, flight[:count], rollout.contact_force[:count], mass),
         peak_torque_ratio=outcome.peak_torque_ratio,
         yaw_error_at_touchdown=outcome.yaw_error_at_touchdown,
-        solve_time_s=None,
     )
 
 
 def figures_of_motion(motion: WholeBodyMotion) -> DesignFigures:
     """The figures that follow from a motion itself; its flight is the longest time in the air."""
     flight_time, flight = _longest_flight(motion)
-    force = None if motion.foot_force is None else _peak(motion.foot_force)
+    yaw_rate = motion.angular_velocity[:, 2]
     return DesignFigures(
         status="motion",
         duration_s=float(motion.time[-1] - motion.time[0]),
-        apex=_apex(motion.com),
-        final_yaw=final_yaw(motion.time, motion.base_quat, motion.angular_velocity[:, 2]),
         flight_time_s=flight_time,
-        peak_yaw_rate=float(np.abs(motion.angular_velocity[:, 2]).max()),
-        feet_radius=_feet_radius(motion.com, motion.foot_position, flight),
-        smallest_Izz=_smallest_Izz(motion.inertia, flight),
-        peak_force=force,
-        peak_force_in_weights=None if force is None else force / (motion.robot.mass * GRAVITY),
-        planned_torque_ratio=None,
-        peak_torque_ratio=None,
-        yaw_error_at_touchdown=None,
-        solve_time_s=None,
+        **_moving(motion, yaw_rate, flight, motion.foot_force, motion.robot.mass),
     )
+
+
+def _moving(
+    motion: Any, yaw_rate: Array, flight: NDArray[np.bool_], force: Array | None, mass: Any
+) -> dict[str, Any]:
+    """Figures of the first instants of a motion, as many as `yaw_rate` (K,) has."""
+    until = slice(len(yaw_rate))
+    com, quat = motion.com[until], motion.base_quat[until]
+    feet_radius = smallest_Izz = None
+    if flight.any():
+        radius = np.linalg.norm(
+            (motion.foot_position[until] - com[:, None])[flight][..., :2], axis=-1
+        )
+        feet_radius = float(radius.mean(axis=1).min())
+        smallest_Izz = float(motion.inertia[until][flight, 2, 2].min())
+    peak = None if force is None else float(np.linalg.norm(force, axis=-1).max())
+    weighed = peak is not None and isinstance(mass, float | int)
+    return {
+        "apex": float(com[:, 2].max() - com[0, 2]),
+        "final_yaw": final_yaw(motion.time[until], quat, yaw_rate),
+        "peak_yaw_rate": float(np.abs(yaw_rate).max()),
+        "feet_radius": feet_radius,
+        "smallest_Izz": smallest_Izz,
+        "peak_force": peak,
+        "peak_force_in_weights": peak / (mass * GRAVITY) if weighed else None,
+    }
 
 
 @dataclass(frozen=True)
@@ -244,22 +246,3 @@ def _longest_flight(motion: WholeBodyMotion) -> tuple[float | None, NDArray[np.b
     # It begins after the last instant with a contact.
     first = standing[longest] + 1
     return float(motion.time[standing[longest + 1]] - motion.time[first]), flight
-
-
-def _apex(com: Array) -> float:
-    return float(com[:, 2].max() - com[0, 2])
-
-
-def _feet_radius(com: Array, feet: Array, flight: NDArray[np.bool_]) -> float | None:
-    if not flight.any():
-        return None
-    radius = np.linalg.norm((feet - com[:, None])[flight][..., :2], axis=-1)
-    return float(radius.mean(axis=1).min())
-
-
-def _smallest_Izz(inertia: Array, flight: NDArray[np.bool_]) -> float | None:
-    return float(inertia[flight, 2, 2].min()) if flight.any() else None
-
-
-def _peak(force: Array) -> float:
-    return float(np.linalg.norm(force, axis=-1).max())

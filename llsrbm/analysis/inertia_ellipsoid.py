@@ -10,18 +10,12 @@ Array = NDArray[np.float64]
 
 
 def ellipsoid(inertia: Array, mass: float, reference: Array) -> tuple[Array, Array]:
-    """The uniform solid ellipsoid that has this mass and this inertia.
+    """The uniform solid ellipsoid of this mass (kg) and inertia (K, 3, 3) kg m2.
 
     Its principal moments are I_i = m/5 (a_j^2 + a_k^2), so a_i = sqrt(5/(2m) (I_j + I_k - I_i)).
-
-    Args:
-        inertia: (K, 3, 3) kg m2.
-        mass: kg.
-        reference: (K, 3, 3) rotations; the axes are named so that axis i lies near its column i,
-            or the ellipsoid's wireframe would jump whenever two principal moments cross.
-
-    Returns:
-        semi-axes (K, 3) m and attitude (K, 4) w, x, y, z.
+    Axis i is the one that lies near column i of `reference` (K, 3, 3), rotations, or its wireframe
+    would jump whenever two moments cross. Returns semi-axes (K, 3) m and attitude (K, 4) w, x, y,
+    z.
     """
     moments, axes = np.linalg.eigh(inertia)
     likeness = np.abs(np.einsum("kji,kjl->kil", np.broadcast_to(reference, axes.shape), axes))

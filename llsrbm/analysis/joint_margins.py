@@ -39,7 +39,6 @@ class JointMargins:
     joints: tuple[JointMargin, ...]
 
     def __getitem__(self, joint: str) -> JointMargin:
-        """The margins of the joint of that name."""
         return next(margin for margin in self.joints if margin.joint == joint)
 
     @property
@@ -93,11 +92,7 @@ def margins(
 ) -> JointMargins:
     """Margins of each joint to the URDF's position limits and the robot file's speed limit.
 
-    Args:
-        robot: the robot.
-        time: (K,) s.
-        joint_position: (K, J) rad or m.
-        joint_speed: (K, J) rad/s or m/s, see `joint_speeds`.
+    `time`: (K,) s; `joint_position`: (K, J) rad or m; `joint_speed`: (K, J) rad/s or m/s.
     """
     t = np.asarray(time, dtype=float)
     q = np.asarray(joint_position, dtype=float)
@@ -123,10 +118,7 @@ def margins(
 
 
 def _turn(before: Array, after: Array) -> Array:
-    """Rotation vectors (..., 3) rad, world frame, between attitudes (..., 4) close to each other.
-
-    2 vec(after before*).
-    """
+    """Rotation vectors (..., 3) rad, world frame, between close attitudes: 2 vec(after before*)."""
     w0, v0 = before[..., :1], before[..., 1:]
     w1, v1 = after[..., :1], after[..., 1:]
     turn: Array = 2 * (w0 * v1 - w1 * v0 + np.cross(v0, v1))

@@ -43,11 +43,7 @@ class Touchdown:
 def expected_touchdown(rollout: Rollout, plan: Plan, robot: Robot, time: float) -> Touchdown | None:
     """The touchdown that a robot in flight falls towards; None: it is not in flight.
 
-    Args:
-        rollout: the simulation.
-        plan: that it began with.
-        robot: that was simulated, as it is believed to be.
-        time: s.
+    `plan`: that the simulation began with; `robot`: as it is believed to be; `time`: s.
     """
     tick = int(np.searchsorted(rollout.time, time - 1e-9).clip(0, len(rollout.time) - 1))
     landings = [float(plan.phase_start[p + 1]) for p in plan.schedule.flights]
@@ -76,13 +72,8 @@ def landing_regions(
 ) -> tuple[Array | None, ...]:
     """The outline of each foot's region on the ground, (SIDES, 3) m; None: it cannot land.
 
-    Args:
-        robot: whose hips.
-        reach: where feet may be about their hips.
-        speed: largest of a foot over the ground, m/s.
-        touchdown: that is expected.
-        feet: (L, 3) m, world frame, where they are now.
-        time: s, now.
+    `reach`: where feet may be about their hips; `speed`: largest of a foot over the ground, m/s;
+    `feet`: (L, 3) m, world frame, where they are at `time`, s.
     """
     R = rotation_matrices(touchdown.base_quat[None])[0]
     hips = touchdown.base_position + robot.hips @ R.T
@@ -98,7 +89,6 @@ def landing_regions(
 def _outline(
     R: Array, mirror: Array, hip: Array, reach: Reach, foot: Array, radius: float, ground: float
 ) -> Array | None:
-    """Of one foot."""
     # Points p on the ground: each face of the reach's box says normal @ p <= bound.
     normals = np.concatenate([(mirror * R[:2]).T, -(mirror * R[:2]).T])
     beside = mirror * (R[2] * (ground - hip[2])) - (mirror * R[:2]).T @ hip[:2]

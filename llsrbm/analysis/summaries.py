@@ -25,26 +25,22 @@ def worst_violation(plan: Plan) -> str:
     """One line on the constraint that is violated most, each measured in its own SI unit."""
     if not plan.violations:
         return "none is known"
-    name, worst = max(plan.violations.items(), key=lambda item: _size(item[1].amount))
+    name, worst = max(
+        plan.violations.items(), key=lambda item: np.nan_to_num(item[1].amount, nan=math.inf)
+    )
     return f"at most {worst.amount:.1e} {worst.unit} ({name}, {worst.phase}, {worst.time:.2f} s)"
 
 
-def _size(amount: float) -> float:
-    return math.inf if math.isnan(amount) else amount
+_OF_REPORT = (
+    *("status", "solver", "iterations", "guess"),
+    *("solve_time_s", "total_time_s", "build_time_s", "cost"),
+)
 
 
 def plan_summary(plan: Plan) -> dict[str, Any]:
     """The output of `llsrbm plan --json`: SI units, radians; null for values that are no number."""
-    report = plan.report
     figures: dict[str, Any] = {
-        "status": report.status,
-        "solver": report.solver,
-        "iterations": report.iterations,
-        "guess": report.guess,
-        "solve_time_s": report.solve_time_s,
-        "total_time_s": report.total_time_s,
-        "build_time_s": report.build_time_s,
-        "cost": report.cost,
+        **{name: getattr(plan.report, name) for name in _OF_REPORT},
         "duration_s": plan.duration,
         "phase_durations_s": np.diff(plan.phase_start).tolist(),
         "peak_yaw_rate": peak_yaw_rate(plan),
@@ -90,26 +86,10 @@ def planned_torque_shares(plan: Plan) -> dict[str, float]:
 
 # Figures promised by the contract, in its order; further figures may follow.
 PROMISED = (
-    "status",
-    "final_yaw_error",
-    "final_position_error",
-    "final_tilt",
-    "touchdown_true_s",
-    "touchdown_detected_s",
-    "false_touchdowns",
-    "peak_torque_ratio",
-    "peak_speed_ratio",
-    "saturated_fraction",
-    "tick_median_s",
-    "tick_p99_s",
-    "real_time_factor",
-    "control_rate_hz",
-    "strict",
-    "unsolved_ticks",
-    "recovered",
-    "replans",
-    "replan_median_s",
-    "replan_p95_s",
+    *("status", "final_yaw_error", "final_position_error", "final_tilt", "touchdown_true_s"),
+    *("touchdown_detected_s", "false_touchdowns", "peak_torque_ratio", "peak_speed_ratio"),
+    *("saturated_fraction", "tick_median_s", "tick_p99_s", "real_time_factor", "control_rate_hz"),
+    *("strict", "unsolved_ticks", "recovered", "replans", "replan_median_s", "replan_p95_s"),
 )
 
 
@@ -125,9 +105,3 @@ def rollout_summary(rollout: Rollout) -> dict[str, Any]:
         "events": [asdict(event) for event in diagnose(rollout)],
     }
     return {key: json_value(value) for key, value in figures.items()}
-
-
-def detection_latency(rollout: Rollout) -> float | None:
-    """From the simulator's first contact to its detection, s; None where one of them is missing."""
-    true, detected = rollout.outcome.touchdown_true_s, rollout.outcome.touchdown_detected_s
-    return None if true is None or detected is None else detected - true

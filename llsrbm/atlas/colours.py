@@ -63,10 +63,8 @@ class Colour:
     def together(self, values: Array, cell: NDArray[np.int64], cells: int) -> Array:
         """(C,) one value a cell, of its jumps that have one; NaN where none has.
 
-        The mean, or the most frequent of categories.
-
-        Args:
-            values: (K,) of jumps; cell: (K,) in which they are; cells: how many there are.
+        The mean, or the most frequent of categories. `values`: (K,) of jumps; cell: (K,) in which
+        they are; cells: how many there are.
         """
         if self.categorical:
             stops = int(values.max(initial=0)) + 1
@@ -79,17 +77,16 @@ class Colour:
         return np.where(count > 0, total / np.maximum(count, 1), np.nan)
 
 
-def _strict(jumps: Jumps) -> Array:
-    """(J,) share of a planned jump's seeds that landed by the strict measure."""
-    return np.where(jumps.planned > 0, jumps.strict, np.nan)
-
-
 _SHARE: tuple[float, tuple[float, float]] = 100.0, (0.0, 1.0)  # shown in per cent
 COLOURS: Mapping[str, Colour] = {
     colour.name: colour
     for colour in (
         Colour("plannable", "Plannable", "%", lambda jumps: jumps.planned, *_SHARE),
-        Colour("strict", "Strict share", "%", _strict, *_SHARE),
+        Colour(
+            *("strict", "Strict share", "%"),
+            lambda jumps: np.where(jumps.planned > 0, jumps.strict, np.nan),
+            *_SHARE,
+        ),
         Colour("torque", "Largest torque share", "%", lambda jumps: jumps.torque_share, 100.0),
         Colour("flight", "Flight time", "s", lambda jumps: jumps.flight),
         Colour(
@@ -104,21 +101,13 @@ COLOURS: Mapping[str, Colour] = {
 
 def of_share(share: float) -> Rgb:
     """The colour at a share, 0 to 1, of the scale."""
-    place = min(max(share, 0.0), 1.0) * (len(SCALE) - 1)
-    lower = min(int(place), len(SCALE) - 2)
-    mixed = [
-        round(low + (place - lower) * (high - low))
-        for low, high in zip(SCALE[lower], SCALE[lower + 1], strict=True)
-    ]
-    return mixed[0], mixed[1], mixed[2]
+    places = np.linspace(0.0, 1.0, len(SCALE))
+    red, green, blue = (round(np.interp(share, places, part)) for part in zip(*SCALE))
+    return red, green, blue
 
 
 def of_stop(place: int, stops: tuple[str, ...]) -> Rgb:
-    """The colour of a limiting constraint.
-
-    Args:
-        place: in `stops`, of which "", none, comes first if it is there.
-    """
+    """The colour of the constraint at a place in `stops`, where "", none, may come first."""
     if stops[place] == "":
         return FREE
     rank = place - (stops[0] == "")

@@ -132,13 +132,8 @@ def map_of(
 ) -> Map:
     """Lay jumps out over two axes.
 
-    Args:
-        jumps: at least one.
-        x, y: two different axes of `jumps.axes`.
-        colour: what to show.
-        projection: one of `PROJECTIONS`.
-        design: axis name -> SI value, of the slice and of the jumps that cells open; what it does
-            not name has its default, or the median of the jumps' values.
+    `design`: axis name -> SI value, of the slice and of the jumps that cells open; what it does not
+    name has its default, or the median of the jumps' values.
     """
     scales = _scale(x, jumps.requested[x.name]), _scale(y, jumps.requested[y.name])
     across, up = (s.cells(jumps.requested[s.axis.name]) for s in scales)
@@ -156,7 +151,6 @@ def map_of(
 
 
 def _scale(axis: Axis, values: Array) -> Scale:
-    """A grid's values, or an even division of a drawn sweep's range."""
     listed = np.unique(values)
     # Drawn values are all different; a grid has each of them with all of the other axes'.
     if len(listed) <= min(_MOST_CELLS, max(len(values) // 2, 2)):

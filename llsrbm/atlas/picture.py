@@ -30,15 +30,10 @@ _NONE: dict[str, Any] = {"facecolor": "0.93", "hatch": "////", "edgecolor": "0.7
 
 
 def write_picture(maps: Sequence[Map], titles: Sequence[str], target: Path) -> None:
-    """Draw maps of one colour side by side.
+    """Draw maps of one colour side by side, under their titles; the target's suffix is its kind.
 
-    Args:
-        maps: one at least; titles: above each.
-        target: where to; its suffix is the kind of picture.
-
-    Raises:
-        InputError: matplotlib is not installed, or no picture has such a suffix.
-        Error: the file cannot be written.
+    Raises `InputError`: matplotlib is not installed, or no picture has such a suffix; `Error`: the
+    file cannot be written.
     """
     if target.suffix not in SUFFIXES:
         raise InputError(f"{target}: expected a name that ends in one of {', '.join(SUFFIXES)}")
@@ -59,7 +54,6 @@ def write_picture(maps: Sequence[Map], titles: Sequence[str], target: Path) -> N
 
 
 def _ends(maps: Sequence[Map]) -> tuple[float, float]:
-    """Of one scale for all."""
     return min(drawn.ends[0] for drawn in maps), max(drawn.ends[1] for drawn in maps)
 
 
@@ -125,6 +119,5 @@ def _scale() -> Any:
 
 
 def _unit(colour: Rgb) -> tuple[float, float, float]:
-    """As matplotlib has it."""
     red, green, blue = (part / 255 for part in colour)
     return red, green, blue

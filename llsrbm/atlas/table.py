@@ -50,10 +50,8 @@ def shipped_atlas() -> Path:
 
 
 def read_atlas(path: Path) -> Atlas:
-    """The atlas of a sweep's folder, of a table, or of a small file.
-
-    Raises:
-        InputError: there is none, or it is no sweep's table; one line.
+    """The atlas of a sweep's folder, of a table, or of a small file. Raises `InputError`: there is
+    none, or it is no sweep's table; one line.
     """
     title, columns = _read(path)
     groups = _groups(columns)
@@ -63,10 +61,8 @@ def read_atlas(path: Path) -> Atlas:
 
 
 def write_small(path: Path, target: Path) -> None:
-    """Write the columns that an atlas needs of a sweep's table, as .npz or .parquet.
-
-    Raises:
-        InputError: there is no table, it is no sweep's, or the file cannot be written.
+    """Write the columns that an atlas needs of a sweep's table, as .npz or .parquet. Raises
+    `InputError`: there is no table, it is no sweep's, or the file cannot be written.
     """
     title, columns = _read(path)
     if target.suffix not in (SMALL, ".parquet"):
@@ -148,7 +144,6 @@ def _title(table: Path) -> str:
 
 
 def _array(column: pa.Array) -> NDArray[Any]:
-    """A batch's column."""
     import pyarrow as pa
 
     if pa.types.is_string(column.type):
@@ -198,7 +193,11 @@ def _reduced(
     if unknown:
         raise InputError(f"a row has the status {min(unknown)!r:.40}; expected a sweep's table")
     planned = np.minimum.reduceat((statuses == PLANNED).astype(float), first)
-    landed, strict = (_share(columns[name], first, counts) for name in ("landed", "strict"))
+    # Shares of a jump's seeds; NaN of jumps of which a seed was not simulated.
+    landed, strict = (
+        np.add.reduceat(columns[name].astype(float), first) / counts
+        for name in ("landed", "strict")
+    )
     stops, stop = _stops(columns, first, planned, landed)
     requested = {name: columns[name][first].astype(float) for name in (*AMOUNTS, *DRIVES)}
     requested |= {n: v[first].astype(float) for n, v in columns.items() if n.startswith(LIMIT)}
@@ -215,12 +214,6 @@ def _reduced(
         "stop": stop,
     }
     return {n: np.round(values, _DECIMALS) for n, values in requested.items()}, stops, arrays
-
-
-def _share(flags: NDArray[Any], first: NDArray[np.int64], counts: NDArray[np.int64]) -> Array:
-    """(J,) of a jump's seeds; NaN of jumps of which a seed was not simulated."""
-    shares: Array = np.add.reduceat(flags.astype(float), first) / counts
-    return shares
 
 
 def _stops(

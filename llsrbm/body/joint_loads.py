@@ -25,7 +25,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from llsrbm.body.knot_motion import KnotMotion, States, states
-from llsrbm.body.peak_loads import PeakLoad, peak_load, torque_share
+from llsrbm.body.peak_loads import PeakLoad, peak_load
 from llsrbm.body.postures import Postures, joint_speeds, solve_postures
 from llsrbm.mechanics import GRAVITY, apply, cross, rotation_matrices, skew
 from llsrbm.request.schedule import Schedule
@@ -71,21 +71,9 @@ class JointLoads:
         return self.schedule.stands[self.phase]
 
     @property
-    def torque_ratio(self) -> Array:
-        """(N, J) |torque| as a share of what is available; infinite where nothing is, 0 of 0."""
-        return torque_share(self.joint_torque, self.torque_available)
-
-    @property
     def power(self) -> Array:
         """(N, J) W that the drives give to the joints; negative when they brake."""
         return self.joint_torque * self.joint_velocity
-
-    @property
-    def residual_rms(self) -> tuple[float, float]:
-        """RMS of `base_residual`: of the force's length, N, and of the moment's, Nm."""
-        square = np.sum(self.base_residual.reshape(-1, 2, 3) ** 2, axis=-1)
-        force, moment = np.sqrt(np.mean(square, axis=0))
-        return float(force), float(moment)
 
     def at_knots(self) -> dict[str, Any]:
         """Arrays of a plan at its N + 1 knots; empty where numbers are not finite.
@@ -115,10 +103,8 @@ class JointLoads:
 def joint_loads(robot: Robot, motion: KnotMotion) -> JointLoads:
     """Speeds and torques of every joint over a motion; see the module's description.
 
-    Args:
-        robot: the whole body.
-        motion: its knots. Of a motion that is none (time that does not increase, feet out of reach)
-            the numbers are meaningless, and may not be finite.
+    Of a motion that is none (time that does not increase, feet out of reach) the numbers are
+    meaningless, and may not be finite.
     """
     with np.errstate(all="ignore"):
         return _joint_loads(robot, motion)
@@ -199,17 +185,11 @@ def _inverse_dynamics(
     omega_rate: Array,
     com_acceleration: Array,
 ) -> Array:
-    """M a + h, with the CoM's acceleration given instead of the base's.
+    """M a + h of joints (K, J) and a turning base (K, 3), given the CoM's acceleration, base axes.
 
     Gravity acts like a uniform acceleration: both are in the base's linear acceleration, which is
-    chosen so that the sum of all forces is m `com_acceleration`. So the base's attitude and linear
-    velocity do not matter.
-
-    Args:
-        robot: the body.
-        position, velocity, acceleration: (K, J) of the joints.
-        omega, omega_rate: (K, 3) of the base, base axes.
-        com_acceleration: (K, 3) m/s2, base axes, with gravity's reaction.
+    chosen so that the sum of all forces is m `com_acceleration` (K, 3) m/s2, with gravity's
+    reaction.
     """
     model, data = robot.model, robot.model.createData()
     count, joints = position.shape

@@ -36,9 +36,7 @@ class PeakLoad(NamedTuple):
 
     def in_words(self, sliding_joints: frozenset[str] = frozenset()) -> str:
         """Without the joint's name, for instance "34 of 40 Nm at lift-off (85 %)".
-
-        Args:
-            sliding_joints: names of those whose torque is a force (`Robot.sliding_joints`).
+        `sliding_joints`: names of those whose torque is a force (`Robot.sliding_joints`).
         """
         unit = "N" if self.joint in sliding_joints else "Nm"
         when = when_in_words(self.phase, self.time, self.event)
@@ -51,8 +49,7 @@ class PeakLoad(NamedTuple):
 def event_beside(contact: NDArray[np.bool_], interval: int) -> str:
     """Either "lift-off" or "touchdown" where an interval begins or ends with that of a foot, or "".
 
-    Args:
-        contact: (N, L) whether a foot stands over an interval; interval: of the N.
+    `contact`: (N, L) whether a foot stands over an interval.
     """
     around = contact[max(0, interval - 1) : interval + 2]
     if (around[:-1] & ~around[1:]).any():
@@ -63,13 +60,7 @@ def event_beside(contact: NDArray[np.bool_], interval: int) -> str:
 
 
 def when_in_words(phase: str, time: float, event: str) -> str:
-    """For instance "at lift-off" or "in flight at 0.52 s".
-
-    Args:
-        phase: its name in the schedule.
-        time: s.
-        event: as `event_beside` has it.
-    """
+    """For instance "at lift-off" or "in flight at 0.52 s"; `event` as `event_beside` has it."""
     return f"at {event}" if event else f"in {phase} at {time:.2f} s"
 
 
@@ -81,13 +72,9 @@ def peak_load(
     torque: Array,
     available: Array,
 ) -> PeakLoad:
-    """The largest load over N intervals of J joints.
+    """The largest load over N intervals of J joints: `torque`, `available` (N, J) Nm or N.
 
-    Args:
-        names: (J,).
-        time: (N+1,) s, their ends; phase: (N,) index into the schedule's phases.
-        schedule: which feet stand in them.
-        torque, available: (N, J) Nm or N.
+    `time`: (N+1,) s, their ends; `phase`: (N,) index into the schedule's phases.
     """
     k, j = np.unravel_index(np.argmax(torque_share(torque, available)), torque.shape)
     return PeakLoad(

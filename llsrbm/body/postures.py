@@ -65,18 +65,13 @@ def solve_postures(
 
     Args:
         robot: the robot.
-        com: (K, 3) m, world frame.
-        base_quat: (K, 4) w, x, y, z of the root link.
-        foot_position: (K, L, 3) m, world frame.
-        foot_quat: (K, L, 4) w, x, y, z of lines and soles; that of points does not matter.
+        com: (K, 3) m, world frame; base_quat: (K, 4) w, x, y, z of the root link.
+        foot_position: (K, L, 3) m, world frame; foot_quat: (K, L, 4), of lines and soles.
         q_start: (nq,) posture to start from, Pinocchio's convention; default: standing.
-        near: (K, J) joint angles close to the postures, to start from instead: a third of the time.
+        near: (K, J) angles close to the postures, to start from instead: a third of the time.
 
-    Returns:
-        The postures; where a foot is out of reach, the nearest found and its residual.
-
-    Raises:
-        InputError: the robot has soles and their attitude is not given.
+    Returns the postures; where a foot is out of reach, the nearest found and its residual. Raises
+    `InputError`: the robot has soles and their attitude is not given.
     """
     r, p = np.asarray(com, dtype=float), np.asarray(foot_position, dtype=float)
     R_world_base = rotation_matrices(base_quat)
@@ -104,22 +99,13 @@ def joint_speeds(
     foot_velocity: ArrayLike,
     foot_angular_velocity: ArrayLike | None = None,
 ) -> Array:
-    """Joint speeds that go with a motion, exactly (by Jacobians, not by differences).
+    """(K, J) joint speeds, rad/s or m/s, by Jacobians; very large next to a singularity.
 
     Args:
-        robot: the robot.
-        joint_position: (K, J) rad or m.
-        base_quat: (K, 4) w, x, y, z.
-        angular_velocity: (K, 3) rad/s of the base, world frame.
-        com_velocity: (K, 3) m/s, world frame.
-        foot_velocity: (K, L, 3) m/s, world frame.
-        foot_angular_velocity: (K, L, 3) rad/s of lines and soles, world frame.
-
-    Returns:
-        (K, J) rad/s or m/s; very large next to a singularity.
-
-    Raises:
-        InputError: the robot has soles and how they turn is not given.
+        robot: the robot; joint_position: (K, J) rad or m; base_quat: (K, 4) w, x, y, z.
+        angular_velocity: (K, 3) rad/s of the base, world frame, as all others.
+        com_velocity: (K, 3) m/s; foot_velocity: (K, L, 3) m/s.
+        foot_angular_velocity: (K, L, 3) rad/s of lines and soles; without: `InputError`.
     """
     position = np.asarray(joint_position, dtype=float)
     R_world_base = rotation_matrices(base_quat)

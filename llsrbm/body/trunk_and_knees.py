@@ -22,10 +22,8 @@ _KNEE = 0.2
 
 @lru_cache(maxsize=16)
 def trunk_box(robot: Robot) -> Array:
-    """(2, 3) m: lowest and highest corner of the root link's collision geometry, base axes.
-
-    Raises:
-        RobotFileError: it has none.
+    """(2, 3) m: lowest and highest corner of the root link's collision geometry, base axes. Raises
+    `RobotFileError`: it has none.
     """
     points = []
     for shape in collision_shapes(robot):

@@ -18,8 +18,7 @@ import typer
 from llsrbm.errors import InputError
 from llsrbm.request.jump import TYPE_PARAMETERS, Jump
 from llsrbm.request.messages import FieldSpec, Number, field_specs
-from llsrbm.request.push import PushList, parse_push
-from llsrbm.request.scenario import Scenario
+from llsrbm.request.scenario import PushList, Scenario, parse_push
 from llsrbm.request.tuning import Tuning
 
 if TYPE_CHECKING:

@@ -11,8 +11,7 @@ import typer
 
 from llsrbm.commands import console, options
 from llsrbm.errors import InputError
-from llsrbm.request.push import Push
-from llsrbm.request.scenario import Scenario
+from llsrbm.request.scenario import Push, Scenario
 
 if TYPE_CHECKING:
     from llsrbm.motion.plan import Plan

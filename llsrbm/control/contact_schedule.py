@@ -56,25 +56,16 @@ class Flight:
 
 
 class ContactSchedule:
-    """The state of a plan's schedule while it is followed: P phases, L feet.
+    """The state of a plan's schedule while it is followed: P phases, L feet, from standing on all.
 
     Attributes:
-        phase: index of the present phase.
+        phase: index of the present phase; flights: those that have begun, in order.
         standing: (L,) feet that stand as far as is known.
-        flights: those that have begun, in order.
         ground_shift: height of the ground under the feet that stand, or stood last, above the
             plan's, m.
     """
 
     def __init__(self, plan: Plan, body: WholeBody, feet: FootForces, tick: float) -> None:
-        """Stand as the plan's first phase does.
-
-        Args:
-            plan: what is followed.
-            body: the robot, updated before each tick.
-            feet: contact forces estimated from its legs.
-            tick: s between updates.
-        """
         self._schedule = plan.schedule
         self._body, self._feet, self._tick = body, feet, tick
         self._stands = plan.schedule.stands
@@ -90,7 +81,6 @@ class ContactSchedule:
         self._seeking_since = np.full(body.legs, np.inf)
 
     def _take(self, plan: Plan) -> None:
-        """Times and places of a plan."""
         phases = range(len(plan.schedule))
         self._start = plan.phase_start
         # (K + 1, L, 3) m; of a foot that never stands in a place it does not matter.
@@ -137,10 +127,7 @@ class ContactSchedule:
         return self._plan_time + time - self._at
 
     def lands(self, time: float) -> bool:
-        """True if the feet that stand catch a landing rather than push towards the next flight.
-
-        Between two flights the first half is a landing.
-        """
+        """True if standing feet catch a landing: the first half of a stance between flights."""
         return not self.flying and bool(self.plan_time(time) < self._pushes_from[self.phase])
 
     def follow_clock(self, time: float) -> bool:
@@ -161,13 +148,9 @@ class ContactSchedule:
         return False
 
     def find_contacts(self, time: float, torque: Array, *, hit: bool) -> None:
-        """Find the feet that have met the ground.
+        """Find the feet that have met the ground at `time`, s, with torques (J,) of the last tick.
 
-        Args:
-            time: s.
-            torque: (J,) measured, mean of the tick that ended.
-            hit: whether something was hit, as the detector says; counts in flight, if it was hit
-                with the feet.
+        `hit`: whether something was hit, as the detector says; counts in flight, if with the feet.
         """
         if self.phase == 0:
             return
@@ -201,7 +184,6 @@ class ContactSchedule:
         self._seeking_since = np.where(feet, time, self._seeking_since)
 
     def _found(self, time: float, loaded: Feet) -> Feet:
-        """(L,) feet that stand by present forces and speeds."""
         sinking = self._body.foot_velocity[:, 2] < -_STOPPED_BELOW
         self._still = np.where(sinking, 0, self._still + 1)
         stopped = (self._still >= _STILL_TICKS) & (time - self._seeking_since > _SEEKING_TIME)
@@ -227,8 +209,8 @@ def _together(plan: Plan, phase: int) -> tuple[int, int]:
 def _coming_from(plan: Plan, phase: int) -> Array:
     """(L,) s of the plan from which feet that swing in a phase may land before their time.
 
-    Feet that a flight has lifted may at once, those that have left others standing not before they
-    are on the way back. Infinite where a foot stands, or does not land before the next flight.
+    Feet that a flight has lifted may at once, others once they are on the way back. Infinite where
+    a foot stands, or does not land before the next flight.
     """
     stands, start = plan.schedule.stands, plan.phase_start
     first, end = _together(plan, phase)

@@ -55,23 +55,11 @@ class Tick:
 class WholeBodyController:
     """Follows one plan, tick by tick, from standing to standing.
 
-    Attributes:
-        contacts: which feet stand, and in which phase it is.
-        detector: the contact detector.
-        landing: name of the landing strategy.
+    `robot` is as the controller believes it is; `scenario` names detector, landing strategy and QP
+    solver. Raises `InputError`: one of those is unknown, or the strategy not for this robot.
     """
 
     def __init__(self, robot: Robot, plan: Plan, scenario: Scenario) -> None:
-        """Take a plan.
-
-        Args:
-            robot: as the controller believes it is.
-            plan: what to follow.
-            scenario: names of detector, landing strategy and QP solver.
-
-        Raises:
-            InputError: one of those names is unknown, or the strategy not for this robot.
-        """
         settings = robot.file.control
         self._settings = settings
         self._tick = 1.0 / settings.rate
@@ -110,11 +98,7 @@ class WholeBodyController:
         return self._reference.at(self.contacts.plan_time(time))
 
     def set_reference(self, reference: Reference) -> None:
-        """Follow another plan from the next step on.
-
-        Args:
-            reference: of a plan with the same schedule, whose clock is that of the present one.
-        """
+        """Follow another plan from the next step on, of the same schedule and clock."""
         self._reference = reference
         self.contacts.follow(reference.plan)
         if not self.contacts.flying:  # it begins with the landing's real momentum
@@ -218,7 +202,6 @@ class WholeBodyController:
         return self._carried[key]
 
     def _feet_tasks(self, standing: Feet, seeking: Feet) -> list[tuple[tasks.Task, float]]:
-        """Tasks with their weights for the feet, (L,) of which stand or seek the ground."""
         key = standing.tobytes(), seeking.tobytes()
         if key not in self._feet:
             weights, gains = self._settings.weights, self._settings.gains

@@ -37,24 +37,15 @@ AFTER_PUSH = 0.03
 
 
 class FootForces:
-    """A leg's joint equations, solved for the force at its foot.
+    """A leg's joint equations, solved for the force at its foot; known from the second `update` on.
 
         J^T f = M_leg dv/dt + h_leg - tau_leg
 
-    with the difference of two measured velocities for dv/dt.
-
-    Attributes:
-        vertical: (L,) N, smoothed.
+    with the difference of two measured velocities for dv/dt. `legs`: (L, n) places of each leg's
+    joints; `tick`: s between updates; `vertical`: (L,) N, smoothed.
     """
 
     def __init__(self, body: WholeBody, legs: NDArray[np.int64], tick: float) -> None:
-        """Nothing is known before the second `update`.
-
-        Args:
-            body: the robot.
-            legs: (L, n) places of each leg's joints among all joints.
-            tick: s between updates.
-        """
         self._body, self._tick = body, tick
         self._rows = legs + _BASE
         # Each leg's own columns of the feet's Jacobians, (L, 3, n).
@@ -83,11 +74,7 @@ class FootForces:
         self._touching[:] = 0
 
     def update(self, torque: Array) -> NDArray[np.bool_]:
-        """Feet that carry load, (L,).
-
-        Args:
-            torque: (J,) measured, mean of the tick that ended.
-        """
+        """Feet that carry load, (L,). `torque`: (J,) measured, mean of the tick that ended."""
         body = self._body
         if self._equations is not None:
             M, h, own, v = self._equations
@@ -113,14 +100,9 @@ class FootForces:
 
 
 class MeasuredImpulse:
-    """Both impulses of one flight.
-
-    Attributes:
-        pushed: whether something was hit in this flight that was not the ground.
-    """
+    """Both impulses of one flight of a robot of `mass`, kg; `pushed`: by more than the ground."""
 
     def __init__(self, mass: float, tick: float) -> None:
-        """Args: mass: kg, of the robot; tick: s between updates."""
         self._mass, self._tick = mass, tick
         self._recent: deque[tuple[Array, Array]] = deque(maxlen=max(2, round(WINDOW / tick) + 1))
         self.pushed = False

@@ -43,8 +43,8 @@ DAMPING = 0.05  # s in which a joint that is damped, the others held, loses two 
 class Command(NamedTuple):
     """The decision of a tick: `torque` (J,), `acceleration` (n,), `force` (C, 3) N.
 
-    `solved` is False when the program was not; torques are then held or damp the joints, as above.
-    Accelerations and forces are held with them, and zero where joints are damped.
+    If it is not `solved`, torques are held or damp the joints, as above; accelerations and forces
+    are held with them, or zero.
     """
 
     torque: Array
@@ -57,16 +57,9 @@ class InverseDynamics:
     """Builds and solves the program of one robot, tick after tick."""
 
     def __init__(self, body: WholeBody, friction: float, solver: str, tick: float) -> None:
-        """Set up the program's size.
+        """Set up the program; `friction`: of the cone around the pyramid; `tick`: s between solves.
 
-        Args:
-            body: the robot; its state is read at each `solve`.
-            friction: coefficient of the cone around the pyramid.
-            solver: name of the QP solver.
-            tick: s between solves.
-
-        Raises:
-            InputError: no such solver.
+        Raises `InputError`: no such solver.
         """
         n, contacts = body.velocities, body.contacts
         joints = n - _BASE
@@ -91,14 +84,9 @@ class InverseDynamics:
         force_weight: float,
         torque_limits: tuple[Array, Array],
     ) -> Command:
-        """Torques for the body's present state.
+        """Torques for the body's present state, within `torque_limits`: lowest, highest, (J,) each.
 
-        Args:
-            tasks: with their weights.
-            target: what they want.
-            contact: (C,) whether a point may push.
-            force: (C, 3) N: contact forces wanted; force_weight: 1/N2.
-            torque_limits: lowest and highest, (J,) each.
+        `contact`: (C,) whether a point may push; `force`: (C, 3) N wanted; `force_weight`: 1/N2.
         """
         body, n = self._body, self._n
         M, h = body.M, body.h
@@ -142,7 +130,6 @@ class InverseDynamics:
         return command._replace(torque=np.clip(torque, *torque_limits), solved=False)
 
     def _damping(self) -> Array:
-        """(J,) Nm or N that slow every joint down."""
         body = self._body
         torque: Array = -np.diag(body.M)[_BASE:] * body.v[_BASE:] / DAMPING
         return torque

@@ -31,7 +31,6 @@ def _as_planned(planned: Array, _standing: Array, _share: float) -> Array:
 
 
 def _scaled(planned: Array, standing: Array, share: float) -> Array:
-    """The part that brakes in proportion to the momentum that is there to be braked."""
     least, most = _SCALES
     return standing + min(max(share, least), most) * (planned - standing)
 
@@ -66,14 +65,9 @@ def check_name(name: str) -> None:
 
 
 def resolved(name: str, force_phase: float) -> str:
-    """The strategy that runs for a name.
+    """The strategy of a name, or of "auto" on a robot that follows forces for `force_phase`, s.
 
-    Args:
-        name: of a strategy, or "auto".
-        force_phase: how long the robot file has forces followed after touchdown, s.
-
-    Raises:
-        InputError: no such strategy, or one that follows forces on a robot that never does.
+    Raises `InputError`: no such strategy, or one that follows forces on a robot that never does.
     """
     check_name(name)
     if name == AUTO:

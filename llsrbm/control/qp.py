@@ -50,18 +50,15 @@ class Qp:
 
     @property
     def is_sound(self) -> bool:
-        """True if all numbers are finite, limits aside, and no limits exclude each other.
-
-        Solvers would iterate on NaN for seconds, and call it a solution.
-        """
+        """True if all numbers are finite, limits aside, and no limits exclude each other."""
         total = self.H.sum() + self.g.sum() + self.A.sum() + self.b.sum() + self.C.sum()
         return isfinite(total) and bool((self.lower <= self.upper).all())
 
     def solve(self) -> Array | None:
         """(n,) the solution; None where there is none, or for numeric reasons none is found.
 
-        In nine of ten ticks no inequality is active: where the minimum under the equalities alone
-        keeps them all, it is the solution, and no solver needs to look for it.
+        In nine of ten ticks no inequality is active: the minimum under the equalities is the
+        solution.
         """
         x = self._under_equalities()
         if x is None and self.is_sound:
@@ -81,10 +78,7 @@ class Qp:
             return None
 
     def _under_equalities(self) -> Array | None:
-        """The minimum under the equalities, (n,), where it keeps the inequalities; None otherwise.
-
-        From x = H^-1 (A' multipliers - g), which the equalities give a linear system for.
-        """
+        """x = H^-1 (A' multipliers - g), (n,), where it keeps the inequalities; None otherwise."""
         equalities = len(self.b)
         right = np.empty((len(self.g), equalities + 1), order="F")
         right[:, :-1] = self.A.T

@@ -52,19 +52,13 @@ class Reference:
     """The plan at any time; before its start and after its end it stands still.
 
     After a plan that ends with speed the CoM comes to rest with a constant deceleration.
-
-    Attributes:
-        plan: what is followed.
     """
 
     def __init__(self, plan: Plan, weight: float, start: UnderWay | None = None) -> None:
-        """Sample the plan.
+        """Sample the plan; all contacts alike carry `weight`, N, of the robot after its end.
 
-        Args:
-            plan: what to follow.
-            weight: of the robot, N, carried by all contacts alike after the end.
-            start: from where it is followed, for a while perhaps: only what comes next is sampled,
-                more as it is needed; None: all of it at once.
+        `start`: from where it is followed, for a while perhaps: only what comes next is sampled,
+        more as it is needed; None: all of it at once.
         """
         self.plan = plan
         self._weight = weight
@@ -104,7 +98,6 @@ class Reference:
         return self._late[flight]
 
     def _sample(self, first: int, end: int) -> None:
-        """Keep the samples from one to before another."""
         plan, weight, knot = self.plan, self._weight, self._first
         times = np.arange(first, end) * _STEP + plan.time[0]
         motion = sampled(plan, times, _SAMPLED)

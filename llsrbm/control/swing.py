@@ -19,10 +19,7 @@ Motion = Callable[[Array, int], Array]
 
 @dataclass(frozen=True, eq=False)
 class UnderWay:
-    """Where a plan that was made under way begins: at one of its knots.
-
-    What comes before that knot is another plan's, and no line is drawn from there.
-    """
+    """Where a plan that was made under way begins: at one of its knots."""
 
     time: float  # s on the plan's clock
     foot_velocity_from_com: Array  # (L, 3) m/s, world axes
@@ -77,9 +74,8 @@ def _evenly_driven(time: Array, place: Array, first: Array, last: Array) -> Moti
     """Places (K, L, 3) at K knots as a motion whose accelerations are those of the plan.
 
     Velocities are straight from the first (L, 3) through those of the intervals, at their middles,
-    to the last (L, 3): as the planner has it when it bounds the torques. A spline through the same
-    knots takes twice the acceleration to leave a velocity that the plan changes at once. What is
-    missing to the last place comes in smoothly over all knots.
+    to the last, as the planner has it when it bounds torques; a spline through the same knots takes
+    twice the acceleration. What is missing to the last place comes in smoothly over all knots.
     """
     start, end = float(time[0]), float(time[-1])
     span = end - start

@@ -36,13 +36,12 @@ class Motion(NamedTuple):
 class Task(ABC):
     """A wish for some accelerations: J dv/dt + bias = feedforward + kp error + kd error_rate.
 
-    The paper's section V; it is fulfilled as far as its weight says.
+    It is fulfilled as far as its weight says. `gains`: stiffness, 1/s2, and damping, 1/s.
     """
 
     rows: int
 
     def __init__(self, gains: tuple[float, float]) -> None:
-        """Gains: stiffness, 1/s2, and damping, 1/s."""
         self._stiffness, self._damping = gains
 
     @abstractmethod
@@ -79,14 +78,12 @@ class AngularMomentum(Task):
     """Average angular velocity I^-1 L, rad/s, a coordinate of first order; I is the whole body's.
 
     The reference is the plan's own angular momentum, which on jumps is far from zero. Divided by
-    the inertia, the same weight means the same for a robot of 15 kg and one of 30, and about all
-    axes.
+    the inertia, the same weight means the same for all robots and axes.
     """
 
     rows = 3
 
     def __init__(self, decay: float) -> None:
-        """Decay of the error, 1/s."""
         super().__init__((0.0, decay))
 
     def motion(self, body: WholeBody, target: Target) -> Motion:
@@ -119,15 +116,11 @@ class BaseOrientation(Task):
 
 
 class FootOrientation(Task):
-    """Attitude of a foot, rad, world axes: level, with the plan's heading.
-
-    Relative to the world, because that is how soles shall meet the ground.
-    """
+    """Attitude of a foot in the world, rad: level, as soles meet the ground, headed as planned."""
 
     rows = 3
 
     def __init__(self, foot: int, gains: tuple[float, float]) -> None:
-        """For the foot of that index."""
         super().__init__(gains)
         self._foot = foot
 
@@ -149,7 +142,6 @@ class Posture(Task):
     """Joint positions, rad or m; with a small weight it makes the quadratic program definite."""
 
     def __init__(self, joints: int, gains: tuple[float, float]) -> None:
-        """For all joints."""
         super().__init__(gains)
         self.rows = joints
         self._jacobian = np.eye(joints, joints + 6, k=6)
@@ -173,13 +165,11 @@ class SwingFeet(Task):
     """
 
     def __init__(self, feet: Sequence[int], gains: tuple[float, float]) -> None:
-        """For the feet of those indices."""
         super().__init__(gains)
         self._feet = _places(feet)
         self.rows = 3 * len(feet)
 
     def motion(self, body: WholeBody, target: Target) -> Motion:
-        """See `Task.motion`; the CoM accelerates as the target says: in flight with gravity."""
         i = self._feet
         error = target.foot_from_com[i] - (body.foot[i] - body.com)
         error_rate = target.foot_velocity_from_com[i] - (body.foot_velocity[i] - body.com_velocity)
@@ -196,7 +186,6 @@ class SeekingFeet(Task):
     """Velocities of feet that look for the ground while others stand, m/s."""
 
     def __init__(self, feet: Sequence[int], damping: float) -> None:
-        """For the feet of those indices; damping in 1/s."""
         super().__init__((0.0, damping))
         self._feet = _places(feet)
         self.rows = 3 * len(feet)
@@ -220,7 +209,6 @@ class StandingFeet(Task):
     """
 
     def __init__(self, feet: Sequence[int], points: int, damping: float) -> None:
-        """For the feet of those indices with that many points each; damping in 1/s."""
         super().__init__((0.0, damping))
         self._points = _places([foot * points + j for foot in feet for j in range(points)])
         self.rows = 3 * points * len(feet)

@@ -18,11 +18,7 @@ _SKEW = np.array([pin.skew(axis).ravel() for axis in np.eye(3)])
 
 
 def solved(A: Array, b: Array) -> Array:
-    """The solution x of A x = b.
-
-    Raises:
-        numpy.linalg.LinAlgError: A is singular.
-    """
+    """The solution x of A x = b. Raises `numpy.linalg.LinAlgError`: A is singular."""
     _, _, x, failed = dgesv(A, b)
     if failed:
         raise np.linalg.LinAlgError("the inertia is singular or not finite")
@@ -52,7 +48,6 @@ class WholeBody:
     """
 
     def __init__(self, robot: Robot) -> None:
-        """Nothing is known before the first `update`."""
         model = robot.model.copy()
         contacts = foot_contacts(robot)
         self._frames, corners = [], []
@@ -131,11 +126,7 @@ class WholeBody:
 
     @property
     def trunk_momentum(self) -> Array:
-        """(6,) kg m/s, kg m2/s: linear and angular, about the CoM, of the trunk alone.
-
-        Of its motion relative to the CoM: momenta that a heavier trunk has more of, without what
-        the whole robot's flight adds to them.
-        """
+        """(6,) kg m/s, kg m2/s: linear, angular about the CoM, of the trunk relative to the CoM."""
         R, omega = self.R_world_base, self.v[3:6]
         velocity = R.dot(self.v[:3] - self._trunk_lever_skew.dot(omega))
         linear = self._trunk_mass * (velocity - self.com_velocity)

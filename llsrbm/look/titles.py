@@ -8,8 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from llsrbm.request.jump import Jump
-from llsrbm.request.push import Push
-from llsrbm.request.scenario import Scenario
+from llsrbm.request.scenario import Push, Scenario
 from llsrbm.request.tuning import Tuning
 
 Decisions = tuple[Jump, Tuning, Scenario | None]

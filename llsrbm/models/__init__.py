@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from llsrbm.models.base import CentroidalModel
-from llsrbm.models.llsrbm import LLSRBM
+from llsrbm.models.llsrbm import LLSRBM, SRBM
 from llsrbm.models.llsrbm_plus import LLSRBMPlus
-from llsrbm.models.srbm import SRBM
 from llsrbm.request.messages import look_up
 from llsrbm.robots.robot import Robot
 
@@ -25,9 +24,5 @@ def check_name(name: str) -> None:
 
 
 def make_model(name: str, robot: Robot) -> CentroidalModel:
-    """The model called `name`, of `robot`.
-
-    Raises:
-        InputError: no model has that name.
-    """
+    """The model called `name`, of `robot`. Raises `InputError`: no model has that name."""
     return look_up("model", name, MODELS)(robot)  # type: ignore[call-arg]  # a robot is enough

@@ -87,20 +87,12 @@ class CentroidalModel(ABC):
     is_true: ClassVar[bool] = False
 
     def __init__(
-        self,
-        robot: Robot,
-        *,
-        leg_mass: float,
-        trunk_com: Array,
-        leg_com_affine: Array,
+        self, robot: Robot, *, leg_mass: float, trunk_com: Array, leg_com_affine: Array
     ) -> None:
-        """Precompute the base offset's affine maps.
+        """Precompute the base offset's affine maps, from the robot's fit and default posture.
 
-        Args:
-            robot: whose fit and default posture the model is made from.
-            leg_mass: m_l, kg.
-            trunk_com: c_T, (3,) m, CoM of everything but the legs, base frame.
-            leg_com_affine: (1 + d, 3): rows w_0 and W^T of the leg's CoM, mirrored hip frame.
+        `leg_mass`: m_l, kg; `trunk_com`: c_T, (3,) m, CoM of all but the legs, base frame;
+        `leg_com_affine`: (1 + d, 3): rows w_0 and W^T of the leg's CoM, mirrored hip frame.
         """
         fit = robot.fit
         self.mass = float(robot.mass)
@@ -153,10 +145,7 @@ class CentroidalModel(ABC):
         )
 
     def offset_map(self, standing: tuple[int, ...]) -> OffsetMap:
-        """o where some feet are given as seen from the CoM, and the others in their hip frames.
-
-        The CoM's definition is solved for o with x_i = M_i (beta_i - o - h_i) of the standing feet.
-        """
+        """o where standing feet are given as seen from the CoM, others in their hip frames."""
         if not standing:
             return OffsetMap(self._offset_0, dict(enumerate(self._offset_x)))
         if len(standing) == self.legs:
@@ -192,11 +181,14 @@ class CentroidalModel(ABC):
     def inertia(self, feet_in_hip: Matrix, offset: Matrix) -> Matrix:
         """Centroidal inertia, (3, 3) kg m2, base axes."""
 
-    @abstractmethod
     def legs_momentum(
         self, feet_in_hip: Matrix, feet_in_hip_rate: Matrix, offset: Matrix
     ) -> Matrix:
-        """h: the legs' angular momentum relative to the base about the CoM, (3, 1), base axes."""
+        """h: the legs' angular momentum relative to the base about the CoM, (3, 1), base axes.
+
+        Zero here: the paper writes L = I_W omega.
+        """
+        return ca.DM.zeros(3)
 
     @abstractmethod
     def leg_com(self, leg: int, foot_in_hip: Matrix) -> Matrix:
@@ -212,8 +204,8 @@ class CentroidalModel(ABC):
     ) -> Matrix:
         """R^T L = I omega + h, (3, 1) kg m2/s, base axes (eq. 4).
 
-        `lift` marks intermediate quantities through which derivatives should be taken; models
-        with many legs mark each leg's, so that second derivatives stay small blocks.
+        `lift` marks quantities through which derivatives are taken, so that second ones stay small
+        blocks.
         """
         return ca.mtimes(self.inertia(feet_in_hip, offset), angular_velocity) + self.legs_momentum(
             feet_in_hip, feet_in_hip_rate, offset

@@ -56,30 +56,18 @@ class LegDrives(ABC):
 
     @abstractmethod
     def rates(self, x: Matrix, x_rate: Matrix) -> Matrix:
-        """q' (n, 1), linear in `x_rate`.
-
-        Args:
-            x: (d, 1) m, rad: the foot in its mirrored hip frame.
-            x_rate: (d, 1) m/s, rad/s.
-        """
+        """q' (n, 1), linear in `x_rate`; `x`: (d, 1) m, rad: the foot in its mirrored hip frame."""
 
     @abstractmethod
     def holding_torque(self, x: Matrix, force: Matrix, moment: Matrix | None) -> Matrix:
-        """-J^T (f, m), (n, 1) Nm or N, linear in force and moment.
+        """-J^T (f, m), (n, 1) Nm or N, linear in force and moment, (3, 1) on the foot, base axes.
 
-        Args:
-            x: (d, 1) m, rad.
-            force: (3, 1) on the foot, base axes, any unit of force.
-            moment: (3, 1) on the foot about its frame's origin, base axes; None of points.
+        The moment is about the foot's frame; None of points.
         """
 
     @abstractmethod
     def knee(self, x: Matrix) -> Matrix | None:
-        """The knee seen from the hip, (3, 1) m, base axes; None of legs that have none.
-
-        Args:
-            x: (d, 1) m, rad.
-        """
+        """The knee seen from the hip, (3, 1) m, base axes; None of legs that have none."""
 
     @abstractmethod
     def numbers(self) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""LL-SRBM: the paper's lump leg single rigid body model (section III)."""
+"""The paper's lump leg single rigid body model (section III), and a single rigid body."""
 
 from __future__ import annotations
 
@@ -55,10 +55,6 @@ class LLSRBM(CentroidalModel):
             total = total + self.leg_mass[i] * point_inertia(a)
         return total
 
-    def legs_momentum(self, feet_in_hip: Any, feet_in_hip_rate: Any, offset: Any) -> Any:
-        """Zero: the paper writes L = I_W omega."""
-        return ca.DM.zeros(3)
-
     def leg_com(self, leg: int, foot_in_hip: Any) -> Any:
         """(1 - s) x_i, (3, 1) m."""
         return ca.mtimes(ca.DM(self._leg_com_affine[1:4].T), foot_in_hip[:3])
@@ -79,3 +75,31 @@ class LLSRBM(CentroidalModel):
             a = lift(self.foot_from_com(i, self.leg_com(i, feet_in_hip[:, i]), offset))
             total = total + self.leg_mass[i] * ca.cross(a, ca.cross(w, a))
         return total
+
+
+class SRBM(CentroidalModel):
+    """One rigid body: the inertia of the whole robot in its default posture, massless legs.
+
+    L = I_W omega (eq. 4) with I_W = R I_0 R^T (eq. 5 with a constant I_G), h = 0; the base stays
+    where it is relative to the CoM, o = o_0.
+    """
+
+    name = "srbm"
+    summary = "single rigid body, constant inertia of the default posture"
+
+    def __init__(self, robot: Robot) -> None:
+        super().__init__(
+            robot,
+            leg_mass=0.0,
+            trunk_com=robot.com - robot.base_position,
+            leg_com_affine=np.zeros((1 + robot.foot_coordinates, 3)),
+        )
+        self._inertia = ca.DM(robot.inertia)
+
+    def inertia(self, feet_in_hip: Any, offset: Any) -> Any:
+        """I_0, (3, 3) kg m2."""
+        return self._inertia
+
+    def leg_com(self, leg: int, foot_in_hip: Any) -> Any:
+        """The foot itself: a massless leg has no CoM to show."""
+        return foot_in_hip[:3]

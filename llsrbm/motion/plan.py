@@ -40,7 +40,7 @@ from llsrbm.files.quantity import (
     quantities,
     vector,
 )
-from llsrbm.ocp.problem import Iterate
+from llsrbm.ocp.horizon import Iterate
 from llsrbm.request.jump import Jump
 from llsrbm.request.obstacle import Obstacle
 from llsrbm.request.schedule import Schedule

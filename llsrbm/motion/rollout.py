@@ -44,8 +44,7 @@ from llsrbm.motion.outcome import Outcome
 from llsrbm.motion.plan import OfRobot, Plan
 from llsrbm.motion.replan import Replan, replan_arrays, replans_from_arrays
 from llsrbm.request.jump import Jump
-from llsrbm.request.push import Push
-from llsrbm.request.scenario import Scenario
+from llsrbm.request.scenario import Push, Scenario
 from llsrbm.request.schedule import Schedule
 from llsrbm.robots.robot import Robot
 

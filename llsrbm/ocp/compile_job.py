@@ -25,10 +25,8 @@ REASON_LENGTH = 500  # characters of a compiler's messages that are kept
 
 
 def main(target: Path, command: list[str]) -> None:
-    """Make the library, unless it is there or being made.
-
-    Raises:
-        OSError: it cannot be made, or the cache cannot be written or locked.
+    """Make the library, unless it is there or being made. Raises `OSError`: it cannot be made, or
+    the cache cannot be written or locked.
     """
     os.nice(LEAST_PRIORITY)
     mine = Path(f"{target}.lock")
@@ -52,10 +50,8 @@ def failed(target: Path) -> Path:
 
 
 def compile_files(target: Path, command: list[str]) -> None:
-    """Compile what comes on standard input, its files appended to the command.
-
-    Raises:
-        OSError: the compiler failed or was killed, or its library cannot be loaded.
+    """Compile what comes on standard input, its files appended to the command. Raises `OSError`:
+    the compiler failed or was killed, or its library cannot be loaded.
     """
     failed(target).unlink(missing_ok=True)
     files = json.loads(zlib.decompress(sys.stdin.buffer.read()))
@@ -75,11 +71,8 @@ def compile_files(target: Path, command: list[str]) -> None:
 
 
 def run(command: list[str], folder: str) -> None:
-    """Run a compiler.
-
-    Raises:
-        InterruptedError: it, or a program that it runs, was killed.
-        OSError: it failed, or took too long.
+    """Run a compiler. Raises `InterruptedError`: it, or a program that it runs, was killed;
+    `OSError`: it failed, or took too long.
     """
     with subprocess.Popen(
         command,

@@ -173,10 +173,8 @@ def _original(name: str) -> ctypes.CDLL:
 
 
 def compiled(compiler: Compiler, source: str) -> Path:
-    """The library of a source in the cache, compiled if it is not there yet.
-
-    Raises:
-        OSError, subprocess.SubprocessError: it cannot be made.
+    """The library of a source in the cache, compiled if it is not there yet. Raises `OSError,
+    subprocess.SubprocessError`: it cannot be made.
     """
     path = cache_path("kernel", content_key(source, repr(_OPTIONS), compiler.identity), ".so")
     if not path.exists():

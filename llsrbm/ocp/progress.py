@@ -41,14 +41,7 @@ Result = TypeVar("Result")
 
 
 def when_idle(cancelled: Callable[[], bool] | None = None) -> None:
-    """Wait for the end of a solve whose caller has gone.
-
-    Args:
-        cancelled: polled meanwhile; true to stop waiting.
-
-    Raises:
-        Cancelled: it was true.
-    """
+    """Wait for the end of a solve whose caller has gone; `Cancelled` once `cancelled()` is true."""
     while not solving.acquire(timeout=POLL_INTERVAL):
         if cancelled is not None and cancelled():
             raise _cancelled()
@@ -56,11 +49,7 @@ def when_idle(cancelled: Callable[[], bool] | None = None) -> None:
 
 
 class IterationTable:
-    """The last row of the table that a solver prints.
-
-    Attributes:
-        last: iteration and residual; None before the first row.
-    """
+    """The last row of the table that a solver prints: `last`, iteration and residual, or None."""
 
     def __init__(self) -> None:
         self.last: tuple[int, float] | None = None
@@ -128,17 +117,13 @@ def attended(
     report: Callable[[int, float], None] | None,
     cancelled: Callable[[], bool] | None,
 ) -> Result:
-    """Run a solve in a thread of its own; meanwhile call back from the caller's thread.
+    """Run `solve` in a thread of its own; meanwhile call back from the caller's thread.
 
     Args:
-        solve: its result is returned, its exception raised. It runs when no other solve does, and
-            not at all once it has been cancelled.
+        solve: it runs when no other solve does, and not at all once it has been cancelled.
         latest: the newest iteration and residual.
         report: called with them when they change, at most every `REPORT_INTERVAL`.
-        cancelled: polled; true to return at once, whatever the solver does.
-
-    Raises:
-        Cancelled: it was true.
+        cancelled: polled; true to return at once with `Cancelled`, whatever the solver does.
     """
     number, abandoned = next(_numbers), threading.Event()
     future: Future[Result] = Future()

@@ -49,13 +49,7 @@ class StageFunctions:
 
 
 def make_stage_functions(name: str, stage: StageExpressions, initial: bool) -> StageFunctions:
-    """Differentiate one stage.
-
-    Args:
-        name: with which the functions' names begin.
-        stage: its expressions.
-        initial: whether no stage comes before.
-    """
+    """Differentiate one stage; `name` begins its functions' names; `initial`: it is the first."""
     z, p, s = stage.variables, stage.shared, stage.local
     rows = [(row, ca.vec(ca.SX(row.expression))) for row in stage.rows]
     gap = ca.SX(0, 1) if stage.next_state is None else -stage.next_state
@@ -99,15 +93,10 @@ def _nonzeros(matrix: ca.SX) -> ca.SX:
 
 
 def mapped(function: ca.Function, count: int, *arguments: Any) -> list[Any]:
-    """Evaluate a function for `count` stages, one after the other.
+    """Evaluate a function of dense inputs for `count` stages, one after the other.
 
-    Args:
-        function: dense inputs and outputs.
-        count: number of stages.
-        arguments: MX, (size, count) with a column a stage, or (size, 1) where all share it.
-
-    Returns:
-        MX (size, count) for each output.
+    `arguments`: MX, (size, count) with a column a stage, or (size, 1) where all share it. Returns
+    MX (size, count) for each output.
     """
     repeated = [ca.repmat(a, 1, count) if a.shape[1] != count else a for a in arguments]
     return list(function.map(count).call(repeated))

@@ -71,10 +71,8 @@ class Transcription(Transcribed):
     """The parametric problem of a horizon."""
 
     def __init__(self, horizon: Horizon) -> None:
-        """Build each family's expressions once, differentiate and assemble them.
-
-        Raises:
-            ValueError: stages whose next state is not the state of the one that follows.
+        """Build each family's expressions once, differentiate and assemble them. Raises
+        `ValueError`: stages whose next state is not the state of the one that follows.
         """
         self._stages, self._parameters = _placed(horizon), horizon.parameters
         stages = [stage.functions for stage in self._stages]

@@ -11,10 +11,7 @@ A file is JSON; angles in rad, lengths in m, limits in their SI units, whatever 
       "scenario": {"board": 0.025, "seed": 7}
     }
 
-`schema`, the robot and the model must be there; a key that is left out has its default, an unknown
-key is refused. The names are those of `Jump`, `Tuning` and `Scenario`. Of a jump the type, whole
-turns, speeds and hops are written only where they differ from those of a jump from rest to rest
-with all feet together.
+`schema`, robot and model must be there; what is left out has its default.
 """
 
 from __future__ import annotations
@@ -60,9 +57,7 @@ class Design:
 
 def dump_design(design: Design) -> str:
     """A design as the text of a file: robot, model and task, and what differs from the defaults.
-
-    Raises:
-        InputError: a title, a name or a number that no file may hold.
+    Raises `InputError`: a title, a name or a number that no file may hold.
     """
     differing = {
         "title": design.title,
@@ -84,15 +79,10 @@ def _stated(jump: Jump) -> dict[str, Any]:
 
 
 def load_design(source: bytes | str | Path, *, name: str = "design") -> Design:
-    """The design in a file, or in a file's content.
+    """The design in a file, or in a file's content (bytes), which messages call `name`.
 
-    Args:
-        source: the content as bytes, or a path.
-        name: what messages call a content that came without a path.
-
-    Raises:
-        FileFormatError: it cannot be read, or is no design; one line that says what is accepted.
-            Whether the robot can do it is said when it is planned.
+    Raises `FileFormatError`: it cannot be read, or is no design; one line that says what is
+    accepted. Whether the robot can do it is checked when it is planned.
     """
     if isinstance(source, bytes):
         return _parse(source, printable(name))
@@ -113,10 +103,7 @@ def file_name(design: Design) -> str:
 
 
 def examples() -> dict[str, Design]:
-    """The designs that come with the project, name -> design, in the order in which to show them.
-
-    The paper's experiments, and some that show what else there is.
-    """
+    """The designs that come with the project, name -> design, in the order to show them in."""
     files = sorted((assets_directory() / "designs").glob(f"*{SUFFIX}"))
     # A number before the name keeps the order.
     return {
@@ -127,11 +114,8 @@ def examples() -> dict[str, Design]:
 def find_design(name_or_path: str) -> Design:
     """The example of that name, or the design in the file at that path.
 
-    What ends in ".json" or contains a path separator is a path.
-
-    Raises:
-        InputError: no such example.
-        FileFormatError: the file is no design.
+    What ends in ".json" or contains a path separator is a path. Raises `InputError`: no such
+    example; `FileFormatError`: the file is no design.
     """
     if name_or_path.endswith(".json") or os.sep in name_or_path:
         return load_design(name_or_path)
@@ -146,7 +130,6 @@ _Value = Annotated[float, Field(ge=-1e9, le=1e9)]
 
 
 def _jump(table: Any) -> Jump:
-    """A jump from its table, which names at least robot and model."""
     _check_keys(table, list(field_specs(Jump)), needed=("robot", "model"))
     try:
         jump = Jump(**table)
@@ -159,7 +142,6 @@ def _jump(table: Any) -> Jump:
 
 
 def _scenario(table: Any) -> Scenario:
-    """A scenario from its table."""
     _check_keys(table, list(field_specs(Scenario)))
     try:
         scenario = Scenario(**table)

@@ -1,24 +1,9 @@
 """Jump types: presets in assets/jump_types, or a person's own TOML file in the same form.
 
-    title = "Rear last"
-    summary = "the front feet leave first, the hind feet push on"
-
-    [[phase]]
-    name = "take-off"
-    feet = "all"              # all, none, front, hind, left, right, or names of legs
-    time = "takeoff"          # a row of the robot file's [timing], or [shortest, longest], s
-    ...
-
-Where there is something to jump over, it says that, too:
-
-    [obstacle]
-    from = 0.1                # where it begins and ends, m ahead of the foremost foot at the start
-    to = 0.2
-    height = 0.12             # m above the ground at the start; below zero: a gap, so deep
-
-A type says what is contact: the phases, and what of weights and limits they need. Where to, how
-fast and how far round is the request's (`llsrbm.Jump`); `with_defaults` has it say what a type asks
-for. A file that is read never has a type's file opened that it names; planning has.
+docs/jump_types.md describes it. A type says what is contact: the phases, and what of weights and
+limits they need. Where to, how fast and how far round is the request's (`llsrbm.Jump`);
+`with_defaults` adds what it leaves to its type. A file that is read never has a type's file opened
+that it names; planning has.
 """
 
 from __future__ import annotations
@@ -155,15 +140,9 @@ class JumpType(Table):
         return self.clears_ground or self.obstacle is not None
 
     def schedule(self, robot: Legs, jump: Jump | None = None) -> Schedule:
-        """The phases with this robot's feet.
+        """The phases with this robot's feet, hops and turn of a request; None: the type's defaults.
 
-        Args:
-            robot: whose.
-            jump: the request, for the number of hops and the direction in which it turns over;
-                None: one that the type's defaults make.
-
-        Raises:
-            InputError: it has no such feet, or the phases are no schedule.
+        Raises `InputError`: it has no such feet, or the phases are no schedule.
         """
         jump = jump or replace(Jump(), **self.defaults)  # type: ignore[arg-type]
         hops = jump.hops
@@ -188,10 +167,8 @@ def names() -> dict[str, JumpType]:
 
 
 def load_type(name: str) -> JumpType:
-    """A preset by its name, or a file by its path.
-
-    Raises:
-        InputError: no such preset or file, or not a jump type; one line.
+    """A preset by its name, or a file by its path. Raises `InputError`: no such preset or file, or
+    not a jump type; one line.
     """
     presets = {path.stem: path for path in _directory().glob("*.toml")}
     if name in presets:
@@ -208,27 +185,17 @@ def load_type(name: str) -> JumpType:
 
 
 def schedule_of(jump: Jump, robot: Legs) -> Schedule:
-    """The schedule that a request asks for.
-
-    Raises:
-        InputError: see `load_type` and `JumpType.schedule`.
+    """The schedule that a request asks for. Raises `InputError`: see `load_type` and
+    `JumpType.schedule`.
     """
     return load_type(jump.type).schedule(robot, jump)
 
 
 def with_defaults(jump: Jump, given: Collection[str] = ()) -> Jump:
-    """The request with what its type says where it is silent, in the fields of `TYPE_PARAMETERS`.
+    """The request with its type's defaults (or `Jump`'s) in `TYPE_PARAMETERS` that are not `given`.
 
-    A roll is enough said of the turn: a request that has one keeps its pitch, and the other way
-    round.
-
-    Args:
-        jump: a request.
-        given: names of requested fields; the others of `TYPE_PARAMETERS` become the type's
-            defaults, or those of `Jump` where it has none.
-
-    Raises:
-        InputError: see `load_type`.
+    A roll is enough of a turn: a request that has one keeps its pitch, and the other way round.
+    Raises `InputError`: see `load_type`.
     """
     defaults = load_type(jump.type).defaults
     turned = any(name in given for name in _TURNS)
@@ -246,8 +213,6 @@ def _directory() -> Path:
 
 
 class _Edition(NamedTuple):
-    """A file as it is since its last change."""
-
     path: Path
     changed_ns: int
 

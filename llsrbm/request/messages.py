@@ -40,15 +40,9 @@ def choices(given: str, valid: Iterable[str], shown: int = 20) -> str:
 
 
 def look_up(kind: str, name: str, entries: Mapping[str, T], otherwise: str = "") -> T:
-    """The entry of that name.
+    """The entry of that name; `kind` ("model") and `otherwise` ("or a path") are for the message.
 
-    Args:
-        kind: of the entries, for the message, such as "model".
-        name: as given; entries: name -> entry.
-        otherwise: other accepted values, in words: "or the path of a robot file".
-
-    Raises:
-        InputError: there is none.
+    Raises `InputError`: there is none.
     """
     if name not in entries:
         more = f", {otherwise}" if otherwise else ""
@@ -105,14 +99,9 @@ class FieldSpec(ABC):
 
     @abstractmethod
     def checked(self, name: str, value: Any) -> Any:
-        """The value as the field holds it, a scalar of NumPy as Python's own.
+        """The value as the field `name` holds it, a scalar of NumPy as Python's own.
 
-        Args:
-            name: of the field, for messages.
-            value: as given.
-
-        Raises:
-            InputError: of another type, or out of range.
+        Raises `InputError`: of another type, or out of range.
         """
 
 
@@ -126,13 +115,11 @@ class Number(FieldSpec):
 
     @property
     def accepted(self) -> str:
-        """The range with its unit."""
         if self.low == -math.inf and self.high == math.inf:
             return ""
         return f"{self.low:g} to {self.high:g} {self.unit}".rstrip()
 
     def checked(self, name: str, value: Any) -> float:
-        """A finite number in the range."""
         number = math.nan
         if not isinstance(value, bool) and isinstance(value, Real):
             with suppress(OverflowError):  # a whole number that no float is large enough for
@@ -153,11 +140,9 @@ class Whole(FieldSpec):
 
     @property
     def accepted(self) -> str:
-        """The range, if it has an end."""
         return "" if self.high is None else f"{self.low} to {self.high}"
 
     def checked(self, name: str, value: Any) -> int:
-        """A whole number in the range."""
         if isinstance(value, bool) or not isinstance(value, Integral) or int(value) < self.low:
             raise _refused(name, f"a whole number from {self.low} on", value)
         if self.high is not None and int(value) > self.high:
@@ -170,7 +155,6 @@ class Flag(FieldSpec):
     """Yes or no."""
 
     def checked(self, name: str, value: Any) -> bool:
-        """True or false."""
         plain = value.item() if getattr(value, "ndim", None) == 0 else value
         if not isinstance(plain, bool):
             raise _refused(name, "true or false", value)
@@ -184,7 +168,6 @@ class Name(FieldSpec):
     longest: int = _LONGEST_NAME  # characters; a path may have more than a name in a list
 
     def checked(self, name: str, value: Any) -> str:
-        """Printable text."""
         if not isinstance(value, str) or not value or not value.isprintable():
             raise _refused(name, "a name", value)
         if len(value) > self.longest:
@@ -201,9 +184,7 @@ def field_specs(kind: type) -> dict[str, FieldSpec]:
 
 def check_fields(instance: Any) -> None:
     """Check every field of a frozen dataclass in its `__post_init__`; a default None is none.
-
-    Raises:
-        InputError: a value of another type or out of range.
+    Raises `InputError`: a value of another type or out of range.
     """
     kind: Any = type(instance)
     specs = field_specs(kind)

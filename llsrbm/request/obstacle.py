@@ -49,11 +49,7 @@ class Obstacle:
 
     @classmethod
     def from_dict(cls, table: dict[str, Any]) -> Obstacle:
-        """The obstacle that `as_dict` wrote, checked.
-
-        Raises:
-            InputError: it is no obstacle.
-        """
+        """The obstacle that `as_dict` wrote, checked. Raises `InputError`: it is no obstacle."""
         try:
             return cls(*(float(table[name]) for name in ("near", "far", "height")))
         except (LookupError, TypeError, ValueError, OverflowError) as error:

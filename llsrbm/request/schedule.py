@@ -41,10 +41,8 @@ class Phase:
 
 @dataclass(frozen=True)
 class Schedule:
-    """Phases in order, from standing on all feet to standing on all feet.
-
-    Raises:
-        InputError: phases that cannot be; one line that says which, and what would be accepted.
+    """Phases in order, from standing on all feet to standing on all feet. Raises `InputError`:
+    phases that cannot be; one line that says which, and what would be accepted.
     """
 
     legs: tuple[str, ...]  # names of all legs, in the robot's order
@@ -127,11 +125,7 @@ class Schedule:
 
     @classmethod
     def from_dict(cls, table: dict[str, Any]) -> Schedule:
-        """The schedule that `as_dict` wrote, checked.
-
-        Raises:
-            InputError: it is no schedule.
-        """
+        """The schedule that `as_dict` wrote, checked. Raises `InputError`: it is no schedule."""
         try:
             phases = tuple(_phase(row) for row in table["phases"])
             legs = tuple(_text(leg) for leg in table["legs"])

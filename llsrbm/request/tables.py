@@ -55,15 +55,9 @@ TableT = TypeVar("TableT", bound=Table)
 
 
 def read_table(path: Path, what: str, error: type[InputError] = InputError) -> dict[str, Any]:
-    """The content of a TOML file, arrays as tuples.
+    """The content of a TOML file, arrays as tuples; `what` names it, with an article, in messages.
 
-    Args:
-        path: of the file.
-        what: it should be, with its article, for the message about a file that is too large.
-        error: class of the errors.
-
-    Raises:
-        InputError: `error`, one line that names the file and what is wrong with it.
+    Raises `error`: one line that names the file and what is wrong with it.
     """
     try:
         # The path may come from a stranger's plan: no device is read, no pipe waited for.
@@ -83,10 +77,8 @@ def read_table(path: Path, what: str, error: type[InputError] = InputError) -> d
 
 
 def parse_table(text: str, where: str, error: type[InputError] = InputError) -> dict[str, Any]:
-    """The content of a TOML text, arrays as tuples; `where` is its name in messages.
-
-    Raises:
-        InputError: `error`, one line.
+    """The content of a TOML text, arrays as tuples; `where` is its name in messages. Raises
+    `InputError`: `error`, one line.
     """
     try:
         table: dict[str, Any] = with_tuples(tomllib.loads(text))
@@ -113,15 +105,9 @@ def with_tuples(value: Any) -> Any:
 def validated(
     model: type[TableT], table: Any, where: str, error: type[InputError] = InputError
 ) -> TableT:
-    """A file's content as its model.
+    """A file's content as its model; `where` is the file's name in messages.
 
-    Args:
-        model: of the whole file; table: its content.
-        where: the file's name in messages.
-        error: class of the error.
-
-    Raises:
-        InputError: `error`, one line: the file, the key, the fault and what would be accepted.
+    Raises `error`: one line: the file, the key, the fault and what would be accepted.
     """
     try:
         return model.model_validate(table)

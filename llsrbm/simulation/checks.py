@@ -69,7 +69,6 @@ def _same(used: Any, here: Any) -> bool:
 
 
 def _short(value: Any) -> str:
-    """A value as a message has room for it."""
     if isinstance(value, dict):
         return ", ".join(value)
     if isinstance(value, list):

@@ -20,14 +20,10 @@ _WIDTH = 4  # numbers a geom of a foot: contacts found, force
 def add_sensors(
     spec: mujoco.MjSpec, feet: list[list[str]], trunk: str, untouched: Sequence[str] = ()
 ) -> None:
-    """Give a model the sensors that `ContactReader` reads.
+    """Give a model, which must have no others, the sensors that `ContactReader` reads.
 
-    The specification must have no other sensors.
-
-    Args:
-        feet: each foot's geoms, as many for all, in the order of the legs.
-        trunk: the body with all other geoms that can touch something.
-        untouched: bodies in the world that nothing may touch.
+    `feet`: each foot's geoms, as many for all; `trunk`: the body with all other geoms that can
+    touch something; `untouched`: bodies in the world that nothing may touch.
     """
     for geom in chain.from_iterable(feet):
         spec.add_sensor(
@@ -48,13 +44,12 @@ def add_sensors(
 
 
 class ContactReader:
-    """Collects the contacts of a tick's S steps: L feet.
+    """Collects the contacts of a tick's S steps, of L feet with `geoms` geoms each, from `data`.
 
     A step's contacts are those of the state it starts from, and its forces act until its end.
     """
 
     def __init__(self, data: mujoco.MjData, legs: int, geoms: int, steps: int) -> None:
-        """Read the sensors of `data`, of `geoms` geoms a foot."""
         self._sensors = data.sensordata
         self._tick = np.zeros((steps, len(self._sensors)))
         width = _WIDTH * legs * geoms

@@ -10,8 +10,7 @@ import numpy as np
 from llsrbm.errors import InputError
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Disturbance
-from llsrbm.request.push import DURATION, Push
-from llsrbm.request.scenario import Scenario
+from llsrbm.request.scenario import DURATION, Push, Scenario
 from llsrbm.simulation.episode import Hook, Situation
 
 # Spread of the robustness benchmark, at noise 1. What the controller believes about its own errors
@@ -29,11 +28,10 @@ LEAST_CONTACT_TIME = 0.002  # s, four steps of the simulator
 
 
 def draw_disturbance(scenario: Scenario) -> Disturbance:
-    """The disturbance that goes with a seed, the same each time.
+    """The disturbance that goes with a scenario's seed, the same each time.
 
-    Args:
-        scenario: `seed` None disturbs nothing; `noise` scales the distance from the nominal
-            world, and the chance of a delay; `trunk_mass` counts as it is, with and without seed.
+    `noise` scales the distance from the nominal world, and the chance of a delay; `trunk_mass`
+    counts as it is, with and without seed.
     """
     drawn = Disturbance()
     if scenario.seed is not None and scenario.noise is not None:
@@ -67,21 +65,10 @@ def _drawn(seed: int, noise: float) -> Disturbance:
 class Pushes(Hook):
     """Pushes the world as a scenario states; a push's impulse is exact whatever the tick.
 
-    Attributes:
-        drawn: the random push, if there is one.
+    `drawn` is the random push, if there is one. Raises `InputError`: a push after `duration`, s.
     """
 
     def __init__(self, plan: Plan, scenario: Scenario, duration: float) -> None:
-        """Collect a scenario's pushes.
-
-        Args:
-            plan: what is followed.
-            scenario: the stated pushes, the random one's size, and its seed.
-            duration: s that are simulated.
-
-        Raises:
-            InputError: a push outside of the simulated time.
-        """
         self.drawn = drawn_push(plan, scenario)
         self._pushes = (*scenario.pushes, *(() if self.drawn is None else (self.drawn,)))
         latest = duration - DURATION

@@ -1,33 +1,168 @@
-"""`Episode`: the loop of a simulation: measure, decide, advance, record; and what hooks into it.
-
-A hook acts on the world (`Pushes`) or on the controller, each tick anew. What the
-loop does without hooks, with hooks that do nothing it does to the bit.
-"""
+"""`Episode`: the loop of a simulation: measure, decide, advance, record; and what hooks into it."""
 
 from __future__ import annotations
 
+import math
 import time as wall_clock
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+import pinocchio as pin
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
 from llsrbm.control.controller import Measurement, Tick, WholeBodyController
 from llsrbm.errors import Cancelled
 from llsrbm.motion.replan import Replan
-from llsrbm.simulation.recorder import Recorder
+from llsrbm.robots import Robot
+from llsrbm.robots.feet import foot_contacts
 from llsrbm.simulation.sensors import Sensors
-from llsrbm.simulation.verdict import Fall, fallen
 from llsrbm.simulation.world import Diverged, TickResult, World
 
 Array = NDArray[np.float64]
 
+
+class Recorder:
+    """Collects ticks; `arrays` has the columns of a `Rollout`, in its order of joints.
+
+    Attributes:
+        mass: kg, that is simulated.
+    """
+
+    def __init__(self, robot: Robot, trunk_mass_factor: float) -> None:
+        """For a robot whose simulated trunk differs from the believed one by a factor."""
+        self._robot = robot
+        self._model = robot.model.copy()
+        trunk = self._model.inertias[1]
+        self._model.inertias[1] = pin.Inertia(
+            trunk.mass * trunk_mass_factor, trunk.lever, trunk.inertia * trunk_mass_factor
+        )
+        self.mass = float(pin.computeTotalMass(self._model))
+        self.q: list[Array] = []
+        self.v: list[Array] = []
+        self.qpos: list[Array] = []
+        self.qvel: list[Array] = []
+        self.ticks: list[Tick] = []
+        self.results: list[TickResult] = []
+        self.tick_times: list[float] = []
+
+    def __len__(self) -> int:
+        return len(self.results)
+
+    def add(
+        self,
+        state: tuple[Array, Array],
+        mujoco_state: tuple[Array, Array],
+        tick: Tick,
+        tick_time: float,
+        result: TickResult,
+    ) -> None:
+        """Take one tick: true state at its beginning, decision, wall time of it, what came."""
+        self.q.append(state[0])
+        self.v.append(state[1])
+        self.qpos.append(mujoco_state[0])
+        self.qvel.append(mujoco_state[1])
+        self.ticks.append(tick)
+        self.tick_times.append(tick_time)
+        self.results.append(result)
+
+    def so_far(self, tick: float, stride: int) -> tuple[Array, Array]:
+        """Instants (K,) s and states (K, 7 + J) of every `stride`-th tick.
+
+        Quaternions w, x, y, z; joints in `Robot.joint_names`' order.
+        """
+        states = self.q[::stride]
+        q: Array = np.array(states).reshape(len(states), self._model.nq)
+        time: Array = stride * tick * np.arange(len(states), dtype=np.float64)
+        return time, np.concatenate([q[:, :3], q[:, 6:7], q[:, 3:6], q[:, 7:]], axis=1)
+
+    def arrays(self, joint_order: NDArray[np.int64]) -> dict[str, Any]:
+        """The columns, joints in the simulator's order: places (J,) in `Robot.joint_names`."""
+        ticks, results = self.ticks, self.results
+        return {
+            "qpos": np.array(self.qpos),
+            "qvel": np.array(self.qvel),
+            "torque": np.array([result.torque for result in results])[:, joint_order],
+            "torque_limit": np.array([result.torque_limit for result in results])[:, joint_order],
+            "contact": np.array([result.contact for result in results]).astype(np.int64),
+            "contact_force": np.array([result.contact_force for result in results]),
+            "average_spatial_velocity_norm": np.array(
+                [tick.average_spatial_velocity_norm for tick in ticks]
+            ),
+            "detection_signal": np.array([tick.detection_signal for tick in ticks]),
+            "mode": np.array([tick.mode for tick in ticks], dtype=np.int64),
+            "phase": np.array([tick.phase for tick in ticks], dtype=np.int64),
+            "reference_com": np.array([tick.target.com for tick in ticks]),
+            "reference_base_quat": Rotation.from_matrix(
+                np.array([tick.target.R_world_base for tick in ticks])
+            ).as_quat(scalar_first=True),
+            "reference_foot_position": np.array([tick.foot_target for tick in ticks]),
+            "reference_angular_momentum": np.array(
+                [tick.target.angular_momentum for tick in ticks]
+            ),
+            **self._centroidal(),
+        }
+
+    def _centroidal(self) -> dict[str, Array]:
+        """Columns computed from the states, with the masses that were simulated."""
+        model, robot = self._model, self._robot
+        data = model.createData()
+        contacts = foot_contacts(robot)
+        middles = [contact.centres.mean(axis=0) for contact in contacts]
+        frames = [leg.foot_frame_id for leg in robot.legs]
+        q = np.array(self.q)
+        count, legs = len(q), len(contacts)
+        columns = {
+            "com": np.empty((count, 3)),
+            "base_position": q[:, :3].copy(),
+            "base_quat": q[:, [6, 3, 4, 5]],
+            "linear_momentum": np.empty((count, 3)),
+            "angular_momentum": np.empty((count, 3)),
+            "inertia": np.empty((count, 3, 3)),
+            "foot_position": np.empty((count, legs, 3)),
+        }
+        com, inertia, foot = columns["com"], columns["inertia"], columns["foot_position"]
+        linear, angular = columns["linear_momentum"], columns["angular_momentum"]
+        for k, (position, velocity) in enumerate(zip(self.q, self.v, strict=True)):
+            pin.ccrba(model, data, position, velocity)
+            com[k], inertia[k] = data.com[0], data.Ig.inertia
+            linear[k], angular[k] = data.hg.linear, data.hg.angular
+            pin.forwardKinematics(model, data, position)
+            for i, (frame, middle) in enumerate(zip(frames, middles, strict=True)):
+                foot[k, i] = pin.updateFramePlacement(model, data, frame).act(middle)
+        foot[..., 2] -= [contact.radius for contact in contacts]
+        return columns
+
+
 LEAST_TICKS = 2  # of a rollout: where it diverges before, its last known state is repeated
+TOPPLED = np.radians(60.0)  # from the planned attitude: beyond this no robot comes back
 _AFTER_FALL = 0.3  # s that are still shown of a robot that has fallen
 _LOOK_EVERY = 20  # ticks between two calls of `cancelled` and `progress`
 SO_FAR_INTERVAL = 0.2  # s of wall time between two reports of the motion so far
 SO_FAR_RATE = 60.0  # instants/s in them: as browsers draw
+
+
+@dataclass(frozen=True)
+class Fall:
+    """When and how a robot fell."""
+
+    time: float
+    reason: str
+
+
+def fallen(time: float, q: Array, planned: Array, result: TickResult) -> Fall | None:
+    """The fall, if it has fallen in the state q (nq,), with its base planned to be at (3, 3)."""
+    if result.trunk_contact:
+        return Fall(time, "the trunk touched the ground")
+    if result.obstacle_contact:
+        return Fall(time, "it touched the hurdle")
+    x, y, z, w = q[3:7].tolist()
+    up = np.array([2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)])
+    if up.dot(planned[:, 2]) < math.cos(TOPPLED):
+        return Fall(time, "it toppled over")
+    return None
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,7 +204,6 @@ class Episode:
         recorder: Recorder,
         hooks: Sequence[Hook] = (),
     ) -> None:
-        """Put together what takes part; hooks act in their order."""
         self._world, self._sensors, self._controller = world, sensors, controller
         self._recorder, self._hooks = recorder, tuple(hooks)
         self.fall: Fall | None = None
@@ -86,15 +220,9 @@ class Episode:
     ) -> None:
         """Let so many ticks pass, or fewer where the robot falls.
 
-        Args:
-            ticks: at most.
-            cancelled: called every 20 ticks; True ends with `Cancelled`.
-            progress: called with the share that is done, 0 to 1.
-            so_far: called every `SO_FAR_INTERVAL` with the instants (K,) s and the states
-                (K, 7 + J) until now, from the start on, see `Recorder.so_far`.
-
-        Raises:
-            Cancelled: on request.
+        `cancelled` is called every 20 ticks, with `progress` (share done, 0 to 1); `so_far` every
+        `SO_FAR_INTERVAL` with instants (K,) s and states (K, 7 + J) until now, see
+        `Recorder.so_far`. Raises `Cancelled`: on request.
         """
         tick = self._world.tick
         stride = max(1, round(1.0 / (tick * SO_FAR_RATE)))

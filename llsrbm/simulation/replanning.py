@@ -75,11 +75,7 @@ class Replanning(Hook):
     def __init__(self, plan: Plan, robot: Robot, tick: float, latency: str) -> None:
         """Load the solvers of all phases that will be planned anew.
 
-        Args:
-            plan: the first one.
-            robot: as the controller believes it is.
-            tick: s between steps of the controller.
-            latency: "fixed", or "measured": answers that took longer than the robot's come later.
+        `latency`: "fixed", or "measured": answers that took longer than the robot's come later.
         """
         self._latency, self._measured = latency_of(robot), latency == "measured"
         self._replanner = Replanner(plan, robot)
@@ -152,7 +148,6 @@ class Replanning(Hook):
         return end - float(contacts.plan_time(situation.time)) - self._latency
 
     def _departs(self, situation: Situation, state: State) -> bool:
-        """True if the robot has departed from the plan that is followed."""
         controller = situation.controller
         target = controller.target(situation.time + self._latency)
         along = state.com_velocity - target.com_velocity

@@ -74,14 +74,10 @@ def block_places(surroundings: Surroundings, time: float) -> Array:
 def build_scene(
     robot: Robot, surroundings: Surroundings, disturbance: Disturbance, timestep: float
 ) -> Scene:
-    """Compile the robot in its surroundings, with the sensors that the simulation reads.
+    """Compile the robot in its surroundings, with sensors; `timestep` in s.
 
-    Args:
-        disturbance: its trunk mass, friction and contact time enter the model.
-        timestep: of the simulation, s.
-
-    Raises:
-        RobotFileError: the URDF lacks collision geometry, or MuJoCo refuses it.
+    Of the disturbance trunk mass, friction and contact time enter. Raises `RobotFileError`: the
+    URDF lacks collision geometry, or MuJoCo refuses it.
     """
     spec = scene_spec(robot, surroundings, disturbance, timestep)
     untouched = [block_body(block.name) for block in surroundings.blocks if block.untouched]
@@ -111,9 +107,7 @@ def scene_spec(
 
     Feet are spheres and the trunk its collision shapes; nothing else of the robot collides.
     Joints have neither armature nor damping, so that masses and accelerations are Pinocchio's.
-
-    Args:
-        motors: the joints in the order of their motors; None: that of `robot.joint_names`.
+    `motors`: the joints in their order; None: that of `robot.joint_names`.
     """
     spec = _skeleton(robot)
     option = spec.option
@@ -140,11 +134,7 @@ def scene_spec(
 
 
 def compiled(spec: mujoco.MjSpec, robot: Robot) -> mujoco.MjModel:
-    """The model.
-
-    Raises:
-        RobotFileError: MuJoCo refuses it.
-    """
+    """The model. Raises `RobotFileError`: MuJoCo refuses it."""
     try:
         return spec.compile()
     except ValueError as error:
@@ -153,10 +143,8 @@ def compiled(spec: mujoco.MjSpec, robot: Robot) -> mujoco.MjModel:
 
 @lru_cache(maxsize=16)
 def joints_in_model_order(robot: Robot) -> tuple[str, ...]:
-    """(J,) names of the joints in the order of MuJoCo's qpos: depth-first through the URDF.
-
-    Raises:
-        RobotFileError: MuJoCo refuses the URDF.
+    """(J,) names of the joints in the order of MuJoCo's qpos: depth-first through the URDF. Raises
+    `RobotFileError`: MuJoCo refuses the URDF.
     """
     return tuple(joint.name for joint in _skeleton(robot).joints)
 
@@ -208,7 +196,6 @@ def _bare_urdf(robot: Robot) -> str:
 
 
 def _set_inertias(spec: mujoco.MjSpec, robot: Robot, trunk_mass_factor: float) -> None:
-    """Give each moving body the URDF's inertia of its link and of all that is welded to it."""
     for joint, body in moving_bodies(spec, robot).items():
         welded = robot.model.inertias[joint]
         factor = trunk_mass_factor if joint == BASE_JOINT else 1.0
@@ -259,7 +246,6 @@ def _add_motors(spec: mujoco.MjSpec, joints: Sequence[str]) -> None:
 
 
 def _add_feet(spec: mujoco.MjSpec, robot: Robot, touch: dict[str, object]) -> None:
-    """Add the feet's spheres, without mass."""
     for leg, contact, names in zip(
         robot.legs, foot_contacts(robot), foot_geoms(robot), strict=True
     ):
@@ -280,7 +266,6 @@ def _add_feet(spec: mujoco.MjSpec, robot: Robot, touch: dict[str, object]) -> No
 def _add_trunk(
     spec: mujoco.MjSpec, root: mujoco.MjsBody, robot: Robot, touch: dict[str, object]
 ) -> None:
-    """Add the trunk's boxes, cylinders, spheres and the convex hulls of its meshes, massless."""
     before = len(root.geoms)
     for shape in collision_shapes(robot):
         if shape.parentJoint != BASE_JOINT:

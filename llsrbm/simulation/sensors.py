@@ -43,21 +43,14 @@ class Estimator(ABC):
     delay: ClassVar[float] = 0.0  # s by which a whole measurement comes late
 
     def __init__(self, tick: float, seed: int) -> None:
-        """Begin where the robot stands.
-
-        Args:
-            tick: s between estimates.
-            seed: what is drawn is drawn by it.
-        """
+        """Begin where the robot stands; `tick`: s between estimates, `seed` draws errors."""
         del tick, seed
 
     @abstractmethod
     def estimate(self, q: Array, v: Array, *, touching: bool) -> tuple[Array, Array]:
-        """The estimated state at the beginning of a tick.
+        """The estimate of true q (nq,) and measured v (nv,), Pinocchio's, as a tick begins.
 
-        Args:
-            q: (nq,) true; v: (nv,) measured; Pinocchio's conventions.
-            touching: whether a foot touched anything in the tick that ended.
+        `touching`: whether a foot touched anything in the tick that ended.
         """
 
 
@@ -111,7 +104,6 @@ class Drift(Estimator):
         return estimated_q, estimated_v
 
     def _wander(self, *, touching: bool) -> None:
-        """Let a tick pass for the errors."""
         moved = self._tick * self._velocity
         if touching:
             moved[2] = 0.0
@@ -129,17 +121,12 @@ def _wandered(error: Array, keeps: float, size: float, rng: np.random.Generator)
     return keeps * error + math.sqrt(1 - keeps**2) * size * fresh
 
 
-_ESTIMATORS: dict[str, type[Estimator]] = {kind.name: kind for kind in (Truth, Drift)}
-
-
-def estimator_names() -> tuple[str, ...]:
-    """Of the estimators, the default first."""
-    return tuple(_ESTIMATORS)
+ESTIMATORS: dict[str, type[Estimator]] = {kind.name: kind for kind in (Truth, Drift)}
 
 
 def check_estimator(name: str) -> None:
     """Raise `InputError`, naming the valid ones, for a name that is no estimator's."""
-    look_up("estimator", name, _ESTIMATORS)
+    look_up("estimator", name, ESTIMATORS)
 
 
 class Sensors:
@@ -148,29 +135,25 @@ class Sensors:
     def __init__(
         self, robot: Robot, disturbance: Disturbance, scenario: Scenario, tick: float
     ) -> None:
-        """Of a scenario the seed and the estimator matter.
-
-        Raises:
-            InputError: the estimator is unknown.
+        """Of a scenario the seed and the estimator matter. Raises `InputError`: the estimator is
+        unknown.
         """
         seed = scenario.seed or 0
         self._rng = np.random.default_rng([seed, 1])  # apart from what drew the disturbance
         self._scale = np.full(robot.model.nv, disturbance.joint_velocity_noise)
         self._scale[:6] = disturbance.base_velocity_noise
         check_estimator(scenario.estimator)
-        self._estimator = _ESTIMATORS[scenario.estimator](tick, seed)
+        self._estimator = ESTIMATORS[scenario.estimator](tick, seed)
         late = round(self._estimator.delay / tick)
         self._under_way: deque[tuple[Array, Array, Array]] = deque(maxlen=late + 1)
 
     def measure(
         self, time: float, state: tuple[Array, Array], last: TickResult | None
     ) -> Measurement:
-        """The measurement at the beginning of a tick; earlier than its delay, the first state.
+        """The measurement `time` s after the start; earlier than its delay, the first state.
 
-        Args:
-            time: s since the plan's start.
-            state: true q (nq,) and v (nv,), Pinocchio's conventions.
-            last: what the tick that ended brought; None before the first, as the robot stands.
+        `state`: true q (nq,) and v (nv,), Pinocchio's; `last`: of the tick that ended, None at
+        first.
         """
         q, v = state
         v = v + self._scale * self._rng.standard_normal(len(v))

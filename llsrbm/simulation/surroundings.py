@@ -61,10 +61,8 @@ class Surroundings:
 
 
 def surroundings(robot: Robot, plan: Plan, scenario: Scenario) -> Surroundings:
-    """The ground and the blocks among which a plan is followed.
-
-    Raises:
-        InputError: the board is too thick, see `check_board`.
+    """The ground and the blocks among which a plan is followed. Raises `InputError`: the board is
+    too thick, see `check_board`.
     """
     check_board(plan, scenario.board)
     radius = max(contact.radius for contact in foot_contacts(robot))
@@ -98,9 +96,7 @@ def surroundings(robot: Robot, plan: Plan, scenario: Scenario) -> Surroundings:
 
 def check_board(plan: Plan, height: float) -> None:
     """Check that a board of that thickness, m, slides in under the planned feet in mid-flight.
-
-    Raises:
-        InputError: it does not; the message names the thickest that does.
+    Raises `InputError`: it does not; the message names the thickest that does.
     """
     if height == 0:
         return
@@ -117,10 +113,8 @@ def check_board(plan: Plan, height: float) -> None:
 
 
 def check_room(robot: Robot, plan: Plan) -> None:
-    """Check that the blocks of a plan leave room for the feet that stand beside them.
-
-    Raises:
-        InputError: a foot would stand in a block; the message states the room and what is needed.
+    """Check that the blocks of a plan leave room for the feet that stand beside them. Raises
+    `InputError`: a foot would stand in a block; the message states the room and what is needed.
     """
     if plan.obstacle is not None:
         return
@@ -259,7 +253,6 @@ def _mid_flight(plan: Plan, place: _Place) -> float:
 
 
 def _turn(heading: float) -> Array:
-    """(2, 2): R_world_heading."""
     c, s = math.cos(heading), math.sin(heading)
     return np.array([[c, -s], [s, c]])
 

@@ -14,7 +14,6 @@ Recovered: strict success but for where the feet are, which a push or a new plan
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -31,8 +30,7 @@ from llsrbm.motion.outcome import SATURATED, Outcome
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.replan import Replan
 from llsrbm.robots import Robot
-from llsrbm.simulation.recorder import Recorder
-from llsrbm.simulation.world import TickResult
+from llsrbm.simulation.episode import Fall, Recorder
 
 Array = NDArray[np.float64]
 
@@ -42,33 +40,11 @@ FINAL_TILT = np.radians(2.0)
 PEAK_TILT = np.radians(15.0)
 SECOND_FLIGHT = 0.03  # s
 # Those of a fall.
-TOPPLED = np.radians(60.0)  # from the planned attitude: beyond this no robot comes back
 _LOW = 0.7  # of the planned height of the CoM above its feet: below this a robot sits, not stands
 _LEANING = np.radians(15.0)
 _AT_REST = 0.2  # s before the end in which a robot should stand still
 _STILL = 0.1  # m/s of the CoM; a robot that stands sways at less
 _UNDER_WAY = 0.3  # of the planned flight; contact before is a foot that leaves late
-
-
-@dataclass(frozen=True)
-class Fall:
-    """When and how a robot fell."""
-
-    time: float
-    reason: str
-
-
-def fallen(time: float, q: Array, planned: Array, result: TickResult) -> Fall | None:
-    """The fall, if it has fallen in the state q (nq,), with its base planned to be at (3, 3)."""
-    if result.trunk_contact:
-        return Fall(time, "the trunk touched the ground")
-    if result.obstacle_contact:
-        return Fall(time, "it touched the hurdle")
-    x, y, z, w = q[3:7].tolist()
-    up = np.array([2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)])
-    if up.dot(planned[:, 2]) < math.cos(TOPPLED):
-        return Fall(time, "it toppled over")
-    return None
 
 
 def judge(
@@ -83,12 +59,8 @@ def judge(
 ) -> Outcome:
     """Put a recorded simulation into figures.
 
-    Args:
-        robot, plan, recorder, controller: what took part.
-        columns: the recorder's, with `time`, two ticks or more.
-        fall: what the loop has seen, if it ended early.
-        wall_time: of the whole loop, s.
-        replans: made in it.
+    `columns`: the recorder's, with `time`, two ticks or more; `fall`: what the loop has seen, if it
+    ended early; `wall_time`: of the whole loop, s; `replans`: made in it.
     """
     tick = float(columns["time"][1] - columns["time"][0])
     landing = _Landing.of(plan, recorder, controller.flights)
@@ -132,8 +104,6 @@ def judge(
 
 @dataclass(frozen=True)
 class _Landing:
-    """The touchdowns of a simulation."""
-
     feet: list[float | None]  # s, the first contact of each foot after the last flight
     time: float | None  # the earliest
     planned: float  # s, of the last flight
@@ -162,7 +132,6 @@ class _Landing:
 
 
 def _at_end(plan: Plan, columns: dict[str, Any], mass: float) -> dict[str, Any]:
-    """Figures of an outcome from the last instants."""
     time, momentum = columns["time"], columns["linear_momentum"]
     com_off = columns["com"][-1] - com_at_rest(plan)
     resting = momentum[time >= time[-1] - _AT_REST]
@@ -184,7 +153,6 @@ def _feet_off(plan: Plan, columns: dict[str, Any]) -> Array:
 def _after_touchdown(
     plan: Plan, columns: dict[str, Any], touchdown: float | None, tick: float
 ) -> dict[str, Any]:
-    """Figures of an outcome from the touchdown on."""
     if touchdown is None:
         return {"peak_tilt": 0.0, "second_flight_s": 0.0}
     after = columns["time"] >= touchdown
@@ -197,7 +165,6 @@ def _after_touchdown(
 
 
 def _at_touchdown(plan: Plan, columns: dict[str, Any], landing: _Landing) -> dict[str, Any]:
-    """Figures of an outcome at the touchdown."""
     time = columns["time"]
 
     def index(instant: float) -> int:
@@ -224,7 +191,6 @@ def _at_touchdown(plan: Plan, columns: dict[str, Any], landing: _Landing) -> dic
 def _of_drives(
     robot: Robot, plan: Plan, recorder: Recorder, columns: dict[str, Any]
 ) -> dict[str, Any]:
-    """Figures of an outcome of torques and joint speeds."""
     share = np.abs(columns["torque"]) / np.maximum(columns["torque_limit"], 1e-9)
     speed = np.abs(np.array(recorder.v))[:, 6:]
     torque = np.abs([result.torque for result in recorder.results])

@@ -179,10 +179,8 @@ class World:
         return q, v
 
     def check_start(self) -> None:
-        """Check that the robot as it stands is in none of the blocks.
-
-        Raises:
-            InputError: its trunk is.
+        """Check that the robot as it stands is in none of the blocks. Raises `InputError`: its
+        trunk is.
         """
         if self.scene.surroundings.blocks and self._contacts.trunk_touches_now():
             raise InputError(
@@ -191,11 +189,8 @@ class World:
             )
 
     def push(self, force: Array, moment: Array) -> None:
-        """Let a wrench act on the trunk during the next tick, beside what acts already.
-
-        Args:
-            force: (3,) N, world frame, on the trunk's CoM.
-            moment: (3,) N m, world frame, about it.
+        """Let a wrench act on the trunk during the next tick, beside what acts already. `force`:
+        (3,) N, world frame, on the trunk's CoM; `moment`: (3,) N m, world frame, about it.
         """
         self._wrench[:3] += force
         self._wrench[3:] += moment
@@ -203,11 +198,8 @@ class World:
     def advance(self, torque: Array) -> TickResult:
         """Let a tick pass, with the wrenches that were pushed with since the last.
 
-        Args:
-            torque: (J,) Nm or N as commanded, in the order of `robot.joint_names`.
-
-        Raises:
-            Diverged: the tick is worth nothing, nor is the state until a `reset`.
+        `torque`: (J,) Nm or N as commanded, in the order of `robot.joint_names`. Raises `Diverged`:
+        the tick is worth nothing, nor is the state until a `reset`.
         """
         self.scene.move_blocks(self._data, self.time)
         arriving = self._drives.arriving(np.array(torque, dtype=float))

@@ -222,7 +222,6 @@ def _check(sweep: _Sweep, chosen: Sequence[dict[str, Any]], format_: DatasetForm
 def _begin(
     out: Path, sweep: _Sweep, format_: DatasetFormat, choice: dict[str, Any], options: Options
 ) -> None:
-    """Write sweep, format and options, or compare."""
     used = {name: value for name, value in asdict(options).items() if name in format_.options}
     stated = {
         "schema": SCHEMA,
@@ -293,7 +292,6 @@ def _write_index(
     options: Options,
     source: str,
 ) -> Path:
-    """The table of motions, twice."""
     import pyarrow as pa
     import pyarrow.parquet as pq
     from pyarrow import csv

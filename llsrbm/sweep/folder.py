@@ -82,10 +82,8 @@ class Folder:
     def append(self, jump: int, rows: list[Row]) -> None:
         """Keep a jump's rows, one a seed; `flush`, or some seconds, put them on the disk.
 
-        Jumps' numbers increase from call to call, so that parts are in order.
-
-        Raises:
-            Error: no room on the disk, or no right to write.
+        Jumps' numbers increase from call to call, so that parts are in order. Raises `Error`: no
+        room on the disk, or no right to write.
         """
         if not self._rows or jump != self._next:
             self.flush()
@@ -117,7 +115,6 @@ class Folder:
         return (int(number) for number in np.flatnonzero(~self.done))
 
     def _begin(self, origin: Mapping[str, str]) -> None:
-        """Write spec and origin, or compare them."""
         spec = self.points.spec
         path = self.path / STATED
         stated = {

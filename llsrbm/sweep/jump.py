@@ -34,10 +34,8 @@ _OUTCOMES = {column.name for column in rows.COLUMNS} - {"status"}
 
 
 def rows_of(spec: Spec, point: Point) -> list[Row]:
-    """Plan a jump and simulate it once a seed: one row a seed.
-
-    Raises:
-        InputError: the robot's file is not on this machine.
+    """Plan a jump and simulate it once a seed: one row a seed. Raises `InputError`: the robot's
+    file is not on this machine.
     """
     request = request_of(point)
     start = time.perf_counter()
@@ -85,10 +83,8 @@ def request_of(point: Point) -> Row:
 
 
 def plan_of(spec: Spec, point: Point) -> Plan:
-    """A jump's plan, the same wherever and whenever it is computed.
-
-    Raises:
-        Error: see `Planner.plan`.
+    """A jump's plan, the same wherever and whenever it is computed. Raises `Error`: see
+    `Planner.plan`.
     """
     return _planner(point).plan(
         point.jump, limits=point.limits, patient=spec.patient, explains=spec.diagnose
@@ -96,10 +92,8 @@ def plan_of(spec: Spec, point: Point) -> Plan:
 
 
 def rollout_of(spec: Spec, point: Point, plan: Plan, seed: int | None) -> Rollout:
-    """The simulation of a plan, likewise.
-
-    Raises:
-        InputError: see `llsrbm.simulate`, or the spec simulates nothing.
+    """The simulation of a plan, likewise. Raises `InputError`: see `llsrbm.simulate`, or the spec
+    simulates nothing.
     """
     from llsrbm.simulation.simulate import simulate
 
@@ -128,7 +122,6 @@ def _planner(point: Point) -> Planner:
 
 
 def _planned(spec: Spec, point: Point) -> tuple[Row, Plan | None]:
-    """The plan's columns, and the plan if there is one."""
     try:
         plan = plan_of(spec, point)
         return {"status": rows.PLANNED, **_solve(plan), **_figures(plan, _robot(point))}, plan
@@ -139,7 +132,6 @@ def _planned(spec: Spec, point: Point) -> tuple[Row, Plan | None]:
 
 
 def _simulated(spec: Spec, point: Point, plan: Plan, seed: int | None) -> Row:
-    """The outcome's columns."""
     start = time.perf_counter()
     try:
         outcome = asdict(rollout_of(spec, point, plan, seed).outcome)
@@ -191,7 +183,6 @@ def _stop(error: NotConverged, diagnosed: bool) -> Row:
 
 
 def _figures(plan: Plan, robot: Robot) -> Row:
-    """Durations, margins and loads of a plan."""
     from llsrbm.analysis.summaries import peak_yaw_rate, planned_peak_load, planned_torque_shares
     from llsrbm.mechanics import final_yaw
 
@@ -233,7 +224,6 @@ def _joints(plan: Plan, robot: Robot) -> Row:
 
 
 def _forces(plan: Plan, robot: Robot) -> Row:
-    """Forces at contacts, and how much of the friction they use."""
     from llsrbm.mechanics import GRAVITY
 
     force = plan.contact_force

@@ -63,10 +63,8 @@ class Point:
 
 
 class Points:
-    """The jumps of a spec by their number, `count` of them in `rows` rows of the table.
-
-    Raises:
-        InputError: too many jumps, an unknown robot, model, type or limit, or a wrong robot file.
+    """The jumps of a spec by their number, `count` of them in `rows` rows of the table. Raises
+    `InputError`: too many jumps, an unknown robot, model, type or limit, or a wrong robot file.
     """
 
     def __init__(self, spec: Spec) -> None:

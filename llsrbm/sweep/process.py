@@ -59,10 +59,8 @@ class _Process:
 
 
 def run_jump(spec: Spec, point: Point, limit: float) -> list[Row]:
-    """A jump's rows, computed within `limit` seconds or failed; called by Dask in a worker.
-
-    Raises:
-        Error: this machine lacks the robot's file, or something else that all jumps need.
+    """A jump's rows, computed within `limit` seconds or failed; called by Dask in a worker. Raises
+    `Error`: this machine lacks the robot's file, or something else that all jumps need.
     """
     died = ""
     for _ in range(_ATTEMPTS):
@@ -85,10 +83,8 @@ def run_prepare(points: Sequence[Point]) -> None:
 def compute(function: Callable[..., Any], *arguments: Any, limit: float | None) -> Any:
     """A function's result, computed in the worker's process within `limit` seconds.
 
-    Raises:
-        TimeoutError: it takes longer.
-        ProcessDied: the process ended.
-        Error: the function raised something.
+    Raises `TimeoutError`: it takes longer; `ProcessDied`: the process ended; `Error`: the function
+    raised something.
     """
     global _running  # one a worker
     with _lock:
@@ -105,7 +101,6 @@ def compute(function: Callable[..., Any], *arguments: Any, limit: float | None) 
 
 
 def _serve(connection: Connection) -> None:
-    """Call functions until the worker has gone."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # of the terminal: the command ends its workers
     with threadpool_limits(limits=1):  # a process a core: more threads would only wait
         while True:

@@ -210,11 +210,7 @@ def schema(spec: Spec) -> pa.Schema:
 
 
 def table_of(rows: Sequence[Row], wanted: pa.Schema) -> pa.Table:
-    """Rows as a table.
-
-    Raises:
-        KeyError: a row names a column that the schema does not have.
-    """
+    """Rows as a table. Raises `KeyError`: a row names a column that the schema does not have."""
     import pyarrow as pa
 
     for row in rows:
@@ -237,10 +233,8 @@ def origin(spec: Spec) -> dict[str, str]:
 
 
 def robot_hash(name_or_path: str) -> str:
-    """Of a robot's file and its URDF, as they are now.
-
-    Raises:
-        InputError: no such robot, or a `RobotFileError`: its file is wrong.
+    """Of a robot's file and its URDF, as they are now. Raises `InputError`: no such robot, or a
+    `RobotFileError`: its file is wrong.
     """
     from llsrbm.robots import load_robot
 

@@ -111,14 +111,9 @@ class Progress:
 
 @contextmanager
 def connected(workers: int, scheduler: str | None) -> Iterator[distributed.Client]:
-    """A client of the scheduler at that address, "tcp://host:8786", or of a new local one.
+    """A client of the scheduler at that address, "tcp://host:8786"; None: of a new local one.
 
-    Args:
-        workers: processes of a local cluster, a thread each.
-        scheduler: address; None: a local one is started.
-
-    Raises:
-        InputError: the scheduler does not answer.
+    `workers`: processes of a local one, a thread each. Raises `InputError`: no scheduler answers.
     """
     settings: dict[str, Any] = {
         "distributed.scheduler.allowed-failures": _DEATHS,
@@ -265,7 +260,6 @@ class _Work:
         self.folder.flush()
 
     def _hand_out(self) -> None:
-        """Submit as many jumps as the workers can do with."""
         self._count_workers()
         most = _UNDER_WAY * max(self.so_far.workers, 1)
         while len(self._flight) < most and len(self._held) < _MOST_HELD:
@@ -291,7 +285,6 @@ class _Work:
         return [future for future in ended if future in self._flight]
 
     def _take(self, ended: list[distributed.Future]) -> None:
-        """Hold the rows of jumps whose tasks have ended."""
         whole = [future for future in ended if future.status == "finished"]
         results = dict(zip(whole, self.client.gather(whole), strict=True))
         for future in ended:

@@ -304,10 +304,8 @@ def find_spec(name_or_path: str) -> Spec:
     """The spec of that name among those that come with the project, or in the file at that path.
 
     A text that ends in ".toml" or contains a path separator is a path. Robots and limits are
-    checked by `points`.
-
-    Raises:
-        InputError: one line: no such name, or the file, the key, its value and the accepted ones.
+    checked by `points`. Raises `InputError`: one line: no such name, or the file, the key, its
+    value and the accepted ones.
     """
     path = Path(name_or_path)
     if not name_or_path.endswith(".toml") and os.sep not in name_or_path:

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from llsrbm.ocp.problem import Iterate
+from llsrbm.ocp.horizon import Iterate
 from llsrbm.request.design import Design, dump_design
 from llsrbm.request.jump import Jump
 from llsrbm.request.scenario import Scenario

@@ -12,7 +12,7 @@ from app.tab.effects import After, Keep, LoadRobot, Notify, Reported, RobotLoade
 from app.tab.opening import first_state
 from app.tab.planning import draw_robot
 from app.workers.protocol import Planned, Prepared, Simulated
-from llsrbm.ocp.problem import Iterate
+from llsrbm.ocp.horizon import Iterate
 from llsrbm.robots import load_robot, read_robot_file
 from llsrbm.robots.schema import robot_files
 from tests.app.synthetic_plan import synthetic_plan

@@ -22,9 +22,5 @@ def names() -> tuple[str, ...]:
 
 
 def by_name(name: str) -> type[Solver]:
-    """The solver called `name`.
-
-    Raises:
-        InputError: no solver has that name.
-    """
+    """The solver called `name`. Raises `InputError`: no solver has that name."""
     return look_up("solver", name, _SOLVERS)

@@ -14,7 +14,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from llsrbm.ocp.problem import Iterate, Problem, Solution
+from llsrbm.ocp.horizon import Iterate, Problem, Solution
 from llsrbm.ocp.progress import solving
 from llsrbm.ocp.transcription import FUNCTIONS, Structure, Transcribed
 
@@ -102,9 +102,7 @@ class Solver(ABC):
     ) -> None:
         """Use the same problem's faster functions from the first solve on for which they exist.
 
-        Args:
-            faster: returns them, or None as long as there are none.
-            wait: returns when they exist, or never will.
+        `faster` returns them, or None before; `wait` returns when they exist, or never will.
         """
         self._faster, self._wait = faster, wait
 
@@ -131,16 +129,9 @@ class Solver(ABC):
         options: SolveOptions = PATIENT,
         read: Callable[[str], None] | None = None,
     ) -> Solution:
-        """Solve from a guess.
+        """Solve from a guess of all variables; `read` receives the table of iterations, if any.
 
-        Args:
-            problem: its numbers.
-            guess: all variables.
-            options: start and end.
-            read: receives the table of iterations, of solvers that print one.
-
-        Raises:
-            ValueError: the guess is not finite, but violates no row.
+        Raises `ValueError`: the guess is not finite, but violates no row.
         """
         with solving:
             self._renew()
@@ -149,14 +140,8 @@ class Solver(ABC):
                 return self._not_begun(problem, start, miss)
             if options not in self._cold:
                 self._cold[options] = self._solver_from_guesses(options)
-            arguments = {
-                "x0": guess,
-                "p": problem.parameters,
-                "lbg": problem.lower,
-                "ubg": problem.upper,
-            }
             with nullcontext() if read is None else self._printing(read):
-                return self._run(self._cold[options], problem, arguments)
+                return self._run(self._cold[options], problem, {"x0": guess})
 
     def follow(
         self,
@@ -167,11 +152,8 @@ class Solver(ABC):
     ) -> Solution:
         """Solve from the solution of a problem whose numbers are a little off.
 
-        Args:
-            problem: its numbers.
-            start: the solution.
-            too_far: largest violation of a row with which it is begun.
-            acceptable: as of `SolveOptions`.
+        `too_far`: largest violation of a row with which it is begun; `acceptable`: see
+        `SolveOptions`.
         """
         with solving:
             self._renew()
@@ -210,11 +192,11 @@ class Solver(ABC):
 
     @abstractmethod
     def _solver_from_guesses(self, options: SolveOptions) -> ca.Function:
-        """Solver from guesses."""
+        pass
 
     @abstractmethod
     def _solver_near(self, acceptable: tuple[float, int] | None) -> ca.Function:
-        """Solver from near solutions."""
+        pass
 
     @abstractmethod
     def _outcome(self, stats: dict[str, Any]) -> tuple[bool, int]:
@@ -235,7 +217,8 @@ class Solver(ABC):
         if not np.isfinite(arguments["x0"]).all():  # Fatrop would never return
             raise ValueError("the initial guess is not finite")
         start = time.perf_counter()
-        result = solver(**arguments)
+        numbers = {"p": problem.parameters, "lbg": problem.lower, "ubg": problem.upper}
+        result = solver(**numbers | arguments)
         elapsed = time.perf_counter() - start
         stats = solver.stats()
         converged, iterations = self._outcome(stats)

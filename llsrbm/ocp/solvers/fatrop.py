@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from llsrbm.ocp.fatrop_patches import LARGEST_SCALE, WITHIN
-from llsrbm.ocp.problem import Iterate, Problem, Solution
+from llsrbm.ocp.horizon import Iterate, Problem, Solution
 from llsrbm.ocp.progress import printed_into
 from llsrbm.ocp.solvers.base import (
     NEAR_MU,
@@ -70,15 +70,11 @@ class Fatrop(Solver):
         functions = dict(self._problem.functions)
         if options.within is not None:
             functions["nlp_g"] = _rows_within(functions["nlp_g"], options.within)
-        push = options.push
-        pushes = {} if push is None else {"bound_push": push, "bound_frac": push}
-        fatrop_options = {
-            "mu_init": options.mu,
-            "tolerance": options.tolerance,
-            "max_iter": options.iterations,
-            **pushes,
-        }
-        return self._nlpsol(functions, fatrop_options, options.acceptable)
+        chosen: dict[str, Any] = {"mu_init": options.mu, "tolerance": options.tolerance}
+        chosen["max_iter"] = options.iterations
+        if options.push is not None:
+            chosen |= dict.fromkeys(("bound_push", "bound_frac"), options.push)
+        return self._nlpsol(functions, chosen, options.acceptable)
 
     def _solver_near(self, acceptable: tuple[float, int] | None) -> ca.Function:
         functions = _with_scaled_rows(self._problem.functions)

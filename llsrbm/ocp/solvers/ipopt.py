@@ -9,7 +9,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from llsrbm.ocp.problem import Iterate, Problem, Solution
+from llsrbm.ocp.horizon import Iterate, Problem, Solution
 from llsrbm.ocp.solvers.base import NEAR_MU, PATIENT, SolveOptions, Solver
 
 Array = NDArray[np.float64]
@@ -60,13 +60,7 @@ class Ipopt(Solver):
     def _follow(
         self, solver: ca.Function, problem: Problem, start: Iterate, rows: Array
     ) -> Solution:
-        arguments = {
-            "x0": start.variables,
-            "lam_g0": start.multipliers,
-            "p": problem.parameters,
-            "lbg": problem.lower,
-            "ubg": problem.upper,
-        }
+        arguments = {"x0": start.variables, "lam_g0": start.multipliers}
         return self._run(solver, problem, arguments)
 
     def _outcome(self, stats: dict[str, Any]) -> tuple[bool, int]:

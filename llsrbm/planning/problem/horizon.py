@@ -10,8 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from llsrbm.models.base import CentroidalModel
-from llsrbm.ocp.horizon import Horizon, Row, Run, StageExpressions
-from llsrbm.ocp.problem import Problem
+from llsrbm.ocp.horizon import Horizon, Problem, Row, Run, StageExpressions
 from llsrbm.planning.problem.constraints import CONSTRAINTS, Constraint
 from llsrbm.planning.problem.costs import COSTS, weight_parameter
 from llsrbm.planning.problem.knots import DYNAMICS, Rows

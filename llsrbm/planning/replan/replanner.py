@@ -23,7 +23,7 @@ from llsrbm.mechanics import GRAVITY, sign_continuous
 from llsrbm.models import make_model
 from llsrbm.motion.plan import Plan
 from llsrbm.ocp import solvers
-from llsrbm.ocp.problem import Iterate, Solution
+from llsrbm.ocp.horizon import Iterate, Solution
 from llsrbm.ocp.progress import when_idle
 from llsrbm.planning.problem.headings import feet_seen
 from llsrbm.planning.problem.knots import Knots, unpack

@@ -9,7 +9,7 @@ import numpy as np
 
 from llsrbm.mechanics import rotation_matrices
 from llsrbm.motion.plan import Plan, SolveReport
-from llsrbm.ocp.problem import Iterate
+from llsrbm.ocp.horizon import Iterate
 from llsrbm.planning.problem.knots import Knots
 from llsrbm.planning.solve.formulation import Attempt
 from llsrbm.robots.robot import Robot

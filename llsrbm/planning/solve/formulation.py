@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from llsrbm.models.base import CentroidalModel
 from llsrbm.motion.plan import Violation
-from llsrbm.ocp.problem import Problem, Solution
+from llsrbm.ocp.horizon import Problem, Solution
 from llsrbm.ocp.progress import solving
 from llsrbm.ocp.solvers import Solver
 from llsrbm.planning.problem.constraints.truth import TrueTurn

@@ -32,7 +32,7 @@ from numpy.typing import NDArray
 from llsrbm.cache import content_key
 from llsrbm.files.npz import write_archive
 from llsrbm.installed import assets_directory
-from llsrbm.ocp.problem import Iterate
+from llsrbm.ocp.horizon import Iterate
 from llsrbm.planning.problem.costs import default_weights
 from llsrbm.planning.problem.placement import make_task
 from llsrbm.planning.problem.task import Task

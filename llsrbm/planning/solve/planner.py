@@ -13,7 +13,7 @@ from llsrbm.models import check_name, make_model
 from llsrbm.models.base import CentroidalModel
 from llsrbm.motion.plan import Plan, SolveReport
 from llsrbm.ocp import solvers
-from llsrbm.ocp.problem import Iterate
+from llsrbm.ocp.horizon import Iterate
 from llsrbm.ocp.progress import when_idle
 from llsrbm.planning.problem.constraints.truth import correction
 from llsrbm.planning.problem.knots import Knots

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from llsrbm.errors import Cancelled
-from llsrbm.ocp.problem import Solution
+from llsrbm.ocp.horizon import Solution
 from llsrbm.ocp.progress import IterationTable, attended, when_idle
 
 

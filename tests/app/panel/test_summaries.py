@@ -8,8 +8,7 @@ import pytest
 from app.panel.summaries import plan_figures, rollout_figures, simulated_line
 from llsrbm.analysis.diagnosis import diagnose
 from llsrbm.request.jump import Jump
-from llsrbm.request.push import Push
-from llsrbm.request.scenario import Scenario
+from llsrbm.request.scenario import Push, Scenario
 from llsrbm.robots import load_robot
 from tests.app.synthetic_plan import FLY, GRAVITY, STAND, synthetic_plan
 from tests.app.synthetic_replans import with_replans

@@ -14,8 +14,7 @@ from app.picture.push_handle import PushDragged
 from app.tab.effects import Keep, Pause, Play, Seek
 from app.tab.pushing import push_shown
 from app.workers.protocol import Cancelled, PlanJump, Simulated, SimulatedSoFar, SimulateJump
-from llsrbm.request.push import DURATION, LARGEST_IMPULSE, Push
-from llsrbm.request.scenario import Scenario
+from llsrbm.request.scenario import DURATION, LARGEST_IMPULSE, Push, Scenario
 from tests.app.pure_tab import planned_tab, rollout_of
 from tests.app.synthetic_plan import FLY, STAND
 

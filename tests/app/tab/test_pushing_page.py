@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from llsrbm.request.push import Push
+from llsrbm.request.scenario import Push
 from tests.app.chromium import PACE, PIXELS, paused_at, press, status, tab, tick, wait_until
 
 pytestmark = pytest.mark.browser

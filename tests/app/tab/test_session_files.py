@@ -14,7 +14,7 @@ import pytest
 
 import llsrbm
 from app.workers.protocol import PlanJump
-from llsrbm.ocp.problem import Iterate
+from llsrbm.ocp.horizon import Iterate
 from llsrbm.request.design import Design, dump_design, load_design
 from llsrbm.request.jump import Jump
 from llsrbm.request.scenario import Scenario

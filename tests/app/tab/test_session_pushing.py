@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from llsrbm.request.push import Push
+from llsrbm.request.scenario import Push
 
 NUMBERS = ("Push at [s]", "Push x [N s]", "Push y [N s]", "Push z [N s]")
 

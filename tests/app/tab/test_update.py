@@ -60,8 +60,7 @@ from app.workers.protocol import (
 )
 from llsrbm.request.design import Design
 from llsrbm.request.jump import Jump
-from llsrbm.request.push import Push
-from llsrbm.request.scenario import Scenario
+from llsrbm.request.scenario import Push, Scenario
 from llsrbm.request.tuning import Tuning
 from llsrbm.robots import load_robot
 from tests.app.planners import Nearest, turning_states

@@ -10,7 +10,7 @@ import llsrbm
 from app.workers.protocol import ExportMotion, FindNearest, OpenFile, PlanJump, SimulateJump
 from app.workers.worker import LibraryPlanner
 from llsrbm.errors import InputError, UnusableStart
-from llsrbm.ocp.problem import Iterate
+from llsrbm.ocp.horizon import Iterate
 from llsrbm.request.design import Design, dump_design
 from llsrbm.request.jump import Jump
 from llsrbm.request.scenario import Scenario

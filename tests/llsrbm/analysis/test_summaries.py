@@ -6,7 +6,7 @@ from dataclasses import fields, replace
 import numpy as np
 import pytest
 
-from llsrbm.analysis.summaries import detection_latency, rollout_summary
+from llsrbm.analysis.summaries import rollout_summary
 from llsrbm.motion.outcome import Outcome
 from tests.llsrbm.synthetic_rollout import synthetic_rollout
 
@@ -57,10 +57,3 @@ def test_what_there_is_not_is_null(rollout):
     assert back["final_tilt"] is None
     assert back["foot_touchdown_s"] == [None, None, 0.9, 0.9]
     assert back["trunk_touched"] is True
-
-
-def test_detection_latency(rollout):
-    assert detection_latency(rollout) == pytest.approx(0.005)
-    for name in ("touchdown_true_s", "touchdown_detected_s"):
-        outcome = replace(rollout.outcome, **{name: None})
-        assert detection_latency(replace(rollout, outcome=outcome)) is None

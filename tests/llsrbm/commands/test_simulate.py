@@ -13,8 +13,7 @@ from llsrbm.analysis.diagnosis import diagnose
 from llsrbm.analysis.summaries import rollout_summary
 from llsrbm.motion.replan import Replan
 from llsrbm.motion.trajectory import load
-from llsrbm.request.push import Push
-from llsrbm.request.scenario import Scenario
+from llsrbm.request.scenario import Push, Scenario
 from tests.llsrbm.commands.process import run
 from tests.llsrbm.synthetic import synthetic_plan
 from tests.llsrbm.synthetic_rollout import synthetic_rollout

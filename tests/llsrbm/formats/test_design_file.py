@@ -6,8 +6,7 @@ import pytest
 
 from llsrbm.formats import export, file_name
 from llsrbm.request.design import Design, load_design
-from llsrbm.request.push import Push
-from llsrbm.request.scenario import Scenario
+from llsrbm.request.scenario import Push, Scenario
 from llsrbm.request.tuning import Tuning
 from tests.llsrbm.synthetic import synthetic_plan
 from tests.llsrbm.synthetic_rollout import synthetic_rollout

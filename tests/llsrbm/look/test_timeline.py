@@ -8,8 +8,7 @@ import pytest
 from llsrbm.look import palette
 from llsrbm.look.timeline import timeline
 from llsrbm.motion.replan import Replan
-from llsrbm.request.push import Push
-from llsrbm.request.scenario import Scenario
+from llsrbm.request.scenario import Push, Scenario
 from tests.llsrbm.synthetic import TWO_HOPS, TWO_HOPS_DURATIONS, synthetic_plan
 from tests.llsrbm.synthetic_rollout import synthetic_rollout
 

@@ -4,8 +4,7 @@ import pytest
 
 from llsrbm.look.titles import title_of, titles_of
 from llsrbm.request.jump import Jump
-from llsrbm.request.push import Push
-from llsrbm.request.scenario import Scenario
+from llsrbm.request.scenario import Push, Scenario
 from llsrbm.request.tuning import Tuning
 
 TWIST = Jump(twist=math.pi / 2)

@@ -8,9 +8,8 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 
-from llsrbm.models.llsrbm import LLSRBM
+from llsrbm.models.llsrbm import LLSRBM, SRBM
 from llsrbm.models.llsrbm_plus import LLSRBMPlus
-from llsrbm.models.srbm import SRBM
 from tests.llsrbm.models.postures import (
     LEGS,
     ROBOT,

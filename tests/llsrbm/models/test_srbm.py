@@ -1,6 +1,6 @@
 import numpy as np
 
-from llsrbm.models.srbm import SRBM
+from llsrbm.models.llsrbm import SRBM
 from tests.llsrbm.models.postures import (
     LEGS,
     ROBOT,

@@ -8,9 +8,8 @@ parameters of their own.
 import casadi as ca
 import numpy as np
 
-from llsrbm.ocp.horizon import Horizon, Row, Run, StageExpressions
+from llsrbm.ocp.horizon import Horizon, Problem, Row, Run, StageExpressions
 from llsrbm.ocp.lifting import Lifting
-from llsrbm.ocp.problem import Problem
 
 INTERVALS = 12
 PUSH = 100.0  # m/s2, wide enough to change nothing

@@ -11,8 +11,7 @@ from hypothesis import strategies as st
 from llsrbm.errors import FileFormatError, InputError
 from llsrbm.request.design import LARGEST, Design, dump_design, file_name, load_design
 from llsrbm.request.jump import Jump
-from llsrbm.request.push import Push
-from llsrbm.request.scenario import Scenario
+from llsrbm.request.scenario import Push, Scenario
 from llsrbm.request.tuning import Tuning
 
 TWIST = Jump(twist=math.pi / 2)

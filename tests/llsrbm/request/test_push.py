@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from llsrbm.errors import InputError
-from llsrbm.request.push import Push, parse_push
+from llsrbm.request.scenario import Push, parse_push
 
 
 def refused(call, *given) -> str:

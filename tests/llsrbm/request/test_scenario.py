@@ -14,8 +14,7 @@ from hypothesis import strategies as st
 import llsrbm
 from llsrbm.errors import InputError
 from llsrbm.request.messages import Number, field_specs
-from llsrbm.request.push import LARGEST_IMPULSE, Push
-from llsrbm.request.scenario import MOST_NOISE, Scenario
+from llsrbm.request.scenario import LARGEST_IMPULSE, MOST_NOISE, Push, Scenario
 
 PUSH = {"time": 0.4, "impulse": (0.0, 12.0, 0.0)}
 NAMES = st.sampled_from(["residual", "norm", "auto", "mine"])

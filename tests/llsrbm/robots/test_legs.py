@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from llsrbm.mechanics import parallel_axis, turns_about_z
+from llsrbm.mechanics import skew, turns_about_z
 from llsrbm.robots import load_robot
 from llsrbm.robots.legs import solve_legs
 
@@ -44,7 +44,8 @@ def check(chains, angles):
         mass, com, inertia, _ = links_of(model, leg, full(angles))
         centre = mass @ com / mass.sum()
         np.testing.assert_allclose(masses.com[i], centre, atol=1e-12)
-        about = inertia + mass[:, None, None] * parallel_axis(com - centre)
+        arm = skew(com - centre)
+        about = inertia + mass[:, None, None] * (arm @ arm.swapaxes(-1, -2))
         np.testing.assert_allclose(masses.inertia[i], about.sum(axis=0), atol=1e-12)
         for j in range(len(leg)):
             turned = np.tile(angles, (2, 1, 1))

@@ -7,10 +7,9 @@ from llsrbm.control.controller import WholeBodyController
 from llsrbm.motion.rollout import Disturbance
 from llsrbm.request.scenario import Scenario
 from llsrbm.robots import load_robot
-from llsrbm.simulation.episode import Episode, Hook
-from llsrbm.simulation.recorder import Recorder
+from llsrbm.simulation.episode import Episode, Hook, Recorder
 from llsrbm.simulation.sensors import Sensors
-from llsrbm.simulation.start import standing_state
+from llsrbm.simulation.simulate import standing_state
 from llsrbm.simulation.world import World
 from tests.llsrbm.planning.solved import solved
 

@@ -7,8 +7,7 @@ import pytest
 
 from llsrbm.errors import InputError
 from llsrbm.motion.trajectory import load
-from llsrbm.request.push import DURATION, Push
-from llsrbm.request.scenario import Scenario
+from llsrbm.request.scenario import DURATION, Push, Scenario
 from llsrbm.robots import load_robot
 from llsrbm.simulation.disturbance import Pushes, drawn_push
 from llsrbm.simulation.episode import Situation

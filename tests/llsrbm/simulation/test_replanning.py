@@ -8,8 +8,7 @@ import pytest
 import llsrbm
 from llsrbm.errors import InputError
 from llsrbm.motion.trajectory import load
-from llsrbm.request.push import DURATION, Push
-from llsrbm.request.scenario import Scenario
+from llsrbm.request.scenario import DURATION, Push, Scenario
 from llsrbm.robots import load_robot
 from llsrbm.simulation import replanning
 from llsrbm.simulation.checks import check_scenario

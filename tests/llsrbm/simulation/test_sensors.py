@@ -12,7 +12,7 @@ from llsrbm.motion.rollout import Disturbance
 from llsrbm.request.scenario import Scenario
 from llsrbm.robots import load_robot
 from llsrbm.simulation import sensors as module
-from llsrbm.simulation.sensors import DELAY, Drift, Sensors, estimator_names
+from llsrbm.simulation.sensors import DELAY, ESTIMATORS, Drift, Sensors
 from llsrbm.simulation.simulate import simulate
 from llsrbm.simulation.world import TickResult
 from tests.llsrbm.planning.solved import solved
@@ -132,7 +132,7 @@ def test_an_estimate_comes_late():
 
 
 def test_an_unknown_estimator_is_refused():
-    assert estimator_names()[0] == Scenario.estimator
+    assert next(iter(ESTIMATORS)) == Scenario.estimator
     with pytest.raises(InputError, match=r'no estimator "nosuch"; .*truth, drift'):
         sensors(estimator="nosuch")
 

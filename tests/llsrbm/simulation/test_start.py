@@ -10,7 +10,7 @@ from llsrbm.errors import InputError
 from llsrbm.request.jump import Jump
 from llsrbm.robots import load_robot
 from llsrbm.robots.feet import foot_contacts
-from llsrbm.simulation.start import standing_state, starting_velocity
+from llsrbm.simulation.simulate import standing_state, starting_velocity
 from tests.app.synthetic_plan import synthetic_plan
 from tests.llsrbm.simulation.sliding_biped import sliding_biped
 

@@ -11,7 +11,8 @@ from llsrbm.control.contact_schedule import Flight
 from llsrbm.mechanics import turned
 from llsrbm.request.jump import Jump
 from llsrbm.robots import load_robot
-from llsrbm.simulation.verdict import Fall, fallen, judge
+from llsrbm.simulation.episode import Fall, fallen
+from llsrbm.simulation.verdict import judge
 from llsrbm.simulation.world import TickResult
 from tests.app.synthetic_plan import synthetic_plan
 from tests.llsrbm.schedules import in_a_row

@@ -15,7 +15,7 @@ from llsrbm.request.obstacle import Obstacle
 from llsrbm.request.scenario import Scenario
 from llsrbm.robots import load_robot
 from llsrbm.robots.feet import foot_contacts
-from llsrbm.simulation.start import standing_state
+from llsrbm.simulation.simulate import standing_state
 from llsrbm.simulation.world import Diverged, Drives, World
 from tests.app.synthetic_plan import FLY, STAND, synthetic_plan
 from tests.llsrbm.simulation.sliding_biped import sliding_biped

@@ -11,7 +11,7 @@ import pytest
 from app.motion.baked import ARROW_PER_SPEED, trunk_com
 from app.picture.scene import Scene
 from llsrbm.motion.replan import followed
-from llsrbm.request.push import Push
+from llsrbm.request.scenario import Push
 from llsrbm.robots import load_robot
 from tests.app.picture.overlays.drawn import DrawnOverlay
 from tests.app.picture.pictures import picture, planned, simulated

@@ -5,12 +5,12 @@ from hypothesis import strategies as st
 
 from llsrbm.control import detection
 from llsrbm.control.detection import (
+    ARMED_BELOW,
     CentroidalState,
     ModelUncertainty,
     make_detector,
     model_uncertainty,
 )
-from llsrbm.control.detection.base import ARMED_BELOW
 from llsrbm.errors import InputError
 from llsrbm.robots import load_robot
 from llsrbm.robots.schema import Uncertainty

@@ -8,7 +8,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import llsrbm
-from llsrbm.ocp.problem import Iterate
+from llsrbm.ocp.horizon import Iterate
 from llsrbm.planning.problem.placement import make_task
 from llsrbm.planning.solve import guess_table
 from llsrbm.planning.solve.guess_table import (
