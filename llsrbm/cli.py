@@ -17,7 +17,6 @@ from typer.core import TyperGroup
 from llsrbm.commands.atlas import atlas_command
 from llsrbm.commands.compare import compare_command
 from llsrbm.commands.console import BAD_INPUT, DONE, FAILED, INTERRUPTED, print_error
-from llsrbm.commands.dataset import dataset_command
 from llsrbm.commands.export import export_command, formats_command, replay_command
 from llsrbm.commands.listing import (
     designs_command,
@@ -29,7 +28,7 @@ from llsrbm.commands.listing import (
 from llsrbm.commands.plan import plan_command
 from llsrbm.commands.robot import robot_app
 from llsrbm.commands.simulate import simulate_command
-from llsrbm.commands.sweep import sweep_command
+from llsrbm.commands.sweep import dataset_command, sweep_command
 from llsrbm.errors import Error, InputError
 
 _PLUGINS = "llsrbm.commands"  # entry points that add commands, e.g. `serve` of the application

@@ -15,8 +15,7 @@ from llsrbm.analysis.inertia_ellipsoid import ellipsoid
 from llsrbm.mechanics import rotation_matrices, sign_continuous
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
-from llsrbm.motion.states import standing
-from llsrbm.motion.whole_body import WholeBodyMotion, motion_at_ticks, whole_body_motion
+from llsrbm.motion.whole_body import WholeBodyMotion, motion_at_ticks, standing, whole_body_motion
 from llsrbm.robots import Robot
 from llsrbm.robots.feet import foot_contacts
 

@@ -72,7 +72,6 @@ def _row(motion: Trajectory | WholeBodyMotion) -> DesignFigures:
 
 
 def _titles(motions: Sequence[Trajectory | WholeBodyMotion]) -> list[str]:
-    """Differences of designs; of other tools' motions the kind of their file."""
     from llsrbm.look.titles import Decisions, titles_of
     from llsrbm.motion.plan import Plan
     from llsrbm.motion.rollout import Rollout

@@ -104,7 +104,6 @@ def formats_command(
 
 
 def _facts(format_: Format) -> list[str]:
-    """A format's title, conventions, options and uses, line by line."""
     from llsrbm.formats.table import quantity_rows
 
     lines = [f"{format_.name}: {format_.title}{_needs(format_)}", ""]

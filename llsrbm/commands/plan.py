@@ -59,7 +59,6 @@ def plan_command(
 
 
 def _description(plan: Plan) -> dict[str, str]:
-    """A plan in a few lines for a person: degrees, milliseconds."""
     from llsrbm.analysis.summaries import peak_yaw_rate, worst_violation
     from llsrbm.mechanics import final_yaw
 
@@ -90,7 +89,6 @@ def _phases(plan: Plan) -> str:
 
 
 def _joints(plan: Plan) -> str:
-    """The joint that is loaded most, the fastest, and the one that comes nearest to a stop."""
     from llsrbm.analysis.joint_margins import joint_margins
     from llsrbm.analysis.summaries import planned_peak_load
     from llsrbm.robots import load_robot

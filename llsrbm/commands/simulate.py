@@ -94,7 +94,6 @@ def _fall(rollout: Rollout) -> str:
 
 
 def _description(rollout: Rollout) -> dict[str, str]:
-    """A rollout in a few lines for a person: degrees, millimetres, milliseconds."""
     outcome, scenario = rollout.outcome, rollout.scenario
     lines = {"request": options.in_words(rollout.jump)}
     board = ""

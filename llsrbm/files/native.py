@@ -149,7 +149,6 @@ def read_meta(kind: type[_MetaType], arrays: Arrays, path: str | Path) -> _MetaT
 
 
 def _has_endless_numbers(value: Any) -> bool:
-    """True if a whole number is so large that it may be no floating-point number."""
     if isinstance(value, dict):
         return any(map(_has_endless_numbers, value.values()))
     if isinstance(value, list | tuple):

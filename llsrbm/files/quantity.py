@@ -141,6 +141,16 @@ def attitude(meaning: str, *, of: str | None = None) -> Quantity:
     return Quantity(axes, "", meaning, Between.TURNING, "world")
 
 
+def inertia_tensor(meaning: str, between: Between) -> Quantity:
+    """Matrices along the world's axes over time."""
+    return Quantity((TIME, TENSOR), "kg m2", meaning, between, "world")
+
+
+def names(axis: str, meaning: str) -> Quantity:
+    """A name for each along an axis."""
+    return Quantity((axis,), "", meaning, kind=Kind.TEXT, listed=False)
+
+
 def of_joints(
     unit: str, meaning: str, between: Between, *, rate: bool = False, column: str = ""
 ) -> Quantity:

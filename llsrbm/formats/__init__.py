@@ -196,7 +196,6 @@ def _write_zip(
 
 
 def _options(format_: Format, given: dict[str, Any]) -> Options:
-    """The format's own defaults, changed by what was given and is for it."""
     known = Options.__dataclass_fields__
     for name in given:
         if name not in known:

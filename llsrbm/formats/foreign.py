@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 
 from llsrbm.errors import FileFormatError
 from llsrbm.motion.sampling import FASTEST
-from llsrbm.motion.states import motion_of_states, velocities
-from llsrbm.motion.whole_body import WholeBodyMotion
+from llsrbm.motion.whole_body import WholeBodyMotion, motion_of_states, velocities
 from llsrbm.robots import Robot
 
 Array = NDArray[np.float64]
@@ -58,7 +57,7 @@ def checked_motion(
         robot, origin, where: the robot, the name of the format, the file (for messages).
         time: frames/s, or (K,) s from 0 on, increasing, of frames that are not evenly spaced.
         qpos: (K, 7 + J); quaternions of either sign.
-        qvel: (K, 6 + J); None: by differences (`llsrbm.motion.states.velocities`).
+        qvel: (K, 6 + J); None: by differences (`llsrbm.motion.whole_body.velocities`).
 
     Raises:
         FileFormatError: fewer than two frames or too many, numbers that are not finite or are

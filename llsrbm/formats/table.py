@@ -69,7 +69,6 @@ def _columns(
 
 
 def _codes(codes: Sequence[str]) -> str:
-    """Meanings of whole numbers: "0 take-off, 1 flight, 2 landing"."""
     return ", ".join(f"{number} {meaning}" for number, meaning in enumerate(codes))
 
 

@@ -50,7 +50,6 @@ def collision_visuals(robot: Robot) -> tuple[LinkVisual, ...]:
 
 
 def _mesh(shape: pin.GeometryObject) -> trimesh.Trimesh | None:
-    """In the frame of the joint, creased; None of a kind that is not drawn."""
     import trimesh
 
     geometry = shape.geometry

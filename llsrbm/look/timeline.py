@@ -212,7 +212,6 @@ def _bar(replan: Replan) -> Bar:
 
 
 def _numbered(name: str, number: int) -> str:
-    """An event's name; from the second flight on with its number."""
     return name if number == 1 else f"{name} {number}"
 
 
@@ -242,7 +241,6 @@ def _events(rollout: Rollout) -> str:
 
 
 def _planned_and_flown(rollout: Rollout) -> list[tuple[float, Flight]]:
-    """When each flight should have ended, s, and how it went."""
     planned = [rollout.outcome.touchdown_planned_s]
     if len(rollout.schedule.flights) > 1:
         ends = [phase + 1 for phase in rollout.schedule.flights]

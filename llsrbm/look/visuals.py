@@ -138,7 +138,6 @@ def _prepare(robot: Robot) -> tuple[LinkVisual, ...]:
 
 
 def _coarser(visuals: tuple[LinkVisual, ...], robot: Robot) -> tuple[LinkVisual, ...]:
-    """The same bodies with fewer faces, if they have many."""
     if sum(len(visual.faces) for visual in visuals) <= COARSE_FACES:
         return visuals
     size = _size(robot)
@@ -240,7 +239,6 @@ def _mesh_path(robot: Robot, name: str) -> Path | None:
 
 
 def _entry(robot: Robot, *, coarse: bool) -> Path:
-    """Where the cache has the meshes, if it has them."""
     kind = "coarse" if coarse else "visuals"
     urdf = robot.urdf_path.read_text(encoding="utf-8")
     key = content_key(kind, VISUALS_VERSION, urdf, str(FACES), *_mesh_stamps(robot))
@@ -248,7 +246,6 @@ def _entry(robot: Robot, *, coarse: bool) -> Path:
 
 
 def _mesh_stamps(robot: Robot) -> list[str]:
-    """Size and date of each mesh, so that a changed mesh is prepared anew."""
     stamps = []
     for name in mesh_files(robot):
         path = _mesh_path(robot, name)

@@ -27,15 +27,15 @@ from llsrbm.files.quantity import (
     JOINT,
     LEG,
     ROW,
-    TENSOR,
     TIME,
     VARIABLE,
     Array,
     Between,
-    Kind,
     Quantity,
     attitude,
     coded,
+    inertia_tensor,
+    names,
     of_joints,
     quantities,
     vector,
@@ -137,8 +137,7 @@ class Plan(OfRobot):
     phase: Annotated[
         NDArray[np.int64],
         coded(
-            "phase of the interval that begins there, counted as in the schedule",
-            coded_by="phase_names",
+            "phase of the interval that begins there, as in the schedule", coded_by="phase_names"
         ),
     ]
     com: Annotated[Array, vector("m", "centre of mass", Between.BALLISTIC)]
@@ -150,16 +149,7 @@ class Plan(OfRobot):
     angular_momentum: Annotated[
         Array, vector("kg m2/s", "angular momentum about the CoM", Between.BALLISTIC, rate=True)
     ]
-    inertia: Annotated[
-        Array,
-        Quantity(
-            (TIME, TENSOR),
-            "kg m2",
-            "centroidal inertia, as the model has it",
-            Between.IN_BASE,
-            "world",
-        ),
-    ]
+    inertia: Annotated[Array, inertia_tensor("centroidal, as the model has it", Between.IN_BASE)]
     foot_position: Annotated[
         Array,
         vector("m", "contact point of a point foot, middle of a sole", Between.STANDING, of=LEG),
@@ -172,12 +162,7 @@ class Plan(OfRobot):
     ]
     contact_force: Annotated[
         Array,
-        vector(
-            "N",
-            "force at a contact, constant over the interval that begins there",
-            Between.HELD,
-            of=CONTACT,
-        ),
+        vector("N", "at a contact, over the interval that begins there", Between.HELD, of=CONTACT),
     ]
     leg_mass: Annotated[Array, Quantity((LEG,), "kg", "mass of a leg, lumped", listed=False)]
     base_mass: Annotated[float, Quantity((), "kg", "mass of the base", listed=False)]
@@ -187,22 +172,16 @@ class Plan(OfRobot):
     joint_position: Annotated[
         Array,
         of_joints(
-            "rad",
-            "posture that realises the plan: with base_position and base_quat its forward "
-            "kinematics puts every foot on foot_position",
-            Between.JOINTS,
+            "rad", "posture whose feet, by base and joints, are on foot_position", Between.JOINTS
         ),
     ]
-    joint_names: Annotated[
-        tuple[str, ...], Quantity((JOINT,), "", "order of the joints", kind=Kind.TEXT, listed=False)
-    ]
+    joint_names: Annotated[tuple[str, ...], names(JOINT, "order of the joints")]
     foot_in_hip: Annotated[
         Array,
         Quantity(
             (TIME, LEG, HIP),
             "m",
-            "foot in the leg's mirrored hip frame as the model sees it, with the yaw (rad) of a "
-            "sole",
+            "in the leg's mirrored hip frame as the model sees it, with the yaw (rad) of a sole",
             Between.LINEAR,
             "hip",
             listed=False,
@@ -212,22 +191,14 @@ class Plan(OfRobot):
         Array | None,
         of_joints("rad/s", "velocity, zero at both ends", Between.JOINT_RATES, rate=True),
     ] = None
+    # By inverse dynamics of the whole body (`llsrbm.body.joint_loads`).
     joint_torque: Annotated[
         Array | None,
-        of_joints(
-            "Nm",
-            "by inverse dynamics of the whole body in the middle of the interval that begins "
-            "there (`llsrbm.body.joint_loads`); the last instant's are those of standing",
-            Between.HELD,
-        ),
+        of_joints("Nm", "in the middle of the interval; the last are of standing", Between.HELD),
     ] = None
     joint_torque_limit: Annotated[
         Array | None,
-        of_joints(
-            "Nm",
-            "the most that the drives can give there, at that speed in the torque's direction",
-            Between.HELD,
-        ),
+        of_joints("Nm", "of the drives at that speed, in the torque's direction", Between.HELD),
     ] = None
     tuning: Tuning = field(default_factory=Tuning)
     solution: Iterate | None = field(default=None, repr=False)
@@ -254,11 +225,7 @@ class Plan(OfRobot):
         self,
     ) -> Annotated[
         NDArray[np.bool_],
-        coded(
-            "whether the foot stands over the interval that begins there",
-            *("in the air", "touches"),
-            of=LEG,
-        ),
+        coded("whether it stands in the interval from there", *("in the air", "touches"), of=LEG),
     ]:
         """(N+1, L) whether a foot stands over the interval that begins at a knot."""
         return self.schedule.stands[self.phase]

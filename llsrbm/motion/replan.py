@@ -148,6 +148,5 @@ def _time(stored: float) -> float:
 
 
 def _empty(entry: Quantity, legs: int) -> Array:
-    """The same of no knots."""
     sizes = {"T": 0, "L": legs}
     return np.zeros([sizes[size] if isinstance(size, str) else size for size in entry.shape])

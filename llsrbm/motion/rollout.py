@@ -26,15 +26,15 @@ from llsrbm.files.quantity import (
     JOINT,
     LEG,
     POSITION,
-    TENSOR,
     TIME,
     VELOCITY,
     Array,
     Between,
-    Kind,
     Quantity,
     attitude,
     coded,
+    inertia_tensor,
+    names,
     of_joints,
     quantities,
     vector,
@@ -110,36 +110,21 @@ class Rollout(OfRobot):
     qpos: Annotated[
         Array,
         Quantity(
-            (TIME, POSITION),
-            "m, rad",
-            "MuJoCo's: position, w x y z, joints",
-            Between.POSE,
-            "world",
+            *((TIME, POSITION), "m, rad", "MuJoCo's: position, w x y z, joints"),
+            *(Between.POSE, "world"),
             listed=False,
         ),
     ]
     qvel: Annotated[
         Array,
         Quantity(
-            (TIME, VELOCITY),
-            "m/s, rad/s",
-            "MuJoCo's: linear velocity in the world's axes, angular in the base's, joints",
-            Between.LINEAR,
-            "world, base",
+            *((TIME, VELOCITY), "m/s, rad/s", "MuJoCo's: linear (world), angular (base), joints"),
+            *(Between.LINEAR, "world, base"),
             rate=True,
             listed=False,
         ),
     ]
-    joint_names: Annotated[
-        tuple[str, ...],
-        Quantity(
-            (JOINT,),
-            "",
-            "order of the joints in qpos, qvel and torque",
-            kind=Kind.TEXT,
-            listed=False,
-        ),
-    ]
+    joint_names: Annotated[tuple[str, ...], names(JOINT, "order in qpos, qvel and torque")]
     torque: Annotated[
         Array,
         of_joints("Nm", "as applied, mean of the tick", Between.HELD, column="joint_torque"),
@@ -147,9 +132,7 @@ class Rollout(OfRobot):
     torque_limit: Annotated[
         Array,
         of_joints(
-            "Nm",
-            "what the drives could give at that speed, in the torque's direction",
-            Between.HELD,
+            *("Nm", "of the drives at that speed, in the torque's direction", Between.HELD),
             column="joint_torque_limit",
         ),
     ]
@@ -160,26 +143,13 @@ class Rollout(OfRobot):
     angular_momentum: Annotated[
         Array, vector("kg m2/s", "angular momentum about the CoM", rate=True)
     ]
-    inertia: Annotated[
-        Array,
-        Quantity(
-            (TIME, TENSOR),
-            "kg m2",
-            "centroidal inertia of the whole body",
-            Between.LINEAR,
-            "world",
-        ),
-    ]
+    inertia: Annotated[Array, inertia_tensor("centroidal, of the whole body", Between.LINEAR)]
     foot_position: Annotated[
         Array, vector("m", "lowest point of a foot, of a sole its middle", of=LEG)
     ]
     contact: Annotated[
         NDArray[np.int64],
-        coded(
-            "whether the foot touches anything, the simulator's truth",
-            *("in the air", "touches"),
-            of=LEG,
-        ),
+        coded("of a foot with anything, the simulator's truth", "in the air", "touches", of=LEG),
     ]
     contact_force: Annotated[
         Array, vector("N", "sum over a foot, mean of the tick", Between.HELD, of=LEG)

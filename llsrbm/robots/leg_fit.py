@@ -215,7 +215,6 @@ def _slope_error(derivative: Array, slopes: Array, weights: Array) -> float:
 
 
 def _rms(error: Array) -> float:
-    """Root mean square of the errors' lengths (of a matrix: its Frobenius norm)."""
     return float(np.sqrt(np.mean(np.sum(error.reshape(len(error), -1) ** 2, axis=1))))
 
 

@@ -110,6 +110,5 @@ def quadratic_slopes(x: Array) -> Array:
 
 
 def _pairs(d: int) -> tuple[list[int], list[int]]:
-    """First and second of each pair of different coordinates."""
     first, second = zip(*combinations(range(d), 2), strict=True)
     return list(first), list(second)

@@ -17,7 +17,7 @@ from app.workers.worker import exported
 from llsrbm import errors
 from llsrbm.errors import InputError
 from llsrbm.motion.plan import Plan
-from llsrbm.motion.states import motion_of_states
+from llsrbm.motion.whole_body import motion_of_states
 from llsrbm.request.jump import Jump
 from llsrbm.request.schedule import together
 from llsrbm.robots import load_robot

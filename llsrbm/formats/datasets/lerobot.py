@@ -51,13 +51,11 @@ _QUANTILES = (0.01, 0.1, 0.5, 0.9, 0.99)  # those that LeRobot computes
 
 
 def _check_options(options: Options) -> None:
-    """Raise `InputError` if the rate is no whole number."""
     if options.fps != int(options.fps):
         raise InputError(f"fps: LeRobot takes whole rates, got {options.fps:g}")
 
 
 def _write_part(trajectory: Trajectory, path: Path, options: Options) -> None:
-    """Write the frames of one motion."""
     motion = whole_body_motion(trajectory, options.fps, options.pad)
     features = _features(motion)
     columns = {name: _fixed(values) for name, (values, _) in features.items()}
@@ -225,7 +223,6 @@ def _described(names: dict[str, list[str]]) -> dict[str, Any]:
 
 
 def _fixed(values: NDArray[np.float32]) -> pa.Array:
-    """(K, n) as lists of fixed length."""
     return pa.FixedSizeListArray.from_arrays(pa.array(values.ravel()), values.shape[1])
 
 

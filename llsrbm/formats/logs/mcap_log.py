@@ -242,7 +242,6 @@ def _numbers(
 
 
 def _tree(named: Iterable[tuple[str, Any]]) -> dict[str, Any]:
-    """Names with slashes as nested objects."""
     tree: dict[str, Any] = {}
     for path, value in named:
         *above, last = path.split("/")

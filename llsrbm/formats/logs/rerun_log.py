@@ -161,7 +161,6 @@ def _log_robot(
 
 
 def _log_with_robot(recording: rr.RecordingStream, motion: Logged) -> None:
-    """CoM, ellipsoid, forces and trails."""
     whole, time = motion.motion, motion.time
     point = rr.Points3D([[0.0, 0.0, 0.0]], colors=[COM], radii=[_COM_RADIUS])
     recording.log("world/com", point, static=True, strict=True)

@@ -48,9 +48,8 @@ from llsrbm.formats.shown import surroundings_of
 from llsrbm.motion.flights import flights
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Disturbance, Rollout
-from llsrbm.motion.states import motion_of_states
 from llsrbm.motion.trajectory import Trajectory
-from llsrbm.motion.whole_body import WholeBodyMotion, whole_body_motion
+from llsrbm.motion.whole_body import WholeBodyMotion, motion_of_states, whole_body_motion
 from llsrbm.simulation.surroundings import Surroundings
 
 if TYPE_CHECKING:

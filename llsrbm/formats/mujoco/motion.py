@@ -96,7 +96,6 @@ def _motions(names: Mapping[str, object]) -> list[str]:
 
 
 def _joint_order(arrays: Arrays, robot: Robot, where: str) -> list[int]:
-    """Places of the robot's joints among those of the file."""
     if "joint_names" in arrays:
         names = _names(arrays, robot, where)
     else:

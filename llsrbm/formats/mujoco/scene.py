@@ -97,7 +97,6 @@ def _set_limits(spec: mujoco.MjSpec, robot: Robot) -> None:
 
 
 def _dress_world(spec: mujoco.MjSpec, centre: Array, size: float) -> None:
-    """Colours and geom groups, for those who look at it."""
     spec.stat.center, spec.stat.extent = centre, size
     light = spec.visual.headlight
     light.ambient, light.diffuse, light.specular = [0.4] * 3, [0.6] * 3, [0.1] * 3
@@ -167,7 +166,6 @@ def _palette(visuals: Sequence[LinkVisual]) -> tuple[Array, list[NDArray[np.int6
 
 
 def _stl(corners: NDArray[np.float32]) -> bytes:
-    """Triangles (F, 3, 3) m as a binary STL file; MuJoCo makes the normals itself."""
     triangles = np.zeros(len(corners), dtype=_STL_TRIANGLE)
     triangles["corners"] = corners
     return (

@@ -166,7 +166,6 @@ def _trails(drawing: Drawing) -> Iterator[tuple[str, NDArray[Any], Rgb, float]]:
 def _facts(
     drawing: Drawing, trajectory: Trajectory, camera: tuple[float, float, float] | None
 ) -> dict[str, Any]:
-    """Everything that the page's script reads besides the arrays."""
     view = view_of(drawing, _ASPECT, camera)
     distance = view.distance * (1.0 if camera else _BARS)
     good = trajectory.solved if isinstance(trajectory, Plan) else trajectory.landed
@@ -210,7 +209,6 @@ def _facts(
 
 
 def _arrays(drawing: Drawing) -> dict[str, NDArray[Any]]:
-    """The motion of the nodes."""
     arrays = {
         "time": drawing.time,
         "solid": drawing.solid.poses(drawing.visuals),

@@ -158,11 +158,8 @@ class Picture {
     facts.legs.forEach((leg, i) => {
       const first = 6 * (frame * facts.legs.length + i), node = `/forces/${leg}`;
       const along = [...force.subarray(first + 3, first + 6)], size = Math.hypot(...along);
-      if (size < facts.arrow.least) {
-        this.move(`${node}/shaft`, [0, 0, 0], undefined, TINY);
-        this.move(`${node}/head`, [0, 0, 0], undefined, TINY);
-        return;
-      }
+      const hide = (part) => this.move(`${node}/${part}`, [0, 0, 0], undefined, TINY);
+      if (size < facts.arrow.least) return ["shaft", "head"].forEach(hide);
       const length = size * facts.arrow.perNewton, head = Math.min(6 * thickness, 0.5 * length);
       const z = unit(along);
       this.move(node, [...force.subarray(first, first + 3)],
@@ -307,9 +304,8 @@ function track(player) {
       const part = element("div", { title: `${name}: ${piece.name}${feet}` },
         rows.length > 1 ? `${name}: ${piece.name}` : piece.name);
       part.classList.toggle("low", piece.low);
-      part.style.left = percent(piece.start);
-      part.style.width = `calc(${percent(piece.end)} - ${percent(piece.start)})`;
-      part.style.background = piece.colour;
+      Object.assign(part.style, { left: percent(piece.start), background: piece.colour,
+        width: `calc(${percent(piece.end)} - ${percent(piece.start)})` });
       row.append(part);
     }
     return row;
@@ -322,8 +318,7 @@ function track(player) {
       const near = i + 1 < line.length && share(line[i + 1].time) - share(time) < 0.12;
       mark.classList.toggle("second", simulated);
       mark.classList.toggle("left", near || share(time) > 0.85);
-      mark.style.left = percent(time);
-      mark.style.background = mark.style.color = colour;
+      Object.assign(mark.style, { left: percent(time), background: colour, color: colour });
       find("#track").append(mark);
     });
   }
@@ -364,11 +359,14 @@ function keys(player) {
   }, true);
 }
 
+function announce(outcome, bad) {
+  find("#replay header p").textContent = outcome;
+  find("#replay header p").classList.toggle("bad", bad);
+}
+
 async function begin() {
   find("#replay h1").textContent = facts.title;
-  const outcome = find("#replay header p");
-  outcome.textContent = facts.outcome;
-  outcome.classList.toggle("bad", facts.bad);
+  announce(facts.outcome, facts.bad);
   const [viser, numbers] = await Promise.all([viewer(), unpacked()]);
   const player = new Player(numbers.time), picture = new Picture(viser, numbers);
   const layers = { robot: true, ...(numbers.ghost ? { ghost: true } : {}), ellipsoid: true,
@@ -399,8 +397,5 @@ async function begin() {
   window.replay = { player, picture, layers, changed };
 }
 
-begin().catch((error) => {
-  const outcome = find("#replay header p");
-  outcome.textContent = `This replay cannot be shown: ${error.message || error}.`;
-  outcome.classList.add("bad");
-});
+begin().catch((error) =>
+  announce(`This replay cannot be shown: ${error.message || error}.`, true));

@@ -59,7 +59,6 @@ def pictures(trajectory: Trajectory, options: Options) -> Iterator[Picture]:
 
 
 def _film(drawing: Drawing, options: Options) -> dict[str, Any]:
-    """Input of the drawing process: plain data and arrays."""
     view = view_of(drawing, options.size[0] / options.size[1], options.camera)
     height = float(drawing.robot.com[2])
     shades = {

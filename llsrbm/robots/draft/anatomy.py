@@ -141,7 +141,6 @@ def _at_zero(model: pin.Model) -> pin.Data:
 
 
 def _rest(model: pin.Model, joint: int) -> float:
-    """Zero, or what a joint's limits allow next to it."""
     if model.joints[joint].nq != 1:  # turns without limits
         return 0.0
     at = model.joints[joint].idx_q
@@ -268,7 +267,6 @@ def _middle_of_sole(
 
 
 def _new_name(name: str, model: pin.Model) -> str:
-    """A name that no frame has yet."""
     while any(model.existFrame(taken) for taken in (name, f"{name}_fixed")):
         name += "_middle"
     return name

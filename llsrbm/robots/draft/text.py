@@ -57,7 +57,6 @@ def robot_file_text(name: str, urdf: dict[str, str], anatomy: Anatomy, proposal:
 
 
 def _held(anatomy: Anatomy) -> list[str]:
-    """The table of joints that stay where they are; no lines if all joints move feet."""
     if not anatomy.held:
         return []
     rows = [f"{_key(name)} = {_value(angle)}" for name, angle in anatomy.held.items()]
@@ -68,7 +67,6 @@ def _held(anatomy: Anatomy) -> list[str]:
 
 
 def _frames(anatomy: Anatomy) -> list[str]:
-    """The table of frames that the URDF lacks."""
     rows = [
         f"{_key(name)} = {{ link = {_value(frame.link)}, xyz = {_value([*frame.xyz])}"
         + (f", rpy = {_value([*frame.rpy])}" if any(frame.rpy) else "")

@@ -9,7 +9,7 @@ import pytest
 
 from app.motion.baked import frames_so_far
 from app.motion.frames import make_frames
-from llsrbm.motion.states import motion_of_states
+from llsrbm.motion.whole_body import motion_of_states
 from llsrbm.request.jump import Jump
 from llsrbm.robots import load_robot, names
 from tests.app.planners import standing_motion

@@ -10,8 +10,7 @@ from llsrbm.cache import ENVIRONMENT_VARIABLE
 from llsrbm.errors import RobotFileError
 from llsrbm.look.meshes import readable
 from llsrbm.look.visuals import FACES, forward_kinematics, link_visuals
-from llsrbm.robots import load_robot
-from llsrbm.robots.build import build_robot
+from llsrbm.robots import build_robot, load_robot
 from tests.llsrbm.robots.test_robot import QUADRUPEDS, beside
 
 

@@ -4,8 +4,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from llsrbm.motion.states import motion_of_states, standing, velocities
-from llsrbm.motion.whole_body import whole_body_motion
+from llsrbm.motion.whole_body import motion_of_states, standing, velocities, whole_body_motion
 from tests.llsrbm.formats.jumps import planned, simulated
 
 JUMPS = [("anymal", 2.6, 0.0), ("anymal", 1.5, 0.2), ("slider", 0.0, 0.0), ("go2", 3.1, 0.0)]

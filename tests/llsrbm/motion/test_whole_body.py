@@ -10,8 +10,12 @@ from scipy.spatial.transform import Rotation
 
 from llsrbm.errors import InputError
 from llsrbm.motion.sampling import resample
-from llsrbm.motion.states import motion_of_states
-from llsrbm.motion.whole_body import motion_at_ticks, resultants, whole_body_motion
+from llsrbm.motion.whole_body import (
+    motion_at_ticks,
+    motion_of_states,
+    resultants,
+    whole_body_motion,
+)
 from llsrbm.robots import load_robot
 from tests.llsrbm.formats.jumps import (
     ROBOTS,

@@ -7,8 +7,7 @@ import pytest
 from benchmarks.leg_fit import truth
 from llsrbm.cache import ENVIRONMENT_VARIABLE
 from llsrbm.errors import RobotFileError
-from llsrbm.robots import load_robot
-from llsrbm.robots.build import build_robot
+from llsrbm.robots import build_robot, load_robot
 from llsrbm.robots.leg_fit import fit_legs, load_or_fit
 from llsrbm.robots.leg_maps import (
     affine_features,

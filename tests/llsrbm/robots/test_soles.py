@@ -3,8 +3,7 @@
 import pytest
 
 from llsrbm.errors import RobotFileError
-from llsrbm.robots import load_robot
-from llsrbm.robots.build import build_robot
+from llsrbm.robots import build_robot, load_robot
 from llsrbm.robots.schema import robot_files
 
 PATH = robot_files()["slider"]
