@@ -110,7 +110,8 @@ def _rows(layout: Layout, task: Task) -> Iterator[tuple[Hashable, int, Array, Ar
     """Of the rows of g in their order: what they are, the knot, lower and upper bounds."""
     for role, knots in layout.blocks():
         constraints = constraints_of(role)
-        alike = {c: c.bounds(task, layout, knots[0]) for c in constraints if not c.by_knot}
+        differ = {c for c in constraints if c.by_knot or c.name in task.drive_bounds}
+        alike = {c: c.bounds(task, layout, knots[0]) for c in constraints if c not in differ}
         for knot in knots:
             if not role.terminal:
                 feet = np.zeros(layout.state_size(layout.roles[knot + 1]) - len(_BODY))

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -101,6 +102,20 @@ class InMotion:
 
 
 @dataclass(frozen=True, eq=False)
+class DriveBounds:
+    """Bounds of a drive constraint's rows, which are shares.
+
+    Attributes:
+        lower, upper: (N+1, J).
+        reserve: (N+1, J) that they keep where earlier ones did not do.
+    """
+
+    lower: Array
+    upper: Array
+    reserve: Array
+
+
+@dataclass(frozen=True, eq=False)
 class Task:
     """A request as the planner solves it.
 
@@ -121,6 +136,8 @@ class Task:
         tuning: what of weights and limits the request changes.
         correction: (N, 3) kg m2/s, base axes: by how much the whole body's angular momentum exceeds
             the model's over each interval of an earlier solution; None: it is not known.
+        drive_bounds: constraint name -> bounds at which an earlier solution's whole body would have
+            kept to its drives (`constraints.drives`); else the shares of `limits`.
         obstacle: what is jumped over, if anything.
         clears: whether trunk and knees are kept clear of it, or of the ground.
         body_margin: m that they keep.
@@ -146,6 +163,7 @@ class Task:
     tuning: Tuning
     motion: InMotion | None = None
     correction: Array | None = None
+    drive_bounds: Mapping[str, DriveBounds] = field(default_factory=dict)
     obstacle: Obstacle | None = None
     clears: bool = False
     body_margin: float = BODY_MARGIN

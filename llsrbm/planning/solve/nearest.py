@@ -13,7 +13,7 @@ from llsrbm.planning.problem.placement import make_task
 from llsrbm.planning.solve.explanation import explain, in_words
 from llsrbm.planning.solve.formulation import Attempt
 from llsrbm.planning.solve.planner import Planner
-from llsrbm.planning.solve.progress import Watch
+from llsrbm.planning.solve.progress import PlanningProgress, Watch
 from llsrbm.planning.solve.search import FeasibilitySearch
 from llsrbm.request.jump import Jump
 from llsrbm.robots.schema import Task as Ranges
@@ -105,8 +105,11 @@ def find_nearest(
     within = _within(jump, ranges)
     on_the_spot = replace(jump, twist=0.0, forward=0.0, lateral=0.0, height=0.0)
 
-    report = None if progress is None else lambda step: progress(step.text)
-    search = FeasibilitySearch(planner.formulation, Watch(cancelled, report))
+    def report(step: PlanningProgress) -> None:
+        if progress is not None and step.iteration is None:
+            progress(step.text)
+
+    search = FeasibilitySearch(planner.formulation, Watch(cancelled, progress and report))
     tried = _Reductions(search, lambda other: _distance(other, within, ranges), weights, limits)
     if tried.found(on_the_spot) is None:
         search.about = "what stops a jump on the spot"

@@ -6,7 +6,7 @@ import logging
 import time
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
-from functools import cached_property, lru_cache, partial
+from functools import cached_property, lru_cache
 
 from llsrbm.errors import InputError, NotConverged, UnusableStart
 from llsrbm.models import check_name, make_model
@@ -15,7 +15,6 @@ from llsrbm.motion.plan import Plan, SolveReport
 from llsrbm.ocp import solvers
 from llsrbm.ocp.horizon import Iterate
 from llsrbm.ocp.progress import when_idle
-from llsrbm.planning.problem.constraints.truth import correction
 from llsrbm.planning.problem.knots import Knots
 from llsrbm.planning.problem.layout import Layout
 from llsrbm.planning.problem.placement import check_turns, describe, make_task
@@ -24,10 +23,12 @@ from llsrbm.planning.problem.violations import describe_worst, excess, stops
 from llsrbm.planning.solve.assembly import assemble_plan
 from llsrbm.planning.solve.explanation import explained
 from llsrbm.planning.solve.formulation import (
+    CLOSE,
     PATIENT_FLIGHT,
     Array,
     Attempt,
     Formulation,
+    solve_options,
     with_all_time,
 )
 from llsrbm.planning.solve.guess_table import Guesses
@@ -44,21 +45,14 @@ _log = logging.getLogger(__name__)
 INTERVALS = 48
 MIN_INTERVALS, MAX_INTERVALS = 9, 300  # 3 a phase; more than 300 take minutes to build
 
-# Solves from the last plan before it is given up: the second one mends what the first let slip, a
-# far bound that was passed or rows that Fatrop saw scaled.
-FOLLOWS = 2
 FOLLOWED = "from the last plan"
 NEARBY = "from solutions nearby"
-# Solves with a corrected model; each takes the error down by some nine tenths.
-CORRECTIONS = 3
-# From a flip's guess Fatrop may get lost and never come back; those that converge take 22 to 60.
-CAUTIOUS = replace(solvers.PATIENT, iterations=100)
 # Between solutions that violate no row by more than this 94 % of Go2's jumps (85 % of SLIDER's) are
 # solved by following, in 4 iterations at the median; of the others every second one, in more.
 NEARBY_MISS = 0.1
 # The others: SLIDER's jumps take 13 iterations so, 16 with the first patience, and 18 from the
 # analytic guess.
-CLOSE = replace(solvers.PATIENT, mu=1e-3, push=0.01, iterations=30)
+NEARER = replace(CLOSE, iterations=30)
 
 
 class Planner:
@@ -177,7 +171,7 @@ class Planner:
         tried: list[Attempt] = []
         for label, solve in self._attempts(task, near, guesses, patient, watch):
             watch.begin(f"attempt {len(tried) + 1}: {label}")
-            tried.append(replace(self._corrected(solve(), watch), label=label))
+            tried.append(replace(self.formulation.agreed(solve(), watch), label=label))
             if tried[-1].solved:
                 break
             _log.info("attempt %d, %s, failed", len(tried), label)
@@ -214,7 +208,7 @@ class Planner:
         guess = self.formulation.guess
         if near is not None:
             start = self._start(near)
-            yield FOLLOWED, lambda: self._follow(start, task, watch)
+            yield FOLLOWED, lambda: self.formulation.follow(task, start, watch)
         if guesses and (nearby := self.guesses.start(task)) is not None:
             yield NEARBY, lambda: self._from_nearby(nearby, task, watch)
         yield "from the analytic guess", lambda: self._solve(task, guess(task), watch)
@@ -227,20 +221,6 @@ class Planner:
                 lambda: self._solve(task, guess(task, PATIENT_FLIGHT), watch),
             )
             yield "by way of easier jumps", lambda: self._by_easier_jumps(task, watch)
-
-    def _corrected(self, attempt: Attempt, watch: Watch) -> Attempt:
-        """An attempt solved again with what the model lacks there, where that alone is wrong.
-
-        The legs' maps are a few per cent wrong far from where they were fitted, which a body that
-        turns over shows as a dozen degrees. The whole body's angular momentum in the postures found
-        says by how much; a few solves agree with it.
-        """
-        attempts = [attempt]
-        while len(attempts) <= CORRECTIONS and attempts[-1].lacks_truth:
-            last = attempts[-1]
-            task = replace(last.task, correction=correction(last.knots))
-            attempts.append(self._solve(task, last.solution.variables, watch))
-        return with_all_time(attempts)
 
     def _by_stronger_drives(self, task: Task, watch: Watch) -> Attempt:
         """Solve with drives that give more first, then with less, each from the one before."""
@@ -296,35 +276,18 @@ class Planner:
             )
         return solution
 
-    def _follow(self, start: Iterate, task: Task, watch: Watch) -> Attempt:
-        problem = self.formulation.problem(task)
-        attempts: list[Attempt] = []
-        for _ in range(FOLLOWS):
-            follow = partial(self.formulation.solver.follow, problem, start)
-            attempts.append(self.formulation.judged(task, watch.over(follow)))
-            if attempts[-1].solved or not attempts[-1].solution.converged:
-                break
-            start = attempts[-1].solution
-        return with_all_time(attempts)
-
     def _from_nearby(self, start: Iterate, task: Task, watch: Watch) -> Attempt:
         """Follow from near; from further off, and where following creeps, solve from there."""
         attempts: list[Attempt] = []
-        problem = self.formulation.problem(task)
-        if self.formulation.solver.miss(problem, start.variables) < NEARBY_MISS:
-            attempts.append(self._follow(start, task, watch))
+        form = self.formulation
+        if form.solver.miss(form.problem(task), start.variables) < NEARBY_MISS:
+            attempts.append(form.follow(task, start, watch))
         if not attempts or not attempts[-1].solved:
-            attempts.append(self._solve(task, start.variables, watch, CLOSE))
+            attempts.append(form.solve(task, start.variables, watch, NEARER))
         return with_all_time(attempts)
 
-    def _solve(
-        self, task: Task, guess: Array, watch: Watch, options: solvers.SolveOptions | None = None
-    ) -> Attempt:
-        problem = self.formulation.problem(task)
-        options = options or (CAUTIOUS if task.jump.turns else solvers.PATIENT)
-        solver = self.formulation.solver
-        solve = partial(solver.solve, problem, guess, options=options, read=watch.read)
-        return self.formulation.judged(task, watch.over(solve))
+    def _solve(self, task: Task, guess: Array, watch: Watch) -> Attempt:
+        return self.formulation.solve(task, guess, watch, solve_options(task))
 
     def last_knots(self) -> Knots:
         """The last solution in full, for tests and studies."""

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import math
 import time
-from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -89,13 +88,9 @@ class FeasibilitySearch:
             raise OutOfTime
         self.solves += 1
         self._watch.begin(f"{self.about}, try {self.solves}")
-        formulation = self.formulation
-        solve = partial(formulation.solver.solve, formulation.problem(task), guess, options)
-        solution = self._watch.over(solve)
-        self.seconds += solution.solve_time_s
-        if not solution.converged:
-            return None
-        attempt = formulation.judged(task, solution)
+        attempt = self.formulation.solve(task, guess, self._watch, options)
+        attempt = self.formulation.agreed(attempt, self._watch)
+        self.seconds += attempt.solution.solve_time_s
         return attempt if attempt.solved else None
 
     def plan(self, found: Attempt) -> Plan:

@@ -10,7 +10,7 @@ from __future__ import annotations
 from llsrbm.planning.problem.constraints.base import Constraint
 from llsrbm.planning.problem.constraints.body_clearance import BodyClearance
 from llsrbm.planning.problem.constraints.contacts import FeetAtRest, FrictionPyramid, GivenContacts
-from llsrbm.planning.problem.constraints.drives import JointSpeed, JointTorque, TorqueAtSpeed
+from llsrbm.planning.problem.constraints.drives import DRIVES
 from llsrbm.planning.problem.constraints.edge import Edge
 from llsrbm.planning.problem.constraints.motion import (
     MOMENTUM_BALANCE,
@@ -40,9 +40,7 @@ CONSTRAINTS: tuple[Constraint, ...] = (
     FootSpeed(),
     FootYaw(),
     FootTurn(),
-    JointTorque(),
-    TorqueAtSpeed(),
-    JointSpeed(),
+    *DRIVES,
     UprightLanding(),
     FinalState(),
     FinalPlace(),

@@ -9,16 +9,19 @@ their limits this is a polygon,
 of which a plan may use the robot file's shares; the rest is for feedback. The rows take torques
 and speeds from closed forms or fits (`llsrbm.models.leg_drives`) in the middle of each interval.
 The check recomputes them with Pinocchio: inverse dynamics of the whole body in the postures that
-realise the plan (`llsrbm.body.joint_loads`).
+realise the plan (`llsrbm.body.joint_loads`). Where it objects, the rows' bounds are shifted by what
+they differ from it (`agreed_bounds`).
 """
 
 from __future__ import annotations
 
 from abc import abstractmethod
+from collections.abc import Callable
 from typing import Any, ClassVar
 
 import casadi as ca
 import numpy as np
+from numpy.typing import NDArray
 
 from llsrbm.body.joint_loads import JointLoads
 from llsrbm.body.peak_loads import event_beside, when_in_words
@@ -33,7 +36,7 @@ from llsrbm.planning.problem.constraints.base import (
 from llsrbm.planning.problem.knots import Knots
 from llsrbm.planning.problem.layout import Layout, Role
 from llsrbm.planning.problem.stage import Stage
-from llsrbm.planning.problem.task import Task
+from llsrbm.planning.problem.task import DriveBounds, Task
 from llsrbm.robots.drives import FULL_UP_TO
 
 FALL = 1.0 - FULL_UP_TO
@@ -49,6 +52,12 @@ COMPARED_SPEED_ALLOWANCE = 0.25
 # come up on the way to a solution, and slopes of millions, with which Fatrop may look for a
 # direction for ever. At the limit 0.2 % are left out.
 FAR_BEYOND = 10.0
+# Of what the check allows shifted bounds keep this share of the limit, since the difference changes
+# with the motion, and more where the check has objected before: a share of the excess, and this.
+RESERVE = 0.006
+AGAIN, AGAIN_SHARE = 0.003, 0.7
+# Shifted bounds leave the rows this much on either side.
+LEAST = 0.03
 # A drive that has more than this of its torque is not said to have lost any.
 WHOLE = 0.99
 
@@ -75,9 +84,14 @@ class _DriveConstraint(Constraint):
         """The bound of all rows."""
 
     def bounds(self, task: Task, layout: Layout, knot: int) -> Bounds:
-        """Plus and minus the share."""
-        ends = len(layout.roles[knot].settling) if self.of_both_ends else 0
-        rows = task.joints // layout.legs * (layout.legs + ends)
+        """Plus and minus the share, or where the whole body keeps to it."""
+        landing = layout.roles[knot].settling if self.of_both_ends else ()
+        if self.name in task.drive_bounds:
+            shifted, legs = task.drive_bounds[self.name], task.robot.leg_joint_index
+            joints = np.concatenate([legs.ravel(), legs[list(landing)].ravel()])
+            ends = shifted.lower[knot, joints], shifted.upper[knot, joints]
+            return _tamed(ends[0], np.sqrt), _tamed(ends[1], np.sqrt)
+        rows = task.joints // layout.legs * (layout.legs + len(landing))
         top = np.full(rows, _tamed(self.top(task)))
         return -top, top
 
@@ -88,6 +102,45 @@ class _DriveConstraint(Constraint):
     @abstractmethod
     def excess(self, knots: Knots) -> Array:
         """(N, J) in the constraint's unit; below zero where there is room."""
+
+    @abstractmethod
+    def checked_shares(self, knots: Knots) -> Array:
+        """(N, J) what the rows bound, by Pinocchio."""
+
+    @abstractmethod
+    def share_of(self, knots: Knots) -> Array:
+        """(J,) shares, as rows have them, of one in the constraint's unit."""
+
+    @abstractmethod
+    def allowance(self, knots: Knots) -> float:
+        """What the check allows beyond `top`, as rows have it."""
+
+    def agreed_bounds(self, knots: Knots) -> DriveBounds:
+        """Bounds of the rows at which the check holds, if the two differ as in this motion."""
+        both = _swings_on(knots) & self.of_both_ends
+        rows = self._row_shares(knots)
+        here = np.where(both, (rows[:-1] + rows[1:]) / 2, rows[:-1])
+        beyond = np.nan_to_num(self.checked_shares(knots) - here).clip(-0.5, 0.5)
+        known = knots.task.drive_bounds.get(self.name)
+        reserve = np.zeros_like(rows)
+        if known is not None:
+            excess = self.excess(knots) * self.share_of(knots)
+            more = np.where(excess > 0, AGAIN_SHARE * excess + AGAIN, 0.0)
+            reserve = known.reserve + _on_rows(more, both, np.maximum)
+        top = self.top(knots.task)
+        edge = top + self.allowance(knots) - reserve
+        upper = np.minimum(top, edge - RESERVE - _on_rows(beyond, both, np.maximum))
+        lower = np.maximum(-top, RESERVE - edge - _on_rows(beyond, both, np.minimum))
+        return DriveBounds(np.minimum(lower, -LEAST), np.maximum(upper, LEAST), reserve)
+
+    def _row_shares(self, knots: Knots) -> Array:
+        """(N+1, J) by the rows of legs; NaN where there are none."""
+        legs = knots.task.robot.leg_joint_index.ravel()
+        shares = np.full((len(knots.time), len(legs)), np.nan)
+        if (rows := knots.rows.get(self)) is not None:
+            for knot in np.unique(rows.knot):
+                shares[knot, legs] = _untamed(rows.values[rows.knot == knot][: len(legs)])
+        return shares
 
 
 class JointTorque(_DriveConstraint):
@@ -122,9 +175,20 @@ class JointTorque(_DriveConstraint):
     def excess(self, knots: Knots) -> Array:
         """Nm, of sliding joints N, beyond the share of the limit at rest."""
         limit = knots.task.robot.torque_limit
-        share = knots.task.limits.torque_share + _torque_allowance(knots)
+        share = knots.task.limits.torque_share + self.allowance(knots)
         excess: Array = np.abs(knots.loads.joint_torque) - share * limit
         return excess
+
+    def checked_shares(self, knots: Knots) -> Array:
+        shares: Array = knots.loads.joint_torque / knots.task.robot.torque_limit
+        return shares
+
+    def share_of(self, knots: Knots) -> Array:
+        share: Array = 1 / knots.task.robot.torque_limit
+        return share
+
+    def allowance(self, knots: Knots) -> float:
+        return TORQUE_ALLOWANCE if knots.model.is_true else COMPARED_TORQUE_ALLOWANCE
 
     def demand(self, knots: Knots) -> JointDemand | None:
         """The torque that exceeds its share most, at rest or at speed."""
@@ -154,11 +218,22 @@ class TorqueAtSpeed(_DriveConstraint):
     def excess(self, knots: Knots) -> Array:
         """Nm, of sliding joints N, beyond the share of what is available at that speed."""
         loads, limits = knots.loads, knots.task.limits
-        allowed = _torque_allowance(knots) * knots.task.robot.torque_limit
+        allowed = JointTorque().allowance(knots) * knots.task.robot.torque_limit
         excess: Array = (
             np.abs(loads.joint_torque) - limits.torque_share * loads.torque_available - allowed
         )
         return excess
+
+    def checked_shares(self, knots: Knots) -> Array:
+        loads, robot = knots.loads, knots.task.robot
+        share: Array = loads.joint_torque * self.share_of(knots)
+        return share + loads.joint_velocity / robot.speed_limit
+
+    def share_of(self, knots: Knots) -> Array:
+        return FALL / knots.task.limits.torque_share * JointTorque().share_of(knots)
+
+    def allowance(self, knots: Knots) -> float:
+        return FALL / knots.task.limits.torque_share * JointTorque().allowance(knots)
 
     def demand(self, knots: Knots) -> JointDemand | None:
         return torque_demand(knots)
@@ -196,10 +271,20 @@ class JointSpeed(_DriveConstraint):
 
     def excess(self, knots: Knots) -> Array:
         """rad/s, of sliding joints m/s, beyond the share."""
-        allowance = SPEED_ALLOWANCE if knots.model.is_true else COMPARED_SPEED_ALLOWANCE
-        share = knots.task.limits.speed_share + allowance
+        share = knots.task.limits.speed_share + self.allowance(knots)
         excess: Array = np.abs(knots.loads.joint_velocity) - share * knots.task.robot.speed_limit
         return excess
+
+    def checked_shares(self, knots: Knots) -> Array:
+        shares: Array = knots.loads.joint_velocity / knots.task.robot.speed_limit
+        return shares
+
+    def share_of(self, knots: Knots) -> Array:
+        share: Array = 1 / knots.task.robot.speed_limit
+        return share
+
+    def allowance(self, knots: Knots) -> float:
+        return SPEED_ALLOWANCE if knots.model.is_true else COMPARED_SPEED_ALLOWANCE
 
     def demand(self, knots: Knots) -> JointDemand | None:
         """The speed that exceeds its share most."""
@@ -219,9 +304,37 @@ class JointSpeed(_DriveConstraint):
         )
 
 
-def _tamed(share: Any) -> Any:
+def _tamed(share: Any, root: Callable[[Any], Any] = ca.sqrt) -> Any:
     """A share, or its bound, as a row: increasing, and far beyond the limit ever slower."""
-    return share / ca.sqrt(ca.sqrt(1 + (share / FAR_BEYOND) ** 2))
+    return share / root(root(1 + (share / FAR_BEYOND) ** 2))
+
+
+def _untamed(row: Array) -> Array:
+    """The share that a row is of."""
+    fourth = row**4
+    square = fourth / FAR_BEYOND**2
+    share: Array = np.sign(row) * np.sqrt((square + np.sqrt(square**2 + 4 * fourth)) / 2)
+    return share
+
+
+def _swings_on(knots: Knots) -> NDArray[np.bool_]:
+    """(N, J) joints of legs that swing over an interval and the next one.
+
+    Their rows are as an interval begins, the check is in its middle.
+    """
+    swings = ~knots.layout.standing[:-1]
+    on = swings & np.vstack([swings[1:], np.zeros_like(swings[:1])])
+    joints = np.zeros((len(on), knots.task.joints), dtype=bool)
+    for leg, mine in enumerate(knots.task.robot.leg_joint_index):
+        joints[:, mine] = on[:, [leg]]
+    return joints
+
+
+def _on_rows(amounts: Array, both: NDArray[np.bool_], larger: np.ufunc) -> Array:
+    """(N+1, J) for the rows of amounts (N, J) over intervals; `both` belong to the next row too."""
+    rows = np.vstack([amounts, np.zeros_like(amounts[:1])])
+    rows[1:] = np.where(both, larger(rows[1:], amounts), rows[1:])
+    return rows
 
 
 def torque_demand(knots: Knots) -> JointDemand | None:
@@ -267,5 +380,4 @@ def _number(value: float) -> str:
     return f"{value:.0f}" if value >= 10 else f"{value:.2g}"
 
 
-def _torque_allowance(knots: Knots) -> float:
-    return TORQUE_ALLOWANCE if knots.model.is_true else COMPARED_TORQUE_ALLOWANCE
+DRIVES: tuple[_DriveConstraint, ...] = (JointTorque(), TorqueAtSpeed(), JointSpeed())

@@ -1,11 +1,12 @@
 """Torques and speeds that the solver bounds, against Pinocchio's of the whole body."""
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
 import pytest
 
-from llsrbm.planning.problem.constraints.drives import FAR_BEYOND
+from llsrbm.planning.problem.constraints.drives import DRIVES, FAR_BEYOND, RESERVE
 from tests.llsrbm.planning.solved import (
     REQUESTS,
     TYPES,
@@ -81,3 +82,45 @@ def test_speeds_are_those_of_the_postures(which):
     # Fitted legs' rates are slopes of polynomials.
     assert np.sqrt(np.mean(error**2)) < (0.03 if which == BOX else 0.02)
     assert np.abs(loads[list(rows)]).max() > 0.2
+
+
+@pytest.mark.parametrize("constraint", DRIVES, ids=lambda c: c.name)
+def test_shifted_bounds_are_where_the_whole_body_keeps_to_its_drives(constraint):
+    """Rows at such a bound, with as much between them and the whole body as here."""
+    s = solved("llsrbm-plus", "all")
+    bounds = constraint.agreed_bounds(s.knots)
+    torque, speed, true_torque, true_speed = rows_and_loads(("llsrbm-plus", "all", "anymal"))
+    top = constraint.top(s.task)
+    assert (bounds.upper <= top).all()
+    assert (bounds.lower >= -top).all()
+    if constraint.name == "joint_torque":
+        upper, lower = (x[1:-1] for x in (bounds.upper, bounds.lower))
+        edge, gap = 0.85 + 0.10, true_torque - torque
+    elif constraint.name == "joint_speed":
+        knots = list(speed)
+        upper, lower = bounds.upper[knots], bounds.lower[knots]
+        edge, gap = top + 0.03, true_speed[knots] - np.array(list(speed.values()))
+    else:
+        return
+    # Rows as intervals begin meet the larger of two gaps: their mean meets each.
+    assert (upper + gap).max() < edge - RESERVE + 1e-9
+    assert (lower + gap).min() > -edge + RESERVE - 1e-9
+    again = constraint.agreed_bounds(
+        s.knots.under(replace(s.task, drive_bounds={constraint.name: bounds}))
+    )
+    np.testing.assert_array_equal(again.reserve, 0.0)  # nothing is exceeded
+
+
+def test_a_bound_that_did_not_do_is_tightened():
+    s = solved("srbm", "twist")
+    weak = s.task.limits.model_copy(update={"torque_share": 0.2})
+    task = replace(s.task, limits=weak)
+    constraint = DRIVES[0]
+    first = constraint.agreed_bounds(s.knots.under(task))
+    second = constraint.agreed_bounds(
+        s.knots.under(replace(task, drive_bounds={constraint.name: first}))
+    )
+    exceeded = constraint.excess(s.knots.under(task)) > 0
+    assert exceeded.any()
+    assert (second.reserve[:-1][exceeded] > 0).all()
+    assert (second.upper <= first.upper + 1e-12).all()

@@ -10,10 +10,15 @@ import llsrbm
 from llsrbm import models
 from llsrbm.errors import Cancelled, InputError, NotConverged
 from llsrbm.ocp import progress, solvers
+from llsrbm.planning.problem.constraints.drives import (
+    DRIVES,
+    SPEED_ALLOWANCE,
+    TORQUE_ALLOWANCE,
+)
 from llsrbm.planning.problem.violations import TOLERANCE, excess
-from llsrbm.planning.solve import explanation
+from llsrbm.planning.solve import explanation, formulation
 from llsrbm.planning.solve.formulation import PATIENT_FLIGHT
-from llsrbm.planning.solve.planner import INTERVALS, Planner, planner_for
+from llsrbm.planning.solve.planner import INTERVALS, Planner, planner_for, planner_of
 from llsrbm.planning.solve.progress import PlanningProgress
 from llsrbm.request.jump import Jump
 from llsrbm.robots import load_robot
@@ -295,6 +300,24 @@ def test_what_cannot_be_says_what_is_violated(planner, monkeypatch):
     assert plan.com.shape == (INTERVALS + 1, 3)
     with pytest.raises(InputError, match="no solution yet"):
         planner.last_knots()
+
+
+def test_where_the_whole_body_alone_objects_the_rows_of_the_drives_follow_it(monkeypatch):
+    jump = Jump(twist=np.radians(-111.8), forward=0.305, lateral=-0.295, height=0.215)
+    planner, robot = planner_of(jump), load_robot("anymal")
+    plan = planner.plan(jump, patient=False)
+    assert plan.report.attempts == 1
+    task, loads = planner.last.task, planner.last_knots().loads
+    assert {c.name for c in DRIVES} == set(task.drive_bounds)
+    share, limit = robot.file.limits.torque_share, robot.torque_limit
+    assert (np.abs(loads.joint_torque) <= (share + TORQUE_ALLOWANCE) * limit + TOLERANCE).all()
+    top = robot.file.limits.speed_share + SPEED_ALLOWANCE
+    assert (np.abs(loads.joint_velocity) <= top * robot.speed_limit + TOLERANCE).all()
+    monkeypatch.setattr(formulation, "SHIFTS", 0)
+    with pytest.raises(NotConverged) as caught:
+        planner.plan(jump, patient=False)
+    broken = {name for name, v in caught.value.plan.violations.items() if v.amount > TOLERANCE}
+    assert broken <= set(task.drive_bounds)
 
 
 def test_a_near_plan_that_leads_nowhere_costs_an_attempt(planner):
