@@ -113,7 +113,7 @@ class _DriveConstraint(Constraint):
 
     @abstractmethod
     def allowance(self, knots: Knots) -> float:
-        """What the check allows beyond `top`, as rows have it."""
+        """Amount beyond `top` that the check allows, as rows have it."""
 
     def agreed_bounds(self, knots: Knots) -> DriveBounds:
         """Bounds of the rows at which the check holds, if the two differ as in this motion."""
