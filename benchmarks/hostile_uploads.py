@@ -28,11 +28,11 @@ def main() -> int:
     parser.add_argument("--files", type=int, default=10_000)
     parser.add_argument("--first", type=int, default=0, help="seed of the first file")
     given = parser.parse_args()
-    damaged = Damaged()
+    files = Damaged()
     ended, why, seconds, defects = Counter(), Counter(), [], []
     unforeseen = 0
     for seed in range(given.first, given.first + given.files):
-        name, content = damaged.file(seed)
+        name, content = files.damaged(seed)
         start = time.perf_counter()
         try:
             opened = open_file(name, content, "anymal", 30.0)

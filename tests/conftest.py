@@ -1,7 +1,7 @@
-"""One browser for the whole run, and which tests have to share a process."""
+"""One browser a process, and in which order tests run."""
 
 import os
-from functools import cache
+from collections import Counter
 
 import pytest
 from hypothesis import settings
@@ -16,26 +16,33 @@ settings.load_profile("patient")
 
 
 def pytest_collection_modifyitems(items):
-    """Tests that drive the browser come last: Playwright leaves an event loop in the thread."""
-    items.sort(key=lambda item: item.get_closest_marker("browser") is not None)
+    """Files with many tests first, those that drive the browser last, and their other tests first.
+
+    Playwright leaves an event loop in the thread.
+    """
+    browser = {item: item.get_closest_marker("browser") is not None for item in items}
+    tests, driving = Counter(item.path for item in items), Counter()
+    for item in items:
+        driving[item.path] += browser[item]
+
+    def rank(item):
+        share = driving[item.path] / tests[item.path]
+        return bool(share), share, -tests[item.path], item.path, browser[item]
+
+    items.sort(key=rank)
 
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_make_scheduler(config, log):
-    """With several processes, a file's tests share one, and all that drive the browser one too."""
+    """With several processes, the next free one takes the next file, in the order from above."""
     from xdist.scheduler import LoadScopeScheduling
 
     class Scheduler(LoadScopeScheduling):
         def _split_scope(self, nodeid):
-            file = nodeid.partition("::")[0]
-            return "browser" if _drives_browser(config.rootpath / file) else file
+            return nodeid.partition("::")[0]
 
+    config.option.loadscopereorder = False
     return Scheduler(config, log)
-
-
-@cache
-def _drives_browser(path):
-    return "mark.browser" in path.read_text(encoding="utf-8")
 
 
 @pytest.fixture(scope="session")

@@ -6,7 +6,6 @@ import base64
 import contextlib
 import io
 import shutil
-import time
 
 import numpy as np
 from PIL import Image
@@ -31,6 +30,37 @@ BASE = "/links/base"  # of the first robot that a page draws
 COMPARE = "Figures"  # the tab with pins
 PACE = 80  # ms between inputs: the page sends at most one change every 50 ms
 
+# Drawing in software takes a processor: the scene is drawn while a test looks at it, and only then.
+ON_DEMAND = """
+for (const name of ["clear", "drawElements", "drawArrays", "drawElementsInstanced",
+  "drawArraysInstanced"]) {
+  const draw = WebGL2RenderingContext.prototype[name];
+  WebGL2RenderingContext.prototype[name] = function (...parameters) {
+    if (!window.isLookedAt) return;
+    if (name === "clear") window.pictures += 1;
+    draw.apply(this, parameters);
+  };
+}
+"""
+DRAWN = """() => new Promise((done) => {
+  window.isLookedAt = true;
+  window.pictures = 0;
+  const wait = () => {
+    if (window.pictures > 2) return done();
+    window.__viserMutable.requestRender();
+    requestAnimationFrame(wait);
+  };
+  wait();
+})"""
+PAUSED = """(instant) => new Promise((done) => {
+  const { player } = window.llsrbm;
+  player.pause();
+  player.seek(instant);
+  const before = player.frames;
+  const wait = () => (player.frames > before ? done() : requestAnimationFrame(wait));
+  requestAnimationFrame(wait);
+})"""
+
 # Pixels of points (x, y, z) m in a node's own axes.
 PIXELS = """([name, ...points]) => {
   const { camera, nodeRefFromName, canvas } = window.__viserMutable;
@@ -54,12 +84,27 @@ def chromium():
         browser.close()
 
 
+def visitor(browser, view=VIEW, **options):
+    """A browser of its own, as it were, whose pages draw on demand."""
+    context = browser.new_context(viewport=view, accept_downloads=True, **options)
+    context.add_init_script(ON_DEMAND)
+    return context
+
+
+@contextlib.contextmanager
+def looked_at(page):
+    """What there is to see is drawn."""
+    page.evaluate(DRAWN)
+    yield
+    page.evaluate("window.isLookedAt = false")
+
+
 def opened(browser, url, view=VIEW, *, tour=False, **options):
     """A page of a new visitor, who asks no other host; `faults` are what went wrong in it.
 
     The tour has been seen, unless it is what is tested.
     """
-    context = browser.new_context(viewport=view, accept_downloads=True, **options)
+    context = visitor(browser, view, **options)
     if not tour:
         context.add_init_script('localStorage.setItem("llsrbm.tour", "seen")')
     page = context.new_page()
@@ -112,16 +157,16 @@ def player(page, what):
 
 
 def paused_at(page, instant):
-    """Stop the motion at a time, s, and wait until it is drawn."""
-    page.evaluate("t => { llsrbm.player.pause(); llsrbm.player.seek(t); }", instant)
-    page.wait_for_timeout(1000)
+    """Stop the motion at a time, s, and wait until the robot is there."""
+    page.evaluate(PAUSED, instant)
 
 
-def wait_until(condition, what, timeout=20.0):
-    end = time.monotonic() + timeout
-    while not condition():
-        assert time.monotonic() < end, f"waited in vain for {what}"
-        time.sleep(0.1)
+def at_rest(page):
+    """Wait until the player moves nothing any more."""
+    before = None
+    while (frames := page.evaluate("llsrbm.player.frames")) != before:
+        before = frames
+        page.wait_for_timeout(200)
 
 
 def base_node(page):
@@ -131,10 +176,16 @@ def base_node(page):
     return page.evaluate("llsrbm.camera.sight.follow")
 
 
+def screenshot(page, **options):
+    """(H, W, 3) of the page, the scene drawn."""
+    with looked_at(page):
+        content = page.screenshot(**options)
+    return np.asarray(Image.open(io.BytesIO(content)).convert("RGB")).astype(int)
+
+
 def picture(page):
     """(H, W, 3) of the scene, without the panel, the bar below and viser's note."""
-    image = Image.open(io.BytesIO(page.screenshot())).convert("RGB")
-    pixels = np.asarray(image).astype(int)[:, :PANEL_LEFT].copy()
+    pixels = screenshot(page)[:, :PANEL_LEFT].copy()
     pixels[: NOTE[1], : NOTE[0]] = 255
     bar = page.locator("#llsrbm-transport").bounding_box()
     if bar is not None:

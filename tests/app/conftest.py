@@ -49,9 +49,4 @@ def shared_page(browser, designer):
 
 @pytest.fixture
 def page(shared_page):
-    """The shared page as each test begins: the first example, paused; see `fresh`."""
-    fresh(shared_page)
-    yield shared_page
-    faults = shared_page.faults[:]
-    shared_page.faults.clear()
-    assert faults == []
+    yield from fresh(shared_page)

@@ -33,8 +33,8 @@ UNSOLVABLE = math.radians(55)  # NotConverged with a plan
 REFUSED = math.radians(56)  # InputError
 ITERATING = math.radians(57)  # works one second, telling every iteration, asks whether to stop
 
-# Searches know SLOW (five seconds), STUBBORN and UNSOLVABLE (nothing is found); the others find the
-# jump with half the twist.
+# Searches know SLOW (five seconds), STUBBORN and UNSOLVABLE (straight up nothing is found); the
+# others find the jump with half the twist.
 
 # Seeds of simulations:
 SLOWLY = 51  # takes five seconds, asks whether to stop
@@ -95,7 +95,7 @@ class SyntheticPlanner:
             work(5.0, cancelled)
         elif is_(jump, STUBBORN):
             time.sleep(60)
-        elif is_(jump, UNSOLVABLE):
+        elif is_(jump, UNSOLVABLE) and not jump.forward:
             raise errors.Error("contact_force: nothing can be planned within 10 N")
         nearer = replace(jump, twist=jump.twist / 2)
         changes = f"twist {math.degrees(nearer.twist):g} deg instead"

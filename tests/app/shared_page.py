@@ -7,8 +7,9 @@ from app.panel.view_controls import View
 from app.picture.overlays import AT_FIRST
 from app.plots.choice import DEFAULT
 from app.tab.opening import TabOpened, first_state
-from tests.app.chromium import BASE, VIEW, opened, status, tab, wait_until
+from tests.app.chromium import BASE, VIEW, opened, status, tab
 from tests.app.synthetic_plan import synthetic_plan
+from tests.app.waits import wait_until
 
 
 def visit(browser, designer, view=VIEW, **options):
@@ -53,6 +54,16 @@ _AT_REST = """() => {
 
 
 def fresh(page):
+    """The page as each test begins, see `_begin`; nothing goes wrong in it."""
+    _begin(page)
+    yield page
+    page.evaluate("llsrbm.player.pause()")  # playing takes the processor from others
+    faults = page.faults[:]
+    page.faults.clear()
+    assert faults == []
+
+
+def _begin(page):
     """Bring a page that tests share to where each of them begins, without opening it anew.
 
     The example of the first robot is shown, paused at its start; nothing is pinned. Designs to go

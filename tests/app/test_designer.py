@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import re
 import signal
@@ -9,11 +10,11 @@ import socket
 import subprocess
 import sys
 import threading
-import time
 import urllib.request
 from contextlib import closing, nullcontext
 from pathlib import Path
 from types import SimpleNamespace
+from unittest.mock import MagicMock
 
 import pytest
 
@@ -27,6 +28,7 @@ from llsrbm.request.jump import Jump
 from tests.app import planners
 from tests.app.planners import SyntheticPlanner
 from tests.app.raw_http import asked
+from tests.app.waits import wait_until
 
 PROGRAM = """
 import sys
@@ -205,7 +207,8 @@ def test_only_a_server_for_everybody_warns(monkeypatch, capfd, host, token, warn
     assert err.startswith("warning: --token none: anybody who reaches") is warned
 
 
-def test_a_bad_token_is_one_line_and_nothing_is_served(capfd):
+def test_a_bad_token_is_one_line_and_nothing_is_served(monkeypatch, capfd):
+    monkeypatch.setattr("app.workers.pool.WorkerPool", MagicMock())
     assert cli.main(["serve", "--port", "0", "--token", "short"]) == 2
     out, err = capfd.readouterr()
     assert (out, err.count("\n")) == ("", 1)
@@ -217,7 +220,6 @@ def test_a_bad_token_is_one_line_and_nothing_is_served(capfd):
     [
         (["--workers", "0"], "--workers: expected 1 to 64, got 0"),
         (["--workers", "65"], "--workers: expected 1 to 64, got 65"),
-        (["--scheduler", "tcp://127.0.0.1:1"], "--scheduler: 'tcp://127.0.0.1:1': "),
         (["--scheduler", "nonsense"], "--scheduler: 'nonsense': "),
     ],
 )
@@ -231,59 +233,58 @@ def test_processes_that_cannot_be_are_one_line_and_nothing_is_served(
     assert line in err
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_it_serves_says_where_and_ends_cleanly(tmp_path, number):
-    program = tmp_path / "program.py"
-    program.write_text(PROGRAM)
+@contextlib.contextmanager
+def serving(tmp_path):
+    """A server in a process of its own; killed at the end, if it is still there."""
+    (tmp_path / "program.py").write_text(PROGRAM)
     server = subprocess.Popen(
-        [sys.executable, str(program), "0"],
+        [sys.executable, str(tmp_path / "program.py"), "0"],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
         env=os.environ | {"PYTHONPATH": os.pathsep.join(p for p in sys.path if p)},
     )
     try:
+        yield server
+    finally:
+        server.kill()
+        server.communicate()
+
+
+def lines_until_ready(server):
+    """The terminal's."""
+    return list(iter(server.stderr.readline, "ready\n"))
+
+
+def test_it_serves_says_where_and_ends_cleanly(tmp_path):
+    with serving(tmp_path) as server:
         line = server.stdout.readline()
         pattern = r"llsrbm designer: (http://127\.0\.0\.1:\d+/\?token=[\w-]{43})\n"
         url = re.fullmatch(pattern, line).group(1)
         opener = urllib.request.build_opener(urllib.request.HTTPCookieProcessor())
         with opener.open(url, timeout=10) as page:
             assert page.status == 200
-        terminal = []
-        while (told := server.stderr.readline()) != "ready\n":
-            terminal.append(told)
-        assert terminal[0] == "  preparing anymal ...\n"
+        assert lines_until_ready(server)[0] == "  preparing anymal ...\n"
         processes = children(server.pid)
         assert processes
-        server.send_signal(number)
+        server.send_signal(signal.SIGINT)
         out, err = server.communicate(timeout=15)
-    finally:
-        if server.poll() is None:
-            server.kill()
-            server.communicate()
-    assert (server.returncode, out, err) == (0, "", "")
-    deadline = time.monotonic() + 5
-    while any(map(alive, processes)) and time.monotonic() < deadline:
-        time.sleep(0.05)
-    assert not any(map(alive, processes))
+        assert (server.returncode, out, err) == (0, "", "")
+    wait_until(lambda: not any(map(alive, processes)), "the end of its processes")
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_both_signals_stop_it(number):
+    former = signal.getsignal(number)
+    with app.designer._stop_on_signal() as stop:
+        signal.raise_signal(number)
+        assert stop.is_set()
+    assert signal.getsignal(number) is former
 
 
 def test_the_computing_processes_end_when_the_server_is_killed(tmp_path):
-    program = tmp_path / "program.py"
-    program.write_text(PROGRAM)
-    server = subprocess.Popen(
-        [sys.executable, str(program), "0"],
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.PIPE,
-        text=True,
-        env=os.environ | {"PYTHONPATH": os.pathsep.join(p for p in sys.path if p)},
-    )
-    while server.stderr.readline() != "ready\n":
-        pass
-    processes = children(server.pid)
-    server.kill()
-    server.communicate()
-    deadline = time.monotonic() + 5
-    while any(map(alive, processes)) and time.monotonic() < deadline:
-        time.sleep(0.05)
-    assert not any(map(alive, processes))
+    with serving(tmp_path) as server:
+        lines_until_ready(server)
+        processes = children(server.pid)
+    assert processes
+    wait_until(lambda: not any(map(alive, processes)), "the end of its processes")

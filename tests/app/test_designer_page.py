@@ -1,33 +1,27 @@
-"""What makes the page a designer: pins, night, handle, reload, small screens; in a real browser."""
+"""What makes the page a designer: pins, night, small screens; in a real browser."""
 
 from __future__ import annotations
 
-import io
-
 import numpy as np
 import pytest
-from PIL import Image
 
-from app.designer import Designer
 from app.motion import colours
-from app.workers.pool import WorkerPool
-from tests.app import planners
 from tests.app.chromium import (
     COMPARE,
     base_node,
     dark,
     fill,
     number,
-    opened,
     paused_at,
     picture,
     press,
+    screenshot,
     status,
     tab,
     tick,
-    wait_until,
 )
-from tests.app.nearby_planner import NEAR, NearbyPlanner
+from tests.app.shared_page import shows_motion
+from tests.app.waits import wait_until
 
 pytestmark = pytest.mark.browser
 
@@ -62,18 +56,6 @@ def test_a_pinned_design_stays_as_a_second_robot_beside_the_next_one(page):
     wait_until(lambda: not page.get_by_role("button", name="Unpin").is_visible(), "no pins")
 
 
-def test_a_pinned_design_is_taken_up_again(page):
-    tab(page, COMPARE)
-    press(page, "Pin")
-    fill(page, "Forward [m]", 0.4)
-    wait_until(lambda: page.session.plan.jump.forward == 0.4, "the next plan")
-    status(page, "Planned")
-    press(page, "Use this design")
-    wait_until(lambda: page.session.plan.jump.forward == 0.0, "the pinned one")
-    shown = number(page, "Forward [m]")
-    wait_until(lambda: float(shown.input_value()) == 0.0, "the slider there")
-
-
 def test_night_is_dark(page):
     def brightness():
         shot = picture(page)
@@ -91,20 +73,16 @@ def test_night_is_dark(page):
 
 
 @pytest.mark.parametrize("view", [(1024, 768), (768, 1024)])
-def test_on_a_tablet_controls_and_robot_are_both_in_sight(browser, designer, view):
+def test_on_a_tablet_controls_and_robot_are_both_in_sight(page, view):
     width, height = view
-    page = opened(browser, designer.url, {"width": width, "height": height})
-    status(page, "Planned")
+    page.set_viewport_size({"width": width, "height": height})
+    page.reload()
+    shows_motion(page)
     paused_at(page, 0.0)
 
     def within(box):
-        assert box is not None
-        return (
-            box["x"] >= 0
-            and box["y"] >= 0
-            and box["x"] + box["width"] <= width
-            and box["y"] + box["height"] <= height
-        )
+        right, below = box["x"] + box["width"], box["y"] + box["height"]
+        return min(box["x"], box["y"]) >= 0 and right <= width and below <= height
 
     sights = {
         "Twist [deg]": number(page, "Twist [deg]"),
@@ -124,62 +102,9 @@ def test_on_a_tablet_controls_and_robot_are_both_in_sight(browser, designer, vie
     )
     free = {**canvas, "height": bar["y"] - canvas["y"]}
     assert free["width"] > 0.5 * width
-    robot = np.argwhere(robot_pixels(page, free))
+    robot = np.argwhere(dark(screenshot(page, clip=free)))
     assert len(robot) > 1500
     left, (bottom, right) = robot[:, 1].min(), robot.max(axis=0)
     assert left > 0
     assert right < free["width"] - 2
     assert bottom < free["height"] - 2
-    assert page.faults == []
-    page.context.close()
-
-
-def robot_pixels(page, box):
-    """Mask of the legs and the trunk in a part of the page."""
-    shot = Image.open(io.BytesIO(page.screenshot(clip=box))).convert("RGB")
-    return dark(np.asarray(shot).astype(int))
-
-
-def test_the_handle_in_the_picture_moves_the_sliders_and_the_plan(page):
-    page.evaluate(
-        """owner => {
-          const { sendMessage } = window.__viserMutable, name = "/goal";
-          const half = Math.PI / 12;
-          sendMessage({ type: "TransformControlsDragStartMessage", name, owner });
-          sendMessage({ type: "TransformControlsUpdateMessage", name, owner,
-            wxyz: [Math.cos(half), 0, 0, Math.sin(half)], position: [0.35, -0.12, 0.3] });
-          sendMessage({ type: "TransformControlsDragEndMessage", name, owner });
-        }""",
-        str(page.session._client.client_id),
-    )
-    wait_until(lambda: page.session.plan.jump.forward == 0.35, "the plan")
-    jump = page.session.plan.jump
-    assert (np.degrees(jump.twist), jump.lateral, jump.height) == pytest.approx((30, -0.12, 0))
-    for label, value in (("Twist [deg]", 30), ("Forward [m]", 0.35), ("Lateral [m]", -0.12)):
-        shown = number(page, label)
-        wait_until(lambda shown=shown, v=value: float(shown.input_value()) == v, label, 5)
-    status(page, "Planned")
-    wait_until(lambda: pose(page, "/goal") == pytest.approx([0.35, -0.12, 0.0]), "the handle there")
-
-
-def test_the_nearest_jump_is_offered_and_taken(browser):
-    designer = Designer(port=0, token="none", pool=WorkerPool(NearbyPlanner))
-    try:
-        page = opened(browser, designer.url)
-        status(page, "Planned")
-        fill(page, "Twist [deg]", round(np.degrees(planners.UNSOLVABLE)))
-        offer = page.get_by_role("button", name="Use nearest feasible: twist 50 deg")
-        offer.wait_for()
-        told = status(page, "Failed")
-        assert "reach violated in flight by 0.02 m" in told
-        assert "works with twist 50 deg instead of 55" in told
-        offer.click()
-        status(page, "Planned")
-        session = designer.sessions[-1]
-        assert session.plan.jump.twist == pytest.approx(NEAR)
-        assert float(number(page, "Twist [deg]").input_value()) == 50
-        assert not offer.is_visible()
-        assert page.faults == []
-        page.context.close()
-    finally:
-        designer.close()

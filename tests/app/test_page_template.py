@@ -53,4 +53,4 @@ def test_compressed_it_is_the_same():
 @pytest.mark.skipif(shutil.which("node") is None, reason="no node")
 @pytest.mark.parametrize("name", SCRIPTS)
 def test_scripts_parse(name):
-    subprocess.run(["node", "--check", str(STATIC / name)], check=True)
+    assert subprocess.run(["node", "--check", str(STATIC / name)], check=False).returncode == 0

@@ -84,8 +84,8 @@ def test_a_page_of_another_site_cannot_connect(served):
 
 
 def test_the_own_page_connects(served):
-    with opened(served, origin=f"http://127.0.0.1:{served.port}"):
-        pass
+    with opened(served, origin=f"http://127.0.0.1:{served.port}") as socket:
+        assert socket.subprotocol == PROTOCOL[0]
 
 
 def test_without_the_token_there_is_a_line_on_how_to_get_in(outside):

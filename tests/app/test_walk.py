@@ -1,10 +1,12 @@
-"""Files of the page that an addition touches, counted by where the name of such a thing occurs."""
+"""Files that an addition touches, by where its name occurs; rooms; the table of security.md."""
 
 from __future__ import annotations
 
 import re
+from graphlib import TopologicalSorter
 from pathlib import Path
 
+import grimp
 import pytest
 
 import app
@@ -66,3 +68,33 @@ def test_a_format_or_a_robot_touches_no_file(kind):
     found = set(FORMATS) - special if kind == "Format" else set(names()) - {"anymal", "slider"}
     for name in found:
         assert files_with(f'"{re.escape(name)}"') == set(), name
+
+
+def test_no_module_imports_itself_by_way_of_others():
+    graph = grimp.build_graph("app", exclude_type_checking_imports=True)
+    imports = {name: graph.find_modules_directly_imported_by(name) for name in graph.modules}
+    assert tuple(TopologicalSorter(imports).static_order())  # CycleError names the circle
+
+
+def test_every_module_of_the_page_is_in_a_room():
+    outside = {path.name for path in Path(app.__file__).parent.glob("*.py")}
+    assert outside == {
+        *("__init__.py", "designer.py", "link.py", "page_template.py"),
+        *("serve.py", "viser_private.py"),
+    }
+
+
+ROOT = Path(__file__).parents[2]
+TESTS = [ROOT / "tests" / "app" / folder for folder in ("", "guard")]
+
+
+def test_every_test_that_the_table_names_exists():
+    table = (ROOT / "docs" / "security.md").read_text("utf-8")
+    rows = [line for line in table.splitlines() if line.startswith("| ") and "`test_" in line]
+    assert len(rows) > 15
+    for row in rows:
+        module = None
+        for file, name in re.findall(r"`(test_\w+)?(?:::(test_\w+))?`", row.rpartition(" | ")[2]):
+            module = file or module
+            (path,) = (found for folder in TESTS for found in folder.glob(f"{module}.py"))
+            assert not name or f"\ndef {name}(" in path.read_text("utf-8"), (module, name)

@@ -11,8 +11,9 @@ import pytest
 
 from app.designer import Designer
 from app.workers.pool import WorkerPool
-from tests.app.chromium import VIEW, dark, picture, status, wait_until
+from tests.app.chromium import dark, picture, status, visitor
 from tests.app.planners import SyntheticPlanner
+from tests.app.waits import wait_until
 
 pytestmark = pytest.mark.browser
 
@@ -56,7 +57,7 @@ def other_site():
 @pytest.fixture(scope="module")
 def page(browser, designer):
     """A visitor's, who opened the address that was printed."""
-    context = browser.new_context(viewport=VIEW, accept_downloads=True)
+    context = visitor(browser)
     context.grant_permissions(["clipboard-read", "clipboard-write"])
     page = context.new_page()
     page.console = []
@@ -104,7 +105,7 @@ def test_a_reload_needs_no_token(page, designer):
 
 
 def test_another_visitor_stays_outside(browser, designer):
-    context = browser.new_context()
+    context = visitor(browser)
     page = context.new_page()
     assert page.goto(own(designer)).status == 401
     assert "?token=" in page.inner_text("body")
@@ -115,7 +116,7 @@ def elsewhere_asked(browser, designer, patience, **options):
     """Whether a page connects to another server, which its address names."""
     with socket.create_server(("127.0.0.1", 0)) as listener:
         elsewhere = f"127.0.0.1:{listener.getsockname()[1]}"
-        context = browser.new_context(**options)
+        context = visitor(browser, **options)
         page = context.new_page()
         page.goto(designer.url)
         page.goto(f"{own(designer)}?websocket=ws://{elsewhere}")
@@ -139,7 +140,7 @@ def elsewhere_asked(browser, designer, patience, **options):
 
 def test_the_page_talks_to_nobody_else(browser, designer):
     assert elsewhere_asked(browser, designer, 20.0, bypass_csp=True)
-    assert not elsewhere_asked(browser, designer, 4.0)
+    assert not elsewhere_asked(browser, designer, 2.0)
 
 
 @pytest.mark.parametrize("address", ["{url}", "{own}"])
@@ -154,7 +155,7 @@ def test_a_link_on_another_site_leads_to_the_page(page, designer, other_site, ad
 
 
 def test_a_link_on_another_site_leads_strangers_to_the_hint(browser, designer, other_site):
-    context = browser.new_context()
+    context = visitor(browser)
     page = context.new_page()
     page.goto(other_site(f'<a href="{own(designer)}">jumps</a>'))
     page.get_by_text("jumps").click()

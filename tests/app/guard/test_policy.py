@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.guard.limits import Limits, Rate
+from app.guard.limits import Limits, Rate, TokenBucket
 from app.guard.policy import Guard, Request, network
 from app.guard.token import Access
 
@@ -323,3 +323,33 @@ def test_whatever_comes_nobody_enters_without_the_token(headers, target, method)
     assert decision.reason or decision.html
     for name, value in (*decision.headers, *outside.headers("x y")):
         assert re.fullmatch(r"[\x20-\x7e]+", name + value)
+
+
+# ---- rates
+
+
+def test_a_burst_then_the_rate():
+    clock = Clock()
+    bucket = TokenBucket(Rate(2.0, 3.0), clock)
+    assert [bucket.take() for _ in range(4)] == [True, True, True, False]
+    clock.now += 0.5
+    assert [bucket.take() for _ in range(2)] == [True, False]
+    clock.now += 100.0
+    assert [bucket.take() for _ in range(4)] == [True, True, True, False]
+
+
+def test_what_waits_comes_at_the_rate():
+    clock = Clock()
+    bucket = TokenBucket(Rate(2.0, 3.0), clock)
+    assert [bucket.wait() for _ in range(5)] == pytest.approx([0, 0, 0, 0.5, 1.0])
+
+
+@given(st.lists(st.floats(0, 2), max_size=50))
+def test_never_more_than_burst_and_rate_allow(pauses):
+    clock = Clock()
+    bucket = TokenBucket(Rate(3.0, 4.0), clock)
+    taken = 0
+    for pause in pauses:
+        clock.now += pause
+        taken += bucket.take()
+        assert taken <= 4 + 3 * (clock.now - 100.0) + 1e-6

@@ -65,13 +65,6 @@ def test_memory_is_bounded(clock):
     assert sys.getsizeof(refusals._since) < 10_000
 
 
-def test_the_first_of_a_kind_is_told_apart(refusals):
-    assert refusals.note("a", "x") is True
-    assert refusals.note("a", "x") is False
-    assert refusals.note("a", "y") is True
-    assert refusals.note("b", "x") is True
-
-
 def test_a_line_stays_a_line(refusals, lines):
     refusals.note("10.0.0.1", "unknown host", "a\nWARNING forged\x1b[2J" + "x" * 5000)
     (line,) = lines()

@@ -85,10 +85,6 @@ def test_a_cookie_of_an_earlier_run_another_port_or_another_host_is_refused(acce
     assert not Access(None, 8080, clock).accepts_cookie([cookie], HOST)
 
 
-def test_the_token_itself_is_no_cookie(access):
-    assert not access.accepts_cookie([f"llsrbm-8080={TOKEN}"], HOST)
-
-
 @given(st.data())
 def test_a_cookie_that_was_tampered_with_is_refused(data):
     access = Access(TOKEN, 8080, lambda: 1_700_000_000.0)

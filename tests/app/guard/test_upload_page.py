@@ -1,11 +1,10 @@
-"""Files, kept designs and lost connections in a real Chromium."""
+"""Files in a real Chromium."""
 
 from __future__ import annotations
 
 import contextlib
 import random
 import threading
-import time
 from pathlib import Path
 
 import pytest
@@ -13,7 +12,7 @@ import pytest
 from app.guard.limits import MAX_UPLOAD
 from app.workers.opened_file import uploaded_design
 from llsrbm.request.design import dump_design, examples
-from tests.app.chromium import PACE, VIEW, drop, fill
+from tests.app.chromium import PACE, drop, fill, visitor
 from tests.app.design_page import design_page
 
 pytestmark = pytest.mark.browser
@@ -38,11 +37,11 @@ def huge(tmp_path_factory):
 
 @contextlib.contextmanager
 def opened(browser, server):
-    page = browser.new_page(viewport=VIEW)
+    page = visitor(browser).new_page()
     page.goto(f"http://127.0.0.1:{server.port}")
     page.get_by_role("button", name="Save design").wait_for(timeout=20_000)
     yield page
-    page.close()
+    page.context.close()
 
 
 @pytest.fixture(scope="module")
@@ -93,12 +92,6 @@ def test_a_design_is_opened_and_saved_by_hand(page, server, tmp_path):
     assert server.next() == ("save",)
 
 
-def test_an_example_is_chosen_by_its_title(page, server):
-    page.get_by_label("Example").first.click()
-    page.get_by_role("option", name="Go2, 90° twist").click()
-    assert server.next() == ("example", examples()["go2-twist"])
-
-
 def test_100_mb_are_not_even_sent(page, server, huge):
     with growth() as grown:
         page.locator("input[type=file]").set_input_files(huge)
@@ -109,21 +102,9 @@ def test_100_mb_are_not_even_sent(page, server, huge):
     assert page.get_by_role("button", name="Open").is_enabled()
 
 
-def test_100_mb_that_are_sent_all_the_same_are_dropped(browser, server, huge, monkeypatch):
-    monkeypatch.setattr("app.panel.file_controls.accept_drops", lambda client: None)
-    with opened(browser, server) as page, growth() as grown:
-        page.locator("input[type=file]").set_input_files(huge)
-        page.get_by_text("huge.json: too large; expected at most 20 MB").wait_for()
-        page.get_by_text("Uploading huge.json").wait_for(state="detached", timeout=5000)
-        move_slider(page, server, 31)
-        assert page.get_by_role("button", name="Open").is_enabled()
-    assert grown[0] < 50e6
-
-
-@pytest.mark.parametrize("size", [0, MAX_UPLOAD])
-def test_a_file_of_any_size_up_to_the_limit_comes_whole(page, server, tmp_path, size):
+def test_a_file_of_the_largest_size_comes_whole(page, server, tmp_path):
     path = tmp_path / "some.npz"
-    path.write_bytes(random.Random(1).randbytes(size))
+    path.write_bytes(random.Random(1).randbytes(MAX_UPLOAD))
     page.locator("input[type=file]").set_input_files(path)
     kind, name, content = server.next()
     assert (kind, name, content == path.read_bytes()) == ("upload", "some.npz", True)
@@ -143,14 +124,3 @@ def test_a_file_is_dropped_anywhere(page, server):
     # What is no file is the page's own business.
     page.evaluate("dispatchEvent(new DragEvent('drop', {dataTransfer: new DataTransfer()}))")
     move_slider(page, server, 35)
-
-
-def test_a_tab_that_lost_its_connection_comes_back_by_itself(page, server):
-    move_slider(page, server, 32)
-    server.server._websock_server.disconnect_all_clients()
-    sessions = server.tabs.qsize()
-    deadline = time.monotonic() + 20
-    while server.tabs.qsize() == sessions and time.monotonic() < deadline:
-        page.wait_for_timeout(50)
-    page.get_by_role("button", name="Save design").wait_for(timeout=20_000)
-    move_slider(page, server, 33)

@@ -74,14 +74,6 @@ def test_a_larger_one_is_refused_at_its_start(page, tab):
     assert kept(tab.client) == (0, 0)
 
 
-def test_the_page_says_itself_what_is_too_large(page, tab):
-    tab.upload("Open", "big.bin", b"", mime_type="application/x-too-large")
-    expected = ("Not opened", "big.bin: too large; expected at most 20 MB")
-    tab.wait(lambda: expected in tab.notifications, "the refusal")
-    tab.press("Save design")
-    assert page.next() == ("save",)
-
-
 def begin(tab, size, transfer="begun"):
     """Announce a file and send none of it."""
     source = tab.control("Open")["uuid"]

@@ -19,16 +19,16 @@ from app.guard.limits import MAX_UPLOAD, Limits, Rate
 from app.guard.policy import Guard
 from app.guard.token import Access
 from app.viser_private import run_javascript
-from tests.app.chromium import wait_until
 from tests.app.design_page import design_page
 from tests.app.raw_http import UPGRADE, asked, sent
 from tests.app.raw_tab import CAMERA, RawTab
+from tests.app.waits import wait_until
 
 PROTOCOL = f"viser-v{viser.__version__}"
 SMALL = Limits(
     tabs=6,
     tabs_per_peer=5,
-    first_message_s=5.0,
+    first_message_s=2.5,
     pending=6,
     open_s=1.0,
     close_s=0.5,
@@ -130,7 +130,7 @@ def test_silent_tabs_make_room_for_others_and_are_closed(page, door, caplog):
         honest.press("Save design")
         while page.next() != ("save",):
             pass
-    assert "refused 127.0.0.1: a tab sent nothing for 5 s; closed" in noted(caplog)
+    assert "refused 127.0.0.1: a tab sent nothing for 2.5 s; closed" in noted(caplog)
 
 
 def test_silent_connections_make_room_for_others_and_are_cut(page, door, caplog):

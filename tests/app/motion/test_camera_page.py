@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import io
 import itertools
 
 import numpy as np
 import pytest
 from PIL import Image
 
-from tests.app.chromium import base_node, fill, player, wait_until
+from tests.app.chromium import base_node, dark, fill, looked_at, player, screenshot
+from tests.app.waits import wait_until
 
 pytestmark = pytest.mark.browser
 
@@ -55,9 +55,20 @@ def still(page):
     raise AssertionError("the camera does not come to rest")
 
 
-def direction(page):
+VIEWS = {
+    "Front view": ("1", [1, 0, 0.1]),
+    "Side view": ("2", [0, -1, 0.1]),
+    "Top view": ("3", [0, 0, 1]),
+    "Frame all": ("0", [0.5, -0.8, 0.3]),
+}
+
+
+def assert_looks_from(page, name):
+    still(page)
     place, target = looks(page)
-    return (place - target) / np.linalg.norm(place - target)
+    sight, expected = place - target, VIEWS[name][1]
+    assert sight @ expected > 0.98 * np.linalg.norm(sight) * np.linalg.norm(expected), name
+    assert np.abs(corners(page)).max() < 1
 
 
 def corners(page):
@@ -113,41 +124,15 @@ def test_the_robot_and_its_motion_fill_the_free_part_of_the_picture(page):
     assert (seen[:, 1].max() + seen[:, 1].min()) / 2 == pytest.approx((1 + low) / 2, abs=0.03)
 
 
-@pytest.mark.parametrize(
-    ("key", "name", "expected"),
-    [
-        ("1", "Front view", [1, 0, 0.1]),
-        ("2", "Side view", [0, -1, 0.1]),
-        ("3", "Top view", [0, 0, 1]),
-        ("0", "Frame all", [0.5, -0.8, 0.3]),
-    ],
-)
-def test_views_by_key_and_by_button(page, key, name, expected):
-    page.keyboard.press(key)
-    still(page)
-    assert direction(page) @ (np.array(expected) / np.linalg.norm(expected)) > 0.98
-    assert np.abs(corners(page)).max() < 1
-    page.keyboard.press("0" if key != "0" else "2")
-    still(page)
-    button = page.get_by_role("button", name=name, exact=True)
-    assert button.get_attribute("title") == f"{name} ({key})"
-    button.click()
-    still(page)
-    assert direction(page) @ (np.array(expected) / np.linalg.norm(expected)) > 0.98
-
-
-def test_what_is_typed_into_a_field_is_no_command(page):
-    before = looks(page)
-    page.evaluate(
-        "document.body.append(Object.assign(document.createElement('input'), {id: 'typed'}))"
-    )
-    page.locator("#typed").focus()
-    page.keyboard.type("3f")
-    page.wait_for_timeout(400)
-    assert page.locator("#typed").input_value() == "3f"
-    assert np.allclose(looks(page), before)
-    assert not page.evaluate("llsrbm.camera.follows")
-    page.evaluate("document.querySelector('#typed').remove()")
+def test_views_by_key_and_by_button(page):
+    for name, (key, _) in VIEWS.items():
+        page.keyboard.press(key)
+        assert_looks_from(page, name)
+    for name, (key, _) in VIEWS.items():
+        button = page.get_by_role("button", name=name, exact=True)
+        assert button.get_attribute("title") == f"{name} ({key})"
+        button.click()
+        assert_looks_from(page, name)
 
 
 def test_following_keeps_the_base_where_it_is_in_the_picture(page):
@@ -170,32 +155,20 @@ def test_following_keeps_the_base_where_it_is_in_the_picture(page):
     assert looks(page)[0] == pytest.approx(moved, abs=1e-3)
 
 
-def test_a_picture_is_saved_at_the_canvas_own_size(page):
-    with page.expect_download() as download:
-        page.keyboard.press("p")
-    assert download.value.suggested_filename == "anymal-0.00s.png"
-    image = Image.open(download.value.path()).convert("RGB")
-    size = page.evaluate(
-        "[window.__viserMutable.canvas.width, window.__viserMutable.canvas.height]"
-    )
-    assert list(image.size) == size
-    pixels = np.asarray(image).astype(int)
-    assert (pixels.max(axis=2) < 70).mean() > 0.01  # the robot
-    top, below = pixels[5, 5], pixels[-5, 5]
-    assert below.sum() > top.sum() > 300  # sky and floor, no hole
-
-
-def test_the_page_shows_all_of_the_canvas(page):
-    """Without a graphics processor Chromium cut off its top, see static/camera.js."""
+def test_a_picture_is_saved_at_the_canvas_own_size_and_the_page_shows_all_of_it(page):
+    """Without a graphics processor Chromium cut off the canvas' top, see static/camera.js."""
     page.evaluate("llsrbm.camera.look('front')")
     still(page)
-    with page.expect_download() as download:
+    with looked_at(page), page.expect_download() as download:
         page.keyboard.press("p")
+    assert download.value.suggested_filename == "anymal-0.00s.png"
     saved = np.asarray(Image.open(download.value.path()).convert("RGB")).astype(int)
+    canvas = "[window.__viserMutable.canvas.height, window.__viserMutable.canvas.width]"
+    assert list(saved.shape[:2]) == page.evaluate(canvas)
+    assert dark(saved).mean() > 0.01  # the robot
+    assert saved[-5, 5].sum() > saved[5, 5].sum() > 300  # sky and floor, no hole
     clip = {"x": 0, "y": 0, "width": saved.shape[1], "height": saved.shape[0]}
-    shot = page.screenshot(clip=clip)
-    shown = np.asarray(Image.open(io.BytesIO(shot)).convert("RGB")).astype(int)
-    apart = np.abs(shown - saved).max(axis=2) > 40
+    apart = np.abs(screenshot(page, clip=clip) - saved).max(axis=2) > 40
     bar = int(page.locator("#llsrbm-transport").bounding_box()["y"])
     # Below the buttons, above the bar.
     assert apart[60:bar].mean() < 0.01

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.app.chromium import base_node, number, player, press, status, wait_until
+from tests.app.chromium import base_node, number, paused_at, player, press, status
+from tests.app.waits import wait_until
 
 pytestmark = pytest.mark.browser
 
@@ -19,13 +20,8 @@ POSE = """name => {
 @pytest.fixture
 def page(page):
     """Paused at 0.5 s."""
-    stopped(page, 0.5)
+    paused_at(page, 0.5)
     return page
-
-
-def stopped(page, instant):
-    page.evaluate("t => { llsrbm.player.pause(); llsrbm.player.seek(t); }", instant)
-    page.wait_for_timeout(100)
 
 
 def expected(session, node, time):
@@ -64,7 +60,7 @@ def test_it_plays_in_real_time_and_the_server_says_nothing(page):
 def test_without_repeating_it_stops_at_the_end_and_says_so(page):
     page.get_by_role("button", name="Loop", exact=True).click()
     assert player(page, "loop") is False
-    stopped(page, player(page, "clip.end") - 0.1)
+    paused_at(page, player(page, "clip.end") - 0.1)
     player(page, "play()")
     wait_until(lambda: not player(page, "playing"), "the end", 5)
     wait_until(lambda: not page.session.state.playback.playing, "the server to know", 5)
@@ -72,26 +68,17 @@ def test_without_repeating_it_stops_at_the_end_and_says_so(page):
     assert player(page, "loop") is True
 
 
-def test_space_plays_and_pauses(page):
-    page.keyboard.press("Space")
-    assert player(page, "playing")
-    page.keyboard.press("Space")
-    assert not player(page, "playing")
-
-
-@pytest.mark.parametrize(
-    ("key", "frames"),
-    [("ArrowRight", 1), ("ArrowLeft", -1), ("Shift+ArrowRight", 6), ("Shift+ArrowLeft", -6)],
-)
-def test_arrows_step(page, key, frames):
-    player(page, "play()")
-    page.keyboard.press(key)
-    assert not player(page, "playing")
-    stopped(page, 0.5)
-    page.keyboard.press(key)
-    assert player(page, "time") == pytest.approx(0.5 + frames * FRAME, abs=1e-9)
-    # The camera stays where it is.
-    assert page.evaluate("window.scrollX + window.scrollY") == 0
+def test_arrows_step(page):
+    arrows = {"ArrowRight": 1, "ArrowLeft": -1, "Shift+ArrowRight": 6, "Shift+ArrowLeft": -6}
+    for key, frames in arrows.items():
+        player(page, "play()")
+        page.keyboard.press(key)
+        assert not player(page, "playing")
+        paused_at(page, 0.5)
+        page.keyboard.press(key)
+        assert player(page, "time") == pytest.approx(0.5 + frames * FRAME, abs=1e-9)
+        # The camera stays where it is.
+        assert page.evaluate("window.scrollX + window.scrollY") == 0
 
 
 def test_home_and_end_go_there(page):
@@ -173,7 +160,7 @@ def test_phases_and_marks_are_where_they_happen(page):
     assert bar.locator('.mark[title="apex"]').count() == 1
     assert "lift-off 0.40 s" in bar.inner_text()
     for instant, phase in ((0.1, "take-off"), (0.6, "flight"), (1.2, "landing")):
-        stopped(page, instant)
+        paused_at(page, instant)
         assert f"{instant:.2f} / 1.30 s {phase}" in bar.inner_text()
 
 

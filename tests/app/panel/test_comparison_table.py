@@ -70,21 +70,11 @@ def test_names_have_the_colours_of_their_ghosts():
     assert html.index("rgba(44,123,229,1)") < first < html.index("rgba(10,160,90,1)") < second
 
 
-def test_what_no_design_has_is_left_out():
-    names = rows(Column("a", BLUE, PLANNED))
-    assert "Peak torque [%]" not in names
-    assert "Flight time [s]" in names
-
-
 def test_whether_a_push_was_recovered_from_is_told_of_those_that_were_pushed():
     assert "Recovered" not in comparison_table([Column("a", BLUE, LANDED)])
     columns = [Column(str(known), BLUE, LANDED, known) for known in (True, False, None)]
     (row,) = [row for row in comparison_table(columns).split("<tr>") if "Recovered" in row]
     assert [word in row for word in (">yes<", ">no<", ">–<")] == [True] * 3
-
-
-def test_nothing_is_nothing():
-    assert comparison_table([]) == ""
 
 
 def test_names_cannot_write_the_page():

@@ -15,11 +15,6 @@ from tests.app.raw_tab import RawTab
 
 EXAMPLES = examples()
 ROBOTS = ", ".join(names())
-CONTRACT = (
-    "Robot", "Model", "Twist [deg]", "Forward [m]", "Lateral [m]", "Landing height [m]", "Simulate",
-    "Cancel", "Play", "Pause", "Export", "Format", "Inertia ellipsoids", "Open", "Share", "Replan",
-    "Jump type",
-)  # fmt: skip
 
 
 @pytest.fixture(scope="module")
@@ -47,26 +42,6 @@ def test_an_example_is_handed_over(page, tab):
     assert page.next() == ("example", box)
 
 
-@pytest.mark.parametrize("value", ["choose ...", "nosuch", 3, None, {"a": []}])
-def test_no_example_is_nothing(page, tab, value):
-    tab.set("Example", value)
-    tab.press("Save design")
-    assert page.next() == ("save",)
-
-
-def test_a_file_is_handed_over_as_it_is(page, tab):
-    tab.upload("Open", "mine.json", b"\x00{")
-    assert page.next() == ("upload", "mine.json", b"\x00{")
-    tab.upload("Open", "empty.json", b"", transfer="second")
-    assert page.next() == ("upload", "empty.json", b"")
-
-
-def test_a_value_that_is_no_file_is_nothing(page, tab):
-    tab.set("Open", "no file")
-    tab.press("Save design")
-    assert page.next() == ("save",)
-
-
 def test_what_is_shown_is_named_with_its_note(tab):
     design = EXAMPLES["anymal-board"]
     tab.controls_of_page.show_design(design.title, "a <b> & note")
@@ -78,26 +53,9 @@ def test_what_is_shown_is_named_with_its_note(tab):
     assert tab.value("Example") == "choose ..."
 
 
-def test_labels_are_not_taken_for_those_of_the_contract(tab):
-    own = [m["props"]["label"] for m in tab.controls.values() if "label" in m["props"]]
-    own.remove("Twist [deg]")
-    for label in {"Example", "Rate of the file [1/s]", "Save design"} & set(own):
-        assert not any(fixed.lower() in label.lower() for fixed in CONTRACT)
-
-
 def test_a_tab_is_told_to_send_no_files_that_are_refused(tab):
     (script,) = tab.scripts
     assert script.startswith(f"window.llsrbmLargestFile = {MAX_UPLOAD};")
-
-
-def test_a_browser_offers_what_can_be_opened(tab):
-    offered = tab.control("Open")["props"]["mime_type"].split(",")
-    assert {".json", ".npz", ".csv"} <= set(offered)
-
-
-def test_an_uploaded_design_is_read():
-    design = EXAMPLES["go2-twist"]
-    assert uploaded_design("a.json", dump_design(design).encode()) == design
 
 
 @pytest.mark.parametrize(

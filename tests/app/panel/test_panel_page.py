@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from tests.app.chromium import fill, number, status, wait_until
+from tests.app.chromium import fill, number, status
 from tests.app.shared_page import visit
+from tests.app.waits import wait_until
 
 pytestmark = pytest.mark.browser
 

@@ -5,7 +5,6 @@ import math
 import pytest
 
 from app.panel.jump_types import (
-    title_of_type,
     turn_amounts,
     turn_title,
     turns_offered,
@@ -39,11 +38,6 @@ def test_a_type_keeps_the_landing_place():
     assert jump == Jump(robot="go2", type="hops", twist=0.5, forward=0.2, hops=2)
 
 
-def test_the_title_of_a_type_that_is_no_preset_is_its_name():
-    assert title_of_type("rear-last") == "Rear last"
-    assert title_of_type("own.toml") == "own.toml"
-
-
 @pytest.mark.parametrize("title", TURNS)
 def test_a_turn_of_the_menu_is_shown_by_its_title(title):
     assert turn_title(Jump(type="flip", **turn_amounts(title))) == title
@@ -58,12 +52,6 @@ def test_turns_follow_the_right_hand_rule():
 def test_other_turns_are_shown_in_degrees():
     assert turn_title(Jump(pitch=4 * math.pi, roll=-2 * math.pi)) == "pitch 720°, roll -360°"
     assert turn_title(Jump()) == "none"
-
-
-def test_a_type_offers_the_turns_that_it_asks_for():
-    assert turns_offered(("pitch", "roll"), ("pitch", "roll")) == TURNS
-    assert turns_offered(("roll",), ("pitch", "roll")) == TURNS[2:]
-    assert turns_offered(("speed",), ("pitch", "roll")) == ()
 
 
 def test_turns_about_which_the_robot_has_no_plans_are_not_offered():

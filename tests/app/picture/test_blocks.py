@@ -55,9 +55,3 @@ def test_other_blocks_take_the_nodes_of_the_old_ones():
     assert blocks.draw(Picture(simulated=FRAMES)) == ()
     assert client.scene.seen() == set()
     assert len(client.scene.made) == 2
-
-
-def test_beside_a_plan_alone_no_block_stands():
-    client = RecordedClient()
-    assert Blocks(client.scene).draw(Picture(blocks=(BOX,))) == ()
-    assert client.scene.nodes == {}

@@ -48,11 +48,6 @@ def test_the_grip_is_at_the_tip_and_the_size_beside_it(target):
     assert target.seen == {GRIP, ARROW, SIZE}
 
 
-def test_nothing_is_shown_of_no_push(target):
-    target.handle.draw(None)
-    assert target.seen == set()
-
-
 def test_without_a_size_there_is_a_grip_alone(target):
     target.handle.draw(PushShown(0.5, (0.0, 0.0, 0.5), (0.0, 0.0, 0.0), 0.05))
     assert target.seen == {GRIP, SIZE}
@@ -89,12 +84,6 @@ def test_a_drag_that_began_at_one_instant_belongs_to_it(target):
 @pytest.mark.parametrize("nonsense", ["here", None, [], [1.0, 0.0], [math.nan, 0, 0], {}])
 def test_what_is_no_place_changes_nothing(target, nonsense):
     target.drag(nonsense)
-    assert target.grips == []
-
-
-def test_nobody_drags_what_is_not_there():
-    target = Target()
-    target.drag((1.0, 1.0, 1.0))
     assert target.grips == []
 
 

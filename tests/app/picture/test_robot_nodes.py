@@ -8,7 +8,7 @@ import pytest
 
 from app.picture.robot_nodes import RobotNodes, RobotShelf, meshes
 from llsrbm.cache import ENVIRONMENT_VARIABLE
-from llsrbm.look.visuals import needs_preparation
+from llsrbm.look.visuals import link_visuals, needs_preparation
 from llsrbm.robots import load_robot
 from tests.app.picture.recorded import RecordedScene
 
@@ -33,6 +33,7 @@ def test_shapes_stand_in_until_the_meshes_are_prepared(name, unprepared):
     for link, _, glb in shapes:
         assert scene.nodes[f"/links/{link}"].glb_data == glb
     unprepared.undo()
+    link_visuals(robot, coarse=True)
     nodes.complete()
     fine = meshes(robot, fine=True)
     assert {f"/links/{link}" for link, _, _ in fine} | {"/links"} == set(scene.nodes)
@@ -49,6 +50,7 @@ def test_a_shelf_completes_the_robot_that_is_taken(unprepared):
     shelf = RobotShelf(scene, (f"/robot{number}" for number in itertools.count()))
     taken = [shelf.take(robot), shelf.take(robot, ghost=(1, 2, 3))]
     unprepared.undo()
+    link_visuals(robot, coarse=True)
     assert [shelf.take(robot), shelf.take(robot, ghost=(1, 2, 3))] == taken
     for name, ghost in (("/robot0", None), ("/robot1", (1, 2, 3))):
         for link, _, glb in meshes(robot, ghost=ghost):

@@ -52,14 +52,6 @@ def test_the_same_picture_again_sends_nothing(robot, simulation):
     assert drawn.changes(again) == (None, [], [])
 
 
-def test_the_same_ghosts_in_other_wrappings_are_the_same():
-    def ghosts():
-        return (Ghost(load_robot("slider"), planned("slider").frames, colours.PINNED[0]),)
-
-    drawn = Drawn(replace(picture(), ghosts=ghosts()))
-    assert drawn.changes(replace(picture(), ghosts=ghosts())) == (None, [], [])
-
-
 def test_nothing_new_is_found_out_within_a_millisecond():
     shown = picture(layers=OVERLAYS, simulation=True)
     drawn = Drawn(shown)
@@ -139,19 +131,6 @@ def test_what_is_switched_off_is_hidden_and_moves_no_more():
         assert clip is None or names_in(clip) == everything
 
 
-def test_an_overlay_that_was_hidden_meanwhile_has_the_newest_motion():
-    drawn = Drawn(picture(layers={"com"}), picture(layers=()), picture(layers=(), forward=0.4))
-    clip, _, _ = drawn.changes(picture(layers={"com"}, forward=0.4))
-    assert track_of(clip, "/com")[1].position is planned(forward=0.4).frames.com
-
-
-def test_lines_that_do_not_move_need_no_new_clip():
-    drawn = Drawn(picture(layers={"trails"}))
-    clip, _, changes = drawn.changes(picture(layers=()))
-    assert clip is None
-    assert ("/path/com", "visible") in changes
-
-
 def test_night_changes_light_and_floor_only():
     drawn = Drawn(picture())
     clip, made, changes = drawn.changes(replace(picture(), night=True))
@@ -172,12 +151,6 @@ def test_only_a_graphics_processor_casts_shadows():
     assert drawn.nodes["/ground"].shadow_opacity > 0
     refined = {name for name, prop in changes if prop == "glb_data"}
     assert refined == {name for name in drawn.nodes if name.startswith("/links/")}
-
-
-def test_the_ground_is_where_the_robot_lands_below():
-    drawn = Drawn(picture(height=-0.15))
-    assert drawn.nodes["/ground"].position[2] == -0.15
-    assert drawn.nodes["/target/step0"].visible
 
 
 def test_a_simulation_has_the_plan_as_a_ghost():
@@ -210,14 +183,6 @@ def test_robots_that_are_switched_forth_and_back_are_sent_once():
     links = sum(len(glb) for _, _, glb in robot_nodes.meshes(load_robot("anymal")))
     assert drawn.client.scene.sent - sent < 0.1 * links
     assert len(drawn.nodes) == nodes
-
-
-def test_a_robot_comes_back_to_its_default_posture():
-    robot = load_robot("anymal")
-    drawn = Drawn(picture("anymal"), picture("slider"))
-    clip, made, _ = drawn.changes(Picture(robot=robot, layers=AT_FIRST))
-    assert made == []
-    assert track_of(clip, "/links/base")[1].position[0] == pytest.approx(robot.base_position)
 
 
 def test_only_so_many_hidden_robots_are_kept():

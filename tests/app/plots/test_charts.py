@@ -83,29 +83,6 @@ def test_planned_curves_in_mid_flight(planned, robot):
     assert at(norm, MIDDLE) == pytest.approx(TWIST / FLY, rel=1e-3)
 
 
-def test_a_plan_carries_its_weight_to_its_end(planned, robot):
-    force = drawn("Overview", planned)["Vertical force, all feet [N]"]["plan"]
-    for instant in (0.1, planned.plan.duration):
-        assert at(force, instant) == pytest.approx(robot.mass * GRAVITY, rel=1e-3)
-
-
-def test_inertias_of_stiff_legs_are_those_of_the_standing_robot(planned, robot):
-    found = drawn("Principal inertias", planned)
-    lowest = [
-        chart[title].values.min()
-        for chart in found.values()
-        for title in ("plan", "whole body as planned")
-    ]
-    highest = [
-        chart[title].values.max()
-        for chart in found.values()
-        for title in ("plan", "whole body as planned")
-    ]
-    moments = np.repeat(np.linalg.eigvalsh(robot.inertia), 2)
-    assert sorted(lowest) == pytest.approx(moments, rel=1e-3)
-    assert sorted(highest) == pytest.approx(moments, rel=1e-3)
-
-
 def test_planned_torques_lie_under_the_simulated_ones(planned, rollout):
     alone, both = drawn(TORQUES, planned), drawn(TORQUES, planned, rollout)
     shares = [
@@ -123,16 +100,6 @@ def test_planned_torques_lie_under_the_simulated_ones(planned, rollout):
     # Stiff legs do no work.
     assert np.abs(alone["Power of the drives [W]"]["plan"].values).max() < 1e-9
     assert list(drawn(LANDING, planned)) == ["Spatial velocity ‖v_G‖"]
-
-
-def test_a_plan_whose_torques_are_not_known(planned, rollout, robot):
-    unknown = replace(planned.plan, joint_velocity=None, joint_torque=None, joint_torque_limit=None)
-    replay = bake_plan(unknown, robot)
-    assert list(drawn(TORQUES, replay)) == ["Largest joint speed / limit"]
-    assert list(drawn(TORQUES, replay, rollout)["Largest torque / limit"]) == [
-        "limit",
-        "simulation",
-    ]
 
 
 def test_power_is_torque_times_speed(planned, rollout):

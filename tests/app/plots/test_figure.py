@@ -1,5 +1,9 @@
+"""From what is chosen to what is drawn and written: choices, figures, tables."""
+
 from __future__ import annotations
 
+import csv
+import io
 from dataclasses import replace
 
 import numpy as np
@@ -7,8 +11,18 @@ import pytest
 
 from app.motion import colours
 from app.motion.baked import bake_plan
-from app.plots.charts import Layer, charts, shown_layers
-from app.plots.choice import LANDING, OVERVIEW, PRESETS
+from app.plots.charts import Layer, charts, csv_of, shown_layers
+from app.plots.choice import (
+    ALL_JOINTS,
+    DEFAULT,
+    LANDING,
+    OVERVIEW,
+    OWN,
+    PRESETS,
+    TORQUES,
+    ChartChoice,
+    PlotChoice,
+)
 from app.plots.drawing import legend
 from app.plots.figure import figure
 from app.plots.time_grid import ABOVE
@@ -34,6 +48,11 @@ def layers(planned, rollout):
         Layer(f"pin {i}", rgb, planned, rollout, True) for i, rgb in enumerate(colours.PINNED)
     ]
     return (*pinned, *shown_layers(planned, rollout))
+
+
+@pytest.fixture
+def both(planned, rollout):
+    return shown_layers(planned, rollout)
 
 
 @pytest.mark.parametrize("group", PRESETS)
@@ -122,3 +141,89 @@ def test_every_flight_is_shaded_and_its_touchdown_marked():
     # Only the last one is looked at closely.
     assert drawn.grid.time[0] > starts[2]
     assert legend(drawn).count("touch-down planned") == 1
+
+
+# ---- as a table
+
+
+def read(content):
+    """Column -> its cells, without the empty ones at the end."""
+    header, *rows = csv.reader(io.StringIO(content.decode("utf-8")))
+    columns = zip(*rows, strict=True)
+    return {name: [c for c in cells if c] for name, cells in zip(header, columns, strict=True)}
+
+
+@pytest.mark.parametrize("choice", PRESETS.values(), ids=PRESETS)
+def test_every_line_is_there_at_its_own_instants(both, choice):
+    columns = read(csv_of(both, choice))
+    names, time = iter(columns.items()), None
+    found = {}
+    for name, cells in names:
+        if name.startswith("time of "):
+            assert name.endswith(" [s]")
+            time = np.array(cells, dtype=float)
+        else:
+            found[name] = (time, np.array(cells, dtype=float))
+    for chart in charts(choice, both):
+        for line in chart.lines:
+            unit = f" [{line.unit}]" if line.unit else ""
+            time, values = found.pop(f"{chart.title}, {line.name}{unit}")
+            assert time == pytest.approx(line.time, abs=1e-8)
+            assert values == pytest.approx(line.values, rel=1e-8, abs=1e-300)
+    assert found == {}
+
+
+def test_lines_with_the_same_instants_share_a_time_column(both):
+    columns = read(csv_of(both, PRESETS["CoM position"]))
+    assert list(columns) == [
+        "time of plan [s]",
+        *(f"CoM position, {axis}, plan [m]" for axis in "xyz"),
+        "time of simulation [s]",
+        *(f"CoM position, {axis}, simulation [m]" for axis in "xyz"),
+    ]
+
+
+def test_there_is_neither_nan_nor_negative_zero(both):
+    plan = both[0]
+    motion = plan.motion.motion
+    motion.com[0] = -0.0
+    motion.com[1] = np.nan
+    (x, *_) = [c for n, c in read(csv_of([plan], PRESETS["CoM position"])).items() if "x, " in n]
+    assert x[0] == "0"
+    assert len(x) == len(motion.time) - 1
+
+
+def test_names_cannot_break_the_table(both):
+    nasty = Layer('=1+1,"\n', colours.PINNED[0], both[0].motion, None, pinned=True)
+    choice = PlotChoice((ChartChoice("com", ("z",)),))
+    assert len(read(csv_of([nasty], choice))) == 2
+
+
+# ---- choices
+
+
+@pytest.mark.parametrize("name", PRESETS)
+def test_a_preset_is_known_by_its_charts(name):
+    assert PlotChoice((), open=False).with_preset(name).preset == name
+    assert not PlotChoice((), open=False).with_preset(name).open
+    added = PRESETS[name].with_offered()
+    assert (added.preset == OWN) == (added != PRESETS[name])
+    assert PRESETS[name].without(0).preset == OWN
+
+
+def test_a_chart_is_added_once():
+    choice = PlotChoice((), offered=ChartChoice("foot_force", ("LF",)))
+    once = choice.with_offered()
+    assert once.charts == (ChartChoice("foot_force", ("LF",)),)
+    assert once.with_offered() == once
+    assert once.without(0) == choice
+
+
+def test_joints_are_those_of_the_loads():
+    assert DEFAULT.joints is None
+    assert DEFAULT.with_joints("KFE") == DEFAULT
+    torques = PRESETS[TORQUES]
+    assert torques.joints == ALL_JOINTS
+    knees = torques.with_joints("KFE")
+    assert (knees.joints, knees.preset) == ("KFE", TORQUES)
+    assert knees.with_joints(ALL_JOINTS) == torques

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import queue
-import time
 from dataclasses import replace
 
 import pytest
@@ -14,13 +13,14 @@ from app.motion import colours
 from app.motion.baked import bake_plan
 from app.page_template import page as designer_page
 from app.plots.charts import Layer, csv_of, shown_layers
-from app.plots.choice import DEFAULT, LANDING, OVERVIEW, PRESETS, TORQUES, ChartChoice
+from app.plots.choice import DEFAULT, PRESETS, TORQUES, ChartChoice
 from app.plots.plots import Plots
 from app.viser_private import DesignerServer
 from llsrbm.request.jump import Jump
 from llsrbm.robots import load_robot
 from tests.app.raw_tab import RawTab
 from tests.app.synthetic_plan import synthetic_plan
+from tests.app.waits import wait_until
 
 MINIMISED = "GuiSetPanelCollapsedMessage"
 
@@ -64,9 +64,7 @@ def page(served):
         made = PlotPage(served, tab)
         tab.wait(lambda: len(tab.scripts) == 3, "the scripts")
         yield made
-    deadline = time.monotonic() + 5
-    while served.get_clients() and time.monotonic() < deadline:
-        time.sleep(0.01)
+    wait_until(lambda: not served.get_clients(), "the end of it")
 
 
 @pytest.fixture(scope="module")
@@ -201,33 +199,3 @@ def test_pinned_designs_lie_under_the_one_that_is_shown(page, layers):
     assert "KFE" in page.tab.control("Joints")["props"]["options"]
     page.plots.clear()
     page.tab.wait(lambda: charts(page.tab) == {}, "nothing")
-
-
-def test_a_simulation_joins_the_plan(tab):
-    """In the designer: the session draws what is chosen."""
-    tab.press("Simulate")
-    tab.wait_for_status("Landed")
-    title = "CoM position, z [m]"
-    tab.wait(lambda: lines(charts(tab)[title]) == ["plan", "simulation"], "both")
-    props = charts(tab)[title]
-    strokes = {series["label"]: series.get("stroke") for series in props["series"]}
-    assert strokes["plan"] == colours.css(colours.PLANNED)
-    assert strokes["simulation"] == colours.css(colours.SIMULATED)
-    assert props["scales"]["x"] == {"time": False, "range": [0.0, 2.5]}
-    assert "simulation" in tab.text()
-    tab.set("Preset", LANDING)
-    tab.wait(lambda: "Spatial velocity ‖v_G‖" in charts(tab), "the landing")
-    tab.set("Preset", OVERVIEW)
-    tab.wait(lambda: title in charts(tab), "the overview")
-    # A new plan takes the simulation away.
-    tab.set("Twist [deg]", 30)
-    tab.wait(lambda: lines(charts(tab)[title]) == ["plan"], "the plan alone")
-
-
-def test_labels_are_none_of_the_contracts(page):
-    """Tests find controls by parts of their labels."""
-    labels = {m["props"].get("label") or "" for m in page.tab.controls.values()}
-    assert {"Quantity", "Download"} <= labels
-    for label in labels:
-        for taken in ("Robot", "Model", "Format", "Inertia ellipsoids", "Seed", "Disturb", "Play"):
-            assert taken.lower() not in label.lower()

@@ -5,7 +5,8 @@ from __future__ import annotations
 import pytest
 
 from app.plots.choice import LANDING, OVERVIEW, PRESETS
-from tests.app.chromium import VIEW, choose, fill, press, status, tab, wait_until
+from tests.app.chromium import VIEW, at_rest, choose, fill, press, status, tab
+from tests.app.waits import wait_until
 
 pytestmark = pytest.mark.browser
 
@@ -32,14 +33,6 @@ def page(page):
 def simulate(page):
     press(page, "Simulate")
     status(page, "Landed")
-
-
-def at_rest(page):
-    """Wait until the player moves the cursor no more."""
-    before = None
-    while (frames := page.evaluate("llsrbm.player.frames")) != before:
-        before = frames
-        page.wait_for_timeout(200)
 
 
 def drawn(page, titles, timeout=10.0):
@@ -91,22 +84,6 @@ def test_every_group_is_drawn_with_plan_and_simulation(page):
             assert "simulation" in chart["curves"], chart
             span = chart["end"] - chart["start"]
             assert 0.3 < span < 0.5 if group == LANDING else span == 2.5, chart
-
-
-def test_joints_are_chosen(page):
-    simulate(page)
-    choose(page, "Preset", "Joint torques and speeds")
-    choose(page, "Joints", "KFE")
-    titles = [
-        "Largest torque / limit",
-        "Largest torque / limit at its speed",
-        "Largest joint speed / limit",
-    ]
-    charts = drawn(page, [*(f"{title}, KFE" for title in titles), "Power of the drives, KFE [W]"])
-    assert [chart["curves"] for chart in charts] == [
-        *[["limit", "plan", "simulation"]] * 3,
-        ["plan", "simulation"],
-    ]
 
 
 # ---- the cursor of plot_cursor.js
@@ -192,7 +169,6 @@ BOX = """() => { const box = document.querySelector('.llsrbm-hover');
 def test_the_box_has_all_lines_by_name(page):
     simulate(page)
     choose(page, "Preset", "Joint torques and speeds")
-    titles = [chart["title"] for chart in page.evaluate(CHARTS)]
     page.wait_for_function("document.querySelector('.u-title').textContent.startsWith('Largest')")
     titles = [chart["title"] for chart in page.evaluate(CHARTS)]
     drawn(page, titles)
@@ -222,27 +198,28 @@ BOXES = """() => Object.fromEntries([['area', '[data-llsrbm-pinned]'], ['picture
   }))"""
 
 
-@pytest.mark.parametrize("view", [VIEW, {"width": 1920, "height": 1080}], ids=["small", "large"])
-def test_charts_are_as_wide_as_the_picture_and_cover_nothing(page, view):
+TOPS = """[...document.querySelectorAll('.uplot')].map(e => e.offsetParent
+  && Math.round(e.getBoundingClientRect().top))"""
+
+
+@pytest.mark.parametrize(
+    ("view", "rows"), [(VIEW, 2), ({"width": 1920, "height": 1080}, 1)], ids=["small", "large"]
+)
+def test_charts_are_as_wide_as_the_picture_and_cover_nothing(page, view, rows):
     page.set_viewport_size(view)
-    try:
-        page.wait_for_timeout(1500)
-        drawn(page, OVERVIEW_CHARTS)
+
+    def arranged():
         boxes = page.evaluate(BOXES)
         area, picture, bar = boxes["area"], boxes["picture"], boxes["bar"]
-        assert (area[0], area[2], area[3]) == (picture[0], picture[2], view["height"])
-        assert picture[3] <= area[1] + 1
-        assert bar[3] <= area[1] + 1
-        assert picture[3] - picture[1] > 0.45 * view["height"]
-        tops = page.evaluate(
-            "[...document.querySelectorAll('.uplot')].map(e => e.offsetParent"
-            " && Math.round(e.getBoundingClientRect().top))"
+        return (
+            (area[0], area[2], area[3]) == (picture[0], picture[2], view["height"])
+            and max(picture[3], bar[3]) <= area[1] + 1
+            and picture[3] - picture[1] > 0.45 * view["height"]
+            and len(set(page.evaluate(TOPS))) == rows  # side by side
         )
-        rows = len(set(tops))
-        assert rows == (2 if view is VIEW else 1), "side by side"
-    finally:
-        page.set_viewport_size(VIEW)
-        page.wait_for_timeout(1000)
+
+    wait_until(arranged, "the arrangement")
+    drawn(page, OVERVIEW_CHARTS)
 
 
 def test_the_area_is_minimised_and_opened(page):

@@ -69,18 +69,6 @@ def test_values_are_the_samples_or_lie_between_them(samples):
         assert np.isclose(around, seen[k]).any()
 
 
-def test_a_straight_line_stays_one():
-    time = np.linspace(0.0, 2.0, 777)
-    assert GRID.sample(time, 3 * time - 1) == pytest.approx(3 * GRID.time - 1, abs=1e-12)
-
-
-def test_a_smooth_curve_is_followed():
-    time = np.linspace(0.0, 2.0, 921)
-    seen = GRID.sample(time, np.sin(5 * time))
-    # Off only where a peak is moved to an instant beside it.
-    assert np.abs(seen - np.sin(5 * GRID.time)).max() < (5 * 1.5 * GRID.spacing) ** 2 / 2
-
-
 def test_there_is_nothing_where_a_curve_has_ended():
     time = np.linspace(0.3, 1.1, 50)
     seen = GRID.sample(time, np.ones(50))

@@ -1,11 +1,15 @@
-"""The registry: every act of the panel is taken, and says when its button can be pressed."""
+"""Acts of the panel, and the inbox in which they wait for a session's thread."""
 
 from __future__ import annotations
 
 import pytest
 
 from app.panel.acts import Act, Button
+from app.picture.landing_handle import LandingDragged
+from app.picture.push_handle import PushDragged
 from app.tab import acts
+from app.tab.inbox import End, Inbox
+from app.tab.planning import Rested
 from tests.app.pure_tab import PureTab, planned_tab
 
 
@@ -37,3 +41,47 @@ def test_buttons_that_would_do_nothing_cannot_be_pressed():
 def test_an_event_is_taken_by_one_function_alone():
     with pytest.raises(AssertionError, match="taken twice"):
         acts.on(Act.UNDO)(lambda state: state)
+
+
+def taken(*items):
+    inbox = Inbox()
+    for item in items:
+        inbox.put(item)
+    return inbox.take()
+
+
+NEAR, FAR = LandingDragged(0.1, 0.0, 0.0), LandingDragged(0.2, 0.0, 0.0)
+HELD, ENDED = (PushDragged(0.4, (1.0, 0.0, 0.0), ended=ended) for ended in (False, True))
+
+
+@pytest.mark.parametrize(
+    ("items", "left"),
+    [
+        # What was moved before a press counts for it, also if the same is moved again after it.
+        ([Act.SCENARIO, Act.SIMULATE, Act.SCENARIO], [Act.SCENARIO, Act.SIMULATE, Act.SCENARIO]),
+        ([Act.JUMP, Act.JUMP, Act.UNDO, Act.JUMP], [Act.JUMP, Act.UNDO, Act.JUMP]),
+        ([Act.UNDO, Act.UNDO], [Act.UNDO, Act.UNDO]),
+        ([NEAR, FAR, Act.UNDO], [FAR, Act.UNDO]),
+        ([HELD, HELD, ENDED, HELD], [ENDED, HELD]),
+    ],
+)
+def test_only_neighbours_of_a_kind_are_one(items, left):
+    assert taken(*items) == left
+
+
+def test_what_is_due_comes_beside_what_has_happened():
+    inbox = Inbox()
+    inbox.put_later(0.0, Rested(1))
+    inbox.put_later(0.0, Rested(2))  # in place of the one before
+    inbox.put_later(60.0, End.END)
+    inbox.put(Act.UNDO)
+    assert inbox.take() == [Act.UNDO, Rested(2)]
+
+
+def test_what_comes_while_the_page_is_waited_for_is_held_back():
+    inbox = Inbox()
+    inbox.put(Act.UNDO)
+    inbox.put(End.END)
+    assert inbox.wait_for_page(5) is None
+    assert inbox.ended
+    assert inbox.take() == [Act.UNDO, End.END]

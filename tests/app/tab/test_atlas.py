@@ -13,7 +13,6 @@ from app.link import AtlasClicked, AtlasSeen, read_event
 from app.panel.acts import Act
 from app.panel.atlas_controls import AtlasChoice, AtlasControls
 from app.tab.atlas import BUILT_IN, AtlasDrawing, Atlases, JumpOpened
-from llsrbm.atlas.jumps import axis_of
 from llsrbm.errors import InputError
 from llsrbm.request.jump import Jump
 from llsrbm.request.tuning import Tuning
@@ -156,14 +155,6 @@ def test_limits_are_axes_with_the_robots_own_where_the_design_has_none(tmp_path)
     assert drawn.maps[-1]["y"]["title"] == "Forward"
     assert drawn.maps[-1]["x"]["title"] == "Limit: friction"
     assert drawn.marks[-1][0] == 0.5
-
-
-def test_axes_that_a_sweep_has_not_are_stood_in_for():
-    axes = tuple(map(axis_of, ("lateral", "forward", "height")))
-    x, y = AtlasChoice().axes(axes)
-    assert (x.name, y.name) == ("lateral", "forward")
-    assert AtlasChoice(x="height", y="height").axes(axes)[1].name == "lateral"
-    assert AtlasChoice().axes(axes[:1]) is None
 
 
 def test_sweeps_by_name(folder, tmp_path):

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from tests.app.chromium import choose, fill, number, press, status, tab, wait_until
+from tests.app.chromium import choose, fill, number, press, status, tab
+from tests.app.waits import wait_until
 
 pytestmark = pytest.mark.browser
 

@@ -2,21 +2,16 @@
 
 from __future__ import annotations
 
-import json
 import logging
 import threading
-import time
 
 import pytest
 
 from app.guard.limits import Limits
 from app.tab.effects import LoadRobot, loaded
 from app.tab.tabs import KEPT
-from llsrbm.request.design import Design, dump_design, load_design
-from llsrbm.request.jump import Jump
-from llsrbm.request.scenario import Scenario
-from tests.app import planners
 from tests.app.raw_tab import RawTab, pinned, planned
+from tests.app.waits import wait_until
 
 LOOPS = 30
 
@@ -41,13 +36,6 @@ def opened(designer, number, **known):
 
     tab.wait(known_now, "its session")
     return tab
-
-
-def wait_until(condition, what, timeout=20.0):
-    until = time.monotonic() + timeout
-    while not condition():
-        assert time.monotonic() < until, what
-        time.sleep(0.01)
 
 
 def gone(designer, session):
@@ -98,21 +86,6 @@ def test_a_tab_finds_everything_again(designer, lost):
         tab.close()
 
 
-def test_a_running_simulation_is_begun_again(designer):
-    tab = opened(designer, 12)
-    tab.wait_for_status("Planned")
-    tab.set("Disturb", True)
-    tab.set("Seed", planners.SLOWLY)
-    tab.press("Simulate")
-    tab.wait_for_status("Simulating")
-    tab.close()
-    with opened(designer, 12) as again:
-        again.wait(lambda: again.status().startswith("Simulating 1"), "its progress")
-        assert again.value("Seed") == planners.SLOWLY
-        again.press("Cancel")
-        again.wait_for_status("Cancelled")
-
-
 def test_each_tab_finds_its_own(designer):
     tabs = [opened(designer, number) for number in (3, 4)]
     for tab, forward in zip(tabs, (0.1, 0.3), strict=True):
@@ -140,15 +113,6 @@ def test_a_page_that_greets_late_finds_its_tab_again(designer, monkeypatch):
         again.wait_for_status("Landed")
         assert session_of(designer, again).rollout is before.rollout
         assert len(pinned(again)) == 1
-
-
-def test_a_page_that_greets_late_brings_its_design(designer, monkeypatch):
-    monkeypatch.setattr("app.tab.session._PAGE_ANSWERS", 0.0)
-    with RawTab(designer.port, None) as tab:
-        tab.wait_for_status("Planned")
-        tab.page.known = {"tab": token(7), "kept": dump_design(Design(Jump(forward=0.3)))}
-        tab.page.greet()
-        tab.wait(lambda: tab.value("Forward [m]") == 0.3, "the kept design")
 
 
 def test_states_are_dropped_after_their_time_and_beyond_their_number(designer, monkeypatch):
@@ -246,44 +210,7 @@ def test_a_slow_page_is_sent_the_newest_clip_next(designer, tab, session, script
     assert script.at("/links/base", plan.duration)[0] == pytest.approx(end, abs=1e-5)
 
 
-def test_every_press_of_undo_counts(tab, session):
-    for forward in (0.1, 0.2):
-        tab.set("Forward [m]", forward)
-        planned(tab, session, lambda jump, f=forward: jump.forward == f, "a plan")
-        tab.wait_for_status("Planned")
-    for _ in range(2):
-        tab.press("Undo")
-    planned(tab, session, lambda jump: jump.forward == 0.0, "the first design's plan")
-    tab.wait(lambda: tab.value("Forward [m]") == 0.0, "the slider")
-
-
 # ---- links and pages
-
-
-def test_a_link_holds_the_design_and_opens_it(designer, tab, session, script):
-    tab.set("Forward [m]", 0.2)
-    tab.set("Board [mm]", 20)
-    planned(tab, session, lambda jump: jump.forward == 0.2, "a plan")
-    wait_until(lambda: session.design.scenario.board == 0.02, "the board")
-    tab.press("Share")
-    tab.wait(lambda: script.calls("page.share"), "a link")
-    ((text,),) = script.calls("page.share")
-    assert load_design(text.encode()) == session.design
-    with RawTab(designer.port, {"shared": text, "kept": "{}"}) as other:
-        other.wait(lambda: other.value("Forward [m]") == 0.2, "the shared design")
-        assert other.value("Board [mm]") == 20
-        other.wait_for_status("Planned")
-        assert not other.notifications
-
-
-def test_a_link_is_opened_in_a_tab_that_has_been_there(designer):
-    tab, before = worked_on(designer, 11)
-    tab.close()
-    gone(designer, before)
-    design = Design(Jump(forward=0.4), scenario=Scenario(board=0.02))
-    with opened(designer, 11, shared=dump_design(design)) as again:
-        planned(again, session_of(designer, again), lambda jump: jump.forward == 0.4, "its plan")
-        assert len(pinned(again)) == 1
 
 
 def test_a_link_that_was_cut_is_one_line(designer, script, tab):
@@ -295,23 +222,6 @@ def test_a_link_that_was_cut_is_one_line(designer, script, tab):
     tab.page.say(kind="ready", software=True, shared="{}")
     tab.wait(lambda: tab.notifications, "a note")
     assert tab.notifications[0][0] == "Not opened"
-
-
-def test_the_design_is_kept_by_the_browser(designer, tab, session, script):
-    tab.set("Forward [m]", 0.2)
-    planned(tab, session, lambda jump: jump.forward == 0.2, "a plan")
-    tab.wait_for_status("Planned")
-    tab.wait(lambda: script.kept and json.loads(script.kept)["jump"]["forward"] == 0.2, "it")
-    with RawTab(designer.port, {"kept": script.kept}) as other:
-        other.wait(lambda: other.value("Forward [m]") == 0.2, "the kept design")
-
-
-def test_a_page_that_lacks_something_says_what(designer):
-    with RawTab(designer.port, {"missing": ["__viserMutable.nodePoseData", "x"]}) as tab:
-        tab.wait(lambda: tab.notifications, "a note")
-        title, body = tab.notifications[0]
-        assert title == "This page cannot play"
-        assert "__viserMutable.nodePoseData, x" in body
 
 
 def test_a_page_is_back_while_its_session_loads_a_robot(designer, monkeypatch):

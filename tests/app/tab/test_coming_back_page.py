@@ -9,18 +9,9 @@ import sys
 
 import pytest
 
-from tests.app.chromium import (
-    COMPARE,
-    fill,
-    number,
-    opened,
-    player,
-    press,
-    status,
-    tab,
-    wait_until,
-)
+from tests.app.chromium import COMPARE, fill, number, opened, player, press, status, tab, visitor
 from tests.app.shared_page import find_session, fresh, shows_motion, visit
+from tests.app.waits import wait_until
 
 pytestmark = pytest.mark.browser
 
@@ -29,7 +20,7 @@ INSTANT = 0.65  # s, place on the timeline
 
 
 @pytest.fixture(scope="module")
-def visitor(browser, designer):
+def own(browser, designer):
     """A page that may be loaded anew, for its tokens are in its own context."""
     page = visit(browser, designer)
     yield page
@@ -37,12 +28,8 @@ def visitor(browser, designer):
 
 
 @pytest.fixture
-def page(visitor):
-    fresh(visitor)
-    yield visitor
-    faults = visitor.faults[:]
-    visitor.faults.clear()
-    assert faults == []
+def page(own):
+    yield from fresh(own)
 
 
 def plan_pin_and_simulate(page):
@@ -75,20 +62,13 @@ def everything_is_there(page):
     page.get_by_role("button", name="Unpin", exact=True).wait_for()
 
 
-def test_a_reload_finds_everything_again(page):
+def test_everything_is_found_again(page, designer):
+    """After a reload, a lost connection, and a crash, before which no page says good-bye."""
     plan_pin_and_simulate(page)
     page.reload()
     everything_is_there(page)
-
-
-def test_a_lost_connection_finds_everything_again(page, designer):
-    plan_pin_and_simulate(page)
     designer._server._websock_server.disconnect_all_clients()
     everything_is_there(page)
-
-
-def test_a_tab_that_crashed_finds_everything_again(page, designer):
-    plan_pin_and_simulate(page)
     page.evaluate("window.addEventListener('pagehide', (e) => e.stopImmediatePropagation(), true)")
     page.reload()
     everything_is_there(page)
@@ -113,26 +93,7 @@ def test_a_second_tab_has_the_design_and_nothing_else(page, designer):
         assert page.session.rollout is not None
 
 
-def test_the_next_visit_begins_with_the_last_design(page, designer):
-    fill(page, "Forward [m]", FORWARD)
-    wait_until(lambda: page.session.plan.jump.forward == FORWARD, "the plan")
-    wait_until(
-        lambda: re.search(
-            rf"forward\W+{FORWARD}\b",
-            page.evaluate("localStorage.getItem('llsrbm.design')"),
-        ),
-        "the browser to keep it",
-    )
-    before = designer.sessions
-    with contextlib.closing(page.context.new_page()) as second:
-        second.goto(designer.url)
-        shows_motion(second)
-        (session,) = [each for each in designer.sessions if each not in before]
-        assert session.plan.jump.forward == FORWARD
-        assert float(number(second, "Forward [m]").input_value()) == FORWARD
-
-
-def test_a_link_is_made_in_the_page_and_opens_the_design(page, browser, designer):
+def test_a_link_opens_its_design_with_which_the_next_visit_begins(page, browser, designer):
     fill(page, "Forward [m]", FORWARD)
     wait_until(lambda: page.session.plan.jump.forward == FORWARD, "the plan")
     press(page, "Share")
@@ -142,17 +103,23 @@ def test_a_link_is_made_in_the_page_and_opens_the_design(page, browser, designer
     assert address.startswith(f"{designer.url.rstrip('/')}/#design=")
     dialog.get_by_role("button", name="Close").click()
     assert not dialog.is_visible()
-    before = designer.sessions
-    with contextlib.closing(browser.new_context()) as context:
-        other = context.new_page()
-        other.goto(address)
-        shows_motion(other)
-        (session,) = [each for each in designer.sessions if each not in before]
-        wait_until(lambda: session.plan.jump.forward == FORWARD, "the design of the link")
-        assert "#" not in other.evaluate("location.href")  # a reload finds what came of it
-
-
-# ---- undo
+    with contextlib.closing(visitor(browser)) as context:
+        for where in (address, designer.url):
+            before = designer.sessions
+            other = context.new_page()
+            other.goto(where)
+            shows_motion(other)
+            (session,) = [each for each in designer.sessions if each not in before]
+            wait_until(lambda s=session: s.plan.jump.forward == FORWARD, "the design of the link")
+            assert "#" not in other.evaluate("location.href")  # a reload finds what came of it
+            wait_until(
+                lambda o=other: re.search(
+                    rf"forward\W+{FORWARD}\b", o.evaluate("localStorage.getItem('llsrbm.design')")
+                ),
+                "the browser to keep it",
+            )
+            assert float(number(other, "Forward [m]").input_value()) == FORWARD
+            other.close()
 
 
 # ---- the server
@@ -161,11 +128,13 @@ def test_a_link_is_made_in_the_page_and_opens_the_design(page, browser, designer
 @contextlib.contextmanager
 def serving(port=0):
     """A server in a process of its own; its port."""
-    process = subprocess.Popen(
-        [sys.executable, "-m", "tests.app.served", str(port)], stdout=subprocess.PIPE, text=True
-    )
+    command, line = [sys.executable, "-m", "tests.app.served", str(port)], ""
+    for _ in range(10):  # another connection may happen to use the port for a moment
+        if not line:
+            process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
+            line = process.stdout.readline()
     try:
-        yield process, int(process.stdout.readline())
+        yield process, int(line)
     finally:
         process.kill()
         process.wait()
@@ -218,7 +187,7 @@ Object.defineProperty(window, "__viserMutable", {
 
 
 def test_a_page_whose_viewer_lacks_a_field_says_so(browser, designer):
-    context = browser.new_context()
+    context = visitor(browser)
     context.add_init_script(HIDDEN.replace("HIDDEN", "nodeRefFromName"))
     page = context.new_page()
     faults = []
@@ -240,7 +209,7 @@ for (const name of ["localStorage", "sessionStorage"])
 
 
 def test_a_browser_that_forbids_storage_works_without(browser, designer):
-    context = browser.new_context()
+    context = visitor(browser)
     context.add_init_script(FORBIDS_STORAGE)
     page = context.new_page()
     faults = []

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import pytest
 
 from app.motion.colours import PINNED
 from app.panel.acts import Act
+from app.tab.acts import is_enabled
 from app.tab.comparison import PinChosen
-from app.tab.state import Pin, TabState, free_colour
+from app.tab.state import TabState
 from llsrbm.request.scenario import Scenario
 from tests.app.pure_tab import PureTab, planned_tab
 
@@ -59,6 +58,7 @@ def test_a_pinned_simulation_keeps_the_scenario_it_ran_in(tab):
 def test_there_are_no_more_pins_than_colours(tab):
     pin_at(tab, 0.05, 0.1, 0.15)
     assert [pin.colour for pin in tab.state.pins] == list(PINNED)
+    assert not is_enabled(Act.PIN, tab.state)
     before = tab.state
     tab.take(Act.PIN)
     assert tab.state is before
@@ -83,34 +83,9 @@ def test_without_a_motion_nothing_is_pinned():
     assert tab.state.pins == ()
 
 
-def test_the_chosen_pin_is_taken_up(tab):
-    pin_at(tab, 0.05, 0.1)
-    tab.take(PinChosen(0))
-    tab.take(Act.USE_PINNED)
-    assert tab.one.task.jump.forward == 0.05
-    assert places(tab.state) == [0.05, 0.1]
-
-
 @pytest.mark.parametrize("index", [-1, 5])
 def test_no_pin_is_chosen(tab, index):
     pin_at(tab, 0.05)
     tab.take(PinChosen(index))
     assert tab.state.pin_chosen == -1
     assert tab.take(Act.USE_PINNED) == ()
-
-
-def test_pins_survive_a_change_of_robot(tab):
-    pin_at(tab, 0.05)
-    tab.move(robot="slider")
-    tab.settle()
-    assert places(tab.state) == [0.05]
-    tab.take(Act.USE_PINNED)
-    tab.settle()
-    assert (tab.state.plan.jump.robot, tab.state.plan.jump.forward) == ("anymal", 0.05)
-
-
-def test_free_colours_are_those_that_no_pin_has(tab):
-    pins = tuple(Pin(tab.state.shown.planned, None, None, colour) for colour in PINNED)
-    assert free_colour(()) == PINNED[0]
-    assert free_colour((pins[0], pins[2])) == PINNED[1]
-    assert free_colour(tuple(map(replace, pins))) is None

@@ -200,12 +200,6 @@ def test_there_are_no_more_pins_than_colours(tab, states):
     assert len(tab.state.pins) == len(PINNED)
 
 
-def test_beside_a_pin_something_is_planned(states):
-    tab = PureTab()
-    opened(tab, states, "turn.csv")
-    assert tab.one.queue is Queue.MOTION
-
-
 # ---- saving
 
 

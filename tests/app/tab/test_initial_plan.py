@@ -10,7 +10,6 @@ import pytest
 
 from app.tab import initial_plan
 from app.tab.initial_plan import LIBRARY_PLANNER, InitialPlans, example, shipped_file, shipped_plan
-from app.workers.worker import LibraryPlanner
 from llsrbm.motion.plan import load_plan
 from llsrbm.planning.problem.placement import make_task
 from llsrbm.planning.problem.violations import satisfied, violations
@@ -35,10 +34,6 @@ def test_what_one_server_kept_the_next_recalls(folder):
     plan = plans.plan("anymal")
     assert plan.jump == example("anymal")
     assert np.array_equal(plan.com, synthetic_plan(plan.jump).com)
-
-
-def test_the_example_is_the_robot_files():
-    assert (example("anymal").robot, round(example("anymal").twist, 3)) == ("anymal", 1.571)
 
 
 def test_another_planners_plan_or_another_robots_is_not_recalled(folder):
@@ -120,10 +115,6 @@ def test_a_kept_plan_comes_before_the_shipped_one():
     plans = InitialPlans(LIBRARY_PLANNER)
     plans.recall("anymal")
     assert np.array_equal(plans.plan("anymal").com, kept.com)
-
-
-def test_the_librarys_planner_is_found_by_its_name():
-    assert f"{LibraryPlanner.__module__}.{LibraryPlanner.__qualname__}" == LIBRARY_PLANNER
 
 
 def damage_nothing_but(what):

@@ -86,17 +86,6 @@ def test_a_type_stays_on_another_robot_within_its_ranges(tab):
     assert jump.forward == min(0.6, tab.state.file.task.forward[1])
 
 
-def test_a_flip_on_a_robot_that_does_none_is_told_and_together_instead(tab):
-    tab.move(robot="go2")
-    tab.settle()
-    tab.move(type="flip")
-    tab.settle()
-    tab.move(robot="anymal")
-    tab.settle()
-    assert (tab.state.plan.jump.robot, tab.state.plan.jump.type) == ("anymal", "together")
-    assert tab.state.plan.jump.pitch == 0
-
-
 def test_a_type_without_feet_on_another_robot_is_told_and_together_instead(tab):
     tab.move(type="rear-last")
     tab.settle()

@@ -26,7 +26,7 @@ from app.tab.opening import TabOpened, example_design, left, resume
 from app.tab.planning import Rested
 from app.tab.state import FileWork
 from app.workers.opened_file import OpenedFile
-from app.workers.protocol import PlanJump, Prepare, Prepared, SeedDone, SeedResult, SimulatedSoFar
+from app.workers.protocol import PlanJump, Prepare, Prepared, SeedResult, SimulatedSoFar
 from llsrbm.request.design import Design
 from llsrbm.request.jump import Jump
 from llsrbm.request.scenario import Scenario
@@ -51,14 +51,6 @@ def kinds(effects):
 def test_the_first_robots_example_is_planned():
     tab = PureTab()
     tab.take(TabOpened())
-    assert tab.one.task == PlanJump(EXAMPLE.jump)
-
-
-def test_a_robot_that_is_not_loaded_is_prepared_first():
-    tab = PureTab(robot=None)
-    tab.take(TabOpened())
-    assert tab.one.task == Prepare("anymal")
-    tab.finish_robot()
     assert tab.one.task == PlanJump(EXAMPLE.jump)
 
 
@@ -89,18 +81,6 @@ def test_a_page_that_lost_its_server_goes_on_where_it_was(playing):
     tab = PureTab()
     tab.take(TabOpened(plan=plan_of(EXAMPLE.jump), time=0.65, playing=playing))
     assert tab.effects[1:] == (Seek(0.65), *([Play()] if playing else []))
-
-
-def test_a_kept_design_of_another_robot_has_it_prepared():
-    tab = PureTab()
-    tab.take(TabOpened(Design(Jump(robot="go2")), plan_of(EXAMPLE.jump)))
-    assert tab.one.task == Prepare("go2")
-
-
-def test_a_kept_design_that_is_the_example_is_shown_at_once():
-    tab = PureTab()
-    tab.take(TabOpened(EXAMPLE, plan_of(EXAMPLE.jump)))
-    assert tab.state.plan is not None
 
 
 def test_a_design_that_cannot_be_read_is_noted_and_the_example_shown():
@@ -151,12 +131,6 @@ def test_everything_that_was_shown_is_there_again():
     assert not after.page
 
 
-def test_a_motion_that_played_plays_on():
-    tab = planned_tab()
-    tab.take(PlayerMoved(0.4, playing=True))
-    assert back(tab).effects == (AS_BEFORE, Seek(0.4), Play())
-
-
 @pytest.mark.parametrize("playing", [True, False])
 def test_a_page_that_was_never_away_knows_best_where_it_is(playing):
     tab = planned_tab()
@@ -181,14 +155,6 @@ def test_a_running_job_is_begun_again_under_another_ticket():
     assert tab.state is before
     tab.finish_simulation()
     assert tab.told[0] is Verdict.LANDED
-
-
-def test_seeds_are_counted_from_the_first_again():
-    tab = planned_tab()
-    tab.take(Act.SEEDS)
-    tab.report(SeedDone(0, SeedResult(0, True, True, None, 0.0, "landed"), 1, 2))
-    back(tab)
-    assert tab.state.seeds.results == ()
 
 
 def test_seeds_that_are_done_stay_while_something_else_is_planned():

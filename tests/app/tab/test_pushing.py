@@ -82,15 +82,6 @@ def test_another_time_is_shown_and_another_size_changes_nothing_else():
     assert [type(e) for e in effects] == [Keep]
 
 
-def test_the_push_goes_with_its_box():
-    tab = pushed_tab()
-    tab.take(Scenario())
-    assert pushes(tab) == ()
-    assert push_shown(tab.state) is None
-    tab.take(Act.UNDO)
-    assert len(pushes(tab)) == 1
-
-
 # ---- dragged
 
 
@@ -173,16 +164,6 @@ def test_it_is_played_once_as_soon_as_there_is_enough_to_see():
     assert tab.state.shown is before  # it does not go back to where the simulation is
     assert [report(end) for end in (1.1, 1.3)] == [True, False]
     assert tab.state.shown.so_far.end == pytest.approx(1.3, abs=0.02)
-    tab.finish_simulation()
-    assert not tab.of(Play)
-
-
-def test_a_cancelled_one_is_not_played_later():
-    tab = pushed_tab()
-    drag(tab, (0.0, 4.0, 0.0))
-    tab.take(Act.CANCEL)
-    tab.report(Cancelled(0))
-    tab.take(Act.SIMULATE)
     tab.finish_simulation()
     assert not tab.of(Play)
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from llsrbm.request.scenario import Push
-from tests.app.chromium import PACE, PIXELS, paused_at, press, status, tab, tick, wait_until
+from tests.app.chromium import PACE, PIXELS, paused_at, press, status, tab, tick
+from tests.app.waits import wait_until
 
 pytestmark = pytest.mark.browser
 
@@ -135,24 +135,3 @@ def test_computing_times_are_bars_under_the_timeline(page):
     assert visible(page, "/anew/foothold/0")
     tick(page, "New plans", ticked=False)
     page.wait_for_function("!window.__viserMutable.nodeRefFromName['/anew']?.visible")
-
-
-def test_the_same_push_both_ways_side_by_side(page):
-    press(page, "With and without replanning")
-    wait_until(lambda: page.session.state.pins and replans(page), "the second one")
-    wait_until(lambda: page.session.state.work.awaited is None, "the second simulation")
-    (pin,) = page.session.state.pins
-    assert not pin.rollout.scenario.replan
-    assert page.session.rollout.scenario.replan
-    page.wait_for_function("window.__viserMutable.nodeRefFromName['/pinned/1']?.visible")
-
-
-def test_a_number_puts_the_arrow_where_it_says(page):
-    page.get_by_label("Push at [s]", exact=True).fill("0.3")
-    page.wait_for_timeout(PACE)
-    wait_until(lambda: pushes(page)[0].time == 0.3, "another time")
-    page.wait_for_function("Math.abs(llsrbm.player.time - 0.3) < 1e-3")
-    page.get_by_label("Push y [N s]", exact=True).fill("-4")
-    page.wait_for_timeout(PACE)
-    wait_until(lambda: pushes(page) == (Push(0.3, (0.0, -4.0, 0.0)),), "another size")
-    assert page.session.rollout is None  # it is simulated when that is asked for

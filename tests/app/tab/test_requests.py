@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 
 import pytest
 
 from app.panel.acts import Act
 from app.panel.status import Verdict
-from app.picture.landing_handle import LandingDragged
 from app.tab.acts import Corrected
 from app.tab.drag_planning import REST
 from app.tab.effects import (
@@ -92,6 +90,22 @@ def test_a_rest_that_was_broken_off_leads_to_nothing(tab):
     assert tab.take(rested) == ()  # of the rest before
 
 
+@pytest.mark.parametrize(
+    "change", [{"twist": 2.2}, {"twist": 0.9}, {"forward": 0.2}, {"lateral": -0.2}, {"height": 0.2}]
+)
+def test_from_far_away_it_is_quicker_to_start_anew(tab, change):
+    tab.move(**change)
+    assert (tab.one.task.near, tab.one.task.patient) == (None, False)
+
+
+def test_what_did_not_converge_or_is_of_another_model_is_no_start(tab):
+    tab.move(model="srbm")
+    assert (tab.one.task.near, tab.one.task.patient) == (None, True)
+    tab.finish_plan(status="not-converged")
+    tab.move(forward=0.05)
+    assert (tab.one.task.near, tab.one.task.patient) == (None, True)
+
+
 def test_the_same_request_is_not_planned_twice(tab):
     before = tab.state.design
     assert tab.move() == ()
@@ -110,13 +124,6 @@ def test_cancel_ends_a_rest_too(tab):
     assert tab.take(rested) == ()
     tab.move()  # the same request counts as a new one
     assert isinstance(tab.one.task, PlanJump)
-
-
-def test_a_dragged_handle_is_a_request(tab):
-    tab.take(LandingDragged(0.352, -0.118, math.radians(30)))
-    assert tab.one.task.jump == replace(
-        tab.state.design.jump, twist=math.radians(30), forward=0.35, lateral=-0.12
-    )
 
 
 def test_other_weights_and_limits_are_planned(tab):
@@ -248,13 +255,6 @@ def test_another_robot_brings_its_example_and_is_prepared_first(tab):
     assert tab.state.plan.jump == example
 
 
-def test_what_is_entered_while_a_robot_is_prepared_counts(tab):
-    tab.move(robot="go2")
-    tab.move(lateral=0.2)
-    tab.settle()
-    assert (tab.state.plan.jump.robot, tab.state.plan.jump.lateral) == ("go2", 0.2)
-
-
 def test_a_robot_that_is_not_wanted_any_more_is_not_drawn(tab):
     tab.move(robot="go2")
     tab.report(Prepared(0, "go2"))
@@ -278,17 +278,6 @@ def test_a_robot_that_cannot_be_drawn_is_a_sentence(tab):
 
 
 # ---- simulations
-
-
-def test_the_plan_that_is_shown_is_simulated_in_the_designs_scenario(tab):
-    tab.take(Scenario(board=0.02))
-    assert tab.one == Keep(tab.state.design)
-    tab.take(Act.SIMULATE)
-    submit, keep = tab.effects
-    assert isinstance(submit.task, SimulateJump)
-    assert (submit.task.plan, submit.task.scenario) == (tab.state.plan, Scenario(board=0.02))
-    assert keep == Keep(tab.state.design)
-    assert tab.told[0] is Verdict.SIMULATING
 
 
 @pytest.mark.parametrize(
@@ -354,13 +343,6 @@ def test_cancel_leaves_an_export_alone(tab):
     tab.move(forward=0.1)
     assert tab.take(Act.CANCEL) == (Stop(Queue.MOTION),)
     assert tab.state.files.saving
-
-
-def test_a_scenario_that_is_undone_is_kept_by_the_browser(tab):
-    tab.take(Scenario(board=0.02))
-    for act, board in ((Act.UNDO, 0.0), (Act.REDO, 0.02)):
-        assert tab.take(act) == (Keep(tab.state.design),)
-        assert tab.state.design.scenario.board == board
 
 
 def test_a_robot_disturbed_again_is_disturbed_as_much(tab):

@@ -57,17 +57,6 @@ def test_while_a_slider_moves_plans_of_older_requests_are_shown(tab):
     assert tab.state.plan.jump.forward == 0.15
 
 
-def test_the_newest_plan_stays_when_an_older_one_comes_late(tab):
-    tab.move(forward=0.05)
-    older = tab.one
-    tab.move(forward=0.1)
-    tab.finish_plan()
-    told = tab.told
-    assert tab.finish_plan(older) == ()
-    assert tab.state.plan.jump.forward == 0.1
-    assert tab.told == told
-
-
 def test_of_older_jobs_nothing_but_plans_counts(tab):
     tab.move(forward=0.05)
     older = tab.one
@@ -139,23 +128,6 @@ def test_what_cannot_be_planned_is_drawn_and_the_nearest_looked_for(tab):
     assert tab.state.work.nearest.jump == nearer
     tab.take(Act.NEAREST)
     assert tab.one.task.jump == nearer
-
-
-def test_nothing_near_may_be_found_either(tab):
-    failed(tab)
-    tab.report(Progress(0, "trying less"))
-    assert tab.told[1].endswith("(trying less) ...")
-    tab.report(Failed(0, "nothing works"))
-    assert tab.told[1].endswith("no feasible motion. nothing works")
-    assert tab.state.work.nearest is None
-
-
-def test_a_plan_of_an_older_request_does_not_hide_a_failure(tab):
-    tab.move(forward=0.05)
-    older = tab.one
-    failed(tab)
-    tab.finish_plan(older)
-    assert not tab.state.plan.solved
 
 
 def test_an_iterate_that_makes_no_sense_is_not_drawn(tab):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import math
 import threading
 import time
@@ -16,7 +15,8 @@ from llsrbm import models
 from llsrbm.formats import FORMATS
 from llsrbm.robots import load_robot, names
 from tests.app import planners
-from tests.app.raw_tab import RawTab, choose, planned
+from tests.app.raw_tab import RawTab, choose, pinned, planned
+from tests.app.waits import wait_until
 
 
 def test_the_first_plan_comes_by_itself_and_the_page_plays_it(tab, session, script):
@@ -57,16 +57,6 @@ def test_every_label_of_the_contract_is_there(tab):
     assert tab.control("Format")["props"]["options"] == list(FORMATS)
 
 
-def test_slider_ranges_come_from_the_robot_file(tab):
-    def ends(label):
-        props = tab.control(label)["props"]
-        return props["min"], props["max"]
-
-    assert ends("Twist [deg]") == (-180, 180)
-    assert ends("Forward [m]") == (-0.3, 0.6)
-    assert ends("Landing height [m]") == (-0.2, 0.3)
-
-
 def test_a_slider_plans_anew(tab, session):
     tab.set("Forward [m]", 0.4)
     plan = planned(tab, session, lambda jump: jump.forward == 0.4, "the new plan")
@@ -93,7 +83,7 @@ def test_the_last_of_many_slider_values_wins(tab, session):
 
 def test_the_model_reaches_the_planner(tab, session):
     tab.set("Model", "srbm")
-    planned(tab, session, lambda jump: jump.model == "srbm", "a plan with srbm")
+    assert planned(tab, session, lambda jump: jump.model == "srbm", "a plan with srbm").solved
 
 
 def test_a_robot_brings_its_ranges_and_its_example(tab, session):
@@ -120,39 +110,6 @@ def test_a_robot_brings_its_ranges_and_its_example(tab, session):
     assert not tab.notifications
 
 
-def test_soles_are_marked_and_their_corners_forces_drawn_as_one(tab, session, script):
-    choose(tab, session, "slider")
-    tab.set("Twist [deg]", 60)
-    planned(tab, session, lambda jump: jump.twist == pytest.approx(math.pi / 3), "a twist")
-    tab.wait_for_status("Planned")
-    plan = session.plan
-    for i in range(2):
-        position, wxyz, scale = script.at(f"/arrows/{i}", 0.0)
-        assert position == pytest.approx(plan.foot_position[0, i], abs=1e-6)
-        assert wxyz == pytest.approx([1, 0, 0, 0])
-        assert scale == pytest.approx([1, 1, 0.4], rel=1e-3)
-    for i, (foot, wxyz) in enumerate(zip(plan.foot_position[-1], plan.foot_quat[-1], strict=True)):
-        mark = tab.nodes[f"/target/foot{i}"]
-        assert mark["dimensions"][:2] == pytest.approx((0.164, 0.098))
-        assert mark["position"][:2] == pytest.approx(foot[:2])
-        assert mark["wxyz"] == pytest.approx(wxyz)
-    assert "/target/foot2" not in tab.nodes
-    assert "/arrows/2" not in script.nodes()
-
-
-def test_the_camera_gets_what_there_is_to_see(tab, session, script):
-    def height():
-        low, high = np.transpose([script.sight["low"], script.sight["high"]]).T
-        return (high - low)[2]
-
-    first = height()
-    choose(tab, session, "go2")
-    tab.wait(lambda: height() < 0.95 * first, "a view of a smaller robot")
-    small = height()
-    choose(tab, session, "slider")
-    tab.wait(lambda: height() > 1.3 * small, "a view of a taller one")
-
-
 @pytest.mark.parametrize(
     ("label", "value", "shown", "told"),
     [
@@ -171,35 +128,6 @@ def test_a_value_no_control_offers_is_corrected_and_said(tab, session, label, va
     assert title == "Corrected"
     assert body.startswith(f"{label}: {told}")
     tab.wait(lambda: tab.value(label) == shown, "the corrected value")
-    tab.wait_for_status("Planned")
-
-
-def test_overwriting_a_controls_inside_breaks_its_own_tab_at_most(designer, tab, session):
-    """viser lets a client set any attribute of a handle."""
-    with RawTab(designer.port) as hostile:
-        hostile.wait_for_status("Planned")
-        hostile.set("Forward [m]", 50.0, prop="props")
-        hostile.set("Forward [m]", 7.0)
-        time.sleep(0.3)
-    tab.set("Forward [m]", 0.35)
-    planned(tab, session, lambda jump: jump.forward == 0.35, "the new plan")
-
-
-def test_garbage_closes_its_own_connection_only(designer, tab):
-    with RawTab(designer.port) as hostile:
-        hostile._connection.send(b"\xff\x00garbage")
-        assert hostile.closed.wait(10)
-    tab.set("Forward [m]", 0.2)
-    tab.wait_for_status("Planned")
-
-
-def test_cancel_says_so_and_the_next_value_plans_again(tab, session):
-    tab.set("Twist [deg]", math.degrees(planners.SLOW))
-    tab.wait(lambda: tab.control("Cancel")["props"]["visible"], "Cancel")
-    tab.press("Cancel")
-    tab.wait_for_status("Cancelled")
-    assert not tab.control("Cancel")["props"]["visible"]
-    tab.set("Twist [deg]", 10.0)
     tab.wait_for_status("Planned")
 
 
@@ -225,11 +153,6 @@ def test_no_convergence_shows_where_the_solver_stopped(tab, session):
     assert list(tab.nodes["/path/com"]["colors"][:3]) == [90, 60, 180]
 
 
-def test_a_refused_request_is_a_sentence(tab):
-    tab.set("Twist [deg]", math.degrees(planners.REFUSED))
-    assert tab.wait_for_status("Failed") == "Failed twist: expected -1 to 1 rad, got more"
-
-
 def drag(tab, session, wxyz, position):
     """As viser's page does when the landing handle is dragged and let go."""
     names = {"name": "/goal", "owner": str(session._client.client_id)}
@@ -253,60 +176,6 @@ def test_the_landing_handle_moves_the_sliders_and_the_plan(tab, session):
     )
 
 
-def test_a_handle_that_is_nowhere_is_not_followed(tab, session):
-    drag(tab, session, (math.nan,) * 4, (math.inf,) * 3)
-    time.sleep(0.3)
-    tab.set("Forward [m]", 0.15)
-    jump = planned(tab, session, lambda jump: jump.forward == 0.15, "a plan all the same").jump
-    assert (jump.twist, jump.lateral) == (pytest.approx(math.pi / 2), 0)
-
-
-def test_layers_can_be_hidden(tab):
-    tab.wait(lambda: tab.nodes["/ellipsoid/planned"].get("visible"), "the ellipsoid")
-    tab.set("Inertia ellipsoids", False)
-    tab.wait(lambda: not tab.nodes["/ellipsoid/planned"]["visible"], "no ellipsoid")
-    tab.set("Trails", False)
-    tab.wait(lambda: not tab.nodes["/path/com"]["visible"], "no trail")
-    tab.set("Forward [m]", 0.1)
-    tab.wait_for_status("Planned")
-    tab.wait(lambda: not tab.nodes["/path/com"].get("visible", True), "no trail with a new plan")
-    tab.set("Inertia ellipsoids", True)
-    tab.wait(lambda: tab.nodes["/ellipsoid/planned"]["visible"], "the ellipsoid again")
-
-
-@pytest.mark.parametrize("height", [0.2, -0.15])
-def test_a_step_is_drawn_where_it_is(tab, session, height):
-    tab.set("Landing height [m]", height)
-    planned(tab, session, lambda jump: jump.height == height, "the new plan")
-
-    # The session has its plan before the tab has the messages that draw it.
-    def drawn():
-        step = tab.nodes.get("/target/step0")
-        ground = tab.nodes["/ground"].get("position", (0.0, 0.0, 0.0))
-        return (
-            step is not None
-            and step["visible"]
-            and step["dimensions"][2] == pytest.approx(abs(height))
-            and step["position"][2] == pytest.approx(height / 2)
-            and ground[2] == pytest.approx(min(height, 0))
-        )
-
-    tab.wait(drawn, "the step where it is")
-    assert tab.nodes["/target/step0"]["dimensions"][0] > 0.05  # of one foot
-
-
-def test_export_downloads_the_plan_that_is_shown(tab, session):
-    tab.set("Forward [m]", 0.25)
-    planned(tab, session, lambda jump: jump.forward == 0.25, "the new plan")
-    tab.set("Format", "npz")
-    tab.press("Export")
-    tab.wait(lambda: tab.downloads, "a download")
-    ((name, content),) = tab.downloads
-    assert name == "anymal-llsrbm-plus-plan.npz"
-    stored = np.load(io.BytesIO(content), allow_pickle=False)
-    assert stored["com"].tolist() == session.plan.com.tolist()
-
-
 def test_tabs_do_not_see_each_other(designer, tab, session):
     with RawTab(designer.port) as other:
         other.wait_for_status("Planned")
@@ -323,10 +192,7 @@ def test_a_closed_tab_leaves_nothing_behind(designer):
         thread = designer.sessions[-1]._thread
     thread.join(5)
     assert not thread.is_alive()
-    deadline = time.monotonic() + 5
-    while len(designer.sessions) > before and time.monotonic() < deadline:
-        time.sleep(0.02)
-    assert len(designer.sessions) <= before
+    wait_until(lambda: len(designer.sessions) <= before, "its end")
 
 
 def test_the_robots_meshes_fit_into_a_megabyte(designer):
@@ -376,3 +242,30 @@ def test_controls_are_written_by_their_sessions_thread_alone(designer, monkeypat
         tab.press("Simulate")
         tab.wait_for_status("Landed")
     assert {thread for thread, _ in writers} == {"session"}, writers
+
+
+def test_a_pin_survives_a_change_of_robot_and_is_taken_up_again(tab, session, script):
+    tab.set("Forward [m]", 0.2)
+    planned(tab, session, lambda jump: jump.forward == 0.2, "the plan to pin")
+    tab.wait_for_status("Planned")
+    tab.press("Pin")
+    tab.wait(lambda: pinned(tab), "a ghost")
+    choose(tab, session, "slider")
+    tab.wait(lambda: "/pinned/1/base" in script.nodes(), "the ghost's motion")
+    tab.press("Use this design")
+    planned(tab, session, lambda jump: jump.robot == "anymal", "the pinned design")
+    assert session.plan.jump.forward == 0.2
+    assert tab.value("Robot") == "ANYmal B"
+
+
+def test_the_nearest_jump_is_offered_and_taken(tab, session):
+    tab.set("Forward [m]", 0.1)  # so that there is one
+    tab.set("Twist [deg]", math.degrees(planners.UNSOLVABLE))
+    tab.control("Use nearest feasible: twist 27.5 deg instead")
+    told = tab.wait_for_status("Failed")
+    assert "reach violated in flight by 0.02 m" in told
+    assert "works with twist 27.5 deg instead" in told
+    tab.press("Use nearest feasible: twist 27.5 deg instead")
+    near = planners.UNSOLVABLE / 2
+    planned(tab, session, lambda jump: jump.twist == pytest.approx(near), "the nearest")
+    tab.wait(lambda: tab.value("Twist [deg]") == pytest.approx(27.5, abs=0.6), "the slider")

@@ -38,17 +38,6 @@ def test_its_numbers_are_there_with_a_push(tab, session):
     tab.wait(lambda: tab.value("Push at [s]") == push.time, "its time")
 
 
-def test_a_push_is_simulated_and_undone(pushed, session):
-    pushed.press("Simulate")
-    pushed.wait_for_status("Landed")
-    assert session.rollout.scenario.pushes == (Push(0.3, (0.0, 5.0, 0.0)),)
-    pushed.set("Push", False)
-    pushed.wait(lambda: pushes(session) == (), "no push")
-    pushed.press("Undo")
-    pushed.wait(lambda: len(pushes(session)) == 1, "the push")
-    pushed.wait(lambda: pushed.value("Push"), "its box")
-
-
 @pytest.mark.parametrize(
     ("label", "value", "said"),
     [

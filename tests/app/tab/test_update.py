@@ -23,11 +23,9 @@ from app.tab.effects import (
     After,
     Effect,
     LoadRobot,
-    Notify,
     Reported,
     RobotLoaded,
     RobotMissing,
-    Share,
     Stop,
     Submit,
 )
@@ -97,23 +95,6 @@ def test_an_event_changes_only_its_own(event, changed):
 
 def _of(state, field):
     return getattr(state, field.name)
-
-
-def test_a_graphics_processor_draws_all_triangles():
-    state = planned_tab().state
-    assert update(state, PageReady(software=False))[0].fine
-    assert not update(state, PageReady(software=True))[0].fine
-
-
-def test_a_design_is_shared_as_it_is():
-    state = planned_tab().state
-    assert update(state, Act.SHARE)[1] == (Share(state.design),)
-
-
-def test_a_remark_on_the_server_becomes_a_note():
-    line = "The cluster is lost."
-    effects = update(planned_tab().state, Remarked(line))[1]
-    assert effects == (Notify("The server", line),)
 
 
 # ---- any events in any order

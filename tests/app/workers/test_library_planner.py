@@ -7,9 +7,9 @@ from dataclasses import replace
 import pytest
 
 import llsrbm
-from app.workers.protocol import ExportMotion, FindNearest, OpenFile, PlanJump, SimulateJump
+from app.workers.protocol import ExportMotion, OpenFile, PlanJump, SimulateJump
 from app.workers.worker import LibraryPlanner
-from llsrbm.errors import InputError, UnusableStart
+from llsrbm.errors import UnusableStart
 from llsrbm.ocp.horizon import Iterate
 from llsrbm.request.design import Design, dump_design
 from llsrbm.request.jump import Jump
@@ -91,19 +91,6 @@ def test_a_plan_that_the_planner_cannot_start_from_is_left_out(monkeypatch):
     assert asked == [near, None]
 
 
-def test_a_request_that_is_refused_is_not_planned_again(monkeypatch):
-    calls = []
-
-    def plan(jump, *, near, **_):
-        calls.append(near)
-        raise InputError("height 3 m is out of range")
-
-    monkeypatch.setattr(llsrbm, "plan", plan)
-    with pytest.raises(InputError, match="out of range"):
-        LibraryPlanner().plan(PlanJump(JUMP, near=planned()), silent, never)
-    assert len(calls) == 1
-
-
 def test_a_file_is_opened_and_its_robot_prepared(monkeypatch):
     prepared = []
     monkeypatch.setattr(
@@ -123,13 +110,6 @@ def test_an_export_is_one_file_whatever_it_is_of():
     name, folder = LibraryPlanner().export(ExportMotion(synthetic_plan(JUMP), ("mujoco",)), silent)
     assert name == "anymal-llsrbm-plus-plan.zip"
     assert folder.startswith(b"PK")
-
-
-def test_a_search_gets_its_tuning(called):
-    LibraryPlanner().nearest(FindNearest(JUMP, TUNING), silent, never)
-    (jump,), options = called["nearest"]
-    assert jump == JUMP
-    assert (options["weights"], options["limits"]) == (TUNING.weights, TUNING.limits)
 
 
 def test_a_simulation_gets_its_scenario_and_reports_whole_per_cents_and_the_motion(called):

@@ -21,7 +21,7 @@ from app.workers.protocol import (
     SimulatedSoFar,
     SimulateSeeds,
 )
-from app.workers.seeds import MOST_SEEDS, Seeds, badness, result_of
+from app.workers.seeds import MOST_SEEDS, Seeds, badness
 from llsrbm.errors import InputError
 from llsrbm.request.jump import Jump
 from llsrbm.request.scenario import Scenario
@@ -81,18 +81,6 @@ def test_the_worst_is_the_earliest_fall_else_the_feet_that_miss_by_most(rollouts
         kept = reports_on(dict([*enumerate(rollouts)][::order]))[-1].worst
         assert kept.scenario.seed == worst
         assert badness(kept) == max(map(badness, rollouts))
-
-
-def test_results_say_in_words_how_it_went():
-    assert result_of(1, rollout(foot_error=0.0123)).line == (
-        "Landed; feet within 12 mm of the plan."
-    )
-    assert result_of(1, rollout(foot_error=0.08, strict=False)).line == (
-        "Landed, but failed the strict criterion; feet within 80 mm of the plan."
-    )
-    fallen = result_of(7, rollout(1.1))
-    assert fallen.line.startswith("Fell at 1.10 s: ")
-    assert (fallen.seed, fallen.landed, fallen.fell_at_s) == (7, False, 1.1)
 
 
 @pytest.mark.parametrize("seeds", [(), (1, 2, 1), tuple(range(MOST_SEEDS + 1))])

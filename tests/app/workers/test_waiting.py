@@ -17,7 +17,6 @@ from app.workers.protocol import (
     SimulateSeeds,
     solver_of,
 )
-from app.workers.task import Kind
 from app.workers.waiting import Entry, Member, Waiting
 from llsrbm.request.jump import Jump
 from llsrbm.request.scenario import Scenario
@@ -69,14 +68,6 @@ def test_a_simulation_leaves_the_reserved_process_alone():
     assert [item.tab for item in turns] == ["b", "c"]
 
 
-def test_what_is_quickly_written_may_go_anywhere_and_the_rest_not():
-    turns, crew = turns_that_know(), members()
-    for tab, task in (("a", LOG), ("b", LOG), ("c", TABLE)):
-        turns.put(entry(tab, task))
-    assert give(turns, crew) == [("a", 0), ("c", 1)]
-    assert ExportMotion(None, ("csv", "mcap")).kind is Kind.EXPORT
-
-
 def test_a_visitors_file_leaves_the_reserved_process_alone_and_a_second_one_waits():
     turns, crew = turns_that_know(), members(4)
     turns.put(entry("a", FILE))
@@ -107,22 +98,6 @@ def test_files_need_nothing_that_has_to_be_built_first():
     turns.put(entry("a", PLAN))  # builds a solver
     turns.put(entry("b", TABLE))
     assert give(turns, crew) == [("a", 0), ("b", 1)]
-
-
-def test_with_one_process_nothing_is_reserved():
-    turns, crew = turns_that_know(), members(1)
-    turns.put(entry("a", SIMULATION))
-    assert give(turns, crew) == [("a", 0)]
-
-
-def test_a_newer_request_takes_the_place_of_the_older():
-    turns, crew = turns_that_know(), members(1)
-    turns.put(entry("a"))
-    turns.put(entry("b"))
-    newest = entry("a", OTHER)
-    turns.put(newest)
-    assert turns.next(crew)[0] is newest
-    assert [item.tab for item in turns] == ["b"]
 
 
 def test_a_tab_has_one_job_of_a_kind_running_besides_those_that_stop():

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from app.picture.overlays import AT_FIRST, OVERLAYS
+from app.picture.overlays import OVERLAYS
 from app.picture.scene import Scene
 from llsrbm.robots import load_robot
 from tests.app.picture.pictures import picture
@@ -20,13 +20,6 @@ def test_titles_are_different_and_hints_are_sentences():
         assert overlay.name == name
         assert overlay.hint.endswith(".")
         assert "\n" not in overlay.hint
-
-
-def test_diagnostics_are_quiet_at_first():
-    assert frozenset(OVERLAYS) > AT_FIRST
-    of_pushes = {"pushes", "new-plans", "landing-region"}  # without any they draw nothing
-    assert {"ellipsoids", "com", "forces", "trails", "ghost", "landing"} == AT_FIRST - of_pushes
-    assert of_pushes < AT_FIRST
 
 
 @pytest.mark.parametrize("name", OVERLAYS)

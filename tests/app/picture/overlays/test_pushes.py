@@ -94,12 +94,6 @@ def test_the_path_and_the_footholds_are_those_of_the_plan_that_is_followed():
     assert track.scale[0].max() == 0  # before the first one
 
 
-def test_without_new_plans_there_are_none():
-    plain = replace(rollout(), replans=())
-    drawn = DrawnOverlay(pushed({"new-plans"}, rollout=plain), "/anew")
-    assert drawn.nodes == []
-
-
 def test_the_region_is_there_in_flight_and_shrinks():
     lower = replace(rollout(), com=rollout().com - [0.0, 0.0, TOO_HIGH])
     drawn = DrawnOverlay(pushed({"landing-region"}, rollout=lower), "/within")

@@ -80,11 +80,6 @@ def test_its_volume_is_that_of_the_region(robot):
     assert mesh.volume == pytest.approx(np.prod(high - low) * inside.mean(), rel=0.01)
 
 
-def test_an_empty_region_has_no_surface():
-    vertices, faces = surface(((0.3, 0.5), (-0.1, -0.1, -0.1), (0.1, 0.1, 0.1)))
-    assert (len(vertices), len(faces)) == (0, 0)
-
-
 @pytest.mark.parametrize("robot", ["anymal", "slider"])
 def test_standing_and_flying_feet_have_regions_of_their_own(robot):
     shown = picture(robot, {"reach"})

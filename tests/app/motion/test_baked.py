@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from app.motion.baked import bake_rollout, means_from
+from app.motion.baked import bake_plan, bake_rollout, means_from, presentable
 from app.motion.clip import AnimationChannel
 from app.motion.frames import FRAME_RATE
 from llsrbm.look.timeline import force_phases
@@ -108,3 +108,28 @@ def test_means_are_those_of_the_stretches(values, data):
 def test_force_phases(rollout, mode, expected):
     part = replace(rollout, time=np.arange(5.0), mode=np.array(mode) * int(Mode.FORCE))
     assert force_phases(part) == expected
+
+
+def test_a_stiff_robot_has_equal_ellipsoids(robot):
+    replay = bake_plan(synthetic_plan(Jump(twist=1.5, forward=0.3, height=0.1)), robot)
+    assert replay.frames.inertia_axes == pytest.approx(
+        np.broadcast_to(replay.rigid_axes, replay.frames.inertia_axes.shape)
+    )
+    same = np.abs(np.sum(replay.frames.inertia_wxyz * replay.rigid_wxyz, axis=1))
+    assert same == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize("broken", ["com", "base_quat", "inertia", "joint_position"])
+def test_a_diverged_plan_is_not_drawn(broken):
+    plan = synthetic_plan(Jump())
+    assert presentable(plan)
+    values = getattr(plan, broken).copy()
+    values[3] = np.nan
+    assert not presentable(replace(plan, **{broken: values}))
+
+
+def test_a_plan_whose_time_stands_still_is_not_drawn():
+    plan = synthetic_plan(Jump())
+    time = plan.time.copy()
+    time[4] = time[3]
+    assert not presentable(replace(plan, time=time))
