@@ -17,7 +17,8 @@ import time
 import numpy as np
 
 from benchmarks.page import FIRST_PICTURE, PROGRAM, resident
-from tests.app.chromium import PACE, PIXELS, VIEW, choose, chromium, status, tab, wait_until
+from tests.app.chromium import PACE, PIXELS, VIEW, choose, chromium, status, tab
+from tests.app.waits import wait_until
 
 WARM_UP = 3  # pushes that count for nothing: the first one loads solvers
 EARLIEST = 0.04  # s after a push: it is measured, and the answer is followed 20 ms later
