@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import argparse
 import io
+import json
 import subprocess
 from collections.abc import Callable
 from pathlib import Path
@@ -15,7 +16,8 @@ from PIL import Image
 from playwright.sync_api import Browser, Page
 
 from benchmarks.page import PROGRAM
-from tests.app.chromium import PACE, chromium, fill, status
+from tests.app.chromium import PACE, VIEW, chromium, fill, status
+from tests.app.labels import labels
 
 FOLDER = Path(__file__).parents[1] / "docs"
 LAPTOP = {"width": 1280, "height": 800}
@@ -25,6 +27,8 @@ PATIENCE = 300_000  # ms; a first start builds solvers
 # The page takes itself for one with a graphics processor: all triangles, shadows, smooth edges.
 WITH_GRAPHICS = """addEventListener('DOMContentLoaded', () =>
   Object.defineProperty(llsrbm, 'software', { get: () => false, set() {} }));"""
+QUALITY = 90  # of WebP: full colour in a fourth of the bytes of PNG
+RECORD = FOLDER / "pictures.json"  # labels of the page that the pictures show
 SETTLED = 3000  # ms until everything that was asked for is drawn
 
 
@@ -41,6 +45,8 @@ def main() -> None:
         with chromium() as browser:
             for name in names:
                 take(browser, address, name)
+            if names == list(STATES):
+                record(browser, address)
     finally:
         server.terminate()
         server.wait()
@@ -52,8 +58,7 @@ def take(browser: Browser, address: str, name: str) -> None:
     context = browser.new_context(viewport=view, has_touch=view is TABLET)
     # As a browser with a graphics processor has it.
     context.add_init_script(WITH_GRAPHICS)
-    if name != "tour":
-        context.add_init_script("localStorage.setItem('llsrbm.tour', 'seen')")
+    context.add_init_script("localStorage.setItem('llsrbm.tour', 'seen')")
     page = context.new_page()
     page.goto(address)
     status(page, "Planned", timeout=PATIENCE)
@@ -61,12 +66,22 @@ def take(browser: Browser, address: str, name: str) -> None:
     reach(page)
     page.mouse.move(300, 300)
     page.wait_for_timeout(SETTLED)
-    # Few colours are enough, and a fourth of the bytes.
-    image = Image.open(io.BytesIO(page.screenshot())).convert("RGB").quantize(256)
-    FOLDER.mkdir(exist_ok=True)
-    path = FOLDER / f"{name}.png"
-    image.save(path, optimize=True)
+    path = FOLDER / f"{name}.webp"
+    Image.open(io.BytesIO(page.screenshot())).convert("RGB").save(path, quality=QUALITY, method=6)
     print(f"{path.relative_to(FOLDER.parent)}  {path.stat().st_size / 1e3:.0f} kB", flush=True)
+    context.close()
+
+
+def record(browser: Browser, address: str) -> None:
+    """Keep the labels that the pictures were taken with (`tests/app/test_pictures.py`)."""
+    context = browser.new_context(viewport=VIEW)
+    context.add_init_script("localStorage.setItem('llsrbm.tour', 'seen')")
+    page = context.new_page()
+    page.goto(address)
+    status(page, "Planned", timeout=PATIENCE)
+    close_note(page)
+    facts = {"labels": labels(page), "pictures": sorted(STATES)}
+    RECORD.write_text(json.dumps(facts, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
     context.close()
 
 
@@ -191,19 +206,6 @@ def _failed(page: Page) -> None:
     hold(page, 0.55)
 
 
-def _fell(page: Page) -> None:
-    choose(page, "Robot", "SLIDER")
-    page.wait_for_timeout(300)
-    status(page, "Planned", timeout=PATIENCE)
-    choose(page, "Model", "LL-SRBM")
-    page.wait_for_timeout(300)
-    status(page, "Planned", timeout=PATIENCE)
-    simulate(page, "Fell")
-    tab(page, "Figures")
-    page.evaluate("() => llsrbm.player.seek(Infinity)")
-    page.evaluate("() => llsrbm.player.pause()")
-
-
 def _push(page: Page) -> None:
     without_plots(page)
     plan(page, twist=60)
@@ -230,15 +232,6 @@ def _atlas(page: Page) -> None:
     hold(page, 0.55)
 
 
-def _tour(page: Page) -> None:
-    page.locator("#llsrbm-tour").wait_for(timeout=PATIENCE)
-
-
-def _simulating(page: Page) -> None:
-    press(page, "Simulate")
-    page.get_by_role("status").filter(has_text="%").wait_for(timeout=PATIENCE)
-
-
 STATES: dict[str, tuple[dict[str, int], Callable[[Page], None]]] = {
     "designer": (LAPTOP, _designer),
     "large": (DESKTOP, _large),
@@ -247,12 +240,9 @@ STATES: dict[str, tuple[dict[str, int], Callable[[Page], None]]] = {
     "overlays": (LAPTOP, _overlays),
     "tablet": (TABLET, _tablet),
     "failed": (LAPTOP, _failed),
-    "fell": (LAPTOP, _fell),
     "push": (LAPTOP, _push),
     "seeds": (LAPTOP, _seeds),
     "atlas": (LAPTOP, _atlas),
-    "tour": (LAPTOP, _tour),
-    "simulating": (LAPTOP, _simulating),
 }
 
 

@@ -1,0 +1,17 @@
+"""The labels that a visitor reads in the panel."""
+
+from __future__ import annotations
+
+_VISIBLE = """() => [...document.querySelectorAll("label, button, [role=tab]")]
+  .filter((e) => e.getClientRects().length && !e.closest("[data-dock-area] canvas"))
+  .map((e) => (e.getAttribute("aria-label") || e.innerText).trim())
+  .filter((text) => text && text.length < 60 && !/[\\n]/.test(text))"""
+
+
+def labels(page):
+    """Labels of boxes, fields, buttons and tabs, of every tab of the panel: sorted, each once."""
+    found = set(page.evaluate(_VISIBLE))
+    for tab in page.locator("[data-dock-area^=gui-tabs]").get_by_role("tab").all():
+        tab.click()
+        found.update(page.evaluate(_VISIBLE))
+    return sorted(found)
