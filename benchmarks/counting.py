@@ -1,7 +1,7 @@
 """Counts of outcomes that published tables are made of.
 
-An outcome is an `Outcome`, or a mapping of its figures; a request that was not planned, or whose
-simulation was refused, has none of them.
+An outcome is an `Outcome`, or a mapping of its figures; a request that was not planned has none of
+them.
 """
 
 from __future__ import annotations
@@ -15,28 +15,25 @@ from llsrbm.motion.outcome import Outcome
 
 
 class Counts(NamedTuple):
-    """Of all requests those planned, simulated, that stand at the end, are strict, recovered."""
+    """Of all requests those planned, that stand at the end, are strict, recovered."""
 
     requests: int
     planned: int
-    simulated: int
     stand: int
     strict: int
     recovered: int
 
 
 def count(rows: Iterable[Outcome | Mapping[str, Any]]) -> Counts:
-    """Count outcomes; rows with `planned` False or `refused` have no outcome."""
+    """Count outcomes; rows with `planned` False have no outcome."""
     every = [row if isinstance(row, Mapping) else vars(row) for row in rows]
     planned = [row for row in every if row.get("planned", True)]
-    simulated = [row for row in planned if not row.get("refused")]
     return Counts(
         requests=len(every),
         planned=len(planned),
-        simulated=len(simulated),
-        stand=sum(row["status"] == "landed" for row in simulated),
-        strict=sum(row["strict"] is True for row in simulated),
-        recovered=sum(row["recovered"] is True for row in simulated),
+        stand=sum(row["status"] == "landed" for row in planned),
+        strict=sum(row["strict"] is True for row in planned),
+        recovered=sum(row["recovered"] is True for row in planned),
     )
 
 

@@ -350,7 +350,7 @@ def draw_robot(state: TabState, event: RobotLoaded) -> Step:
 
 def show_plan(state: TabState, plan: Plan, robot: Robot, source: str = "") -> TabState:
     """The state that shows a plan; simulations of another plan go."""
-    blocks = tuple(surroundings(robot, plan, Scenario()).blocks)
+    blocks = surroundings(robot, plan, Scenario()).blocks
     shown = Shown(bake_plan(plan, robot), blocks=blocks, source=source)
     return replace(state, shown=shown, seeds=None)
 

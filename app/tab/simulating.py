@@ -116,10 +116,14 @@ def show_rollout(
         return state
     if shown.simulated is None:  # there is a choice again, and this is the first of it
         state = replace(state, export=replace(state.export, of=SIMULATION))
-    blocks = tuple(surroundings(robot, shown.plan, rollout.scenario).blocks)
+    around = surroundings(robot, shown.plan, rollout.scenario)
     simulated = bake_rollout(rollout)
-    shown = replace(shown, simulated=simulated, scenario=scenario, so_far=None, blocks=blocks)
+    shown = replace(
+        shown, simulated=simulated, scenario=scenario, so_far=None, blocks=around.blocks
+    )
     verdict, line = summaries.simulated_line(rollout)
+    if around.in_mid_flight:
+        line = f"{line.removesuffix('.')}. {around.in_mid_flight}"
     return replace(state, shown=shown).with_status(verdict, f"{source}{line}")
 
 
@@ -139,7 +143,7 @@ def _show_so_far(state: TabState, report: SimulatedSoFar, task: SimulateJump) ->
     if start is not None and report.time[-1] < start + _AHEAD:
         return state, ()  # the robot stays where a hand has just pushed it
     so_far = frames_so_far(robot, report.time, report.qpos)
-    blocks = tuple(surroundings(robot, shown.plan, task.scenario).blocks)
+    blocks = surroundings(robot, shown.plan, task.scenario).blocks
     shown = Shown(shown.planned, so_far=so_far, blocks=blocks, source=shown.source)
     return replay(replace(state, shown=shown))
 

@@ -94,6 +94,10 @@ def _fall(rollout: Rollout) -> str:
 
 
 def _description(rollout: Rollout) -> dict[str, str]:
+    """A rollout in a few lines for a person: degrees, millimetres, milliseconds."""
+    from llsrbm.robots import load_robot
+    from llsrbm.formats.shown import surroundings_of
+
     outcome, scenario = rollout.outcome, rollout.scenario
     lines = {"request": options.in_words(rollout.jump)}
     board = ""
@@ -109,6 +113,9 @@ def _description(rollout: Rollout) -> dict[str, str]:
     lines["scenario"] = f"{board}{noise}{trunk}"
     if scenario.estimator != Scenario.estimator:
         lines["scenario"] += f", estimator {scenario.estimator}"
+    boxes = surroundings_of(rollout, load_robot(rollout.jump.robot)).in_mid_flight
+    if boxes:
+        lines["box"] = boxes
     for number, push in enumerate(rollout.pushes, 1):
         lines[f"push {number}" if len(rollout.pushes) > 1 else "push"] = _push(push)
     lines["outcome"] = _landed(rollout) if rollout.landed else _fall(rollout)

@@ -61,10 +61,6 @@ class ContactReader:
         """Note the contacts of a step of the tick, after it."""
         self._tick[step] = self._sensors
 
-    def trunk_touches_now(self) -> bool:
-        """True if anything but the feet touches in the present state."""
-        return bool(self._sensors[self._feet_rows.shape[1]])
-
     def touched(self) -> NDArray[np.bool_]:
         """(S, L): whether each foot touched anything in each step."""
         touched: NDArray[np.bool_] = np.logical_or.reduce(self._feet[..., 0] > 0, axis=2)

@@ -146,8 +146,8 @@ def simulate(
     `Episode.run`.
 
     Raises:
-        InputError: a name that is unknown, a board that does not fit under the robot, a box in
-            which it would stand at the start, or a push outside of the simulated time.
+        InputError: a name that is unknown, a board that does not fit under the robot, or a
+            push outside of the simulated time.
         Cancelled: on request.
     """
     disturbance = draw_disturbance(scenario)
@@ -160,7 +160,6 @@ def simulate(
     sensors = Sensors(robot, disturbance, scenario, tick)
     start = standing_state(robot, plan)
     world.reset(start, starting_velocity(robot, plan, start))
-    world.check_start()
     hooks: list[Hook] = [pushes]
     if scenario.replan:
         hooks.append(Replanning(plan, robot, tick, scenario.replan_latency))

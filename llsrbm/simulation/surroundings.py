@@ -1,9 +1,10 @@
 """Surroundings of the robot: the ground, what it jumps from, over or onto, and a board.
 
 The lowest place is on the ground, every other on a block: the start on one called "block", a
-landing on a "box". Where the robot would stand on a block and beside it, there is one under each
-foot of that place instead, as large as the feet of the lower places leave room for. All of it
-stands from the start; only a board is slid onto the last landing surface in mid-flight.
+landing on a "box". A block stands from the start, as large as the feet of the lower places and the
+planned trunk leave room for. Where there is no room for one under all feet of its place, it comes
+in mid-flight, or goes then if it is the start's: `Surroundings.in_mid_flight` says so. A board is
+slid onto the last landing surface in mid-flight.
 
 A hurdle stands on the ground. Beside a gap lie two blocks, the ground as far below them as the gap
 is deep. What touches a hurdle has not jumped over it.
@@ -13,13 +14,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from llsrbm.body.trunk_and_knees import trunk_box
 from llsrbm.errors import InputError
-from llsrbm.mechanics import yaw
+from llsrbm.mechanics import rotation_matrices, turns_about_z, yaw
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.sampling import foothold_knots, resample
 from llsrbm.request.obstacle import Obstacle
@@ -31,9 +33,10 @@ Array = NDArray[np.float64]
 
 ROOM = 0.01  # m at least between an edge's two sides: feet that stand on it and feet beside it
 MARGIN = 0.25  # m of landing box or start block around the feet: a robot may miss by that much
-# m of a foot's own block, the largest that there is room for: where it lands, and where it starts,
-# which it does not miss.
-FOOT_MARGINS, START_MARGINS = (0.10, 0.05, 0.02, 0.0), (0.05, 0.02, 0.0)
+# Where the edge between feet beside a block and feet on it may be, as shares of their distance: in
+# the middle, or so far that a trunk leaning over it before lift-off has room.
+EDGES = (0.5, 0.8)
+TRUNK_POINTS = 9  # a side, of the trunk's box that are looked at
 BOARD = 2.0  # m, length and width of a board on the ground: wherever the robot lands, it lies there
 _DIGITS = 4  # of a place's height, m: beyond are the solver's defects
 TO_SPARE = 0.01  # m between the planned feet and a board that slides in under them
@@ -59,6 +62,19 @@ class Surroundings:
     ground: float
     blocks: tuple[Block, ...]
 
+    @property
+    def in_mid_flight(self) -> str:
+        """A sentence about boxes that do not stand all the time; "" if all do."""
+        moving = [
+            f"the {block.name} {'comes' if block.from_s > 0 else 'goes'}"
+            for block in self.blocks
+            if block.name != "board" and (block.from_s > 0 or block.until_s < math.inf)
+        ]
+        if not moving:
+            return ""
+        sentence = f"{', '.join(moving)} in mid-flight: the robot leaves it no room at the start."
+        return sentence[0].upper() + sentence[1:]
+
 
 def surroundings(robot: Robot, plan: Plan, scenario: Scenario) -> Surroundings:
     """The ground and the blocks among which a plan is followed. Raises `InputError`: the board is
@@ -77,9 +93,7 @@ def surroundings(robot: Robot, plan: Plan, scenario: Scenario) -> Surroundings:
             if place.height > ground:
                 number = f" {k}" if 0 < k < len(places) - 1 else ""
                 name = f"box{number}" if k else "block"
-                legs = [robot.legs[foot].name for foot in place.feet]
-                for part, footprint in _footprints(place, places, radius, legs).items():
-                    blocks.append(_block(place, name + part, footprint, ground, place.height))
+                blocks.append(_standing(robot, plan, places, k, name, ground, radius))
     if scenario.board > 0:
         goal = last.seen(last.points)
         # As large as the box under all feet, where there is one.
@@ -110,30 +124,6 @@ def check_board(plan: Plan, height: float) -> None:
             f"board: expected 0 to {largest:.3f} m, what passes under the planned feet in "
             f"mid-flight, got {height:g} m"
         )
-
-
-def check_room(robot: Robot, plan: Plan) -> None:
-    """Check that the blocks of a plan leave room for the feet that stand beside them. Raises
-    `InputError`: a foot would stand in a block; the message states the room and what is needed.
-    """
-    if plan.obstacle is not None:
-        return
-    needed = 2 * max(contact.radius for contact in foot_contacts(robot)) + ROOM
-    places = _places(plan)
-    for place in places:
-        for lower in (other for other in places if other.height < place.height):
-            beside = place.seen(lower.points)
-            for foot, points in zip(place.feet, place.by_foot, strict=True):
-                seen = place.seen(points)
-                apart = np.maximum(seen.min(axis=0) - beside, beside - seen.max(axis=0))
-                room = float(apart.max(axis=1).min())
-                if room < needed - 1e-9:
-                    raise InputError(
-                        f"landing height: the robot would stand in the block under "
-                        f"{robot.legs[foot].name}, {place.height - lower.height:.2f} m high: a "
-                        f"foot beside it is {max(room, 0.0):.3f} m away, expected "
-                        f"{needed:.3f} m or more; land farther away, turn more, or land level"
-                    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -190,31 +180,46 @@ def _places(plan: Plan) -> list[_Place]:
     return [_Place(*row) for row in zip(feet, points, height, heading, flights, strict=True)]
 
 
-def _footprints(
-    place: _Place, places: Sequence[_Place], radius: float, legs: Sequence[str]
-) -> dict[str, _Rectangle]:
-    """Footprints of the blocks under a place, by the suffixes of their names.
-
-    One block, where the robot in no lower place stands on it; else one a foot. Where there is no
-    room for these either, which is refused (`check_room`), the one block is what is drawn.
-    """
+def _standing(
+    robot: Robot,
+    plan: Plan,
+    places: Sequence[_Place],
+    k: int,
+    name: str,
+    ground: float,
+    radius: float,
+) -> Block:
+    """The block under place `k`: from the start if feet and trunk leave room for it."""
+    place = places[k]
+    points = place.seen(place.points)
     lower = [place.seen(other.points) for other in places if other.height < place.height]
-    seen = place.seen(place.points)
-    whole: _Rectangle | None = _around(seen, MARGIN)
-    for beside in lower:
-        apart = _avoiding(seen, beside, _between(beside), radius, MARGIN)
-        whole = None if whole is None or apart is None else _common(whole, apart)
-    if whole is not None:
-        return {"": whole}
-    feet = np.concatenate(lower)
-    parts = {}
-    for leg, points in zip(legs, place.by_foot, strict=True):
-        for margin in START_MARGINS if place is places[0] else FOOT_MARGINS:
-            own = _avoiding(place.seen(points), feet, feet, radius, margin)
-            if own is not None:
-                parts[f" {leg}"] = own
-                break
-    return parts if len(parts) == len(legs) else {"": _around(seen, MARGIN)}
+    for share in EDGES:
+        footprint: _Rectangle | None = _around(points, MARGIN)
+        for beside in lower:
+            apart = _avoiding(points, beside, radius, share)
+            footprint = None if footprint is None or apart is None else _common(footprint, apart)
+        if footprint is not None:
+            block = _block(place, name, footprint, ground, place.height)
+            if not _trunk_inside(robot, plan, block):
+                return block
+    block = _block(place, name, _around(points, MARGIN), ground, place.height)
+    # Of any place but the last it has to make room for a lower one that follows, too.
+    goes = any(other.height < place.height for other in places[k + 1 :])
+    return replace(
+        block,
+        from_s=_mid_flight(plan, place) if k else 0.0,
+        until_s=_highest(plan, places[k + 1].flight) if goes else math.inf,
+    )
+
+
+def _trunk_inside(robot: Robot, plan: Plan, block: Block) -> bool:
+    """Whether the planned trunk reaches into a block at any knot."""
+    low, high = trunk_box(robot)
+    grid = np.meshgrid(*np.linspace(low, high, TRUNK_POINTS).T)
+    own = np.stack(grid, axis=-1).reshape(-1, 3)
+    world = plan.base_position[:, None] + own @ np.swapaxes(rotation_matrices(plan.base_quat), 1, 2)
+    seen = np.abs((world - block.centre) @ turns_about_z(np.array(block.yaw)))
+    return bool((seen < block.size / 2).all(axis=-1).any())
 
 
 def _beside_obstacle(obstacle: Obstacle, places: Sequence[_Place]) -> tuple[float, list[Block]]:
@@ -252,6 +257,13 @@ def _mid_flight(plan: Plan, place: _Place) -> float:
     return float(plan.phase_start[[place.flight, place.flight + 1]].mean())
 
 
+def _highest(plan: Plan, phase: int) -> float:
+    """When in a flight the lowest foot is highest, s: long before the middle of a deep one."""
+    flight = np.flatnonzero(plan.phase == phase)
+    lowest = plan.contact_point[flight, :, 2].min(axis=1)
+    return float(plan.time[flight[lowest.argmax()]])
+
+
 def _turn(heading: float) -> Array:
     c, s = math.cos(heading), math.sin(heading)
     return np.array([[c, -s], [s, c]])
@@ -265,32 +277,30 @@ def _around(points: Array, margin: float) -> _Rectangle:
     return _Rectangle(points.min(axis=0) - margin, points.max(axis=0) + margin)
 
 
-def _avoiding(
-    points: Array, others: Array, over: Array, radius: float, margin: float
-) -> _Rectangle | None:
-    """A rectangle around `points` (C, 2), as wide as `margin`, where no foot of `others` stands.
+def _avoiding(points: Array, others: Array, radius: float, share: float) -> _Rectangle | None:
+    """A rectangle around `points` (C, 2), as wide as `MARGIN`, where no foot of `others` stands.
 
-    None if even the feet on `points` themselves, of that radius, leave no room for what is at
-    `over`: feet, or all that a robot stands over.
+    None if even the feet on `points` themselves, of that radius, leave no room for the robot that
+    stands on the others.
     """
     low, high = points.min(axis=0) - radius, points.max(axis=0) + radius
-    apart = radius + ROOM
-    if _inside(over, low, high, apart).any():
+    between, apart = _between(others), radius + ROOM
+    if _inside(between, low, high, apart).any():
         return None
-    wide = _around(points, max(margin, radius))
+    wide = _around(points, MARGIN)
     for axis, across in ((0, 1), (1, 0)):
         beside = (others[:, across] > low[across] - apart) & (
             others[:, across] < high[across] + apart
         )
         where = others[beside, axis]
-        before, after = where[where < low[axis]], where[where > high[axis]]
-        # An edge between start and landing is in the middle: feet rise and land beside it.
-        low[axis] = max(wide.low[axis], (before.max(initial=-np.inf) + radius + low[axis]) / 2)
-        high[axis] = min(wide.high[axis], (after.min(initial=np.inf) - radius + high[axis]) / 2)
+        before = where[where < low[axis]].max(initial=-np.inf) + radius
+        after = where[where > high[axis]].min(initial=np.inf) - radius
+        low[axis] = max(wide.low[axis], low[axis] - (1 - share) * (low[axis] - before))
+        high[axis] = min(wide.high[axis], high[axis] + (1 - share) * (after - high[axis]))
     # Edges that grew towards the margin may have come under the robot at a corner, or been cut back
     # into the feet on `points` by one that is beside the grown edge alone.
     cut = (low > points.min(axis=0) - radius).any() or (high < points.max(axis=0) + radius).any()
-    if cut or _inside(over, low, high, radius).any():
+    if cut or _inside(between, low, high, radius).any():
         return None
     return _Rectangle(low, high)
 

@@ -13,7 +13,6 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from llsrbm.errors import InputError
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Disturbance
 from llsrbm.request.scenario import Scenario
@@ -21,7 +20,7 @@ from llsrbm.robots.drives import torque_in_direction
 from llsrbm.robots.robot import Robot
 from llsrbm.simulation.contacts import ContactReader
 from llsrbm.simulation.scene import build_scene
-from llsrbm.simulation.surroundings import check_room, surroundings
+from llsrbm.simulation.surroundings import surroundings
 
 Array = NDArray[np.float64]
 
@@ -118,11 +117,9 @@ class World:
             tick: control period, s.
 
         Raises:
-            InputError: the board does not fit under the planned feet, or a foot would stand in a
-                block.
+            InputError: the board does not fit under the planned feet.
             RobotFileError: the URDF cannot be simulated.
         """
-        check_room(robot, plan)
         self.tick = tick
         self._steps = steps_in(tick)
         self.scene = build_scene(
@@ -177,16 +174,6 @@ class World:
         mujoco.mju_negQuat(self._conjugate, self._qpos[3:7])
         mujoco.mju_rotVecQuat(v[:3], self._qvel[:3], self._conjugate)
         return q, v
-
-    def check_start(self) -> None:
-        """Check that the robot as it stands is in none of the blocks. Raises `InputError`: its
-        trunk is.
-        """
-        if self.scene.surroundings.blocks and self._contacts.trunk_touches_now():
-            raise InputError(
-                "landing height: the robot's trunk would stand in a block at the start; land "
-                "farther away, or on a lower one"
-            )
 
     def push(self, force: Array, moment: Array) -> None:
         """Let a wrench act on the trunk during the next tick, beside what acts already. `force`:

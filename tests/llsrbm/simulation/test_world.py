@@ -330,13 +330,29 @@ def drop_at_landing(scenario, jump):
     ("scenario", "jump", "expected"),
     [
         (Scenario(board=0.025, half_board=True), Jump(), [0.025, 0.025, 0, 0]),
-        (Scenario(), Jump(height=0.2, lateral=0.2), [0.2] * 4),
-        (Scenario(), Jump(height=-0.15, lateral=0.2), [-0.15] * 4),
+        (Scenario(), Jump(height=0.2), [0.2] * 4),
+        (Scenario(), Jump(height=-0.15), [-0.15] * 4),
         (Scenario(board=0.02), Jump(height=0.2, lateral=0.2), [0.22] * 4),
     ],
 )
 def test_feet_land_on_what_is_there(scenario, jump, expected):
     assert drop_at_landing(scenario, jump) == pytest.approx(expected, abs=2e-3)
+
+
+def test_mujocos_warnings_are_others_business():
+    """The handler of the program around is there before, between and after ticks."""
+    heard = []
+    mujoco.set_mju_user_warning(heard.append)
+    try:
+        world = World(ANYMAL, PLAN, Scenario(), Disturbance(), 1 / 400)
+        world.reset(*in_the_air(10.0))
+        world._qvel[:] = 1e12
+        with pytest.raises(Diverged):
+            world.advance(np.zeros(JOINTS))
+        mujoco.get_mju_user_warning()("mine")
+    finally:
+        mujoco.set_mju_user_warning(None)
+    assert heard == ["mine"]
 
 
 def momenta(robot, factor, world):

@@ -274,7 +274,7 @@ def blocks_in(folder):
 
 
 def test_a_box_stands_from_the_start(tmp_path):
-    plan = llsrbm.plan(llsrbm.Jump(robot="slider", height=0.1))
+    plan = llsrbm.plan(llsrbm.Jump(robot="slider", forward=0.2, height=0.1))
     export(plan, tmp_path / "plan", "mujoco", pad=0.1)
     model, _, places, names = blocks_in(tmp_path / "plan")
     assert names == ["world-box"]
