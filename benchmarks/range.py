@@ -27,10 +27,10 @@ from scipy.spatial.transform import Rotation
 
 import llsrbm
 from benchmarks.counting import count, write_lines
+from llsrbm.formats.shown import surroundings_of
 from llsrbm.mechanics import tilt
 from llsrbm.planning.solve.planner import planner_for
 from llsrbm.robots import load_robot
-from llsrbm.simulation.surroundings import surroundings_of
 
 COMPONENTS = ("twist", "forward", "lateral", "height")
 KINDS = ("one component", "combined")
@@ -63,7 +63,7 @@ def one(request: dict[str, Any], model: str) -> dict[str, Any]:
     except llsrbm.NotConverged as error:
         return {**request, "planned": False, "why": str(error)}
     rollout = llsrbm.simulate(plan, seed=request["seed"])
-    around = surroundings_of(load_robot(jump.robot), rollout)
+    around = surroundings_of(rollout, load_robot(jump.robot))
     return {
         **request,
         "planned": True,

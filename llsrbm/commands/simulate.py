@@ -95,8 +95,8 @@ def _fall(rollout: Rollout) -> str:
 
 def _description(rollout: Rollout) -> dict[str, str]:
     """A rollout in a few lines for a person: degrees, millimetres, milliseconds."""
-    from llsrbm.robots import load_robot
     from llsrbm.formats.shown import surroundings_of
+    from llsrbm.robots import load_robot
 
     outcome, scenario = rollout.outcome, rollout.scenario
     lines = {"request": options.in_words(rollout.jump)}
