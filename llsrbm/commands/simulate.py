@@ -94,7 +94,6 @@ def _fall(rollout: Rollout) -> str:
 
 
 def _description(rollout: Rollout) -> dict[str, str]:
-    """A rollout in a few lines for a person: degrees, millimetres, milliseconds."""
     from llsrbm.formats.shown import surroundings_of
     from llsrbm.robots import load_robot
 

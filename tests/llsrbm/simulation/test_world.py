@@ -339,22 +339,6 @@ def test_feet_land_on_what_is_there(scenario, jump, expected):
     assert drop_at_landing(scenario, jump) == pytest.approx(expected, abs=2e-3)
 
 
-def test_mujocos_warnings_are_others_business():
-    """The handler of the program around is there before, between and after ticks."""
-    heard = []
-    mujoco.set_mju_user_warning(heard.append)
-    try:
-        world = World(ANYMAL, PLAN, Scenario(), Disturbance(), 1 / 400)
-        world.reset(*in_the_air(10.0))
-        world._qvel[:] = 1e12
-        with pytest.raises(Diverged):
-            world.advance(np.zeros(JOINTS))
-        mujoco.get_mju_user_warning()("mine")
-    finally:
-        mujoco.set_mju_user_warning(None)
-    assert heard == ["mine"]
-
-
 def momenta(robot, factor, world):
     """Linear and angular momentum about the whole CoM, that CoM, and the trunk's; by Pinocchio."""
     model = robot.model.copy()
