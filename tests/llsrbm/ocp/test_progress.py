@@ -57,52 +57,52 @@ def test_results_and_errors_of_a_solve_come_through():
 
 def test_reports_come_from_the_callers_thread_and_not_too_often(monkeypatch):
     monkeypatch.setattr(progress, "POLL_INTERVAL", 0.005)
-    count = iter(range(10**6))
-    reported = []
+    monkeypatch.setattr(progress, "REPORT_INTERVAL", 0.05)
+    count, reported, enough = iter(range(10**6)), [], threading.Event()
 
     def report(iteration, residual):
         reported.append((time.monotonic(), threading.get_ident()))
+        if len(reported) == 3:
+            enough.set()
 
-    attended(lambda: time.sleep(0.45), lambda: (next(count), 0.1), report, None)
-    times = [when for when, _ in reported]
-    assert 2 <= len(reported) <= 4
-    assert all(b - a > 0.9 * progress.REPORT_INTERVAL for a, b in pairwise(times))
+    attended(lambda: enough.wait(30), lambda: (next(count), 0.1), report, None)
+    assert enough.is_set()
+    assert all(b - a > 0.9 * 0.05 for (a, _), (b, _) in pairwise(reported))
     assert {who for _, who in reported} == {threading.get_ident()}
 
 
-def test_a_caller_that_cancels_does_not_wait_and_the_next_solve_does():
-    at_once = []
-    start = time.monotonic()
+@pytest.fixture
+def abandoned():
+    """A solve that was cancelled and goes on until the event is set."""
+    release = threading.Event()
     with pytest.raises(Cancelled):
-        attended(lambda: time.sleep(0.6), lambda: None, None, lambda: True)
-    at_once.append(time.monotonic() - start)
-    assert at_once[0] < 0.3
-    assert attended(lambda: "next", lambda: None, None, None) == "next"
-    assert time.monotonic() - start >= 0.6
+        attended(lambda: release.wait(30), lambda: None, None, lambda: True)
+    assert not release.is_set()  # the caller did not wait
+    yield release
+    release.set()
 
 
-def test_when_idle_waits_for_an_abandoned_solve():
-    start = time.monotonic()
-    with pytest.raises(Cancelled):
-        attended(lambda: time.sleep(0.5), lambda: None, None, lambda: True)
+def test_the_solve_after_an_abandoned_one_waits_for_it(abandoned):
+    threading.Timer(0.1, abandoned.set).start()
+    assert attended(abandoned.is_set, lambda: None, None, None)
+
+
+def test_when_idle_waits_for_an_abandoned_solve(abandoned):
     with pytest.raises(Cancelled):
         when_idle(lambda: True)
-    assert time.monotonic() - start < 0.3
+    threading.Timer(0.1, abandoned.set).start()
     when_idle()
-    assert time.monotonic() - start >= 0.5
+    assert abandoned.is_set()
     when_idle(lambda: True)  # nothing to wait for
 
 
-def test_a_solve_that_was_cancelled_before_it_began_never_does():
-    release, begun = threading.Event(), []
-    with pytest.raises(Cancelled):
-        attended(release.wait, lambda: None, None, lambda: True)
+def test_a_solve_that_was_cancelled_before_it_began_never_does(abandoned):
+    begun = []
     with pytest.raises(Cancelled):
         attended(lambda: begun.append(1), lambda: None, None, lambda: True)
-    release.set()
+    abandoned.set()
     attended(lambda: None, lambda: None, None, None)
     when_idle()
-    time.sleep(0.05)
     assert not begun
 
 

@@ -93,7 +93,7 @@ def test_the_demand_of_speed():
 
 
 def test_sliding_joints_have_forces_and_slide():
-    knots = solved("srbm", "box", "slider").knots
+    knots = solved("llsrbm-plus", "box", "slider").knots
     robot, loads = knots.task.robot, knots.loads
     (slide, *_) = [j for j, n in enumerate(robot.joint_names) if n in robot.sliding_joints]
     torque, speed = np.zeros_like(loads.joint_torque), np.zeros_like(loads.joint_velocity)
