@@ -11,7 +11,7 @@ from hypothesis import settings
 os.environ["LLSRBM_COMPILE"] = "0"
 
 # A busy machine is no fault.
-settings.register_profile("patient", deadline=None)
+settings.register_profile("patient", deadline=None, max_examples=50)
 settings.load_profile("patient")
 
 

@@ -132,9 +132,8 @@ def test_robots_that_are_gone(format_, plan, tmp_path):
 
 
 def test_all_at_once_in_a_zip(rollout, tmp_path):
-    formats = [
-        each for each in FORMATS.values() if not (each.extra is not None and each.extra.missing)
-    ]
+    there = [each for each in FORMATS.values() if each.extra is None or not each.extra.missing]
+    formats = [each for each in there if each.name not in ("mp4", "gif")]  # slow, and like html
     names = [each.name for each in formats]
     path = tmp_path / file_name(rollout, names)
     export(rollout, path, format=names, **quick(*formats))

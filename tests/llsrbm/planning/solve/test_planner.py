@@ -35,9 +35,6 @@ def planner():
     return Planner(ROBOT, "srbm")
 
 
-# ---- what a plan holds
-
-
 @every_plan
 @every_model
 def test_reported_as_the_contract_says(model, request_name):
@@ -102,9 +99,6 @@ def test_the_posture_puts_the_feet_and_the_com_where_the_plan_has_them(model, re
         np.testing.assert_allclose(com, plan.com[k], atol=1e-6)
 
 
-# ---- any type
-
-
 @pytest.mark.parametrize("name", TYPES)
 def test_what_a_plan_of_any_type_holds(name):
     s = solved("llsrbm-plus", name)
@@ -139,9 +133,6 @@ def test_a_run_up_begins_and_ends_with_its_speed():
     assert np.abs(plan.joint_velocity[[0, -1]]).max(axis=1).min() > 0.2
 
 
-# ---- the paper's result
-
-
 def test_the_papers_model_draws_the_feet_in_and_turns_faster():
     """90 degrees: a changing inertia is used, a constant one is not; 6 %, as swings take effort."""
 
@@ -160,9 +151,6 @@ def test_the_papers_model_draws_the_feet_in_and_turns_faster():
     Izz = lumped.inertia[flying, 2, 2]
     assert Izz.min() < 0.95 * ROBOT.inertia[2, 2]
     assert lumped.report.cost < rigid.report.cost
-
-
-# ---- how it gets there
 
 
 NEAR = {"10 degrees": {"twist": -0.17}, "all": {"twist": 0.1, "forward": -0.03, "height": 0.02}}
@@ -271,19 +259,12 @@ def test_further_attempts_when_one_fails(planner, failures, attempts, solves):
         assert guess[first_in_flight["duration"]] == PATIENT_FLIGHT
 
 
-def of_weak_legs(planner):
-    """Legs that can barely carry the robot."""
-    limits = ROBOT.file.limits.model_copy(update={"torque_share": 0.25})
-    robot = replace(ROBOT, file=ROBOT.file.model_copy(update={"limits": limits}))
-    planner.formulation = replace(planner.formulation, robot=robot)
-    return planner
-
-
 def test_what_cannot_be_says_what_is_violated(planner, monkeypatch):
     """When there is no time to find the limit that stops it."""
     monkeypatch.setattr(explanation, "EXPLANATION_TIME", -1.0)
+    made_reluctant(planner, 99)
     with pytest.raises(NotConverged) as caught:
-        of_weak_legs(planner).plan(Jump(model="srbm", forward=0.3))
+        planner.plan(Jump(model="srbm", forward=0.3))
     message, plan = str(caught.value), caught.value.plan
     assert "\n" not in message
     assert message.startswith(
@@ -291,8 +272,6 @@ def test_what_cannot_be_says_what_is_violated(planner, monkeypatch):
     )
     _, v = max(plan.violations.items(), key=lambda item: excess(dict([item])))
     assert v.amount > TOLERANCE
-    # Drives are named by their joint and what it would have to give.
-    assert any(f"{joint} would need" in message for joint in ROBOT.joint_names)
     assert not plan.solved
     assert plan.report.status == "not-converged"
     assert plan.report.attempts == 3
@@ -402,9 +381,6 @@ def test_what_it_cannot_be_made_of(arguments, message):
     with pytest.raises(InputError) as caught:
         planner_for("anymal", *arguments)
     assert str(caught.value) == message
-
-
-# ---- llsrbm.plan
 
 
 def test_a_changed_robot_file_gets_another_planner(tmp_path):
