@@ -13,6 +13,7 @@ import tempfile
 from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -23,6 +24,7 @@ from numpy.typing import ArrayLike, NDArray
 from llsrbm.cache import cache_path, content_key, read_arrays, write_arrays
 from llsrbm.errors import RobotFileError
 from llsrbm.look.meshes import coarser, face_shares, readable, simplified
+from llsrbm.mechanics import rotation_matrices
 from llsrbm.robots.robot import Robot
 
 if TYPE_CHECKING:
@@ -36,6 +38,9 @@ COARSE_FACES = 8_000
 """A robot with more of them has coarse meshes as well, with a third of the faces or so, for
 browsers without a graphics processor."""
 
+
+_FROM = np.array([0.76, -1.17, 0.36])  # in the robot's size: from the right, ahead and above
+_AT = np.array([0.1, 0.0, 0.04])  # likewise, from its middle: it will jump, mostly forward
 
 # Powers of two, so that most bits of the numbers are zero and they compress to half on the wire.
 _VERTEX_STEP = 2.0**-13  # m
@@ -125,6 +130,24 @@ def forward_kinematics(
         for body, pose in enumerate(data.oMi[1:]):
             poses[k, body] = pin.SE3ToXYZQUAT(pose)
     return poses[..., :3], poses[..., [6, 3, 4, 5]]
+
+
+@lru_cache(maxsize=8)
+def viewpoint(robot: Robot) -> tuple[Array, Array]:
+    """Where the camera is and where it looks at, (3,) m, for a robot in its default posture.
+
+    The robot fills the same part of the picture whatever its size, with room for a jump.
+    """
+    position, wxyz = forward_kinematics(
+        robot, robot.base_position[None], [[1.0, 0.0, 0.0, 0.0]], robot.posture[None, 7:]
+    )
+    R = rotation_matrices(wxyz[0])
+    bodies = [(visual.joint_id - 1, visual.vertices) for visual in link_visuals(robot)]
+    points = np.concatenate([places @ R[k].T + position[0, k] for k, places in bodies])
+    low, high = points.min(axis=0), points.max(axis=0)
+    size = np.linalg.norm(high - low)
+    target = (low + high) / 2 + size * _AT
+    return target + size * _FROM, target
 
 
 def _prepare(robot: Robot) -> tuple[LinkVisual, ...]:

@@ -127,11 +127,7 @@ def _finish(folder: Path, episodes: Sequence[Episode], options: Options) -> None
 
 
 class _Writer:
-    """Frames and episodes, file after file.
-
-    Attributes:
-        frames: how many there are.
-    """
+    """Frames and episodes, file after file; `frames`: how many there are."""
 
     def __init__(self, folder: Path, fps: float, tasks: dict[str, int]) -> None:
         self._folder, self._fps, self._tasks = folder, fps, tasks
@@ -145,8 +141,6 @@ class _Writer:
 
     def add(self, part: pa.Table, task: str) -> None:
         """The next episode."""
-        import pyarrow as pa
-
         count, number = len(part), len(self._episodes)
         frame = np.arange(count)
         counted = {
@@ -183,8 +177,6 @@ class _Writer:
 
     def close(self) -> None:
         """Write what is left, and the table of episodes."""
-        import pyarrow as pa
-
         self._flush()
         table = pa.Table.from_pylist(self._episodes)
         _write_table(self._folder / _EPISODES.format(chunk_index=0, file_index=0), [table])

@@ -27,7 +27,7 @@ from llsrbm.look.visuals import link_visuals
 from llsrbm.motion.bodies import link_paths
 from llsrbm.motion.rollout import Rollout
 from llsrbm.motion.trajectory import Trajectory
-from llsrbm.simulation.surroundings import Surroundings
+from llsrbm.simulation.surroundings import Block, Surroundings
 
 Array = NDArray[np.float64]
 _Entry = tuple[int, Any, Any]  # ns, channel, message
@@ -163,16 +163,12 @@ def _inertia(context: Context, motion: Logged, top: str) -> Iterator[_Entry]:
     com, look = motion.motion.com, colour(COM, GHOST)
     for k, time in enumerate(nanoseconds(motion.time)):
         solid = fm.SpherePrimitive(pose=pose(com[k], quat[k]), size=vector(2 * axes[k]), color=look)
-        entity = fm.SceneEntity(
-            timestamp=timestamp(time), frame_id=WORLD, id="inertia", spheres=[solid]
-        )
-        yield time, channel, fm.SceneUpdate(entities=[entity])
+        yield time, channel, fm.SceneUpdate(entities=[_entity(time, "inertia", spheres=[solid])])
 
 
 def _forces(context: Context, motion: Logged, top: str) -> Iterator[_Entry]:
     pressed_at = motion.motion.pressed_at
-    if pressed_at is None:
-        return
+    assert pressed_at is not None  # plans and rollouts have it
     channel = channels.SceneUpdateChannel(f"{top}/contact_forces", context=context)
     arrows, look = motion.arrows, colour(FORCE)
     length, quat = np.linalg.norm(arrows, axis=2), turned_x_to(arrows)
@@ -189,10 +185,7 @@ def _forces(context: Context, motion: Logged, top: str) -> Iterator[_Entry]:
             for i in np.flatnonzero(length[k])
         ]
         # Without arrows it takes away those of the message before.
-        entity = fm.SceneEntity(
-            timestamp=timestamp(time), frame_id=WORLD, id="forces", arrows=drawn
-        )
-        yield time, channel, fm.SceneUpdate(entities=[entity])
+        yield time, channel, fm.SceneUpdate(entities=[_entity(time, "forces", arrows=drawn)])
 
 
 def _scene(context: Context, around: Surroundings) -> Iterator[_Entry]:
@@ -200,15 +193,15 @@ def _scene(context: Context, around: Surroundings) -> Iterator[_Entry]:
     who jumps to an instant in a viewer gets the last one before it, no more.
     """
 
-    def entity(
-        time: int, name: str, centre: Array, size: Array, yaw: float, rgb: Rgb
-    ) -> fm.SceneEntity:
-        turned = (np.cos(yaw / 2), 0.0, 0.0, np.sin(yaw / 2))
-        cube = fm.CubePrimitive(pose=pose(centre, turned), size=vector(size), color=colour(rgb))
-        return fm.SceneEntity(timestamp=timestamp(time), frame_id=WORLD, id=name, cubes=[cube])
+    def cube(time: int, block: Block, rgb: Rgb) -> fm.SceneEntity:
+        turned = (np.cos(block.yaw / 2), 0.0, 0.0, np.sin(block.yaw / 2))
+        placed, size = pose(block.centre, turned), vector(block.size)
+        shape = fm.CubePrimitive(pose=placed, size=size, color=colour(rgb))
+        return _entity(time, block.name, cubes=[shape])
 
     channel = channels.SceneUpdateChannel("/scene", context=context)
-    floor = np.array([0.0, 0.0, around.ground - GROUND_SIZE[2] / 2])
+    below = np.array([0.0, 0.0, around.ground - GROUND_SIZE[2] / 2])
+    floor = Block("ground", below, np.array(GROUND_SIZE), 0.0)
     changes = {0.0, *(b.from_s for b in around.blocks), *(b.until_s for b in around.blocks)}
     for seconds in sorted(changes - {np.inf}):
         (time,) = nanoseconds(np.array([seconds]))
@@ -220,12 +213,13 @@ def _scene(context: Context, around: Surroundings) -> Iterator[_Entry]:
                 for block in around.blocks
                 if block not in there
             ],
-            entities=[
-                entity(time, "ground", floor, np.array(GROUND_SIZE), 0.0, GROUND),
-                *(entity(time, b.name, b.centre, b.size, b.yaw, BLOCK) for b in there),
-            ],
+            entities=[cube(time, floor, GROUND), *(cube(time, b, BLOCK) for b in there)],
         )
         yield time, channel, message
+
+
+def _entity(time: int, name: str, **shapes: Any) -> fm.SceneEntity:
+    return fm.SceneEntity(timestamp=timestamp(time), frame_id=WORLD, id=name, **shapes)
 
 
 def _numbers(

@@ -173,17 +173,17 @@ def _log_with_robot(recording: rr.RecordingStream, motion: Logged) -> None:
     _send(recording, "world/inertia", time, columns)
 
     legs = motion.robot.leg_names
-    if whole.foot_force is not None and whole.pressed_at is not None:
-        arrows = motion.arrows
-        for i, leg in enumerate(legs):
-            thin = rr.Arrows3D.from_fields(colors=[FORCE], radii=[_ARROW_RADIUS])
-            recording.log(f"world/forces/{leg}", thin, static=True, strict=True)
-            pushing = arrows[:, i].any(axis=1)
-            columns = rr.Arrows3D.columns(
-                vectors=arrows[pushing, i], origins=whole.pressed_at[pushing, i]
-            )
-            # No arrow at the instants at which the foot does not push.
-            _send(recording, f"world/forces/{leg}", time, columns.partition(pushing.astype(int)))
+    assert whole.pressed_at is not None  # plans and rollouts have it
+    arrows = motion.arrows
+    for i, leg in enumerate(legs):
+        thin = rr.Arrows3D.from_fields(colors=[FORCE], radii=[_ARROW_RADIUS])
+        recording.log(f"world/forces/{leg}", thin, static=True, strict=True)
+        pushing = arrows[:, i].any(axis=1)
+        columns = rr.Arrows3D.columns(
+            vectors=arrows[pushing, i], origins=whole.pressed_at[pushing, i]
+        )
+        # No arrow at the instants at which the foot does not push.
+        _send(recording, f"world/forces/{leg}", time, columns.partition(pushing.astype(int)))
 
     paths = {"com": (whole.com, COM)}
     paths |= {leg: (whole.foot_position[:, i], FOOT) for i, leg in enumerate(legs)}

@@ -138,11 +138,11 @@ def _series(motion: WholeBodyMotion, mass: float) -> Iterator[Series]:
     for i, leg in enumerate(legs):
         yield Series(f"foot_position/{leg}", "m", _XYZ, motion.foot_position[:, i])
     yield Series("contact", "", legs, motion.contact.astype(np.float64))
-    if motion.phase is not None:
-        yield Series("phase", "", ("phase",), motion.phase[:, None].astype(np.float64))
-    if motion.foot_force is not None:
-        for i, leg in enumerate(legs):
-            yield Series(f"foot_force/{leg}", "N", _XYZ, motion.foot_force[:, i])
+    assert motion.phase is not None  # plans and rollouts have it
+    yield Series("phase", "", ("phase",), motion.phase[:, None].astype(np.float64))
+    assert motion.foot_force is not None
+    for i, leg in enumerate(legs):
+        yield Series(f"foot_force/{leg}", "N", _XYZ, motion.foot_force[:, i])
     yield Series("joint_position", "rad or m", joints, motion.joint_position)
     yield Series("joint_velocity", "rad/s or m/s", joints, motion.joint_velocity)
     if motion.joint_torque is not None:

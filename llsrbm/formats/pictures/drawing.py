@@ -17,9 +17,8 @@ from llsrbm.look import palette
 from llsrbm.look.palette import Rgb
 from llsrbm.look.timeline import Timeline, timeline
 from llsrbm.look.titles import title_of
-from llsrbm.look.viewpoint import viewpoint
-from llsrbm.look.visuals import LinkVisual, link_visuals
-from llsrbm.mechanics import rotation_matrices
+from llsrbm.look.visuals import LinkVisual, link_visuals, viewpoint
+from llsrbm.mechanics import rotation_matrices, sign_continuous
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.sampling import evenly, resample, with_events
 from llsrbm.motion.trajectory import Trajectory
@@ -77,6 +76,24 @@ class Drawing:
     def visuals(self) -> tuple[LinkVisual, ...]:
         """The robot's meshes."""
         return link_visuals(self.robot)
+
+    @property
+    def arrays(self) -> dict[str, Array]:
+        """What moves, over time; `ghost` only where there is one.
+
+        `time`, `com`; `solid`, `ghost` (K, bodies with meshes, 7): position and quaternion;
+        `ellipsoid` (K, 7): semi-axes and quaternion; `force` (K, L, 6): where it acts, and N.
+        """
+        arrays = {
+            "time": self.time,
+            "solid": self.solid.poses(self.visuals),
+            "com": self.motion.com,
+            "ellipsoid": np.hstack([self.axes, sign_continuous(self.axes_quat)]),
+            "force": np.concatenate([self.pressed_at, self.force], axis=2),
+        }
+        if self.ghost is not None:
+            arrays["ghost"] = self.ghost.poses(self.visuals)
+        return arrays
 
     @property
     def arrow_per_newton(self) -> float:

@@ -42,7 +42,6 @@ from llsrbm.installed import package_version
 from llsrbm.look import palette
 from llsrbm.look.palette import Rgb, css
 from llsrbm.look.visuals import link_visuals
-from llsrbm.mechanics import sign_continuous
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.trajectory import Trajectory, description
 
@@ -63,7 +62,7 @@ _POLICY = (
 def _write(trajectory: Trajectory, path: Path, options: Options) -> None:
     drawing = draw(trajectory, options.fps, with_instants=True)
     nodes, exported = _exported_scene(drawing)
-    numbers, listed = _packed(_arrays(drawing))
+    numbers, listed = _packed(drawing.arrays)
     facts = _facts(drawing, trajectory, options.camera) | {"nodes": nodes, "arrays": listed}
     over = Template(_asset("replay.html")).substitute(
         facts=_json(facts), numbers=numbers, script=_asset("replay.js")
@@ -206,19 +205,6 @@ def _facts(
         "timeline": drawing.timeline.plain(),
         "description": description(trajectory),
     }
-
-
-def _arrays(drawing: Drawing) -> dict[str, NDArray[Any]]:
-    arrays = {
-        "time": drawing.time,
-        "solid": drawing.solid.poses(drawing.visuals),
-        "com": drawing.motion.com,
-        "ellipsoid": np.hstack([drawing.axes, sign_continuous(drawing.axes_quat)]),
-        "force": np.concatenate([drawing.pressed_at, drawing.force], axis=2),
-    }
-    if drawing.ghost is not None:
-        arrays["ghost"] = drawing.ghost.poses(drawing.visuals)
-    return arrays
 
 
 def _packed(arrays: dict[str, NDArray[Any]]) -> tuple[str, dict[str, Any]]:

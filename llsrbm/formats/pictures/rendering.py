@@ -53,7 +53,7 @@ def draw_film(film: dict[str, Any], drawn_by: str, write: Callable[[bytes], obje
 
 def _place_bodies(data: mujoco.MjData, film: dict[str, Any], k: int) -> None:
     poses = film["solid"][k]
-    if film["ghost"] is not None:
+    if "ghost" in film:
         ghost = film["ghost"][k].copy()
         away = ghost[:, :3] - film["eye"]
         ghost[:, :3] += away * (_BEHIND / np.linalg.norm(away, axis=1, keepdims=True))
@@ -78,16 +78,15 @@ class _Overlays:
                 half, category = block["size"] / 2, mujoco.mjtCatBit.mjCAT_STATIC
                 look = [*rgb["block"], 1.0]
                 self._shape(kinds.mjGEOM_BOX, half, block["centre"], about_z, look, category)
-        arrows = film["force"][k] * film["arrow_per_newton"]
-        least = film["least_force"] * film["arrow_per_newton"]
-        for start, arrow in zip(film["pressed_at"][k], arrows, strict=True):
-            if np.linalg.norm(arrow) > least:
-                end, look = start + arrow, [*rgb["force"], 1.0]
+        for start, force in film["force"][k].reshape(-1, 2, 3):
+            if np.linalg.norm(force) > film["least_force"]:
+                end, look = start + force * film["arrow_per_newton"], [*rgb["force"], 1.0]
                 self._line(kinds.mjGEOM_ARROW, film["thickness"], start, end, look)
         self._trails(k, [*rgb["com"], 0.9], [*rgb["foot"], 0.8])
-        mujoco.mju_quat2Mat(turn, film["axes_quat"][k])
+        axes, quat = np.split(film["ellipsoid"][k], [3])
+        mujoco.mju_quat2Mat(turn, quat)
         look = [*rgb["ellipsoid"], _ELLIPSOID]
-        self._shape(kinds.mjGEOM_ELLIPSOID, film["axes"][k], film["com"][k], turn, look)
+        self._shape(kinds.mjGEOM_ELLIPSOID, axes, film["com"][k], turn, look)
 
     def _trails(self, k: int, com: list[float], foot: list[float]) -> None:
         """As far as the robot has come."""

@@ -58,8 +58,7 @@ class Player {
     this.pause();
     const [frame, share] = this.at(this.time);
     const here = frame + (share > 0.999 ? 1 : 0);
-    const next = Math.min(Math.max(here + frames, 0), this.times.length - 1);
-    this.seek(this.times[next]);
+    this.seek(this.times[Math.min(Math.max(here + frames, 0), this.times.length - 1)]);
   }
 
   play() {
@@ -173,8 +172,7 @@ class Picture {
   // As far as the robot has come; what is to come is a paler line of its own.
   drawTrails(time) {
     for (const { name, times } of facts.trails) {
-      let count = 0;
-      while (count < times.length && times[count] <= time) count++;
+      const count = times.filter((each) => each <= time).length;
       this.viser.nodeRefFromName[name].traverse(({ geometry }) => {
         if (geometry?.isInstancedBufferGeometry) geometry.instanceCount = count;
       });

@@ -87,16 +87,9 @@ def _film(drawing: Drawing, options: Options) -> dict[str, Any]:
         "colours": {name: [part / 255 for part in rgb] for name, rgb in shades.items()},
         "meshes": [vars(visual) for visual in drawing.visuals],
         "coarse": [vars(visual) for visual in coarse],
-        "time": drawing.time,
-        "solid": drawing.solid.poses(drawing.visuals),
-        "ghost": None if drawing.ghost is None else drawing.ghost.poses(drawing.visuals),
-        "com": drawing.motion.com,
-        "axes": drawing.axes,
-        "axes_quat": drawing.axes_quat,
         "foot": drawing.motion.foot_position,
         "flight": drawing.flight,
-        "force": drawing.force,
-        "pressed_at": drawing.pressed_at,
+        **drawing.arrays,
     }
 
 

@@ -8,7 +8,6 @@ import pytest
 
 from llsrbm.cache import ENVIRONMENT_VARIABLE
 from llsrbm.look.collision_visuals import collision_visuals, visuals_at_once
-from llsrbm.look.viewpoint import viewpoint
 from llsrbm.look.visuals import forward_kinematics, needs_preparation
 from llsrbm.robots import load_robot, names
 
@@ -58,15 +57,3 @@ def test_with_an_empty_cache_the_shapes_stand_in_at_once(name):
     visuals = visuals_at_once(robot)
     assert thread_time() - began < 1.0  # s of this thread alone, on a machine that is busy, too
     assert visuals == collision_visuals(robot)
-
-
-@pytest.mark.parametrize("name", ["go2", "slider"])
-def test_the_viewpoint_without_the_meshes_is_about_the_same(name, tmp_path, monkeypatch):
-    robot = load_robot(name)
-    camera, target = viewpoint(robot)
-    viewpoint.cache_clear()
-    monkeypatch.setenv(ENVIRONMENT_VARIABLE, str(tmp_path))
-    quick_camera, quick_target = viewpoint(robot, at_once=True)
-    viewpoint.cache_clear()
-    assert np.linalg.norm(quick_camera - camera) < 0.1
-    assert np.linalg.norm(quick_target - target) < 0.05

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from llsrbm.look.viewpoint import viewpoint
+from llsrbm.look.visuals import viewpoint
 from llsrbm.robots import load_robot, names
 
 
