@@ -79,7 +79,7 @@ class Drawing:
 
     @property
     def arrays(self) -> dict[str, Array]:
-        """What moves, over time; `ghost` only where there is one.
+        """Everything that moves, over time; `ghost` only where there is one.
 
         `time`, `com`; `solid`, `ghost` (K, bodies with meshes, 7): position and quaternion;
         `ellipsoid` (K, 7): semi-axes and quaternion; `force` (K, L, 6): where it acts, and N.
