@@ -15,6 +15,7 @@ import webbrowser
 from collections.abc import Collection, Iterator
 from pathlib import Path
 from types import FrameType
+from typing import Any
 
 import viser
 
@@ -143,34 +144,17 @@ class Designer:
         self.pool.close()
 
 
-def serve(
-    # host, port, allowed_hosts, token, pool, file, atlases: as in `Designer`
-    host: str = "127.0.0.1",
-    port: int = 8080,
-    *,
-    allowed_hosts: Collection[str] = (),
-    token: str | None = None,
-    pool: WorkerPool | None = None,
-    file: OpenedFile | None = None,
-    atlases: Atlases | None = None,
-    browser: bool = False,  # open the page in one, where there is a display
-) -> None:
-    """Serve the page until SIGINT or SIGTERM; prints one line with its address, token included.
+def serve(*address: Any, browser: bool = False, **options: Any) -> None:
+    """Serve a `Designer` until SIGINT or SIGTERM; prints one line with its address and token.
+
+    With `browser` the page is opened in one, where there is a display.
 
     Raises:
         InputError: the address cannot be bound, the port is in use, or no such token can be.
         GuardMissing: the server would let in what it must refuse.
     """
     with _stop_on_signal() as stop:
-        designer = Designer(
-            host,
-            port,
-            allowed_hosts=allowed_hosts,
-            token=token,
-            pool=pool,
-            file=file,
-            atlases=atlases,
-        )
+        designer = Designer(*address, **options)
         try:
             print(f"llsrbm designer: {designer.url}", flush=True)
             if browser and _has_display():

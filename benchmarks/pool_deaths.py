@@ -87,11 +87,11 @@ def kill_one(pool, chance):
     end = time.monotonic() + PATIENCE
     while time.monotonic() < end:
         for member in chance.sample(pool._workers, len(pool._workers)):
-            entry, process = member.working_on, member.id
+            entry, process = member.working_on, member.process.id
             if entry is None or process is None or not member.ready:
                 continue
             time.sleep(chance.uniform(0.0, 0.1))
-            if member.working_on is entry and member.id == process:
+            if member.working_on is entry and member.process.id == process:
                 os.kill(process, signal.SIGKILL)
                 return time.monotonic(), entry.tab, entry.job.number
         time.sleep(0.005)

@@ -11,6 +11,7 @@ import logging
 import socket
 from collections import Counter
 from collections.abc import Awaitable, Callable, Iterable
+from functools import partial
 from http import HTTPStatus
 from typing import Any
 
@@ -277,6 +278,7 @@ class Door:
             await connection.close(CloseCode.PROTOCOL_ERROR, reason)
             return
         watching = asyncio.create_task(self._watch(connection))
+        watching.add_done_callback(partial(self._watched, connection))
         try:
             await handler(connection)
         except (ConnectionClosed, OSError, EOFError):
@@ -291,6 +293,14 @@ class Door:
                 raise
         finally:
             watching.cancel()
+            await asyncio.wait([watching])
+
+    def _watched(self, connection: Connection, watching: asyncio.Task[None]) -> None:
+        """Log a failure of a watch, and end its tab, which would have no limits any more."""
+        error = None if watching.cancelled() else watching.exception()
+        if error is not None:
+            self._defect(error)
+            connection.cut("a tab could not be watched")
 
     async def _watch(self, connection: Connection) -> None:
         """Close a tab that sends nothing, or does not take the messages that wait for it."""
@@ -308,7 +318,7 @@ class Door:
             elif connection.silent and now - opened > limits.first_message_s:
                 connection.cut(f"a tab sent nothing for {limits.first_message_s:g} s")
 
-    def _defect(self, error: Exception) -> None:
+    def _defect(self, error: BaseException) -> None:
         if self.guard.note("", f"the server ran into a defect ({type(error).__name__})"):
             _log.error("a connection ran into a defect", exc_info=error)
 

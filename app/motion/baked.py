@@ -12,14 +12,12 @@ from scipy.spatial.transform import Rotation
 from app.motion.frames import FRAME_RATE, Frames, make_frames
 from llsrbm.analysis.figures import DesignFigures, figures_of_motion, figures_of_rollout
 from llsrbm.analysis.inertia_ellipsoid import ellipsoid
-from llsrbm.mechanics import rotation_matrices, sign_continuous
+from llsrbm.mechanics import Array, rotation_matrices, sign_continuous
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
 from llsrbm.motion.whole_body import WholeBodyMotion, motion_at_ticks, standing, whole_body_motion
 from llsrbm.robots import Robot
 from llsrbm.robots.feet import foot_contacts
-
-Array = NDArray[np.float64]
 
 ARROW_PER_SPEED = 2.0
 """Length of the arrow of a push that gives the robot 1 m/s, m: such as matter reach out of it."""

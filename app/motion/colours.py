@@ -2,49 +2,8 @@
 
 from __future__ import annotations
 
-from llsrbm.look.palette import (
-    BLOCK,
-    COM,
-    FOOT,
-    FORCE,
-    INFEASIBLE,
-    PHASES,
-    PLANNED,
-    PUSH,
-    REPLANNED,
-    RIGID,
-    SIMULATED,
-    STANDING,
-    TARGET,
-    Rgb,
-    css,
-)
-
-__all__ = [
-    "BLOCK",
-    "COLLISION",
-    "COM",
-    "CURSOR",
-    "DETECTION",
-    "FOOT",
-    "FORCE",
-    "FRICTION",
-    "INFEASIBLE",
-    "PHASES",
-    "PINNED",
-    "PLANNED",
-    "PUSH",
-    "REACH",
-    "REPLANNED",
-    "RIGID",
-    "SIMULATED",
-    "STANDING",
-    "SUPPORT",
-    "TARGET",
-    "Rgb",
-    "css",
-    "linear",
-]
+from llsrbm.look.palette import *  # noqa: F403
+from llsrbm.look.palette import Rgb
 
 PINNED: tuple[Rgb, ...] = ((140, 40, 255), (112, 112, 60), (214, 118, 168))
 """Of pinned designs: with the two above at least 20 apart in CIELAB, for colour-blind eyes too, and

@@ -10,11 +10,9 @@ from scipy.spatial.transform import Rotation
 
 from llsrbm.analysis.inertia_ellipsoid import ellipsoid
 from llsrbm.look.visuals import forward_kinematics
-from llsrbm.mechanics import rotation_matrices
+from llsrbm.mechanics import Array, rotation_matrices
 from llsrbm.motion.whole_body import WholeBodyMotion
 from llsrbm.request.schedule import Schedule
-
-Array = NDArray[np.float64]
 
 FRAME_RATE = 60.0  # Frames/s of motion; browsers mix neighbouring ones at lower speeds
 

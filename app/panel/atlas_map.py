@@ -5,12 +5,12 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from app.motion import colours
 from llsrbm.atlas.colours import COLOURS, SCALE, of_stop
 from llsrbm.atlas.jumps import words_of
 from llsrbm.atlas.map import NEAREST, Map, Scale
+from llsrbm.mechanics import Array
 from llsrbm.request.messages import short
 
 _DIGITS = 4  # of what is sent: more than the eye tells apart
@@ -74,7 +74,7 @@ def _axis(scale: Scale) -> dict[str, Any]:
     }
 
 
-def _line(drawn: Map, line: NDArray[np.float64]) -> list[list[float | None]]:
+def _line(drawn: Map, line: Array) -> list[list[float | None]]:
     scales = np.array([drawn.x.axis.scale, drawn.y.axis.scale])
     return [_plain(point) for point in line * scales]
 
@@ -89,6 +89,6 @@ def _categories(drawn: Map) -> dict[str, Any]:
     return {"keys": [[colours.css(of_stop(k, stops)), words_of(stops[k])] for k in drawn.stops]}
 
 
-def _plain(values: NDArray[np.float64]) -> list[float | None]:
+def _plain(values: Array) -> list[float | None]:
     """For JSON, which knows no NaN."""
     return [float(f"{value:.{_DIGITS}g}") if np.isfinite(value) else None for value in values.flat]

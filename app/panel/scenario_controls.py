@@ -15,6 +15,7 @@ from app.panel import summaries
 from app.panel.acts import Act, Buttons, Put, add_buttons
 from app.panel.fields import Ends, Field, Fields
 from app.panel.html import note
+from app.panel.status import SeedResult
 from llsrbm.request.scenario import LARGEST_IMPULSE, Push, Scenario
 from llsrbm.robots import RobotFile
 from llsrbm.simulation.surroundings import TO_SPARE
@@ -149,6 +150,6 @@ class ScenarioControls:
         self._results = gui.add_html(note(_NO_SEEDS))
         self.buttons |= add_buttons(gui, "worst", put)
 
-    def show_seeds(self, results: Sequence[summaries.SeedOutcome], worst_seed: int | None) -> None:
+    def show_seeds(self, results: Sequence[SeedResult], worst_seed: int | None) -> None:
         """The outcomes of several seeds; the worst of them is marked."""
         self._results.content = summaries.seeds_table(results, worst_seed) or note(_NO_SEEDS)

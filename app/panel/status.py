@@ -1,4 +1,4 @@
-"""The status line: one of the contract's words, and what follows it."""
+"""The status line, one of the contract's words and what follows it; and the result of a seed."""
 
 from __future__ import annotations
 
@@ -47,6 +47,18 @@ class Status:
             f'box-sizing:content-box;border-left:4px solid {colour};margin:0.3em 0"><b>'
             f"{escape(word)}</b>{joint}{escape(self.rest)}</div>{_bar(self.share)}</div>"
         )
+
+
+@dataclass(frozen=True)
+class SeedResult:
+    """Outcome of the simulation of one seed."""
+
+    seed: int  # of its disturbance
+    landed: bool  # whether the robot stands at the end
+    strict: bool  # whether it landed by the strict measure (`llsrbm.simulation.verdict`)
+    fell_at_s: float | None  # when it fell; None if it landed
+    foot_error: float  # largest horizontal distance of a foot from the plan's at the end, m
+    line: str  # the same in words
 
 
 def _bar(share: float | None) -> str:

@@ -5,12 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from html import escape
-from typing import Protocol
 
 import numpy as np
 
 from app.panel.html import SMALL, table
-from app.panel.status import Verdict
+from app.panel.status import SeedResult, Verdict
 from llsrbm.analysis.diagnosis import diagnose, fall_in_words
 from llsrbm.analysis.figures import figures_of_plan
 from llsrbm.analysis.summaries import planned_peak_load
@@ -21,25 +20,6 @@ from llsrbm.request.messages import decimal, percent, power
 from llsrbm.robots import load_robot
 
 _EVENTS_OF_A_FALL = 4  # events; what follows them is the fall itself
-
-
-class SeedOutcome(Protocol):
-    """Outcome of the simulation of one seed."""
-
-    @property
-    def seed(self) -> int:
-        """Of its disturbance."""
-        ...
-
-    @property
-    def landed(self) -> bool:
-        """Whether the robot stands at the end."""
-        ...
-
-    @property
-    def line(self) -> str:
-        """The same in words."""
-        ...
 
 
 def planned_line(plan: Plan, remark: str = "") -> str:
@@ -99,19 +79,19 @@ def _followed(rollout: Rollout) -> str:
     return f"{sum(math.isfinite(replan.applied) for replan in replans)} of {len(replans)}"
 
 
-def seeds_line(results: Sequence[SeedOutcome]) -> str:
+def seeds_line(results: Sequence[SeedResult]) -> str:
     """How many seeds landed."""
     landed = sum(result.landed for result in results)
     return f"{landed} of {len(results)} seeds landed"
 
 
-def seeds_share(results: Sequence[SeedOutcome]) -> str:
+def seeds_share(results: Sequence[SeedResult]) -> str:
     """In how many seeds the robot landed, or fell if it did in any: what follows that word."""
     fell = sum(not result.landed for result in results)
     return f"{fell or len(results)} of {len(results)} seeds"
 
 
-def seeds_table(results: Sequence[SeedOutcome], worst_seed: int | None = None) -> str:
+def seeds_table(results: Sequence[SeedResult], worst_seed: int | None = None) -> str:
     """How each seed ended, as HTML; "" for none."""
     if not results:
         return ""
@@ -124,7 +104,7 @@ def seeds_table(results: Sequence[SeedOutcome], worst_seed: int | None = None) -
     )
 
 
-def _seed_cell(result: SeedOutcome, *, worst: bool) -> str:
+def _seed_cell(result: SeedResult, *, worst: bool) -> str:
     state = "landed" if result.landed else "fell"
     sign = "✓" if result.landed else "✗"
     return (

@@ -13,9 +13,8 @@ from app.motion import colours
 from app.motion.clip import AnimationChannel, Track
 from app.picture.drawing import Drawing
 from app.picture.picture import Picture
+from llsrbm.mechanics import Array
 from llsrbm.simulation.surroundings import Block
-
-Array = NDArray[np.float64]
 
 
 class Blocks(Drawing):

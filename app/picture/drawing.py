@@ -83,6 +83,12 @@ class Overlay(Drawing):
         if self._root is not None:
             self._root.visible = visible
 
+    def nothing(self) -> Sequence[AnimationChannel]:
+        """Hide all nodes: there is nothing to draw of this picture."""
+        for copies in self._copies.values():
+            copies.names(0)
+        return ()
+
     def nodes(self, glb: bytes, count: int, name: str = "") -> list[str]:
         """Names of so many nodes below the root that draw one mesh (glTF); others are hidden."""
         if self._root is None:

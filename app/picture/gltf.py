@@ -1,4 +1,4 @@
-"""Meshes of overlays as binary glTF, 1 m large: a node's scale stretches them."""
+"""Meshes of overlays as binary glTF, 1 m large, for scales to stretch; and their attitudes."""
 
 from __future__ import annotations
 
@@ -7,14 +7,13 @@ from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from app.motion.colours import Rgb, linear
+from llsrbm.mechanics import Array
 
 if TYPE_CHECKING:
     import trimesh
 
-Array = NDArray[np.float64]
 
 _HEAD = 0.2  # of an arrow, share of its length
 _SHAFT = 0.008  # m, radius of an arrow's shaft; its head is 2.5 times as wide
@@ -150,3 +149,21 @@ def _blended(tree: dict[str, Any]) -> None:
     for mesh in tree["meshes"]:
         for primitive in mesh["primitives"]:
             primitive["material"] = 0
+
+
+def z_to(along: Array) -> Array:
+    """Quaternions (F, 4) that turn z to the directions `along` (F, 3), the short way."""
+    z = along / np.linalg.norm(along, axis=1, keepdims=True)
+    wxyz = np.stack([1 + z[:, 2], -z[:, 1], z[:, 0], np.zeros(len(z))], axis=1)
+    # Straight down, any half turn about a horizontal axis.
+    wxyz[z[:, 2] < -1 + 1e-9] = [0.0, 1.0, 0.0, 0.0]
+    turned: Array = wxyz / np.linalg.norm(wxyz, axis=1, keepdims=True)
+    return turned
+
+
+def x_to(along: Array) -> Array:
+    """Quaternions (F, 4) that turn x to the directions `along` (F, 3) and keep y level."""
+    yaw = np.arctan2(along[:, 1], along[:, 0]) / 2
+    pitch = -np.arctan2(along[:, 2], np.linalg.norm(along[:, :2], axis=1)) / 2
+    cy, sy, cp, sp = np.cos(yaw), np.sin(yaw), np.cos(pitch), np.sin(pitch)
+    return np.stack([cy * cp, -sy * sp, cy * sp, sy * cp], axis=1)

@@ -13,6 +13,7 @@ from app.motion.clip import AnimationChannel
 from app.motion.colours import Rgb
 from app.picture.drawing import Drawing
 from app.picture.picture import Picture
+from llsrbm.mechanics import Array
 
 
 @dataclass(frozen=True)
@@ -157,7 +158,7 @@ class Lighting(Drawing):
         return np.round(255 * (mixed / 255) ** 2.2).astype(np.uint8)
 
 
-def _tiles() -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _tiles() -> tuple[Array, Array]:
     """Lines between tiles in pieces: their ends (N, 2, 3) m, and how near these are, 1 to 0."""
     across = np.arange(-_TILES, _TILES + 1) * _TILE
     along = np.linspace(-_TILES * _TILE, _TILES * _TILE, _PIECES + 1)

@@ -11,7 +11,6 @@ from functools import lru_cache
 
 import numpy as np
 import viser
-from numpy.typing import NDArray
 
 from app.motion.clip import AnimationChannel, Track
 from app.motion.colours import Rgb, linear
@@ -23,10 +22,8 @@ from llsrbm.look.visuals import (
     link_visuals,
     needs_preparation,
 )
-from llsrbm.mechanics import rotation_matrices
+from llsrbm.mechanics import Array, rotation_matrices
 from llsrbm.robots import Robot
-
-Array = NDArray[np.float64]
 
 KEPT = 4  # Hidden robots that a tab keeps, the ones shown last: some MB of memory each in a browser
 

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-import numpy as np
 import viser
-from numpy.typing import NDArray
 
 from app.motion.clip import AnimationChannel, Clip, Track
 from app.picture.blocks import Blocks
@@ -15,8 +13,7 @@ from app.picture.lighting import Lighting
 from app.picture.overlays import OVERLAYS
 from app.picture.picture import Picture, changed_parts
 from app.picture.solid_robot import ContactShadow, SolidRobot
-
-Array = NDArray[np.float64]
+from llsrbm.mechanics import Array
 
 
 class Scene:

@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from app.motion import colours
 from app.motion.baked import ForeignMotion, PlannedMotion
@@ -17,9 +16,8 @@ from app.motion.colours import Rgb
 from app.plots.choice import ALL, ALL_JOINTS, EACH, ChartChoice, PlotChoice
 from app.plots.signals import SIGNALS, Samples, Signal
 from app.plots.time_series import TimeSeries
+from llsrbm.mechanics import Array
 from llsrbm.motion.rollout import Rollout
-
-Array = NDArray[np.float64]
 
 LIMIT: Rgb = colours.FOOT
 

@@ -5,16 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from html import escape
 
-import numpy as np
 import viser
-from numpy.typing import NDArray
 from viser import uplot
 
 from app.motion import colours
 from app.plots.charts import DASHED, Chart, Line, Look
 from app.plots.figure import Figure
-
-Array = NDArray[np.float64]
+from llsrbm.mechanics import Array
 
 _FONT = "11px system-ui, sans-serif"
 _TICKS = uplot.Axis_Ticks(size=3)

@@ -7,16 +7,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from app.motion import colours
 from app.motion.baked import PlannedMotion
 from app.plots.charts import DASHED, SOLID, Chart, Layer, Line, charts
 from app.plots.choice import PlotChoice
 from app.plots.time_grid import TimeGrid
+from llsrbm.mechanics import Array
 from llsrbm.motion.flights import flights
-
-Array = NDArray[np.float64]
 
 AXIS_STEP = 0.25
 """s. Time axes end at a multiple of it, or every plan of a dragged slider would stretch them."""

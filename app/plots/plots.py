@@ -19,7 +19,7 @@ from typing import Any
 import viser
 
 from app.plots.charts import Layer, csv_of
-from app.plots.choice import DEFAULT, PlotChoice
+from app.plots.choice import PlotChoice
 from app.plots.controls import PlotControls
 from app.plots.drawing import UplotChart, legend, note
 from app.plots.figure import Figure, figure
@@ -63,12 +63,8 @@ class Plots:
         self._end = 0.0
         self._choice: PlotChoice | None = None
 
-    def draw(
-        self, layers: Sequence[Layer], end: float, choice: PlotChoice, *, moving: bool
-    ) -> None:
-        """Draw layers up to `end`, s: the later over the earlier, all over the pinned."""
-        if moving:
-            return
+    def draw(self, layers: Sequence[Layer], end: float, choice: PlotChoice) -> None:
+        """Draw layers up to `end`, s: the later over the earlier, all over the pinned; or none."""
         # Not pinned last; sorting keeps the order of equals.
         ordered = self._known(sorted(layers, key=lambda layer: not layer.pinned))
         same_motions = ordered == self._layers and end == self._end
@@ -81,10 +77,6 @@ class Plots:
             self._show_open(choice.open)
             if not (same_motions and before is not None and _as_drawn(before) == _as_drawn(choice)):
                 self._show(choice)
-
-    def clear(self) -> None:
-        """No charts."""
-        self.draw((), 0.0, self._choice or DEFAULT, moving=False)
 
     def _known(self, layers: Sequence[Layer]) -> tuple[Layer, ...]:
         """The layers of the last drawing in place of equal ones: their signals are known."""

@@ -8,7 +8,6 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from app.plots.choice import ALL_JOINTS
 from app.plots.time_series import TimeSeries, principal_moments, recorded_name, whole_body_inertia
@@ -26,12 +25,10 @@ from llsrbm.files.quantity import (
     derived,
     quantities,
 )
-from llsrbm.mechanics import rotation_matrices, yaw
+from llsrbm.mechanics import Array, rotation_matrices, yaw
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
 from llsrbm.robots import Robot
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -14,9 +14,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from llsrbm.mechanics import Array
 
 POINTS = 384  # Evenly spaced instants, in pairs: one to two pixels each in a chart of the area
 

@@ -8,17 +8,14 @@ from typing import Any
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
 from llsrbm.analysis.inertia_ellipsoid import ellipsoid
-from llsrbm.mechanics import rotation_matrices
+from llsrbm.mechanics import Array, rotation_matrices
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
 from llsrbm.motion.sampling import resample
 from llsrbm.motion.whole_body import WholeBodyMotion, motion_at_ticks
 from llsrbm.robots import Robot
-
-Array = NDArray[np.float64]
 
 _WHOLE_BODY_EVERY = 3  # frames; an inertia changes slowly, and each costs some 15 microseconds
 _COMMON = frozenset(field.name for field in fields(WholeBodyMotion))

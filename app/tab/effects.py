@@ -15,8 +15,7 @@ import viser
 from app.link import PageLink
 from app.tab.inbox import Inbox
 from app.workers.pool import WorkerPool
-from app.workers.protocol import Report
-from app.workers.task import Task
+from app.workers.protocol import Report, Task
 from llsrbm.errors import Error
 from llsrbm.look.visuals import needs_preparation
 from llsrbm.request.design import Design, dump_design

@@ -35,19 +35,7 @@ from app.tab.effects import (
 )
 from app.tab.simulating import show_rollout, simulate, without_so_far
 from app.tab.state import Given, Shown, TabState
-from app.workers.protocol import (
-    Cancelled,
-    Failed,
-    FindNearest,
-    Found,
-    Partial,
-    PlanJump,
-    Planned,
-    Prepare,
-    Prepared,
-    Progress,
-    Report,
-)
+from app.workers import protocol
 from llsrbm.motion.plan import Plan
 from llsrbm.request import jump_types
 from llsrbm.request.design import Design
@@ -71,11 +59,11 @@ def plan_design(state: TabState) -> Step:
     state = replace(state, given=None)
     name = state.design.jump.robot
     if not state.ready:
-        if state.work.awaited == Prepare(name):
+        if state.work.awaited == protocol.Prepare(name):
             return state, ()
         state = state.forgetting().with_work(nearest=None)
         state = state.with_status(Verdict.PLANNING, "begins when the robot is ready.", busy=True)
-        return submit(state, Prepare(name))
+        return submit(state, protocol.Prepare(name))
     state = _of_a_supported_type(state)
     design = state.design
     dragging, task = state.work.dragging.request(design.jump, design.tuning, state.plan)
@@ -91,8 +79,8 @@ def plan_or_keep(state: TabState) -> Step:
     return step if step[1] else kept(step[0])
 
 
-def _submit_plan(state: TabState, task: PlanJump) -> Step:
-    following = not task.patient and isinstance(state.work.awaited, PlanJump)
+def _submit_plan(state: TabState, task: protocol.PlanJump) -> Step:
+    following = not task.patient and isinstance(state.work.awaited, protocol.PlanJump)
     if not following:
         state = state.with_status(Verdict.PLANNING, f"{state.work.instead}...", busy=True)
     return submit(state, task)
@@ -178,46 +166,50 @@ def take_report(state: TabState, event: Reported) -> Step:
         return state, ()
     if event.ticket != work.newest:
         # While a slider moves, a plan of an older request is worth showing.
-        return _show(state, report, event.ticket) if isinstance(report, Planned) else (state, ())
+        return (
+            _show(state, report, event.ticket)
+            if isinstance(report, protocol.Planned)
+            else (state, ())
+        )
     task = work.awaited
     if task is None:
         return state, ()
-    if isinstance(report, Partial):
+    if isinstance(report, protocol.Partial):
         return outcome(state, report, task)
     before: tuple[Effect, ...] = ()
     state = state.with_work(awaited=None)
-    if isinstance(task, PlanJump):
+    if isinstance(task, protocol.PlanJump):
         state, before = _wait_for_rest(state, task)
     return joined(before, outcome(state, report, task))
 
 
-def _wait_for_rest(state: TabState, task: PlanJump) -> Step:
+def _wait_for_rest(state: TabState, task: protocol.PlanJump) -> Step:
     """The newest request has its answer; a quick one is planned again when it has rested."""
     dragging = state.work.dragging.answered(task)
     state = state.with_work(dragging=dragging)
     return state, (After(REST, Rested(dragging.rest)),) if dragging.rests else ()
 
 
-@on(PlanJump)
-def take_plan_report(state: TabState, report: Report, task: PlanJump) -> Step:
+@on(protocol.PlanJump)
+def take_plan_report(state: TabState, report: protocol.Report, task: protocol.PlanJump) -> Step:
     """A plan is being made, or has been."""
     match report:
-        case Progress():
+        case protocol.Progress():
             line = summaries.progress_line(report.text, report.iteration, report.residual)
             line = f"{state.work.instead}{line}"
             return state.with_status(Verdict.PLANNING, line, busy=True), ()
-        case Planned(plan=plan):
+        case protocol.Planned(plan=plan):
             return _take_plan(state, report, plan)
-        case Failed() if not task.patient:
+        case protocol.Failed() if not task.patient:
             # It rests before it is planned with patience; a hand may still be moving.
             line = "No quick solution. Pause to search longer."
             return state.with_status(Verdict.PLANNING, line, busy=True), ()
-        case Failed(message=message, plan=Plan() as plan):
+        case protocol.Failed(message=message, plan=Plan() as plan):
             return _search(state, message, plan, task)
     return _ended(state.forgetting(), report)
 
 
-def _take_plan(state: TabState, report: Planned, plan: Plan) -> Step:
+def _take_plan(state: TabState, report: protocol.Planned, plan: Plan) -> Step:
     step = _show(state, report, state.work.newest)
     state, _ = step
     if state.plan is not plan:
@@ -235,7 +227,7 @@ def _take_plan(state: TabState, report: Planned, plan: Plan) -> Step:
     return joined(step[1], simulate(state.with_work(simulate_next=None), seeds))
 
 
-def _search(state: TabState, message: str, plan: Plan, task: PlanJump) -> Step:
+def _search(state: TabState, message: str, plan: Plan, task: protocol.PlanJump) -> Step:
     """There is no plan: show where the solver stopped, and look for the nearest jump."""
     failure, robot = f"{state.work.instead}{message}.", state.robot
     if presentable(plan) and robot is not None:
@@ -245,20 +237,22 @@ def _search(state: TabState, message: str, plan: Plan, task: PlanJump) -> Step:
     state = state.without_sequel().with_work(failure=failure)
     line = f"{failure} Looking for the nearest jump ..."
     state = state.with_status(Verdict.FAILED, line, busy=True)
-    return submit(state, FindNearest(task.jump, task.tuning))
+    return submit(state, protocol.FindNearest(task.jump, task.tuning))
 
 
-@on(FindNearest)
-def take_nearest_report(state: TabState, report: Report, _: FindNearest) -> TabState:
+@on(protocol.FindNearest)
+def take_nearest_report(
+    state: TabState, report: protocol.Report, _: protocol.FindNearest
+) -> TabState:
     """The nearest jump is looked for, or found: beside what stopped the one that was wanted."""
     failure = state.work.failure
     match report:
-        case Progress(text=text):
+        case protocol.Progress(text=text):
             return state.with_status(Verdict.FAILED, f"{failure} ({text}) ...", busy=True)
-        case Found(nearest=nearest):
+        case protocol.Found(nearest=nearest):
             line = f"{failure} It works with {nearest.changes}."
             return state.with_work(nearest=nearest).with_status(Verdict.FAILED, line)
-        case Failed(message=message):
+        case protocol.Failed(message=message):
             return state.with_status(Verdict.FAILED, f"{failure} {message}")
     state = without_so_far(state.without_sequel())
     return state.with_status(Verdict.CANCELLED, "The search for a feasible jump.")
@@ -274,28 +268,28 @@ def take_nearest(state: TabState) -> Step:
     return plan_design(remember(state, design, settled=True))
 
 
-def _ended(state: TabState, report: Report) -> Step:
+def _ended(state: TabState, report: protocol.Report) -> Step:
     state = without_so_far(state.without_sequel())
-    if isinstance(report, Failed):
+    if isinstance(report, protocol.Failed):
         return state.with_status(Verdict.FAILED, report.message), ()
-    assert isinstance(report, Cancelled)
+    assert isinstance(report, protocol.Cancelled)
     return state.with_status(Verdict.CANCELLED, "Move a slider to plan again."), ()
 
 
 # ---- robots
 
 
-@on(Prepare)
-def take_prepared(state: TabState, report: Report, _: Prepare) -> Step:
+@on(protocol.Prepare)
+def take_prepared(state: TabState, report: protocol.Report, _: protocol.Prepare) -> Step:
     """The design's robot can be loaded, or is being prepared."""
     match report:
-        case Progress():
+        case protocol.Progress():
             line = summaries.progress_line(report.text, None, None)
             line = f"{state.work.instead}{line}"
             return state.with_status(Verdict.PLANNING, line, busy=True), ()
-        case Prepared(robot=robot):
+        case protocol.Prepared(robot=robot):
             return state, (LoadRobot(robot),)
-        case Failed():
+        case protocol.Failed():
             return _ended(state, report)
     return _ended(state.forgetting(), report)
 
@@ -304,9 +298,9 @@ def take_prepared(state: TabState, report: Report, _: Prepare) -> Step:
 def take_meshes(state: TabState, event: Reported) -> Step:
     """The meshes of a robot that is drawn by its collision shapes have been made."""
     match event.report:
-        case Prepared(robot=name) if state.robot is not None and state.robot.name == name:
+        case protocol.Prepared(robot=name) if state.robot is not None and state.robot.name == name:
             return state, (LoadRobot(name),)
-        case Failed(message=message):
+        case protocol.Failed(message=message):
             return state, (Notify("The robot's meshes are missing", message),)
     return state, ()
 
@@ -342,7 +336,7 @@ def draw_robot(state: TabState, event: RobotLoaded) -> Step:
     state = replace(state, shown=None, seeds=None)
     if event.prepared:
         return state, ()
-    return submit_beside(state, Queue.ROBOT, Prepare(event.robot.name))
+    return submit_beside(state, Queue.ROBOT, protocol.Prepare(event.robot.name))
 
 
 # ---- plans that are shown
@@ -355,7 +349,7 @@ def show_plan(state: TabState, plan: Plan, robot: Robot, source: str = "") -> Ta
     return replace(state, shown=shown, seeds=None)
 
 
-def _show(state: TabState, report: Planned, ticket: int) -> Step:
+def _show(state: TabState, report: protocol.Planned, ticket: int) -> Step:
     """Show a plan, unless a newer one is shown or it is another robot's."""
     robot = state.robot
     if ticket < state.work.shown or robot is None or report.plan.jump.robot != robot.name:

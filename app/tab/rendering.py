@@ -202,7 +202,7 @@ class Rendering:
             self._compared = compared
             self._compare(state, shown)
         end = 0.0 if shown is None else float(timeline(shown.plan, state.rollout).end)
-        self._plots.draw(self._layers, end, state.plots, moving=False)
+        self._plots.draw(self._layers, end, state.plots)
 
     def _compare(self, state: TabState, shown: Shown | None) -> None:
         if shown is None:

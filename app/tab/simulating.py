@@ -12,18 +12,7 @@ from app.panel.status import Status, Verdict
 from app.tab.acts import Step, also, on, submit, update
 from app.tab.effects import Keep, Notify, Play, Seek
 from app.tab.state import Seeds, Shown, TabState
-from app.workers.protocol import (
-    Cancelled,
-    Failed,
-    Progress,
-    Report,
-    SeedDone,
-    Simulated,
-    SimulatedSeeds,
-    SimulatedSoFar,
-    SimulateJump,
-    SimulateSeeds,
-)
+from app.workers import protocol
 from llsrbm.motion.rollout import Rollout
 from llsrbm.request.scenario import Scenario
 from llsrbm.simulation.surroundings import surroundings
@@ -47,21 +36,21 @@ def simulate(state: TabState, seeds: int = 0) -> Step:
     if seeds:
         state = replace(state, seeds=Seeds(plan, scenario, seeds))
         state = state.with_status(Verdict.SIMULATING, f"{seeds} seeds ...", busy=True)
-        return submit(state, SimulateSeeds(plan, scenario, tuple(range(seeds))))
+        return submit(state, protocol.SimulateSeeds(plan, scenario, tuple(range(seeds))))
     state = state.with_status(Verdict.SIMULATING, "...", busy=True)
-    return also(submit(state, SimulateJump(plan, scenario)), Keep(state.design))
+    return also(submit(state, protocol.SimulateJump(plan, scenario)), Keep(state.design))
 
 
-@on(SimulateJump)
-def take_simulation(state: TabState, report: Report, task: SimulateJump) -> Step:
+@on(protocol.SimulateJump)
+def take_simulation(state: TabState, report: protocol.Report, task: protocol.SimulateJump) -> Step:
     """A simulation is under way, or complete."""
     match report:
-        case Progress(text=text, share=share):
+        case protocol.Progress(text=text, share=share):
             line = f"({text}) ..." if share is None else f"{share:.0%}"
             return state.with_status(Verdict.SIMULATING, line, busy=True, share=share), ()
-        case SimulatedSoFar():
+        case protocol.SimulatedSoFar():
             return _show_so_far(state, report, task)
-        case Simulated(rollout=rollout):
+        case protocol.Simulated(rollout=rollout):
             state = show_rollout(state, rollout, task.scenario)
             follow_up = state.work.compare
             return replay(state) if follow_up is None else update(state, follow_up)
@@ -74,14 +63,14 @@ def simulate_seeds(state: TabState) -> Step:
     return simulate(state, SEEDS)
 
 
-@on(SimulateSeeds)
-def take_seeds(state: TabState, report: Report, _: SimulateSeeds) -> TabState:
+@on(protocol.SimulateSeeds)
+def take_seeds(state: TabState, report: protocol.Report, _: protocol.SimulateSeeds) -> TabState:
     """One seed more has been simulated, or all of them."""
     seeds = state.seeds
-    if seeds is None or isinstance(report, Progress):
+    if seeds is None or isinstance(report, protocol.Progress):
         return state
     match report:
-        case SeedDone(result=result):
+        case protocol.SeedDone(result=result):
             seeds = replace(seeds, results=(*seeds.results, result))
             done = len(seeds.results)
             landed = sum(each.landed for each in seeds.results)
@@ -89,7 +78,7 @@ def take_seeds(state: TabState, report: Report, _: SimulateSeeds) -> TabState:
             return replace(state, seeds=seeds).with_status(
                 Verdict.SIMULATING, line, busy=True, share=done / seeds.count
             )
-        case SimulatedSeeds(results=results, worst=worst):
+        case protocol.SimulatedSeeds(results=results, worst=worst):
             state = replace(state, seeds=replace(seeds, results=results, worst=worst))
             landed_all = all(each.landed for each in results)
             verdict = Verdict.LANDED if landed_all else Verdict.FELL
@@ -136,7 +125,9 @@ def status_of(state: TabState) -> Status:
     return replace(status, rest=f"in another scenario, press Simulate{joint}{status.rest}")
 
 
-def _show_so_far(state: TabState, report: SimulatedSoFar, task: SimulateJump) -> Step:
+def _show_so_far(
+    state: TabState, report: protocol.SimulatedSoFar, task: protocol.SimulateJump
+) -> Step:
     shown, robot, start = state.shown, state.robot, state.work.replay_from
     if shown is None or robot is None:
         return state, ()
@@ -164,9 +155,9 @@ def without_so_far(state: TabState) -> TabState:
     return replace(state, shown=replace(shown, so_far=None))
 
 
-def _ended(state: TabState, report: Report) -> TabState:
+def _ended(state: TabState, report: protocol.Report) -> TabState:
     state = without_so_far(state.without_sequel())
-    if isinstance(report, Failed):
+    if isinstance(report, protocol.Failed):
         return state.with_status(Verdict.FAILED, report.message)
-    assert isinstance(report, Cancelled)
+    assert isinstance(report, protocol.Cancelled)
     return state.with_status(Verdict.CANCELLED, "The plan is still there.")

@@ -18,17 +18,17 @@ from app.motion.colours import Rgb
 from app.motion.frames import Frames
 from app.panel.atlas_controls import AtlasChoice
 from app.panel.file_controls import FileChoice
-from app.panel.status import Status, Verdict
+from app.panel.status import SeedResult, Status, Verdict
 from app.panel.view_controls import View
 from app.picture.picture import Ghost
 from app.plots.choice import DEFAULT, PlotChoice
 from app.tab.drag_planning import DragPlanning
-from app.workers.protocol import Nearest, PlanJump, SeedResult, SimulateJump
-from app.workers.task import Task
+from app.workers.protocol import PlanJump, SimulateJump, Task
 from llsrbm.analysis.figures import DesignFigures, figures_of_plan
 from llsrbm.look.titles import Decisions
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
+from llsrbm.planning.solve.nearest import Nearest
 from llsrbm.request.design import Design
 from llsrbm.request.scenario import Push, Scenario
 from llsrbm.robots import Robot, RobotFile

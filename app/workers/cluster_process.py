@@ -12,7 +12,7 @@ from multiprocessing.reduction import ForkingPickler
 from typing import TYPE_CHECKING, Any
 
 from app.workers.cluster_host import KEEP_ALIVE, Host, Message
-from app.workers.process import Ended, LocalProcess
+from app.workers.process import Ended, Process
 from app.workers.protocol import Job, PlannerFactory, Ready, Report
 
 if TYPE_CHECKING:
@@ -27,10 +27,10 @@ PLACE_PATIENCE = 120.0
 _log = logging.getLogger(__name__)
 
 
-class ClusterProcess:
+class ClusterProcess(Process):
     """A `Process` whose `run` requests the messages of a `Host`, again and again."""
 
-    start_patience = LocalProcess.start_patience + PLACE_PATIENCE
+    start_patience = Process.start_patience + PLACE_PATIENCE
 
     def __init__(self, cluster: Cluster, factory: PlannerFactory, name: str) -> None:
         self._cluster, self._factory, self._name = cluster, factory, name
@@ -38,20 +38,16 @@ class ClusterProcess:
         self._starting: Future[Any] | None = None
         self._killed = False
         self._place: Place | None = None
-        self.id: int | None = None  # of the process, on its machine; None while that is not known
 
     @property
     def startable(self) -> bool:
-        """Whether the cluster has a place free."""
         return self._cluster.has_room
 
     def reserve(self) -> bool:
-        """See `Process.reserve`."""
         self._place = self._cluster.take()
         return self._place is not None
 
     def run(self) -> Iterator[Ready | Report]:
-        """See `Process.run`."""
         place = self._place
         assert place is not None
         self._killed, ready, future = False, False, None
@@ -86,7 +82,6 @@ class ClusterProcess:
             self._cluster.give_back(place)
 
     def send(self, job: Job, failed: Callable[[Exception], None]) -> None:
-        """See `Process.send`."""
         try:
             content = bytes(ForkingPickler.dumps(job))
         except Exception as error:  # noqa: BLE001  # whatever is wrong with it
@@ -95,11 +90,9 @@ class ClusterProcess:
         self._request("send", content)
 
     def stop(self, number: int) -> None:
-        """See `Process.stop`."""
         self._request("stop", number)
 
     def kill(self) -> None:
-        """See `Process.kill`."""
         self._killed = True
         if self._host is not None:
             self._request("kill")

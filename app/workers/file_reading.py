@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from app.workers.opened_file import OpenedFile, States, check_offered, uploaded_design
 from llsrbm.errors import Error, FileFormatError, printable
 from llsrbm.formats import is_native, load_motion, readable
+from llsrbm.mechanics import Array
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
 from llsrbm.motion.trajectory import load
@@ -145,7 +146,7 @@ def _check_motion(motion: WholeBodyMotion, shown: str) -> None:
     _check_numbers(arrays, shown)
 
 
-def _check_extent(time: NDArray[np.float64], shown: str) -> None:
+def _check_extent(time: Array, shown: str) -> None:
     if len(time) > MOST_INSTANTS or not time[-1] - time[0] <= LONGEST:
         raise FileFormatError(
             f"{shown}: {len(time)} instants in {time[-1] - time[0]:.4g} s; at most {MOST_INSTANTS} "

@@ -11,23 +11,10 @@ from collections.abc import Callable, Hashable, Sequence
 from dataclasses import replace
 from functools import partial
 
+from app.workers import protocol
 from app.workers.deliveries import Deliveries
-from app.workers.member import SILENCE, PoolMember
-from app.workers.protocol import (
-    Cancelled,
-    Failed,
-    Listener,
-    Partial,
-    PlanJump,
-    Planned,
-    Progress,
-    Ready,
-    Report,
-    SimulatedSoFar,
-    SimulateJump,
-)
-from app.workers.task import Task
-from app.workers.waiting import Entry, Waiting
+from app.workers.member import SILENCE, Entry, Member
+from app.workers.waiting import Waiting
 
 # A second unforeseen exception within this time of the first is a lasting defect, s: replacing the
 # processes takes a second or two and did not help.
@@ -47,7 +34,7 @@ _log = logging.getLogger("app.workers.pool")
 class Jobs(ABC):
     """The queue, and the job of each process; all methods are called under the lock."""
 
-    def __init__(self, members: Sequence[PoolMember], cancel_grace: float) -> None:
+    def __init__(self, members: Sequence[Member], cancel_grace: float) -> None:
         """`cancel_grace`: how long a cancelled job may go on before its process is killed, s."""
         self._workers = tuple(members)
         self._cancel_grace = cancel_grace
@@ -57,7 +44,7 @@ class Jobs(ABC):
         self._numbers = itertools.count(1)
         self._refusal = ""  # the answer to all requests; "" as long as they are taken
         self._failed_at: float | None = None  # time of the last unforeseen exception
-        self._warm_up_listener: Listener = ignore
+        self._warm_up_listener: protocol.Listener = ignore
         self._warm_up_done: Callable[[], None] | None = None
         self._reports, self._asides = Deliveries("reports"), Deliveries("asides")
 
@@ -65,8 +52,8 @@ class Jobs(ABC):
     def _start_processes(self) -> None:
         """Start those that are wanted."""
 
-    def _receive(self, member: PoolMember, message: Ready | Report) -> None:
-        if isinstance(message, Ready):
+    def _receive(self, member: Member, message: protocol.Ready | protocol.Report) -> None:
+        if isinstance(message, protocol.Ready):
             member.ready = not member.ending
             self._hand_out()
             return
@@ -75,17 +62,17 @@ class Jobs(ABC):
             return
         now = time.monotonic()
         member.silent_by = now + SILENCE
-        if isinstance(message, Progress):
+        if isinstance(message, protocol.Progress):
             member.activity, member.progress = message.text, message
             self._report_progress(member, entry, now)
             return
-        if isinstance(message, SimulatedSoFar):
+        if isinstance(message, protocol.SimulatedSoFar):
             self._report(entry, message, task)
             return
         member.finish()
-        if not isinstance(message, Cancelled):
+        if not isinstance(message, protocol.Cancelled):
             self._waiting.note_done(task)
-        if isinstance(message, Planned) and isinstance(task, PlanJump):
+        if isinstance(message, protocol.Planned) and isinstance(task, protocol.PlanJump):
             member.loaded[task.needs] = replace(task, near=None)
         self._report(entry, message, task)
         self._cancel_remains(entry)
@@ -94,7 +81,7 @@ class Jobs(ABC):
     def _cancel_remains(self, entry: Entry) -> None:
         running = any(member.working_on is entry for member in self._workers)
         if not (entry.over or running or self._waiting.get(entry.tab) is entry):
-            self._report(entry, Cancelled(entry.number))
+            self._report(entry, protocol.Cancelled(entry.number))
 
     def _keep_deadlines(self, now: float) -> float | None:
         """Do what is due; when something will be, s."""
@@ -117,7 +104,7 @@ class Jobs(ABC):
         due += [entry.notify_at for entry in self._waiting]
         return min(due, default=None)
 
-    def _keep_deadlines_of_job(self, member: PoolMember, entry: Entry, now: float) -> None:
+    def _keep_deadlines_of_job(self, member: Member, entry: Entry, now: float) -> None:
         self._report_progress(member, entry, now)
         if member.stop_at is not None and now >= member.stop_at:
             member.request_stop()
@@ -127,12 +114,12 @@ class Jobs(ABC):
         if late or now >= member.silent_by:
             limit = member.task.limit if member.task is not None else None
             message = LATE.format(limit=limit) if late and limit else SILENT
-            self._report(entry, Failed(entry.number, message))
+            self._report(entry, protocol.Failed(entry.number, message))
             member.finish()
             member.plan_to_restore(but=None)
             member.kill()
 
-    def _report_progress(self, member: PoolMember, entry: Entry, now: float) -> None:
+    def _report_progress(self, member: Member, entry: Entry, now: float) -> None:
         """Report the newest progress, unless there was some a moment ago; it waits then."""
         if member.progress is not None and now >= member.notify_at:
             self._report(entry, member.progress, member.task)
@@ -153,7 +140,9 @@ class Jobs(ABC):
             # For its tab's own job if there is one, else for the one that takes longest.
             others = [activity for other, activity in busy if other.tab == entry.tab]
             others += [activity for _, activity in busy] or ["the computing process starts"]
-            self._report(entry, Progress(entry.number, f"waiting: {others[0]}", waiting=True))
+            self._report(
+                entry, protocol.Progress(entry.number, f"waiting: {others[0]}", waiting=True)
+            )
 
     def _hand_out(self) -> None:
         """Give jobs to the processes that can take them, a tab's first, then the warm-up's."""
@@ -173,7 +162,7 @@ class Jobs(ABC):
             self._recover(error)
         self._changed.notify_all()
 
-    def _next_to_load(self) -> tuple[Entry, Task, PoolMember] | None:
+    def _next_to_load(self) -> tuple[Entry, protocol.Task, Member] | None:
         """A process with time, and a task of its `todo`; one at a time, so that others are free."""
         if any(m.working_on is not None and m.working_on.tab is self for m in self._workers):
             return None
@@ -201,15 +190,17 @@ class Jobs(ABC):
         self._hand_out()
         return [entries[number] for number in sorted(entries)]
 
-    def _report(self, entry: Entry, report: Report, task: Task | None = None) -> None:
+    def _report(
+        self, entry: Entry, report: protocol.Report, task: protocol.Task | None = None
+    ) -> None:
         """Have the listener called, soon, with a report on a job or on its part; in order."""
         reports = [report]
-        if entry.batch is not None and isinstance(task, SimulateJump):
+        if entry.batch is not None and isinstance(task, protocol.SimulateJump):
             reports = entry.batch.take(task, report)
         for each in reports:
             if entry.over:
                 return
-            if not isinstance(each, Partial):
+            if not isinstance(each, protocol.Partial):
                 entry.over = True
                 self._stop_parts(entry)
             calls = self._asides if entry.tab is self else self._reports
@@ -226,23 +217,23 @@ class Jobs(ABC):
 
     def _fail_all(self, message: str) -> None:
         for entry in self._waiting.clear():
-            self._report(entry, Failed(entry.number, message))
+            self._report(entry, protocol.Failed(entry.number, message))
         for member in self._workers:
             left = member.finish()
             if left is not None and left.tab is not self:
-                self._report(left, Failed(left.number, message))
+                self._report(left, protocol.Failed(left.number, message))
 
     def _fail_warm_up(self, message: str) -> None:
         """Report it to the listener of the warm-up, if the first process is not through."""
         if self._warm_up_done is not None:
-            self._asides.put(partial(self._warm_up_listener, Failed(0, message)))
+            self._asides.put(partial(self._warm_up_listener, protocol.Failed(0, message)))
 
-    def _unsendable(self, member: PoolMember, entry: Entry, error: Exception) -> None:
+    def _unsendable(self, member: Member, entry: Entry, error: Exception) -> None:
         with self._lock:
             self._note("job %d cannot be sent", entry.number, error=error)
             if member.working_on is entry:
                 member.finish()
-            self._report(entry, Failed(entry.number, DEFECT))
+            self._report(entry, protocol.Failed(entry.number, DEFECT))
             self._hand_out()
 
     def _recover(self, error: Exception) -> None:
@@ -272,10 +263,10 @@ class Jobs(ABC):
         self._asides.put(partial(_log.error, text, *values, exc_info=error))
 
 
-def _deliver(entry: Entry, report: Report) -> None:
+def _deliver(entry: Entry, report: protocol.Report) -> None:
     """Call the listener that the entry has now: a tab that goes meanwhile gets nothing any more."""
     entry.listener(report)
 
 
-def ignore(_report: Report | str) -> None:
+def ignore(_report: protocol.Report | str) -> None:
     """Take nothing: of a tab that has gone, of loading, or of a pool without a page."""

@@ -1,46 +1,69 @@
-"""One place of the pool: a computing process, which may come and go, and its job; nothing waits."""
+"""The jobs of the pool, and its places: a process each, which may come and go, and its job."""
 
 from __future__ import annotations
 
+from collections import deque
+from collections.abc import Hashable
+from dataclasses import dataclass, field
+
 from app.workers.process import Process
-from app.workers.protocol import Job, PlanJump, Progress
-from app.workers.task import Task
-from app.workers.waiting import Entry, Member
+from app.workers.protocol import Job, Listener, PlanJump, Progress, Task
+from app.workers.seeds import Seeds
 
 # How long a process that works may be without a sign of life, s: half a minute is common while it
 # builds a solver, some minutes while it writes a long film.
 SILENCE = 600.0
 
 
-class PoolMember(Member):
-    """One computing process and its job.
+@dataclass(eq=False)
+class Entry:
+    """A job in the queue or on processes, and the tab that it is for."""
 
-    Attributes:
-        running: whether its thread has started it and not yet seen it end.
-        ending: it was killed on our order.
-        start_by: when it has to be ready, s.
-        silent_by: when it has to have given a sign of life, s.
-    """
+    tab: Hashable  # any name of it that can be a key
+    number: int  # of the job
+    task: Task  # the work
+    listener: Listener  # called with its reports
+    notify_at: float = 0.0  # when its tab gets to know the reason for waiting, s (monotonic clock)
+    over: bool = False  # nothing more is reported: it has its outcome, or nobody waits for it
+    batch: Seeds | None = None  # makes one outcome of those of the parts
 
-    def __init__(self, process: Process, *, reserved: bool, remote: bool = False) -> None:
-        super().__init__(reserved, remote)
-        self.process = process  # wherever it runs
-        self.running = self.ending = False
-        self.may_start = True  # False once it could not, until the next request
-        self.todo: list[Task] = []  # tasks to load when there is nothing else to do
-        # stop_at, end_at: when to have the running job stop, and to kill the process, s
-        self.stop_at: float | None = None
-        self.end_at: float | None = None
-        self.start_by = self.silent_by = 0.0
-        self.activity = ""  # the text of its job's last progress
-        # the job's last progress, as long as its tab has not got it
-        self.progress: Progress | None = None
-        self.notify_at = 0.0  # when the tab may get the next, s
+    def __post_init__(self) -> None:
+        self.parts = deque(self.task.parts)  # that no process has yet
+
+
+@dataclass(eq=False)
+class Member:
+    """One computing process and its job; nothing here waits."""
+
+    process: Process  # wherever it runs
+    reserved: bool  # takes no job that lasts seconds
+    remote: bool = False  # on another machine; takes no job that is about files of this one
+    running: bool = False  # its thread has started it and not yet seen it end
+    ready: bool = False  # it has started
+    ending: bool = False  # it was killed on our order
+    may_start: bool = True  # False once it could not, until the next request
+    start_by: float = 0.0  # when it has to be ready, s
+    # what is in its memory (`Task.needs`), each with a task that it has solved
+    loaded: dict[Hashable, PlanJump] = field(default_factory=dict)
+    todo: list[Task] = field(default_factory=list)  # to load when there is nothing else to do
+    working_on: Entry | None = None  # its job, if it has one
+    task: Task | None = None  # the part of it
+    stopping: bool = False  # that job was requested to stop; it may go on for a while
+    stop_at: float | None = None  # when to have the job stop, s
+    end_at: float | None = None  # when to kill the process, s
+    silent_by: float = 0.0  # when it has to have given a sign of life, s
+    activity: str = ""  # the text of its job's last progress
+    progress: Progress | None = None  # the job's last one, as long as its tab has not got it
+    notify_at: float = 0.0  # when the tab may get the next, s
 
     @property
-    def id(self) -> int | None:
-        """Of the process, on its machine; None while there is none."""
-        return self.process.id
+    def idle(self) -> bool:
+        """Whether it can take a job."""
+        return self.ready and self.working_on is None
+
+    def suits(self, task: Task) -> bool:
+        """Whether it may take a task at all, once it has time."""
+        return not (self.reserved and task.kind.long) and not (self.remote and task.only_here)
 
     def start(self, now: float) -> None:
         """Its thread is about to run it."""

@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING
 
 from app.workers import worker
 from app.workers.jobs import WAITING_INTERVAL, Jobs, ignore
-from app.workers.member import PoolMember
+from app.workers.member import Entry, Member
 from app.workers.process import Ended, LocalProcess
 from app.workers.protocol import (
     Cancelled,
@@ -32,10 +32,10 @@ from app.workers.protocol import (
     PlannerFactory,
     Prepare,
     SimulateSeeds,
+    Task,
 )
 from app.workers.seeds import Seeds
-from app.workers.task import Task
-from app.workers.waiting import MOST_WAITING, Entry
+from app.workers.waiting import MOST_WAITING
 from llsrbm.errors import InputError
 
 if TYPE_CHECKING:
@@ -91,7 +91,7 @@ class WorkerPool(Jobs):
         self._superseded_grace = superseded_grace
         self._cluster = cluster
         members = [
-            PoolMember(
+            Member(
                 LocalProcess(factory, f"llsrbm-computing-{i + 1}"),
                 reserved=0 < i == processes - 1,
             )
@@ -99,7 +99,7 @@ class WorkerPool(Jobs):
         ]
         if cluster is not None:
             members += [
-                PoolMember(process, reserved=(processes + i) % RESERVED_EVERY == 1, remote=True)
+                Member(process, reserved=(processes + i) % RESERVED_EVERY == 1, remote=True)
                 for i, process in enumerate(cluster.processes(factory, MOST_ON_CLUSTER))
             ]
         super().__init__(members, cancel_grace)
@@ -180,7 +180,7 @@ class WorkerPool(Jobs):
     @property
     def process_ids(self) -> tuple[int | None, ...]:
         """Of each computing process, None while there is none; the reserved one is the last."""
-        return tuple(member.id for member in self._workers)
+        return tuple(member.process.id for member in self._workers)
 
     # ---- a process' thread
 
@@ -193,7 +193,7 @@ class WorkerPool(Jobs):
         self._threads.add(thread)
         thread.start()
 
-    def _run(self, member: PoolMember) -> None:
+    def _run(self, member: Member) -> None:
         """From the start of a process to its end."""
         try:
             for message in member.process.run():
@@ -214,7 +214,7 @@ class WorkerPool(Jobs):
                 member.start(time.monotonic())
                 self._start_thread(partial(self._run, member), f"worker-pool-{number}")
 
-    def _shall_start(self, member: PoolMember) -> bool:
+    def _shall_start(self, member: Member) -> bool:
         if self._refusal or member.running or not member.may_start:
             return False
         first = self._workers[0]
@@ -226,7 +226,7 @@ class WorkerPool(Jobs):
             or (self._warm_up_done is not None and not first.todo)
         )
 
-    def _ended(self, member: PoolMember, ended: Ended) -> None:
+    def _ended(self, member: Member, ended: Ended) -> None:
         """A process has gone: fail its job; a new one takes its place, if there is a machine."""
         was_ready, expected = member.ready, member.ending
         member.running = member.ready = member.ending = False

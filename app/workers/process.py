@@ -10,11 +10,12 @@ import ctypes
 import logging
 import multiprocessing
 import threading
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator
 from multiprocessing.connection import Connection
 from multiprocessing.context import SpawnProcess
 from multiprocessing.reduction import ForkingPickler
-from typing import Any, Protocol
+from typing import Any
 
 from app.workers import worker
 from app.workers.protocol import Job, PlannerFactory, Ready, Report
@@ -26,66 +27,51 @@ _log = logging.getLogger(__name__)
 
 
 class Ended(Exception):  # no error where it was our order
-    """A process has gone.
-
-    Attributes:
-        how: its exit status, or signal.
-        logged: whether the terminal has the reason already.
-    """
+    """A process has gone, with that exit status or signal; `logged`: the terminal has it."""
 
     def __init__(self, how: str, *, logged: bool = False) -> None:
         super().__init__(how)
         self.how, self.logged = how, logged
 
 
-class Process(Protocol):
+class Process(ABC):
     """A process that computes, on this machine or another; started again after it has ended."""
 
-    @property
-    def id(self) -> int | None:
-        """Of the process, on its machine; None while there is none."""
-        ...
+    id: int | None = None  # on its machine; None while there is none
+    start_patience = 60.0  # s until it is ready; it imports for 1 s, on a busy machine for more
 
     @property
     def startable(self) -> bool:
         """Whether there is a machine that it could be started on."""
-        ...
-
-    @property
-    def start_patience(self) -> float:
-        """Time (s) that it may take to be ready."""
-        ...
+        return True
 
     def reserve(self) -> bool:
         """Take a place on such a machine, which `run` needs, if there is one."""
-        ...
+        return True
 
+    @abstractmethod
     def run(self) -> Iterator[Ready | Report]:
         """Start it and wait for its messages, of which `Ready` is the first.
 
         Raises:
             Ended: it has gone, or cannot be started.
         """
-        ...
 
+    @abstractmethod
     def send(self, job: Job, failed: Callable[[Exception], None]) -> None:
         """Give it a job; returns at once, `failed` is called if the job cannot be sent."""
-        ...
 
+    @abstractmethod
     def stop(self, number: int) -> None:
         """Have the job with this number stop; from any thread."""
-        ...
 
+    @abstractmethod
     def kill(self) -> None:
         """Have `run` end; from any thread, returns at once."""
-        ...
 
 
-class LocalProcess:
-    """A process of this machine; see `Process`."""
-
-    startable = True
-    start_patience = 60.0  # it imports for 1 s, on a busy machine for some more
+class LocalProcess(Process):
+    """A process of this machine."""
 
     def __init__(self, factory: PlannerFactory, name: str) -> None:
         # A forked child would inherit the server's sockets and threads' locks.
@@ -96,17 +82,7 @@ class LocalProcess:
         self._connection: Connection | None = None
         self._writer: threading.Thread | None = None
 
-    @property
-    def id(self) -> int | None:
-        """See `Process.id`."""
-        return None if self._process is None else self._process.pid
-
-    def reserve(self) -> bool:
-        """See `Process.reserve`."""
-        return True
-
     def run(self) -> Iterator[Ready | Report]:
-        """See `Process.run`."""
         ours, theirs = self._context.Pipe()
         process = self._context.Process(
             target=worker.main,
@@ -121,7 +97,7 @@ class LocalProcess:
             raise Ended(f"{error.strerror or error}") from error
         finally:
             theirs.close()  # only the child may hold its end, or its death would go unnoticed
-        self._connection, self._process = ours, process
+        self._connection, self._process, self.id = ours, process, process.pid
         try:
             while True:
                 yield ours.recv()
@@ -134,7 +110,6 @@ class LocalProcess:
         raise Ended(how)
 
     def send(self, job: Job, failed: Callable[[Exception], None]) -> None:
-        """See `Process.send`."""
         # A process that does not read keeps nobody waiting but this thread, which ends with it.
         self._writer = threading.Thread(
             target=self._write, args=(self._connection, job, failed), name=f"{self._name}-writer"
@@ -152,11 +127,9 @@ class LocalProcess:
             to.send_bytes(content)
 
     def stop(self, number: int) -> None:
-        """See `Process.stop`."""
         self._stop.value = number
 
     def kill(self) -> None:
-        """See `Process.kill`."""
         process = self._process
         if process is not None:
             with contextlib.suppress(ValueError):  # closed meanwhile
@@ -173,7 +146,7 @@ class LocalProcess:
             how = "it cannot even be killed"  # the kernel holds it; it is left to itself
         else:
             how = f"signal {-code}" if code < 0 else f"exit status {code}"
-        self._process = None
+        self._process = self.id = None
         # Closed only when no thread uses it any more: its number may be another file's soon.
         if self._writer is not None:
             self._writer.join()

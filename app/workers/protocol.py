@@ -10,13 +10,16 @@ unambiguous and needs no reset. A job's reports are any number of partial ones (
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass, field
-from typing import Any, Protocol
+from enum import Enum
+from typing import TYPE_CHECKING, Any, ClassVar
 
+from app.panel.status import SeedResult
 from app.workers.opened_file import OpenedFile
-from app.workers.task import Array, Kind, Talk, Task
 from llsrbm.formats import find
+from llsrbm.mechanics import Array
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
 from llsrbm.request.design import SUFFIX
@@ -24,10 +27,66 @@ from llsrbm.request.jump import Jump
 from llsrbm.request.scenario import Scenario
 from llsrbm.request.tuning import Tuning
 
+if TYPE_CHECKING:
+    from llsrbm.planning.solve.nearest import Nearest
+
 READING_LIMIT = 60.0
 """Time (s) that the reading of a file may take; the largest that is accepted takes a few."""
 
 _NUMBERS = {".npz", ".csv", ".json", ".pkl", SUFFIX}  # of files that hold nothing else
+
+
+class Kind(Enum):
+    """Kinds of jobs; a tab has one of each running at a time."""
+
+    PLAN = "plan"
+    SEARCH = "search"
+    SIMULATE = "simulate"
+    EXPORT = "export"
+    QUICK_EXPORT = "quick export"
+    READ = "read"
+
+    @property
+    def long(self) -> bool:
+        """Whether it may last seconds, and keeps away from the reserved process."""
+        return self in (Kind.SEARCH, Kind.SIMULATE, Kind.EXPORT, Kind.READ)
+
+    @property
+    def gives_way(self) -> bool:
+        """Whether it is stopped at once when its tab requests something newer."""
+        return self in (Kind.SEARCH, Kind.SIMULATE, Kind.EXPORT)
+
+
+class Task(ABC):
+    """Some work for a process: its kind, what has to be built for it, and how it is worked on."""
+
+    # it needs files of the server's machine: its meshes, a visitor's file, packages
+    only_here: ClassVar[bool] = False
+    one_at_a_time: ClassVar[bool] = False  # in the whole pool
+    # time (s) that it may take; None: as long as it gives signs of life
+    limit: ClassVar[float | None] = None
+
+    @property
+    @abstractmethod
+    def kind(self) -> Kind: ...
+
+    @property
+    def needs(self) -> Hashable:
+        """The robot or the solver that has to be built first; None: nothing."""
+        return None
+
+    @property
+    def parts(self) -> tuple[Task, ...]:
+        """Tasks that processes work on side by side, in place of this one; it alone: not so."""
+        return (self,)
+
+    def work(self, planner: Any, talk: Talk) -> Outcome:
+        """Have the planner of this process do it, unless processes get its parts.
+
+        Raises:
+            llsrbm.errors.Error: it cannot be done, or was stopped (`Cancelled`).
+        """
+        raise NotImplementedError
 
 
 # ---- tasks, server to process
@@ -42,12 +101,12 @@ class Prepare(Task):
     only_here = True
 
     @property
-    def needs(self) -> Hashable:  # noqa: D102
+    def needs(self) -> Hashable:
         return self.robot
 
-    def work(self, planner: Any, job: int, talk: Talk) -> Outcome:  # noqa: D102
+    def work(self, planner: Any, talk: Talk) -> Outcome:
         planner.prepare(self.robot, talk.progress)
-        return Prepared(job, self.robot)
+        return Prepared(talk.job, self.robot)
 
 
 @dataclass(frozen=True)
@@ -62,11 +121,11 @@ class PlanJump(Task):
     kind = Kind.PLAN
 
     @property
-    def needs(self) -> Hashable:  # noqa: D102
+    def needs(self) -> Hashable:
         return solver_of(self.jump)
 
-    def work(self, planner: Any, job: int, talk: Talk) -> Outcome:  # noqa: D102
-        return Planned(job, planner.plan(self, talk.progress, talk.cancelled))
+    def work(self, planner: Any, talk: Talk) -> Outcome:
+        return Planned(talk.job, planner.plan(self, talk.progress, talk.cancelled))
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,8 +136,10 @@ class SimulateJump(Task):
     scenario: Scenario  # board and disturbance
     kind = Kind.SIMULATE
 
-    def work(self, planner: Any, job: int, talk: Talk) -> Outcome:  # noqa: D102
-        return Simulated(job, planner.simulate(self, talk.progress, talk.so_far, talk.cancelled))
+    def work(self, planner: Any, talk: Talk) -> Outcome:
+        return Simulated(
+            talk.job, planner.simulate(self, talk.progress, talk.so_far, talk.cancelled)
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,11 +152,8 @@ class SimulateSeeds(Task):
     kind = Kind.SIMULATE
 
     @property
-    def parts(self) -> tuple[Task, ...]:  # noqa: D102
+    def parts(self) -> tuple[Task, ...]:
         return tuple(SimulateJump(self.plan, self.scenario.but(seed=s)) for s in self.seeds)
-
-    def work(self, planner: Any, job: int, talk: Talk) -> Outcome:  # noqa: D102
-        raise NotImplementedError("processes get its parts")
 
 
 @dataclass(frozen=True)
@@ -107,11 +165,11 @@ class FindNearest(Task):
     kind = Kind.SEARCH
 
     @property
-    def needs(self) -> Hashable:  # noqa: D102
+    def needs(self) -> Hashable:
         return solver_of(self.jump)
 
-    def work(self, planner: Any, job: int, talk: Talk) -> Outcome:  # noqa: D102
-        return Found(job, planner.nearest(self, talk.progress, talk.cancelled))
+    def work(self, planner: Any, talk: Talk) -> Outcome:
+        return Found(talk.job, planner.nearest(self, talk.progress, talk.cancelled))
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,8 +185,8 @@ class OpenFile(Task):
     one_at_a_time = True  # a hostile file keeps one process busy, not all of them
     limit = READING_LIMIT
 
-    def work(self, planner: Any, job: int, talk: Talk) -> Outcome:  # noqa: D102
-        return Opened(job, planner.open(self, talk.progress))
+    def work(self, planner: Any, talk: Talk) -> Outcome:
+        return Opened(talk.job, planner.open(self, talk.progress))
 
 
 @dataclass(frozen=True, eq=False)
@@ -142,13 +200,13 @@ class ExportMotion(Task):
     only_here = True
 
     @property
-    def kind(self) -> Kind:  # noqa: D102
+    def kind(self) -> Kind:
         # Numbers alone, no meshes and no pictures: surely less than a second.
         quick = all(find(name).suffix in _NUMBERS for name in self.formats)
         return Kind.QUICK_EXPORT if quick else Kind.EXPORT
 
-    def work(self, planner: Any, job: int, talk: Talk) -> Outcome:  # noqa: D102
-        return Exported(job, *planner.export(self, talk.progress))
+    def work(self, planner: Any, talk: Talk) -> Outcome:
+        return Exported(talk.job, *planner.export(self, talk.progress))
 
 
 Solver = tuple[str, str, str, int]
@@ -169,17 +227,6 @@ class Job:
 
 
 # ---- reports, process to server; `job` is the number of the job
-
-
-class Nearest(Protocol):
-    """Result of a search (`llsrbm.nearest`): a jump that can be planned, and its difference."""
-
-    @property
-    def jump(self) -> Jump: ...  # noqa: D102
-    @property
-    def plan(self) -> Plan: ...  # noqa: D102
-    @property
-    def changes(self) -> str: ...  # noqa: D102
 
 
 @dataclass(frozen=True)
@@ -211,18 +258,6 @@ class SimulatedSoFar:
     share: float  # done of it, 0 to 1
     time: Array  # (K,) s from 0 on
     qpos: Array  # (K, 7 + J) in MuJoCo's convention, joints in `Robot.joint_names`' order
-
-
-@dataclass(frozen=True)
-class SeedResult:
-    """Outcome of the simulation of one seed."""
-
-    seed: int  # of its disturbance
-    landed: bool  # whether the robot stands at the end
-    strict: bool  # whether it landed by the strict measure (`llsrbm.simulation.verdict`)
-    fell_at_s: float | None  # when it fell; None if it landed
-    foot_error: float  # largest horizontal distance of a foot from the plan's at the end, m
-    line: str  # the same in words
 
 
 @dataclass(frozen=True)
@@ -316,6 +351,35 @@ Outcome = (
 )
 Report = Partial | Outcome
 Listener = Callable[[Report], None]
+
+
+@dataclass(frozen=True)
+class Talk:
+    """The way of a job's partial reports, and of the request to stop it."""
+
+    job: int
+    send: Callable[[Report], object]
+    stop: Any  # shared with the server, its `value`: number of the job that shall stop
+
+    def progress(
+        self,
+        text: str,
+        *,
+        share: float | None = None,
+        iteration: int | None = None,
+        residual: float | None = None,
+    ) -> None:
+        """Report `Progress`; cheap enough to be called often."""
+        self.send(Progress(self.job, text, share, iteration, residual))
+
+    def so_far(self, share: float, time: Array, qpos: Array) -> None:
+        """Report `SimulatedSoFar`."""
+        self.send(SimulatedSoFar(self.job, share, time, qpos))
+
+    def cancelled(self) -> bool:
+        """Whether the job shall stop."""
+        return bool(self.stop.value == self.job)
+
 
 PlannerFactory = Callable[[], Any]
 """Makes the planner (`app.workers.worker.LibraryPlanner`) inside a process; an importable function

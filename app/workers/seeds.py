@@ -10,11 +10,11 @@ from __future__ import annotations
 
 import math
 
+from app.panel.status import SeedResult
 from app.workers.protocol import (
     Progress,
     Report,
     SeedDone,
-    SeedResult,
     Simulated,
     SimulatedSeeds,
     SimulatedSoFar,

@@ -18,64 +18,14 @@
 
 from __future__ import annotations
 
-from collections import deque
 from collections.abc import Hashable, Iterator, Sequence
-from dataclasses import dataclass, field
-from typing import TypeVar
 
-from app.workers.protocol import Listener, PlanJump
-from app.workers.seeds import Seeds
-from app.workers.task import Task
+from app.workers.member import Entry, Member
+from app.workers.protocol import Task
 
 MOST_WAITING = 200
 """Jobs in the queue: of some 60 tabs that plan, open and save at once; a job may hold a file of
 32 MB, so that the queue needs a bound."""
-
-
-@dataclass(eq=False)
-class Entry:
-    """A job in the queue or on processes, and the tab that it is for.
-
-    Attributes:
-        parts: of the task, that no process has yet.
-    """
-
-    tab: Hashable  # any name of it that can be a key
-    number: int  # of the job
-    task: Task  # the work
-    listener: Listener  # called with its reports
-    notify_at: float = 0.0  # when its tab gets to know the reason for waiting, s (monotonic clock)
-    over: bool = False  # nothing more is reported: it has its outcome, or nobody waits for it
-    batch: Seeds | None = None  # makes one outcome of those of the parts
-
-    def __post_init__(self) -> None:
-        self.parts = deque(self.task.parts)
-
-
-@dataclass(eq=False)
-class Member:
-    """One process of the pool, as far as the order of jobs goes."""
-
-    reserved: bool  # takes no job that lasts seconds
-    remote: bool = False  # on another machine; takes no job that is about files of this one
-    # what is in its memory (`Task.needs`), each with a task that it has solved
-    loaded: dict[Hashable, PlanJump] = field(default_factory=dict)
-    ready: bool = False  # it has started
-    working_on: Entry | None = None  # its job, if it has one
-    task: Task | None = None  # the part of it
-    stopping: bool = False  # whether that job was requested to stop; it may go on for a while
-
-    @property
-    def idle(self) -> bool:
-        """Whether it can take a job."""
-        return self.ready and self.working_on is None
-
-    def suits(self, task: Task) -> bool:
-        """Whether it may take a task at all, once it has time."""
-        return not (self.reserved and task.kind.long) and not (self.remote and task.only_here)
-
-
-AnyMember = TypeVar("AnyMember", bound=Member)
 
 
 class Waiting:
@@ -117,7 +67,7 @@ class Waiting:
         self._entries.clear()
         return entries
 
-    def next(self, members: Sequence[AnyMember]) -> tuple[Entry, Task, AnyMember] | None:
+    def next(self, members: Sequence[Member]) -> tuple[Entry, Task, Member] | None:
         """Take the first job, or part of one, that a member can take; with it, and the member."""
         running = [m.working_on for m in members if m.working_on is not None and not m.stopping]
         for entry in self._entries.values():

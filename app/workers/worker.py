@@ -8,43 +8,23 @@ import tempfile
 from collections.abc import Callable
 from multiprocessing.connection import Connection
 from pathlib import Path
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 import llsrbm
+from app.workers import protocol
 from app.workers.opened_file import OpenedFile
-from app.workers.protocol import (
-    Cancelled,
-    ExportMotion,
-    Failed,
-    FindNearest,
-    Job,
-    Nearest,
-    OpenFile,
-    PlanJump,
-    PlannerFactory,
-    Progress,
-    Ready,
-    Report,
-    SimulatedSoFar,
-    SimulateJump,
-    Solver,
-    solver_of,
-)
-from app.workers.task import Array
 from llsrbm import errors
+from llsrbm.mechanics import Array
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
 from llsrbm.request.jump import Jump
 
+if TYPE_CHECKING:
+    from llsrbm.planning.solve.nearest import Nearest
+
 _log = logging.getLogger(__name__)
 
 ProgressListener = Callable[..., None]  # `app.workers.protocol.Talk.progress`
-
-
-class SharedNumber(Protocol):
-    """An integer both processes see (`multiprocessing.Value`)."""
-
-    value: int
 
 
 class LibraryPlanner:
@@ -55,10 +35,10 @@ class LibraryPlanner:
     """
 
     def __init__(self) -> None:
-        import llsrbm.api  # noqa: F401
+        import llsrbm.api  # noqa: F401  # takes long: before the first job
 
-        self._solvers: set[Solver] = set()
-        self._replanned: set[Solver] = set()  # with which a flight has been planned anew
+        self._solvers: set[protocol.Solver] = set()
+        self._replanned: set[protocol.Solver] = set()  # with which a flight has been planned anew
 
     def prepare(self, robot: str, progress: ProgressListener) -> None:
         """Compute or load everything that drawing `robot` needs."""
@@ -72,14 +52,14 @@ class LibraryPlanner:
         link_visuals(loaded, coarse=True)
 
     def plan(
-        self, task: PlanJump, progress: ProgressListener, cancelled: Callable[[], bool]
+        self, task: protocol.PlanJump, progress: ProgressListener, cancelled: Callable[[], bool]
     ) -> Plan:
         """Plan a jump."""
         self._announce(task.jump, progress)
         # The plan that the page shows may be no start: of another solver, or without an iterate.
         near = task.near
         if near is not None and (
-            near.solution is None or solver_of(near.jump) != solver_of(task.jump)
+            near.solution is None or protocol.solver_of(near.jump) != protocol.solver_of(task.jump)
         ):
             near = None
         how: dict[str, Any] = {
@@ -96,7 +76,7 @@ class LibraryPlanner:
             return llsrbm.plan(task.jump, near=None, **how)
 
     def nearest(
-        self, task: FindNearest, progress: ProgressListener, cancelled: Callable[[], bool]
+        self, task: protocol.FindNearest, progress: ProgressListener, cancelled: Callable[[], bool]
     ) -> Nearest:
         """Find the nearest jump that can be planned."""
         self._announce(task.jump, progress)
@@ -111,19 +91,19 @@ class LibraryPlanner:
 
     def simulate(
         self,
-        task: SimulateJump,
+        task: protocol.SimulateJump,
         progress: ProgressListener,
         so_far: Callable[[float, Array, Array], None],
         cancelled: Callable[[], bool],
     ) -> Rollout:
         """Simulate a plan; progress comes with the share that is done."""
         jump = task.plan.jump
-        if task.scenario.replan and solver_of(jump) not in self._replanned:
+        if task.scenario.replan and protocol.solver_of(jump) not in self._replanned:
             progress(
                 f"building the solvers that plan anew, of {jump.model} for {jump.robot}: a minute, "
                 "the first time"
             )
-            self._replanned.add(solver_of(jump))
+            self._replanned.add(protocol.solver_of(jump))
         shown = -1
         reached = 0.0
 
@@ -143,7 +123,7 @@ class LibraryPlanner:
             so_far=lambda time, qpos: so_far(reached, time, qpos),
         )
 
-    def open(self, task: OpenFile, progress: ProgressListener) -> OpenedFile:
+    def open(self, task: protocol.OpenFile, progress: ProgressListener) -> OpenedFile:
         """Read a file, and prepare its robot."""
         from app.workers.file_reading import open_file
 
@@ -151,21 +131,21 @@ class LibraryPlanner:
         self.prepare(opened.robot, progress)
         return opened
 
-    def export(self, task: ExportMotion, progress: ProgressListener) -> tuple[str, bytes]:
+    def export(self, task: protocol.ExportMotion, progress: ProgressListener) -> tuple[str, bytes]:
         """Name and content of the file that is made."""
         progress(f"writing {', '.join(task.formats)}")
         return exported(task)
 
     def _announce(self, jump: Jump, progress: ProgressListener) -> None:
-        if solver_of(jump) not in self._solvers:
+        if protocol.solver_of(jump) not in self._solvers:
             progress(
                 f"building the solver of {jump.model} for {jump.robot}: half a minute, the first "
                 "time"
             )
-        self._solvers.add(solver_of(jump))
+        self._solvers.add(protocol.solver_of(jump))
 
 
-def exported(task: ExportMotion) -> tuple[str, bytes]:
+def exported(task: protocol.ExportMotion) -> tuple[str, bytes]:
     """Name and content of the one file that an export makes.
 
     Raises:
@@ -182,7 +162,7 @@ def exported(task: ExportMotion) -> tuple[str, bytes]:
         return name, path.read_bytes()
 
 
-def main(connection: Connection, stop: SharedNumber, factory: PlannerFactory) -> None:
+def main(connection: Connection, stop: Any, factory: protocol.PlannerFactory) -> None:
     """Work on jobs of a connection until it is closed; `stop`: number of a job to be stopped.
 
     An exception that is no `llsrbm.errors.Error` is a defect: it ends the process with a traceback
@@ -192,41 +172,20 @@ def main(connection: Connection, stop: SharedNumber, factory: PlannerFactory) ->
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     try:
         planner = factory()
-        connection.send(Ready())
+        connection.send(protocol.Ready())
         while True:
-            job: Job = connection.recv()
-            connection.send(_work(planner, job, _Talk(job.number, connection, stop)))
+            job: protocol.Job = connection.recv()
+            connection.send(_work(planner, job, protocol.Talk(job.number, connection.send, stop)))
     except (EOFError, BrokenPipeError, ConnectionResetError):
         return
 
 
-class _Talk:
-    def __init__(self, job: int, connection: Connection, stop: SharedNumber) -> None:
-        self._job, self._connection, self._stop = job, connection, stop
-
-    def progress(
-        self,
-        text: str,
-        *,
-        share: float | None = None,
-        iteration: int | None = None,
-        residual: float | None = None,
-    ) -> None:
-        self._connection.send(Progress(self._job, text, share, iteration, residual))
-
-    def so_far(self, share: float, time: Array, qpos: Array) -> None:
-        self._connection.send(SimulatedSoFar(self._job, share, time, qpos))
-
-    def cancelled(self) -> bool:
-        return self._stop.value == self._job
-
-
-def _work(planner: Any, job: Job, talk: _Talk) -> Report:
+def _work(planner: Any, job: protocol.Job, talk: protocol.Talk) -> protocol.Report:
     try:
-        return job.task.work(planner, job.number, talk)
+        return job.task.work(planner, talk)
     except errors.Cancelled:
-        return Cancelled(job.number)
+        return protocol.Cancelled(job.number)
     except errors.NotConverged as error:
-        return Failed(job.number, str(error), error.plan)
+        return protocol.Failed(job.number, str(error), error.plan)
     except errors.Error as error:
-        return Failed(job.number, str(error))
+        return protocol.Failed(job.number, str(error))

@@ -1,6 +1,6 @@
-"""Overlays, drawn besides the robot, one file each: a class with its box, its legend, its nodes.
+"""Overlays, drawn besides the robot: classes, each with its box, its legend, its nodes.
 
-`OVERLAYS` names them all. A new overlay is a new file here, and nothing else.
+`OVERLAYS` names them all. A new overlay is a class in a file here, and nothing else.
 """
 
 from __future__ import annotations

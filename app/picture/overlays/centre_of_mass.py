@@ -1,15 +1,18 @@
-"""The centre of mass of the robot that is drawn solid."""
+"""The centre of mass of the robot that is drawn solid, and the paths of it and of the feet."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy as np
 import viser
+from numpy.typing import NDArray
 
 from app.motion import colours
 from app.motion.clip import AnimationChannel, Track
 from app.picture.drawing import Key, Overlay
 from app.picture.picture import Picture
+from llsrbm.mechanics import Array
 
 _RADIUS = 0.018  # m
 
@@ -45,3 +48,67 @@ class CentreOfMass(Overlay):
     def show(self, *, visible: bool) -> None:
         if self._ball is not None:
             self._ball.visible = visible
+
+
+_ALONG = 2  # frames between the points of a trail
+_NOTHING = np.zeros((1, 2, 3), dtype=np.float32)  # a line without a length
+
+
+class Trails(Overlay):
+    """Lines that do not move; those of a plan that breaks constraints have a warning colour."""
+
+    name = "trails"
+    title = "Trails"
+    hint = "The paths of the centre of mass and, in flight, of the feet."
+    place = 40
+    at_first = True
+
+    _lines: tuple[viser.LineSegmentsHandle, viser.LineSegmentsHandle] | None = None
+
+    @classmethod
+    def keys(cls, picture: Picture) -> Sequence[Key]:
+        return [Key(colours.COM, "centre of mass")]
+
+    def draw(self, picture: Picture) -> Sequence[AnimationChannel]:
+        _, planned, frames = picture.motion
+        if self._lines is None:
+            self._lines = self._add("com", colours.COM, 3.0), self._add("feet", colours.FOOT, 2.0)
+        com, feet = self._lines
+        last = len(frames.time) - 1
+        kept = np.append(np.arange(0, last, _ALONG), last)
+        com.points = _segments(frames.com[kept, None])
+        feet.points = np.concatenate(
+            [_NOTHING]  # a robot that fell early may never have flown
+            + [
+                _segments(frames.foot_position[start:end:_ALONG, foot, None])
+                for foot in range(frames.stands.shape[1])
+                for start, end in _stretches(~frames.stands[:, foot])
+            ]
+        )
+        # One colour for all, as when the node was made.
+        colour = colours.COM if planned.plan.solved else colours.INFEASIBLE
+        com.colors = np.array(colour, dtype=np.uint8)
+        return ()
+
+    def show(self, *, visible: bool) -> None:
+        for line in self._lines or ():
+            line.visible = visible
+
+    def _add(
+        self, name: str, colour: tuple[int, int, int], thickness: float
+    ) -> viser.LineSegmentsHandle:
+        return self.scene.add_line_segments(
+            f"/path/{name}", _NOTHING, colour, thickness=thickness, thickness_units="screen"
+        )
+
+
+def _stretches(there: NDArray[np.bool_]) -> list[tuple[int, int]]:
+    """First frame and the one after the last, of each stretch of frames (F,) that are there."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], there, [False]]).astype(int)))
+    return [(int(start), int(end)) for start, end in edges.reshape(-1, 2)]
+
+
+def _segments(points: Array) -> NDArray[np.float32]:
+    """Paths (K, n, 3) as their pieces, (n (K - 1), 2, 3)."""
+    pieces = np.stack([points[:-1], points[1:]], axis=2)
+    return pieces.reshape(-1, 2, 3).astype(np.float32)

@@ -1,10 +1,11 @@
-"""An arrow a foot, from where the force acts along the force."""
+"""Forces of the ground: arrows, where they must stay, where they act together; and the momentum."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from app.motion import colours
 from app.motion.clip import Track
@@ -12,7 +13,8 @@ from app.motion.frames import Frames
 from app.picture import gltf
 from app.picture.drawing import Key, Overlay
 from app.picture.picture import Picture
-from app.picture.turns import z_to
+from llsrbm.mechanics import INSCRIBED, Array
+from llsrbm.motion.plan import Plan
 
 ARROW_PER_WEIGHT = 0.8  # Length of the arrow of a force as large as the robot's weight, m
 
@@ -45,8 +47,104 @@ class Forces(Overlay):
             Track(
                 (name,),
                 frames.pressed_at[:, foot],
-                z_to(along[:, foot]),
+                gltf.z_to(along[:, foot]),
                 np.stack([wide[:, foot], wide[:, foot], long[:, foot]], axis=1),
             )
             for foot, name in enumerate(self.nodes(gltf.arrow(colours.FORCE), length.shape[1]))
+        ]
+
+
+_HEIGHT = 0.16  # m
+
+
+class FrictionPyramids(Overlay):
+    """Pyramids, since planner and controller keep to the one that is inscribed in the cone.
+
+    Its edges lie in the cone; its sides look along the world's axes, as in the constraint.
+    """
+
+    name = "friction"
+    title = "Friction pyramids"
+    hint = "A standing foot's force stays inside: the pyramid in the cone of the plan's friction."
+    place = 100
+    root = "/pyramids"
+
+    def tracks(self, picture: Picture, frames: Frames) -> Sequence[Track]:
+        _, planned, _ = picture.motion
+        half = _HEIGHT * INSCRIBED * friction_of(planned.plan)
+        size = np.array([half, half, _HEIGHT])
+        names = self.nodes(gltf.pyramid(colours.FRICTION, 0.35), frames.contact.shape[1])
+        return [
+            # From where the force acts, so that its arrow is seen to stay inside.
+            Track((name,), frames.pressed_at[:, foot], None, frames.contact[:, foot, None] * size)
+            for foot, name in enumerate(names)
+        ]
+
+
+def friction_of(plan: Plan) -> float:
+    """The coefficient that a plan was made with: its robot's, or the tuning's."""
+    own = plan.robot_parameters["limits"]["friction"]
+    return float(plan.tuning.limits.get("friction", own))
+
+
+_RADIUS, _THICK = 0.022, 0.02  # m; thickness: stretches a disc of 0.2
+_ABOVE = 0.003  # m
+_LOADED = 0.02  # of the weight; with less, feet hardly stand
+
+
+class CentreOfPressure(Overlay):
+    """A disc; none in flight. A simulation does not record where in a sole its force acts."""
+
+    name = "pressure"
+    title = "Centre of pressure"
+    hint = "Where the ground's whole force acts: the feet, weighted by the load that they carry."
+    place = 120
+    root = "/zmp"
+
+    def tracks(self, picture: Picture, frames: Frames) -> Sequence[Track]:
+        place, there = centre_of_pressure(frames)
+        return [
+            Track(
+                tuple(self.nodes(gltf.disc(colours.FORCE), 1)),
+                place + np.array([0.0, 0.0, _ABOVE]),
+                None,
+                there[:, None] * np.array([_RADIUS, _RADIUS, _THICK]),
+            )
+        ]
+
+
+def centre_of_pressure(frames: Frames) -> tuple[Array, NDArray[np.bool_]]:
+    """(F, 3) m, and (F,) whether there is one: in flight it is below the CoM, and none."""
+    load = np.maximum(frames.foot_force[..., 2], 0.0)
+    total = load.sum(axis=1)
+    there = total > _LOADED * frames.weight
+    share = load / np.where(there, total, 1.0)[:, None]
+    place = np.einsum("fl,fli->fi", share, frames.pressed_at)
+    away = frames.com * [1.0, 1.0, 0.0]
+    return np.where(there[:, None], place, away), there
+
+
+METRES_PER_UNIT = 0.1  # Length of the arrow of 1 kg m2/s, m
+
+_TURNING = 0.05  # kg m2/s; less is not drawn
+_WIDE = 1.5  # times as wide as a force's arrow
+
+
+class AngularMomentum(Overlay):
+    """An arrow from the CoM along the axis, by the right-hand rule."""
+
+    name = "spin"
+    title = "Angular momentum"
+    hint = f"About the centre of mass; the arrow of 1 kg m²/s is {METRES_PER_UNIT:g} m long."
+    place = 130
+    root = "/momentum"
+
+    def tracks(self, picture: Picture, frames: Frames) -> Sequence[Track]:
+        amount = np.linalg.norm(frames.angular_momentum, axis=1)
+        turning = amount > _TURNING
+        along = np.where(turning[:, None], frames.angular_momentum, [0.0, 0.0, 1.0])
+        wide = _WIDE * turning
+        size = np.stack([wide, wide, turning * amount * METRES_PER_UNIT], axis=1)
+        return [
+            Track(tuple(self.nodes(gltf.arrow(colours.COM), 1)), frames.com, gltf.z_to(along), size)
         ]

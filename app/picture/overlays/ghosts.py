@@ -51,7 +51,6 @@ class Ghosts(Overlay):
             self._plan.append(nodes)
             frames = picture.planned.frames
             channels.append(AnimationChannel(frames.time, tuple(nodes.track(frames))))
-        self.show(visible=True)
         return channels
 
     def show(self, *, visible: bool) -> None:

@@ -6,7 +6,6 @@ from collections.abc import Sequence
 
 import numpy as np
 import viser
-from numpy.typing import NDArray
 
 from app.motion import colours
 from app.motion.clip import AnimationChannel, Track
@@ -14,8 +13,7 @@ from app.motion.colours import Rgb
 from app.motion.frames import Frames
 from app.picture.drawing import Key, Overlay
 from app.picture.picture import Picture
-
-Array = NDArray[np.float64]
+from llsrbm.mechanics import Array
 
 _OUTSIDE = 1.004  # a wireframe must lie just outside of a surface to be seen
 _SUBDIVISIONS = 2  # of an icosahedron: 320 triangles
@@ -65,7 +63,6 @@ class InertiaEllipsoids(Overlay):
             axes = np.broadcast_to(planned.rigid_axes, frames.com.shape)
             track = rigid.track(frames.com, planned.rigid_wxyz, axes)
             channels.append(AnimationChannel(frames.time, (track,)))
-        self.show(visible=True)
         return channels
 
     def show(self, *, visible: bool) -> None:

@@ -73,7 +73,6 @@ class LandingMarks(Overlay):
         for step, block in zip(self._steps, blocks, strict=False):
             place(step, block)
             step.color = _COLOURS.get(block.name, colours.TARGET)
-        self.show(visible=True)
         return ()
 
     def show(self, *, visible: bool) -> None:

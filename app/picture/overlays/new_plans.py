@@ -12,10 +12,8 @@ from app.motion.clip import AnimationChannel, Track
 from app.picture import gltf
 from app.picture.drawing import Key, Overlay
 from app.picture.picture import Picture
-from app.picture.turns import z_to
+from llsrbm.mechanics import Array
 from llsrbm.motion.replan import Replan
-
-Array = NDArray[np.float64]
 
 _PIECES = 14  # of the CoM's path
 _THICK = 0.006  # m, radius of the path
@@ -46,8 +44,7 @@ class NewPlans(Overlay):
         rollout = picture.rollout
         taken = () if rollout is None else [r for r in rollout.replans if np.isfinite(r.applied)]
         if not taken:
-            self.show(visible=False)
-            return ()
+            return self.nothing()
         paths = np.stack([_path(replan) for replan in taken])
         start, along = paths[:, :-1], np.diff(paths, axis=1)
         length = np.linalg.norm(along, axis=2)
@@ -56,7 +53,7 @@ class NewPlans(Overlay):
         time, which = _times(taken)
         there = np.append(0.0, np.ones(len(which) - 1))[:, None]  # none before the first one
         tracks = [
-            Track((name,), start[which, k], z_to(along[which, k]), there * size[which, k])
+            Track((name,), start[which, k], gltf.z_to(along[which, k]), there * size[which, k])
             for k, name in enumerate(self.nodes(gltf.rod(colours.REPLANNED), _PIECES, "path"))
         ]
         feet = np.stack([replan.foot_position[-1] for replan in taken])
@@ -67,7 +64,6 @@ class NewPlans(Overlay):
             Track((name,), feet[which, foot], None, there * flat)
             for foot, name in enumerate(footholds)
         ]
-        self.show(visible=True)
         return [AnimationChannel(time, tuple(tracks))]
 
 

@@ -6,7 +6,6 @@ from collections.abc import Sequence
 
 import numpy as np
 import viser
-from numpy.typing import NDArray
 
 from app.motion import colours
 from app.motion.baked import ARROW_PER_SPEED, metres_per_newton_second, trunk_com
@@ -16,9 +15,6 @@ from app.picture import gltf
 from app.picture.drawing import Key, Overlay
 from app.picture.picture import Picture
 from app.picture.push_handle import newton_seconds
-from app.picture.turns import z_to
-
-Array = NDArray[np.float64]
 
 _SEEN = 0.1  # s for which a push is seen; it is over after a fifth of that
 _WIDE = 1.6  # times as thick as the arrow of a force
@@ -77,7 +73,7 @@ class Pushes(Overlay):
             seen &= length > 0
             size = np.array([_WIDE, _WIDE, length])
             tip = np.where(seen[:, None], origin + reach, _AWAY)
-            along = z_to(np.tile(reach, (len(origin), 1)))
+            along = gltf.z_to(np.tile(reach, (len(origin), 1)))
             tracks += [
                 Track((arrow,), origin, along, seen[:, None] * size),
                 Track((label.name,), tip),

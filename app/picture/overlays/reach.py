@@ -14,10 +14,10 @@ from app.motion.frames import Frames
 from app.picture import gltf
 from app.picture.drawing import Overlay
 from app.picture.picture import Picture
+from llsrbm.mechanics import Array
 from llsrbm.planning.problem.placement import place_task
 from llsrbm.robots import Robot
 
-Array = NDArray[np.float64]
 Region = tuple[tuple[float, float], tuple[float, float, float], tuple[float, float, float]]
 """Shortest and longest distance from the hip; lower and upper corner of a box about it, m."""
 

@@ -315,3 +315,10 @@ def test_ten_thousand_of_a_kind_are_one_line(page, door, caplog):
             pass
     assert len(noted(caplog)) == len(set(noted(caplog))) == 3
     assert all(not record.exc_info for record in caplog.records)
+
+
+def test_a_watch_that_fails_is_logged_and_ends_its_tab(page, door, caplog, monkeypatch):
+    monkeypatch.setattr(door, "_waiting", lambda _: 1 / 0)
+    with opened(page) as tab:
+        assert closing(tab) is None
+    assert "a connection ran into a defect" in noted(caplog)

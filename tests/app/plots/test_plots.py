@@ -44,8 +44,8 @@ class PlotPage:
         client = max(designer_server.get_clients().items())[1]
         self.plots = Plots(client, self.chosen.put)
 
-    def draw(self, layers, choice, moving=False):
-        self.plots.draw(layers, 1.3, choice, moving=moving)
+    def draw(self, layers, choice):
+        self.plots.draw(layers, 1.3, choice)
 
 
 @pytest.fixture(scope="module")
@@ -89,11 +89,10 @@ def test_only_chosen_charts_are_sent(page, layers):
         assert {len(row) for row in props["data"]} == {len(props["data"][0])}
 
 
-def test_nothing_is_sent_while_a_slider_moves_or_nothing_changed(page, layers, planned):
+def test_nothing_is_sent_where_nothing_changed(page, layers, planned):
     page.draw(layers, DEFAULT)
     page.tab.wait(lambda: len(charts(page.tab)) == 4, "the overview")
     drawn = page.tab.received["GuiUpdateMessage"]
-    page.draw(layers, PRESETS[TORQUES], moving=True)
     page.draw(layers, DEFAULT)
     # Layers that were made anew of the same motions.
     page.draw(shown_layers(planned, None), DEFAULT)
@@ -197,5 +196,5 @@ def test_pinned_designs_lie_under_the_one_that_is_shown(page, layers):
     assert lines(shown) == ["limit", "pin", "plan"]
     # The choice is of the shown robot's joints.
     assert "KFE" in page.tab.control("Joints")["props"]["options"]
-    page.plots.clear()
+    page.draw((), PRESETS[TORQUES])
     page.tab.wait(lambda: charts(page.tab) == {}, "nothing")

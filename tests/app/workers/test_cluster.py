@@ -143,7 +143,7 @@ def test_progress_of_a_simulation_there_is_passed_on_and_cancelling_stops_it(poo
 def test_a_job_there_that_does_not_stop_is_ended_with_its_process(pool, tab):
     job = tab.plan(planners.STUBBORN)
     tab.wait_until_running(job)
-    process = there(pool).id
+    process = there(pool).process.id
     began = time.monotonic()
     pool.cancel("tab")
     assert tab.reports.get(timeout=1) == Cancelled(job)
@@ -164,7 +164,7 @@ def alive(process):
 def test_a_killed_process_there_is_told_to_its_tab_and_replaced(pool, tab):
     job = tab.plan(planners.STUBBORN)
     tab.wait_until_running(job)
-    os.kill(process := there(pool).id, signal.SIGKILL)
+    os.kill(process := there(pool).process.id, signal.SIGKILL)
     died = "The computing process ended unexpectedly (signal 9) and was restarted."
     assert tab.outcome() == Failed(job, died)
     wait_until(lambda: ready(pool, 2), "the cluster", 60)
@@ -174,7 +174,7 @@ def test_a_killed_process_there_is_told_to_its_tab_and_replaced(pool, tab):
 def test_a_lost_worker_is_told_to_its_tab_and_another_one_takes_its_place(pool, tab):
     job = tab.plan(planners.STUBBORN)
     tab.wait_until_running(job)
-    process = there(pool).id
+    process = there(pool).process.id
     began = time.monotonic()
     os.kill(parent_of(process), signal.SIGKILL)  # the worker; its nanny starts another
     report = tab.outcome()

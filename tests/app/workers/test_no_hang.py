@@ -167,7 +167,7 @@ def test_a_stopped_process_delays_no_other_tab_and_is_replaced(when):
             job = tab.plan(planners.STUBBORN)
             tab.wait_until_running(job)
             (working,) = (m for m in pool._workers if m.working_on is not None)
-            os.kill(stopped := working.id, signal.SIGSTOP)
+            os.kill(stopped := working.process.id, signal.SIGSTOP)
         else:
             os.kill(stopped := pool.process_ids[0], signal.SIGSTOP)
             job = tab.submit(LARGE)

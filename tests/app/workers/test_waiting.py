@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from app.workers.protocol import (
     ExportMotion,
     FindNearest,
+    Kind,
     OpenFile,
     PlanJump,
     Prepare,
@@ -37,7 +38,7 @@ def entry(tab, task=PLAN):
 
 
 def members(count=2):
-    return [Member(reserved=0 < i == count - 1, ready=True) for i in range(count)]
+    return [Member(None, reserved=0 < i == count - 1, ready=True) for i in range(count)]
 
 
 def turns_that_know(*tasks):
@@ -188,7 +189,10 @@ def test_who_has_waited_longest_is_next_however_often_others_ask(order):
 
 def crew_with_a_cluster():
     """Two members here and two there, the second of each reserved."""
-    return [*members(), *(Member(reserved, remote=True, ready=True) for reserved in (False, True))]
+    return [
+        *members(),
+        *(Member(None, reserved, remote=True, ready=True) for reserved in (False, True)),
+    ]
 
 
 def test_what_lasts_goes_to_the_cluster_first_and_what_is_short_stays_here():

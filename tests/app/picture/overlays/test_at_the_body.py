@@ -7,7 +7,7 @@ import pinocchio as pin
 import pytest
 from scipy.spatial.transform import Rotation
 
-from app.picture.overlays.angular_momentum import METRES_PER_UNIT, AngularMomentum
+from app.picture.overlays.forces import METRES_PER_UNIT, AngularMomentum
 from app.picture.scene import Scene
 from llsrbm.robots import load_robot
 from tests.app.picture.overlays.drawn import DrawnOverlay

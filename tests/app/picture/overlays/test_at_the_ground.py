@@ -13,8 +13,8 @@ from hypothesis.extra.numpy import arrays
 from scipy.spatial import ConvexHull, Delaunay
 
 from app.motion.baked import bake_plan
-from app.picture.overlays.centre_of_pressure import centre_of_pressure
-from app.picture.overlays.support_polygon import edges
+from app.picture.overlays.forces import centre_of_pressure
+from app.picture.overlays.outlines import edges
 from llsrbm.request.tuning import Tuning
 from llsrbm.robots import load_robot
 from tests.app.picture.overlays.drawn import DrawnOverlay

@@ -4,7 +4,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from app.picture.overlays.collision_shapes import shapes_of
+from app.picture.overlays.bodies import shapes_of
 from llsrbm.motion.rollout import Disturbance
 from llsrbm.robots import load_robot
 from llsrbm.simulation.scene import build_scene, joints_in_model_order

@@ -1,4 +1,4 @@
-"""The shapes with which the simulation lets the robot touch the world."""
+"""Axes of the links, and the shapes with which the simulation lets the robot touch the world."""
 
 from __future__ import annotations
 
@@ -21,6 +21,26 @@ from llsrbm.robots.urdf import BASE_JOINT
 
 if TYPE_CHECKING:
     import trimesh
+
+_LENGTH = 0.1  # m, of an axis
+
+
+class LinkFrames(Overlay):
+    """Three short bars at the joint that moves a link; the base's at its origin."""
+
+    name = "frames"
+    title = "Link frames"
+    hint = "Axes of the links, x red, y green, z blue, where the joints are that move them."
+    place = 150
+    root = "/axes"
+
+    def tracks(self, picture: Picture, frames: Frames) -> Sequence[Track]:
+        size = np.full((len(frames.time), 3), _LENGTH)
+        return [
+            Track((name,), frames.body_position[:, body], frames.body_wxyz[:, body], size)
+            for body, name in enumerate(self.nodes(gltf.triad(), frames.body_position.shape[1]))
+        ]
+
 
 _OPACITY = 0.45
 
