@@ -10,7 +10,6 @@ from hypothesis import strategies as st
 from app.workers.protocol import (
     ExportMotion,
     FindNearest,
-    Kind,
     OpenFile,
     PlanJump,
     Prepare,
