@@ -1,8 +1,7 @@
 """The user's cache: things computed once a machine (leg fits, meshes, solvers).
 
-An entry lies at `<cache directory>/<kind>/<hash of its key><suffix>`. The key holds everything the
-entry depends on, so nothing is ever invalidated: another input is another file. Of each kind the
-entries used last are kept; a kind is of one robot, if entries are of robots.
+An entry lies at `<cache directory>/<kind>/<hash of its key><suffix>`. Another input is another
+file, so nothing is ever invalidated. Of each kind, one of one robot, the last used are kept.
 """
 
 from __future__ import annotations

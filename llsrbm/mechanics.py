@@ -79,10 +79,7 @@ def sign_continuous(quat: Array) -> Array:
 
 
 def slerp(start: Array, end: Array, share: Array) -> Array:
-    """Attitudes `share` (broadcastable to (...)) of the way from `start` to `end`, (..., 4).
-
-    The angular velocity along the way is constant. Of the two arcs the shorter one is taken.
-    """
+    """Attitudes (..., 4) at shares, broadcastable to (...), of the shorter way to `end`."""
     dot = np.sum(start * end, axis=-1)
     end = np.where((dot < 0)[..., None], -end, end)
     # atan2 of chords is exact for small angles, where acos loses half the digits.
@@ -107,11 +104,10 @@ def yaw(quat: Array) -> Array:
 
 
 def final_yaw(time: Array, quat: Array, yaw_rate: Array) -> float:
-    """Heading at the end, rad, whole turns counted, of a body that may turn over on its way.
+    """Heading at the end, rad, whole turns counted, of a body (K, 4) that may turn over on its way.
 
     While its x axis is upright a body has no heading, so of one that turns over the number of whole
-    turns is that of its rate about the vertical. `time`: (K,) s; quat: (K, 4); `yaw_rate`: (K,)
-    rad/s, angular velocity about the world's z.
+    turns is that of `yaw_rate` (K,) rad/s, its angular velocity about the world's z.
     """
     heading = yaw(quat)
     if tilt(quat).max() < np.pi / 2:
@@ -134,8 +130,7 @@ _UPRIGHT = np.radians(45.0)  # tilt up to which a base has a heading
 def turned(actual: Array, planned: Array) -> Array:
     """(T,) rad by which attitudes (T, 4) are turned about the vertical from the planned ones.
 
-    By their headings, and far from upright, where a heading means nothing, by the vertical part of
-    the turn between them.
+    Far from upright, where a heading means nothing, the vertical part of the turn between them.
     """
     turn = (yaw(actual) - yaw(planned) + np.pi) % (2 * np.pi) - np.pi
     far = np.maximum(tilt(actual), tilt(planned)) > _UPRIGHT

@@ -30,19 +30,16 @@ _LEAVING = 0.3  # share of the flight in which contact is still that of feet tha
 
 
 class Record:
-    """A rollout until its fall: T ticks, and what several questions need.
+    """A rollout until its fall, T ticks of `tick`, s, cut up by what the controller believed.
 
     Attributes:
-        rollout: the whole; tick: s.
-        count: T; end: s, the last of them.
-        height: m of the CoM above the feet when standing, by the plan.
+        count: T; end: s, the last of them; height: m of the standing CoM above the feet.
         part: (T,) `TAKEOFF`, `FLIGHT` or `LANDING`; contact: (T, L) bool; legs: names.
         swings: of each foot, [first tick, first tick in which contact is no longer that of a foot
             that leaves) of each time it leaves, by the plan's clock.
         overdue: (T,) whether a flight lasts longer than planned.
         landed: whether the controller believes to the end that the last flight is over.
-        touchdown, detected: s, None if they are not before the fall; foot_touchdown: each foot's.
-            Those after the last flight.
+        touchdown, detected: s, after the last flight and before the fall, or None; foot_touchdown.
     """
 
     def __init__(self, rollout: Rollout) -> None:

@@ -195,13 +195,7 @@ FIGURES = (
     Figure("peak_force", "Peak force", "force", "N", 1, 0, smaller_is_better=True),
     Figure("peak_force_in_weights", "Peak force", "force", "weights", 1, 2, smaller_is_better=True),
     Figure(
-        "planned_torque_ratio",
-        "Planned torque",
-        "planned",
-        "%",
-        100,
-        0,
-        smaller_is_better=True,
+        "planned_torque_ratio", "Planned torque", "planned", "%", 100, 0, smaller_is_better=True
     ),
     Figure("peak_torque_ratio", "Peak torque", "torque", "%", 100, 0, smaller_is_better=True),
     Figure(

@@ -239,6 +239,5 @@ def _standing_torque(robot: Robot, motion: KnotMotion, angles: Array) -> Array:
 
 
 def _rows(matrix: Array, vectors: Array) -> Array:
-    """Matrices (K, 3, 3) times vectors (K, n, 3)."""
     turned: Array = vectors @ np.swapaxes(matrix, -1, -2)
     return turned

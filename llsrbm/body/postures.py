@@ -131,8 +131,6 @@ def joint_speeds(
 
 @dataclass(frozen=True, eq=False)
 class _Goal:
-    """Where K knots' feet shall be, base frame."""
-
     beta: Array  # (K, L, 3) m, seen from the CoM
     rotation: Array | None  # (K, L, 3, 3) R_base_foot of soles, None for points
 

@@ -1,20 +1,17 @@
 """The feet that stand: lifted by the schedule, put down by measured contact.
 
-A plan says when feet leave the ground and when they meet it. Leaving is the robot's own doing, so
-feet leave when the plan says. Meeting the ground is not: it may be nearer or farther than planned,
-and the robot may have jumped higher. So
+Feet leave when the plan says, which is the robot's own doing. The ground may be nearer or farther
+than planned, and the robot may have jumped higher. So
 
-- a flight, in which no foot stands, begins by the clock and ends when the contact detector says so,
-  and it went through the feet: a push on the trunk is no touchdown (`MeasuredImpulse`).
-  What follows is retimed: the plan's clock is set to the planned touchdown, and all later phases,
-  a rebound and its next flight among them, come as much earlier or later;
+- a flight begins by the clock and ends when the contact detector says so, and it went through the
+  feet: a push on the trunk is no touchdown (`MeasuredImpulse`). The plan's clock is set to the
+  planned touchdown, and all later phases come as much earlier or later;
 - a foot that lands while others stand is swung as planned until its planned landing, and then seeks
   the ground. It stands from the moment at which its leg feels load, or, once it seeks, at which it
   has stopped sinking: a foot that is put down gently shows no force that stands out of noise;
 - a foot that lifts while others stand leaves by the clock.
 
-The ground may be higher or lower than planned, too. The feet that stand measure by how much, and
-the motion is raised by that from there on.
+The feet that stand measure how high the ground is, and the motion is raised by that from there on.
 """
 
 from __future__ import annotations
@@ -58,11 +55,9 @@ class Flight:
 class ContactSchedule:
     """The state of a plan's schedule while it is followed: P phases, L feet, from standing on all.
 
-    Attributes:
-        phase: index of the present phase; flights: those that have begun, in order.
-        standing: (L,) feet that stand as far as is known.
-        ground_shift: height of the ground under the feet that stand, or stood last, above the
-            plan's, m.
+    `standing`: (L,) feet that stand as far as is known; `flights`: those that have begun, in order;
+    `ground_shift`: height of the ground under the feet that stand, or stood last, above the plan's,
+    m.
     """
 
     def __init__(self, plan: Plan, body: WholeBody, feet: FootForces, tick: float) -> None:

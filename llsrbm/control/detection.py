@@ -71,13 +71,10 @@ class CentroidalState:
 
 
 class Detector(ABC):
-    """Detects contact in flight from the centroidal motion.
+    """Detects contact in flight from the centroidal motion, every `tick`, s.
 
-    Attributes:
-        signal: its last value, for plots: a contact is reported when it is above the threshold,
-            0 while the detector does not listen.
-        tick: s between updates.
-        uncertainty: of the model behind the states; a detector may make nothing of it.
+    `signal`: its last value, for plots: a contact is reported when it is above the threshold, 0
+    while the detector does not listen. `uncertainty`: of the model behind the states.
     """
 
     name: ClassVar[str]
@@ -86,9 +83,6 @@ class Detector(ABC):
     signal: float
 
     def __init__(self, tick: float, uncertainty: ModelUncertainty) -> None:
-        """Begin with `reset`. `tick`: s between updates; `uncertainty`: of the model behind the
-        states.
-        """
         self.tick = tick
         self.uncertainty = uncertainty
         self.reset()

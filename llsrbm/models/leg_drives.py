@@ -170,7 +170,6 @@ class KneeLeg(LegDrives):
         return self._motion(self._plane(x), x_rate, x_acceleration)[1]
 
     def _motion(self, p: _Plane, x_rate: Matrix, x_acceleration: Matrix | None) -> tuple[Any, Any]:
-        """q' and, if x'' is given, q''."""
         c, a = self._c, ca.DM(self._c["axis"])
         side, sign, bend = c["side"], c["knee_sign"], c["bend"]
         n_of = (c["across"] * p.square - side * p.h * ca.cross(a, p.square)) / p.rho2
@@ -230,8 +229,6 @@ class KneeLeg(LegDrives):
 
 
 class _Plane(NamedTuple):
-    """A leg in its plane."""
-
     square: Matrix  # (3, 1) m, w square to the axis
     rho2: Matrix  # its square, m2
     h: Matrix  # m

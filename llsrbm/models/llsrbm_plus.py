@@ -13,7 +13,6 @@ from llsrbm.robots.robot import Robot
 
 
 def _rows(row_major: Any) -> Any:
-    """Three rows of what is given row by row."""
     return ca.reshape(row_major, -1, 3).T
 
 
@@ -40,10 +39,7 @@ class LLSRBMPlus(CentroidalModel):
     def __init__(self, robot: Robot) -> None:
         fit = robot.fit
         super().__init__(
-            robot,
-            leg_mass=fit.leg_mass,
-            trunk_com=fit.trunk_com,
-            leg_com_affine=fit.com_affine,
+            robot, leg_mass=fit.leg_mass, trunk_com=fit.trunk_com, leg_com_affine=fit.com_affine
         )
         self._trunk_com = ca.DM(fit.trunk_com)
         self._trunk_inertia = ca.DM(fit.trunk_inertia)
@@ -71,7 +67,6 @@ class LLSRBMPlus(CentroidalModel):
         return ca.DM(np.prod(mirror) * mirror) * ca.mtimes(S, foot_in_hip_rate)
 
     def _of_leg(self, coefficients: ca.DM, x: Any) -> Any:
-        """The matrix of three rows that a fitted map gives."""
         affine = coefficients.shape[1] == 1 + self.coordinates
         return _rows(ca.mtimes(coefficients, ca.vertcat(1, x) if affine else quadratic_terms(x)))
 

@@ -1,10 +1,8 @@
 """Libraries of compiled functions: made in the background, loaded when they are there.
 
 Nobody waits for a compiler: the solver at hand works at once, and takes the compiled functions when
-it solves next. Without a compiler nothing happens.
-
-The C is CasADi's own. Every stage function has a file, so that a compiler never has all of them in
-memory; one more file loops over the stages and puts the results where they belong.
+it solves next. The C is CasADi's own, a file a stage function, so that a compiler never has all of
+them in memory; one more loops over the stages and puts the results where they belong.
 """
 
 from __future__ import annotations

@@ -78,8 +78,6 @@ def printed_into(read: Callable[[str], None]) -> Iterator[None]:
 
 
 class _Tap:
-    """Stands in for `sys.stdout`: what one thread prints goes elsewhere."""
-
     def __init__(self, beyond: TextIO, read: Callable[[str], None]) -> None:
         self.beyond, self._read = beyond, read
         self.thread: int | None = threading.get_ident()

@@ -56,12 +56,7 @@ Evaluate = Callable[..., list[Any]]
 
 
 class Transcribed:
-    """A parametric problem, as solvers take it.
-
-    Attributes:
-        functions: of each name in `FUNCTIONS`.
-        structure: sizes of its stages.
-    """
+    """A parametric problem, as solvers take it: its `FUNCTIONS`, and the sizes of its stages."""
 
     def __init__(self, functions: dict[str, ca.Function], structure: Structure) -> None:
         self.functions, self.structure = functions, structure

@@ -130,11 +130,7 @@ _Value = Annotated[float, Field(ge=-1e9, le=1e9)]
 
 
 def _jump(table: Any) -> Jump:
-    _check_keys(table, list(field_specs(Jump)), needed=("robot", "model"))
-    try:
-        jump = Jump(**table)
-    except InputError as error:
-        raise fault(str(error)) from error
+    jump: Jump = _made(Jump, table, needed=("robot", "model"))
     for name in AMOUNTS:
         if abs(getattr(jump, name)) > _FARTHEST:
             raise fault(f"{name}: expected -{_FARTHEST:g} to {_FARTHEST:g}, got {table[name]:g}")
@@ -142,17 +138,14 @@ def _jump(table: Any) -> Jump:
 
 
 def _scenario(table: Any) -> Scenario:
-    _check_keys(table, list(field_specs(Scenario)))
-    try:
-        scenario = Scenario(**table)
-    except InputError as error:
-        raise fault(str(error)) from error
+    scenario: Scenario = _made(Scenario, table)
     if (scenario.seed or 0) > _LARGEST_SEED:
         raise fault(f"seed: expected at most {_LARGEST_SEED} in a file")
     return scenario
 
 
-def _check_keys(table: Any, known: Sequence[str], needed: Sequence[str] = ()) -> None:
+def _made(kind: Any, table: Any, needed: Sequence[str] = ()) -> Any:
+    known = list(field_specs(kind))
     if not isinstance(table, Mapping):
         raise fault(f"expected an object, got {_short(table)}")
     for name in table:
@@ -161,6 +154,10 @@ def _check_keys(table: Any, known: Sequence[str], needed: Sequence[str] = ()) ->
     for name in needed:
         if name not in table:
             raise fault(f'missing key "{name}"; expected: {", ".join(known)}')
+    try:
+        return kind(**table)
+    except InputError as error:
+        raise fault(str(error)) from error
 
 
 class _File(Table):
@@ -180,9 +177,7 @@ def _parse(content: bytes, where: str) -> Design:
         )
     try:
         table = json.loads(
-            content.decode(),
-            object_pairs_hook=_without_duplicates,
-            parse_constant=_no_constant,
+            content.decode(), object_pairs_hook=_without_duplicates, parse_constant=_no_constant
         )
     except InputError as error:
         raise FileFormatError(f"{where}: {error}") from error

@@ -8,11 +8,12 @@ that it names; planning has.
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Iterator
 from dataclasses import replace
 from functools import lru_cache
+from itertools import groupby
 from pathlib import Path
-from typing import Annotated, Any, Literal, NamedTuple, Protocol
+from typing import Annotated, Any, Literal, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -76,16 +77,12 @@ class Displacement(Table):
 
 
 class ObstacleRow(Table):
-    """A hurdle or a gap as a file has it.
+    """A hurdle or a gap as a file has it."""
 
-    Attributes:
-        near, far: m ahead of the foremost contact point at the start; "from" and "to" in files.
-        height: m above the ground at the start; below zero: a gap, so deep.
-    """
-
+    # m ahead of the foremost contact point at the start.
     near: Annotated[float, Field(alias="from")]
     far: Annotated[float, Field(alias="to")]
-    height: float
+    height: float  # m above the ground at the start; below zero: a gap, so deep
 
     @model_validator(mode="after")
     def _check(self) -> ObstacleRow:
@@ -96,29 +93,21 @@ class ObstacleRow(Table):
 
 
 class JumpType(Table):
-    """A jump type's file.
-
-    Attributes:
-        parameters: fields of a request of this type beside where to land, of `TYPE_PARAMETERS`;
-            "asks" in the file.
-        weights, limits: cost or limit name -> value, in place of the robot's.
-        displacement: of each jump of several; none: the request's for all.
-        clears_ground: whether trunk and knees have to be kept off the ground, as of robots that
-            turn over.
-    """
+    """A jump type's file."""
 
     title: Annotated[str, Field(min_length=1, max_length=LONGEST_NAME), OneLine]  # name to show
     summary: Annotated[str, Field(min_length=1, max_length=200), OneLine]  # one line
+    # Fields of a request of this type beside where to land.
     parameters: Annotated[
         tuple[Literal["roll", "pitch", "speed", "end_speed", "hops"], ...],
         Field(alias="asks", description=f"some of {', '.join(TYPE_PARAMETERS)}"),
     ] = ()
     defaults: dict[str, float | int] = Field(default_factory=dict)  # what it says if it is silent
-    weights: dict[str, float] = Field(default_factory=dict)
-    limits: dict[str, float] = Field(default_factory=dict)
-    displacement: tuple[Displacement, ...] = ()
+    weights: dict[str, float] = Field(default_factory=dict)  # in place of the robot's
+    limits: dict[str, float] = Field(default_factory=dict)  # likewise
+    displacement: tuple[Displacement, ...] = ()  # of each jump of several; none: the request's
     obstacle: ObstacleRow | None = None  # what is jumped over, if anything
-    clears_ground: bool = False
+    clears_ground: bool = False  # whether trunk and knees have to be kept off the ground
     phase: Annotated[tuple[PhaseRow, ...], Field(min_length=1)]  # in order
 
     @model_validator(mode="after")
@@ -172,7 +161,7 @@ def load_type(name: str) -> JumpType:
     """
     presets = {path.stem: path for path in _directory().glob("*.toml")}
     if name in presets:
-        return _read(_Edition.of(presets[name]))
+        return _current(presets[name])
     path = Path(name)
     if path.suffix != ".toml":
         raise InputError(
@@ -181,7 +170,7 @@ def load_type(name: str) -> JumpType:
         )
     if not path.is_file():  # a device is none: it is not read, nor a pipe waited for
         raise InputError(f"{printable(name, 200)}: no such file; expected a jump type (TOML)")
-    return _read(_Edition.of(path))
+    return _current(path)
 
 
 def schedule_of(jump: Jump, robot: Legs) -> Schedule:
@@ -212,38 +201,23 @@ def _directory() -> Path:
     return assets_directory() / "jump_types"
 
 
-class _Edition(NamedTuple):
-    path: Path
-    changed_ns: int
-
-    @staticmethod
-    def of(path: Path) -> _Edition:
-        try:
-            return _Edition(path, path.stat().st_mtime_ns)
-        except OSError as error:
-            raise InputError(f"{path}: cannot be read ({error.strerror})") from error
+def _current(path: Path) -> JumpType:
+    """The type in a file as it is since its last change."""
+    try:
+        return _read(path, path.stat().st_mtime_ns)
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror})") from error
 
 
 @lru_cache(maxsize=32)
-def _read(edition: _Edition) -> JumpType:
-    return validated(JumpType, read_table(edition.path, "a jump type"), str(edition.path))
+def _read(path: Path, _changed_ns: int) -> JumpType:
+    return validated(JumpType, read_table(path, "a jump type"), str(path))
 
 
-def _repeated(rows: tuple[PhaseRow, ...], hops: int) -> list[PhaseRow]:
+def _repeated(rows: tuple[PhaseRow, ...], hops: int) -> Iterator[PhaseRow]:
     """The rows, runs of `each_hop` as often as there are further hops."""
-    phases: list[PhaseRow] = []
-    k = 0
-    while k < len(rows):
-        end = k
-        while end < len(rows) and rows[end].each_hop:
-            end += 1
-        if end > k:
-            phases += list(rows[k:end]) * (hops - 1)
-            k = end
-        else:
-            phases.append(rows[k])
-            k += 1
-    return phases
+    for again, run in groupby(rows, key=lambda row: row.each_hop):
+        yield from list(run) * (hops - 1 if again else 1)
 
 
 def _pivot(jump: Jump) -> str:

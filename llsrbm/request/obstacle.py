@@ -20,18 +20,11 @@ WIDEST = 2.0  # m, from near to far edge
 
 @dataclass(frozen=True)
 class Obstacle:
-    """A hurdle or a gap in the world.
-
-    Attributes:
-        height: m above the ground at the start, of a hurdle; below zero: a gap, so deep.
-
-    Raises:
-        InputError: numbers that cannot be.
-    """
+    """A hurdle or a gap in the world. Raises `InputError`: numbers that cannot be."""
 
     near: float  # m, where it begins and ends along the world's x axis
     far: float  # m, where it begins and ends along the world's x axis
-    height: float
+    height: float  # m above the ground at the start, of a hurdle; below zero: a gap, so deep
 
     def __post_init__(self) -> None:
         why = wrong_shape(self.near, self.far, self.height)

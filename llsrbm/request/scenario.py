@@ -119,14 +119,11 @@ LARGEST_TRUNK_MASS = 0.5  # share of the trunk's mass, either way
 class Scenario:
     """Conditions of a simulation; each field states its meaning, unit and range with its type.
 
-    `seed` and `noise` go together. With neither nothing is disturbed; of a scenario that is asked
-    for one of them alone the seed is 0, or the noise 1. So both are None, or none is, and a
-    disturbed scenario becomes an undisturbed one by `seed=None, noise=None`. A random push and an
-    estimator's errors are drawn by the seed too, or by seed 0 where nothing else is disturbed.
-
-    Whether the names are known, a board passes under the feet and pushes come while the robot moves
-    is said when it is simulated. Raises `InputError`: a value of another type or out of range, or
-    half a board without a board.
+    Both of `seed` and `noise` are None, and nothing is disturbed, or none is: 0 and 1 stand in for
+    the one that is left out; `seed=None, noise=None` undisturbs. A random push and an estimator's
+    errors are drawn by the seed too, or by 0. Whether the names are known, a board passes under the
+    feet and pushes come while the robot moves is checked when it is simulated. Raises `InputError`:
+    a value of another type or out of range, or half a board without a board.
     """
 
     board: Annotated[
@@ -144,8 +141,7 @@ class Scenario:
     ] = None
     detector: Annotated[str, Name("Contact detector: residual or norm")] = "residual"
     landing: Annotated[
-        str,
-        Name("Landing strategy: auto (as the robot file has it), scaled, planned or tracking"),
+        str, Name("Landing strategy: auto (as the robot file has it), scaled, planned or tracking")
     ] = "auto"
     solver: Annotated[str, Name("QP solver of the controller: quadprog")] = "quadprog"
     trunk_mass: Annotated[

@@ -125,7 +125,6 @@ def fault(message: str) -> PydanticCustomError:
 
 
 def _sentence(model: type[Table], detail: ErrorDetails) -> str:
-    """One of pydantic's errors as: key, fault, what would be accepted."""
     key, (field, inner) = _key(model, detail), _at(model, detail)
     # TOML and JSON write values alike.
     given = printable(json.dumps(detail["input"], ensure_ascii=True, default=str))
@@ -183,12 +182,10 @@ def _key(model: type[Table], detail: ErrorDetails) -> str:
 
 
 def _names(table: type[Table]) -> list[str]:
-    """Keys of a table as they are called in files."""
     return [info.alias or name for name, info in table.model_fields.items()]
 
 
 def _models(annotation: Any) -> Iterator[type[Table]]:
-    """The tables in a type, such as that in `dict[str, LegFrames] | None`."""
     if isinstance(annotation, type) and issubclass(annotation, Table):
         yield annotation
     for part in typing.get_args(annotation):
@@ -196,7 +193,6 @@ def _models(annotation: Any) -> Iterator[type[Table]]:
 
 
 def _length(annotation: Any) -> int | None:
-    """Number of values of a tuple of fixed length."""
     parts = typing.get_args(annotation)
     if typing.get_origin(annotation) is tuple and Ellipsis not in parts:
         return len(parts)

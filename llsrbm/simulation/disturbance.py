@@ -53,8 +53,7 @@ def _drawn(seed: int, noise: float) -> Disturbance:
         trunk_mass_factor=1 + noise * mass,
         friction=max(LEAST_FRICTION, nominal.friction + noise * (friction - nominal.friction)),
         contact_time=max(
-            LEAST_CONTACT_TIME,
-            nominal.contact_time + noise * (contact_time - nominal.contact_time),
+            LEAST_CONTACT_TIME, nominal.contact_time + noise * (contact_time - nominal.contact_time)
         ),
         torque_delay_ticks=int(delayed),
         base_velocity_noise=noise * BASE_VELOCITY_NOISE,

@@ -25,14 +25,9 @@ Array = NDArray[np.float64]
 
 
 class Recorder:
-    """Collects ticks; `arrays` has the columns of a `Rollout`, in its order of joints.
-
-    Attributes:
-        mass: kg, that is simulated.
-    """
+    """Collects ticks; `arrays` has the columns of a `Rollout`; `mass`: kg, that is simulated."""
 
     def __init__(self, robot: Robot, trunk_mass_factor: float) -> None:
-        """For a robot whose simulated trunk differs from the believed one by a factor."""
         self._robot = robot
         self._model = robot.model.copy()
         trunk = self._model.inertias[1]
@@ -188,12 +183,10 @@ class Hook:
 
 
 class Episode:
-    """One simulation, from the world as it stands.
+    """One simulation, from the world as it stands; hooks act in their order.
 
-    Attributes:
-        fall: when and how the robot fell; None so far.
-        replans: what hooks have added.
-        wall_time: s, of the whole loop.
+    `fall`: when and how the robot fell, None so far; `replans`: what hooks have added; `wall_time`:
+    s, of the whole loop.
     """
 
     def __init__(

@@ -2,10 +2,10 @@
 
 Every `PERIOD` the newest measurement is handed to the replanner, extrapolated by the robot's
 latency, after which the answer is followed. The latency is a number of the robot's file, so that a
-rollout does not depend on how busy the machine is. With `replan_latency="measured"` an answer whose
-computation took the processor longer is followed later, by that time, and the next measurement is
-handed over then. An answer that comes after feet have met the ground is dropped, and where none is
-found the old plan goes on. Answers are followed once the robot has departed from its first plan.
+rollout does not depend on how busy the machine is; with `replan_latency="measured"` answers whose
+computation took longer come that much later. An answer that comes after feet have met the ground is
+dropped, and where none is found the old plan goes on. Answers are followed once the robot has
+departed from its first plan.
 """
 
 from __future__ import annotations

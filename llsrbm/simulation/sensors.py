@@ -68,12 +68,10 @@ class Drift(Estimator):
     """Errs as an estimator from inertial unit, encoders and feet does.
 
     The velocity's error wanders while feet touch and correct it, and stays as it is in flight. The
-    position's error is the sum of the velocity's, so that it drifts horizontally and without bound.
-    Its height is kept by the feet that touch and drifts in flight alone: where the ground is after
-    a flight a controller knows by its feet, in the same drifted world. Roll and pitch err within
-    bounds, yaw drifts.
-
-    Joint positions are exact, and the angular velocity has the disturbance's noise alone.
+    position's error is its sum: it drifts horizontally and without bound, in height in flight
+    alone, after which the feet know the ground in the same drifted world. Roll and pitch err within
+    bounds, yaw drifts. Joint positions are exact, and the angular velocity has the disturbance's
+    noise alone.
     """
 
     name = "drift"

@@ -36,11 +36,11 @@ _LONGEST_STEP = 0.2  # rad or m a joint: the linearisation holds
 
 
 def standing_state(robot: Robot, plan: Plan) -> Array:
-    """The posture in which the robot stands at the plan's first knot.
+    """The posture q (nq,), Pinocchio's, in which the robot stands at the plan's first knot.
 
     Base attitude and CoM are the plan's. The feet's spheres rest on the plan's contact points; a
-    plan knows them as points, so the legs are bent a little more or less than in the plan. Returns
-    q (nq,), Pinocchio's convention. Raises `InputError`: the robot cannot stand so.
+    plan knows them as points, so the legs are bent a little more or less than in the plan. Raises
+    `InputError`: the robot cannot stand so.
     """
     if set(plan.joint_names) != set(robot.joint_names):
         raise InputError(
@@ -92,20 +92,10 @@ def standing_state(robot: Robot, plan: Plan) -> Array:
 
 
 def starting_velocity(robot: Robot, plan: Plan, q: Array) -> Array:
-    """Of the whole robot at the plan's first knot: zero, or that of a run-up.
+    """V (nv,) of the whole robot in q (nq,), `standing_state`: zero, or that of a run-up.
 
-    CoM and base move as the plan says, and feet roll without slipping.
-
-    Args:
-        robot: of the plan.
-        plan: what will be followed.
-        q: (nq,) `standing_state`.
-
-    Returns:
-        v (nv,), Pinocchio's convention.
-
-    Raises:
-        InputError: the robot's legs do not let it move so.
+    CoM and base move as the plan says, and feet roll without slipping. Raises `InputError`: the
+    robot's legs do not let it move so.
     """
     if not plan.jump.speed:
         return np.zeros(robot.model.nv)

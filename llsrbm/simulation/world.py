@@ -96,10 +96,9 @@ class Drives:
 class World:
     """The robot and its surroundings, at rest in its default posture until `reset`.
 
-    Attributes:
-        scene: the MuJoCo model and what stands in it.
-        tick: control period, s.
-        joint_order: (J,) where the joints of MuJoCo's qpos are in `robot.joint_names`.
+    Of a scenario the board matters. `tick`: control period, s; `joint_order`: (J,) where the joints
+    of MuJoCo's qpos are in `robot.joint_names`. Raises `InputError`: the board does not fit under
+    the planned feet; `RobotFileError`: the URDF cannot be simulated.
     """
 
     def __init__(
@@ -110,16 +109,6 @@ class World:
         disturbance: Disturbance,
         tick: float,
     ) -> None:
-        """Build the world in which `plan` is tried.
-
-        Args:
-            scenario: of it the board matters.
-            tick: control period, s.
-
-        Raises:
-            InputError: the board does not fit under the planned feet.
-            RobotFileError: the URDF cannot be simulated.
-        """
         self.tick = tick
         self._steps = steps_in(tick)
         self.scene = build_scene(

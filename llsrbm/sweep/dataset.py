@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import json
 import math
+from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
@@ -80,16 +81,13 @@ def make_dataset(
     fps: float | None = None,
     progress: Callable[[int, int], None] = lambda *_: None,
 ) -> Summary:
-    """Write the strict jumps of a sweep that is done.
+    """Write the strict jumps of the sweep in a folder, which is done, to the data set in another.
 
     Args:
-        sweep: its folder; out: that of the data set; one that was cut off goes on.
-        format_name: of `llsrbm formats`, or "lerobot".
-        robot: of these alone.
+        format_name: of `llsrbm formats`, or "lerobot"; robot: of these alone.
         source: "rollout": the simulated motions, one a seed; "plan": the planned motions of jumps
             that were strict with every seed.
-        limit: motions at most, the first of the sweep.
-        fps: frames/s; None: as the format has it.
+        limit: motions at most, the first of the sweep; fps: frames/s; None: as the format has it.
         progress: called with the number of motions that are there, and with their total.
 
     Raises:
@@ -186,21 +184,18 @@ def _strict(sweep: _Sweep, robot: str | None, source: str) -> list[dict[str, Any
                 f"{' or '.join(sweep.spec.robots)}"
             )
         table = table.filter(pc.equal(table["robot"], robot))
-    strict = table.filter(pc.fill_null(table["strict"], False))
+    strict: list[dict[str, Any]] = table.filter(table["strict"]).to_pylist()
     if source == "plan":
-        seeds = sweep.spec.rows_a_jump()
-        counted = strict.group_by("jump").aggregate([("strict", "count")])
-        every = counted.filter(pc.equal(counted["strict_count"], seeds))["jump"]
-        first = pc.multiply(every.combine_chunks(), seeds)  # row of each of these jumps
-        strict = strict.filter(pc.is_in(strict["index"], first))
-    if len(strict) == 0:
+        seeds, counted = sweep.spec.rows_a_jump(), Counter(each["jump"] for each in strict)
+        whole = (each for each in strict if counted[each["jump"]] == seeds)
+        strict = [each for each in whole if each["index"] == each["jump"] * seeds]
+    if not strict:
         of = "" if robot is None else f" of {robot}"
         raise InputError(
             f"{sweep.path}: none of {len(table)} rows{of} is strict; expected a sweep in which "
             "some land by the strict measure"
         )
-    found: list[dict[str, Any]] = strict.to_pylist()
-    return found
+    return strict
 
 
 def _check(sweep: _Sweep, chosen: Sequence[dict[str, Any]], format_: DatasetFormat) -> None:

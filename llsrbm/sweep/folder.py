@@ -38,11 +38,8 @@ _PART_TIME = 30.0  # s of work that a process that is killed may lose
 class Folder:
     """A sweep's folder, held by one process at a time.
 
-    Attributes:
-        path: where it is.
-        points: the sweep's jumps.
-        done: (jumps,) which of them have their rows.
-        damaged: names of parts that could not be read; their jumps are computed again.
+    `done`: (jumps,) which of them have their rows; `damaged`: names of parts that could not be
+    read, whose jumps are computed again.
     """
 
     def __init__(self, path: Path, points: Points, origin: Mapping[str, str]) -> None:

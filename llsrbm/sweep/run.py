@@ -27,9 +27,8 @@ from distributed.scheduler import KilledWorker
 from llsrbm.errors import Error, InputError
 from llsrbm.request.messages import duration
 from llsrbm.sweep.folder import Folder, difference
-from llsrbm.sweep.jump import failed_rows
+from llsrbm.sweep.jump import failed_rows, run_jump, run_prepare
 from llsrbm.sweep.points import Points
-from llsrbm.sweep.process import run_jump, run_prepare
 from llsrbm.sweep.rows import FAILED, Row
 from llsrbm.sweep.spec import Spec
 
@@ -175,13 +174,11 @@ def run(
     progress: Callable[[Progress], None],
     note: Callable[[str], None],
 ) -> Progress:
-    """Compute all jumps that are missing.
+    """Compute all jumps of a folder that are missing.
 
     Args:
-        folder: keeps them.
         client: of a scheduler with workers, or soon with some.
-        origin: versions that workers must have, see `llsrbm.sweep.rows.origin`.
-        limit: time (s) that a jump may take.
+        origin: versions that workers must have; limit: time (s) that a jump may take.
         progress: called about every second; note: with a line of anything else to report.
 
     Raises:

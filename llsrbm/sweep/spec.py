@@ -188,21 +188,15 @@ _Simulate = Annotated[
 
 
 class Spec(Table):
-    """A sweep's spec.
-
-    Attributes:
-        count: jumps a robot, model and type of a drawn sweep.
-        seed: draws jumps, and numbers the disturbances of simulations (`seeds`).
-        simulate: fields of a `Scenario`, with `seeds`; None or false: plan only.
-        diagnose: the limit that stops a jump is looked for, which takes some seconds each.
-    """
+    """A sweep's spec; docs/cluster.md has the meaning of each field."""
 
     title: Annotated[str, Field(min_length=1, max_length=200), OneLine]
     robots: _Names
     models: _Names = (Jump.model,)
     types: _Names = (Jump.type,)
     sampling: Literal["grid", "random", "sobol"] = "grid"
-    count: Annotated[int, Field(ge=1)] | None = None
+    count: Annotated[int, Field(ge=1)] | None = None  # jumps a robot, model and type, if drawn
+    # Draws jumps, and numbers the disturbances of simulations.
     seed: Annotated[int, Field(ge=0, le=_LARGEST_SEED)] = 0
     axes: JumpAxes = JumpAxes()
     limits: dict[_Name, _Axis] = Field(default_factory=dict)

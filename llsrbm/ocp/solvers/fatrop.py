@@ -13,13 +13,7 @@ from numpy.typing import NDArray
 from llsrbm.ocp.fatrop_patches import LARGEST_SCALE, WITHIN
 from llsrbm.ocp.horizon import Iterate, Problem, Solution
 from llsrbm.ocp.progress import printed_into
-from llsrbm.ocp.solvers.base import (
-    NEAR_MU,
-    NEAR_TOLERANCE,
-    SolveOptions,
-    Solver,
-    largest_violation,
-)
+from llsrbm.ocp.solvers.base import NEAR_MU, NEAR_TOLERANCE, SolveOptions, Solver, largest_violation
 from llsrbm.ocp.transcription import Transcribed
 
 Array = NDArray[np.float64]

@@ -7,7 +7,7 @@ import distributed
 import pyarrow.parquet as pq
 
 from llsrbm.request.tables import parse_table, validated
-from llsrbm.sweep import jump, process, run
+from llsrbm.sweep import jump, run
 from llsrbm.sweep.folder import Folder
 from llsrbm.sweep.points import Points
 from llsrbm.sweep.rows import NOT_PLANNED, PLANNED, TIMES, origin
@@ -45,7 +45,7 @@ def without_planning(monkeypatch):
     """Neither planning nor a process of its own for it."""
     monkeypatch.setattr(jump, "_planned", planned_at_once)
     monkeypatch.setattr(jump, "_planner", lambda point: None)
-    monkeypatch.setattr(process, "compute", lambda function, *of, limit: function(*of))
+    monkeypatch.setattr(jump, "compute", lambda function, *of, limit: function(*of))
 
 
 @contextmanager

@@ -5,7 +5,7 @@ import time
 import pytest
 
 from llsrbm.errors import Error, InputError
-from llsrbm.sweep import process
+from llsrbm.sweep import jump as process
 from llsrbm.sweep.points import Points
 from tests.llsrbm.sweep.specs import spec
 
