@@ -100,3 +100,7 @@ def test_nothing_else_is_accepted_and_nothing_breaks(headers, host, token):
     assert not access.accepts_cookie(headers, host)
     assert not access.accepts_cookie([f"llsrbm-8080={token}"], host)
     assert not access.accepts_token(token)
+
+
+def test_the_token_itself_is_no_cookie(access):
+    assert not access.accepts_cookie([f"llsrbm-8080={TOKEN}"], HOST)

@@ -91,3 +91,14 @@ def test_what_is_no_place_changes_nothing(target, nonsense):
 def test_the_impulse_to_its_own_tip_is_the_impulse(x, y, scale):
     shown = PushShown(0.3, (0.2, -0.4, 0.5), (x, y, 1.0), scale)
     assert shown.impulse_to(shown.tip) == pytest.approx((x, y, 1.0), abs=1e-9)
+
+
+def test_nobody_drags_what_is_not_there():
+    target = Target()
+    target.drag((1.0, 1.0, 1.0))
+    assert target.grips == []
+
+
+def test_nothing_is_shown_of_no_push(target):
+    target.handle.draw(None)
+    assert target.seen == set()

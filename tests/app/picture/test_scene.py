@@ -223,3 +223,15 @@ def test_tracks_with_the_same_instants_are_one_strand():
             for values in (track.position, track.wxyz, track.scale):
                 assert values is None or len(values) == len(strand.time)
                 assert values is None or np.isfinite(values).all()
+
+
+def test_the_ground_is_where_the_robot_lands_below():
+    drawn = Drawn(picture(height=-0.15))
+    assert drawn.nodes["/ground"].position[2] == -0.15
+    assert drawn.nodes["/target/step0"].visible
+
+
+def test_an_overlay_that_was_hidden_meanwhile_has_the_newest_motion():
+    drawn = Drawn(picture(layers={"com"}), picture(layers=()), picture(layers=(), forward=0.4))
+    clip, _, _ = drawn.changes(picture(layers={"com"}, forward=0.4))
+    assert track_of(clip, "/com")[1].position is planned(forward=0.4).frames.com

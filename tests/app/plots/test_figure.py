@@ -16,6 +16,7 @@ from app.plots.choice import (
     ALL_JOINTS,
     DEFAULT,
     LANDING,
+    MOST_CHARTS,
     OVERVIEW,
     OWN,
     PRESETS,
@@ -227,3 +228,8 @@ def test_joints_are_those_of_the_loads():
     knees = torques.with_joints("KFE")
     assert (knees.joints, knees.preset) == ("KFE", TORQUES)
     assert knees.with_joints(ALL_JOINTS) == torques
+
+
+def test_there_are_not_too_many_charts():
+    choice = PlotChoice(tuple(ChartChoice("com", (str(i),)) for i in range(MOST_CHARTS)))
+    assert choice.with_offered() == choice

@@ -89,3 +89,11 @@ def test_no_pin_is_chosen(tab, index):
     tab.take(PinChosen(index))
     assert tab.state.pin_chosen == -1
     assert tab.take(Act.USE_PINNED) == ()
+
+
+def test_the_chosen_pin_is_taken_up(tab):
+    pin_at(tab, 0.05, 0.1)
+    tab.take(PinChosen(0))
+    tab.take(Act.USE_PINNED)
+    assert tab.one.task.jump.forward == 0.05
+    assert places(tab.state) == [0.05, 0.1]

@@ -10,6 +10,7 @@ import pytest
 
 from app.tab import initial_plan
 from app.tab.initial_plan import LIBRARY_PLANNER, InitialPlans, example, shipped_file, shipped_plan
+from app.workers.worker import LibraryPlanner
 from llsrbm.motion.plan import load_plan
 from llsrbm.planning.problem.placement import make_task
 from llsrbm.planning.problem.violations import satisfied, violations
@@ -161,3 +162,7 @@ def test_a_shipped_plan_that_does_not_fit_is_not_used_and_the_terminal_says_why(
     assert plans.plan("anymal") is None
     assert "is not used: " in caplog.text
     assert reason in caplog.text
+
+
+def test_the_librarys_planner_is_found_by_its_name():
+    assert f"{LibraryPlanner.__module__}.{LibraryPlanner.__qualname__}" == LIBRARY_PLANNER

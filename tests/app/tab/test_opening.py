@@ -26,7 +26,7 @@ from app.tab.opening import TabOpened, example_design, left, resume
 from app.tab.planning import Rested
 from app.tab.state import FileWork
 from app.workers.opened_file import OpenedFile
-from app.workers.protocol import PlanJump, Prepare, Prepared, SeedResult, SimulatedSoFar
+from app.workers.protocol import PlanJump, Prepare, Prepared, SeedDone, SeedResult, SimulatedSoFar
 from llsrbm.request.design import Design
 from llsrbm.request.jump import Jump
 from llsrbm.request.scenario import Scenario
@@ -212,3 +212,17 @@ def test_meshes_that_were_being_made_are_made_again():
     back(tab)
     (submit,) = tab.of(Submit)
     assert (submit.queue, submit.task) == (Queue.ROBOT, Prepare("anymal"))
+
+
+def test_a_motion_that_played_plays_on():
+    tab = planned_tab()
+    tab.take(PlayerMoved(0.4, playing=True))
+    assert back(tab).effects == (AS_BEFORE, Seek(0.4), Play())
+
+
+def test_seeds_are_counted_from_the_first_again():
+    tab = planned_tab()
+    tab.take(Act.SEEDS)
+    tab.report(SeedDone(0, SeedResult(0, True, True, None, 0.0, "landed"), 1, 2))
+    back(tab)
+    assert tab.state.seeds.results == ()

@@ -350,3 +350,10 @@ def test_a_robot_disturbed_again_is_disturbed_as_much(tab):
     tab.take(Scenario())
     tab.take(Scenario(seed=3))
     assert tab.state.design.scenario.noise == 2.0
+
+
+def test_what_is_entered_while_a_robot_is_prepared_counts(tab):
+    tab.move(robot="go2")
+    tab.move(lateral=0.2)
+    tab.settle()
+    assert (tab.state.plan.jump.robot, tab.state.plan.jump.lateral) == ("go2", 0.2)

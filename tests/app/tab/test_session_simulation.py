@@ -88,3 +88,9 @@ def test_a_value_no_control_offers_is_corrected_and_said(tab, session, label, va
     tab.wait(lambda: tab.notifications, "a notification")
     assert tab.notifications[0] == ("Corrected", told)
     tab.wait_for_status("Landed")
+
+
+def test_half_of_no_board_is_no_board(tab, session):
+    tab.set("Half board", True)
+    simulate(tab, session)
+    assert not session.rollout.scenario.half_board

@@ -23,6 +23,7 @@ from app.tab.effects import (
     After,
     Effect,
     LoadRobot,
+    Notify,
     Reported,
     RobotLoaded,
     RobotMissing,
@@ -370,3 +371,15 @@ TestAnyEvents.settings = settings(
     deadline=None,
     suppress_health_check=list(HealthCheck),
 )
+
+
+def test_a_graphics_processor_draws_all_triangles():
+    state = planned_tab().state
+    assert update(state, PageReady(software=False))[0].fine
+    assert not update(state, PageReady(software=True))[0].fine
+
+
+def test_a_remark_on_the_server_becomes_a_note():
+    line = "The cluster is lost."
+    effects = update(planned_tab().state, Remarked(line))[1]
+    assert effects == (Notify("The server", line),)

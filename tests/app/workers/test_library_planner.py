@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 import llsrbm
-from app.workers.protocol import ExportMotion, OpenFile, PlanJump, SimulateJump
+from app.workers.protocol import ExportMotion, FindNearest, OpenFile, PlanJump, SimulateJump
 from app.workers.worker import LibraryPlanner
 from llsrbm.errors import UnusableStart
 from llsrbm.ocp.horizon import Iterate
@@ -150,3 +150,10 @@ def test_solvers_that_plan_anew_are_announced_where_they_are_needed(called):
         planner.simulate(task, told.append, lambda *_: None, never)
     (line,) = told
     assert line.startswith("building the solvers that plan anew, of llsrbm-plus for anymal")
+
+
+def test_a_search_gets_its_tuning(called):
+    LibraryPlanner().nearest(FindNearest(JUMP, TUNING), silent, never)
+    (jump,), options = called["nearest"]
+    assert jump == JUMP
+    assert (options["weights"], options["limits"]) == (TUNING.weights, TUNING.limits)

@@ -180,7 +180,7 @@ def test_a_crash_is_told_and_the_process_restarted(shared_pool, way):
 
 def test_a_defect_leaves_its_traceback_in_the_terminal(capfd):
     # Made here: between a test's set-up and its call, pytest shows no process where to write.
-    with contextlib.closing(WorkerPool(SyntheticPlanner)) as pool:
+    with contextlib.closing(WorkerPool(SyntheticPlanner, processes=1)) as pool:
         tab = Tab(pool)
         tab.plan(planners.DEFECT)
         assert "exit status 1" in tab.outcome().message

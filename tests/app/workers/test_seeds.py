@@ -21,7 +21,7 @@ from app.workers.protocol import (
     SimulatedSoFar,
     SimulateSeeds,
 )
-from app.workers.seeds import MOST_SEEDS, Seeds, badness
+from app.workers.seeds import MOST_SEEDS, Seeds, badness, result_of
 from llsrbm.errors import InputError
 from llsrbm.request.jump import Jump
 from llsrbm.request.scenario import Scenario
@@ -173,3 +173,15 @@ def test_a_seed_that_cannot_be_simulated_fails_them_all_once():
         )
         tab.simulate(seed=1)
         assert tab.outcome(timeout=5).rollout.landed
+
+
+def test_results_say_in_words_how_it_went():
+    assert result_of(1, rollout(foot_error=0.0123)).line == (
+        "Landed; feet within 12 mm of the plan."
+    )
+    assert result_of(1, rollout(foot_error=0.08, strict=False)).line == (
+        "Landed, but failed the strict criterion; feet within 80 mm of the plan."
+    )
+    fallen = result_of(7, rollout(1.1))
+    assert fallen.line.startswith("Fell at 1.10 s: ")
+    assert (fallen.seed, fallen.landed, fallen.fell_at_s) == (7, False, 1.1)

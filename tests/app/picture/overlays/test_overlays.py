@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from app.picture.overlays import OVERLAYS
+from app.picture.overlays import AT_FIRST, OVERLAYS
 from app.picture.scene import Scene
 from llsrbm.robots import load_robot
 from tests.app.picture.pictures import picture
@@ -39,3 +39,10 @@ def test_an_overlay_has_few_nodes(name, robot):
         Scene(client).draw(picture(robot, layers))
     bodies = load_robot(robot).model.njoints - 1
     assert len(having.scene.nodes) - len(without.scene.nodes) <= bodies + 1
+
+
+def test_diagnostics_are_quiet_at_first():
+    assert frozenset(OVERLAYS) > AT_FIRST
+    of_pushes = {"pushes", "new-plans", "landing-region"}  # without any they draw nothing
+    assert {"ellipsoids", "com", "forces", "trails", "ghost", "landing"} == AT_FIRST - of_pushes
+    assert of_pushes < AT_FIRST
