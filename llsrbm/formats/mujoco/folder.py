@@ -32,10 +32,8 @@ are smeared over them. Only numbers are read: no MJCF, no pickles.
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -51,9 +49,6 @@ from llsrbm.motion.rollout import Disturbance, Rollout
 from llsrbm.motion.trajectory import Trajectory
 from llsrbm.motion.whole_body import WholeBodyMotion, motion_of_states, whole_body_motion
 from llsrbm.simulation.surroundings import Surroundings
-
-if TYPE_CHECKING:
-    from llsrbm.formats.mujoco.scene import Keyframe
 
 Array = NDArray[np.float64]
 
@@ -105,11 +100,10 @@ def _write(trajectory: Trajectory, path: Path, options: Options) -> None:
     robot = motion.robot
     around = _surroundings(trajectory, motion)
     names = joints_in_model_order(robot)
-    states = _States.of(motion, names)
     start, end = (float(trajectory.time[i]) for i in (0, -1))
     own_time = start + motion.time - np.ceil(options.pad * options.fps - 1e-9) / options.fps
     places = [block_places(around, float(t)) for t in np.clip(own_time, start, end)]
-    keyframes = list(_keyframes(trajectory, names, around))
+    keyframes = _keyframes(trajectory, names, around)
     tick = 1.0 / robot.file.control.rate
     timestep = tick / steps_in(tick)
 
@@ -121,7 +115,7 @@ def _write(trajectory: Trajectory, path: Path, options: Options) -> None:
         {
             "time": motion.time,
             "fps": np.float64(options.fps),
-            **{name: array for name, array in vars(states).items() if array is not None},
+            **_states(motion, names),
             "joint_names": np.array(names, dtype=np.str_),
             "mocap_pos": np.array(places),
             "mocap_names": np.array(
@@ -138,14 +132,14 @@ def _write_words(
     trajectory: Trajectory,
     options: Options,
     names: tuple[str, ...],
-    keyframes: list[Keyframe],
+    keyframes: dict[str, dict[str, Array]],
 ) -> None:
     ctrl = motion.joint_torque
     (path / README).write_text(
         _README.format(
             title=motion.robot.file.title,
             kind=motion.origin,
-            keyframes=", ".join(f'"{keyframe.name}"' for keyframe in keyframes),
+            keyframes=", ".join(f'"{name}"' for name in keyframes),
             ctrl="" if ctrl is None else ", ctrl",
             torques=_TORQUES[ctrl is not None],
         ),
@@ -157,29 +151,22 @@ def _write_words(
         pad_s=options.pad,
         quaternion_order="wxyz",
         joint_order=list(names),
-        keyframes={keyframe.name: keyframe.time for keyframe in keyframes},
+        keyframes={name: float(key["time"]) for name, key in keyframes.items()},
     )
     text = json.dumps(meta, indent=1, allow_nan=False)
     (path / MARK).write_text(text + "\n", encoding="utf-8")
 
 
-@dataclass(frozen=True, eq=False)
-class _States:
-    """`motion`, its joints in the model's order; ctrl: (K, J) torques, if they are known."""
-
-    qpos: Array
-    qvel: Array
-    ctrl: Array | None
-
-    @staticmethod
-    def of(motion: WholeBodyMotion, names: tuple[str, ...]) -> _States:
-        joints = np.array([motion.robot.joint_names.index(name) for name in names])
-        torque = motion.joint_torque
-        return _States(
-            motion.qpos[:, [*range(7), *(7 + joints)]],
-            motion.qvel[:, [*range(6), *(6 + joints)]],
-            None if torque is None else torque[:, joints],
-        )
+def _states(motion: WholeBodyMotion, names: tuple[str, ...]) -> dict[str, Array]:
+    """`qpos`, `qvel` and, if they are known, torques `ctrl`; joints in the model's order."""
+    joints = np.array([motion.robot.joint_names.index(name) for name in names])
+    states = {
+        "qpos": motion.qpos[:, [*range(7), *(7 + joints)]],
+        "qvel": motion.qvel[:, [*range(6), *(6 + joints)]],
+    }
+    if motion.joint_torque is not None:
+        states["ctrl"] = motion.joint_torque[:, joints]
+    return states
 
 
 def _surroundings(trajectory: Trajectory, motion: WholeBodyMotion) -> Surroundings:
@@ -206,26 +193,21 @@ def _seen(motion: WholeBodyMotion) -> tuple[Array, float]:
 
 def _keyframes(
     trajectory: Trajectory, names: tuple[str, ...], around: Surroundings
-) -> Iterator[Keyframe]:
-    from llsrbm.formats.mujoco.scene import Keyframe
+) -> dict[str, dict[str, Array]]:
     from llsrbm.simulation.scene import block_places
 
     # At a rate at which a plan's knots that count are there as events, and a rollout's ticks all.
     tick = float(trajectory.time[1] - trajectory.time[0])
     rate = 1.0 if isinstance(trajectory, Plan) else 1.0 / tick
     motion = whole_body_motion(trajectory, rate, events=True)
-    states, start = _States.of(motion, names), float(trajectory.time[0])
+    states, start = _states(motion, names), float(trajectory.time[0])
+    found = {}
     for name, instant in _instants(trajectory).items():
         k = int(np.searchsorted(motion.time, instant - start + _SAME_INSTANT, side="right")) - 1
         time = start + float(motion.time[k])
-        yield Keyframe(
-            name=name,
-            time=time,
-            qpos=states.qpos[k],
-            qvel=states.qvel[k],
-            ctrl=None if states.ctrl is None else states.ctrl[k],
-            mocap_pos=block_places(around, time),
-        )
+        state = {key: values[k] for key, values in states.items()}
+        found[name] = {"time": np.array(time), **state, "mpos": block_places(around, time)}
+    return found
 
 
 def _instants(trajectory: Trajectory) -> dict[str, float]:

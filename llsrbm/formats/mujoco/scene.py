@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import mujoco
@@ -30,19 +29,8 @@ _STL_HEADER = 80  # bytes
 _STL_TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 
 
-@dataclass(frozen=True, eq=False)
-class Keyframe:
-    """A state under a name, such as "touchdown", at a time, s; arrays as in the model.
-
-    `ctrl` None: not known.
-    """
-
-    name: str
-    time: float
-    qpos: Array
-    qvel: Array
-    ctrl: Array | None
-    mocap_pos: Array
+Keyframes = Mapping[str, Mapping[str, ArrayLike]]
+"""Name -> attribute of MJCF's `key` -> its numbers, as in the model."""
 
 
 def write_scene(
@@ -51,7 +39,7 @@ def write_scene(
     surroundings: Surroundings,
     disturbance: Disturbance,
     timestep: float,
-    keyframes: Sequence[Keyframe],
+    keyframes: Keyframes,
     seen: tuple[Array, float],
 ) -> None:
     """Write the MJCF at `path` and the robot's meshes in the folder `MESHES` beside it.
@@ -68,15 +56,20 @@ def write_scene(
     _set_limits(spec, robot)
     _dress_world(spec, *seen)
     files = _add_visuals(spec, robot)
-    for mocap, place in zip(_mocap_bodies(spec), keyframes[-1].mocap_pos, strict=True):
-        mocap.pos = place
+    *_, last = keyframes.values()
+    mocaps = [body for body in spec.bodies if body.mocap]
+    for body, place in zip(mocaps, np.asarray(last["mpos"]), strict=True):
+        body.pos = place
     spec.meshdir = MESHES
     spec.assets = {f"{MESHES}/{name}": content for name, content in files.items()}
     model = compiled(spec, robot)
     root = ET.fromstring(spec.to_xml())  # noqa: S314  our own
     _restore_digits(root, model)
     _for_others(root)
-    _add_keyframes(root, keyframes)
+    section = ET.SubElement(root, "keyframe")
+    for name, values in keyframes.items():
+        known = {key: _text(value) for key, value in values.items() if np.size(value)}
+        ET.SubElement(section, "key", {"name": name, **known})
     ET.indent(root)
     path.write_text(ET.tostring(root, encoding="unicode") + "\n", encoding="utf-8")
     folder = path.parent / MESHES
@@ -173,10 +166,6 @@ def _stl(corners: NDArray[np.float32]) -> bytes:
     )
 
 
-def _mocap_bodies(spec: mujoco.MjSpec) -> list[mujoco.MjsBody]:
-    return [body for body in spec.bodies if body.mocap]
-
-
 def _restore_digits(root: ET.Element, model: mujoco.MjModel) -> None:
     """Places and inertias of bodies with all digits, of which MuJoCo writes six.
 
@@ -226,24 +215,6 @@ def _for_others(root: ET.Element) -> None:
         for key in ("name", "mesh"):
             if element.get(key, "").partition("/")[0] in _OWN:
                 element.set(key, exported_name(element.get(key, "")))
-
-
-def _add_keyframes(root: ET.Element, keyframes: Iterable[Keyframe]) -> None:
-    section = ET.SubElement(root, "keyframe")
-    for keyframe in keyframes:
-        values: dict[str, ArrayLike | None] = {
-            "time": [keyframe.time],
-            "qpos": keyframe.qpos,
-            "qvel": keyframe.qvel,
-            "ctrl": keyframe.ctrl,
-            "mpos": keyframe.mocap_pos,
-        }
-        known = {
-            name: _text(value)
-            for name, value in values.items()
-            if value is not None and np.size(value)
-        }
-        ET.SubElement(section, "key", {"name": keyframe.name, **known})
 
 
 def _text(values: ArrayLike) -> str:
