@@ -62,12 +62,7 @@ class Designer:
         file: OpenedFile | None = None,  # with which every tab begins
         atlases: Atlases | None = None,  # of sweeps to choose from; None: the one that ships
     ) -> None:
-        """Bind and let tabs in.
-
-        Raises:
-            InputError: the address cannot be bound, the port is in use, or no such token can be.
-            GuardMissing: the server would let in what it must refuse.
-        """
+        """Bind and let tabs in; raises as `serve`."""
         check_bindable(host, port)
         loopback = is_loopback(host)
         self._access = Access.chosen(token)
@@ -109,10 +104,7 @@ class Designer:
         return self.tabs.sessions
 
     def warm_up(self, robot: str) -> None:
-        """Prepare a robot and load the solver of every model before anybody asks.
-
-        The terminal shows each step, and the end.
-        """
+        """Prepare a robot, load the solver of every model, and show each step on the terminal."""
         first = example(robot)
         others = [name for name in models.names() if name != first.model]
         jumps = [first, *(Jump(robot=robot, model=name) for name in others)]
@@ -168,11 +160,7 @@ def serve(*address: Any, browser: bool = False, **options: Any) -> None:
 
 
 def check_bindable(host: str, port: int) -> None:
-    """Find out by trying, because viser would take another port, or hang.
-
-    Raises:
-        InputError: which says why not.
-    """
+    """Raise `InputError` unless it can be bound: viser would take another port, or hang."""
     if not 0 <= port <= 65535:
         raise InputError(f"--port: expected 0 to 65535, got {port}")
     try:

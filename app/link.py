@@ -68,10 +68,7 @@ class ClipTaken:
 
 @dataclass(frozen=True)
 class TuningChosen:
-    """A number of the table of weights and limits was changed; None: back to the robot's own.
-
-    There may be no number of this name.
-    """
+    """A weight or limit was changed, if there is one of that name; None: the robot's own again."""
 
     group: Literal["weights", "limits"]
     name: str
@@ -97,10 +94,7 @@ PageEvent = (
 
 
 class PageLink:
-    """Calls one tab's scripts and reads its answers; for the session's thread.
-
-    A page that is slow to take a clip gets the newest one next, not all of them.
-    """
+    """Calls a tab's scripts, in the session's thread; a slow page gets the newest clip only."""
 
     def __init__(self, client: viser.ClientHandle, callback: Callable[[PageEvent], None]) -> None:
         """Greet the page, which answers with `PageReady`; `callback` is called in other threads."""

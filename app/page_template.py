@@ -38,11 +38,7 @@ _FOLDER = Path(__file__).parent / "static"
 
 @lru_cache(maxsize=1)
 def page_html() -> bytes:
-    """Read once.
-
-    Raises:
-        Error: viser's page has no place for our scripts.
-    """
+    """Read once; raises `Error` where viser's page has no place for our scripts."""
     page = (Path(viser.__file__).parent / "client" / "build" / "index.html").read_text("utf-8")
     if _TITLE not in page:
         raise Error(f"the page of viser {viser.__version__} has no place for our scripts")

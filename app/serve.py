@@ -105,11 +105,7 @@ def serve(
 
 
 def _token_in(path: Path, other: str | None) -> str:
-    """The token in a file.
-
-    Raises:
-        InputError: the file cannot be read, or there is another token too.
-    """
+    """The token in a file, if it can be read and there is no other token."""
     if other is not None:
         raise InputError("--token-file: expected no --token or LLSRBM_TOKEN beside it")
     try:
@@ -119,11 +115,7 @@ def _token_in(path: Path, other: str | None) -> str:
 
 
 def _cluster(address: str) -> Cluster:
-    """The cluster at this address, announced on the terminal.
-
-    Raises:
-        InputError: nothing answers there.
-    """
+    """The cluster at this address, if it answers, announced on the terminal."""
     require("--scheduler needs Dask", "sweep", "distributed")
     from app.workers.cluster import Cluster  # dask takes most of a second to import
 
@@ -134,11 +126,7 @@ def _cluster(address: str) -> Cluster:
 
 
 def _opened(path: Path, robot: str, fps: float | None) -> OpenedFile:
-    """The content of a file, its robot ready to be drawn.
-
-    Raises:
-        InputError: it cannot be opened.
-    """
+    """The content of a file, if it can be opened, its robot ready to be drawn."""
     from app.workers.protocol import OpenFile
     from app.workers.worker import LibraryPlanner
     from llsrbm.robots import names

@@ -221,10 +221,7 @@ def size_of(value: Any, most: float) -> float:
 
 
 def take_upload(button: viser.GuiUploadButtonHandle) -> viser.UploadedFile | None:
-    """The file that came last, if it was not taken before.
-
-    The button lets go of it: viser would keep it as long as the tab is open.
-    """
+    """The file that came last, once: viser would keep it as long as the tab is open."""
     file = button.value
     button._impl.value = _NO_FILE
     return None if file is _NO_FILE or not isinstance(file, viser.UploadedFile) else file
@@ -273,10 +270,7 @@ def uuid_of(handle: Any) -> str:
 
 @contextlib.contextmanager
 def _behind(door: Door) -> Iterator[None]:
-    """While a viser server is made: put its WebSocket server behind a door.
-
-    viser's own answers to requests, which would serve files, are never asked for.
-    """
+    """Put a viser server that is made behind a door; its own answers are never wanted."""
     serve = websockets.asyncio.server.serve
 
     def serve_behind_door(handler: Any, *args: Any, **options: Any) -> Any:

@@ -26,12 +26,7 @@ class GuardMissing(Error):
 
 
 def check(host: str, port: int, *, token: bool) -> None:
-    """Send a server the requests that it must refuse.
-
-    Args:
-        host: address that it is bound to.
-        port: its port.
-        token: nobody may enter without one.
+    """Send a server the requests that it must refuse; a `token`: nobody may enter without it.
 
     Raises:
         GuardMissing: it let something in, or does not answer.

@@ -31,11 +31,7 @@ class Access:
     def __init__(
         self, token: str | None, port: int = 0, now: Callable[[], float] = time.time
     ) -> None:
-        """Check the token; `now` is s since 1970.
-
-        Raises:
-            InputError: too short, or with characters that an address would have to escape.
-        """
+        """Raise `InputError` of a token too short or not fit for an address."""
         if token is not None and not _TOKEN.fullmatch(token):
             raise InputError(
                 "--token: expected 16 to 256 letters, digits, '-' or '_', or 'none' "

@@ -39,15 +39,7 @@ _log = logging.getLogger(__name__)
 
 
 class Connection(ServerConnection):
-    """A connection that keeps the limits of its door.
-
-    Attributes:
-        peer: the other side's address, or its network of IPv6.
-        method: of its request, once that begins.
-        host: of its request, if it is a known one.
-        silent: nothing came since it was opened as a tab.
-        taken_at: s, on the loop's clock, when it last took nearly all that was sent.
-    """
+    """A connection that keeps the limits of its door."""
 
     def __init__(self, door: Door, *args: Any, **options: Any) -> None:
         super().__init__(*args, **options)
@@ -57,8 +49,10 @@ class Connection(ServerConnection):
         self._messages, self._controls = TokenBucket(limits.messages), TokenBucket(limits.controls)
         self._slowed_since: float | None = None
         self._fragments = 0
-        self.peer, self.method, self.host = "unknown", "", ""
-        self.silent, self.taken_at = True, self.loop.time()
+        self.peer = "unknown"  # the other side's address, or its network of IPv6
+        self.method = self.host = ""  # of its request, once that begins, and if it is a known one
+        self.silent = True  # nothing came since it was opened as a tab
+        self.taken_at = self.loop.time()  # s, when it last took nearly all that was sent
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         """Count it."""

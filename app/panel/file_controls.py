@@ -152,10 +152,7 @@ class FileControls:
         choose_example: Callable[[Design], None],  # called with the one that was chosen
         open_file: Callable[[str, bytes], None],  # called with a name and content, whatever it is
     ) -> None:
-        """The controls that are always there.
-
-        The callbacks are called on viser's event loop and must return at once.
-        """
+        """The callbacks are called on viser's event loop and must return at once."""
         gui = self._gui = client.gui
         self._put = put_act
         self._examples = {design.title: design for design in examples.values()}
@@ -226,6 +223,5 @@ class FileControls:
 
 
 def _suffixes() -> list[str]:
-    """Of the files that a browser shall offer to open."""
     motions = {each.suffix for each in readable() if each.suffix}
     return sorted({".json", ".zip"} | motions)

@@ -169,10 +169,7 @@ class JumpControls:
 
 
 def titled(jump: Jump, robots: Mapping[str, RobotFile]) -> Jump:
-    """The jump with the titles of its robot and model for their names, to be named by titles.
-
-    The first robot keeps its name: `llsrbm.look.titles` leaves it out.
-    """
+    """The jump with titles of robot and model, but for the first robot, which titles leave out."""
     robot = jump.robot
     if robot != Jump().robot and robot in robots:
         robot = robots[robot].title

@@ -22,10 +22,7 @@ _TURNS: dict[str, tuple[str, float]] = {
 
 
 def types_offered(robot: Robot) -> dict[str, JumpType]:
-    """Name -> type of those that the robot can do, the default first.
-
-    It has their feet, and makes the turns that they make by default.
-    """
+    """Name -> type of those for which a robot has the feet and the turns, the default first."""
     return {
         name: kind
         for name, kind in jump_types.names().items()

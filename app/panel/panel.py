@@ -49,10 +49,7 @@ class Panel:
         choose_example: Callable[[Design], None],  # called with the one that was chosen
         open_file: Callable[[str, bytes], None],  # called with the name and content of a file
     ) -> None:
-        """Build the controls.
-
-        The callbacks are called on viser's event loop, and must return at once.
-        """
+        """The callbacks are called on viser's event loop, and must return at once."""
         gui = client.gui
         self._status = gui.add_html("")
         self.buttons = add_buttons(gui, "top", put)  # all of them, by their acts

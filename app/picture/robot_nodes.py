@@ -34,10 +34,7 @@ _GHOST_OPACITY = 0.25
 def meshes(
     robot: Robot, *, fine: bool = False, ghost: Rgb | None = None, stand_in: bool = False
 ) -> tuple[tuple[str, int, bytes], ...]:
-    """(link, body index, glTF) of each body, made once for all tabs; ghosts in one colour.
-
-    With `stand_in`, collision shapes in place of meshes.
-    """
+    """(link, body, glTF) of each body, ghosts in one colour; `stand_in`: collision shapes."""
     from trimesh import Trimesh
     from trimesh.visual import TextureVisuals
     from trimesh.visual.material import PBRMaterial
@@ -98,16 +95,12 @@ class RobotNodes:
             self._draw()
 
     def complete(self) -> None:
-        """Draw the meshes, if collision shapes stood in for them and they are prepared by now.
-
-        Bodies may be added and removed: a clip has to be sent anew after it.
-        """
+        """Draw meshes prepared by now in place of stand-ins; bodies may change."""
         if self._stand_in and not needs_preparation(self.robot):
             self._stand_in = False
             self._draw()
 
     def _draw(self) -> None:
-        """Have a node for each body; those of before keep their poses."""
         position, wxyz = _default_pose(self.robot)
         bodies = meshes(
             self.robot,

@@ -17,10 +17,7 @@ from llsrbm.mechanics import Array
 
 
 class Scene:
-    """Draws pictures, one after the other; to be used by one thread.
-
-    It owns nodes, and what was drawn last, and no facts.
-    """
+    """Draws pictures, one after the other, in one thread; it owns nodes, and no facts."""
 
     # Browser tests find controls by label. viser's scene tree has labels, too, made from the names
     # of nodes, so these avoid the words of the panel (a node "robot" would be found as "Robot").
@@ -90,7 +87,6 @@ class Scene:
 
 
 def _joined(channels: Iterable[AnimationChannel]) -> tuple[AnimationChannel, ...]:
-    """The same, with one channel for all tracks that share their instants."""
     times: dict[int, Array] = {}
     tracks: dict[int, list[Track]] = {}
     for channel in channels:

@@ -151,7 +151,6 @@ def _set(handle: Any, value: str | bool) -> None:
 
 
 def _offer(handle: Any, options: Sequence[str], value: str) -> None:
-    """Set a dropdown's options, and its value, or the first option if there is no such value."""
     if tuple(handle.options) != tuple(options):
         handle.options = tuple(options)
     _set(handle, value if value in options else options[0])

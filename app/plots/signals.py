@@ -111,7 +111,6 @@ _LEAST = {
 
 
 def _declared() -> Iterator[Signal]:
-    """A signal for each quantity over time that files list."""
     found: dict[str, Quantity] = {}
     for of in (Plan, Rollout):
         for name, quantity in (quantities(of) | derived(of)).items():
@@ -199,8 +198,6 @@ def _single(unit: str) -> _Columns:
 
 
 def _each_joint(unit: str) -> _Columns:
-    """(K, J) as a component for each joint."""
-
     def columns(series: TimeSeries, values: Array) -> tuple[list[Component], Array]:
         tags = _joint_tags(series.robot).items()
         return [Component(name, unit, tags_of) for name, tags_of in tags], values

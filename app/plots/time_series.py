@@ -82,10 +82,7 @@ class TimeSeries:
         return norm
 
     def quantity(self, name: str) -> Array | None:
-        """(K, ...) of a quantity by its name in `Plan`; None if this motion has no such quantity.
-
-        Joints are in the robot's order.
-        """
+        """(K, ...) of a quantity by its name in `Plan`, joints in the robot's order; None: none."""
         if name in ("com_velocity", "average_spatial_velocity_norm"):
             found: Any = getattr(self, name)
         elif name in _COMMON:

@@ -1,7 +1,7 @@
 // The camera: views, following, a picture as a file; its buttons at the picture's top left, and the
 // backdrop behind the picture. A clip says what there is to look at (app/motion/clip.py, `Sight`).
 (() => {
-  const { player, element, addToPage, listenToKeys } = window.llsrbm;
+  const { player, element, addToPage, lacking, listenToKeys } = window.llsrbm;
   const AROUND = [0.62, -0.95, 0.34]; // from the right, ahead and above
   const VIEWS = { front: [1, 0, 0.12], side: [0, -1, 0.12], top: [-1e-3, 0, 1], all: AROUND };
   const MARGIN = 0.06; // share of the picture's height that stays free around the robot
@@ -50,8 +50,7 @@
   let listensTo = null;
 
   const viewer = () => window.__viserMutable;
-  const missing = () => needs.filter((path) =>
-    path.split(".").reduce((owner, name) => owner?.[name], viewer() ?? {}) === undefined);
+  const missing = () => lacking(viewer(), needs);
 
   // ---- geometry; three's world is the scene's, turned as the scene's root is
 

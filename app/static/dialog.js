@@ -7,12 +7,12 @@
       color: var(--mantine-color-text); background: var(--mantine-color-body); }
     #llsrbm-dialog::backdrop { background: rgba(0, 0, 0, 0.35); }
     #llsrbm-dialog h2 { margin: 0 0 0.3rem; font-size: 1.05rem; }
-    #llsrbm-dialog input { box-sizing: border-box; width: 100%; font: inherit; padding: 0.3rem 0.5rem;
-      color: inherit; background: var(--mantine-color-default); border-radius: 4px;
+    #llsrbm-dialog input { box-sizing: border-box; width: 100%; font: inherit; padding: 0.3rem 0.5rem; }
+    #llsrbm-dialog button { margin-top: 0.8rem; padding: 0.25rem 0.9rem; }
+    :is(#llsrbm-dialog, #llsrbm-tour) :is(button, input), #llsrbm-transport :is(button, select) {
+      font: inherit; color: inherit; background: var(--mantine-color-default); border-radius: 4px;
       border: 1px solid var(--mantine-color-default-border); }
-    #llsrbm-dialog button { font: inherit; color: inherit; margin-top: 0.8rem; padding: 0.25rem 0.9rem;
-      background: var(--mantine-color-default); border-radius: 4px; cursor: pointer;
-      border: 1px solid var(--mantine-color-default-border); }`;
+    :is(#llsrbm-dialog, #llsrbm-tour, #llsrbm-transport) button { cursor: pointer; }`;
 
   const title = element("h2", { id: "llsrbm-dialog-title" });
   const text = element("p");

@@ -17,10 +17,10 @@
     ...(llsrbm.camera?.missing() ?? []), ...(window.llsrbmPlots?.missing() ?? []),
   ])];
 
-  llsrbm.require(() => {
-    const viewer = window.__viserMutable;
-    return typeof viewer?.sendMessage === "function" ? [] : ["__viserMutable.sendMessage"];
-  });
+  // Those of the paths, such as "camera.fov", at which an object has nothing.
+  llsrbm.lacking = (object, paths) => paths.filter((path) =>
+    path.split(".").reduce((owner, name) => owner?.[name], object ?? {}) == null);
+  llsrbm.require(() => llsrbm.lacking(window, ["__viserMutable.sendMessage"]));
 
   function stored(kind, key) {
     try {

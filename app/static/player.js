@@ -25,16 +25,9 @@
   let loadedAt = -Infinity, applied = null, seen = null;
 
   // Names of the fields of viser's that are missing.
-  function lacks() {
-    const viewer = window.__viserMutable, points = window.__viserTestpoints;
-    return [
-      ["__viserMutable.nodePoseData", viewer?.nodePoseData],
-      ["__viserMutable.nodeRefFromName", viewer?.nodeRefFromName],
-      ["__viserMutable.requestRender", viewer?.requestRender],
-      ["__viserTestpoints.rendererInfo", points?.rendererInfo],
-      ["__viserTestpoints.devSettings", points?.devSettings],
-    ].filter(([, value]) => !value).map(([name]) => name);
-  }
+  const lacks = () => llsrbm.lacking(window, ["__viserMutable.nodePoseData",
+    "__viserMutable.nodeRefFromName", "__viserMutable.requestRender",
+    "__viserTestpoints.rendererInfo", "__viserTestpoints.devSettings"]);
 
   // ---- clips
 

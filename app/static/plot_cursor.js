@@ -27,7 +27,7 @@
   let pending = 0; // timer of the numbers that were put off
   let pointed = null; // the chart that the pointer is in
 
-  const { element } = window.llsrbm;
+  const { element, lacking } = window.llsrbm;
   document.head.append(element("style", {}, `
     .uplot .u-title { text-align: left; padding: 3px 8px 0; font-size: 11.5px; position: relative;
       white-space: nowrap; overflow: hidden; line-height: 1.5; }
@@ -204,16 +204,13 @@
 
   // Charts are known only as long as there are any: a page without one lacks nothing of them.
   function missing() {
-    const viser = { canvas: window.__viserMutable?.canvas,
-      sendMessage: window.__viserMutable?.sendMessage };
-    const names = Object.keys(viser).filter((name) => viser[name] == null)
-      .map((name) => `__viserMutable.${name}`);
-    if (!window.__viserTestpoints) names.push("__viserTestpoints");
+    const names = lacking(window,
+      ["__viserMutable.canvas", "__viserMutable.sendMessage", "__viserTestpoints"]);
     const known = window.__viserTestpoints?.uplots;
     if (!known && document.querySelector(".uplot")) names.push("__viserTestpoints.uplots");
-    const lacking = Object.values(known ?? {}).flatMap((entry) =>
-      entry.chart ? CHART.filter((field) => entry.chart[field] == null) : ["chart"]);
-    return [...names, ...new Set(lacking.map((field) => `__viserTestpoints.uplots: ${field}`))];
+    const fields = Object.values(known ?? {}).flatMap((entry) =>
+      entry.chart ? lacking(entry.chart, CHART) : ["chart"]);
+    return [...names, ...new Set(fields.map((field) => `__viserTestpoints.uplots: ${field}`))];
   }
 
   window.llsrbmPlots = {

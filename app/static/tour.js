@@ -36,9 +36,7 @@
     #llsrbm-tour p { margin: 0 0 0.6rem; }
     #llsrbm-tour .line { display: flex; gap: 0.5rem; align-items: center; }
     #llsrbm-tour .line span { flex: 1; opacity: 0.75; }
-    #llsrbm-tour button { font: inherit; color: inherit; padding: 0.2rem 0.8rem; cursor: pointer;
-      background: var(--mantine-color-default); border-radius: 4px;
-      border: 1px solid var(--mantine-color-default-border); }
+    #llsrbm-tour button { padding: 0.2rem 0.8rem; }
     .llsrbm-pointed { outline: 2px solid var(--mantine-primary-color-filled); outline-offset: 3px;
       border-radius: 4px; }`;
 

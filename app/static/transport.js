@@ -13,9 +13,7 @@
       color: var(--mantine-color-text); background: var(--mantine-color-body);
       border-top: 1px solid var(--mantine-color-default-border); touch-action: none; }
     #llsrbm-transport .line { display: flex; flex-wrap: wrap; gap: 2px 8px; align-items: center; }
-    #llsrbm-transport button, #llsrbm-transport select { font: inherit; color: inherit;
-      background: var(--mantine-color-default); border-radius: 4px; min-height: 26px;
-      border: 1px solid var(--mantine-color-default-border); min-width: 32px; cursor: pointer; }
+    #llsrbm-transport :is(button, select) { min-height: 26px; min-width: 32px; cursor: pointer; }
     #llsrbm-transport button[aria-pressed=true] { background: var(--mantine-primary-color-light); }
     #llsrbm-transport .time { font-variant-numeric: tabular-nums; min-width: 8.5em; }
     #llsrbm-transport .events { opacity: 0.75; flex: 1; min-width: 12em; white-space: nowrap;

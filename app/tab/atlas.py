@@ -41,14 +41,7 @@ class Atlases:
     """Read when they are first needed, once for all tabs; from any thread."""
 
     def __init__(self, folders: Sequence[Path] = ()) -> None:
-        """Check and read the folders; the built-in one is read when it is needed.
-
-        Args:
-            folders: of sweeps that are over, or their tables; they come first.
-
-        Raises:
-            InputError: one of them is none.
-        """
+        """Read folders of sweeps or their tables; raises `InputError` where one is none."""
         self._lock = threading.Lock()
         self._read: dict[str, Atlas] = {}
         for folder in folders:
@@ -62,11 +55,7 @@ class Atlases:
         self.names: tuple[str, ...] = (*self._read, BUILT_IN)  # to choose from, one at least
 
     def named(self, name: str) -> Atlas | None:
-        """The atlas with a name, "" the first one; None: there is none.
-
-        Raises:
-            InputError: the built-in one is missing or damaged.
-        """
+        """The atlas of a name ("": the first) or None; `InputError`: the built-in one is bad."""
         name = name or self.names[0]
         with self._lock:
             if name == BUILT_IN and name not in self._read:
@@ -172,7 +161,6 @@ class AtlasDrawing:
             self._link.show_atlas(sent)
 
     def _jumps(self, state: TabState) -> Jumps | str:
-        """Jumps of the design's robot, or why there are none."""
         jump = state.design.jump
         try:
             atlas = self._atlases.named(state.atlas.sweep)

@@ -21,10 +21,7 @@ class End(Enum):
 
 
 class Inbox:
-    """Events, and acts that become one when they are taken out.
-
-    `put` may be called from any thread, the rest by the session's.
-    """
+    """Events, and acts that become one when they are taken; any thread may `put`."""
 
     def __init__(self) -> None:
         self._queue: queue.SimpleQueue[Any] = queue.SimpleQueue()

@@ -52,10 +52,7 @@ _UNDONE_AT_MOST = 100  # designs; a hundred bytes each
 
 
 def plan_design(state: TabState) -> Step:
-    """Plan the design, unless that is under way; its robot is prepared first.
-
-    A motion that waits for its robot is not waited for any more.
-    """
+    """Plan the design, unless that is under way; its robot is prepared first."""
     state = replace(state, given=None)
     name = state.design.jump.robot
     if not state.ready:
@@ -184,7 +181,6 @@ def take_report(state: TabState, event: Reported) -> Step:
 
 
 def _wait_for_rest(state: TabState, task: protocol.PlanJump) -> Step:
-    """The newest request has its answer; a quick one is planned again when it has rested."""
     dragging = state.work.dragging.answered(task)
     state = state.with_work(dragging=dragging)
     return state, (After(REST, Rested(dragging.rest)),) if dragging.rests else ()
@@ -350,7 +346,6 @@ def show_plan(state: TabState, plan: Plan, robot: Robot, source: str = "") -> Ta
 
 
 def _show(state: TabState, report: protocol.Planned, ticket: int) -> Step:
-    """Show a plan, unless a newer one is shown or it is another robot's."""
     robot = state.robot
     if ticket < state.work.shown or robot is None or report.plan.jump.robot != robot.name:
         return state, ()

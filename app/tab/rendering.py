@@ -39,10 +39,7 @@ from llsrbm.request.scenario import Scenario
 
 
 class Rendering:
-    """One tab's picture, panel and plots; for the session's thread.
-
-    It holds handles and what was drawn last, and no other fact.
-    """
+    """One tab's picture, panel and plots, for the session's thread; it holds no fact."""
 
     def __init__(
         self,
@@ -154,7 +151,6 @@ class Rendering:
             panel.view.fields.show(state.view, None)
 
     def _show_design(self, state: TabState, *, anew: bool) -> None:
-        """Put the controls where the design has them, as far as they stand elsewhere."""
         design, panel, controls = state.design, self.panel, self._controls
         robot = state.robot if state.ready else None
         other_types = robot is not None and panel.jump.show_robot(robot, design.jump.type)

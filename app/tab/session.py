@@ -216,7 +216,6 @@ class Session:
         return TabOpened(design, plan, file, tuple(complaints), time, playing)
 
     def _meet(self, page: PageReady) -> None:
-        """The page's scripts run, or miss something."""
         if page.missing:
             names = ", ".join(page.missing)
             body = f"Its viewer lacks {names}; expected that of viser {viser.__version__}."

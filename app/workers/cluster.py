@@ -99,11 +99,7 @@ class Cluster:
     """A connection to a scheduler, renewed when it is lost."""
 
     def __init__(self, address: str) -> None:
-        """Connect, and see who is there.
-
-        Raises:
-            InputError: nothing answers at this address.
-        """
+        """Connect, and see who is there; raises `InputError` where nothing answers."""
         self.address = address  # of the scheduler, as it was given
         self._identity = code_identity()
         self._lock = threading.Lock()  # for the two below
@@ -257,7 +253,6 @@ class Cluster:
             self._looked.set()
 
     async def _lost(self) -> None:
-        """Say so, and come back when the scheduler has."""
         client, self._client = self._client, None
         self._meet({})
         self._looked.set()
@@ -272,11 +267,6 @@ class Cluster:
         self._remark(f"The cluster at {self.address} is back.")
 
     async def _look(self) -> None:
-        """See who is there.
-
-        Raises:
-            Exception: the scheduler is not.
-        """
         client = self._client
         # Dask would connect anew by itself, but the objects on its workers would be gone.
         if client.status != "running":
@@ -298,7 +288,6 @@ class Cluster:
                 place.gone.set()
 
     async def _with_our_code(self, client: Any, seen: dict[str, int]) -> dict[str, int]:
-        """Those of the workers that have it, or are known to; says which do not."""
         new = [address for address in seen if address not in self._places]
         if not new:
             return seen

@@ -29,10 +29,7 @@ Message = Ready | Report | Ended
 
 
 class Host:
-    """A dask actor: one computing process, from its start to its end.
-
-    Its methods run on the worker's event loop and do not hold it up.
-    """
+    """A dask actor: one computing process; its methods do not hold the worker's loop up."""
 
     def __init__(self, factory: PlannerFactory, name: str) -> None:
         self._factory, self._name = factory, name
@@ -100,5 +97,4 @@ class Host:
 
 
 def _may_wait(message: Message) -> bool:
-    """Whether a newer one of its kind takes its place."""
     return isinstance(message, Progress | SimulatedSoFar)

@@ -100,11 +100,6 @@ class ClusterProcess(Process):
             self._starting.cancel()
 
     def _call(self, place: Place, method: str) -> Any:
-        """The host's answer.
-
-        Raises:
-            Exception: of the host, or because it is lost.
-        """
         return self._cluster.run(_answer(place, getattr(self._host, method))).result()
 
     def _request(self, method: str, *arguments: object) -> None:
@@ -119,7 +114,6 @@ async def _quietly(method: Callable[..., Any], arguments: tuple[object, ...]) ->
 
 
 async def _answer(place: Place, method: Callable[[], Any]) -> Any:
-    """The host's answer, or an exception once its worker has gone."""
     answer = asyncio.ensure_future(_awaited(method()))
     gone = asyncio.ensure_future(place.gone.wait())
     try:

@@ -17,10 +17,7 @@ Call = Callable[[], object]
 
 
 class Deliveries:
-    """Makes calls one after the other, in the order in which they were put.
-
-    The order in which threads put their calls is theirs to keep, by a lock that they hold anyway.
-    """
+    """Makes calls one after the other, in the order in which they were put."""
 
     def __init__(self, name: str) -> None:
         self._name = name
@@ -33,10 +30,7 @@ class Deliveries:
         self._calls.put(call)
 
     def close(self, patience: float) -> None:
-        """Make the calls that were put, for `patience` seconds at most, and end the thread.
-
-        Calls that are put later are dropped.
-        """
+        """Make the calls that were put, within `patience`, s, and end; later ones are dropped."""
         self._calls.put(None)
         if threading.current_thread() is not self._thread:
             self._thread.join(patience)

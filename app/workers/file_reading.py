@@ -49,11 +49,7 @@ _log = logging.getLogger(__name__)
 
 
 def open_file(name: str, content: bytes, robot: str, fps: float | None = None) -> OpenedFile:
-    """Read a visitor's file; `robot` and `fps` (frames/s) are for files without their own.
-
-    Raises:
-        llsrbm.errors.Error: one line that says why it cannot be opened.
-    """
+    """Read a visitor's file, or raise `Error`; `robot` and `fps` (1/s): if it has none."""
     shown = printable(name, _SHOWN_NAME)
     suffix = Path(name).suffix.lower()
     with tempfile.TemporaryDirectory() as folder:

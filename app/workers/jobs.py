@@ -120,7 +120,6 @@ class Jobs(ABC):
             member.kill()
 
     def _report_progress(self, member: Member, entry: Entry, now: float) -> None:
-        """Report the newest progress, unless there was some a moment ago; it waits then."""
         if member.progress is not None and now >= member.notify_at:
             self._report(entry, member.progress, member.task)
             member.progress, member.notify_at = None, now + PROGRESS_INTERVAL
@@ -128,7 +127,6 @@ class Jobs(ABC):
             self._changed.notify_all()
 
     def _notify_waiting(self, now: float) -> None:
-        """Report the reason to the tabs that wait, those whose time has come."""
         busy = [(m.working_on, m.activity) for m in self._workers if m.working_on and m.activity]
         busy.sort(key=lambda pair: pair[0].number)
         for entry in self._waiting:
@@ -207,7 +205,6 @@ class Jobs(ABC):
             calls.put(partial(_deliver, entry, each))
 
     def _stop_parts(self, entry: Entry) -> None:
-        """Have what is left of a job end, now that it has its outcome."""
         if entry.parts and self._waiting.get(entry.tab) is entry:
             self._waiting.withdraw(entry.tab)
         for member in self._workers:
@@ -224,7 +221,6 @@ class Jobs(ABC):
                 self._report(left, protocol.Failed(left.number, message))
 
     def _fail_warm_up(self, message: str) -> None:
-        """Report it to the listener of the warm-up, if the first process is not through."""
         if self._warm_up_done is not None:
             self._asides.put(partial(self._warm_up_listener, protocol.Failed(0, message)))
 

@@ -58,11 +58,7 @@ class OpenedFile:
 
 
 def uploaded_design(name: str, content: bytes) -> Design:
-    """The design in an uploaded file.
-
-    Raises:
-        InputError: it is no design, or one of a robot, model or type that is not on the page.
-    """
+    """The design in a file; raises `InputError` of none, or of one that the page does not offer."""
     design = load_design(content, name=name)
     check_offered(design.jump, f"{name}: jump")
     return design

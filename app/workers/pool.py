@@ -194,7 +194,6 @@ class WorkerPool(Jobs):
         thread.start()
 
     def _run(self, member: Member) -> None:
-        """From the start of a process to its end."""
         try:
             for message in member.process.run():
                 with self._lock:

@@ -51,11 +51,7 @@ class Process(ABC):
 
     @abstractmethod
     def run(self) -> Iterator[Ready | Report]:
-        """Start it and wait for its messages, of which `Ready` is the first.
-
-        Raises:
-            Ended: it has gone, or cannot be started.
-        """
+        """Start it and wait for messages, `Ready` first; raises `Ended` once it has gone."""
 
     @abstractmethod
     def send(self, job: Job, failed: Callable[[Exception], None]) -> None:

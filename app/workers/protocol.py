@@ -81,11 +81,7 @@ class Task(ABC):
         return (self,)
 
     def work(self, planner: Any, talk: Talk) -> Outcome:
-        """Have the planner of this process do it, unless processes get its parts.
-
-        Raises:
-            llsrbm.errors.Error: it cannot be done, or was stopped (`Cancelled`).
-        """
+        """Have a process' planner do it, or raise `Error`; not called where it has parts."""
         raise NotImplementedError
 
 

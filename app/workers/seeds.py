@@ -31,11 +31,7 @@ class Seeds:
     """The reports on a job of several seeds, made of those on its simulations."""
 
     def __init__(self, job: int, task: SimulateSeeds) -> None:
-        """Nothing is simulated yet.
-
-        Raises:
-            InputError: no seeds, or too many.
-        """
+        """Raise `InputError` of no seeds, or too many."""
         seeds = task.seeds
         if not 0 < len(seeds) <= MOST_SEEDS or len(set(seeds)) < len(seeds):
             raise InputError(

@@ -146,11 +146,7 @@ class LibraryPlanner:
 
 
 def exported(task: protocol.ExportMotion) -> tuple[str, bytes]:
-    """Name and content of the one file that an export makes.
-
-    Raises:
-        llsrbm.errors.Error: as `llsrbm.export`.
-    """
+    """Name and content of the one file that an export makes; raises as `llsrbm.export`."""
     from llsrbm.formats import file_name, stem
 
     name = (
