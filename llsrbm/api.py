@@ -91,14 +91,11 @@ def nearest(
     the robot's range is taken back to it first.
 
     Args:
-        jump: a request that cannot be planned.
-        weights, limits: as for `plan`.
-        cancelled: asked before and during every solve; True ends with `Cancelled` within 0.1 s.
-        progress: told in words what is tried.
+        jump: a request that cannot be planned; weights, limits, cancelled: as for `plan`.
+        progress: called with what is tried, in words.
 
     Raises:
         InputError: an unknown name, or a limit out of range.
-        RobotFileError: the robot file is wrong.
         Error: not even a jump on the spot can be planned; says which limit would have to change.
     """
     on_the_spot = replace(jump, twist=0.0, forward=0.0, lateral=0.0, height=0.0)
@@ -131,19 +128,15 @@ def simulate(
         plan: a plan that converged.
         scenario: board, disturbance, pushes, whether to plan anew, and names of detector, landing
             strategy, QP solver and estimator; None: no board, nothing disturbed.
-        cancelled: asked now and then; True ends with `Cancelled`.
-        progress: told the share that is done, 0 to 1.
+        cancelled: polled; True ends with `Cancelled`; progress: called with the share done.
         so_far: called five times a second with the motion until now: instants (K,) s, 60 to a
-            simulated second, and states (K, 7 + J) in MuJoCo's convention, joints in
-            `Robot.joint_names`' order.
+            simulated second, and states (K, 7 + J), MuJoCo's, joints as in `Robot.joint_names`.
         fields: those of a `Scenario` in place of one: `simulate(plan, board=0.025, seed=3)`.
 
     Raises:
         InputError: no plan, one that did not converge or is of another robot; an unknown name; a
             landing strategy that follows forces on a robot without a force phase; a number out of
             range, a board that does not fit under the robot and a push after the end among them.
-        RobotFileError: the robot file is wrong.
-        Cancelled: on request.
     """
     # MuJoCo takes its time to import: not for those who only plan.
     from llsrbm.simulation import checks

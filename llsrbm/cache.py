@@ -70,10 +70,7 @@ def write_atomically(path: Path, data: bytes) -> None:
 
 
 def read_checked(path: Path) -> bytes | None:
-    """Content written by `write_checked`, or None if there is no such entry.
-
-    A damaged entry is reported as a warning and counts as none.
-    """
+    """Content written by `write_checked`; None if there is none, or, with a warning, damaged."""
     try:
         stored = path.read_bytes()
     except FileNotFoundError:

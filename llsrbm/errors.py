@@ -81,11 +81,7 @@ def require(purpose: str, extra: str, *modules: str) -> None:
 
 
 class NotConverged(Error):
-    """The planner stopped without satisfying every constraint.
-
-    `plan` is the last iterate with its violations; `stops` are the constraints and limits that
-    stop it, the worst first.
-    """
+    """No plan satisfies every constraint: the last iterate, `plan`; `stops`, the worst first."""
 
     def __init__(self, message: str, plan: Any, stops: tuple[Stop, ...] = ()) -> None:
         super().__init__(message, plan, stops)  # all of them, for pickle

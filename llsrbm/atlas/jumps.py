@@ -28,17 +28,13 @@ DRIVES = ("drive_torque", "drive_speed")
 
 @dataclass(frozen=True)
 class Axis:
-    """Something that a sweep varies.
-
-    Attributes:
-        otherwise: the SI value of a design that does not say; None: the robot has its own.
-    """
+    """Something that a sweep varies."""
 
     name: str  # the column's
     title: str  # for people
     unit: str = ""  # of what they are shown, "" if there is none
     scale: float = 1.0  # shown units per SI unit
-    otherwise: float | None = 0.0
+    otherwise: float | None = 0.0  # SI, of a design that does not say; None: the robot's own
 
     @property
     def heading(self) -> str:

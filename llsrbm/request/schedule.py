@@ -112,13 +112,7 @@ class Schedule:
         return {
             "legs": list(self.legs),
             "phases": [
-                {
-                    "name": phase.name,
-                    "feet": list(phase.feet),
-                    "time": phase.time if isinstance(phase.time, str) else list(phase.time),
-                    "place": phase.place,
-                    "share": phase.share,
-                }
+                {n: list(v) if isinstance(v, tuple) else v for n, v in vars(phase).items()}
                 for phase in self.phases
             ],
         }

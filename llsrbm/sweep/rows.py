@@ -97,17 +97,13 @@ _PLAN = (
     Column("torque_phase", TEXT, "", "the phase in which that is"),
     Column("speed_share", NUMBER, "1", "largest joint speed, share of its limit, at knots"),
     Column("speed_joint", TEXT, "", "whose that is"),
-    Column(
-        "joint_margin", NUMBER, "rad", "distance of a joint from its stop at knots, m if it slides"
-    ),
+    Column("joint_margin", NUMBER, "rad", "joint to its stop at knots, m if it slides"),
     Column("margin_joint", TEXT, "", "whose that is"),
     Column("friction_share", NUMBER, "1", "largest tangential / normal force of a loaded contact"),
     Column("friction_margin", NUMBER, "1", "coefficient of friction minus that"),
     Column("peak_force", NUMBER, "N", "largest force at a contact"),
     Column("violation", NUMBER, "SI", "the largest violation, in its constraint's unit"),
     Column("violations", NAMED, "SI", "constraint -> its largest violation, where not planned"),
-)
-_PLAN_TIMES = (
     Column("solve_time_s", NUMBER, "s", "inside the solver, the same in all rows of a jump"),
     Column("plan_time_s", NUMBER, "s", "from request to plan, likewise"),
 )
@@ -142,7 +138,7 @@ _ORIGIN = (
     Column("robot_hash", TEXT, "", "of the robot file and its URDF"),
 )
 
-COLUMNS = (*_REQUEST, *_PLAN, *_PLAN_TIMES, *_OF_OUTCOME, *_ORIGIN)
+COLUMNS = (*_REQUEST, *_PLAN, *_OF_OUTCOME, *_ORIGIN)
 
 _MOTION_PREFIX = "motion_"
 _MOTION = (
