@@ -11,6 +11,7 @@ import pytest
 from app.tab import initial_plan
 from app.tab.initial_plan import LIBRARY_PLANNER, InitialPlans, example, shipped_file, shipped_plan
 from app.workers.worker import LibraryPlanner
+from llsrbm.models import make_model
 from llsrbm.motion.plan import load_plan
 from llsrbm.planning.problem.placement import make_task
 from llsrbm.planning.problem.violations import satisfied, violations
@@ -81,22 +82,27 @@ def no_cache(tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize("robot", names())
-def test_the_shipped_plan_is_the_examples_and_satisfies_its_constraints(robot, caplog):
-    """Judged anew with the robot of today; where it fails: python -m benchmarks.initial_plans."""
+def test_the_shipped_plan_is_the_examples_of_the_robot_of_today(robot, caplog):
+    """Where it fails: python -m benchmarks.initial_plans."""
     plan = shipped_plan(robot)
     assert plan is not None, caplog.text
     assert plan.jump == example(robot)
     loaded = load_robot(robot)
+    if loaded.file.foot.is_point:
+        # Another integrator comes to the same end.
+        end = replay(plan, make_model(plan.jump.model, loaded), step=2e-3)[-1]
+        assert np.abs(end.position - plan.com[-1]).max() < 1e-8
+        assert angle_between(end.quat, plan.base_quat[-1]) < 0.05
+
+
+@pytest.mark.parametrize("robot", ["anymal", "slider", "g1"])
+def test_a_shipped_plan_satisfies_its_constraints(robot):
+    plan = shipped_plan(robot)
     formulation = planner_of(plan.jump, intervals=len(plan.time) - 1).formulation
-    knots = formulation.judged(make_task(plan.jump, loaded), plan.solution).knots
+    knots = formulation.judged(make_task(plan.jump, load_robot(robot)), plan.solution).knots
     assert satisfied(violations(knots))
     assert np.abs(knots.position - plan.com).max() < 1e-9
     assert np.abs(knots.force.reshape(plan.contact_force.shape) - plan.contact_force).max() < 1e-6
-    if loaded.file.foot.is_point:
-        # Another integrator comes to the same end.
-        end = replay(plan, formulation.model, step=2e-3)[-1]
-        assert np.abs(end.position - plan.com[-1]).max() < 1e-8
-        assert angle_between(end.quat, plan.base_quat[-1]) < 0.05
 
 
 @pytest.mark.usefixtures("no_cache")
