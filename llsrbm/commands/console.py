@@ -86,7 +86,8 @@ def print_result(
     if as_json:
         print(json.dumps(result, allow_nan=False), file=stdout)
     else:
-        print_lines(lines, stdout)
+        for name, value in lines.items():
+            print(f"{name:<10}{value}", file=stdout)
 
 
 def print_table(rows: dict[str, str]) -> None:
@@ -94,12 +95,6 @@ def print_table(rows: dict[str, str]) -> None:
     width = max(map(len, rows))
     for name, description in rows.items():
         print(f"{name:{width}}  {description}")
-
-
-def print_lines(lines: dict[str, str], stdout: TextIO) -> None:
-    """Print names and their values, line by line."""
-    for name, value in lines.items():
-        print(f"{name:<10}{value}", file=stdout)
 
 
 def result_stream(*, as_json: bool) -> AbstractContextManager[TextIO]:

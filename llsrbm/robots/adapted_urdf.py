@@ -184,10 +184,10 @@ def _stored(content: bytes, path: Path) -> Path:
 
     It is touched only if it has to be: robots are read again when their files change.
     """
-    key = content_key("urdf", content)
-    for place in (_in_cache, _of_this_process):
+    in_cache = cache_path("urdf", content_key("urdf", content), ".urdf")
+    for folder in (lambda: in_cache.parent, lambda: Path(_temporary_folder().name)):
         try:
-            file = place(key)
+            file: Path = folder() / in_cache.name
             if not file.is_file() or file.read_bytes() != content:
                 write_atomically(file, content)
         except OSError:
@@ -197,14 +197,6 @@ def _stored(content: bytes, path: Path) -> Path:
         f"{path}: urdf: the URDF with its held joints can be written neither to the cache nor to "
         f"{tempfile.gettempdir()}; expected room in one"
     )
-
-
-def _in_cache(key: bytes) -> Path:
-    return cache_path("urdf", key, ".urdf")
-
-
-def _of_this_process(key: bytes) -> Path:
-    return Path(_temporary_folder().name) / f"{key.hex()}.urdf"
 
 
 @cache

@@ -22,8 +22,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from llsrbm.errors import Error, InputError, require
 from llsrbm.files.atomic import staged
 from llsrbm.formats.base import Options
-from llsrbm.formats.datasets import find_dataset_format
-from llsrbm.formats.datasets.base import DatasetFormat, Episode
+from llsrbm.formats.datasets import DatasetFormat, Episode, find_dataset_format
 from llsrbm.installed import package_version
 from llsrbm.request.jump import Jump
 from llsrbm.sweep import rows as row

@@ -31,7 +31,7 @@ from numpy.typing import NDArray
 from llsrbm.errors import InputError
 from llsrbm.files.atomic import staged
 from llsrbm.formats.base import Options
-from llsrbm.formats.datasets.base import DatasetFormat, Episode
+from llsrbm.formats.datasets import DatasetFormat, Episode
 from llsrbm.motion.trajectory import Trajectory
 from llsrbm.motion.whole_body import WholeBodyMotion, whole_body_motion
 
