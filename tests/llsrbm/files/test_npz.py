@@ -162,6 +162,10 @@ class TestSizes:
             content = zipped([*members, members[3]])
         assert "is there twice" in said_of(content, tmp_path)
 
+    @pytest.mark.parametrize("compression", [zipfile.ZIP_BZIP2, zipfile.ZIP_LZMA])
+    def test_other_compression(self, plan, tmp_path, compression):
+        assert "packed as NumPy" in said_of(zipped(members_of(packed(plan)), compression), tmp_path)
+
 
 class TestArraysThatDisagree:
     @pytest.mark.parametrize(

@@ -221,6 +221,30 @@ def test_the_board_comes_in_mid_flight(simulated):
     assert centre[2] + half[2] == pytest.approx(BOARD, abs=FLOAT)
 
 
+def test_what_is_drawn_away(tmp_path):
+    """The block under a robot that jumps down beside it."""
+    import rerun as rr
+
+    from llsrbm.formats.logs.rerun_log import _log_surroundings
+    from llsrbm.simulation.surroundings import Block, Surroundings
+
+    stream = rr.RecordingStream("test", recording_id="drawn away")
+    stream.save(tmp_path / "x.rrd")
+    block = Block("block", np.array([0, 0, -0.1]), np.array([1, 1, 0.2]), 0.3, 0.0, 0.5)
+    _log_surroundings(stream, Surroundings(-0.2, (block,)))
+    stream.flush()
+    stream.disconnect()
+    times, sizes = [], []
+    for chunk in RrdReader(tmp_path / "x.rrd").stream():
+        if chunk.entity_path == "/world/blocks/block":
+            batch = chunk.to_record_batch()
+            times += batch["time"].cast("int64").to_pylist()
+            sizes += batch["Boxes3D:half_sizes"].to_pylist()
+    assert times == [0, 500_000_000]
+    assert len(sizes[0]) == 1
+    assert sizes[1] == []
+
+
 def test_nothing_keeps_running(tmp_path):
     tasks = Path("/proc/self/task")
     if not tasks.exists():
