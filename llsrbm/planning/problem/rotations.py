@@ -1,10 +1,20 @@
-"""Rotations for the planner's expressions; quaternions are w, x, y, z."""
+"""Rotations and headings of level feet for the planner's expressions; quaternions are w, x, y, z.
+
+A foot that is yawed by phi against the base looks along u = R (cos phi, sin phi, 0); seen from
+above that is its heading psi, also when the base is tilted. So for a foot that stands, with
+n = (-sin psi, cos psi, 0) across its heading,
+
+    n . u = 0:   phi = atan2(-nb_x, nb_y),   nb = R^T n.
+"""
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import Any
 
 import casadi as ca
+
+from llsrbm.models.base import CentroidalModel
 
 
 def rotation_matrix(quat: Any) -> Any:
@@ -32,3 +42,68 @@ def quat_exp(rotation_vector: Any) -> Any:
     sine = 0.5 * (1 - half_squared / 6 * (1 - half_squared / 20 * (1 - half_squared / 42)))
     cosine = 1 - half_squared / 2 * (1 - half_squared / 12 * (1 - half_squared / 30))
     return ca.vertcat(cosine, sine * rotation_vector)
+
+
+def across(R_world_base: Any, heading: Any) -> Any:
+    """nb = R^T n, (3, 1): the horizontal direction across a heading, rad, in base axes."""
+    return ca.mtimes(R_world_base.T, ca.vertcat(-ca.sin(heading), ca.cos(heading), 0))
+
+
+def relative_yaw(across_base: Any) -> Any:
+    """phi of a foot that stands, rad, from `across`."""
+    return ca.atan2(-across_base[0], across_base[1])
+
+
+def relative_yaw_rate(across_base: Any, angular_velocity: Any) -> Any:
+    """Time derivative of phi of a foot that stands, rad/s; angular velocity in base axes."""
+    nb, rate = across_base, -ca.cross(angular_velocity, across_base)
+    return (nb[0] * rate[1] - nb[1] * rate[0]) / (nb[0] ** 2 + nb[1] ** 2)
+
+
+def direction(R_world_base: Any, yaw: Any) -> Any:
+    """(cos psi, sin psi), (2, 1), of a foot yawed by `yaw`, rad, against the base."""
+    u = ca.mtimes(R_world_base[:2, :2], ca.vertcat(ca.cos(yaw), ca.sin(yaw)))
+    return u / ca.norm_2(u)
+
+
+def heading_rate(up_base: Any, yaw: Any, yaw_rate: Any, angular_velocity: Any) -> Any:
+    """Time derivative of psi, rad/s, of a foot whose yaw against the base changes.
+
+    With v = (cos phi, sin phi, 0), v' = omega x v + phi' e_z x v and up = R^T e_z it is
+    up . (v x v') / |v, seen from above|^2. Angular velocity and `up_base` in base axes.
+    """
+    v = ca.vertcat(ca.cos(yaw), ca.sin(yaw), 0)
+    up, w = up_base, angular_velocity
+    rise = ca.dot(up, v)
+    turning = ca.dot(up, w) - rise * ca.dot(w, v) + up[2] * yaw_rate
+    return turning / (1 - rise**2)
+
+
+@lru_cache(maxsize=16)
+def feet_seen(model: CentroidalModel) -> ca.Function:
+    """x and xdot, (d, L), of feet that are all given in the world.
+
+    Arguments: R_world_base (3, 3); position and velocity of the CoM, (3, 1) m, m/s; angular
+    velocity of the base, (3, 1) rad/s, base axes; places and velocities of the feet, (3, L) m, m/s;
+    their headings and turning rates, (L, 1) rad, rad/s. Of K instants all side by side.
+    """
+    legs = range(model.legs)
+    R, r, v, omega = (ca.SX.sym(n, 3, 3 if n == "R" else 1) for n in ("R", "r", "v", "omega"))
+    feet, velocity = (ca.SX.sym(n, 3, model.legs) for n in ("feet", "velocity"))
+    heading, turning = (ca.SX.sym(n, model.legs) for n in ("heading", "turning"))
+    beta = {i: ca.mtimes(R.T, feet[:, i] - r) for i in legs}
+    rate = {i: ca.mtimes(R.T, velocity[:, i] - v) - ca.cross(omega, beta[i]) for i in legs}
+    if model.coordinates > 3:
+        for i in legs:
+            nb = across(R, heading[i])
+            beta[i] = ca.vertcat(beta[i], relative_yaw(nb))
+            rate[i] = ca.vertcat(rate[i], relative_yaw_rate(nb, omega) + turning[i])
+    offset = model.offset_map(tuple(legs))
+    o, o_rate = offset(beta), offset.rate(rate)
+    x = [model.foot_in_hip(i, beta[i], o) for i in legs]
+    xdot = [model.foot_rate_in_hip(i, rate[i], o_rate) for i in legs]
+    return ca.Function(
+        "feet_seen",
+        [R, r, v, omega, feet, velocity, heading, turning],
+        [ca.densify(ca.horzcat(*x)), ca.densify(ca.horzcat(*xdot))],
+    )

@@ -8,9 +8,8 @@ from typing import Any
 import casadi as ca
 
 from llsrbm.mechanics import GRAVITY
-from llsrbm.planning.problem.headings import direction
 from llsrbm.planning.problem.layout import SHIFT, Role
-from llsrbm.planning.problem.rotations import quat_product
+from llsrbm.planning.problem.rotations import direction, quat_product
 from llsrbm.planning.problem.stage_feet import StageFeet
 
 BALANCE_SCALE = 10.0  # the momentum balance in 0.1 m2/s, about as large as the other rows

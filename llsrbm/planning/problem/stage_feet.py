@@ -7,7 +7,7 @@ from typing import Any
 
 import casadi as ca
 
-from llsrbm.planning.problem.headings import (
+from llsrbm.planning.problem.rotations import (
     across,
     heading_rate,
     relative_yaw,

@@ -25,11 +25,10 @@ from llsrbm.motion.plan import Plan
 from llsrbm.ocp import solvers
 from llsrbm.ocp.horizon import Iterate, Solution
 from llsrbm.ocp.progress import when_idle
-from llsrbm.planning.problem.headings import feet_seen
-from llsrbm.planning.problem.knots import Knots, unpack
+from llsrbm.planning.problem.knots import Knots, Sampled, pack, unpack
 from llsrbm.planning.problem.layout import NOMINAL_PHASES, Layout
-from llsrbm.planning.problem.packing import Sampled, pack
 from llsrbm.planning.problem.placement import make_task
+from llsrbm.planning.problem.rotations import feet_seen
 from llsrbm.planning.problem.task import Footholds, InMotion, Task, contact_points
 from llsrbm.planning.replan.under_way import (
     State,
@@ -39,8 +38,7 @@ from llsrbm.planning.replan.under_way import (
     planned_state,
     relaxed_limits,
 )
-from llsrbm.planning.solve.assembly import knot_arrays
-from llsrbm.planning.solve.formulation import Formulation
+from llsrbm.planning.solve.formulation import Formulation, knot_arrays
 from llsrbm.planning.solve.solver_cache import cached_solver
 from llsrbm.request.schedule import Schedule
 from llsrbm.robots.robot import Robot

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import partial
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from llsrbm.mechanics import rotation_matrices
 from llsrbm.models.base import CentroidalModel
-from llsrbm.motion.plan import Violation
+from llsrbm.motion.plan import Plan, SolveReport, Violation
 from llsrbm.ocp.horizon import Iterate, Problem, Solution
 from llsrbm.ocp.progress import solving
 from llsrbm.ocp.solvers import PATIENT, SolveOptions, Solver
@@ -190,6 +193,41 @@ class Formulation:
                 break
         return with_all_time(attempts)
 
+    def plan(self, attempt: Attempt, attempts: int, solve_time: float, begun: float) -> Plan:
+        """The plan of the best of several attempts.
+
+        Args:
+            attempt: the best.
+            attempts, solve_time: their number, and the time in the solver, s.
+            begun: when the first began, of `time.perf_counter`, s.
+        """
+        task, knots, solution = attempt.task, attempt.knots, attempt.solution
+        arrays = knot_arrays(knots) | knots.loads.at_knots()
+        report = SolveReport(
+            status="solved" if attempt.solved else "not-converged",
+            solver=self.solver.name,
+            iterations=solution.iterations,
+            attempts=attempts,
+            solve_time_s=solve_time,
+            total_time_s=time.perf_counter() - begun,
+            build_time_s=0.0,
+            cost=solution.cost,
+            guess=attempt.label,
+        )
+        return Plan(
+            jump=task.jump,
+            tuning=task.tuning,
+            robot_parameters=self.robot.parameters(),
+            violations=attempt.violations,
+            base_mass=knots.model.base_mass,
+            joint_names=self.robot.joint_names,
+            schedule=task.schedule,
+            obstacle=task.obstacle,
+            solution=Iterate(solution.variables, solution.multipliers) if attempt.solved else None,
+            report=report,
+            **arrays,
+        )
+
     def constraint_values(self, w: Array, parameters: Array) -> Array:
         """All rows g of the problem, while no solver runs."""
         with solving:
@@ -208,3 +246,36 @@ def scaled(jump: Jump, share: float) -> Jump:
     """A share of the request's displacement; whole turns, speeds and hops stay."""
     motion = {k: share * getattr(jump, k) for k in ("twist", "forward", "lateral", "height")}
     return replace(jump, **motion)
+
+
+def knot_arrays(knots: Knots) -> dict[str, Any]:
+    """Name -> array of what a plan has at its knots, but for the joints' loads."""
+    task, R = knots.task, rotation_matrices(knots.quat)
+    # Knot values of the interval rates: the mean of both beside it, at rest at the ends, but for
+    # those of a run-up, a landing that keeps some speed, and a motion that is under way.
+    rate = np.zeros_like(knots.position)
+    starts_moving = task.motion is not None or task.start_velocity.any()
+    for end, moves in ((0, starts_moving), (-1, task.goal_velocity.any())):
+        if moves:
+            rate[end] = knots.rotation_rate[end]
+    rate[1:-1] = (knots.rotation_rate[:-1] + knots.rotation_rate[1:]) / 2
+    return {
+        "time": knots.time,
+        "phase": knots.phase,
+        "com": knots.position,
+        "com_velocity": knots.velocity,
+        "base_quat": knots.quat,
+        "base_position": knots.postures.base_position,
+        "angular_velocity": np.einsum("kij,kj->ki", R, rate),
+        "linear_momentum": knots.velocity * task.mass,
+        "angular_momentum": knots.momentum,
+        "inertia": R @ knots.inertia @ R.transpose(0, 2, 1),
+        "foot_position": knots.foot_position,
+        "foot_quat": knots.foot_quat,
+        "contact_point": knots.contact_point,
+        "contact_force": knots.force,
+        "leg_mass": knots.model.leg_mass,
+        "leg_com": knots.position[:, None] + np.einsum("kij,klj->kli", R, knots.leg_com),
+        "joint_position": knots.postures.joint_position,
+        "foot_in_hip": knots.feet_in_hip,
+    }

@@ -18,9 +18,9 @@ from scipy.spatial.transform import Rotation
 from llsrbm.mechanics import GRAVITY
 from llsrbm.models.base import CentroidalModel
 from llsrbm.planning.problem.constraints.swing import ground_line
-from llsrbm.planning.problem.headings import feet_seen
+from llsrbm.planning.problem.knots import Sampled, pack
 from llsrbm.planning.problem.layout import Layout
-from llsrbm.planning.problem.packing import Sampled, pack
+from llsrbm.planning.problem.rotations import feet_seen
 from llsrbm.planning.problem.task import Task
 
 Array = NDArray[np.float64]

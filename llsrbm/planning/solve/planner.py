@@ -11,7 +11,7 @@ from functools import cached_property, lru_cache
 from llsrbm.errors import InputError, NotConverged, UnusableStart
 from llsrbm.models import check_name, make_model
 from llsrbm.models.base import CentroidalModel
-from llsrbm.motion.plan import Plan, SolveReport
+from llsrbm.motion.plan import Plan
 from llsrbm.ocp import solvers
 from llsrbm.ocp.horizon import Iterate
 from llsrbm.ocp.progress import when_idle
@@ -20,7 +20,6 @@ from llsrbm.planning.problem.layout import Layout
 from llsrbm.planning.problem.placement import check_turns, describe, make_task
 from llsrbm.planning.problem.task import Task
 from llsrbm.planning.problem.violations import describe_worst, excess, stops
-from llsrbm.planning.solve.assembly import assemble_plan
 from llsrbm.planning.solve.explanation import explained
 from llsrbm.planning.solve.formulation import (
     CLOSE,
@@ -178,20 +177,8 @@ class Planner:
         best = min(tried, key=lambda attempt: (not attempt.solved, excess(attempt.violations)))
         self.last = best if best.solved else None
 
-        def report() -> SolveReport:
-            return SolveReport(
-                status="solved" if best.solved else "not-converged",
-                solver=self.formulation.solver.name,
-                iterations=best.solution.iterations,
-                attempts=len(tried),
-                solve_time_s=sum(attempt.solution.solve_time_s for attempt in tried),
-                total_time_s=time.perf_counter() - start,
-                build_time_s=0.0,
-                cost=best.solution.cost,
-                guess=best.label,
-            )
-
-        plan = assemble_plan(self.robot, best, report)
+        seconds = sum(attempt.solution.solve_time_s for attempt in tried)
+        plan = self.formulation.plan(best, len(tried), seconds, start)
         if not best.solved:
             raise NotConverged(
                 f"no plan found in {len(tried)} attempts ({describe(task.jump)}); the nearest, "

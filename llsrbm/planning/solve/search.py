@@ -13,10 +13,9 @@ import time
 import numpy as np
 from numpy.typing import NDArray
 
-from llsrbm.motion.plan import Plan, SolveReport
+from llsrbm.motion.plan import Plan
 from llsrbm.ocp.solvers import PATIENT, SolveOptions
 from llsrbm.planning.problem.task import Task
-from llsrbm.planning.solve.assembly import assemble_plan
 from llsrbm.planning.solve.formulation import PATIENT_FLIGHT, Attempt, Formulation
 from llsrbm.planning.solve.progress import Watch
 
@@ -51,7 +50,7 @@ class FeasibilitySearch:
         self.formulation = formulation
         self.about = ""
         self.solves, self.seconds = 0, 0.0
-        self.deadline, self._begun = math.inf, time.monotonic()
+        self.deadline, self._begun = math.inf, time.perf_counter()
         self._watch = Watch() if watch is None else watch
         self._watch.wait()
 
@@ -95,17 +94,4 @@ class FeasibilitySearch:
 
     def plan(self, found: Attempt) -> Plan:
         """The plan of a solution; its report counts the whole search."""
-
-        def report() -> SolveReport:
-            return SolveReport(
-                status="solved",
-                solver=self.formulation.solver.name,
-                iterations=found.solution.iterations,
-                attempts=self.solves,
-                solve_time_s=self.seconds,
-                total_time_s=time.monotonic() - self._begun,
-                build_time_s=0.0,
-                cost=found.solution.cost,
-            )
-
-        return assemble_plan(self.formulation.robot, found, report)
+        return self.formulation.plan(found, self.solves, self.seconds, self._begun)

@@ -67,9 +67,13 @@ class _DriveConstraint(Constraint):
 
     Attributes:
         of_both_ends: whether the last interval of a swing has rows for its end too.
+        load: the attribute of `JointLoads` that is bounded.
+        allowances: shares that the check allows beyond, and those for compared models.
     """
 
     of_both_ends: ClassVar[bool] = True
+    load: ClassVar[str]
+    allowances: ClassVar[tuple[float, float]]
 
     def rows(self, stage: Stage) -> Any:
         """(n L, 1)."""
@@ -99,21 +103,25 @@ class _DriveConstraint(Constraint):
         """By Pinocchio, over each interval."""
         return spread(knots, self.excess(knots))
 
-    @abstractmethod
     def excess(self, knots: Knots) -> Array:
         """(N, J) in the constraint's unit; below zero where there is room."""
+        edge = self.top(knots.task) + self.allowance(knots)
+        excess: Array = (np.abs(self.checked_shares(knots)) - edge) / self.share_of(knots)
+        return excess
 
-    @abstractmethod
     def checked_shares(self, knots: Knots) -> Array:
-        """(N, J) what the rows bound, by Pinocchio."""
+        """(N, J) as the rows have them, by Pinocchio."""
+        shares: Array = getattr(knots.loads, self.load) * self.share_of(knots)
+        return shares
 
     @abstractmethod
     def share_of(self, knots: Knots) -> Array:
         """(J,) shares, as rows have them, of one in the constraint's unit."""
 
-    @abstractmethod
     def allowance(self, knots: Knots) -> float:
         """Amount beyond `top` that the check allows, as rows have it."""
+        own, compared = self.allowances
+        return own if knots.model.is_true else compared
 
     def agreed_bounds(self, knots: Knots) -> DriveBounds:
         """Bounds of the rows at which the check holds, if the two differ as in this motion."""
@@ -148,6 +156,8 @@ class JointTorque(_DriveConstraint):
 
     name = "joint_torque"
     unit = "Nm"
+    load = "joint_torque"
+    allowances = TORQUE_ALLOWANCE, COMPARED_TORQUE_ALLOWANCE
     limits = (
         Limit(
             "torque_share",
@@ -172,39 +182,21 @@ class JointTorque(_DriveConstraint):
         """The robot file's share."""
         return task.limits.torque_share
 
-    def excess(self, knots: Knots) -> Array:
-        """Nm, of sliding joints N, beyond the share of the limit at rest."""
-        limit = knots.task.robot.torque_limit
-        share = knots.task.limits.torque_share + self.allowance(knots)
-        excess: Array = np.abs(knots.loads.joint_torque) - share * limit
-        return excess
-
-    def checked_shares(self, knots: Knots) -> Array:
-        shares: Array = knots.loads.joint_torque / knots.task.robot.torque_limit
-        return shares
-
     def share_of(self, knots: Knots) -> Array:
         share: Array = 1 / knots.task.robot.torque_limit
         return share
-
-    def allowance(self, knots: Knots) -> float:
-        return TORQUE_ALLOWANCE if knots.model.is_true else COMPARED_TORQUE_ALLOWANCE
 
     def demand(self, knots: Knots) -> JointDemand | None:
         """The torque that exceeds its share most, at rest or at speed."""
         return torque_demand(knots)
 
 
-class TorqueAtSpeed(_DriveConstraint):
+class TorqueAtSpeed(JointTorque):
     """|tau / (share tau_max) + q' / (0.3 q'_max)| <= 1 / 0.3: less torque is left at speed."""
 
     name = "torque_at_speed"
-    unit = "Nm"
+    limits = ()
     limited_by = ("torque_share",)
-
-    def applies(self, role: Role) -> bool:
-        """Over every interval but the first of a plan from rest, where the robot stands."""
-        return not role.terminal and (not role.initial or role.under_way)
 
     def shares(self, stage: Stage) -> Any:
         """The sum above, times 0.3."""
@@ -217,26 +209,21 @@ class TorqueAtSpeed(_DriveConstraint):
 
     def excess(self, knots: Knots) -> Array:
         """Nm, of sliding joints N, beyond the share of what is available at that speed."""
-        loads, limits = knots.loads, knots.task.limits
-        allowed = JointTorque().allowance(knots) * knots.task.robot.torque_limit
-        excess: Array = (
-            np.abs(loads.joint_torque) - limits.torque_share * loads.torque_available - allowed
-        )
+        loads, task = knots.loads, knots.task
+        allowed = super().allowance(knots) * task.robot.torque_limit
+        available = task.limits.torque_share * loads.torque_available
+        excess: Array = np.abs(loads.joint_torque) - available - allowed
         return excess
 
     def checked_shares(self, knots: Knots) -> Array:
-        loads, robot = knots.loads, knots.task.robot
-        share: Array = loads.joint_torque * self.share_of(knots)
-        return share + loads.joint_velocity / robot.speed_limit
+        speeds: Array = knots.loads.joint_velocity / knots.task.robot.speed_limit
+        return super().checked_shares(knots) + speeds
 
     def share_of(self, knots: Knots) -> Array:
-        return FALL / knots.task.limits.torque_share * JointTorque().share_of(knots)
+        return FALL / knots.task.limits.torque_share * super().share_of(knots)
 
     def allowance(self, knots: Knots) -> float:
-        return FALL / knots.task.limits.torque_share * JointTorque().allowance(knots)
-
-    def demand(self, knots: Knots) -> JointDemand | None:
-        return torque_demand(knots)
+        return FALL / knots.task.limits.torque_share * super().allowance(knots)
 
 
 class JointSpeed(_DriveConstraint):
@@ -244,6 +231,8 @@ class JointSpeed(_DriveConstraint):
 
     name = "joint_speed"
     unit = "rad/s"
+    load = "joint_velocity"
+    allowances = SPEED_ALLOWANCE, COMPARED_SPEED_ALLOWANCE
     of_both_ends = False
     limits = (
         Limit(
@@ -269,22 +258,9 @@ class JointSpeed(_DriveConstraint):
         """The robot file's share."""
         return task.limits.speed_share
 
-    def excess(self, knots: Knots) -> Array:
-        """rad/s, of sliding joints m/s, beyond the share."""
-        share = knots.task.limits.speed_share + self.allowance(knots)
-        excess: Array = np.abs(knots.loads.joint_velocity) - share * knots.task.robot.speed_limit
-        return excess
-
-    def checked_shares(self, knots: Knots) -> Array:
-        shares: Array = knots.loads.joint_velocity / knots.task.robot.speed_limit
-        return shares
-
     def share_of(self, knots: Knots) -> Array:
         share: Array = 1 / knots.task.robot.speed_limit
         return share
-
-    def allowance(self, knots: Knots) -> float:
-        return SPEED_ALLOWANCE if knots.model.is_true else COMPARED_SPEED_ALLOWANCE
 
     def demand(self, knots: Knots) -> JointDemand | None:
         """The speed that exceeds its share most."""

@@ -10,8 +10,8 @@ import numpy as np
 
 from llsrbm.planning.problem.constraints.base import Array, Bounds, Constraint
 from llsrbm.planning.problem.constraints.swing import clearance_line
-from llsrbm.planning.problem.headings import direction
 from llsrbm.planning.problem.layout import Layout, Role
+from llsrbm.planning.problem.rotations import direction
 from llsrbm.planning.problem.stage import Stage
 from llsrbm.planning.problem.task import Task
 

@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from llsrbm import models
 from llsrbm.planning.problem.constraints import CONSTRAINTS
-from llsrbm.planning.problem.headings import feet_seen
+from llsrbm.planning.problem.rotations import feet_seen
 from llsrbm.planning.problem.violations import violations
 from llsrbm.robots import load_robot
 from llsrbm.robots.drives import torque_in_direction

@@ -7,14 +7,14 @@ from scipy.spatial.transform import Rotation
 
 from llsrbm.mechanics import yaw
 from llsrbm.planning.problem.costs import COSTS
-from llsrbm.planning.problem.headings import (
+from llsrbm.planning.problem.placement import place_task
+from llsrbm.planning.problem.rotations import (
     across,
     direction,
     heading_rate,
     relative_yaw,
     relative_yaw_rate,
 )
-from llsrbm.planning.problem.placement import place_task
 from llsrbm.planning.problem.violations import violations
 from llsrbm.request.jump import Jump
 from llsrbm.robots import load_robot
