@@ -158,7 +158,7 @@ class JointTorque(_DriveConstraint):
     unit = "Nm"
     load = "joint_torque"
     allowances = TORQUE_ALLOWANCE, COMPARED_TORQUE_ALLOWANCE
-    limits = (
+    limits: ClassVar[tuple[Limit, ...]] = (
         Limit(
             "torque_share",
             "share of the drives' torque",
