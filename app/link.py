@@ -166,7 +166,7 @@ class PageLink:
         self._call("tuning.show", json.dumps(changed))
 
     def show_atlas(self, sent: Mapping[str, Any] | None) -> None:
-        """Draw a map of the atlas made by `app.panel.atlas_map`; None: remove it."""
+        """Draw a map of the atlas made by `app.panel.atlas_controls`; None: remove it."""
         self._call("atlas.show", json.dumps(sent))
 
     def move_in_atlas(self, x: float, y: float) -> None:

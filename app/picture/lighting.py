@@ -27,7 +27,6 @@ class Look:
     key_light: float
     fill_light: float  # strength of the lamp that lightens the other side
     floor: Rgb  # colour of the tiles
-    floor_opacity: float  # how much of the backdrop they hide, nearby
     joints: Rgb  # joints, tiles: colours of the lines of 0.1 m and of 0.5 m
     tiles: Rgb
     lines: Rgb  # colour of the lines where there are no tiles
@@ -44,7 +43,6 @@ DAY = Look(
     key_light=3.2,
     fill_light=1.5,
     floor=(240, 241, 243),
-    floor_opacity=1.0,
     joints=(219, 222, 227),
     tiles=(160, 169, 180),
     lines=(164, 172, 183),
@@ -59,7 +57,6 @@ NIGHT = Look(
     key_light=3.0,
     fill_light=1.8,
     floor=(38, 45, 55),
-    floor_opacity=1.0,
     joints=(52, 60, 72),
     tiles=(92, 103, 118),
     lines=(84, 95, 110),
@@ -121,7 +118,7 @@ class Lighting(Drawing):
             fade_distance=_FADE,
             fade_strength=1.4,
             plane_color=DAY.floor,
-            plane_opacity=DAY.floor_opacity,
+            plane_opacity=1.0,
             shadow_opacity=0.0,
             visible=False,
         )
@@ -141,7 +138,7 @@ class Lighting(Drawing):
         self._lines.visible = not picture.fine
         self._lines.colors = self._faded(look)
         self._lines.position = (0.0, 0.0, picture.ground)
-        self._floor.plane_color, self._floor.plane_opacity = look.floor, look.floor_opacity
+        self._floor.plane_color = look.floor
         self._floor.cell_color, self._floor.section_color = look.joints, look.tiles
         self._floor.shadow_opacity = look.shadow if picture.fine else 0.0
         self._floor.position = (0.0, 0.0, picture.ground)

@@ -12,7 +12,7 @@ from app.picture.drawing import Drawing, Overlay
 from app.picture.lighting import Lighting
 from app.picture.overlays import OVERLAYS
 from app.picture.picture import Picture, changed_parts
-from app.picture.solid_robot import ContactShadow, SolidRobot
+from app.picture.robot_nodes import ContactShadow, SolidRobot
 from llsrbm.mechanics import Array
 
 

@@ -1,6 +1,6 @@
-// The map of the atlas (app/panel/atlas_controls.py): its cells come from the server
-// (app/panel/atlas_map.py), and so does the place of the present design. The pointer or the arrow
-// keys choose a cell, whose jump is described below the map; a click or Enter opens it.
+// The map of the atlas: its cells and the place of the present design come from the server
+// (app/panel/atlas_controls.py). The pointer or the arrow keys choose a cell, whose jump is described
+// below the map; a click or Enter opens it.
 (() => {
   const { page, element, shape, addToPage } = window.llsrbm;
   const PLACE = ".llsrbm-atlas";

@@ -60,14 +60,14 @@ def on(
     return register
 
 
-def reads(act: Act) -> Callable[[Reader], Reader]:
+def reads(act: Act, reader: Reader) -> None:
     """Have a function read the controls of an act: an event, and what had to be corrected."""
+    _readers[act] = reader
 
-    def register(reader: Reader) -> Reader:
-        _readers[act] = reader
-        return reader
 
-    return register
+def keeps(kind: type, field: str) -> None:
+    """Have values of a type kept in a field of the state, by nothing else."""
+    on(kind)(lambda state, value: replace(state, **{field: value}))
 
 
 def event_of(act: Act, state: TabState, panel: Panel) -> Any:

@@ -14,11 +14,9 @@ from typing import Any
 
 from app.link import AtlasClicked, AtlasSeen, PageLink
 from app.panel.acts import Act
-from app.panel.atlas_controls import AtlasChoice, AtlasControls
-from app.panel.atlas_map import as_sent
+from app.panel.atlas_controls import AtlasChoice, AtlasControls, as_sent
 from app.panel.jump_types import title_of_type
-from app.panel.panel import Panel
-from app.tab.acts import Step, also, on, reads
+from app.tab.acts import Step, also, keeps, on, reads
 from app.tab.effects import Notify
 from app.tab.planning import plan_design, remember, untitled
 from app.tab.state import TabState
@@ -86,15 +84,10 @@ def open_jump(state: TabState, event: JumpOpened) -> Step:
     return also(step, Notify("Opened with other drives", body))
 
 
-@reads(Act.ATLAS)
-def _read_choice(state: TabState, panel: Panel) -> tuple[AtlasChoice, list[str]]:
-    return panel.atlas.read(state.atlas), []
+reads(Act.ATLAS, lambda state, panel: (panel.atlas.read(state.atlas), []))
 
 
-@on(AtlasChoice)
-def choose_map(state: TabState, choice: AtlasChoice) -> TabState:
-    """Show another map."""
-    return replace(state, atlas=choice)
+keeps(AtlasChoice, "atlas")
 
 
 @on(AtlasSeen)

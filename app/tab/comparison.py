@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from app.panel.acts import Act
-from app.panel.panel import Panel
 from app.tab.acts import Step, on, reads
 from app.tab.design import choose_design
 from app.tab.effects import Notify
@@ -50,9 +49,7 @@ def pin(state: TabState) -> TabState:
     return replace(state, pins=(*state.pins, pinned), pin_chosen=len(state.pins))
 
 
-@reads(Act.PINNED)
-def _read_pin(_: TabState, panel: Panel) -> tuple[PinChosen, list[str]]:
-    return PinChosen(panel.comparison.chosen), []
+reads(Act.PINNED, lambda _, panel: (PinChosen(panel.comparison.chosen), []))
 
 
 @on(PinChosen)

@@ -10,12 +10,11 @@ from app.guard.validation import number
 from app.link import TuningChosen
 from app.panel.acts import Act
 from app.panel.jump_types import with_type
-from app.panel.panel import Panel
 from app.panel.tuning import entries_of
 from app.panel.view_controls import View
 from app.picture.landing_handle import LandingDragged
 from app.plots.choice import PlotChoice
-from app.tab.acts import Corrected, Step, on, reads, update
+from app.tab.acts import Corrected, Step, keeps, on, reads, update
 from app.tab.effects import Notify, Share
 from app.tab.planning import plan_design, plan_or_keep, remember, untitled
 from app.tab.state import History, TabState
@@ -27,9 +26,7 @@ from llsrbm.request.tuning import Tuning
 _SAME = 1e-6  # relative; defaults are shown with six digits
 
 
-@reads(Act.JUMP)
-def _read_jump(state: TabState, panel: Panel) -> tuple[Jump, list[str]]:
-    return panel.jump.read(state.design.jump)
+reads(Act.JUMP, lambda state, panel: panel.jump.read(state.design.jump))
 
 
 @on(Jump)
@@ -143,18 +140,8 @@ def _go(state: TabState, design: Design, history: History) -> Step:
 # ---- what is drawn of it
 
 
-@reads(Act.VIEW)
-def _read_view(state: TabState, panel: Panel) -> tuple[View, list[str]]:
-    return panel.view.fields.read(state.view, None)
+reads(Act.VIEW, lambda state, panel: panel.view.fields.read(state.view, None))
 
 
-@on(View)
-def choose_view(state: TabState, view: View) -> TabState:
-    """Draw other overlays, or in another light."""
-    return replace(state, view=view)
-
-
-@on(PlotChoice)
-def choose_plots(state: TabState, choice: PlotChoice) -> TabState:
-    """Plot other charts."""
-    return replace(state, plots=choice)
+keeps(View, "view")
+keeps(PlotChoice, "plots")

@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 from app.motion.baked import bake_foreign
 from app.panel.acts import Act
 from app.panel.file_controls import PLAN, FileChoice
-from app.panel.panel import Panel
 from app.tab.acts import Step, on, reads, submit_beside
 from app.tab.effects import Download, Notify, Queue, Reported, Stop
 from app.tab.planning import plan_design, remember, show_given
@@ -130,9 +129,7 @@ def _pin(
 # ---- saving
 
 
-@reads(Act.FILES)
-def _read_choice(state: TabState, panel: Panel) -> tuple[FileChoice, list[str]]:
-    return panel.files.fields.read(state.file_choice, state.file_choice)
+reads(Act.FILES, lambda state, panel: panel.files.fields.read(state.file_choice, state.file_choice))
 
 
 @on(FileChoice)

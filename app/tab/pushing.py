@@ -9,7 +9,6 @@ import numpy as np
 
 from app.motion.baked import metres_per_newton_second, trunk_com
 from app.panel.acts import Act
-from app.panel.panel import Panel
 from app.picture.push_handle import PushDragged, PushShown
 from app.tab.acts import Step, kept, on, reads
 from app.tab.effects import Pause, Seek
@@ -25,9 +24,9 @@ _LEAST = 0.05  # N s; a smaller push is a click that nobody dragged
 _DECIMALS = 1  # of a dragged impulse, N s
 
 
-@reads(Act.SCENARIO)
-def _read_scenario(state: TabState, panel: Panel) -> tuple[Scenario, list[str]]:
-    return panel.scenario.fields.read(state.design.scenario, state.file)
+reads(
+    Act.SCENARIO, lambda state, panel: panel.scenario.fields.read(state.design.scenario, state.file)
+)
 
 
 @on(Scenario)

@@ -15,7 +15,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from app.workers.opened_file import OpenedFile, States, check_offered, uploaded_design
 from llsrbm.errors import Error, FileFormatError, printable
@@ -116,12 +115,7 @@ def _check_native(motion: Plan | Rollout, shown: str) -> None:
             f"{len(robot.legs)} feet"
         )
     _check_extent(motion.time, shown)
-    arrays = {
-        field.name: getattr(motion, field.name)
-        for field in fields(motion)
-        if isinstance(getattr(motion, field.name), np.ndarray)
-    }
-    _check_numbers(arrays, shown)
+    _check_numbers(motion, shown)
     if isinstance(motion, Plan):
         contacts = len(robot.legs) * len(robot.corners)
         if motion.contact_point.shape[1] != contacts:
@@ -134,12 +128,7 @@ def _check_native(motion: Plan | Rollout, shown: str) -> None:
 
 def _check_motion(motion: WholeBodyMotion, shown: str) -> None:
     _check_extent(motion.time, shown)
-    arrays = {
-        field.name: getattr(motion, field.name)
-        for field in fields(motion)
-        if isinstance(getattr(motion, field.name), np.ndarray)
-    }
-    _check_numbers(arrays, shown)
+    _check_numbers(motion, shown)
 
 
 def _check_extent(time: Array, shown: str) -> None:
@@ -152,9 +141,9 @@ def _check_extent(time: Array, shown: str) -> None:
         raise FileFormatError(f"{shown}: time: expected steps of {_SHORTEST_STEP:g} s or more")
 
 
-def _check_numbers(arrays: Mapping[str, NDArray[Any]], shown: str) -> None:
-    for name, values in arrays.items():
-        if values.dtype.kind != "f":
+def _check_numbers(motion: Plan | Rollout | WholeBodyMotion, shown: str) -> None:
+    for name, values in ((field.name, getattr(motion, field.name)) for field in fields(motion)):
+        if not isinstance(values, np.ndarray) or values.dtype.kind != "f":
             continue
         largest = float(np.abs(values).max(initial=0.0))
         limit = _FARTHEST if name in ("com", "base_position", "foot_position") else _LARGEST_VALUE
@@ -162,7 +151,7 @@ def _check_numbers(arrays: Mapping[str, NDArray[Any]], shown: str) -> None:
             raise FileFormatError(
                 f"{shown}: {name}: expected numbers up to {limit:g}, got {largest:.4g}"
             )
-    moments = np.linalg.eigvalsh(arrays["inertia"])
+    moments = np.linalg.eigvalsh(motion.inertia)
     if not (moments > 0).all():
         raise FileFormatError(
             f"{shown}: inertia: expected positive moments, got {moments.min():.4g} kg m2"

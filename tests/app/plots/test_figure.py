@@ -25,8 +25,7 @@ from app.plots.choice import (
     PlotChoice,
 )
 from app.plots.drawing import legend
-from app.plots.figure import figure
-from app.plots.time_grid import ABOVE
+from app.plots.figure import ABOVE, figure
 from llsrbm.request.jump import Jump
 from llsrbm.robots import load_robot
 from tests.app.synthetic_plan import FLY, STAND, synthetic_plan

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.plots.time_grid import ABOVE, BELOW, POINTS, TimeGrid
+from app.plots.figure import ABOVE, BELOW, POINTS, TimeGrid
 
 GRID = TimeGrid.over(0.0, 2.0, (0.5, 1.2345))
 
