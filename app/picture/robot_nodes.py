@@ -1,4 +1,4 @@
-"""Robots' links as nodes of a scene, solid or as ghosts; the robot itself, and a soft shadow below it.
+"""Robots' links as nodes of a scene, solid or as ghosts; the robot itself, and its soft shadow.
 
 Meshes are by far the largest that a tab is sent, so none is sent to it twice: a robot that is not
 shown any more is hidden, and found again when it is shown next.
