@@ -136,8 +136,8 @@ class Designer:
         self.pool.close()
 
 
-def serve(*address: Any, browser: bool = False, **options: Any) -> None:
-    """Serve a `Designer` until SIGINT or SIGTERM; prints one line with its address and token.
+def serve(host: str, port: int, *, browser: bool = False, **options: Any) -> None:
+    """Serve a `Designer` with these options until SIGINT or SIGTERM; its address is printed.
 
     With `browser` the page is opened in one, where there is a display.
 
@@ -146,7 +146,7 @@ def serve(*address: Any, browser: bool = False, **options: Any) -> None:
         GuardMissing: the server would let in what it must refuse.
     """
     with _stop_on_signal() as stop:
-        designer = Designer(*address, **options)
+        designer = Designer(host, port, **options)
         try:
             print(f"llsrbm designer: {designer.url}", flush=True)
             if browser and _has_display():

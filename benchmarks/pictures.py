@@ -227,7 +227,7 @@ def _seeds(page: Page) -> None:
 def _atlas(page: Page) -> None:
     plan(page, twist=120, forward=0.3)
     tab(page, "Atlas")
-    choose(page, "Colour", "What stops it")
+    choose(page, "Colour", "Limiting constraint")
     page.locator(".llsrbm-atlas .legend").wait_for(timeout=PATIENCE)
     hold(page, 0.55)
 

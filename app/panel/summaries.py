@@ -59,7 +59,7 @@ def simulated_line(rollout: Rollout) -> tuple[Verdict, str]:
         return Verdict.FELL, f"{fall_in_words(rollout)}."
     parts = []
     if outcome.yaw_error_at_touchdown is not None:
-        parts.append(f"yaw {_degrees(outcome.yaw_error_at_touchdown)} from the plan at touch-down")
+        parts.append(f"yaw {_degrees(outcome.yaw_error_at_touchdown)} from the plan at touchdown")
     parts.append(f"{_degrees(outcome.final_yaw_error)} at the end")
     if rollout.replans:  # in the place of what matters less, as there are three lines
         parts.append(f"{_followed(rollout)} new plans followed")
@@ -182,12 +182,12 @@ def rollout_figures(rollout: Rollout) -> str:
     """The simulation's numbers."""
     outcome = rollout.outcome
     feet = (
-        f"{_millimetres(outcome.foot_error_at_touchdown)} at touch-down, "
+        f"{_millimetres(outcome.foot_error_at_touchdown)} at touchdown, "
         f"{_millimetres(outcome.foot_error)} at the end"
     )
     rows = [
         ("World", _scenario(rollout)),
-        ("Yaw at touch-down", _against_plan(outcome.yaw_error_at_touchdown)),
+        ("Yaw at touchdown", _against_plan(outcome.yaw_error_at_touchdown)),
         ("Yaw at the end", _against_plan(outcome.final_yaw_error)),
         ("Detection", _detection(outcome)),
         ("Foot error", feet),

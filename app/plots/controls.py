@@ -46,7 +46,7 @@ class PlotControls:
         self._preset = gui.add_dropdown("Preset", (*PRESETS, OWN), hint="Charts shown together")
         self._joints = gui.add_dropdown("Joints", (ALL_JOINTS,), visible=False)
         self._landing = gui.add_checkbox(
-            "Landing zoom", False, hint="Show the time around the touch-down closely"
+            "Landing zoom", False, hint="Show the time around the touchdown closely"
         )
         self._quantity = gui.add_dropdown("Quantity", tuple(_KEYS), hint="To be added as a chart")
         self._component = gui.add_dropdown(

@@ -77,12 +77,12 @@ def _marks(shown: Sequence[Layer], flight: int, planned: float, choice: PlotChoi
     """The simulator's touchdown of a flight; in detail the planned one (s) and detection too."""
     marks: list[_Mark] = []
     if choice.landing:
-        marks.append(("touch-down planned", shown[0].colour, SOLID, planned))
+        marks.append(("touchdown planned", shown[0].colour, SOLID, planned))
     for layer in shown:
         simulated = () if layer.rollout is None else flights(layer.rollout)[flight : flight + 1]
         for each in simulated:
             if each.touchdown is not None:
-                marks.append(("touch-down", layer.colour, SOLID, each.touchdown))
+                marks.append(("touchdown", layer.colour, SOLID, each.touchdown))
             if choice.landing and each.detected is not None:
                 marks.append(("detected", colours.FORCE, DASHED, each.detected))
     return marks

@@ -169,9 +169,9 @@ def _planned_marks(plan: Plan) -> list[Mark]:
         flight = np.flatnonzero(plan.phase == phase)
         apex = flight[np.argmax(plan.com[flight, 2])]
         instants = {
-            "take-off": plan.phase_start[phase],
+            "lift-off": plan.phase_start[phase],
             "apex": plan.time[apex],
-            "touch-down planned": plan.phase_start[phase + 1],
+            "touchdown planned": plan.phase_start[phase + 1],
         }
         marks += [
             Mark(_numbered(name, number), float(time), palette.PLANNED)
@@ -219,7 +219,7 @@ def _planned_events(plan: Plan) -> str:
     starts = plan.phase_start
     return ", ".join(
         f"{_numbered('lift-off', number)} {starts[phase]:.2f} s, "
-        f"{_numbered('touch-down', number)} {starts[phase + 1]:.2f} s"
+        f"{_numbered('touchdown', number)} {starts[phase + 1]:.2f} s"
         for number, phase in enumerate(plan.schedule.flights, start=1)
     )
 
@@ -227,7 +227,7 @@ def _planned_events(plan: Plan) -> str:
 def _events(rollout: Rollout) -> str:
     parts = []
     for number, (planned, flight) in enumerate(_planned_and_flown(rollout), start=1):
-        parts.append(f"{_numbered('touch-down', number)} {planned:.3f} s planned")
+        parts.append(f"{_numbered('touchdown', number)} {planned:.3f} s planned")
         true, detected = flight.touchdown, flight.detected
         parts.append("none simulated" if true is None else f"{true:.3f} s simulated")
         if detected is None:

@@ -143,7 +143,7 @@ def test_export_downloads_what_is_shown(page, tmp_path):
 
 def test_simulate_shows_the_whole_robot_beside_the_plan(page):
     press(page, "Simulate")
-    assert status(page, "Landed").startswith("Landed yaw -2.9° from the plan at touch-down")
+    assert status(page, "Landed").startswith("Landed yaw -2.9° from the plan at touchdown")
     # In mid-flight the made-up simulation is 9 cm above the plan: the ghost stands out.
     paused_at(page, 0.65)
     assert page.locator('[title="simulation: force control"]').is_visible()

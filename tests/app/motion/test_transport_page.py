@@ -153,7 +153,7 @@ def test_phases_and_marks_are_where_they_happen(page):
     for (name, feet), start in zip(phases, plan.phase_start, strict=False):
         piece = bar.locator(f'[title="plan: {name} (standing: {feet})"]').bounding_box()
         assert share(piece) == pytest.approx(start / plan.duration, abs=0.01)
-    marks = {"take-off": plan.phase_start[1], "touch-down planned": plan.phase_start[2]}
+    marks = {"lift-off": plan.phase_start[1], "touchdown planned": plan.phase_start[2]}
     for name, time in marks.items():
         mark = bar.locator(f'.mark[title="{name}"]').bounding_box()
         assert share(mark) == pytest.approx(time / plan.duration, abs=0.01)
@@ -192,7 +192,7 @@ def test_labels_of_the_timeline_lie_over_nothing(page, width):
     page.wait_for_timeout(600)  # the bar follows the picture
     marks = page.locator("#llsrbm-transport .mark")
     titles = [mark.get_attribute("title") for mark in marks.all()]
-    assert len(titles) >= 4  # take-off, apex, touch-down planned, first contact ...
+    assert len(titles) >= 4  # take-off, apex, touchdown planned, first contact ...
     labels = page.evaluate(LABELS)
     assert len(labels) >= 3
     track = page.get_by_role("group", name="Timeline").bounding_box()

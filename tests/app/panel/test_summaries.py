@@ -47,7 +47,7 @@ def test_a_phase_in_which_some_feet_stand_names_them():
 def test_landed(rollout):
     assert simulated_line(rollout) == (
         "Landed",
-        "yaw -2.9° from the plan at touch-down, +0.1° at the end, 4.2× real time",
+        "yaw -2.9° from the plan at touchdown, +0.1° at the end, 4.2× real time",
     )
 
 
@@ -94,7 +94,7 @@ def test_fell_says_when_and_why(plan):
         ({"touchdown_detected_s": None}, "missed"),
         ({"touchdown_true_s": None, "touchdown_detected_s": None}, "no contact, none detected"),
         ({"false_touchdowns": 2}, "+5.0 ms from the first contact, 2 false"),
-        ({"foot_error_at_touchdown": None}, "none at touch-down, 13 mm at the end"),
+        ({"foot_error_at_touchdown": None}, "none at touchdown, 13 mm at the end"),
         ({"saturated_fraction": 0.0251}, "2.5%"),
         ({"peak_torque_ratio": 0.98, "peak_speed_ratio": 1.02}, "98% of torque, 102% of speed"),
     ],

@@ -105,8 +105,8 @@ def test_touchdowns_are_marked(planned, rollout):
     }
     outcome = rollout.outcome
     assert marked == {
-        "touch-down planned": planned.plan.phase_start[2],
-        "touch-down": outcome.touchdown_true_s,
+        "touchdown planned": planned.plan.phase_start[2],
+        "touchdown": outcome.touchdown_true_s,
         "detected": outcome.touchdown_detected_s,
     }
     # A tick of 2.5 ms can be told apart.
@@ -118,7 +118,7 @@ def test_touchdowns_are_marked(planned, rollout):
 def test_a_robot_that_never_landed_has_no_such_mark(planned, rollout):
     outcome = replace(rollout.outcome, touchdown_true_s=None, touchdown_detected_s=None)
     flying = replace(rollout, outcome=outcome)
-    for group, expected in ((LANDING, ["touch-down planned"]), ("Overview", [])):
+    for group, expected in ((LANDING, ["touchdown planned"]), ("Overview", [])):
         drawn = figure(PRESETS[group], shown_layers(planned, flying), rollout.time[-1])
         assert [mark.title for mark in drawn.marks] == expected
 
@@ -137,10 +137,10 @@ def test_every_flight_is_shaded_and_its_touchdown_marked():
     starts = [STAND + k * (STAND + FLY) for k in range(3)]
     assert edges == pytest.approx(np.add.outer(starts, [0, FLY]).ravel())
     drawn = figure(PRESETS[LANDING], layers, hops.plan.duration)
-    assert [mark.title for mark in drawn.marks] == ["touch-down planned"] * 3
+    assert [mark.title for mark in drawn.marks] == ["touchdown planned"] * 3
     # Only the last one is looked at closely.
     assert drawn.grid.time[0] > starts[2]
-    assert legend(drawn).count("touch-down planned") == 1
+    assert legend(drawn).count("touchdown planned") == 1
 
 
 # ---- as a table

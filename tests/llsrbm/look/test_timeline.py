@@ -27,8 +27,8 @@ def test_take_off_flight_landing():
         ("flight", palette.FLIGHT, "no foot"),
         ("landing", palette.LANDING, "all feet"),
     ]
-    assert sorted(mark.name for mark in events.marks) == ["apex", "take-off", "touch-down planned"]
-    assert events.summary == "lift-off 0.50 s, touch-down 0.90 s"
+    assert sorted(mark.name for mark in events.marks) == ["apex", "lift-off", "touchdown planned"]
+    assert events.summary == "lift-off 0.50 s, touchdown 0.90 s"
     assert events.end == plan.duration
 
 
@@ -40,7 +40,7 @@ def test_a_rollout_of_it():
         "take-off", "flight", "landing", "standing", "force control",
     ]  # fmt: skip
     assert events.summary.startswith(
-        "touch-down 0.900 s planned, 0.890 s simulated, detected +5.0 ms, force control 0.90-1.09 s"
+        "touchdown 0.900 s planned, 0.890 s simulated, detected +5.0 ms, force control 0.90-1.09 s"
     )
     marks = {mark.name: mark.time for mark in events.marks}
     assert marks["first contact"] == rollout.outcome.touchdown_true_s
@@ -58,12 +58,12 @@ def test_every_phase_of_several_jumps(hops):
     assert pieces[1].colour != palette.TAKE_OFF
     assert all(a > b for a, b in zip(pieces[1].colour, palette.TAKE_OFF, strict=True))
     marks = {mark.name: mark.time for mark in events.marks}
-    assert marks["take-off"] == pytest.approx(0.6)
-    assert marks["touch-down planned"] == pytest.approx(0.9)
-    assert marks["take-off 2"] == pytest.approx(1.3)
-    assert marks["touch-down planned 2"] == pytest.approx(1.65)
-    assert marks["take-off"] <= marks["apex"] <= marks["touch-down planned"]
-    assert marks["take-off 2"] <= marks["apex 2"] <= marks["touch-down planned 2"]
+    assert marks["lift-off"] == pytest.approx(0.6)
+    assert marks["touchdown planned"] == pytest.approx(0.9)
+    assert marks["lift-off 2"] == pytest.approx(1.3)
+    assert marks["touchdown planned 2"] == pytest.approx(1.65)
+    assert marks["lift-off"] <= marks["apex"] <= marks["touchdown planned"]
+    assert marks["lift-off 2"] <= marks["apex 2"] <= marks["touchdown planned 2"]
 
 
 def test_pushes_are_marks_by_their_size():

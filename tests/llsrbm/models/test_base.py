@@ -114,6 +114,19 @@ def test_rate_is_the_slope_of_the_offset(robot, model, data):
 
 
 @every_model
+@quickly
+@given(data=st.data())
+def test_a_body_whose_feet_rest_in_it_has_the_momentum_of_its_inertia(robot, model, data):
+    """R^T L = I omega (eq. 4), however a model computes it."""
+    x = dm(data.draw(feet_in_reach(robot)))
+    omega = ca.DM(data.draw(st.tuples(*[st.floats(-10, 10)] * 3)))
+    offset = model.base_offset(x)
+    momentum = model.angular_momentum(x, 0 * x, omega, offset)
+    expected = ca.mtimes(model.inertia(x, offset), omega)
+    np.testing.assert_allclose(column(momentum), column(expected), atol=1e-9)
+
+
+@every_model
 def test_numbers_are_plain_data_that_tell_robots_apart(robot, model):
     text = json.dumps(model.numbers(), sort_keys=True)
     again = models.make_model(model.name, robot)

@@ -155,8 +155,8 @@ def test_the_ellipsoid_has_the_inertia(motion, page):
 def test_phases_and_events(motion, page):
     outcome = motion.rollout.outcome
     marks = {mark["name"]: mark["time"] for mark in page.facts["timeline"]["marks"]}
-    assert marks["take-off"] == pytest.approx(motion.plan.phase_start[1])
-    assert marks["touch-down planned"] == pytest.approx(motion.plan.phase_start[2])
+    assert marks["lift-off"] == pytest.approx(motion.plan.phase_start[1])
+    assert marks["touchdown planned"] == pytest.approx(motion.plan.phase_start[2])
     assert marks["first contact"] == outcome.touchdown_true_s
     assert marks["detected"] == outcome.touchdown_detected_s
     assert page.facts["description"]["request"] == motion.plan.jump.as_dict()
@@ -270,7 +270,7 @@ class TestInABrowser:
             tab.mouse.click(strip["x"] + share * strip["width"], strip["y"] + 4)
             at = tab.evaluate("replay.player.time / replay.player.end")
             assert at == pytest.approx(share, abs=0.01)
-        assert "take-off" in tab.locator("#track").inner_text()
+        assert "lift-off" in tab.locator("#track").inner_text()
 
     def test_layers(self, tab):
         for layer, node in (
