@@ -89,6 +89,11 @@ def test_unknown_names_are_refused(guard, enter, host, expected):
 
 
 @ALL
+def test_of_two_hosts_none_is_believed(guard, enter):
+    assert status(guard, *OWN, ("Host", "evil.example"), *enter) == 403
+
+
+@ALL
 @pytest.mark.parametrize(
     "headers",
     [

@@ -99,6 +99,11 @@ def test_headers_are_not_evaluated(plan, tmp_path, header):
     assert 'key "com"' in said_of(zipped(members), tmp_path)
 
 
+def test_bytes_beyond_those_of_the_header(plan, tmp_path):
+    members = [(n, c + bytes(8 * (n == "com.npy"))) for n, c in members_of(packed(plan))]
+    assert 'key "com": damaged' in said_of(zipped(members), tmp_path)
+
+
 @pytest.mark.parametrize("key", ["schema", "meta", "joint_names"])
 @pytest.mark.parametrize("letter", [0xD800, 0x110000, 0xFFFFFFFF])
 def test_text_of_numbers_that_are_no_letters(plan, tmp_path, key, letter):
