@@ -13,7 +13,11 @@ import sys
 import time
 
 import llsrbm
-from llsrbm.planning.solve.planner import planner_for
+
+try:
+    from llsrbm.planning.solve.planner import planner_for
+except ModuleNotFoundError:  # versions before `planning.solve`
+    from llsrbm.planning.planner import planner_for
 
 MODEL = "llsrbm-plus"
 
