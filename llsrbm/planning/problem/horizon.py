@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Iterator
 from dataclasses import replace
+from functools import lru_cache
+from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -102,8 +104,22 @@ def make_problem(layout: Layout, task: Task) -> Problem:
 
 def row_bounds(layout: Layout, task: Task) -> tuple[Array, Array]:
     """Lower and upper bounds of g for a task, (rows,): gaps, then each stage's constraints."""
-    _, _, lower, upper = zip(*_rows(layout, task), strict=True)
-    return np.concatenate(lower), np.concatenate(upper)
+    *_, lower, upper = _listed(layout, task)
+    return lower.copy(), upper.copy()
+
+
+@lru_cache(maxsize=2)
+def _listed(
+    layout: Layout, task: Task
+) -> tuple[dict[Hashable, NDArray[Any]], NDArray[Any], Array, Array]:
+    """Places of the rows by what they are; of all rows their knots, lower and upper bounds."""
+    keys, knots, lower, upper = zip(*_rows(layout, task), strict=True)
+    sizes = [len(low) for low in lower]
+    numbers = {key: number for number, key in enumerate(dict.fromkeys(keys))}
+    owner = np.repeat([numbers[key] for key in keys], sizes)
+    places = {key: np.flatnonzero(owner == number) for key, number in numbers.items()}
+    knot = np.repeat(np.array(knots), sizes)
+    return places, knot, np.concatenate(lower), np.concatenate(upper)
 
 
 def _rows(layout: Layout, task: Task) -> Iterator[tuple[Hashable, int, Array, Array]]:
@@ -136,17 +152,10 @@ def evaluated_rows(
         task: whose parameters and bounds count.
         w: all variables.
     """
-    keys, knots, lower, upper = zip(*_rows(layout, task), strict=True)
+    places, knot, low, high = _listed(layout, task)
     values = g(w, np.concatenate([*parameters(layout, task).values()]))
-    sizes = [len(low) for low in lower]
-    numbers = {key: number for number, key in enumerate(dict.fromkeys(keys))}
-    owner = np.repeat([numbers[key] for key in keys], sizes)
-    knot = np.repeat(np.array(knots), sizes)
-    low, high = np.concatenate(lower), np.concatenate(upper)
     return {
-        key: Rows(values[mine], low[mine], high[mine], knot[mine])
-        for key, number in numbers.items()
-        for mine in [np.flatnonzero(owner == number)]
+        key: Rows(values[mine], low[mine], high[mine], knot[mine]) for key, mine in places.items()
     }
 
 
