@@ -25,7 +25,7 @@ def test_links_to_code_become_paths(markdown, made):
         "[maths](maths.md#drives)",
         "[below](#figures)",
         "[Dask](https://distributed.dask.org)",
-        "![picture](designer.png)",
+        "![picture](designer.webp)",
     ],
 )
 def test_other_links_stay(markdown):

@@ -56,6 +56,10 @@ def test_every_page_can_be_reached():
 
 def test_every_picture_is_shown():
     shown = {(page.parent / target).resolve() for page in PAGES for target, _ in links(page)}
-    pictures = [*(ROOT / "docs").glob("*.png"), *(ROOT / "docs").glob("*.gif")]
+    pictures = [
+        *(ROOT / "docs").glob("*.webp"),
+        *(ROOT / "docs").glob("*.png"),
+        *(ROOT / "docs").glob("*.gif"),
+    ]
     assert len(pictures) > 5
     assert [name_of(picture) for picture in pictures if picture not in shown] == []
