@@ -118,10 +118,14 @@ class JumpType(Table):
                 key = f"defaults.{printable(name)}"
                 raise fault(f'{key}: the type asks for {known}; expected one of "asks"')
         try:
-            replace(Jump(), **self.defaults)  # type: ignore[arg-type]
+            self._default_jump()
         except InputError as error:
             raise fault(str(error)) from error
         return self
+
+    def _default_jump(self) -> Jump:
+        values: dict[str, Any] = {**self.defaults}
+        return replace(Jump(), **values)
 
     @property
     def clears(self) -> bool:
@@ -133,7 +137,7 @@ class JumpType(Table):
 
         Raises `InputError`: it has no such feet, or the phases are no schedule.
         """
-        jump = jump or replace(Jump(), **self.defaults)  # type: ignore[arg-type]
+        jump = jump or self._default_jump()
         hops = jump.hops
         if hops > 1 and not any(row.each_hop for row in self.phase):
             raise InputError(

@@ -138,16 +138,10 @@ class _Rectangle:
 class _Place:
     """Where the robot stands: at the start, and after each flight."""
 
-    feet: tuple[int, ...]  # indices of those that stand there
-    by_foot: Array  # (feet, c, 3) m, their contact points
+    points: Array  # (C, 3) m, contact points of the feet that stand there
     height: float  # m
     heading: float  # rad, of the edges of what stands there
     flight: int  # the phase that leads there, 0 for the start
-
-    @property
-    def points(self) -> Array:
-        """(C, 3) m, of all feet."""
-        return self.by_foot.reshape(-1, 3)
 
     def seen(self, points: Array) -> Array:
         """(C, 2) m: points (C, 3) of the world seen from above, along the heading's axes."""
@@ -159,16 +153,12 @@ def _places(plan: Plan) -> list[_Place]:
     """The schedule's places; the start's edges are along the first landing's heading."""
     schedule, knots = plan.schedule, foothold_knots(plan)
     corners = plan.contact_point.shape[1] // plan.foot_position.shape[1]
-    feet = [tuple(np.flatnonzero(row >= 0).tolist()) for row in knots]
     contacts = plan.contact_point.reshape(len(plan.time), -1, corners, 3)
-    points = [
-        contacts[row[list(standing)], list(standing)]
-        for row, standing in zip(knots, feet, strict=True)
-    ]
+    points = [contacts[row[row >= 0], np.flatnonzero(row >= 0)].reshape(-1, 3) for row in knots]
     if schedule.places == 1:  # to the digit
         height, heading = [0.0, plan.jump.height], [plan.jump.twist] * 2
     else:
-        height = [round(float(place[..., 2].mean()), _DIGITS) for place in points]
+        height = [round(float(place[:, 2].mean()), _DIGITS) for place in points]
         base = [int(row.max()) for row in knots]
         heading = [float(angle) for angle in yaw(plan.base_quat)[base]]
         heading[0] = heading[1]
@@ -177,7 +167,7 @@ def _places(plan: Plan) -> list[_Place]:
         for k in range(schedule.places + 1)
     ]
     flights[0] = 0
-    return [_Place(*row) for row in zip(feet, points, height, heading, flights, strict=True)]
+    return [_Place(*row) for row in zip(points, height, heading, flights, strict=True)]
 
 
 def _standing(

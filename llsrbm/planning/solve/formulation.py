@@ -45,8 +45,8 @@ EASIER = (0.34, 0.67)
 STRONGER = (3.0, 2.0, 1.5, 1.2, 1.0, 0.95)
 
 
-# Solves from a near solution before it is given up: the second one mends what the first let slip, a
-# far bound that was passed or rows that Fatrop saw scaled.
+# Solves from a near solution before planning starts from a guess instead. The second corrects small
+# violations that the first leaves: a bound passed by a long step, or rows that Fatrop had scaled.
 FOLLOWS = 2
 # Where following creeps.
 CLOSE = replace(PATIENT, mu=1e-3, push=0.01, iterations=60)

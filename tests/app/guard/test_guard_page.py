@@ -160,6 +160,7 @@ def test_a_link_on_another_site_leads_strangers_to_the_hint(browser, designer, o
     page.goto(other_site(f'<a href="{own(designer)}">jumps</a>'))
     page.get_by_text("jumps").click()
     page.get_by_text("?token=").wait_for(timeout=20_000)
+    assert page.locator("canvas").count() == 0
     context.close()
 
 
